@@ -1,0 +1,138 @@
+//! The face to people: parses arguments, calls, prints. Exit code 0 success, 1 the work failed, 2 wrong use or
+//! configuration.
+#![allow(clippy::print_stdout, clippy::print_stderr)] // the only room that speaks to a terminal
+
+mod check;
+mod command;
+mod demo;
+mod history;
+mod nest;
+mod outcome;
+mod run;
+mod show;
+mod status;
+mod verify;
+
+use std::{path::PathBuf, process::ExitCode};
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// How a command ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exit {
+    /// The work is done.
+    Success,
+    /// The work failed, and the reason has been printed.
+    Failure,
+}
+
+/// Wrong use or configuration: exit code 2. Wrap it in `anyhow` and return it.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Usage(pub String);
+
+/// Options of every command.
+#[derive(Debug, clap::Args)]
+pub struct Common {
+    /// Configuration file [default: config/nestd.toml, else /etc/nestd/nestd.toml]
+    #[arg(short = 'c', long = "config", global = true, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Root of the farm's folders: DIR/inbox, DIR/queue, DIR/error, DIR/archive, DIR/state
+    #[arg(long, global = true, value_name = "DIR", env = "NESTD_ROOT")]
+    pub root: Option<PathBuf>,
+}
+
+/// Runs a powder-bed print farm: parts dropped into a folder become nested builds in the printer's queue.
+#[derive(Debug, Parser)]
+#[command(version, about, after_help = "Exit code 0 success, 1 the work failed, 2 wrong use or configuration.")]
+struct Cli {
+    #[command(flatten)]
+    common: Common,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a small farm with sample parts, run the daemon on it and show what comes out
+    Demo(demo::Args),
+    /// Run the daemon in the foreground
+    Run(run::Args),
+    /// Check configuration, folders, permissions, ledger and limits
+    Check(check::Args),
+    /// Show what waits, what is being nested and whether the daemon runs
+    Status(status::Args),
+    /// List builds with their heights
+    History(history::Args),
+    /// Show a build, a part or an order
+    Show(show::Args),
+    /// Publish what waits in a profile now
+    Flush {
+        /// Machine profile
+        profile: String,
+    },
+    /// Fire no batch in a profile until it is resumed
+    Pause {
+        /// Machine profile
+        profile: String,
+    },
+    /// Let a paused profile fire again
+    Resume {
+        /// Machine profile
+        profile: String,
+    },
+    /// Take a rejected part back
+    Retry {
+        /// Part number, as status and show print it
+        part: i64,
+    },
+    /// Take a waiting part out of the farm
+    Cancel {
+        /// Part number, as status and show print it
+        part: i64,
+    },
+    /// Tell what became of a published build
+    Outcome(outcome::Args),
+    /// Look into the hot folders now
+    Scan,
+    /// Nest parts into a build file without a daemon
+    Nest(nest::Args),
+    /// Prove a build file on its triangles
+    Verify(verify::Args),
+}
+
+/// Parses the command line, runs the command and prints an error chain once.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match dispatch(&cli) {
+        Ok(Exit::Success) => ExitCode::SUCCESS,
+        Ok(Exit::Failure) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("nestd: {error:#}");
+            ExitCode::from(if error.is::<Usage>() { 2 } else { 1 })
+        }
+    }
+}
+
+fn dispatch(cli: &Cli) -> Result<Exit> {
+    use command::Order;
+    let common = &cli.common;
+    match &cli.command {
+        Command::Demo(args) => demo::run(common, args),
+        Command::Run(args) => run::run(common, args),
+        Command::Check(args) => check::run(common, args),
+        Command::Status(args) => status::run(common, args),
+        Command::History(args) => history::run(common, args),
+        Command::Show(args) => show::run(common, args),
+        Command::Flush { profile } => command::run(common, &Order::Flush(profile.clone())),
+        Command::Pause { profile } => command::run(common, &Order::Pause(profile.clone())),
+        Command::Resume { profile } => command::run(common, &Order::Resume(profile.clone())),
+        Command::Retry { part } => command::run(common, &Order::Retry(*part)),
+        Command::Cancel { part } => command::run(common, &Order::Cancel(*part)),
+        Command::Outcome(args) => outcome::run(common, args),
+        Command::Scan => command::run(common, &Order::Scan),
+        Command::Nest(args) => nest::run(common, args),
+        Command::Verify(args) => verify::run(common, args),
+    }
+}

@@ -1,0 +1,48 @@
+//! Limits of the readers: what is larger is refused, not tried.
+
+use serde::{Deserialize, Serialize};
+
+/// What a reader accepts at most.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Bytes of a dropped file.
+    pub max_bytes: u64,
+    /// Triangles of one part, instances of components counted each.
+    pub max_triangles: u64,
+    /// Bytes that a 3MF package may unpack to.
+    pub max_unpacked_bytes: u64,
+    /// Entries of a 3MF package.
+    pub max_entries: u64,
+    /// Build items and component instances of one 3MF drop.
+    pub max_instances: u64,
+    /// How deep components may nest.
+    pub max_depth: u32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            max_bytes: 2 << 30,
+            max_triangles: 20_000_000,
+            max_unpacked_bytes: 4 << 30,
+            max_entries: 10_000,
+            max_instances: 100_000,
+            max_depth: 16,
+        }
+    }
+}
+
+impl Limits {
+    /// Small limits, so that tests reach them.
+    pub fn for_testing() -> Self {
+        Self {
+            max_bytes: 4 << 20,
+            max_triangles: 50_000,
+            max_unpacked_bytes: 8 << 20,
+            max_entries: 50,
+            max_instances: 200,
+            max_depth: 4,
+        }
+    }
+}

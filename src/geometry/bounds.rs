@@ -1,0 +1,44 @@
+//! Axis-aligned bounds.
+
+use glam::DVec3;
+
+/// An axis-aligned box, in mm. Empty bounds have `min > max`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Least corner, mm.
+    pub min: DVec3,
+    /// Greatest corner, mm.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// Bounds that hold nothing; joining a point makes them that point.
+    pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+
+    /// The least bounds around `points`.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
+        points
+            .into_iter()
+            .fold(Self::EMPTY, |bounds, point| Self { min: bounds.min.min(point), max: bounds.max.max(point) })
+    }
+
+    /// Edge lengths, mm.
+    pub fn size(&self) -> DVec3 {
+        self.max - self.min
+    }
+
+    /// The middle, mm.
+    pub fn center(&self) -> DVec3 {
+        (self.min + self.max) * 0.5
+    }
+
+    /// Least distance between two boxes, mm; 0 when they touch or overlap.
+    pub fn distance(&self, other: &Self) -> f64 {
+        (other.min - self.max).max(self.min - other.max).max(DVec3::ZERO).length()
+    }
+
+    /// Whether `other` lies wholly inside, with `slack` mm to spare on every side (negative: may stand out so far).
+    pub fn holds(&self, other: &Self, slack: f64) -> bool {
+        other.min.cmpge(self.min + slack).all() && other.max.cmple(self.max - slack).all()
+    }
+}

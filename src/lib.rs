@@ -1,0 +1,26 @@
+//! nestd: the daemon that runs a powder-bed print farm.
+//!
+//! A part's life is the plot of the code: dropped, claimed, read, waiting, batched, nested, verified, published, history.
+//! Modules stand on floors; a module knows only floors below its own (`tests/floors.rs` enforces it).
+//!
+//! ```text
+//! 6  cli                      faces: parse, print; no decisions
+//! 5  farm                     the service: one file per step of a part's life, one event loop
+//! 4  settings                 TOML fragments -> validated Settings
+//! 3  ledger  intake  queue    SQL | hot folder | printer queue folder
+//! 2  format                   STL/3MF bytes <-> Mesh; meshes + poses -> .build.3mf, previews
+//! 1  nest  samples            geometry x pollination: the packing search | the project's own parts
+//! 0  geometry  pollination    pure solids | pure optimiser over &[f64]
+//! ```
+
+pub mod cli;
+pub mod farm;
+pub mod format;
+pub mod geometry;
+pub mod intake;
+pub mod ledger;
+pub mod nest;
+pub mod pollination;
+pub mod queue;
+pub mod samples;
+pub mod settings;

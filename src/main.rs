@@ -1,0 +1,7 @@
+//! Arguments -> `cli` -> exit code.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    nestd::cli::main()
+}

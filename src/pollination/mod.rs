@@ -1,0 +1,1 @@
+//! The pure optimiser: flower pollination over vectors of numbers. Has never heard of boxes.

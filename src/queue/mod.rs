@@ -1,0 +1,1 @@
+//! The printer queue folder: how a build file appears in it exactly once.

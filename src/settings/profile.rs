@@ -1,0 +1,127 @@
+//! One machine: its folders, its volume, its rules and when its batches fire.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::{format::Unit, nest};
+
+/// Where a profile's files live.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Folders {
+    /// Parts are dropped here.
+    pub inbox: PathBuf,
+    /// Finished build files, for the printer to take.
+    pub queue: PathBuf,
+    /// Refused files beside their reasons.
+    pub error: PathBuf,
+    /// Originals of published builds.
+    pub archive: PathBuf,
+}
+
+/// What to do with an identical file that is dropped again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Duplicates {
+    /// More copies.
+    Accept,
+    /// More copies, with a warning on the part.
+    #[default]
+    Warn,
+    /// Refused.
+    Reject,
+}
+
+/// What to do with a mesh that is not closed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MeshErrors {
+    /// Refused.
+    #[default]
+    Reject,
+    /// Taken, with a warning on the part.
+    Warn,
+}
+
+/// When a batch fires; the first that holds fires. "Full" (a waiting copy cannot be nested) always fires.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Trigger {
+    /// Fires when the open build's height reaches this share of the volume's height; `None` = off.
+    pub fill_height: Option<f64>,
+    /// Fires when the open build's density (part volume / whole build volume) reaches this share; `None` = off.
+    pub fill_density: Option<f64>,
+    /// Fires when so many copies wait; `None` = off.
+    pub copies: Option<u32>,
+    /// Fires when the oldest part has waited so long, seconds. A farm must never wait for ever.
+    pub max_wait_secs: f64,
+    /// Fires when a due date is nearer than print time and this margin, seconds; `None` = off.
+    pub due_margin_secs: Option<f64>,
+    /// Times of day at which waiting parts fire, local time.
+    pub at: Vec<jiff::civil::Time>,
+}
+
+/// One machine profile, validated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Profile {
+    /// Its name; also the names of its folders.
+    pub name: String,
+    /// Where its files live.
+    pub folders: Folders,
+    /// Printable box of the machine, mm.
+    pub volume_mm: DVec3,
+    /// Kept free along the four walls, mm.
+    pub wall_margin_mm: f64,
+    /// Kept free above the floor, mm.
+    pub floor_margin_mm: f64,
+    /// Kept free below the lid, mm.
+    pub lid_margin_mm: f64,
+    /// Least distance between two parts, mm.
+    pub clearance_mm: f64,
+    /// Layer thickness, mm; gives the number of layers of a build.
+    pub layer_mm: f64,
+    /// Hours that a machine needs per mm of build height, for due dates.
+    pub print_hours_per_mm: f64,
+    /// Unit of files that do not say theirs.
+    pub unit: Unit,
+    /// Orientation rule of parts without a ticket.
+    pub orientation: nest::OrientationRule,
+    /// A file must stand still so long before it is taken, seconds.
+    pub settle_secs: f64,
+    /// What to do with identical files.
+    pub duplicates: Duplicates,
+    /// What to do with meshes that are not closed.
+    pub mesh_errors: MeshErrors,
+    /// When a batch fires.
+    pub trigger: Trigger,
+    /// Search parameters.
+    pub nest: nest::Config,
+    /// Seconds of search when a batch fires (the final budget).
+    pub final_secs: f64,
+    /// Seconds of search that each arrival gives the open build.
+    pub arrival_secs: f64,
+    /// How often a failed nesting is tried again before the build fails.
+    pub max_attempts: u32,
+    /// One object for all copies of a mesh, or one each.
+    pub instances: crate::format::Instances,
+    /// Build items, or one object of components.
+    pub arrangement: crate::format::Arrangement,
+    /// Also write the whole build as one binary STL.
+    pub stl_output: bool,
+    /// Originals of published builds are kept so many days; 0 = for ever.
+    pub archive_days: u32,
+}
+
+impl Profile {
+    /// The box that may be filled: the printable box less the margins.
+    pub fn build_volume(&self) -> nest::BuildVolume {
+        let margins =
+            DVec3::new(2.0 * self.wall_margin_mm, 2.0 * self.wall_margin_mm, self.floor_margin_mm + self.lid_margin_mm);
+        nest::BuildVolume { size_mm: self.volume_mm - margins }
+    }
+
+    /// Where the lower front left corner of [`Profile::build_volume`] stands in the machine's frame, mm.
+    pub fn origin_mm(&self) -> DVec3 {
+        DVec3::new(self.wall_margin_mm, self.wall_margin_mm, self.floor_margin_mm)
+    }
+}

@@ -1,0 +1,26 @@
+//! The validated settings of a farm.
+
+use std::{collections::BTreeMap, path::PathBuf};
+
+use super::Profile;
+
+/// Everything the daemon needs to know, checked. Made only by reading a configuration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// The configuration file that was read.
+    pub file: PathBuf,
+    /// The state directory: ledger, content-addressed store, caches. On a local disk.
+    pub state_dir: PathBuf,
+    /// The ledger, by default `state_dir/nestd.db`.
+    pub ledger: PathBuf,
+    /// Seconds between two full scans of the hot folders.
+    pub scan_secs: f64,
+    /// Seconds after which a ticket without its part is refused.
+    pub orphan_ticket_secs: f64,
+    /// Threads that nest; 0 = one per core.
+    pub threads: usize,
+    /// Limits of the readers.
+    pub limits: crate::format::Limits,
+    /// Machines by profile name.
+    pub profiles: BTreeMap<String, Profile>,
+}

@@ -2,7 +2,7 @@
 
 use std::{io, path::Path};
 
-use super::Seen;
+use super::Ready;
 
 /// What became of an order list.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,12 +15,12 @@ pub enum ListEnd {
     Refused(String),
 }
 
-/// Ends an order list when its time has come: archives it when all its files were claimed, refuses it when the others
-/// did not come for `orphan_secs`. Call it for each [`Ready::List`](super::Ready::List).
+/// Ends the order list of a [`Ready::List`] when its time has come: archives it when all its files were claimed, refuses
+/// it when the others did not come for `orphan_secs`. To be called for each [`Ready::List`], after the claims of the
+/// same scan.
 pub fn end_list(
     _inbox: &Path,
-    _list: &Seen,
-    _quiet_secs: f64,
+    _ready: &Ready,
     _orphan_secs: f64,
     _archive_dir: &Path,
     _error_dir: &Path,

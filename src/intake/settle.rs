@@ -1,6 +1,6 @@
 //! Decides what may be taken: what stood still long enough and is there to its end. Pure: seen + now -> ready.
 
-use std::{io, path::Path};
+use std::{ffi::OsString, io, path::Path};
 
 use super::Seen;
 
@@ -39,8 +39,10 @@ pub enum Ready {
     List {
         /// The list.
         list: Seen,
-        /// So long nothing changed in its folder, seconds.
+        /// So long it has stood unchanged, seconds.
         quiet_secs: f64,
+        /// Names of the part files that stand beside it and are still to be claimed.
+        beside: Vec<OsString>,
     },
     /// No part: to be moved to the error folder by [`refuse_path`](super::refuse_path).
     Refuse {

@@ -18,8 +18,13 @@ use rustix::{
     io::Errno,
 };
 
+use super::name::numbered;
+
 /// A name cannot be longer on the file systems that we know.
 pub(super) const MAX_NAME_BYTES: usize = 255;
+
+/// So many things of one name fit into a folder.
+pub(super) const MAX_NUMBER: u32 = 9999;
 
 /// Renames `from` in `from_dir` to `to` in `to_dir`; an existing `to` is an error (`AlreadyExists`).
 ///
@@ -49,6 +54,15 @@ pub(super) fn rename_out(base: &Path, relative: &Path, to: &Path) -> io::Result<
     let name = relative.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     let folder = open_dir_beneath(base, relative.parent().unwrap_or(Path::new("")))?;
     rename_at(folder, Path::new(name), CWD, to)
+}
+
+/// Renames `from` to `base/relative`, likewise; makes the sub-folders that are missing.
+pub(super) fn rename_in(from: &Path, base: &Path, relative: &Path) -> io::Result<()> {
+    let name = relative.file_name().ok_or(io::ErrorKind::InvalidInput)?;
+    let above = relative.parent().unwrap_or(Path::new(""));
+    create_dirs(&base.join(above))?;
+    rename_at(CWD, from, open_dir_beneath(base, above)?, Path::new(name))?;
+    fsync_dir(&base.join(above))
 }
 
 fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
@@ -127,14 +141,62 @@ pub(super) fn copy_noreplace(from: &Path, to: &Path) -> io::Result<()> {
     to.parent().map_or(Ok(()), fsync_dir)
 }
 
+/// Moves whatever stands at `from` to the free name `to`, between file systems too. A file appears whole; a crash between
+/// leaves it at both places, never at none.
+pub(super) fn move_noreplace(from: &Path, to: &Path) -> io::Result<()> {
+    match rename_noreplace(from, to) {
+        Err(error) if error.kind() == io::ErrorKind::CrossesDevices => {}
+        other => {
+            other?;
+            return to.parent().map_or(Ok(()), fsync_dir);
+        }
+    }
+    let file_type = fs::symlink_metadata(from)?.file_type();
+    if file_type.is_dir() {
+        fs::create_dir(to)?;
+        for entry in fs::read_dir(from)? {
+            let entry = entry?;
+            move_noreplace(&entry.path(), &to.join(entry.file_name()))?;
+        }
+        return fs::remove_dir(from);
+    }
+    if file_type.is_file() {
+        copy_noreplace(from, to)?;
+    } else if file_type.is_symlink() {
+        std::os::unix::fs::symlink(fs::read_link(from)?, to)?;
+    } else {
+        // A socket, pipe or device holds no bytes: its name and kind are in the reason.
+        create_anew(to)?;
+    }
+    fs::remove_file(from)?;
+    from.parent().map_or(Ok(()), fsync_dir)
+}
+
+/// Moves to the first free of `name`, `name (2)`, `name (3)` in a folder.
+pub(super) fn move_to_free_name(from: &Path, folder: &Path, name: &OsStr) -> io::Result<PathBuf> {
+    for n in 1..=MAX_NUMBER {
+        let to = folder.join(numbered(name, n));
+        match move_noreplace(from, &to) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            other => return other.map(|()| to),
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Whether two regular files hold the same bytes; an unreadable one holds none.
+pub(super) fn same_bytes(one: &Path, other: &Path) -> bool {
+    let hash = |path: &Path| -> io::Result<blake3::Hash> {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(open_regular(path)?)?;
+        Ok(hasher.finalize())
+    };
+    matches!((hash(one), hash(other)), (Ok(a), Ok(b)) if a == b)
+}
+
 /// Whether something stands under this name, a dangling link too.
 pub(super) fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
-}
-
-/// Whether the file systems are different, which a rename cannot bridge.
-pub(super) fn crosses(error: &io::Error) -> bool {
-    error.kind() == io::ErrorKind::CrossesDevices
 }
 
 /// Nanoseconds since 1970 of the last change of contents.

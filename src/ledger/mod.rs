@@ -42,3 +42,6 @@ pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild};
 pub use time::Utc;
 pub use waiting::WaitingPart;
+
+#[cfg(test)]
+mod tests;

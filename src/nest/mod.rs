@@ -1,14 +1,26 @@
 //! Geometry x pollination: the packing search. What is asked is an [`Instance`], what is found is a [`Solution`].
 //! No clock, no file, no log in here: time comes in through [`Stop`], progress goes out through [`Listener`].
 
+mod bound;
 mod config;
+mod fit;
 mod instance;
 mod nester;
+mod paper;
+mod proof;
+mod report;
 mod search;
 mod solution;
+#[cfg(test)]
+mod testing;
+mod turns;
 
+pub use bound::lower_bound_mm;
 pub use config::{Config, Method, PaperConfig};
+pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
 pub use nester::nest;
+pub use proof::{Body, Pair, Proof, prove, rotation_obeys};
+pub use report::{Course, PlacedPart, Report, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use solution::{Placement, Solution};

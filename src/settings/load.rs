@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::Settings;
+use super::{Problem, Settings};
 
 /// Why there are no settings.
 #[derive(Debug, Error)]
@@ -15,6 +15,9 @@ pub enum SettingsError {
         /// Where it was looked for.
         looked: Vec<PathBuf>,
     },
+    /// The configuration is wrong; every problem that could be found at once.
+    #[error("the configuration is wrong:\n{}", .0.iter().map(|p| format!("  {p}")).collect::<Vec<_>>().join("\n"))]
+    Invalid(Vec<Problem>),
 }
 
 /// Reads `config`, else `config/nestd.toml`, else `/etc/nestd/nestd.toml`, and the profiles beside it; `root` moves all

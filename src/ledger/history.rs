@@ -1,0 +1,71 @@
+//! The history: builds with their heights, newest first.
+
+use jiff::Timestamp;
+use serde::Serialize;
+use sqlx::FromRow;
+
+use super::{BuildId, BuildState, Utc};
+
+/// Which builds to list. A build's time is when it was published, else when it entered its state.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct HistoryQuery {
+    /// Not before.
+    pub since: Option<Timestamp>,
+    /// Before.
+    pub until: Option<Timestamp>,
+    /// Of one machine profile only.
+    pub profile: Option<String>,
+    /// So many at most; `None` = all.
+    pub limit: Option<u32>,
+}
+
+/// A build that is past nesting.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct HistoryRow {
+    /// Its number.
+    pub build: BuildId,
+    /// Machine profile.
+    pub profile: String,
+    /// Where it stands.
+    pub state: BuildState,
+    /// When it was published, else when it entered its state.
+    pub at: Utc,
+    /// When it came into the queue; `None` = never.
+    pub published_at: Option<Utc>,
+    /// Build height, mm.
+    pub height_mm: Option<f64>,
+    /// Part volume / (base area x height), 0..1.
+    pub density: Option<f64>,
+    /// No build of these parts can be lower, mm.
+    pub lower_bound_mm: Option<f64>,
+    /// Layers to print.
+    pub layers: Option<u32>,
+    /// Distinct parts.
+    pub parts: u32,
+    /// Placements.
+    pub copies: Option<u32>,
+    /// Volume of all parts in it, mm3.
+    pub part_volume_mm3: Option<f64>,
+    /// Clearance asked, mm.
+    pub clearance_mm: Option<f64>,
+    /// Least distance found on the triangles of the written file, mm.
+    pub clearance_proved_mm: Option<f64>,
+    /// CPU seconds of all nesting for it.
+    pub cpu_secs: Option<f64>,
+    /// Wall seconds of the final nesting.
+    pub wall_secs: Option<f64>,
+    /// Evaluations of the final nesting.
+    pub evaluations: Option<u64>,
+    /// Seed of the final nesting, its bits as a signed number.
+    pub seed: Option<i64>,
+    /// nestd or paper.
+    pub method: Option<String>,
+    /// Version of nestd.
+    pub version: Option<String>,
+    /// Trigger.
+    pub fired_by: String,
+    /// Name of the build file.
+    pub file_name: Option<String>,
+    /// Why it failed, or the outcome's note.
+    pub reason: String,
+}

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Utc};
+use super::{BuildId, BuildState, Ledger, Utc, error::Result};
 
 /// A build. Of an open build height, density and copies are those of its layout so far.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
@@ -128,4 +128,84 @@ pub struct Verified {
     pub version: String,
     /// JSON, the profile as it was.
     pub profile_snapshot: String,
+}
+
+impl Ledger {
+    /// The open build of a profile; opened when there is none.
+    pub async fn open_build(&self, profile: &str) -> Result<BuildRow> {
+        let open = "SELECT * FROM build WHERE profile = ? AND state = 'open'";
+        if let Some(build) = sqlx::query_as(open).bind(profile).fetch_optional(self.reader()).await? {
+            return Ok(build);
+        }
+        let mut change = self.change().await?;
+        let now = change.now;
+        sqlx::query(
+            "INSERT INTO build (profile, state, opened_at, state_at) VALUES (?, 'open', ?, ?) \
+             ON CONFLICT (profile) WHERE state = 'open' DO NOTHING",
+        )
+        .bind(profile)
+        .bind(now)
+        .bind(now)
+        .execute(change.db())
+        .await?;
+        let build = sqlx::query_as(open).bind(profile).fetch_one(change.db()).await?;
+        change.commit().await?;
+        Ok(build)
+    }
+
+    /// Deletes the open build of a profile that is no more; it holds no copy. What was told of it stays, without its
+    /// number.
+    pub async fn drop_open_build(&self, profile: &str) -> Result<()> {
+        let mut change = self.change().await?;
+        sqlx::query(
+            "UPDATE event SET build_id = NULL WHERE build_id IN \
+             (SELECT id FROM build WHERE profile = ? AND state = 'open')",
+        )
+        .bind(profile)
+        .execute(change.db())
+        .await?;
+        let drop = sqlx::query("DELETE FROM build WHERE profile = ? AND state = 'open'").bind(profile);
+        drop.execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// Keeps the layout of an open or nesting build.
+    pub async fn save_layout(&self, build: BuildId, layout: &OpenLayout) -> Result<()> {
+        let mut change = self.change().await?;
+        change.demand(build, &[BuildState::Open, BuildState::Nesting]).await?;
+        sqlx::query(
+            "UPDATE build SET layout = ?, height_mm = ?, density = ?, part_volume_mm3 = ?, \
+             copies = CASE state WHEN 'open' THEN ? ELSE copies END WHERE id = ?",
+        )
+        .bind(&layout.layout)
+        .bind(layout.height_mm)
+        .bind(layout.density)
+        .bind(layout.part_volume_mm3)
+        .bind(layout.copies)
+        .bind(build)
+        .execute(change.db())
+        .await?;
+        change.commit().await
+    }
+
+    /// Adds CPU seconds of nesting for an open or nesting build.
+    pub async fn add_cpu_secs(&self, build: BuildId, cpu_secs: f64) -> Result<()> {
+        let mut change = self.change().await?;
+        change.demand(build, &[BuildState::Open, BuildState::Nesting]).await?;
+        let add = sqlx::query("UPDATE build SET cpu_secs = coalesce(cpu_secs, 0) + ? WHERE id = ?");
+        add.bind(cpu_secs).bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// All builds in a state, oldest first.
+    pub async fn builds_in_state(&self, state: BuildState) -> Result<Vec<BuildRow>> {
+        let query = sqlx::query_as("SELECT * FROM build WHERE state = ? ORDER BY id").bind(state);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// A build.
+    pub async fn build(&self, id: BuildId) -> Result<Option<BuildRow>> {
+        let query = sqlx::query_as("SELECT * FROM build WHERE id = ?").bind(id);
+        Ok(query.fetch_optional(self.reader()).await?)
+    }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{CommandId, PartId, Utc, word::own_word};
+use super::{CommandId, Ledger, LedgerError, PartId, Utc, error::Result, word::own_word};
 
 /// What is ordered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -73,4 +73,91 @@ pub struct CommandRow {
     pub answer: String,
     /// When it answered.
     pub answered_at: Option<Utc>,
+}
+
+impl Ledger {
+    /// Gives an order to the daemon.
+    pub async fn ask(&self, command: &NewCommand) -> Result<CommandId> {
+        let mut change = self.change().await?;
+        if let Some(part) = command.part {
+            change.part(part).await?;
+        }
+        let now = change.now;
+        let id = sqlx::query_scalar(
+            "INSERT INTO command (kind, profile, part_id, asked_by, asked_at, state) \
+             VALUES (?, ?, ?, ?, ?, 'asked') RETURNING id",
+        )
+        .bind(command.kind)
+        .bind(&command.profile)
+        .bind(command.part)
+        .bind(&command.asked_by)
+        .bind(now)
+        .fetch_one(change.db())
+        .await?;
+        change.commit().await?;
+        Ok(id)
+    }
+
+    /// The orders that are not answered, oldest first.
+    pub async fn asked(&self) -> Result<Vec<CommandRow>> {
+        let query = sqlx::query_as("SELECT * FROM command WHERE state = 'asked' ORDER BY id");
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// Answers an order, once.
+    pub async fn answer(&self, id: CommandId, done: bool, answer: &str) -> Result<()> {
+        let mut change = self.change().await?;
+        let state = if done { CommandState::Done } else { CommandState::Refused };
+        let now = change.now;
+        let answered =
+            sqlx::query("UPDATE command SET state = ?, answer = ?, answered_at = ? WHERE id = ? AND state = 'asked'")
+                .bind(state)
+                .bind(answer)
+                .bind(now)
+                .bind(id)
+                .execute(change.db())
+                .await?;
+        if answered.rows_affected() == 0 {
+            return Err(LedgerError::UnknownCommand(id));
+        }
+        change.commit().await
+    }
+
+    /// An order.
+    pub async fn command(&self, id: CommandId) -> Result<Option<CommandRow>> {
+        let query = sqlx::query_as("SELECT * FROM command WHERE id = ?").bind(id);
+        Ok(query.fetch_optional(self.reader()).await?)
+    }
+
+    /// Pauses a profile; `true` = it was not paused.
+    pub async fn pause(&self, profile: &str, by: &str) -> Result<bool> {
+        let mut change = self.change().await?;
+        let now = change.now;
+        let insert = "INSERT INTO pause (profile, paused_by, paused_at) VALUES (?, ?, ?) ON CONFLICT DO NOTHING";
+        let paused = sqlx::query(insert).bind(profile).bind(by).bind(now).execute(change.db()).await?;
+        if paused.rows_affected() == 0 {
+            return Ok(false);
+        }
+        change.event("paused", profile, None, None, by).await?;
+        change.commit().await?;
+        Ok(true)
+    }
+
+    /// Resumes a profile; `true` = it was paused.
+    pub async fn resume(&self, profile: &str, by: &str) -> Result<bool> {
+        let mut change = self.change().await?;
+        let lift = sqlx::query("DELETE FROM pause WHERE profile = ?").bind(profile);
+        if lift.execute(change.db()).await?.rows_affected() == 0 {
+            return Ok(false);
+        }
+        change.event("resumed", profile, None, None, by).await?;
+        change.commit().await?;
+        Ok(true)
+    }
+
+    /// The paused profiles, by name.
+    pub async fn paused(&self) -> Result<Vec<String>> {
+        let query = sqlx::query_scalar("SELECT profile FROM pause ORDER BY profile");
+        Ok(query.fetch_all(self.reader()).await?)
+    }
 }

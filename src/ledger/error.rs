@@ -83,14 +83,14 @@ pub enum LedgerError {
     #[error(transparent)]
     Illegal(#[from] IllegalMove),
     /// The build is not in the state that the change is for.
-    #[error("build {build} is {state}, not {needed}")]
+    #[error("build {build} is {state}, not {}", .needed.iter().map(|s| s.to_string()).collect::<Vec<_>>().join(" or "))]
     WrongState {
         /// The build.
         build: BuildId,
         /// Its state.
         state: super::BuildState,
         /// What the change needs.
-        needed: &'static str,
+        needed: &'static [super::BuildState],
     },
     /// The part is not waiting, so that no copy of it can be nested.
     #[error("part {part} is {state}, not waiting")]
@@ -165,3 +165,6 @@ pub enum LedgerError {
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),
 }
+
+/// Result of whatever the ledger does.
+pub type Result<T, E = LedgerError> = std::result::Result<T, E>;

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Utc};
+use super::{BuildId, BuildState, Ledger, Utc, error::Result};
 
 /// Which builds to list. A build's time is when it was published, else when it entered its state.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -68,4 +68,27 @@ pub struct HistoryRow {
     pub file_name: Option<String>,
     /// Why it failed, or the outcome's note.
     pub reason: String,
+}
+
+impl Ledger {
+    /// Builds that are past nesting with their heights, newest first.
+    pub async fn history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
+        let rows = sqlx::query_as(
+            "SELECT b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
+             b.height_mm, b.density, b.lower_bound_mm, b.layers, \
+             (SELECT count(DISTINCT l.part_id) FROM placement l WHERE l.build_id = b.id) AS parts, b.copies, \
+             b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
+             b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason \
+             FROM build b WHERE b.state NOT IN ('open', 'nesting') \
+             AND (?1 IS NULL OR coalesce(b.published_at, b.state_at) >= ?1) \
+             AND (?2 IS NULL OR coalesce(b.published_at, b.state_at) < ?2) \
+             AND (?3 IS NULL OR b.profile = ?3) \
+             ORDER BY coalesce(b.published_at, b.state_at) DESC, b.id DESC LIMIT ?4",
+        )
+        .bind(query.since.map(Utc))
+        .bind(query.until.map(Utc))
+        .bind(&query.profile)
+        .bind(query.limit.map_or(-1, i64::from));
+        Ok(rows.fetch_all(self.reader()).await?)
+    }
 }

@@ -4,6 +4,8 @@
 //! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. Nothing else knows SQL.
 
 mod build;
+mod change;
+mod claim;
 mod command;
 mod daemon;
 mod error;
@@ -11,13 +13,17 @@ mod event;
 mod history;
 mod id;
 mod ledger;
+mod nesting;
 mod outcome;
 mod part;
+mod place;
 mod placement;
+mod publish;
+mod schema;
 mod state;
 mod status;
-mod stub;
 mod time;
+mod truth;
 mod waiting;
 mod word;
 

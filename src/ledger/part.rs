@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{PartId, PartState, Utc, word::own_word};
+use super::{BuildId, Ledger, PartId, PartState, Utc, error::Result, word::own_word};
 use crate::{format::Unit, nest::OrientationRule};
 
 /// A claimed file, before it is read.
@@ -157,5 +157,57 @@ impl PartRow {
     /// Bounds as dropped, mm; `None` until read.
     pub fn size_mm(&self) -> Option<[f64; 3]> {
         Some([self.size_x_mm?, self.size_y_mm?, self.size_z_mm?])
+    }
+}
+
+impl Ledger {
+    /// A part.
+    pub async fn part(&self, id: PartId) -> Result<Option<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id);
+        Ok(query.fetch_optional(self.reader()).await?)
+    }
+
+    /// All parts in a state, oldest first.
+    pub async fn parts_in_state(&self, state: PartState) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE state = ? ORDER BY claimed_at, id").bind(state);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// All solids of a claim, by object index.
+    pub async fn parts_of_claim(&self, claim: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE claim = ? ORDER BY object_index").bind(claim);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// All parts of an order, oldest first.
+    pub async fn order(&self, name: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE order_name = ? AND order_name <> '' ORDER BY id");
+        Ok(query.bind(name).fetch_all(self.reader()).await?)
+    }
+
+    /// All parts with a copy in a build, in order of precedence.
+    pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE id IN (SELECT part_id FROM placement WHERE build_id = ?) \
+             ORDER BY priority DESC, due_at IS NULL, due_at, claimed_at, id",
+        );
+        Ok(query.bind(build).fetch_all(self.reader()).await?)
+    }
+
+    /// The latest part of an earlier claim, not rejected, with the same content in the same profile.
+    pub async fn earlier_with_hash(&self, profile: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
+        let query = sqlx::query_scalar(
+            "SELECT id FROM part WHERE content_hash = ?1 AND profile = ?2 AND id < ?3 AND state <> 'rejected' \
+             AND claim <> (SELECT claim FROM part WHERE id = ?3) ORDER BY id DESC LIMIT 1",
+        );
+        Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()).await?)
+    }
+
+    /// Whether a live part (claimed, waiting, batched) needs the stored file.
+    pub async fn hash_in_use(&self, hash: &str) -> Result<bool> {
+        let query = sqlx::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = ? AND state IN ('claimed', 'waiting', 'batched'))",
+        );
+        Ok(query.bind(hash).fetch_one(self.reader()).await?)
     }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, PartId, Utc};
+use super::{BuildId, BuildState, Ledger, PartId, Utc, error::Result};
 
 /// A copy with its pose in a proved build.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,4 +45,30 @@ pub struct PlacementRow {
     pub ty_mm: Option<f64>,
     /// Translation along z, mm.
     pub tz_mm: Option<f64>,
+}
+
+impl Ledger {
+    /// Where the copies of a part are, by copy.
+    pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
+        let query = sqlx::query_as(
+            "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = ? ORDER BY l.copy",
+        );
+        Ok(query.bind(part).fetch_all(self.reader()).await?)
+    }
+
+    /// The copies in a build with their poses, by part and copy.
+    pub async fn placements_of_build(&self, build: BuildId) -> Result<Vec<PlacementRow>> {
+        let query = sqlx::query_as(
+            "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.build_id = ? ORDER BY l.part_id, l.copy",
+        );
+        Ok(query.bind(build).fetch_all(self.reader()).await?)
+    }
+
+    /// The copies taken into a build, by part and copy.
+    pub async fn copies_of_build(&self, build: BuildId) -> Result<Vec<(PartId, u32)>> {
+        let query = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy");
+        Ok(query.bind(build).fetch_all(self.reader()).await?)
+    }
 }

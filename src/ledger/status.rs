@@ -1,12 +1,14 @@
 //! Status: what waits, what is being nested and what was published last, per machine profile.
 
-use serde::Serialize;
-use sqlx::FromRow;
+use std::collections::BTreeMap;
 
-use super::{BuildId, BuildState, Utc};
+use serde::Serialize;
+use sqlx::{FromRow, SqliteConnection};
+
+use super::{BuildId, BuildState, Ledger, Utc, error::Result};
 
 /// A machine profile as it stands. Profiles about which the ledger knows nothing have none.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct ProfileStatus {
     /// Its name.
     pub profile: String,
@@ -86,4 +88,86 @@ pub struct PublishedBuild {
     pub copies: Option<u32>,
     /// Name of the build file.
     pub file_name: Option<String>,
+}
+
+/// A row of one aspect with the profile that it is of.
+#[derive(FromRow)]
+struct Of<T> {
+    profile: String,
+    #[sqlx(flatten)]
+    row: T,
+}
+
+/// The parts of a profile, counted.
+#[derive(FromRow)]
+struct Counts {
+    claimed_parts: u32,
+    waiting_parts: u32,
+    waiting_copies: u32,
+    rejected_parts: u32,
+    oldest_at: Option<Utc>,
+    due_at: Option<Utc>,
+}
+
+const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_parts, \
+    sum(p.state = 'waiting') AS waiting_parts, \
+    sum(CASE p.state WHEN 'waiting' THEN p.copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
+    ELSE 0 END) AS waiting_copies, sum(p.state = 'rejected') AS rejected_parts, \
+    min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
+    min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p GROUP BY p.profile";
+
+const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
+
+const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
+    FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
+
+const LAST: &str = "SELECT profile, id AS build, published_at, height_mm, density, copies, file_name FROM build \
+    WHERE id IN (SELECT max(id) FROM build b WHERE published_at = (SELECT max(published_at) FROM build c \
+    WHERE c.profile = b.profile) GROUP BY profile)";
+
+impl Ledger {
+    /// Every profile of which the ledger knows something, by name.
+    pub async fn status(&self) -> Result<Vec<ProfileStatus>> {
+        let mut snapshot = self.snapshot().await?;
+        let db = &mut *snapshot;
+        let mut profiles = BTreeMap::new();
+        for Of { profile, row } in all::<Counts>(db, COUNTS).await? {
+            let counted = ProfileStatus {
+                claimed_parts: row.claimed_parts,
+                waiting_parts: row.waiting_parts,
+                waiting_copies: row.waiting_copies,
+                rejected_parts: row.rejected_parts,
+                oldest_at: row.oldest_at,
+                due_at: row.due_at,
+                ..of(&mut profiles, &profile).clone()
+            };
+            profiles.insert(profile, counted);
+        }
+        for Of { profile, row } in all(db, OPEN).await? {
+            of(&mut profiles, &profile).open = Some(row);
+        }
+        for Of { profile, row } in all(db, NESTING).await? {
+            of(&mut profiles, &profile).nesting.push(row);
+        }
+        for Of { profile, row } in all(db, "SELECT * FROM pause").await? {
+            of(&mut profiles, &profile).paused = Some(row);
+        }
+        for Of { profile, row } in all(db, LAST).await? {
+            of(&mut profiles, &profile).last_published = Some(row);
+        }
+        Ok(profiles.into_values().collect())
+    }
+}
+
+async fn all<T>(db: &mut SqliteConnection, query: &'static str) -> Result<Vec<Of<T>>>
+where
+    T: for<'r> FromRow<'r, sqlx::sqlite::SqliteRow> + Send + Unpin,
+{
+    Ok(sqlx::query_as(query).fetch_all(db).await?)
+}
+
+/// The status of a profile, entered when it is new.
+fn of<'a>(profiles: &'a mut BTreeMap<String, ProfileStatus>, profile: &str) -> &'a mut ProfileStatus {
+    let fresh = || ProfileStatus { profile: profile.to_owned(), ..ProfileStatus::default() };
+    profiles.entry(profile.to_owned()).or_insert_with(fresh)
 }

@@ -224,11 +224,12 @@ async fn show(farm: &DemoFarm, watch: &Watch<'_>) -> Result<()> {
     let build = watch.published().await?.context("no build was published")?;
     operate(farm, &["status"])?;
     operate(farm, &["history", "--limit", "5"])?;
-    println!("\nRefused, with the reason beside it:");
-    for file in files_of(&farm.folder("error"), |name| name.starts_with("torn_ring") && name.ends_with(".reason.txt"))?
-    {
-        println!("  {}", file.display());
-        println!("    {}", fs::read_to_string(&file).unwrap_or_default().trim().replace('\n', "\n    "));
+    println!("\nRefused, each file in {} with its reason beside it:", farm.folder("error").display());
+    for part in watch.new_parts().await?.iter().filter(|p| p.state == PartState::Rejected) {
+        println!("  {}: {}", part.name, part.reason);
+    }
+    if files_of(&farm.folder("error"), |name| name.starts_with(TORN) && name.ends_with(".reason.txt"))?.is_empty() {
+        bail!("{TORN} was refused without a reason file");
     }
     let name = build.file_name.context("the build has no file")?;
     let stem = name.trim_end_matches(".build.3mf").to_owned();
@@ -238,7 +239,6 @@ async fn show(farm: &DemoFarm, watch: &Watch<'_>) -> Result<()> {
     }
     println!("\nIn the printer's queue:");
     made.iter().for_each(|file| println!("  {}", file.display()));
-    println!("Drop parts of your own ({TORN} was refused, yours need not be):\n  {}", farm.folder("inbox").display());
     println!("The ledger, for sqlite3 (try: select * from v_build_history):\n  {}", farm.ledger().display());
     Ok(())
 }

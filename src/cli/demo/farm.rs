@@ -145,8 +145,11 @@ fn write_new(file: &Path, text: &str) -> Result<()> {
     fs::write(file, text).with_context(|| format!("cannot write {}", file.display()))
 }
 
-/// Writes under a dot-name and renames, as a well-behaved copier does. A file that waits there from last time stays.
+/// Writes under a dot-name and renames, as a well-behaved copier does. What stands there already stays.
 fn drop_file(file: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
+    if file.exists() {
+        return Ok(());
+    }
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let part = file.with_file_name(format!(".{name}.part"));
     let write = || -> Result<()> {

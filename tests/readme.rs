@@ -11,7 +11,8 @@ fn the_readme_has_a_row_for_every_command() {
     let help = Command::new(env!("CARGO_BIN_EXE_nestd")).arg("--help").output().unwrap();
     let help = String::from_utf8(help.stdout).unwrap();
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    let commands: Vec<&str> = listed.filter_map(|line| line.split_whitespace().next()).filter(|c| *c != "help").collect();
+    let commands: Vec<&str> =
+        listed.filter_map(|line| line.split_whitespace().next()).filter(|c| *c != "help").collect();
     assert!(commands.len() > 10, "the help lists only {commands:?}");
     let readme = fs::read_to_string(repository().join("README.md")).unwrap();
     let rows: String = readme.lines().filter(|line| line.starts_with('|')).collect();

@@ -22,9 +22,6 @@ use crate::ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild};
 const PATIENCE_SECS: u64 = 150;
 /// How often the ledger is looked at.
 const POLL: Duration = Duration::from_millis(250);
-/// All states of a part.
-const PART_STATES: [PartState; 5] =
-    [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Built, PartState::Rejected];
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -128,7 +125,7 @@ impl<'d> Watch<'d> {
 
     async fn new_parts(&self) -> Result<Vec<PartRow>> {
         let mut parts = Vec::new();
-        for state in PART_STATES {
+        for state in PartState::ALL {
             parts.extend(self.ledger.parts_in_state(state).await?);
         }
         parts.retain(|p| p.id.0 > self.last_part);

@@ -34,6 +34,28 @@ fn least_area_mm2(mesh: &Mesh) -> f64 {
     (0..mesh.triangles().len()).map(area).fold(f64::INFINITY, f64::min)
 }
 
+/// How often the surface winds around a point: 1 inside, 0 outside, more where it overlaps itself.
+fn winding(mesh: &Mesh, point: DVec3) -> f64 {
+    let solid_angle = |t: usize| {
+        let [a, b, c] = mesh.corners(t).map(|corner| (corner - point).normalize());
+        2.0 * a.dot(b.cross(c)).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    };
+    (0..mesh.triangles().len()).map(solid_angle).sum::<f64>() / (4.0 * PI)
+}
+
+/// Looks at both sides of `n` triangles spread over the surface.
+fn assert_does_not_overlap_itself(name: &str, mesh: &Mesh, n: usize) {
+    let count = mesh.triangles().len();
+    for t in (0..n).map(|i| i * count / n) {
+        let [a, b, c] = mesh.corners(t);
+        let (middle, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a).normalize());
+        for (side, expected) in [(1.0, 0.0), (-1.0, 1.0)] {
+            let found = winding(mesh, middle + side * 1e-4 * normal);
+            assert!((found - expected).abs() < 1e-3, "{name} winds {found} times around a point at {middle}");
+        }
+    }
+}
+
 fn assert_clean(name: &str, mesh: &Mesh) {
     let defects = mesh.defects();
     assert!(defects.is_closed() && !defects.inverted && defects.degenerate_triangles == 0, "{name}: {defects:?}");
@@ -64,6 +86,19 @@ fn every_random_part_is_one_closed_shell_and_no_two_are_alike() {
         let size = mesh.bounds().size();
         assert!(size.max_element() < 120.0 && size.min_element() > 0.5, "random part {seed} measures {size} mm");
         assert!(volumes.insert(mesh.volume_mm3().to_bits()), "random part {seed} was there before");
+    }
+}
+
+#[test]
+fn no_sample_overlaps_itself() {
+    for sample in all() {
+        assert_does_not_overlap_itself(sample.name, &sample.mesh, 60);
+    }
+    for (i, (mesh, _)) in workload(Workload::EngineLike).iter().enumerate() {
+        assert_does_not_overlap_itself(&format!("engine-like part {i}"), mesh, 30);
+    }
+    for seed in 0..200 {
+        assert_does_not_overlap_itself(&format!("random part {seed}"), &random_part(seed), 30);
     }
 }
 

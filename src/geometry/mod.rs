@@ -16,6 +16,8 @@ mod walk;
 mod clearance_tests;
 #[cfg(test)]
 pub(crate) mod solids;
+#[cfg(test)]
+mod speed_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;

@@ -9,6 +9,7 @@ mod mesh;
 mod obb;
 mod obb_tree;
 mod pose;
+mod separating_axis;
 mod triangle;
 mod walk;
 

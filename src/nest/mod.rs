@@ -7,6 +7,7 @@ mod instance;
 mod nester;
 mod paper;
 mod proof;
+mod rotations;
 mod search;
 mod solution;
 

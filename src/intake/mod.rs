@@ -1,1 +1,41 @@
 //! The hot folder: what stands in it, what has settled, and how it is claimed.
+//!
+//! The plot: [`Inbox::scan`] lists, [`Settler::observe`] says what may be taken, [`claim`] takes it by rename into
+//! `.claimed/`, [`Store::put`] copies it to the store, and once its row is committed [`release`] lets the original go.
+//! What cannot be printed goes to the error folder by [`refuse`] or [`refuse_path`], always beside a reason.
+//! [`Watcher`] only says "look". After a crash [`claims`] finds what was being taken.
+
+mod archive;
+mod claim;
+mod copies;
+mod disk;
+mod given;
+mod ignore;
+mod list_end;
+mod name;
+mod order_list;
+mod recover;
+mod refuse;
+mod scan;
+mod settle;
+mod status;
+mod store;
+mod ticket;
+mod watch;
+
+pub use archive::{archive, purge};
+pub use claim::{Claim, ClaimError, Released, claim, give_back, release};
+pub use copies::copies_in_name;
+pub use given::{Given, Source, TicketSource};
+pub use ignore::is_ignored;
+pub use list_end::{ListEnd, end_list};
+pub use name::{display_name, raw_name};
+
+pub use recover::claims;
+pub use refuse::{RefuseError, refuse, refuse_path};
+pub use scan::{Inbox, Kind, Listing, ScanError, ScanLimits, Seen, scan};
+pub use settle::{Ready, SettleRules, Settler};
+pub use status::write_status;
+pub use store::{Store, StoreError, Stored};
+pub use ticket::{Due, Ticket, TicketError};
+pub use watch::{WatchError, Watcher};

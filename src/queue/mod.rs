@@ -1,1 +1,9 @@
 //! The printer queue folder: how a build file appears in it exactly once.
+//!
+//! [`Queue::stage`] writes and fsyncs the build under a dot-name on the queue's own file system, the ledger says
+//! `verified`, [`Queue::publish`] renames it once. After a crash [`Queue::state`] tells: dot-file still there = not yet
+//! published, gone = published, whatever the printer did with it since.
+
+mod queue;
+
+pub use queue::{Published, Queue, QueueError, StagedState};

@@ -20,6 +20,10 @@ mod scan;
 mod settle;
 mod status;
 mod store;
+#[cfg(test)]
+mod test_inbox;
+#[cfg(test)]
+mod tests;
 mod ticket;
 mod watch;
 

@@ -1,0 +1,1 @@
+//! The hot folder as people use it: real copies, real clocks, real events.

@@ -6,6 +6,7 @@ mod check;
 mod command;
 mod demo;
 mod history;
+mod logging;
 mod nest;
 mod outcome;
 mod run;

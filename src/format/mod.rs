@@ -1,7 +1,10 @@
 //! Bytes <-> meshes: STL and 3MF in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
 
+mod picture;
+mod raster;
 mod unit;
 
+pub use picture::picture;
 pub use unit::Unit;
 
 mod limits;
@@ -9,3 +12,23 @@ mod options;
 
 pub use limits::Limits;
 pub use options::{Arrangement, Instances};
+
+mod build_file;
+mod build_read;
+mod build_write;
+mod error;
+mod file_end;
+mod file_name;
+mod pick_map;
+mod read;
+mod stl_write;
+
+pub use build_file::{BuildFile, BuildInfo, BuildItem, BuildObject, PlacedMesh};
+pub use build_read::{read_build, read_build_and_info};
+pub use build_write::write_build;
+pub use error::{ReadError, WriteError};
+pub use file_end::has_end;
+pub use file_name::build_file_name;
+pub use pick_map::{PickRow, pick_rows, write_pick_map};
+pub use read::{Contents, Solid, read};
+pub use stl_write::write_stl;

@@ -1,9 +1,25 @@
 //! Pure solids: poses, meshes, boxes and the distance between them. Millimetres everywhere; knows nothing of flowers.
 
 mod bounds;
+mod box_tree;
+mod clearance;
+mod eigen;
+mod inside;
 mod mesh;
+mod obb;
+mod obb_tree;
 mod pose;
+mod triangle;
+mod walk;
+
+#[cfg(test)]
+mod clearance_tests;
+#[cfg(test)]
+pub(crate) mod solids;
 
 pub use bounds::Bounds;
+pub use clearance::ClearanceTree;
 pub use mesh::{Defects, Mesh, MeshError};
+pub use obb::Obb;
+pub use obb_tree::ObbTree;
 pub use pose::Pose;

@@ -1,1 +1,47 @@
-//! The database, the only source of truth. All SQL of nestd is in this room.
+//! The database, the only source of truth. All SQL of nestd is in this room, one file per noun.
+//!
+//! Each change of state is one function here: a short `BEGIN IMMEDIATE` transaction that checks the move against the
+//! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. Nothing else knows SQL.
+
+mod build;
+mod change;
+mod claim;
+mod command;
+mod daemon;
+mod error;
+mod event;
+mod history;
+mod id;
+mod ledger;
+mod nesting;
+mod outcome;
+mod part;
+mod place;
+mod placement;
+mod publish;
+mod schema;
+mod state;
+mod status;
+mod time;
+mod truth;
+mod waiting;
+mod word;
+
+pub use build::{BuildRow, OpenLayout, Verified};
+pub use command::{CommandKind, CommandRow, CommandState, NewCommand};
+pub use daemon::{BEAT_LASTS_SECS, Beat, DaemonRow};
+pub use error::LedgerError;
+pub use event::EventRow;
+pub use history::{HistoryQuery, HistoryRow};
+pub use id::{BuildId, CommandId, PartId};
+pub use ledger::Ledger;
+pub use outcome::{Outcome, OutcomeRow};
+pub use part::{NewPart, NewTicket, PartRow, Recorded, SolidFacts, TicketSource};
+pub use placement::{PlacedCopy, PlacementRow};
+pub use state::{BuildState, IllegalMove, PartState};
+pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild};
+pub use time::Utc;
+pub use waiting::WaitingPart;
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,5 @@
 //! The pure optimiser: flower pollination over vectors of numbers. Has never heard of boxes.
+
+mod pollination;
+
+pub use pollination::{Edge, Gene, Pollination, Setup};

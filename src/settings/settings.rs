@@ -2,13 +2,15 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use super::Profile;
+use super::{Logging, Profile};
 
 /// Everything the daemon needs to know, checked. Made only by reading a configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// The configuration file that was read.
     pub file: PathBuf,
+    /// The farm's root, absolute: relative folders are below it.
+    pub root: PathBuf,
     /// The state directory: ledger, content-addressed store, caches. On a local disk.
     pub state_dir: PathBuf,
     /// The ledger, by default `state_dir/nestd.db`.
@@ -21,6 +23,8 @@ pub struct Settings {
     pub threads: usize,
     /// Limits of the readers.
     pub limits: crate::format::Limits,
+    /// What the log holds and what it looks like.
+    pub log: Logging,
     /// Machines by profile name.
     pub profiles: BTreeMap<String, Profile>,
 }

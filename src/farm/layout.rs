@@ -1,0 +1,150 @@
+//! What the farm knows of a layout: which copies of which parts stand where. The nester speaks of items, the ledger of
+//! parts; this is where the two meet.
+
+use std::{collections::HashMap, sync::Arc};
+
+use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    geometry::{Mesh, Pose},
+    ledger::{PartId, PartRow, WaitingPart},
+    nest::{Instance, InstanceError, Item, Placement, Solution},
+    settings::Profile,
+};
+
+/// A copy of a part: the unit that is never lost and never doubled.
+pub type Copy = (PartId, u32);
+
+/// One copy at a pose in the build volume's frame (its lower front left corner is the origin), mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedCopy {
+    /// Which copy.
+    pub copy: Copy,
+    /// Mesh frame -> build volume frame.
+    pub pose: Pose,
+}
+
+/// A layout of a batch.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Layout {
+    /// Copies that stand.
+    pub placed: Vec<PlacedCopy>,
+    /// Copies that were tried and found no place, in order of precedence.
+    pub unplaced: Vec<Copy>,
+    /// Top of the highest placement above the volume's floor, mm.
+    pub height_mm: f64,
+    /// Part volume / (base area x height).
+    pub density: f64,
+    /// Volume of the placed copies, mm3.
+    pub part_volume_mm3: f64,
+    /// Evaluations of the search.
+    pub evaluations: u64,
+}
+
+/// Parts with their meshes and the copies of them that are to be nested, in order of precedence.
+#[derive(Debug, Clone)]
+pub struct Batch {
+    /// Parts in order of precedence.
+    pub parts: Vec<BatchPart>,
+}
+
+/// A part of a batch.
+#[derive(Debug, Clone)]
+pub struct BatchPart {
+    /// Its row.
+    pub part: PartRow,
+    /// Its mesh.
+    pub mesh: Arc<Mesh>,
+    /// Copy numbers that are wanted.
+    pub copies: Vec<u32>,
+}
+
+impl Batch {
+    /// As the nester sees it.
+    pub fn instance(&self, profile: &Profile) -> Result<Instance, InstanceError> {
+        let items = self.parts.iter().map(|p| Item {
+            name: format!("{} (part {})", p.part.name, p.part.id.0),
+            mesh: p.mesh.clone(),
+            copies: p.copies.len() as u32,
+            orientation: p.part.orientation,
+            clearance_mm: p.part.clearance_mm,
+        });
+        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())
+    }
+
+    /// An earlier layout as placements of this batch; copies that are not in the batch are left out.
+    pub fn placements(&self, placed: &[PlacedCopy]) -> Vec<Placement> {
+        let mut index: HashMap<Copy, (usize, u32)> = HashMap::new();
+        for (item, part) in self.parts.iter().enumerate() {
+            for (number, &copy) in part.copies.iter().enumerate() {
+                index.insert((part.part.id, copy), (item, number as u32));
+            }
+        }
+        (placed.iter())
+            .filter_map(|p| index.get(&p.copy).map(|&(item, copy)| Placement { item, copy, pose: p.pose }))
+            .collect()
+    }
+
+    /// A solution of [`Batch::instance`] in the ledger's words.
+    pub fn layout(&self, instance: &Instance, solution: &Solution) -> Layout {
+        let name = |item: usize, copy: u32| (self.parts[item].part.id, self.parts[item].copies[copy as usize]);
+        Layout {
+            placed: (solution.placements.iter())
+                .map(|p| PlacedCopy { copy: name(p.item, p.copy), pose: p.pose })
+                .collect(),
+            unplaced: solution.unplaced.iter().map(|&(item, copy)| name(item, copy)).collect(),
+            height_mm: solution.height_mm,
+            density: solution.density(instance),
+            part_volume_mm3: solution.part_volume_mm3(instance),
+            evaluations: solution.evaluations,
+        }
+    }
+}
+
+/// All copies of waiting parts, in order of precedence.
+pub fn copies_of(waiting: &[WaitingPart]) -> Vec<Copy> {
+    waiting.iter().flat_map(|w| w.copies.iter().map(|&c| (w.part.id, c))).collect()
+}
+
+/// The form in which a layout lies in the ledger: part, copy, quaternion, translation (mm).
+#[derive(Serialize, Deserialize)]
+struct Stored(i64, u32, [f64; 4], [f64; 3]);
+
+impl Layout {
+    /// The placed copies as JSON, so that a restart goes on from them.
+    pub fn to_json(&self) -> String {
+        let stored: Vec<Stored> = (self.placed.iter())
+            .map(|p| Stored(p.copy.0.0, p.copy.1, p.pose.rotation.to_array(), p.pose.translation.to_array()))
+            .collect();
+        serde_json::to_string(&stored).unwrap_or_default()
+    }
+}
+
+/// The placed copies of a stored layout; an unreadable one is as good as none.
+pub fn placed_from_json(json: &str) -> Vec<PlacedCopy> {
+    let stored: Vec<Stored> = serde_json::from_str(json).unwrap_or_default();
+    (stored.into_iter())
+        .map(|Stored(part, copy, rotation, translation)| PlacedCopy {
+            copy: (PartId(part), copy),
+            pose: Pose::new(DQuat::from_array(rotation), DVec3::from_array(translation)),
+        })
+        .filter(|p| p.pose.rotation.is_finite() && p.pose.translation.is_finite())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stored_layout_comes_back_to_the_last_digit() {
+        let pose = Pose::new(DQuat::from_rotation_x(0.3), DVec3::new(1.0 / 3.0, 2e-9, 170.25));
+        let layout = Layout { placed: vec![PlacedCopy { copy: (PartId(7), 3), pose }], ..Layout::default() };
+        let back = placed_from_json(&layout.to_json());
+        assert_eq!(back[0].copy, (PartId(7), 3));
+        assert!((back[0].pose.translation - pose.translation).length() == 0.0);
+        assert!(back[0].pose.rotation.angle_between(pose.rotation) < 1e-7);
+        assert!(placed_from_json("no json").is_empty());
+    }
+}

@@ -1,0 +1,129 @@
+//! The step "nested": a batch of parts becomes a layout. Runs on a job's thread; meshes come from the shelf or are read
+//! again from the store.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::{Context, Result};
+
+use super::{
+    budget::Budget,
+    layout::{Batch, BatchPart, Layout, PlacedCopy},
+    shelf::{MeshKey, Shelf},
+};
+use crate::{
+    format::{self, Limits},
+    geometry::Mesh,
+    intake::Store,
+    ledger::PartRow,
+    nest::{self, Solution},
+    settings::Profile,
+};
+
+/// Where meshes come from.
+#[derive(Debug, Clone)]
+pub struct Meshes {
+    /// Meshes in memory.
+    pub shelf: Shelf,
+    /// The content-addressed store.
+    pub store: Store,
+    /// Limits of the readers.
+    pub limits: Limits,
+}
+
+/// The best layout of a running search; other threads look at it and take it when the search is cancelled.
+pub type Best = Arc<Mutex<Option<Layout>>>;
+
+/// What to nest.
+#[derive(Debug)]
+pub struct NestOrder {
+    /// The machine.
+    pub profile: Arc<Profile>,
+    /// Parts and the copies of them that are wanted, in order of precedence.
+    pub wanted: Vec<(PartRow, Vec<u32>)>,
+    /// An earlier layout to go on from.
+    pub start: Vec<PlacedCopy>,
+    /// How long.
+    pub budget: Budget,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Receives every better layout.
+    pub best: Best,
+}
+
+/// What came out of it.
+#[derive(Debug)]
+pub struct Nested {
+    /// Parts with their meshes.
+    pub batch: Batch,
+    /// The layout.
+    pub layout: Layout,
+    /// No layout of all wanted copies can be lower, mm.
+    pub lower_bound_mm: f64,
+    /// CPU seconds of the search.
+    pub cpu_secs: f64,
+    /// Wall seconds of the search.
+    pub wall_secs: f64,
+    /// (wall seconds, build height in mm) of every improvement.
+    pub curve: Vec<(f64, f64)>,
+}
+
+impl Meshes {
+    /// The mesh of a part, from the shelf or from the store.
+    pub fn mesh(&self, profile: &Profile, part: &PartRow) -> Result<Arc<Mesh>> {
+        let key = |object_index| MeshKey {
+            content_hash: part.content_hash.clone(),
+            object_index,
+            default_unit: profile.unit,
+            unit: part.unit,
+        };
+        if let Some(mesh) = self.shelf.mesh(&key(part.object_index)) {
+            return Ok(mesh);
+        }
+        let file = self.store.path(&part.content_hash)?;
+        let contents = format::read(&file, &part.name, part.unit, profile.unit, &self.limits)
+            .with_context(|| format!("reading part {} ({}) again", part.id.0, part.name))?;
+        for (index, solid) in contents.solids.into_iter().enumerate() {
+            self.shelf.put(key(index as u32), solid.mesh);
+        }
+        self.shelf
+            .mesh(&key(part.object_index))
+            .with_context(|| format!("part {} ({}) has no solid {}", part.id.0, part.name, part.object_index))
+    }
+}
+
+impl NestOrder {
+    /// Nests; returns when the budget is spent or cancelled.
+    pub fn run(&self, meshes: &Meshes) -> Result<Nested> {
+        let batch = self.batch(meshes)?;
+        let instance = batch.instance(&self.profile)?;
+        let mut config = self.profile.nest.clone();
+        config.seed = self.seed;
+        let start = batch.placements(&self.start);
+        let cpu = cpu_secs();
+        let mut curve = Vec::new();
+        let mut listener = |solution: &Solution, _evaluations: u64| {
+            curve.push((self.budget.elapsed_secs(), solution.height_mm));
+            *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(batch.layout(&instance, solution));
+        };
+        let solution = nest::nest(&instance, &config, &start, &self.budget, &mut listener);
+        let layout = batch.layout(&instance, &solution);
+        *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
+        let lower_bound_mm = nest::lower_bound_mm(&instance);
+        let wall_secs = self.budget.elapsed_secs();
+        Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs() - cpu, wall_secs, curve })
+    }
+
+    fn batch(&self, meshes: &Meshes) -> Result<Batch> {
+        let part = |(part, copies): &(PartRow, Vec<u32>)| -> Result<BatchPart> {
+            let mesh = meshes.mesh(&self.profile, part)?;
+            Ok(BatchPart { part: part.clone(), mesh, copies: copies.clone() })
+        };
+        Ok(Batch { parts: self.wanted.iter().map(part).collect::<Result<_>>()? })
+    }
+}
+
+/// CPU seconds of this thread so far.
+fn cpu_secs() -> f64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}

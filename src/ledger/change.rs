@@ -1,0 +1,120 @@
+//! A change of the ledger: one short immediate transaction. Every state that a row enters, it enters here, together
+//! with the event that says so.
+
+use sqlx::{Sqlite, SqliteConnection, Transaction};
+
+use super::{BuildId, BuildState, LedgerError, PartId, PartRow, PartState, Utc, error::Result};
+
+/// A change that is not committed yet; dropping it takes everything back.
+pub struct Change {
+    transaction: Transaction<'static, Sqlite>,
+    /// The one time of everything in this change.
+    pub now: Utc,
+}
+
+impl Change {
+    /// A change over a transaction that holds the write lock.
+    pub fn new(transaction: Transaction<'static, Sqlite>, now: Utc) -> Self {
+        Self { transaction, now }
+    }
+
+    /// The connection to run queries on.
+    pub fn db(&mut self) -> &mut SqliteConnection {
+        &mut self.transaction
+    }
+
+    /// Makes the change last.
+    pub async fn commit(mut self) -> Result<()> {
+        if cfg!(debug_assertions) {
+            let faults = super::truth::faults(self.db()).await?;
+            debug_assert!(faults.is_empty(), "a change broke the ledger: {faults:?}");
+        }
+        Ok(self.transaction.commit().await?)
+    }
+
+    /// A part as it stands in this change.
+    pub async fn part(&mut self, id: PartId) -> Result<PartRow> {
+        let part = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id).fetch_optional(self.db()).await?;
+        part.ok_or(LedgerError::UnknownPart(id))
+    }
+
+    /// Profile and state of a build as it stands in this change.
+    pub async fn build(&mut self, id: BuildId) -> Result<(String, BuildState)> {
+        let query = sqlx::query_as("SELECT profile, state FROM build WHERE id = ?");
+        query.bind(id).fetch_optional(self.db()).await?.ok_or(LedgerError::UnknownBuild(id))
+    }
+
+    /// Refuses when the build is in none of these states. Returns its profile.
+    pub async fn demand(&mut self, build: BuildId, needed: &'static [BuildState]) -> Result<String> {
+        match self.build(build).await? {
+            (profile, state) if needed.contains(&state) => Ok(profile),
+            (_, state) => Err(LedgerError::WrongState { build, state, needed }),
+        }
+    }
+
+    /// Moves a part; `detail` is the reason of a rejection and the detail of the event.
+    pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
+        let part = self.part(id).await?;
+        let next = part.state.move_to(next)?;
+        let reason = match (next, detail) {
+            (PartState::Rejected, "") => "no reason was given",
+            (PartState::Rejected, reason) => reason,
+            _ => "",
+        };
+        let now = self.now;
+        sqlx::query("UPDATE part SET state = ?, state_at = ?, reason = ? WHERE id = ?")
+            .bind(next)
+            .bind(now)
+            .bind(reason)
+            .bind(id)
+            .execute(self.db())
+            .await?;
+        self.event(&next.to_string(), &part.profile, Some(id), build, detail).await
+    }
+
+    /// Moves a build; `detail` is the reason of a failure and the detail of the event. Returns its profile.
+    pub async fn move_build(&mut self, id: BuildId, next: BuildState, detail: &str) -> Result<String> {
+        let (profile, state) = self.build(id).await?;
+        let next = state.move_to(next)?;
+        let now = self.now;
+        sqlx::query(
+            "UPDATE build SET state = ?1, state_at = ?2, \
+             nesting_at = CASE ?1 WHEN 'nesting' THEN ?2 ELSE nesting_at END, \
+             verified_at = CASE ?1 WHEN 'verified' THEN ?2 ELSE verified_at END, \
+             published_at = CASE ?1 WHEN 'published' THEN ?2 ELSE published_at END, \
+             layout = CASE ?1 WHEN 'nesting' THEN layout END, \
+             reason = CASE WHEN ?1 IN ('interrupted', 'complete', 'failed') THEN ?3 ELSE reason END \
+             WHERE id = ?4",
+        )
+        .bind(next)
+        .bind(now)
+        .bind(detail)
+        .bind(id)
+        .execute(self.db())
+        .await?;
+        self.event(&next.to_string(), &profile, None, Some(id), detail).await?;
+        Ok(profile)
+    }
+
+    /// Writes an event.
+    pub async fn event(
+        &mut self,
+        kind: &str,
+        profile: &str,
+        part: Option<PartId>,
+        build: Option<BuildId>,
+        detail: &str,
+    ) -> Result<()> {
+        let now = self.now;
+        sqlx::query("INSERT INTO event (at, kind, profile, part_id, build_id, detail) VALUES (?, ?, ?, ?, ?, ?)")
+            .bind(now)
+            .bind(kind)
+            .bind(profile)
+            .bind(part)
+            .bind(build)
+            .bind(detail)
+            .execute(self.db())
+            .await?;
+        Ok(())
+    }
+}

@@ -1,0 +1,82 @@
+//! The daemon's sign of life, so that faces can say whether it runs.
+
+use jiff::{SignedDuration, Timestamp};
+use serde::Serialize;
+use sqlx::FromRow;
+
+use super::{Ledger, Utc, error::Result};
+
+/// A beat is this long a sign of life, seconds; the daemon beats every few seconds.
+pub const BEAT_LASTS_SECS: i64 = 15;
+
+/// A sign of life.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Beat {
+    /// Process.
+    pub pid: u32,
+    /// Server.
+    pub host: String,
+    /// Version of nestd.
+    pub version: String,
+    /// When this daemon started.
+    pub started_at: Timestamp,
+    /// One line on what it does.
+    pub status: String,
+}
+
+/// The daemon that served this ledger last.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+pub struct DaemonRow {
+    /// Process.
+    pub pid: u32,
+    /// Server.
+    pub host: String,
+    /// Version of nestd.
+    pub version: String,
+    /// When it started.
+    pub started_at: Utc,
+    /// Its last sign of life.
+    pub beat_at: Utc,
+    /// One line on what it did.
+    pub status: String,
+    /// Whether the last sign of life is younger than [`BEAT_LASTS_SECS`].
+    #[sqlx(default)]
+    pub alive: bool,
+}
+
+impl Ledger {
+    /// Writes a sign of life.
+    pub async fn beat(&self, beat: &Beat) -> Result<()> {
+        let mut change = self.change().await?;
+        let now = change.now;
+        sqlx::query(
+            "INSERT INTO daemon (id, pid, host, version, started_at, beat_at, status) VALUES (1, ?, ?, ?, ?, ?, ?) \
+             ON CONFLICT (id) DO UPDATE SET pid = excluded.pid, host = excluded.host, version = excluded.version, \
+             started_at = excluded.started_at, beat_at = excluded.beat_at, status = excluded.status",
+        )
+        .bind(beat.pid)
+        .bind(&beat.host)
+        .bind(&beat.version)
+        .bind(Utc(beat.started_at))
+        .bind(now)
+        .bind(&beat.status)
+        .execute(change.db())
+        .await?;
+        change.commit().await
+    }
+
+    /// The daemon has stopped in order: nobody serves this ledger.
+    pub async fn farewell(&self) -> Result<()> {
+        let mut change = self.change().await?;
+        sqlx::query("DELETE FROM daemon").execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// The daemon that serves this ledger, or that died without a farewell.
+    pub async fn daemon(&self) -> Result<Option<DaemonRow>> {
+        let query = sqlx::query_as("SELECT pid, host, version, started_at, beat_at, status FROM daemon");
+        let row: Option<DaemonRow> = query.fetch_optional(self.reader()).await?;
+        let age = |row: &DaemonRow| self.now().duration_since(*row.beat_at);
+        Ok(row.map(|row| DaemonRow { alive: age(&row) < SignedDuration::from_secs(BEAT_LASTS_SECS), ..row }))
+    }
+}

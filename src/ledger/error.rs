@@ -1,0 +1,170 @@
+//! What can go wrong with the ledger.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::{BuildId, CommandId, IllegalMove, PartId};
+
+/// Why the ledger did not do what was asked. Nothing of a failed change is kept.
+#[derive(Debug, Error)]
+pub enum LedgerError {
+    /// There is no ledger yet.
+    #[error("there is no ledger at {}: the daemon makes it when it first runs", .path.display())]
+    Missing {
+        /// Where it should be.
+        path: PathBuf,
+    },
+    /// SQLite's locks do not hold there.
+    #[error("the ledger {} is on a network file system ({kind}): move the state directory to a local disk", .path.display())]
+    NetworkFileSystem {
+        /// The ledger.
+        path: PathBuf,
+        /// Which file system.
+        kind: &'static str,
+    },
+    /// The folder of the ledger cannot be made or looked at.
+    #[error("cannot use the folder of the ledger {}", .path.display())]
+    Folder {
+        /// The ledger.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// SQLite cannot open it.
+    #[error("cannot open the ledger {}", .path.display())]
+    Open {
+        /// The ledger.
+        path: PathBuf,
+        /// What SQLite said.
+        source: sqlx::Error,
+    },
+    /// A newer nestd wrote it.
+    #[error("the ledger {} has schema {found}, this nestd knows up to {known}: use the newer nestd", .path.display())]
+    NewerSchema {
+        /// The ledger.
+        path: PathBuf,
+        /// Its schema.
+        found: i64,
+        /// The newest schema of this binary.
+        known: i64,
+    },
+    /// An older nestd wrote it and the daemon has not brought it up to date yet.
+    #[error("the ledger {} has schema {found}, this nestd needs {known}: start the daemon, it brings the ledger up to date", .path.display())]
+    OlderSchema {
+        /// The ledger.
+        path: PathBuf,
+        /// Its schema.
+        found: i64,
+        /// The newest schema of this binary.
+        known: i64,
+    },
+    /// The schema cannot be brought up to date.
+    #[error("cannot bring the ledger {} up to date", .path.display())]
+    Migrate {
+        /// The ledger.
+        path: PathBuf,
+        /// What the migration said.
+        source: sqlx::migrate::MigrateError,
+    },
+    /// A query failed.
+    #[error("a query of the ledger failed")]
+    Sql(#[from] sqlx::Error),
+    /// There is no such part.
+    #[error("there is no part {0}")]
+    UnknownPart(PartId),
+    /// There is no such build.
+    #[error("there is no build {0}")]
+    UnknownBuild(BuildId),
+    /// There is no such order by hand, or it is answered already.
+    #[error("there is no open command {0}")]
+    UnknownCommand(CommandId),
+    /// The state machine forbids it.
+    #[error(transparent)]
+    Illegal(#[from] IllegalMove),
+    /// The build is not in the state that the change is for.
+    #[error("build {build} is {state}, not {}", .needed.iter().map(|s| s.to_string()).collect::<Vec<_>>().join(" or "))]
+    WrongState {
+        /// The build.
+        build: BuildId,
+        /// Its state.
+        state: super::BuildState,
+        /// What the change needs.
+        needed: &'static [super::BuildState],
+    },
+    /// The part is not waiting, so that no copy of it can be nested.
+    #[error("part {part} is {state}, not waiting")]
+    NotWaiting {
+        /// The part.
+        part: PartId,
+        /// Its state.
+        state: super::PartState,
+    },
+    /// The copy is in a build already.
+    #[error("copy {copy} of part {part} is in build {build} already")]
+    CopyTaken {
+        /// The part.
+        part: PartId,
+        /// Its copy, from 0.
+        copy: u32,
+        /// Where it is.
+        build: BuildId,
+    },
+    /// The part has fewer copies.
+    #[error("part {part} has no copy {copy}")]
+    NoSuchCopy {
+        /// The part.
+        part: PartId,
+        /// The copy, from 0.
+        copy: u32,
+    },
+    /// The copy is not in that build.
+    #[error("copy {copy} of part {part} is not in build {build}")]
+    NotInBuild {
+        /// The part.
+        part: PartId,
+        /// Its copy, from 0.
+        copy: u32,
+        /// The build.
+        build: BuildId,
+    },
+    /// The part is for another machine.
+    #[error("part {part} is for {profile}, build {build} is not")]
+    WrongProfile {
+        /// The part.
+        part: PartId,
+        /// Its profile.
+        profile: String,
+        /// The build.
+        build: BuildId,
+    },
+    /// A build without a copy makes no sense.
+    #[error("build {0} has no copy to nest")]
+    NothingToNest(BuildId),
+    /// What was verified is not what was taken into the build.
+    #[error("build {build} holds {taken} copies, {placed} are placed: they must be the same")]
+    PlacementsDiffer {
+        /// The build.
+        build: BuildId,
+        /// Copies taken into it.
+        taken: usize,
+        /// Copies with a pose.
+        placed: usize,
+    },
+    /// Some copies are being nested at this moment.
+    #[error("part {part} has copies in build {build}, which is {state}: wait until it is published")]
+    BeingBuilt {
+        /// The part.
+        part: PartId,
+        /// The build.
+        build: BuildId,
+        /// The state of the build.
+        state: super::BuildState,
+    },
+    /// A 3MF without a solid was accepted.
+    #[error("part {0} was read without a solid")]
+    NoSolid(PartId),
+}
+
+/// Result of whatever the ledger does.
+pub type Result<T, E = LedgerError> = std::result::Result<T, E>;

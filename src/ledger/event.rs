@@ -1,0 +1,53 @@
+//! Events: what happened to parts and builds, in order, for ever.
+
+use serde::Serialize;
+use sqlx::FromRow;
+
+use super::{BuildId, Ledger, PartId, Utc, error::Result};
+
+/// Something that happened.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+pub struct EventRow {
+    /// Its number.
+    pub id: i64,
+    /// When.
+    pub at: Utc,
+    /// What: a state that was entered, or a word of its own.
+    pub kind: String,
+    /// Machine profile, "" = none.
+    pub profile: String,
+    /// The part that it is about.
+    pub part_id: Option<PartId>,
+    /// The build that it is about.
+    pub build_id: Option<BuildId>,
+    /// More about it.
+    pub detail: String,
+}
+
+impl Ledger {
+    /// Writes an event.
+    pub async fn event(
+        &self,
+        kind: &str,
+        profile: &str,
+        part: Option<PartId>,
+        build: Option<BuildId>,
+        detail: &str,
+    ) -> Result<()> {
+        let mut change = self.change().await?;
+        change.event(kind, profile, part, build, detail).await?;
+        change.commit().await
+    }
+
+    /// The events of a part, oldest first.
+    pub async fn events_of_part(&self, part: PartId) -> Result<Vec<EventRow>> {
+        let query = sqlx::query_as("SELECT * FROM event WHERE part_id = ? ORDER BY id").bind(part);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// The events of a build, oldest first; of its parts only those that name it.
+    pub async fn events_of_build(&self, build: BuildId) -> Result<Vec<EventRow>> {
+        let query = sqlx::query_as("SELECT * FROM event WHERE build_id = ? ORDER BY id").bind(build);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+}

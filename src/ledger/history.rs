@@ -1,0 +1,94 @@
+//! The history: builds with their heights, newest first.
+
+use jiff::Timestamp;
+use serde::Serialize;
+use sqlx::FromRow;
+
+use super::{BuildId, BuildState, Ledger, Utc, error::Result};
+
+/// Which builds to list. A build's time is when it was published, else when it entered its state.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct HistoryQuery {
+    /// Not before.
+    pub since: Option<Timestamp>,
+    /// Before.
+    pub until: Option<Timestamp>,
+    /// Of one machine profile only.
+    pub profile: Option<String>,
+    /// So many at most; `None` = all.
+    pub limit: Option<u32>,
+}
+
+/// A build that is past nesting.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct HistoryRow {
+    /// Its number.
+    pub build: BuildId,
+    /// Machine profile.
+    pub profile: String,
+    /// Where it stands.
+    pub state: BuildState,
+    /// When it was published, else when it entered its state.
+    pub at: Utc,
+    /// When it came into the queue; `None` = never.
+    pub published_at: Option<Utc>,
+    /// Build height, mm.
+    pub height_mm: Option<f64>,
+    /// Part volume / (base area x height), 0..1.
+    pub density: Option<f64>,
+    /// No build of these parts can be lower, mm.
+    pub lower_bound_mm: Option<f64>,
+    /// Layers to print.
+    pub layers: Option<u32>,
+    /// Distinct parts.
+    pub parts: u32,
+    /// Placements.
+    pub copies: Option<u32>,
+    /// Volume of all parts in it, mm3.
+    pub part_volume_mm3: Option<f64>,
+    /// Clearance asked, mm.
+    pub clearance_mm: Option<f64>,
+    /// Least distance found on the triangles of the written file, mm.
+    pub clearance_proved_mm: Option<f64>,
+    /// CPU seconds of all nesting for it.
+    pub cpu_secs: Option<f64>,
+    /// Wall seconds of the final nesting.
+    pub wall_secs: Option<f64>,
+    /// Evaluations of the final nesting.
+    pub evaluations: Option<u64>,
+    /// Seed of the final nesting, its bits as a signed number.
+    pub seed: Option<i64>,
+    /// nestd or paper.
+    pub method: Option<String>,
+    /// Version of nestd.
+    pub version: Option<String>,
+    /// Trigger.
+    pub fired_by: String,
+    /// Name of the build file.
+    pub file_name: Option<String>,
+    /// Why it failed, or the outcome's note.
+    pub reason: String,
+}
+
+impl Ledger {
+    /// Builds that are past nesting with their heights, newest first.
+    pub async fn history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
+        let rows = sqlx::query_as(
+            "SELECT b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
+             b.height_mm, b.density, b.lower_bound_mm, b.layers, \
+             (SELECT count(DISTINCT l.part_id) FROM placement l WHERE l.build_id = b.id) AS parts, b.copies, \
+             b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
+             b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason \
+             FROM build b WHERE b.state NOT IN ('open', 'nesting') \
+             AND (?1 IS NULL OR coalesce(b.published_at, b.state_at) >= ?1) \
+             AND (?2 IS NULL OR coalesce(b.published_at, b.state_at) < ?2) \
+             AND (?3 IS NULL OR b.profile = ?3) \
+             ORDER BY coalesce(b.published_at, b.state_at) DESC, b.id DESC LIMIT ?4",
+        )
+        .bind(query.since.map(Utc))
+        .bind(query.until.map(Utc))
+        .bind(&query.profile)
+        .bind(query.limit.map_or(-1, i64::from));
+        Ok(rows.fetch_all(self.reader()).await?)
+    }
+}

@@ -1,0 +1,34 @@
+//! Typed row numbers: a part's number cannot be taken for a build's.
+
+use std::fmt;
+
+use serde::Serialize;
+
+macro_rules! row_id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, sqlx::Type)]
+        #[serde(transparent)]
+        #[sqlx(transparent)]
+        pub struct $name(pub i64);
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+    };
+}
+
+row_id! {
+    /// Number of a part.
+    PartId
+}
+row_id! {
+    /// Number of a build.
+    BuildId
+}
+row_id! {
+    /// Number of an order by hand.
+    CommandId
+}

@@ -1,0 +1,141 @@
+//! The ledger itself: opening it, its one writer and its readers.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+    time::Duration,
+};
+
+use jiff::Timestamp;
+use sqlx::{
+    Sqlite, SqlitePool, Transaction,
+    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
+};
+
+use super::{LedgerError, Utc, change::Change, error::Result, place, schema};
+
+/// A writer waits so long for another process before it gives up; changes take milliseconds.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(30);
+/// Connections that only read.
+const READERS: u32 = 4;
+/// Turning a fresh file into WAL mode cannot wait for a lock, so opening is tried so often ...
+const OPEN_ATTEMPTS: u32 = 100;
+/// ... with this pause.
+const OPEN_PAUSE: Duration = Duration::from_millis(50);
+
+/// The database of a farm. Cloning is cheap and gives another handle of the same ledger.
+#[derive(Clone)]
+pub struct Ledger {
+    path: PathBuf,
+    writer: SqlitePool,
+    reader: SqlitePool,
+    clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
+}
+
+impl Ledger {
+    /// Opens the ledger at `path`; makes the file and its folder when there is none, brings its schema up to date.
+    ///
+    /// # Errors
+    /// A network file system, a schema newer than this binary, or SQLite's own trouble.
+    pub async fn open(path: &Path) -> Result<Self> {
+        let folder = place::folder(path);
+        std::fs::create_dir_all(folder).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
+        place::refuse_network(path)?;
+        let options = options(path).create_if_missing(true).journal_mode(SqliteJournalMode::Wal);
+        let ledger = Self::connect(path, options).await?;
+        schema::bring_up_to_date(path, &ledger.writer).await?;
+        Ok(ledger)
+    }
+
+    /// Opens a ledger that is there and up to date; for faces, which must not make or change one.
+    ///
+    /// # Errors
+    /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
+    pub async fn open_existing(path: &Path) -> Result<Self> {
+        if !path.is_file() {
+            return Err(LedgerError::Missing { path: path.to_owned() });
+        }
+        place::refuse_network(path)?;
+        let ledger = Self::connect(path, options(path)).await?;
+        schema::demand(path, &ledger.writer).await?;
+        Ok(ledger)
+    }
+
+    async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
+        let failed = |source| LedgerError::Open { path: path.to_owned(), source };
+        // A connection that only reads must say so: a query that writes by mistake would bypass the one writer.
+        let reading = options.clone().create_if_missing(false).pragma("query_only", "ON");
+        let pool = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
+        let mut attempt = 1;
+        let writer = loop {
+            match pool.clone().connect_with(options.clone()).await {
+                Ok(writer) => break writer,
+                Err(error) if is_locked(&error) && attempt < OPEN_ATTEMPTS => attempt += 1,
+                Err(error) => return Err(failed(error)),
+            }
+            tokio::time::sleep(OPEN_PAUSE).await;
+        };
+        let reader = SqlitePoolOptions::new().max_connections(READERS).connect_lazy_with(reading);
+        Ok(Self { path: path.to_owned(), writer, reader, clock: Arc::new(Timestamp::now) })
+    }
+
+    /// The same ledger with another clock, for tests that turn time by hand.
+    pub fn with_clock(self, clock: impl Fn() -> Timestamp + Send + Sync + 'static) -> Self {
+        Self { clock: Arc::new(clock), ..self }
+    }
+
+    /// Where the ledger is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Ends all work in order.
+    pub async fn close(&self) {
+        self.reader.close().await;
+        self.writer.close().await;
+    }
+
+    /// The time by this ledger's clock.
+    pub(super) fn now(&self) -> Utc {
+        Utc((self.clock)())
+    }
+
+    /// Connections that only read.
+    pub(super) fn reader(&self) -> &SqlitePool {
+        &self.reader
+    }
+
+    /// Begins a change. It takes the write lock at once: a deferred `BEGIN` that turns from reading to writing fails
+    /// with "database is locked" when another process has written in between, whatever the busy timeout says.
+    pub(super) async fn change(&self) -> Result<Change> {
+        let transaction = self.writer.begin_with("BEGIN IMMEDIATE").await?;
+        Ok(Change::new(transaction, self.now()))
+    }
+
+    /// Begins to read several tables as of one moment. It never writes, so that a deferred `BEGIN` is right here.
+    pub(super) async fn snapshot(&self) -> Result<Transaction<'static, Sqlite>> {
+        Ok(self.reader.begin_with("BEGIN DEFERRED").await?)
+    }
+}
+
+impl std::fmt::Debug for Ledger {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Ledger").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+/// FULL: a committed change survives a power cut, as "exactly once" needs.
+fn options(path: &Path) -> SqliteConnectOptions {
+    SqliteConnectOptions::new()
+        .filename(path)
+        .synchronous(SqliteSynchronous::Full)
+        .foreign_keys(true)
+        .busy_timeout(BUSY_TIMEOUT)
+}
+
+/// SQLITE_BUSY in its primary or an extended form.
+fn is_locked(error: &sqlx::Error) -> bool {
+    const SQLITE_BUSY: i64 = 5;
+    let code = error.as_database_error().and_then(|e| e.code()).and_then(|c| c.parse::<i64>().ok());
+    code.is_some_and(|c| c & 0xff == SQLITE_BUSY)
+}

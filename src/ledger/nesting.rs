@@ -1,0 +1,121 @@
+//! A build that fires: its copies are taken, tried, let go again or lost to a failure. A copy is in one build only,
+//! which the key of the placements guards.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::{BuildId, BuildState, Ledger, LedgerError, PartId, PartState, change::Change, error::Result};
+
+impl Ledger {
+    /// open -> nesting: takes exactly these copies; parts whose last copy is taken become batched.
+    pub async fn begin_nesting(&self, build: BuildId, fired_by: &str, copies: &[(PartId, u32)]) -> Result<()> {
+        if copies.is_empty() {
+            return Err(LedgerError::NothingToNest(build));
+        }
+        let mut change = self.change().await?;
+        let profile = change.move_build(build, BuildState::Nesting, fired_by).await?;
+        sqlx::query("UPDATE build SET attempts = 1, fired_by = ?, copies = ? WHERE id = ?")
+            .bind(fired_by)
+            .bind(copies.len() as i64)
+            .bind(build)
+            .execute(change.db())
+            .await?;
+        for (part, copies) in by_part(copies) {
+            take(&mut change, build, &profile, part, &copies).await?;
+        }
+        change.commit().await
+    }
+
+    /// Counts another attempt of a nesting build; returns how many there are now.
+    pub async fn begin_attempt(&self, build: BuildId) -> Result<u32> {
+        let mut change = self.change().await?;
+        change.demand(build, &[BuildState::Nesting]).await?;
+        let attempts = sqlx::query_scalar("UPDATE build SET attempts = attempts + 1 WHERE id = ? RETURNING attempts")
+            .bind(build)
+            .fetch_one(change.db())
+            .await?;
+        change.commit().await?;
+        Ok(attempts)
+    }
+
+    /// Lets copies of a nesting build go: their parts wait again, with their age kept.
+    pub async fn release_copies(&self, build: BuildId, copies: &[(PartId, u32)]) -> Result<()> {
+        let mut change = self.change().await?;
+        change.demand(build, &[BuildState::Nesting]).await?;
+        release(&mut change, build, copies, "found no place").await?;
+        change.commit().await
+    }
+
+    /// nesting -> failed: all its copies wait again.
+    pub async fn fail_build(&self, build: BuildId, reason: &str) -> Result<()> {
+        let mut change = self.change().await?;
+        change.demand(build, &[BuildState::Nesting]).await?;
+        let copies: Vec<(PartId, u32)> = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ?")
+            .bind(build)
+            .fetch_all(change.db())
+            .await?;
+        release(&mut change, build, &copies, "the build failed").await?;
+        change.move_build(build, BuildState::Failed, reason).await?;
+        // The forecast is not the height of anything any more.
+        sqlx::query("UPDATE build SET height_mm = NULL, density = NULL, part_volume_mm3 = NULL WHERE id = ?")
+            .bind(build)
+            .execute(change.db())
+            .await?;
+        change.commit().await
+    }
+}
+
+fn by_part(copies: &[(PartId, u32)]) -> BTreeMap<PartId, Vec<u32>> {
+    let mut parts: BTreeMap<PartId, Vec<u32>> = BTreeMap::new();
+    for &(part, copy) in copies {
+        parts.entry(part).or_default().push(copy);
+    }
+    parts
+}
+
+/// Takes copies of one part into a build.
+async fn take(change: &mut Change, build: BuildId, profile: &str, id: PartId, copies: &[u32]) -> Result<()> {
+    let part = change.part(id).await?;
+    if part.profile != profile {
+        return Err(LedgerError::WrongProfile { part: id, profile: part.profile, build });
+    }
+    if part.state != PartState::Waiting {
+        return Err(LedgerError::NotWaiting { part: id, state: part.state });
+    }
+    for &copy in copies {
+        if copy >= part.copies {
+            return Err(LedgerError::NoSuchCopy { part: id, copy });
+        }
+        let place =
+            sqlx::query("INSERT INTO placement (part_id, copy, build_id) VALUES (?, ?, ?) ON CONFLICT DO NOTHING");
+        if place.bind(id).bind(copy).bind(build).execute(change.db()).await?.rows_affected() == 0 {
+            let holder = sqlx::query_scalar("SELECT build_id FROM placement WHERE part_id = ? AND copy = ?");
+            let build = holder.bind(id).bind(copy).fetch_one(change.db()).await?;
+            return Err(LedgerError::CopyTaken { part: id, copy, build });
+        }
+    }
+    let placed: u32 =
+        sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?").bind(id).fetch_one(change.db()).await?;
+    if placed == part.copies {
+        change.move_part(id, PartState::Batched, Some(build), "").await?;
+    }
+    Ok(())
+}
+
+/// Takes copies out of a build.
+async fn release(change: &mut Change, build: BuildId, copies: &[(PartId, u32)], why: &str) -> Result<()> {
+    for &(part, copy) in copies {
+        let lift = sqlx::query("DELETE FROM placement WHERE part_id = ? AND copy = ? AND build_id = ?");
+        if lift.bind(part).bind(copy).bind(build).execute(change.db()).await?.rows_affected() == 0 {
+            return Err(LedgerError::NotInBuild { part, copy, build });
+        }
+    }
+    let parts: BTreeSet<PartId> = copies.iter().map(|&(part, _)| part).collect();
+    for part in parts {
+        if change.part(part).await?.state == PartState::Batched {
+            change.move_part(part, PartState::Waiting, Some(build), why).await?;
+        }
+    }
+    let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = ?1) WHERE id = ?1";
+    sqlx::query(count).bind(build).execute(change.db()).await?;
+    Ok(())
+}

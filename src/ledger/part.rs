@@ -1,0 +1,213 @@
+//! Parts: what a customer dropped, one row per solid.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use sqlx::FromRow;
+
+use super::{BuildId, Ledger, PartId, PartState, Utc, error::Result, word::own_word};
+use crate::{format::Unit, nest::OrientationRule};
+
+/// A claimed file, before it is read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewPart {
+    /// Name of the claim, unique per dropped file; recording it twice gives the same part.
+    pub claim: String,
+    /// Machine profile.
+    pub profile: String,
+    /// File name as dropped, escaped for display.
+    pub name: String,
+    /// Order or kit, "" = none.
+    pub order_name: String,
+    /// BLAKE3 of the file, 64 hex digits.
+    pub content_hash: String,
+    /// Size of the file.
+    pub bytes: u64,
+    /// Copies that were asked, at least 1.
+    pub copies: u32,
+    /// 0 to 100; 100 must be in the next build.
+    pub priority: u8,
+    /// When it is due.
+    pub due_at: Option<Timestamp>,
+    /// How it may be turned.
+    pub orientation: OrientationRule,
+    /// Its own clearance, mm; `None` = the profile's.
+    pub clearance_mm: Option<f64>,
+    /// Unit that the ticket says; `None` = by the file or the profile.
+    pub unit: Option<Unit>,
+    /// Free text of the ticket.
+    pub note: String,
+    /// What was odd, one sentence each.
+    pub warnings: Vec<String>,
+    /// The ticket as received.
+    pub ticket: Option<NewTicket>,
+}
+
+/// A ticket as received.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewTicket {
+    /// What kind of ticket.
+    pub source: TicketSource,
+    /// Where it stood.
+    pub file_name: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// Where a ticket comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TicketSource {
+    /// Copies in the file name.
+    Name,
+    /// A sidecar file of the part.
+    Sidecar,
+    /// A line of an order list.
+    OrderList,
+}
+
+own_word!(TicketSource);
+
+/// Answer to recording a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Recorded {
+    /// The part.
+    pub id: PartId,
+    /// Whether the claim was new; `false` = it had been recorded before.
+    pub fresh: bool,
+}
+
+/// What reading found out about one solid of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolidFacts {
+    /// Which solid of the file, from 0; 0 is the claimed row itself.
+    pub object_index: u32,
+    /// Name of the solid inside a 3MF, "" otherwise.
+    pub object_name: String,
+    /// Copies of this solid in all: those asked times the build items of the file. Kept as they are when the part was
+    /// read before (a retry).
+    pub copies: u32,
+    /// Triangles.
+    pub triangles: u64,
+    /// Volume, mm3.
+    pub volume_mm3: f64,
+    /// Bounds as dropped, mm.
+    pub size_mm: [f64; 3],
+    /// What was odd, one sentence each; added to those of the claim.
+    pub warnings: Vec<String>,
+}
+
+/// A part: one solid of one dropped file, for one machine profile, with its copies.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct PartRow {
+    /// Its number.
+    pub id: PartId,
+    /// Name of the claim, unique per dropped file.
+    pub claim: String,
+    /// Which solid of the file, from 0.
+    pub object_index: u32,
+    /// Machine profile.
+    pub profile: String,
+    /// File name as dropped, escaped for display.
+    pub name: String,
+    /// Name of the solid inside a 3MF.
+    pub object_name: String,
+    /// Order or kit, "" = none.
+    pub order_name: String,
+    /// BLAKE3 of the file, 64 hex digits.
+    pub content_hash: String,
+    /// Size of the file.
+    pub bytes: u64,
+    /// Where it stands.
+    pub state: PartState,
+    /// Why it was rejected, "" otherwise.
+    pub reason: String,
+    /// What was odd, one per line.
+    pub warnings: String,
+    /// Copies in all.
+    pub copies: u32,
+    /// 0 to 100.
+    pub priority: u8,
+    /// When it is due.
+    pub due_at: Option<Utc>,
+    /// How it may be turned.
+    pub orientation: OrientationRule,
+    /// Its own clearance, mm; `None` = the profile's.
+    pub clearance_mm: Option<f64>,
+    /// Unit that the ticket said.
+    pub unit: Option<Unit>,
+    /// Free text of the ticket.
+    pub note: String,
+    /// Triangles; `None` until read.
+    pub triangles: Option<u64>,
+    /// Volume, mm3; `None` until read.
+    pub volume_mm3: Option<f64>,
+    /// Width as dropped, mm; `None` until read.
+    pub size_x_mm: Option<f64>,
+    /// Depth as dropped, mm.
+    pub size_y_mm: Option<f64>,
+    /// Height as dropped, mm.
+    pub size_z_mm: Option<f64>,
+    /// When it was claimed: its age in line.
+    pub claimed_at: Utc,
+    /// When its state was entered.
+    pub state_at: Utc,
+}
+
+impl PartRow {
+    /// Bounds as dropped, mm; `None` until read.
+    pub fn size_mm(&self) -> Option<[f64; 3]> {
+        Some([self.size_x_mm?, self.size_y_mm?, self.size_z_mm?])
+    }
+}
+
+impl Ledger {
+    /// A part.
+    pub async fn part(&self, id: PartId) -> Result<Option<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id);
+        Ok(query.fetch_optional(self.reader()).await?)
+    }
+
+    /// All parts in a state, oldest first.
+    pub async fn parts_in_state(&self, state: PartState) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE state = ? ORDER BY claimed_at, id").bind(state);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// All solids of a claim, by object index.
+    pub async fn parts_of_claim(&self, claim: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE claim = ? ORDER BY object_index").bind(claim);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// All parts of an order, oldest first.
+    pub async fn order(&self, name: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE order_name = ? AND order_name <> '' ORDER BY id");
+        Ok(query.bind(name).fetch_all(self.reader()).await?)
+    }
+
+    /// All parts with a copy in a build, in order of precedence.
+    pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE id IN (SELECT part_id FROM placement WHERE build_id = ?) \
+             ORDER BY priority DESC, due_at IS NULL, due_at, claimed_at, id",
+        );
+        Ok(query.bind(build).fetch_all(self.reader()).await?)
+    }
+
+    /// The latest part of an earlier claim, not rejected, with the same content in the same profile.
+    pub async fn earlier_with_hash(&self, profile: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
+        let query = sqlx::query_scalar(
+            "SELECT id FROM part WHERE content_hash = ?1 AND profile = ?2 AND id < ?3 AND state <> 'rejected' \
+             AND claim <> (SELECT claim FROM part WHERE id = ?3) ORDER BY id DESC LIMIT 1",
+        );
+        Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()).await?)
+    }
+
+    /// Whether a live part (claimed, waiting, batched) needs the stored file.
+    pub async fn hash_in_use(&self, hash: &str) -> Result<bool> {
+        let query = sqlx::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = ? AND state IN ('claimed', 'waiting', 'batched'))",
+        );
+        Ok(query.bind(hash).fetch_one(self.reader()).await?)
+    }
+}

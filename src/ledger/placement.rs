@@ -1,0 +1,74 @@
+//! Placements: which copy of which part is in which build, and how it stands there.
+
+use serde::Serialize;
+use sqlx::FromRow;
+
+use super::{BuildId, BuildState, Ledger, PartId, Utc, error::Result};
+
+/// A copy with its pose in a proved build.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlacedCopy {
+    /// The part.
+    pub part: PartId,
+    /// Its copy, from 0.
+    pub copy: u32,
+    /// Rotation, unit quaternion x y z w.
+    pub rotation: [f64; 4],
+    /// Translation after the rotation, machine frame, mm.
+    pub translation_mm: [f64; 3],
+}
+
+/// A copy that is in a build.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct PlacementRow {
+    /// The part.
+    pub part_id: PartId,
+    /// Its copy, from 0.
+    pub copy: u32,
+    /// The build.
+    pub build_id: BuildId,
+    /// Where the build stands.
+    pub build_state: BuildState,
+    /// When the build came into the queue.
+    pub published_at: Option<Utc>,
+    /// Rotation, unit quaternion; `None` until the build is verified.
+    pub qx: Option<f64>,
+    /// Second part of the quaternion.
+    pub qy: Option<f64>,
+    /// Third part of the quaternion.
+    pub qz: Option<f64>,
+    /// Real part of the quaternion.
+    pub qw: Option<f64>,
+    /// Translation after the rotation, machine frame, mm; `None` until the build is verified.
+    pub tx_mm: Option<f64>,
+    /// Translation along y, mm.
+    pub ty_mm: Option<f64>,
+    /// Translation along z, mm.
+    pub tz_mm: Option<f64>,
+}
+
+impl Ledger {
+    /// Where the copies of a part are, by copy.
+    pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
+        let query = sqlx::query_as(
+            "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = ? ORDER BY l.copy",
+        );
+        Ok(query.bind(part).fetch_all(self.reader()).await?)
+    }
+
+    /// The copies in a build with their poses, by part and copy.
+    pub async fn placements_of_build(&self, build: BuildId) -> Result<Vec<PlacementRow>> {
+        let query = sqlx::query_as(
+            "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.build_id = ? ORDER BY l.part_id, l.copy",
+        );
+        Ok(query.bind(build).fetch_all(self.reader()).await?)
+    }
+
+    /// The copies taken into a build, by part and copy.
+    pub async fn copies_of_build(&self, build: BuildId) -> Result<Vec<(PartId, u32)>> {
+        let query = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy");
+        Ok(query.bind(build).fetch_all(self.reader()).await?)
+    }
+}

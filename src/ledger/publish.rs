@@ -1,0 +1,109 @@
+//! The last steps of a build by the farm's own hand: its file is proved, then it is in the queue.
+
+use super::{
+    BuildId, BuildState, Ledger, LedgerError, PartId, PartState, PlacedCopy, Verified, change::Change, error::Result,
+};
+
+impl Ledger {
+    /// nesting -> verified: the file is written and proved. `placed` must be exactly the copies of the build.
+    pub async fn verify_build(&self, build: BuildId, verified: &Verified, placed: &[PlacedCopy]) -> Result<()> {
+        let mut change = self.change().await?;
+        change.move_build(build, BuildState::Verified, &verified.file_name).await?;
+        demand_same_copies(&mut change, build, verified.copies, placed).await?;
+        write_result(&mut change, build, verified).await?;
+        for copy in placed {
+            write_pose(&mut change, build, copy).await?;
+        }
+        change.commit().await
+    }
+
+    /// verified -> published; parts whose last copy is published become built.
+    pub async fn publish_build(&self, build: BuildId) -> Result<()> {
+        let mut change = self.change().await?;
+        change.move_build(build, BuildState::Published, "").await?;
+        let built: Vec<PartId> = sqlx::query_scalar(
+            "SELECT p.id FROM part p WHERE p.state = 'batched' \
+             AND p.id IN (SELECT part_id FROM placement WHERE build_id = ?) \
+             AND NOT EXISTS (SELECT 1 FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = p.id AND b.published_at IS NULL) ORDER BY p.id",
+        )
+        .bind(build)
+        .fetch_all(change.db())
+        .await?;
+        for part in built {
+            change.move_part(part, PartState::Built, Some(build), "").await?;
+        }
+        change.commit().await
+    }
+}
+
+/// What is placed must be what was taken: no copy lost, none twice.
+async fn demand_same_copies(change: &mut Change, build: BuildId, claimed: u32, placed: &[PlacedCopy]) -> Result<()> {
+    let taken: Vec<(PartId, u32)> =
+        sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy")
+            .bind(build)
+            .fetch_all(change.db())
+            .await?;
+    let mut copies: Vec<(PartId, u32)> = placed.iter().map(|p| (p.part, p.copy)).collect();
+    copies.sort_unstable();
+    if copies != taken || claimed as usize != placed.len() {
+        return Err(LedgerError::PlacementsDiffer { build, taken: taken.len(), placed: placed.len() });
+    }
+    if placed.is_empty() {
+        return Err(LedgerError::NothingToNest(build));
+    }
+    Ok(())
+}
+
+async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) -> Result<()> {
+    sqlx::query(
+        "UPDATE build SET file_name = ?, queue_id = ?, file_hash = ?, file_bytes = ?, height_mm = ?, density = ?, \
+         lower_bound_mm = ?, layers = ?, part_volume_mm3 = ?, copies = ?, clearance_mm = ?, clearance_proved_mm = ?, \
+         cpu_secs = coalesce(cpu_secs, 0) + ?, wall_secs = ?, evaluations = ?, seed = ?, method = ?, version = ?, \
+         profile_snapshot = ? WHERE id = ?",
+    )
+    .bind(&verified.file_name)
+    .bind(&verified.queue_id)
+    .bind(&verified.file_hash)
+    .bind(verified.file_bytes as i64)
+    .bind(verified.height_mm)
+    .bind(verified.density)
+    .bind(verified.lower_bound_mm)
+    .bind(verified.layers)
+    .bind(verified.part_volume_mm3)
+    .bind(verified.copies)
+    .bind(verified.clearance_mm)
+    .bind(verified.clearance_proved_mm)
+    .bind(verified.cpu_secs)
+    .bind(verified.wall_secs)
+    .bind(verified.evaluations as i64)
+    .bind(verified.seed.cast_signed())
+    .bind(&verified.method)
+    .bind(&verified.version)
+    .bind(&verified.profile_snapshot)
+    .bind(build)
+    .execute(change.db())
+    .await?;
+    Ok(())
+}
+
+async fn write_pose(change: &mut Change, build: BuildId, placed: &PlacedCopy) -> Result<()> {
+    let ([qx, qy, qz, qw], [x, y, z]) = (placed.rotation, placed.translation_mm);
+    sqlx::query(
+        "UPDATE placement SET qx = ?, qy = ?, qz = ?, qw = ?, tx_mm = ?, ty_mm = ?, tz_mm = ? \
+         WHERE part_id = ? AND copy = ? AND build_id = ?",
+    )
+    .bind(qx)
+    .bind(qy)
+    .bind(qz)
+    .bind(qw)
+    .bind(x)
+    .bind(y)
+    .bind(z)
+    .bind(placed.part)
+    .bind(placed.copy)
+    .bind(build)
+    .execute(change.db())
+    .await?;
+    Ok(())
+}

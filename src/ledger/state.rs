@@ -1,0 +1,109 @@
+//! The two state machines of the farm. A state is one enum, moved by one function; the `CHECK`s of the schema say the
+//! same words, and a test compares the two.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::word::own_word;
+
+/// Where a part stands in its life.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PartState {
+    /// Taken out of the hot folder, not read yet.
+    Claimed,
+    /// Read; at least one copy is in no build.
+    Waiting,
+    /// Every copy is in a build, not every build is published.
+    Batched,
+    /// Every copy is in a published build.
+    Built,
+    /// Refused or cancelled, with a reason. It can be taken back.
+    Rejected,
+}
+
+/// Where a build stands in its life.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BuildState {
+    /// Collects the waiting parts of its profile; its layout is a forecast and takes no copy.
+    Open,
+    /// Its copies are taken; the final search runs.
+    Nesting,
+    /// The build file is written and proved; it is not in the queue yet.
+    Verified,
+    /// The build file has been put into the printer's queue.
+    Published,
+    /// The machine prints it.
+    Printing,
+    /// Printed.
+    Complete,
+    /// The machine stopped before the end.
+    Interrupted,
+    /// Nesting failed (never published), or somebody told that the print failed (published).
+    Failed,
+}
+
+/// A move that the state machine does not know.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("a {thing} that is {from} cannot become {to}")]
+pub struct IllegalMove {
+    /// "part" or "build".
+    pub thing: &'static str,
+    /// Its state.
+    pub from: String,
+    /// What was asked.
+    pub to: String,
+}
+
+impl PartState {
+    /// Every state, in the order of a part's life.
+    pub const ALL: [Self; 5] = [Self::Claimed, Self::Waiting, Self::Batched, Self::Built, Self::Rejected];
+
+    /// The one function that moves a part.
+    pub fn move_to(self, next: Self) -> Result<Self, IllegalMove> {
+        use PartState::*;
+        match (self, next) {
+            (Claimed, Waiting | Rejected) => Ok(next),
+            (Waiting, Batched | Rejected) => Ok(next),
+            (Batched, Waiting | Built) => Ok(next),
+            (Rejected, Claimed) => Ok(next),
+            _ => Err(IllegalMove { thing: "part", from: self.to_string(), to: next.to_string() }),
+        }
+    }
+
+    /// Whether the part still needs its stored file.
+    pub fn is_live(self) -> bool {
+        matches!(self, Self::Claimed | Self::Waiting | Self::Batched)
+    }
+}
+
+impl BuildState {
+    /// Every state, in the order of a build's life.
+    pub const ALL: [Self; 8] = [
+        Self::Open,
+        Self::Nesting,
+        Self::Verified,
+        Self::Published,
+        Self::Printing,
+        Self::Complete,
+        Self::Interrupted,
+        Self::Failed,
+    ];
+
+    /// The one function that moves a build.
+    pub fn move_to(self, next: Self) -> Result<Self, IllegalMove> {
+        use BuildState::*;
+        match (self, next) {
+            (Open, Nesting) => Ok(next),
+            (Nesting, Verified | Failed) => Ok(next),
+            (Verified, Published) => Ok(next),
+            (Published, Printing) => Ok(next),
+            (Printing, Complete | Interrupted | Failed) => Ok(next),
+            _ => Err(IllegalMove { thing: "build", from: self.to_string(), to: next.to_string() }),
+        }
+    }
+}
+
+own_word!(PartState);
+own_word!(BuildState);

@@ -1,0 +1,173 @@
+//! Status: what waits, what is being nested and what was published last, per machine profile.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use sqlx::{FromRow, SqliteConnection};
+
+use super::{BuildId, BuildState, Ledger, Utc, error::Result};
+
+/// A machine profile as it stands. Profiles about which the ledger knows nothing have none.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ProfileStatus {
+    /// Its name.
+    pub profile: String,
+    /// Claimed parts that are not read yet.
+    pub claimed_parts: u32,
+    /// Parts with a copy that waits.
+    pub waiting_parts: u32,
+    /// Copies that wait.
+    pub waiting_copies: u32,
+    /// Rejected parts.
+    pub rejected_parts: u32,
+    /// When the oldest waiting part was claimed.
+    pub oldest_at: Option<Utc>,
+    /// The nearest due date of the waiting parts.
+    pub due_at: Option<Utc>,
+    /// The open build.
+    pub open: Option<OpenBuild>,
+    /// Builds that are being nested or published.
+    pub nesting: Vec<NestingBuild>,
+    /// Who has paused it.
+    pub paused: Option<Paused>,
+    /// The build that was published last.
+    pub last_published: Option<PublishedBuild>,
+}
+
+/// The forecast of the next build.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct OpenBuild {
+    /// Its number.
+    pub build: BuildId,
+    /// Height of its layout so far, mm.
+    pub height_mm: Option<f64>,
+    /// Density of its layout so far, 0..1.
+    pub density: Option<f64>,
+    /// Copies in its layout so far.
+    pub copies: Option<u32>,
+}
+
+/// A build that has fired and is not published.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct NestingBuild {
+    /// Its number.
+    pub build: BuildId,
+    /// Nesting or verified.
+    pub state: BuildState,
+    /// Copies taken into it.
+    pub copies: u32,
+    /// Trigger.
+    pub fired_by: String,
+    /// How often nesting was begun.
+    pub attempts: u32,
+    /// When it fired.
+    pub nesting_at: Option<Utc>,
+}
+
+/// A pause.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+pub struct Paused {
+    /// user@host.
+    pub paused_by: String,
+    /// When.
+    pub paused_at: Utc,
+}
+
+/// A build in the queue.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct PublishedBuild {
+    /// Its number.
+    pub build: BuildId,
+    /// When it came into the queue.
+    pub published_at: Utc,
+    /// Build height, mm.
+    pub height_mm: Option<f64>,
+    /// Density, 0..1.
+    pub density: Option<f64>,
+    /// Placements.
+    pub copies: Option<u32>,
+    /// Name of the build file.
+    pub file_name: Option<String>,
+}
+
+/// A row of one aspect with the profile that it is of.
+#[derive(FromRow)]
+struct Of<T> {
+    profile: String,
+    #[sqlx(flatten)]
+    row: T,
+}
+
+/// The parts of a profile, counted.
+#[derive(FromRow)]
+struct Counts {
+    claimed_parts: u32,
+    waiting_parts: u32,
+    waiting_copies: u32,
+    rejected_parts: u32,
+    oldest_at: Option<Utc>,
+    due_at: Option<Utc>,
+}
+
+const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_parts, \
+    sum(p.state = 'waiting') AS waiting_parts, \
+    sum(CASE p.state WHEN 'waiting' THEN p.copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
+    ELSE 0 END) AS waiting_copies, sum(p.state = 'rejected') AS rejected_parts, \
+    min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
+    min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p GROUP BY p.profile";
+
+const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
+
+const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
+    FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
+
+const LAST: &str = "SELECT profile, id AS build, published_at, height_mm, density, copies, file_name FROM build \
+    WHERE id IN (SELECT max(id) FROM build b WHERE published_at = (SELECT max(published_at) FROM build c \
+    WHERE c.profile = b.profile) GROUP BY profile)";
+
+impl Ledger {
+    /// Every profile of which the ledger knows something, by name.
+    pub async fn status(&self) -> Result<Vec<ProfileStatus>> {
+        let mut snapshot = self.snapshot().await?;
+        let db = &mut *snapshot;
+        let mut profiles = BTreeMap::new();
+        for Of { profile, row } in all::<Counts>(db, COUNTS).await? {
+            let counted = ProfileStatus {
+                claimed_parts: row.claimed_parts,
+                waiting_parts: row.waiting_parts,
+                waiting_copies: row.waiting_copies,
+                rejected_parts: row.rejected_parts,
+                oldest_at: row.oldest_at,
+                due_at: row.due_at,
+                ..of(&mut profiles, &profile).clone()
+            };
+            profiles.insert(profile, counted);
+        }
+        for Of { profile, row } in all(db, OPEN).await? {
+            of(&mut profiles, &profile).open = Some(row);
+        }
+        for Of { profile, row } in all(db, NESTING).await? {
+            of(&mut profiles, &profile).nesting.push(row);
+        }
+        for Of { profile, row } in all(db, "SELECT * FROM pause").await? {
+            of(&mut profiles, &profile).paused = Some(row);
+        }
+        for Of { profile, row } in all(db, LAST).await? {
+            of(&mut profiles, &profile).last_published = Some(row);
+        }
+        Ok(profiles.into_values().collect())
+    }
+}
+
+async fn all<T>(db: &mut SqliteConnection, query: &'static str) -> Result<Vec<Of<T>>>
+where
+    T: for<'r> FromRow<'r, sqlx::sqlite::SqliteRow> + Send + Unpin,
+{
+    Ok(sqlx::query_as(query).fetch_all(db).await?)
+}
+
+/// The status of a profile, entered when it is new.
+fn of<'a>(profiles: &'a mut BTreeMap<String, ProfileStatus>, profile: &str) -> &'a mut ProfileStatus {
+    let fresh = || ProfileStatus { profile: profile.to_owned(), ..ProfileStatus::default() };
+    profiles.entry(profile.to_owned()).or_insert_with(fresh)
+}

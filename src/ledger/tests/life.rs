@@ -1,0 +1,244 @@
+//! The lives of parts and builds, step by step.
+
+use super::*;
+
+#[tokio::test]
+async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {
+    let ledger = fresh().await;
+    let ticket = NewTicket { source: TicketSource::Sidecar, file_name: "a.stl.toml".into(), text: "copies = 3".into() };
+    let part = NewPart { ticket: Some(ticket), warnings: vec!["odd\nname".into()], ..new_part("a", 3) };
+    let first = ledger.record_claim(&part).await.unwrap();
+    let again = ledger.record_claim(&part).await.unwrap();
+    assert_eq!((first.fresh, again.fresh), (true, false));
+    assert_eq!(first.id, again.id);
+    let tickets: i64 = sqlx::query_scalar("SELECT count(*) FROM ticket").fetch_one(ledger.reader()).await.unwrap();
+    assert_eq!(tickets, 1);
+    let row = ledger.part(first.id).await.unwrap().unwrap();
+    assert_eq!((row.copies, row.state, row.warnings.as_str()), (3, PartState::Claimed, "odd name"));
+    assert_eq!(ledger.events_of_part(first.id).await.unwrap().len(), 1);
+}
+
+#[tokio::test]
+async fn every_field_of_a_claim_comes_back_as_it_went_in() {
+    let ledger = fresh().await;
+    let part = NewPart {
+        order_name: "kit 7".into(),
+        priority: 100,
+        due_at: Some(at("2026-12-01T12:00:00Z")),
+        orientation: OrientationRule::Upright,
+        clearance_mm: Some(4.5),
+        unit: Some(crate::format::Unit::Inch),
+        note: "handle with care".into(),
+        ..new_part("full", 2)
+    };
+    let id = ledger.record_claim(&part).await.unwrap().id;
+    let row = ledger.part(id).await.unwrap().unwrap();
+    assert_eq!((row.order_name.as_str(), row.priority, row.bytes), ("kit 7", 100, 684));
+    assert_eq!(row.due_at.map(|t| t.0), part.due_at);
+    assert_eq!((row.orientation, row.unit), (part.orientation, part.unit));
+    assert_eq!((row.clearance_mm, row.note.as_str()), (Some(4.5), "handle with care"));
+    assert_eq!((row.size_mm(), row.triangles), (None, None), "not read yet");
+    assert_eq!(ledger.order("kit 7").await.unwrap().len(), 1);
+    assert!(ledger.order("").await.unwrap().is_empty(), "no order is no name of an order");
+}
+
+#[tokio::test]
+async fn further_solids_of_a_file_become_parts_of_their_own() {
+    let ledger = fresh().await;
+    let claim = NewPart { due_at: Some(at("2026-12-01T12:00:00Z")), ..new_part("kit", 5) };
+    let id = ledger.record_claim(&claim).await.unwrap().id;
+    let second = SolidFacts { object_name: "lid".into(), warnings: vec!["thin".into()], ..solid(1, 10) };
+    let parts = ledger.accept(id, &[solid(0, 5), second]).await.unwrap();
+    assert_eq!((parts.len(), parts[0]), (2, id));
+    let lid = ledger.part(parts[1]).await.unwrap().unwrap();
+    assert_eq!((lid.copies, lid.object_name.as_str(), lid.warnings.as_str()), (10, "lid", "thin"));
+    assert_eq!((lid.due_at.map(|t| t.0), lid.state), (claim.due_at, PartState::Waiting));
+    assert_eq!(lid.size_mm(), Some([10.0, 20.0, 30.0]));
+    assert_eq!(ledger.parts_of_claim("kit").await.unwrap().len(), 2);
+}
+
+#[tokio::test]
+async fn a_part_that_is_taken_back_is_not_multiplied_and_leaves_its_siblings_alone() {
+    let ledger = fresh().await;
+    let id = ledger.record_claim(&new_part("kit", 5)).await.unwrap().id;
+    let solids = [solid(0, 5), solid(1, 10)];
+    let parts = ledger.accept(id, &solids).await.unwrap();
+    ledger.cancel(parts[1], "not needed").await.unwrap();
+    ledger.retry(parts[1]).await.unwrap();
+    assert_eq!(ledger.part(parts[1]).await.unwrap().unwrap().reason, "");
+    let again = ledger.accept(parts[1], &[solid(0, 25), solid(1, 100)]).await.unwrap();
+    assert_eq!(again, [parts[1]]);
+    assert_eq!(ledger.part(parts[1]).await.unwrap().unwrap().copies, 10);
+    assert_eq!(ledger.part(parts[0]).await.unwrap().unwrap().copies, 5);
+}
+
+#[tokio::test]
+async fn a_claim_that_cannot_be_read_is_rejected_with_its_reason() {
+    let ledger = fresh().await;
+    let id = ledger.record_claim(&new_part("bad", 1)).await.unwrap().id;
+    ledger.reject(id, "the file is empty").await.unwrap();
+    let row = ledger.part(id).await.unwrap().unwrap();
+    assert_eq!((row.state, row.reason.as_str()), (PartState::Rejected, "the file is empty"));
+    assert!(!ledger.hash_in_use(&row.content_hash).await.unwrap());
+    assert!(matches!(ledger.reject(id, "again").await, Err(LedgerError::Illegal(_))));
+    assert!(matches!(ledger.accept(id, &[solid(0, 1)]).await, Err(LedgerError::Illegal(_))));
+    let other = ledger.record_claim(&new_part("empty", 1)).await.unwrap().id;
+    assert!(matches!(ledger.accept(other, &[]).await, Err(LedgerError::NoSolid(_))));
+}
+
+#[tokio::test]
+async fn a_waiting_part_is_rejected_by_cancel_only() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 1).await;
+    assert!(matches!(ledger.reject(id, "no").await, Err(LedgerError::Illegal(_))));
+    ledger.cancel(id, "").await.unwrap();
+    assert_eq!(ledger.part(id).await.unwrap().unwrap().reason, "no reason was given");
+}
+
+#[tokio::test]
+async fn a_part_is_built_when_its_last_copy_is_published() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 3).await;
+    let first = published(&ledger, &[(id, 0), (id, 1)]).await;
+    assert_eq!(part_state(&ledger, id).await, PartState::Waiting, "a copy waits still");
+    assert_eq!(ledger.waiting_copies("paper-200").await.unwrap()[0].copies, [2]);
+    let second = nesting(&ledger, &[(id, 2)]).await;
+    assert_eq!(part_state(&ledger, id).await, PartState::Batched);
+    ledger.verify_build(second, &verified(second, 1), &placed(&[(id, 2)])).await.unwrap();
+    ledger.publish_build(second).await.unwrap();
+    assert_eq!(part_state(&ledger, id).await, PartState::Built);
+    assert_eq!(ledger.copies_of_build(first).await.unwrap(), [(id, 0), (id, 1)]);
+    let builds: Vec<BuildId> = ledger.placements_of_part(id).await.unwrap().iter().map(|p| p.build_id).collect();
+    assert_eq!(builds, [first, first, second]);
+}
+
+#[tokio::test]
+async fn a_copy_is_in_one_build_only() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 2).await;
+    let first = nesting(&ledger, &[(id, 0)]).await;
+    let second = ledger.open_build("paper-200").await.unwrap().id;
+    let taken = ledger.begin_nesting(second, "flush", &[(id, 1), (id, 0)]).await;
+    assert!(matches!(taken, Err(LedgerError::CopyTaken { copy: 0, build, .. }) if build == first));
+    assert_eq!(build_state(&ledger, second).await, BuildState::Open, "nothing of the failed change is kept");
+    assert!(ledger.copies_of_build(second).await.unwrap().is_empty());
+    let missing = ledger.begin_nesting(second, "flush", &[(id, 2)]).await;
+    assert!(matches!(missing, Err(LedgerError::NoSuchCopy { copy: 2, .. })));
+    let nothing = ledger.begin_nesting(second, "flush", &[]).await;
+    assert!(matches!(nothing, Err(LedgerError::NothingToNest(_))));
+    let other = ledger.open_build("fuse-1").await.unwrap().id;
+    let mixed = ledger.begin_nesting(other, "flush", &[(id, 1)]).await;
+    assert!(matches!(mixed, Err(LedgerError::WrongProfile { .. })));
+    ledger.begin_nesting(second, "flush", &[(id, 1)]).await.unwrap();
+    assert_eq!(part_state(&ledger, id).await, PartState::Batched);
+}
+
+#[tokio::test]
+async fn copies_that_find_no_place_wait_again() {
+    let ledger = fresh().await;
+    let (a, b) = (waiting(&ledger, "a", 1).await, waiting(&ledger, "b", 2).await);
+    let build = nesting(&ledger, &[(a, 0), (b, 0), (b, 1)]).await;
+    ledger.release_copies(build, &[(b, 1)]).await.unwrap();
+    assert_eq!(part_state(&ledger, b).await, PartState::Waiting);
+    assert_eq!(part_state(&ledger, a).await, PartState::Batched);
+    let twice = ledger.release_copies(build, &[(b, 1)]).await;
+    assert!(matches!(twice, Err(LedgerError::NotInBuild { copy: 1, .. })));
+    assert_eq!(ledger.begin_attempt(build).await.unwrap(), 2);
+    let wrong = ledger.verify_build(build, &verified(build, 3), &placed(&[(a, 0), (b, 0), (b, 1)])).await;
+    assert!(matches!(wrong, Err(LedgerError::PlacementsDiffer { taken: 2, placed: 3, .. })));
+    let doubled = ledger.verify_build(build, &verified(build, 2), &placed(&[(a, 0), (a, 0)])).await;
+    assert!(matches!(doubled, Err(LedgerError::PlacementsDiffer { .. })));
+    ledger.verify_build(build, &verified(build, 2), &placed(&[(b, 0), (a, 0)])).await.unwrap();
+    assert_eq!(build_state(&ledger, build).await, BuildState::Verified);
+    let row = &ledger.placements_of_build(build).await.unwrap()[0];
+    assert_eq!((row.part_id, row.qw, row.tz_mm), (a, Some(1.0), Some(3.0)));
+}
+
+#[tokio::test]
+async fn a_failed_build_lets_all_its_copies_go_and_says_why() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 2).await;
+    let build = nesting(&ledger, &[(id, 0), (id, 1)]).await;
+    ledger.fail_build(build, "the proof failed three times").await.unwrap();
+    let row = ledger.build(build).await.unwrap().unwrap();
+    assert_eq!((row.state, row.reason.as_str()), (BuildState::Failed, "the proof failed three times"));
+    assert_eq!((row.copies, row.height_mm), (Some(0), None));
+    assert_eq!(ledger.waiting_copies("paper-200").await.unwrap()[0].copies, [0, 1]);
+    let kinds: Vec<String> = ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind).collect();
+    assert_eq!(kinds, ["nesting", "batched", "waiting", "failed"]);
+}
+
+#[tokio::test]
+async fn a_part_cannot_be_cancelled_while_a_copy_is_being_nested() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 2).await;
+    let build = nesting(&ledger, &[(id, 0)]).await;
+    assert!(matches!(ledger.cancel(id, "no").await, Err(LedgerError::BeingBuilt { .. })));
+    ledger.verify_build(build, &verified(build, 1), &placed(&[(id, 0)])).await.unwrap();
+    assert!(matches!(ledger.cancel(id, "no").await, Err(LedgerError::BeingBuilt { .. })));
+    ledger.publish_build(build).await.unwrap();
+    ledger.cancel(id, "one is enough").await.unwrap();
+    ledger.retry(id).await.unwrap();
+    ledger.accept(id, &[solid(0, 2)]).await.unwrap();
+    let line = ledger.waiting_copies("paper-200").await.unwrap();
+    assert_eq!(line[0].copies, [1], "the published copy is not built twice");
+}
+
+#[tokio::test]
+async fn an_outcome_told_of_a_published_build_passes_through_printing() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 1).await;
+    let build = published(&ledger, &[(id, 0)]).await;
+    ledger.record_outcome(build, Outcome::Complete, "fine", "ann@farm").await.unwrap();
+    let row = ledger.build(build).await.unwrap().unwrap();
+    assert_eq!((row.state, row.reason.as_str()), (BuildState::Complete, "fine"));
+    let kinds: Vec<String> = ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind).collect();
+    assert_eq!(kinds, ["nesting", "batched", "verified", "published", "built", "printing", "complete"]);
+    let told = ledger.outcomes(build).await.unwrap();
+    assert_eq!((told.len(), told[0].outcome, told[0].told_by.as_str()), (1, Outcome::Complete, "ann@farm"));
+    let again = ledger.record_outcome(build, Outcome::Failed, "", "ann@farm").await;
+    assert!(matches!(again, Err(LedgerError::Illegal(_))));
+    assert_eq!(part_state(&ledger, id).await, PartState::Built);
+}
+
+#[tokio::test]
+async fn an_outcome_cannot_be_told_of_a_build_that_is_not_in_the_queue() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 1).await;
+    let build = nesting(&ledger, &[(id, 0)]).await;
+    let told = ledger.record_outcome(build, Outcome::Failed, "", "ann").await;
+    assert!(matches!(told, Err(LedgerError::WrongState { .. })));
+    let unknown = ledger.record_outcome(BuildId(99), Outcome::Failed, "", "ann").await;
+    assert!(matches!(unknown, Err(LedgerError::UnknownBuild(BuildId(99)))));
+}
+
+#[tokio::test]
+async fn the_open_build_is_one_and_keeps_its_layout_until_it_is_verified() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 1).await;
+    let build = ledger.open_build("paper-200").await.unwrap().id;
+    assert_eq!(ledger.open_build("paper-200").await.unwrap().id, build);
+    let layout = OpenLayout { layout: "{}".into(), height_mm: 30.0, density: 0.1, copies: 1, part_volume_mm3: 1000.0 };
+    ledger.save_layout(build, &layout).await.unwrap();
+    ledger.add_cpu_secs(build, 1.5).await.unwrap();
+    ledger.begin_nesting(build, "fill", &[(id, 0)]).await.unwrap();
+    assert_eq!(ledger.build(build).await.unwrap().unwrap().layout.as_deref(), Some("{}"));
+    assert_ne!(ledger.open_build("paper-200").await.unwrap().id, build);
+    ledger.verify_build(build, &verified(build, 1), &placed(&[(id, 0)])).await.unwrap();
+    let row = ledger.build(build).await.unwrap().unwrap();
+    assert_eq!((row.layout, row.cpu_secs, row.seed), (None, Some(12.0), Some(7)));
+    assert_eq!((row.fired_by.as_str(), row.attempts, row.evaluations), ("fill", 1, Some(12_345)));
+    assert!(matches!(ledger.save_layout(build, &layout).await, Err(LedgerError::WrongState { .. })));
+    assert!(matches!(ledger.add_cpu_secs(build, 1.0).await, Err(LedgerError::WrongState { .. })));
+}
+
+#[tokio::test]
+async fn the_open_build_of_a_removed_profile_can_be_dropped() {
+    let ledger = fresh().await;
+    let build = ledger.open_build("gone").await.unwrap().id;
+    ledger.event("improved", "gone", None, Some(build), "").await.unwrap();
+    ledger.drop_open_build("gone").await.unwrap();
+    assert_eq!(ledger.build(build).await.unwrap(), None);
+    assert!(ledger.builds_in_state(BuildState::Open).await.unwrap().is_empty());
+    ledger.drop_open_build("gone").await.unwrap();
+}

@@ -1,0 +1,110 @@
+//! Opening a ledger, and two that write at once.
+
+use std::{path::Path, process};
+
+use super::*;
+
+/// Changes that each of two writers makes at once.
+const CHANGES: usize = 60;
+/// Where a second process finds the ledger of the test that started it.
+const LEDGER: &str = "NESTD_TEST_LEDGER";
+
+#[tokio::test]
+async fn a_ledger_is_made_with_its_folder_and_opened_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("state/nestd.db");
+    let missing = Ledger::open_existing(&path).await.unwrap_err();
+    assert!(missing.to_string().contains("there is no ledger at"), "{missing}");
+    let ledger = Ledger::open(&path).await.unwrap();
+    let id = waiting(&ledger, "a", 1).await;
+    ledger.close().await;
+    let again = Ledger::open_existing(&path).await.unwrap();
+    assert_eq!(part_state(&again, id).await, PartState::Waiting);
+    assert_eq!(again.path(), path);
+    let mode: String = sqlx::query_scalar("PRAGMA journal_mode").fetch_one(again.reader()).await.unwrap();
+    assert_eq!(mode, "wal");
+    let mut change = again.change().await.unwrap();
+    let full: i64 = sqlx::query_scalar("PRAGMA synchronous").fetch_one(change.db()).await.unwrap();
+    let keys: i64 = sqlx::query_scalar("PRAGMA foreign_keys").fetch_one(change.db()).await.unwrap();
+    assert_eq!((full, keys), (2, 1), "synchronous = FULL, foreign keys on");
+}
+
+#[tokio::test]
+async fn a_reader_cannot_write() {
+    let ledger = fresh().await;
+    let written = sqlx::query("DELETE FROM pause").execute(ledger.reader()).await;
+    assert!(written.unwrap_err().to_string().contains("readonly"));
+}
+
+#[tokio::test]
+async fn a_ledger_of_another_schema_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    let ledger = Ledger::open(&path).await.unwrap();
+    let mut change = ledger.change().await.unwrap();
+    let newer = "INSERT INTO _sqlx_migrations SELECT 9999, description, installed_on, success, checksum, 0 \
+                 FROM _sqlx_migrations LIMIT 1";
+    sqlx::query(newer).execute(change.db()).await.unwrap();
+    change.commit().await.unwrap();
+    for refused in [Ledger::open(&path).await, Ledger::open_existing(&path).await] {
+        assert!(matches!(refused, Err(LedgerError::NewerSchema { found: 9999, .. })), "{refused:?}");
+    }
+    let mut change = ledger.change().await.unwrap();
+    sqlx::query("DELETE FROM _sqlx_migrations").execute(change.db()).await.unwrap();
+    change.commit().await.unwrap();
+    assert!(matches!(Ledger::open_existing(&path).await, Err(LedgerError::OlderSchema { found: 0, .. })));
+}
+
+#[tokio::test]
+async fn a_file_that_is_no_database_is_refused_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    let text = "solid cube\n".repeat(200);
+    std::fs::write(&path, &text).unwrap();
+    assert!(matches!(Ledger::open(&path).await, Err(LedgerError::Open { .. })));
+    assert!(matches!(Ledger::open_existing(&path).await, Err(LedgerError::Open { .. })));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+}
+
+/// Reads, then writes: with a deferred BEGIN these fail with "database is locked".
+async fn write_much(path: &Path, who: &str) {
+    let ledger = Ledger::open(path).await.unwrap();
+    for n in 0..CHANGES {
+        let id = waiting(&ledger, &format!("{who}-{n}"), 1).await;
+        if n % 5 == 0 {
+            ledger.cancel(id, "enough").await.unwrap();
+        }
+        ledger.waiting_copies("paper-200").await.unwrap();
+    }
+    ledger.close().await;
+}
+
+/// Serves the test below; on its own it has nothing to do.
+#[tokio::test]
+async fn a_second_process_writes_when_it_is_asked() {
+    if let Some(path) = std::env::var_os(LEDGER) {
+        write_much(Path::new(&path), "child").await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn processes_and_pools_that_write_at_once_never_see_a_locked_ledger() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    let mut child = process::Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "ledger::tests::opening::a_second_process_writes_when_it_is_asked"])
+        .env(LEDGER, &path)
+        .stdout(process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let (first, second) = (path.clone(), path.clone());
+    let first = tokio::spawn(async move { write_much(&first, "first").await });
+    let second = tokio::spawn(async move { write_much(&second, "second").await });
+    first.await.unwrap();
+    second.await.unwrap();
+    assert!(child.wait().unwrap().success(), "the second process failed");
+    let ledger = Ledger::open_existing(&path).await.unwrap();
+    let all: i64 = sqlx::query_scalar("SELECT count(*) FROM part").fetch_one(ledger.reader()).await.unwrap();
+    assert_eq!(all as usize, 3 * CHANGES);
+    assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new());
+}

@@ -1,0 +1,235 @@
+//! What people and the farm ask: lines, duplicates, commands, status, history and the views for sqlite3.
+
+use std::{
+    collections::BTreeSet,
+    sync::{
+        Arc,
+        atomic::{AtomicI64, Ordering},
+    },
+};
+
+use super::*;
+
+/// The words in the first `CHECK (<column> IN (...))` of a table.
+async fn checked_words(ledger: &Ledger, table: &str, column: &str) -> BTreeSet<String> {
+    let sql: String = sqlx::query_scalar("SELECT sql FROM sqlite_schema WHERE name = ?")
+        .bind(table)
+        .fetch_one(ledger.reader())
+        .await
+        .unwrap();
+    let list = sql.split(&format!("CHECK ({column} IN (")).nth(1).unwrap().split(')').next().unwrap().to_owned();
+    list.split(',').map(|word| word.trim().trim_matches('\'').to_owned()).collect()
+}
+
+#[tokio::test]
+async fn the_schema_and_the_state_machines_know_the_same_words() {
+    let ledger = fresh().await;
+    let parts: BTreeSet<String> = PartState::ALL.iter().map(|s| s.to_string()).collect();
+    assert_eq!(checked_words(&ledger, "part", "state").await, parts);
+    let builds: BTreeSet<String> = BuildState::ALL.iter().map(|s| s.to_string()).collect();
+    assert_eq!(checked_words(&ledger, "build", "state").await, builds);
+    for word in checked_words(&ledger, "outcome", "outcome").await {
+        assert_eq!(word::parse::<Outcome>(&word).unwrap().to_string(), word);
+    }
+    for word in checked_words(&ledger, "command", "kind").await {
+        assert_eq!(word::parse::<CommandKind>(&word).unwrap().to_string(), word);
+    }
+    for word in checked_words(&ledger, "part", "orientation").await {
+        assert_eq!(word::print(&word::parse::<OrientationRule>(&word).unwrap()).unwrap(), word);
+    }
+    for word in checked_words(&ledger, "ticket", "source").await {
+        assert_eq!(word::parse::<TicketSource>(&word).unwrap().to_string(), word);
+    }
+}
+
+#[test]
+fn a_state_machine_allows_its_own_moves_and_no_other() {
+    let legal: usize =
+        (PartState::ALL.iter()).flat_map(|from| PartState::ALL.iter().filter(|to| from.move_to(**to).is_ok())).count();
+    assert_eq!(legal, 7);
+    let legal: usize = (BuildState::ALL.iter())
+        .flat_map(|from| BuildState::ALL.iter().filter(|to| from.move_to(**to).is_ok()))
+        .count();
+    assert_eq!(legal, 8);
+    let back = BuildState::Nesting.move_to(BuildState::Open).unwrap_err();
+    assert_eq!(back.to_string(), "a build that is nesting cannot become open");
+    assert!(PartState::Built.move_to(PartState::Waiting).is_err(), "what is built is never built again");
+}
+
+#[tokio::test]
+async fn copies_stand_in_line_by_priority_then_due_date_then_age() {
+    let clock = Arc::new(AtomicI64::new(1_800_000_000));
+    let hand = clock.clone();
+    let ledger = fresh().await;
+    let turned = ledger.ledger.clone().with_clock(move || Timestamp::from_second(hand.load(Ordering::SeqCst)).unwrap());
+    let mut claims = Vec::new();
+    for (claim, priority, due) in [
+        ("late", 50, None),
+        ("due-2", 50, Some("2026-12-02T00:00:00Z")),
+        ("due-1", 50, Some("2026-12-01T00:00:00Z")),
+        ("urgent", 100, None),
+        ("younger", 50, None),
+    ] {
+        let part = NewPart { priority, due_at: due.map(at), ..new_part(claim, 1) };
+        claims.push(turned.record_claim(&part).await.unwrap().id);
+        clock.fetch_add(60, Ordering::SeqCst);
+    }
+    for id in claims.into_iter().rev() {
+        turned.accept(id, &[solid(0, 1)]).await.unwrap();
+    }
+    let line = turned.waiting_copies("paper-200").await.unwrap();
+    let names: Vec<&str> = line.iter().map(|w| w.part.claim.as_str()).collect();
+    assert_eq!(names, ["urgent", "due-1", "due-2", "late", "younger"]);
+    assert_eq!(line[0].part.claimed_at.to_string(), "2027-01-15T08:03:00.000Z");
+    let oldest: Vec<String> =
+        turned.parts_in_state(PartState::Waiting).await.unwrap().into_iter().map(|p| p.claim).collect();
+    assert_eq!(oldest, ["late", "due-2", "due-1", "urgent", "younger"]);
+}
+
+#[tokio::test]
+async fn an_identical_file_of_another_claim_is_found() {
+    let ledger = fresh().await;
+    let same = |claim: &str| NewPart { content_hash: "f".repeat(64), ..new_part(claim, 1) };
+    let first = ledger.record_claim(&same("a")).await.unwrap().id;
+    let second = ledger.record_claim(&same("b")).await.unwrap().id;
+    let hash = "f".repeat(64);
+    assert_eq!(ledger.earlier_with_hash("paper-200", &hash, second).await.unwrap(), Some(first));
+    assert_eq!(ledger.earlier_with_hash("paper-200", &hash, first).await.unwrap(), None);
+    assert_eq!(ledger.earlier_with_hash("fuse-1", &hash, second).await.unwrap(), None);
+    assert!(ledger.hash_in_use(&hash).await.unwrap());
+    ledger.reject(first, "no").await.unwrap();
+    assert_eq!(ledger.earlier_with_hash("paper-200", &hash, second).await.unwrap(), None);
+}
+
+#[tokio::test]
+async fn a_command_is_asked_once_and_answered_once() {
+    let ledger = fresh().await;
+    let flush =
+        NewCommand { kind: CommandKind::Flush, profile: "paper-200".into(), part: None, asked_by: "ann@farm".into() };
+    let id = ledger.ask(&flush).await.unwrap();
+    assert_eq!(ledger.asked().await.unwrap()[0].id, id);
+    ledger.answer(id, false, "nothing waits").await.unwrap();
+    let row = ledger.command(id).await.unwrap().unwrap();
+    assert_eq!((row.state, row.answer.as_str()), (CommandState::Refused, "nothing waits"));
+    assert!(row.answered_at.is_some() && ledger.asked().await.unwrap().is_empty());
+    assert!(matches!(ledger.answer(id, true, "").await, Err(LedgerError::UnknownCommand(_))));
+    let retry = NewCommand { kind: CommandKind::Retry, part: Some(PartId(9)), ..flush };
+    assert!(matches!(ledger.ask(&retry).await, Err(LedgerError::UnknownPart(PartId(9)))));
+}
+
+#[tokio::test]
+async fn a_profile_is_paused_until_it_is_resumed() {
+    let ledger = fresh().await;
+    assert!(ledger.pause("fuse-1", "ann@farm").await.unwrap());
+    assert!(!ledger.pause("fuse-1", "bob@farm").await.unwrap());
+    assert_eq!(ledger.paused().await.unwrap(), ["fuse-1"]);
+    let status = ledger.status().await.unwrap();
+    assert_eq!(status[0].paused.as_ref().unwrap().paused_by, "ann@farm");
+    assert!(ledger.resume("fuse-1", "ann@farm").await.unwrap());
+    assert!(!ledger.resume("fuse-1", "ann@farm").await.unwrap());
+    assert!(ledger.paused().await.unwrap().is_empty());
+}
+
+#[tokio::test]
+async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
+    let ledger = fresh().await;
+    assert_eq!(ledger.daemon().await.unwrap(), None);
+    let beat = Beat {
+        pid: 4711,
+        host: "farm".into(),
+        version: "0.1.0".into(),
+        started_at: Timestamp::now(),
+        status: "idle".into(),
+    };
+    ledger.beat(&beat).await.unwrap();
+    ledger.beat(&Beat { status: "nesting build 3".into(), ..beat }).await.unwrap();
+    let row = ledger.daemon().await.unwrap().unwrap();
+    assert_eq!((row.pid, row.status.as_str(), row.alive), (4711, "nesting build 3", true));
+    let later = ledger.ledger.clone().with_clock(|| Timestamp::now() + jiff::SignedDuration::from_secs(16));
+    assert!(!later.daemon().await.unwrap().unwrap().alive);
+    ledger.farewell().await.unwrap();
+    assert_eq!(ledger.daemon().await.unwrap(), None);
+}
+
+#[tokio::test]
+async fn status_counts_what_waits_and_shows_what_is_nested_and_published() {
+    let ledger = fresh().await;
+    let (a, b) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 2).await);
+    ledger.record_claim(&NewPart { profile: "fuse-1".into(), ..new_part("c", 1) }).await.unwrap();
+    let first = published(&ledger, &[(a, 0)]).await;
+    let second = nesting(&ledger, &[(b, 0), (b, 1)]).await;
+    let open = ledger.open_build("paper-200").await.unwrap().id;
+    let status = ledger.status().await.unwrap();
+    let names: Vec<&str> = status.iter().map(|s| s.profile.as_str()).collect();
+    assert_eq!(names, ["fuse-1", "paper-200"]);
+    assert_eq!((status[0].claimed_parts, status[0].waiting_parts), (1, 0));
+    let paper = &status[1];
+    assert_eq!((paper.waiting_parts, paper.waiting_copies), (1, 2));
+    assert_eq!(paper.oldest_at, Some(ledger.part(a).await.unwrap().unwrap().claimed_at));
+    assert_eq!(paper.open.as_ref().unwrap().build, open);
+    assert_eq!((paper.nesting.len(), paper.nesting[0].build, paper.nesting[0].copies), (1, second, 2));
+    let last = paper.last_published.as_ref().unwrap();
+    assert_eq!((last.build, last.height_mm, last.copies), (first, Some(87.5), Some(1)));
+}
+
+#[tokio::test]
+async fn history_lists_builds_newest_first_within_its_limits() {
+    let ledger = fresh().await;
+    let days = ["2026-11-01T10:00:00Z", "2026-11-02T10:00:00Z", "2026-11-03T10:00:00Z"];
+    let mut builds = Vec::new();
+    for day in days {
+        let then = ledger.ledger.clone().with_clock(move || at(day));
+        let id = waiting(&then, day, 1).await;
+        builds.push(published(&then, &[(id, 0)]).await);
+    }
+    let id = waiting(&ledger, "d", 1).await;
+    nesting(&ledger, &[(id, 0)]).await;
+    let list = async |query: HistoryQuery| {
+        let rows = ledger.history(&query).await.unwrap();
+        rows.into_iter().map(|row| row.build).collect::<Vec<_>>()
+    };
+    assert_eq!(list(HistoryQuery::default()).await, [builds[2], builds[1], builds[0]]);
+    assert_eq!(list(HistoryQuery { limit: Some(1), ..Default::default() }).await, [builds[2]]);
+    let one = HistoryQuery { since: Some(at(days[1])), until: Some(at(days[2])), ..Default::default() };
+    assert_eq!(list(one).await, [builds[1]]);
+    assert!(list(HistoryQuery { profile: Some("fuse-1".into()), ..Default::default() }).await.is_empty());
+    let row = &ledger.history(&HistoryQuery::default()).await.unwrap()[2];
+    assert_eq!((row.at.to_string().as_str(), row.parts, row.copies), ("2026-11-01T10:00:00.000Z", 1, Some(1)));
+}
+
+#[tokio::test]
+async fn the_views_answer_an_operator_with_sqlite3() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 2).await;
+    let build = published(&ledger, &[(id, 0)]).await;
+    let builds: Vec<(i64, String, f64, i64, String)> =
+        sqlx::query_as("SELECT build, state, height_mm, copies, file_name FROM v_build_history")
+            .fetch_all(ledger.reader())
+            .await
+            .unwrap();
+    let name = verified(build, 1).file_name;
+    assert_eq!(builds, [(build.0, "published".into(), 87.5, 1, name)]);
+    let parts: Vec<(i64, i64, i64, String)> =
+        sqlx::query_as("SELECT part, copies, copies_built, builds FROM v_part_history")
+            .fetch_all(ledger.reader())
+            .await
+            .unwrap();
+    assert_eq!(parts, [(id.0, 2, 1, build.to_string())]);
+    let days: Vec<(i64, i64, f64, f64)> =
+        sqlx::query_as("SELECT builds, copies, height_mm, mean_density FROM v_height_by_day")
+            .fetch_all(ledger.reader())
+            .await
+            .unwrap();
+    assert_eq!(days, [(1, 1, 87.5, 0.21)]);
+}
+
+#[tokio::test]
+async fn the_truth_teller_sees_a_part_whose_state_was_changed_behind_its_back() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 1).await;
+    assert!(ledger.faults().await.unwrap().is_empty());
+    let writer = sqlx::SqlitePool::connect(&format!("sqlite://{}", ledger.path().display())).await.unwrap();
+    sqlx::query("UPDATE part SET state = 'built' WHERE id = ?").bind(id).execute(&writer).await.unwrap();
+    let faults = ledger.faults().await.unwrap();
+    assert!(faults.iter().any(|f| f == "1: a batched or built part has a copy in no build"), "{faults:?}");
+}

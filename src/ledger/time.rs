@@ -1,0 +1,81 @@
+//! Points in time as the ledger writes them: UTC, RFC 3339 with milliseconds, so that they sort as text.
+
+use std::{fmt, ops::Deref};
+
+use jiff::Timestamp;
+use serde::{Serialize, Serializer};
+use sqlx::{
+    Decode, Encode, Sqlite, Type,
+    encode::IsNull,
+    error::BoxDynError,
+    sqlite::{SqliteArgumentsBuffer, SqliteTypeInfo, SqliteValueRef},
+};
+
+/// A point in time in a row; prints as '2026-11-20T04:49:00.000Z'.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Utc(pub Timestamp);
+
+impl From<Timestamp> for Utc {
+    fn from(time: Timestamp) -> Self {
+        Self(time)
+    }
+}
+
+impl Deref for Utc {
+    type Target = Timestamp;
+
+    fn deref(&self) -> &Timestamp {
+        &self.0
+    }
+}
+
+impl fmt::Display for Utc {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0.strftime("%Y-%m-%dT%H:%M:%S%.3fZ").to_string())
+    }
+}
+
+impl fmt::Debug for Utc {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+impl Serialize for Utc {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl Type<Sqlite> for Utc {
+    fn type_info() -> SqliteTypeInfo {
+        <str as Type<Sqlite>>::type_info()
+    }
+}
+
+impl<'r> Decode<'r, Sqlite> for Utc {
+    fn decode(value: SqliteValueRef<'r>) -> Result<Self, BoxDynError> {
+        let text = <&str as Decode<Sqlite>>::decode(value)?;
+        Ok(Self(text.parse()?))
+    }
+}
+
+impl Encode<'_, Sqlite> for Utc {
+    fn encode_by_ref(&self, buffer: &mut SqliteArgumentsBuffer) -> Result<IsNull, BoxDynError> {
+        <String as Encode<Sqlite>>::encode(self.to_string(), buffer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_written_with_milliseconds_and_z_so_that_it_sorts_as_text() {
+        let early = Utc("2026-11-20T04:49:00Z".parse().unwrap());
+        let late = Utc("2026-11-20T06:49:00.0019+02:00".parse().unwrap());
+        assert_eq!(early.to_string(), "2026-11-20T04:49:00.000Z");
+        assert_eq!(late.to_string(), "2026-11-20T04:49:00.001Z");
+        assert!(early.to_string() < late.to_string());
+    }
+}

@@ -1,7 +1,79 @@
 //! Copies in a file's name: `bracket_x10.stl` is ten brackets.
 
-/// The copies that a file name asks for by `_x10 _10x _qty10 _10pcs` right before the extension; `None` if it asks for
-/// none, or ambiguously.
-pub fn copies_in_name(_name: &str) -> Option<u32> {
-    None
+/// More copies than this in one drop are a slip of the finger.
+pub(super) const MAX_COPIES: u32 = 10_000;
+
+/// The copies that a file name asks for by `_x10 _10x _qty10 _10pcs` right before the extension, set off by `_`, `-`, `.`
+/// or a space; `None` if it asks for none or ambiguously: two such words, a leading zero, more than 10 000, or nothing but
+/// the word.
+pub fn copies_in_name(name: &str) -> Option<u32> {
+    let (stem, _) = name.rsplit_once('.')?;
+    let words: Vec<&str> = stem.split(['_', '-', '.', ' ']).collect();
+    let (last, before) = words.split_last()?;
+    if before.iter().all(|w| w.is_empty()) || before.iter().any(|w| count(w).is_some()) {
+        return None;
+    }
+    count(last).filter(|&copies| copies <= u64::from(MAX_COPIES)).map(|copies| copies as u32)
+}
+
+/// The number in a word that says a count, whatever its size.
+fn count(word: &str) -> Option<u64> {
+    let word = word.to_ascii_lowercase();
+    let digits = word
+        .strip_prefix("qty")
+        .or_else(|| word.strip_prefix('x'))
+        .or_else(|| word.strip_suffix("pcs"))
+        .or_else(|| word.strip_suffix('x'))?;
+    let is_number = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
+    if is_number { digits.parse().ok() } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_way_to_say_ten_is_understood() {
+        for name in [
+            "bracket_x10.stl",
+            "bracket-10x.STL",
+            "bracket qty10.3mf",
+            "bracket_10pcs.stl",
+            "bracket.X10.stl",
+            "Größe 3_QTY10.stl",
+            "m3x8_bolt_10PCS.stl",
+            "a__x10.stl",
+        ] {
+            assert_eq!(copies_in_name(name), Some(10), "{name}");
+        }
+        assert_eq!(copies_in_name("a_x1.stl"), Some(1));
+        assert_eq!(copies_in_name("a_x10000.stl"), Some(10_000));
+    }
+
+    #[test]
+    fn what_is_ambiguous_says_nothing() {
+        for name in [
+            "bracket.stl",
+            "bracketx10.stl",
+            "box_10x20.stl",
+            "box_10x_20x.stl",
+            "screw_x2_x10.stl",
+            "part_x10_v2.stl",
+            "part_x0.stl",
+            "part_x05.stl",
+            "part_x10001.stl",
+            "part_x99999999999999999999.stl",
+            "part_x.stl",
+            "part_10.stl",
+            "part_x-5.stl",
+            "part_x1.5.stl",
+            "x10.stl",
+            "_x10.stl",
+            "part_x10",
+            "part_x１０.stl",
+            "",
+        ] {
+            assert_eq!(copies_in_name(name), None, "{name}");
+        }
+    }
 }

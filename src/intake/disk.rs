@@ -1,1 +1,238 @@
-//! Small file-system steps that have to last: what is renamed here is on disk when the function returns.
+//! Small file-system steps: a rename that overwrites nothing, folders that are on disk when a function returns, sub-folders
+//! opened without following a link.
+
+use std::{
+    ffi::OsStr,
+    fs::{self, File, OpenOptions},
+    io::{self, Write},
+    os::{
+        fd::{AsFd, OwnedFd},
+        unix::fs::MetadataExt,
+    },
+    path::{Component, Path, PathBuf},
+    time::{SystemTime, UNIX_EPOCH},
+};
+
+use rustix::{
+    fs::{CWD, Mode, OFlags, RenameFlags, openat, renameat, renameat_with},
+    io::Errno,
+};
+
+use super::name::numbered;
+
+/// A name cannot be longer on the file systems that we know.
+pub(super) const MAX_NAME_BYTES: usize = 255;
+
+/// So many things of one name fit into a folder.
+pub(super) const MAX_NUMBER: u32 = 9999;
+
+/// Renames `from` in `from_dir` to `to` in `to_dir`; an existing `to` is an error (`AlreadyExists`).
+///
+/// Where the file system cannot promise that (NFS, old kernels), it is looked first and then renamed: only nestd gives
+/// the names that it renames to.
+fn rename_at(from_dir: impl AsFd, from: &Path, to_dir: impl AsFd, to: &Path) -> io::Result<()> {
+    match renameat_with(&from_dir, from, &to_dir, to, RenameFlags::NOREPLACE) {
+        Err(Errno::INVAL | Errno::NOSYS | Errno::OPNOTSUPP) => {
+            match rustix::fs::statat(&to_dir, to, rustix::fs::AtFlags::SYMLINK_NOFOLLOW) {
+                Err(Errno::NOENT) => Ok(renameat(from_dir, from, to_dir, to)?),
+                Err(error) => Err(error.into()),
+                Ok(_) => Err(io::ErrorKind::AlreadyExists.into()),
+            }
+        }
+        other => Ok(other?),
+    }
+}
+
+/// Renames without overwriting.
+pub(super) fn rename_noreplace(from: &Path, to: &Path) -> io::Result<()> {
+    rename_at(CWD, from, CWD, to)
+}
+
+/// Renames `base/relative` to `to` without overwriting and without following a link in `relative`: a sub-folder of the
+/// hot folder that was swapped for a link must not make nestd take files from elsewhere.
+pub(super) fn rename_out(base: &Path, relative: &Path, to: &Path) -> io::Result<()> {
+    let name = relative.file_name().ok_or(io::ErrorKind::InvalidInput)?;
+    let folder = open_dir_beneath(base, relative.parent().unwrap_or(Path::new("")))?;
+    rename_at(folder, Path::new(name), CWD, to)
+}
+
+/// Renames `from` to `base/relative`, likewise; makes the sub-folders that are missing.
+pub(super) fn rename_in(from: &Path, base: &Path, relative: &Path) -> io::Result<()> {
+    let name = relative.file_name().ok_or(io::ErrorKind::InvalidInput)?;
+    let above = relative.parent().unwrap_or(Path::new(""));
+    create_dirs(&base.join(above))?;
+    rename_at(CWD, from, open_dir_beneath(base, above)?, Path::new(name))?;
+    fsync_dir(&base.join(above))
+}
+
+fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
+    let flags = OFlags::PATH | OFlags::DIRECTORY | OFlags::CLOEXEC;
+    let mut folder = openat(CWD, base, flags, Mode::empty())?;
+    for part in relative.components() {
+        let Component::Normal(name) = part else { return Err(io::ErrorKind::InvalidInput.into()) };
+        folder = openat(&folder, name, flags | OFlags::NOFOLLOW, Mode::empty())?;
+    }
+    Ok(folder)
+}
+
+/// Opens a regular file to read: no link is followed, no pipe is waited for.
+pub(super) fn open_regular(path: &Path) -> io::Result<File> {
+    let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
+    let file = File::from(rustix::fs::open(path, flags, Mode::empty())?);
+    match file.metadata()?.is_file() {
+        true => Ok(file),
+        false => Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")),
+    }
+}
+
+/// Makes the names in a folder last.
+pub(super) fn fsync_dir(dir: &Path) -> io::Result<()> {
+    File::open(dir)?.sync_all()
+}
+
+/// Creates a folder and those above it that are missing, and makes their names last.
+pub(super) fn create_dirs(dir: &Path) -> io::Result<()> {
+    if dir.is_dir() {
+        return Ok(());
+    }
+    if let Some(above) = dir.parent().filter(|p| !p.as_os_str().is_empty()) {
+        create_dirs(above)?;
+    }
+    match fs::create_dir(dir) {
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+        Err(error) if !dir.is_dir() => return Err(error),
+        _ => {}
+    }
+    dir.parent().filter(|p| !p.as_os_str().is_empty()).map_or(Ok(()), fsync_dir)
+}
+
+/// A dot-name beside `path` for what is not whole yet; the scan ignores it.
+pub(super) fn unfinished(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or(OsStr::new("file")).as_encoded_bytes();
+    let hash = blake3::hash(name).to_hex();
+    path.with_file_name(format!(".nestd-{}.tmp", &hash[..24]))
+}
+
+/// Creates the file anew; whatever stood under that dot-name (a leftover, a planted link) goes.
+pub(super) fn create_anew(path: &Path) -> io::Result<File> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => OpenOptions::new().write(true).create_new(true).open(path),
+    }
+}
+
+/// Writes a whole file under a dot-name, fsyncs and renames it, replacing what stood there.
+pub(super) fn write_by_rename(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let part = unfinished(path);
+    let mut file = create_anew(&part)?;
+    file.write_all(bytes)?;
+    file.sync_all()?;
+    fs::rename(&part, path)?;
+    path.parent().map_or(Ok(()), fsync_dir)
+}
+
+/// Copies a regular file to a free name, on disk when it returns; `to` appears whole or not at all.
+pub(super) fn copy_noreplace(from: &Path, to: &Path) -> io::Result<()> {
+    let part = unfinished(to);
+    let mut file = create_anew(&part)?;
+    io::copy(&mut open_regular(from)?, &mut file)?;
+    file.sync_all()?;
+    rename_noreplace(&part, to)?;
+    to.parent().map_or(Ok(()), fsync_dir)
+}
+
+/// Moves whatever stands at `from` to the free name `to`, between file systems too. A file appears whole; a crash between
+/// leaves it at both places, never at none.
+pub(super) fn move_noreplace(from: &Path, to: &Path) -> io::Result<()> {
+    match rename_noreplace(from, to) {
+        Err(error) if error.kind() == io::ErrorKind::CrossesDevices => {}
+        other => {
+            other?;
+            return to.parent().map_or(Ok(()), fsync_dir);
+        }
+    }
+    let file_type = fs::symlink_metadata(from)?.file_type();
+    if file_type.is_dir() {
+        fs::create_dir(to)?;
+        for entry in fs::read_dir(from)? {
+            let entry = entry?;
+            move_noreplace(&entry.path(), &to.join(entry.file_name()))?;
+        }
+        return fs::remove_dir(from);
+    }
+    if file_type.is_file() {
+        copy_noreplace(from, to)?;
+    } else if file_type.is_symlink() {
+        std::os::unix::fs::symlink(fs::read_link(from)?, to)?;
+    } else {
+        // A socket, pipe or device holds no bytes: its name and kind are in the reason.
+        create_anew(to)?;
+    }
+    fs::remove_file(from)?;
+    from.parent().map_or(Ok(()), fsync_dir)
+}
+
+/// Moves to the first free of `name`, `name (2)`, `name (3)` in a folder.
+pub(super) fn move_to_free_name(from: &Path, folder: &Path, name: &OsStr) -> io::Result<PathBuf> {
+    for n in 1..=MAX_NUMBER {
+        let to = folder.join(numbered(name, n));
+        match move_noreplace(from, &to) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            other => return other.map(|()| to),
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Whether two regular files hold the same bytes; an unreadable one holds none.
+pub(super) fn same_bytes(one: &Path, other: &Path) -> bool {
+    let hash = |path: &Path| -> io::Result<blake3::Hash> {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(open_regular(path)?)?;
+        Ok(hasher.finalize())
+    };
+    matches!((hash(one), hash(other)), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Whether something stands under this name, a dangling link too.
+pub(super) fn is_there(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok()
+}
+
+/// Nanoseconds since 1970 of the last change of contents.
+pub(super) fn mtime_ns(meta: &fs::Metadata) -> i128 {
+    i128::from(meta.mtime()) * 1_000_000_000 + i128::from(meta.mtime_nsec())
+}
+
+/// Nanoseconds since 1970 of the last change of contents or attributes.
+pub(super) fn ctime_ns(meta: &fs::Metadata) -> i128 {
+    i128::from(meta.ctime()) * 1_000_000_000 + i128::from(meta.ctime_nsec())
+}
+
+/// A file time as the system's.
+pub(super) fn as_time(ns: i128) -> SystemTime {
+    UNIX_EPOCH + std::time::Duration::from_nanos(u64::try_from(ns).unwrap_or(0))
+}
+
+/// All regular files below a folder, sorted; links are not followed.
+pub(super) fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(dir)? {
+        let entry = entry?;
+        match entry.file_type()?.is_dir() {
+            true => files.extend(files_below(&entry.path())?),
+            false => files.push(entry.path()),
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// Removes `dir` and the folders above it up to `top` (which stays) as long as they are empty.
+pub(super) fn remove_empty_up_to(dir: &Path, top: &Path) {
+    let mut dir = dir;
+    while dir != top && dir.starts_with(top) && fs::remove_dir(dir).is_ok() {
+        let Some(above) = dir.parent() else { return };
+        dir = above;
+    }
+}

@@ -11,8 +11,10 @@ mod copies;
 mod disk;
 mod given;
 mod ignore;
+mod list_end;
 mod name;
 mod order_list;
+mod recover;
 mod refuse;
 mod scan;
 mod settle;
@@ -22,12 +24,14 @@ mod ticket;
 mod watch;
 
 pub use archive::{archive, purge};
-pub use claim::{Claim, ClaimError, Released, claim, claims, release};
+pub use claim::{Claim, ClaimError, Released, claim, give_back, release};
 pub use copies::copies_in_name;
 pub use given::{Given, Source, TicketSource};
 pub use ignore::is_ignored;
+pub use list_end::{ListEnd, end_list};
 pub use name::{display_name, raw_name};
-pub use order_list::{ListEnd, end_list};
+
+pub use recover::claims;
 pub use refuse::{RefuseError, refuse, refuse_path};
 pub use scan::{Inbox, Kind, Listing, ScanError, ScanLimits, Seen, scan};
 pub use settle::{Ready, SettleRules, Settler};

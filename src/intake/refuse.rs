@@ -1,13 +1,22 @@
 //! Refuses: moves to the error folder, beside a file that says why. Nothing is overwritten, nothing is lost.
+//!
+//! The reason is written first, so that a crash never leaves a file there that nobody can explain; the reason knows
+//! whose it is, so that the next try goes on where the crash was.
 
 use std::{
-    io,
+    ffi::OsStr,
+    fs, io,
+    os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
 };
 
 use thiserror::Error;
 
-use super::{Claim, Seen};
+use super::{
+    Claim, Seen, disk, display_name,
+    name::{numbered, with_suffix},
+    recover::{follower_name, remove_claim_dir},
+};
 
 /// Why something could not be refused; it stays where it is.
 #[derive(Debug, Error)]
@@ -22,13 +31,118 @@ pub struct RefuseError {
     pub source: io::Error,
 }
 
+pub(super) fn io_error(what: &'static str, path: &Path, source: io::Error) -> RefuseError {
+    RefuseError { what, path: path.to_owned(), source }
+}
+
 /// Moves a claimed part and its tickets into `error_dir/[order/]`, beside `<name>.reason.txt`. Returns where the part
-/// is. `reason` is whole sentences for the technician.
-pub fn refuse(claim: &Claim, _error_dir: &Path, _reason: &str) -> Result<PathBuf, RefuseError> {
-    Ok(claim.part.clone())
+/// is. `reason` is whole sentences for the technician. Safe to repeat until it succeeds.
+pub fn refuse(claim: &Claim, error_dir: &Path, reason: &str) -> Result<PathBuf, RefuseError> {
+    refuse_stepwise(claim, error_dir, reason, &mut || {})
+}
+
+pub(super) fn refuse_stepwise(
+    claim: &Claim,
+    error_dir: &Path,
+    reason: &str,
+    step: &mut dyn FnMut(),
+) -> Result<PathBuf, RefuseError> {
+    let folder = error_dir.join(&claim.order_path);
+    let refusal =
+        Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
+    let to = refusal.write_and_move(&claim.order, reason, step, |to| disk::move_noreplace(&claim.part, to))?;
+    for ticket in &claim.tickets {
+        let name = follower_name(to.file_name().unwrap_or_default(), ticket);
+        if disk::is_there(ticket) {
+            disk::move_to_free_name(ticket, &folder, &name).map_err(|e| io_error("refuse", ticket, e))?;
+        }
+        step();
+    }
+    remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))?;
+    Ok(to)
 }
 
 /// Moves what was never claimed (a link, a socket, a folder, an orphan ticket) out of `inbox` likewise.
-pub fn refuse_path(_inbox: &Path, seen: &Seen, _error_dir: &Path, _reason: &str) -> Result<PathBuf, RefuseError> {
-    Ok(seen.path.clone())
+pub fn refuse_path(inbox: &Path, seen: &Seen, error_dir: &Path, reason: &str) -> Result<PathBuf, RefuseError> {
+    let gone = || io_error("refuse", &seen.path, io::ErrorKind::NotFound.into());
+    let relative = seen.path.strip_prefix(inbox).map_err(|_| gone())?;
+    let meta = fs::symlink_metadata(&seen.path).map_err(|e| io_error("refuse", &seen.path, e))?;
+    if (meta.dev(), meta.ino()) != (seen.dev, seen.inode) {
+        return Err(gone());
+    }
+    let folder = error_dir.join(relative.parent().unwrap_or(Path::new("")));
+    let name = seen.path.file_name().unwrap_or_default();
+    let refusal =
+        Refusal { source: &seen.path, folder: &folder, name, key: format!("Inode: {}-{}", seen.inode, seen.mtime_ns) };
+    refusal.write_and_move(&seen.order, reason, &mut || {}, |to| match disk::rename_out(inbox, relative, to) {
+        Err(error) if error.kind() == io::ErrorKind::CrossesDevices => disk::move_noreplace(&seen.path, to),
+        other => other.and_then(|()| disk::fsync_dir(&folder)),
+    })
 }
+
+struct Refusal<'a> {
+    source: &'a Path,
+    folder: &'a Path,
+    name: &'a OsStr,
+    /// A line that tells this refusal's reason from another one's.
+    key: String,
+}
+
+impl Refusal<'_> {
+    fn write_and_move(
+        &self,
+        order: &str,
+        reason: &str,
+        step: &mut dyn FnMut(),
+        move_to: impl FnOnce(&Path) -> io::Result<()>,
+    ) -> Result<PathBuf, RefuseError> {
+        disk::create_dirs(self.folder).map_err(|e| io_error("create", self.folder, e))?;
+        step();
+        let (to, reason_file) = self.free_place()?;
+        if !self.is_ours(&reason_file) {
+            let text = self.reason_text(order, reason);
+            disk::write_by_rename(&reason_file, text.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
+        }
+        step();
+        let moved = match disk::is_there(&to) {
+            // A crash after copying it to another file system: the original is what is left to go.
+            true => fs::remove_file(self.source),
+            false => move_to(&to),
+        };
+        moved.map_err(|e| io_error("refuse", self.source, e))?;
+        step();
+        Ok(to)
+    }
+
+    /// The first number whose names are free, or ours from an earlier try.
+    fn free_place(&self) -> Result<(PathBuf, PathBuf), RefuseError> {
+        for n in 1..=disk::MAX_NUMBER {
+            let number = if n == 1 { String::new() } else { format!(" ({n})") };
+            let to = self.folder.join(numbered(self.name, n));
+            let reason_file = self.folder.join(with_suffix(self.name, &number, ".reason.txt"));
+            let is_free = match self.is_ours(&reason_file) {
+                true => !disk::is_there(&to) || disk::same_bytes(self.source, &to),
+                false => !disk::is_there(&to) && !disk::is_there(&reason_file),
+            };
+            if is_free {
+                return Ok((to, reason_file));
+            }
+        }
+        Err(io_error("find a free name in", self.folder, io::ErrorKind::AlreadyExists.into()))
+    }
+
+    fn is_ours(&self, reason_file: &Path) -> bool {
+        fs::read(reason_file).is_ok_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes()))
+    }
+
+    fn reason_text(&self, order: &str, reason: &str) -> String {
+        let name = display_name(self.name);
+        let place = if order.is_empty() { name.clone() } else { format!("{order}/{name}") };
+        let when = jiff::Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ");
+        format!("{name} was refused.\n\n{}\n\nFile: {place}\nWhen: {when}\n{}\n", reason.trim_end(), self.key)
+    }
+}
+
+#[cfg(test)]
+#[path = "refuse_tests.rs"]
+mod tests;

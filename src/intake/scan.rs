@@ -1,11 +1,19 @@
 //! Lists the hot folder. The scan is the truth about what stands there; file-system events only say "look".
 
 use std::{
-    io,
+    ffi::OsStr,
+    fs, io,
+    os::unix::fs::{FileTypeExt, MetadataExt},
     path::{Path, PathBuf},
 };
 
 use thiserror::Error;
+
+use super::{
+    disk,
+    ignore::{is_ignored, is_own},
+    name::order_name,
+};
 
 /// What kind of thing stands in the hot folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -109,12 +117,134 @@ impl Inbox {
     /// Lists it. Another file system than at the first scan (unmounted, or something mounted over it) is
     /// [`ScanError::Unavailable`]: nothing may be concluded from what is missing there.
     pub fn scan(&mut self) -> Result<Listing, ScanError> {
-        self.dev = self.dev.or(Some(0));
-        scan(&self.path, self.limits)
+        let dev = root_dev(&self.path)?;
+        if let Some(first) = self.dev
+            && first != dev
+        {
+            let why = "it is on another file system than when nestd first saw it; mount it again, or reload nestd";
+            return Err(unavailable(&self.path, why, None));
+        }
+        let listing = scan(&self.path, self.limits)?;
+        self.dev = Some(dev);
+        Ok(listing)
     }
 }
 
 /// Lists a hot folder without a memory of its file system; [`Inbox::scan`] is the daemon's.
-pub fn scan(_inbox: &Path, _limits: ScanLimits) -> Result<Listing, ScanError> {
-    Ok(Listing::default())
+pub fn scan(inbox: &Path, limits: ScanLimits) -> Result<Listing, ScanError> {
+    let dev = root_dev(inbox)?;
+    let mut walk = Walk { inbox, limits, dev, listing: Listing::default() };
+    walk.folder(Path::new(""), 0).map_err(|error| unavailable(inbox, "it cannot be listed", Some(error)))?;
+    // Unmounted while it was listed: what is missing says nothing.
+    if root_dev(inbox)? != dev {
+        return Err(unavailable(inbox, "its file system changed while it was listed", None));
+    }
+    walk.listing.seen.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(walk.listing)
 }
+
+fn unavailable(inbox: &Path, why: &str, source: Option<io::Error>) -> ScanError {
+    ScanError::Unavailable { inbox: inbox.to_owned(), why: why.to_owned(), source }
+}
+
+/// The file system of a hot folder, which may itself be reached by a link.
+fn root_dev(inbox: &Path) -> Result<u64, ScanError> {
+    let meta = fs::metadata(inbox).map_err(|error| unavailable(inbox, "it is not there", Some(error)))?;
+    match meta.is_dir() {
+        true => Ok(meta.dev()),
+        false => Err(unavailable(inbox, "it is not a folder", None)),
+    }
+}
+
+struct Walk<'a> {
+    inbox: &'a Path,
+    limits: ScanLimits,
+    dev: u64,
+    listing: Listing,
+}
+
+impl Walk<'_> {
+    /// Lists one folder, `depth` sub-folders below the hot folder. An error means that the whole hot folder is in doubt.
+    fn folder(&mut self, order: &Path, depth: usize) -> io::Result<()> {
+        let path = self.inbox.join(order);
+        let entries = match fs::read_dir(&path) {
+            Err(error) if depth > 0 => return self.trouble(path, error),
+            other => other?,
+        };
+        for entry in entries {
+            let name = match entry {
+                Err(error) if depth > 0 => return self.trouble(path, error),
+                other => other?.file_name(),
+            };
+            if self.listing.seen.len() >= self.limits.max_entries {
+                let why = format!("holds more than {} files; the rest waits", self.limits.max_entries);
+                self.listing.troubles.push((path, why));
+                return Ok(());
+            }
+            if !is_ignored(&name) && !(depth == 0 && is_own(&name)) {
+                self.entry(order, &name, depth)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn entry(&mut self, order: &Path, name: &OsStr, depth: usize) -> io::Result<()> {
+        let path = self.inbox.join(order).join(name);
+        let meta = match fs::symlink_metadata(&path) {
+            Err(error) => return self.trouble(path, error),
+            Ok(meta) => meta,
+        };
+        if meta.is_dir() && depth < self.limits.max_depth && !is_part_name(name) {
+            if meta.dev() != self.dev {
+                self.listing.troubles.push((path, "is another file system; parts cannot be claimed from it".into()));
+                return Ok(());
+            }
+            return self.folder(&order.join(name), depth + 1);
+        }
+        self.listing.seen.push(Seen {
+            path,
+            order: order_name(order),
+            kind: kind(meta.file_type()),
+            size: meta.len(),
+            allocated: meta.blocks() * 512,
+            ctime_ns: disk::ctime_ns(&meta),
+            mtime_ns: disk::mtime_ns(&meta),
+            inode: meta.ino(),
+            dev: meta.dev(),
+        });
+        Ok(())
+    }
+
+    /// A thing that vanished while it was listed is none of ours, one without permission is noted and the rest goes on;
+    /// anything else (an unreachable server, a failing disk) puts the whole hot folder in doubt.
+    fn trouble(&mut self, path: PathBuf, error: io::Error) -> io::Result<()> {
+        match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Ok(()),
+            io::ErrorKind::PermissionDenied => {
+                self.listing.troubles.push((path, "cannot be read: permission denied".to_owned()));
+                Ok(())
+            }
+            _ => Err(error),
+        }
+    }
+}
+
+/// A folder named like this is no order: somebody unpacked or mistook something.
+fn is_part_name(name: &OsStr) -> bool {
+    Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("stl") || e.eq_ignore_ascii_case("3mf"))
+}
+
+fn kind(file_type: fs::FileType) -> Kind {
+    match file_type {
+        t if t.is_file() => Kind::File,
+        t if t.is_dir() => Kind::Directory,
+        t if t.is_symlink() => Kind::Symlink,
+        t if t.is_socket() => Kind::Socket,
+        t if t.is_fifo() => Kind::Fifo,
+        _ => Kind::Device,
+    }
+}
+
+#[cfg(test)]
+#[path = "scan_tests.rs"]
+mod tests;

@@ -1,8 +1,20 @@
 //! Decides what may be taken: what stood still long enough and is there to its end. Pure: seen + now -> ready.
 
-use std::{io, path::Path};
+use std::{
+    collections::{HashMap, HashSet},
+    ffi::OsString,
+    io,
+    path::{Path, PathBuf},
+};
 
-use super::Seen;
+use super::{Kind, Seen, display_name};
+
+/// The name of an order list.
+pub(super) const LIST_NAME: &str = "order.csv";
+/// A file with a hole may be a copy under way, or on a disk that compresses: it waits so many settle times.
+const HOLE_SETTLES: f64 = 6.0;
+/// Smaller files may be kept inside their inode, with nothing allocated.
+const SMALL_BYTES: u64 = 64 << 10;
 
 /// How long things must stand still.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,8 +51,10 @@ pub enum Ready {
     List {
         /// The list.
         list: Seen,
-        /// So long nothing changed in its folder, seconds.
+        /// So long it has stood unchanged, seconds.
         quiet_secs: f64,
+        /// Names of the part files that stand beside it and are still to be claimed.
+        beside: Vec<OsString>,
     },
     /// No part: to be moved to the error folder by [`refuse_path`](super::refuse_path).
     Refuse {
@@ -51,16 +65,45 @@ pub enum Ready {
     },
 }
 
+/// What must stay the same for a file to be settled. Copiers set old mtimes and may allocate the whole size at once, but
+/// every write changes the ctime.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Print {
+    kind: Kind,
+    size: u64,
+    ctime_ns: i128,
+    mtime_ns: i128,
+    inode: u64,
+    dev: u64,
+}
+
+impl Print {
+    fn of(seen: &Seen) -> Self {
+        let Seen { kind, size, ctime_ns, mtime_ns, inode, dev, .. } = *seen;
+        Self { kind, size, ctime_ns, mtime_ns, inode, dev }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Watched {
+    print: Print,
+    /// When it was first seen like this.
+    since_secs: f64,
+    /// Scans that saw it like this.
+    scans: u32,
+}
+
 /// Remembers since when each thing in one hot folder has been unchanged.
 #[derive(Debug)]
 pub struct Settler {
     rules: SettleRules,
+    watched: HashMap<PathBuf, Watched>,
 }
 
 impl Settler {
     /// Knows nothing yet.
     pub fn new(rules: SettleRules) -> Self {
-        Self { rules }
+        Self { rules, watched: HashMap::new() }
     }
 
     /// Other rules from now on; what is known is kept.
@@ -72,15 +115,172 @@ impl Settler {
     /// `has_end(path, display name)` is asked only for files that otherwise have settled; an error counts as "not yet".
     pub fn observe(
         &mut self,
-        _seen: &[Seen],
-        _now_secs: f64,
-        _has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
+        seen: &[Seen],
+        now_secs: f64,
+        mut has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
     ) -> Vec<Ready> {
-        Vec::new()
+        self.remember(seen, now_secs);
+        let beside = Beside::of(seen);
+        let mut ready = Vec::new();
+        for one in seen.iter().filter(|one| self.is_settled(one, now_secs)) {
+            let still_secs = now_secs - self.watched[&one.path].since_secs;
+            let said = match (one.kind, role(&one.path)) {
+                (Kind::File, Role::Part) => self.part(one, &beside, now_secs, &mut has_end),
+                (Kind::File, Role::Ticket { part }) => self.orphan(one, &part, &beside, still_secs),
+                (Kind::File, Role::List) => list(one, &beside, still_secs),
+                (kind, _) => Some(Ready::Refuse { seen: one.clone(), reason: no_file(kind).to_owned() }),
+            };
+            ready.extend(said);
+        }
+        ready
     }
 
     /// Seconds until something may be ready that is not yet, if anything is on its way: when to scan next.
-    pub fn next_secs(&self, _now_secs: f64) -> Option<f64> {
-        None
+    pub fn next_secs(&self, now_secs: f64) -> Option<f64> {
+        let left = |w: &Watched| w.since_secs + self.rules.settle_secs - now_secs;
+        self.watched.values().filter(|w| w.scans < 2 || left(w) > 0.0).map(|w| left(w).max(0.0)).min_by(f64::total_cmp)
+    }
+
+    fn remember(&mut self, seen: &[Seen], now_secs: f64) {
+        let mut before = std::mem::take(&mut self.watched);
+        for one in seen {
+            let print = Print::of(one);
+            let watched = match before.remove(&one.path) {
+                Some(known) if known.print == print => Watched { scans: known.scans.saturating_add(1), ..known },
+                _ => Watched { print, since_secs: now_secs, scans: 1 },
+            };
+            self.watched.insert(one.path.clone(), watched);
+        }
+    }
+
+    fn is_settled(&self, seen: &Seen, now_secs: f64) -> bool {
+        let Some(watched) = self.watched.get(&seen.path) else { return false };
+        watched.scans >= 2 && now_secs - watched.since_secs >= self.rules.settle_secs
+    }
+
+    /// A settled part is ready once what belongs to it has settled too and its end is there.
+    fn part(
+        &self,
+        part: &Seen,
+        beside: &Beside,
+        now_secs: f64,
+        has_end: &mut impl FnMut(&Path, &str) -> io::Result<bool>,
+    ) -> Option<Ready> {
+        let tickets = beside.tickets_of(&part.path);
+        let list = beside.list_of(&part.path);
+        if !tickets.iter().copied().chain(list).all(|ticket| self.is_settled(ticket, now_secs)) {
+            return None;
+        }
+        let still_secs = now_secs - self.watched[&part.path].since_secs;
+        let name = display_name(part.path.file_name()?);
+        let has_hole = part.allocated < part.size && part.size > SMALL_BYTES;
+        if has_hole && still_secs < HOLE_SETTLES * self.rules.settle_secs {
+            return None;
+        }
+        let unfinished = !has_end(&part.path, &name).unwrap_or(false);
+        if unfinished && still_secs < self.rules.unfinished_secs {
+            return None;
+        }
+        let tickets = tickets.into_iter().cloned().collect();
+        Some(Ready::Part { part: part.clone(), tickets, list: list.cloned(), unfinished })
+    }
+
+    /// A ticket without its part, once it has waited long enough.
+    fn orphan(&self, ticket: &Seen, part: &Path, beside: &Beside, still_secs: f64) -> Option<Ready> {
+        if beside.parts.contains(part) || still_secs < self.rules.orphan_secs {
+            return None;
+        }
+        let name = display_name(part.file_name()?);
+        let reason = format!(
+            "This is a ticket for a part {name:?}, but no such part came within {:.0} s. \
+             Drop the part and the ticket together, the ticket named like the whole part file with .toml or .json added.",
+            self.rules.orphan_secs
+        );
+        Some(Ready::Refuse { seen: ticket.clone(), reason })
     }
 }
+
+/// An order list is not taken but looked at, as long as it serves; a folder has one.
+fn list(list: &Seen, beside: &Beside, still_secs: f64) -> Option<Ready> {
+    if beside.list_of(&list.path) != Some(list) {
+        let reason = "There is another order.csv in this folder, in other letters. Put all rows into one list.";
+        return Some(Ready::Refuse { seen: list.clone(), reason: reason.to_owned() });
+    }
+    let folder = list.path.parent();
+    let parts = beside.parts.iter().filter(|p| p.parent() == folder);
+    let beside = parts.filter_map(|p| p.file_name()).map(|n| n.to_owned()).collect();
+    Some(Ready::List { list: list.clone(), quiet_secs: still_secs, beside })
+}
+
+/// Why a thing that is no file is refused.
+fn no_file(kind: Kind) -> &'static str {
+    match kind {
+        Kind::File => "This is a file.",
+        Kind::Symlink => "This is a symbolic link; nestd does not follow links. Drop the file itself.",
+        Kind::Directory => {
+            "This is a folder with the name of a part file, or one that lies too deep. A folder is an order: \
+             give it another name and drop it right into the hot folder."
+        }
+        Kind::Socket => "This is a socket, not a file. Drop STL or 3MF files.",
+        Kind::Fifo => "This is a named pipe, not a file. Drop STL or 3MF files.",
+        Kind::Device => "This is a device, not a file. Drop STL or 3MF files.",
+    }
+}
+
+/// What a file is by its name.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Part,
+    Ticket { part: PathBuf },
+    List,
+}
+
+/// Tells parts from tickets and order lists; case does not count.
+pub(super) fn role(path: &Path) -> Role {
+    let Some(name) = path.file_name() else { return Role::Part };
+    if name.eq_ignore_ascii_case(LIST_NAME) {
+        return Role::List;
+    }
+    let is_ticket = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml") || e.eq_ignore_ascii_case("json"));
+    match is_ticket {
+        true => Role::Ticket { part: path.with_extension("") },
+        false => Role::Part,
+    }
+}
+
+/// What stands beside what in one scan.
+struct Beside<'a> {
+    parts: HashSet<&'a Path>,
+    tickets: HashMap<PathBuf, Vec<&'a Seen>>,
+    lists: HashMap<&'a Path, &'a Seen>,
+}
+
+impl<'a> Beside<'a> {
+    fn of(seen: &'a [Seen]) -> Self {
+        let mut beside = Self { parts: HashSet::new(), tickets: HashMap::new(), lists: HashMap::new() };
+        for one in seen.iter().filter(|one| one.kind == Kind::File) {
+            match role(&one.path) {
+                Role::Part => {
+                    beside.parts.insert(&one.path);
+                }
+                Role::Ticket { part } => beside.tickets.entry(part).or_default().push(one),
+                Role::List => {
+                    beside.lists.entry(one.path.parent().unwrap_or(Path::new(""))).or_insert(one);
+                }
+            }
+        }
+        beside
+    }
+
+    fn tickets_of(&self, part: &Path) -> Vec<&'a Seen> {
+        self.tickets.get(part).cloned().unwrap_or_default()
+    }
+
+    fn list_of(&self, part: &Path) -> Option<&'a Seen> {
+        self.lists.get(part.parent()?).copied()
+    }
+}
+
+#[cfg(test)]
+#[path = "settle_tests.rs"]
+mod tests;

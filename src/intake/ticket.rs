@@ -1,9 +1,16 @@
 //! A ticket: what the customer says about a part beside it, `part.stl.toml` or `part.stl.json`.
 
 use jiff::{Timestamp, civil, tz::TimeZone};
+use serde::Deserialize;
 use thiserror::Error;
 
+use super::copies::MAX_COPIES;
 use crate::{format::Unit, nest::OrientationRule};
+
+/// More than this around a part is no clearance but a slip of the unit.
+const MAX_CLEARANCE_MM: f64 = 100.0;
+/// Of an order's name or a note.
+const MAX_TEXT_BYTES: usize = 4096;
 
 /// When a part is due.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,14 +76,199 @@ pub enum TicketError {
     },
 }
 
+/// The words of a ticket file as they stand there.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Words {
+    copies: Option<i64>,
+    order: Option<String>,
+    /// A string, or a date of TOML's own.
+    due: Option<toml::Value>,
+    priority: Option<i64>,
+    orientation: Option<OrientationRule>,
+    clearance_mm: Option<f64>,
+    unit: Option<Unit>,
+    note: Option<String>,
+}
+
 impl Ticket {
     /// Reads a TOML ticket; `file` is its display name, for errors.
-    pub fn from_toml(_text: &str, _file: &str) -> Result<Self, TicketError> {
-        Ok(Self::default())
+    pub fn from_toml(text: &str, file: &str) -> Result<Self, TicketError> {
+        let words = toml::from_str(without_bom(text)).map_err(|error| broken(file, error.to_string()))?;
+        Self::check(words).map_err(|why| broken(file, why))
     }
 
     /// Reads a JSON ticket; `file` is its display name, for errors.
-    pub fn from_json(_text: &str, _file: &str) -> Result<Self, TicketError> {
-        Ok(Self::default())
+    pub fn from_json(text: &str, file: &str) -> Result<Self, TicketError> {
+        let words = serde_json::from_str(without_bom(text)).map_err(|error| broken(file, error.to_string()))?;
+        Self::check(words).map_err(|why| broken(file, why))
+    }
+
+    /// What this ticket does not say is taken from a weaker one.
+    pub fn or(self, weaker: Self) -> Self {
+        Self {
+            copies: self.copies.or(weaker.copies),
+            order: self.order.or(weaker.order),
+            due: self.due.or(weaker.due),
+            priority: self.priority.or(weaker.priority),
+            orientation: self.orientation.or(weaker.orientation),
+            clearance_mm: self.clearance_mm.or(weaker.clearance_mm),
+            unit: self.unit.or(weaker.unit),
+            note: self.note.or(weaker.note),
+        }
+    }
+
+    fn check(words: Words) -> Result<Self, String> {
+        Ok(Self {
+            copies: words.copies.map(copies).transpose()?,
+            order: words.order.map(|order| text("order", order)).transpose()?,
+            due: words.due.map(due_of_value).transpose()?,
+            priority: words.priority.map(priority).transpose()?,
+            orientation: words.orientation,
+            clearance_mm: words.clearance_mm.map(clearance).transpose()?,
+            unit: words.unit,
+            note: words.note.map(|note| text("note", note)).transpose()?,
+        })
+    }
+}
+
+fn without_bom(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
+pub(super) fn broken(file: &str, why: impl Into<String>) -> TicketError {
+    TicketError::Broken { file: file.to_owned(), why: why.into().trim_end().to_owned() }
+}
+
+pub(super) fn copies(copies: i64) -> Result<u32, String> {
+    match u32::try_from(copies) {
+        Ok(copies @ 1..=MAX_COPIES) => Ok(copies),
+        _ => Err(format!("copies = {copies}; it must be 1 to {MAX_COPIES}")),
+    }
+}
+
+pub(super) fn priority(priority: i64) -> Result<u8, String> {
+    match u8::try_from(priority) {
+        Ok(priority @ 0..=100) => Ok(priority),
+        _ => Err(format!("priority = {priority}; it must be 0 to 100")),
+    }
+}
+
+fn clearance(clearance_mm: f64) -> Result<f64, String> {
+    match (0.0..=MAX_CLEARANCE_MM).contains(&clearance_mm) {
+        true => Ok(clearance_mm),
+        false => Err(format!("clearance_mm = {clearance_mm}; it must be 0 to {MAX_CLEARANCE_MM}")),
+    }
+}
+
+fn text(word: &str, text: String) -> Result<String, String> {
+    match text.len() <= MAX_TEXT_BYTES {
+        true => Ok(text),
+        false => Err(format!("{word} is {} bytes long; at most {MAX_TEXT_BYTES} are taken", text.len())),
+    }
+}
+
+fn due_of_value(value: toml::Value) -> Result<Due, String> {
+    match value {
+        toml::Value::String(text) => due(&text),
+        toml::Value::Datetime(time) => due(&time.to_string()),
+        other => {
+            Err(format!("due = {other}; it must be a date such as 2026-11-25 or a time such as 2026-11-25T17:00:00Z"))
+        }
+    }
+}
+
+/// A date, a local time or an instant.
+pub(super) fn due(text: &str) -> Result<Due, String> {
+    let text = text.trim();
+    if let Ok(instant) = text.parse::<Timestamp>() {
+        return Ok(Due::At(instant));
+    }
+    let has_time = text.contains(['T', 't', ' ']);
+    let parsed = match has_time {
+        true => text.parse().map(Due::Local),
+        false => text.parse().map(Due::Day),
+    };
+    parsed.map_err(|_| {
+        format!("due = {text:?}; it must be a date such as 2026-11-25 or a time such as 2026-11-25T17:00:00Z")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_of_a_ticket_is_read_in_toml_and_json() {
+        let toml = "copies = 10\norder = \"A-7\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
+                    clearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\n";
+        let json = r#"{"copies":10,"order":"A-7","due":"2026-11-25","priority":100,"orientation":"upright",
+                       "clearance_mm":2,"unit":"in","note":"für Jörg"}"#;
+        let expected = Ticket {
+            copies: Some(10),
+            order: Some("A-7".into()),
+            due: Some(Due::Day(civil::date(2026, 11, 25))),
+            priority: Some(100),
+            orientation: Some(OrientationRule::Upright),
+            clearance_mm: Some(2.0),
+            unit: Some(Unit::Inch),
+            note: Some("für Jörg".into()),
+        };
+        assert_eq!(Ticket::from_toml(toml, "t").unwrap(), expected);
+        assert_eq!(Ticket::from_json(&format!("\u{feff}{json}"), "t").unwrap(), expected);
+        assert_eq!(Ticket::from_toml("", "t").unwrap(), Ticket::default());
+    }
+
+    #[test]
+    fn what_is_not_understood_is_an_error_that_names_it() {
+        for (toml, said) in [
+            ("copys = 3", "copys"),
+            ("copies = 0", "1 to 10000"),
+            ("copies = 10001", "10001"),
+            ("copies = \"three\"", "copies"),
+            ("copies = 1.5", "copies"),
+            ("priority = 101", "0 to 100"),
+            ("priority = -1", "0 to 100"),
+            ("orientation = \"sideways\"", "sideways"),
+            ("clearance_mm = nan", "clearance_mm"),
+            ("clearance_mm = -1", "clearance_mm"),
+            ("unit = \"parsec\"", "parsec"),
+            ("due = \"tomorrow\"", "tomorrow"),
+            ("due = 07:30:00", "due"),
+            ("due = 5", "due"),
+            ("copies = ", "line 1"),
+        ] {
+            let error = Ticket::from_toml(toml, "a.stl.toml").unwrap_err().to_string();
+            assert!(error.contains(said) && error.contains("a.stl.toml"), "{toml}: {error}");
+        }
+        let long = format!("note = \"{}\"", "x".repeat(MAX_TEXT_BYTES + 1));
+        assert!(Ticket::from_toml(&long, "t").is_err());
+        assert!(Ticket::from_json("[1]", "t").is_err());
+        assert!(Ticket::from_json("{\"copies\":1}{", "t").is_err());
+    }
+
+    #[test]
+    fn a_day_is_due_at_its_end_and_a_local_time_in_the_zone_of_the_farm() {
+        let zone = TimeZone::fixed(jiff::tz::offset(1));
+        let at = |text: &str| due(text).unwrap().at(&zone).unwrap().to_string();
+        assert_eq!(at("2026-11-25"), "2026-11-25T23:00:00Z");
+        assert_eq!(at("2026-11-25T17:00"), "2026-11-25T16:00:00Z");
+        assert_eq!(at("2026-11-25 17:00:00"), "2026-11-25T16:00:00Z");
+        assert_eq!(at("2026-11-25T17:00:00Z"), "2026-11-25T17:00:00Z");
+        assert_eq!(at("2026-11-25T17:00:00-05:00"), "2026-11-25T22:00:00Z");
+    }
+
+    #[test]
+    fn dates_of_toml_itself_are_read() {
+        let ticket = Ticket::from_toml("due = 2026-11-25T17:00:00-05:00", "t").unwrap();
+        assert_eq!(ticket.due, Some(due("2026-11-25T22:00:00Z").unwrap()));
+        assert!(matches!(Ticket::from_toml("due = 2026-11-25 17:00:00", "t").unwrap().due, Some(Due::Local(_))));
+    }
+
+    #[test]
+    fn a_stronger_ticket_wins_word_by_word() {
+        let strong = Ticket { copies: Some(2), ..Default::default() };
+        let weak = Ticket { copies: Some(9), priority: Some(70), ..Default::default() };
+        assert_eq!(strong.or(weak), Ticket { copies: Some(2), priority: Some(70), ..Default::default() });
     }
 }

@@ -1,14 +1,27 @@
-//! Configuration in three stages: fragments (all optional) -> inputs (merged, defaults) -> [`Settings`] (validated, the
-//! only one that the daemon sees).
+//! Configuration in three stages: fragments (one file each, all optional, every value with its place) -> inputs (merged,
+//! defaults) -> [`Settings`] (validated, the only one that the daemon sees).
 
+mod clash;
+mod duration;
+mod folders;
+mod fragment;
+mod inputs;
+mod judge;
 mod load;
 mod logging;
+mod off;
 mod problem;
 mod profile;
 mod settings;
+mod validate;
+mod wording;
 
+pub use duration::parse_secs;
 pub use load::{SettingsError, load};
 pub use logging::{LogFormat, Logging};
 pub use problem::Problem;
 pub use profile::{Duplicates, Folders, MeshErrors, Profile, Trigger};
 pub use settings::Settings;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,140 @@
+//! How an order list ends. It stays where it is while its files come, each claim takes a copy along; marks in
+//! `.claimed/.lists/` say which rows were served, so that a restart does not forget.
+
+use std::{
+    ffi::{OsStr, OsString},
+    fs, io,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use super::{
+    Ready, RefuseError, Seen,
+    claim::CLAIMED_DIR,
+    disk, display_name,
+    order_list::{OrderList, Row},
+    refuse::{io_error, refuse_path},
+};
+
+/// Lists that were served lie here in the archive folder.
+const ARCHIVE_DIR: &str = "order-lists";
+/// Marks of lists that somebody deleted go after so long.
+const STALE_MARKS: Duration = Duration::from_secs(7 * 24 * 3600);
+
+/// What became of an order list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ListEnd {
+    /// It stays: files that it names are still to come, or parts of its folder still settle.
+    Awaited,
+    /// Every row's file was claimed; the list is in the archive, here.
+    Archived(PathBuf),
+    /// It is in the error folder, with this reason.
+    Refused(String),
+}
+
+/// Ends the order list of a [`Ready::List`] when its time has come: archives it when all its files were claimed, refuses
+/// it when the others did not come for `orphan_secs` after the last one that did. A broken list stays as long, so that
+/// the files that it names are refused with it instead of printed in guessed numbers. To be called for each
+/// [`Ready::List`], after the claims of the same scan.
+pub fn end_list(
+    inbox: &Path,
+    ready: &Ready,
+    orphan_secs: f64,
+    archive_dir: &Path,
+    error_dir: &Path,
+) -> Result<ListEnd, RefuseError> {
+    let Ready::List { list, quiet_secs, beside } = ready else { return Ok(ListEnd::Awaited) };
+    let content = OrderList::read(&list.path).map_err(|e| io_error("read", &list.path, e))?;
+    let marks = marks_dir(inbox, list);
+    let idle_secs = quiet_secs.min(age_secs(&marks).unwrap_or(f64::MAX));
+    let end = match verdict(&content, beside, &marks, idle_secs >= orphan_secs, orphan_secs) {
+        Verdict::Wait => return Ok(ListEnd::Awaited),
+        Verdict::Served => ListEnd::Archived(archive(inbox, list, archive_dir)?),
+        Verdict::Refuse(reason) => {
+            refuse_path(inbox, list, error_dir, &reason)?;
+            ListEnd::Refused(reason)
+        }
+    };
+    let _ = fs::remove_dir_all(marks);
+    Ok(end)
+}
+
+enum Verdict {
+    Wait,
+    Served,
+    Refuse(String),
+}
+
+fn verdict(content: &OrderList, beside: &[OsString], marks: &Path, is_over: bool, orphan_secs: f64) -> Verdict {
+    if beside.iter().any(|name| !matches!(content.row_for(name), Ok(None))) {
+        return Verdict::Wait;
+    }
+    let rows = match content.rows() {
+        Err(why) if is_over => return Verdict::Refuse(format!("This order list cannot be read: {why}.")),
+        Err(_) => return Verdict::Wait,
+        Ok(rows) => rows,
+    };
+    let missing: Vec<&Row> =
+        rows.iter().filter(|r| !r.file.is_empty() && !marks.join(mark(&r.file)).exists()).collect();
+    let nameless = rows.iter().filter(|r| r.file.is_empty()).count();
+    match missing[..] {
+        [] if !rows.is_empty() && nameless == 0 => Verdict::Served,
+        _ if !is_over => Verdict::Wait,
+        [] if rows.is_empty() => Verdict::Refuse("This order list names no files.".to_owned()),
+        [] => Verdict::Refuse(format!("{nameless} rows of this order list name no file; the others were served.")),
+        _ => {
+            let names: Vec<String> = missing.iter().map(|r| display_name(OsStr::new(&r.file))).collect();
+            Verdict::Refuse(format!(
+                "No file came within {orphan_secs:.0} s for {} of {} rows of this order list: {}. The other rows were \
+                 served. Drop these files together with a list for them.",
+                names.len(),
+                rows.len(),
+                names.join(", ")
+            ))
+        }
+    }
+}
+
+/// Notes on disk that a row of a list was served. Before the claim is whole: a part that is still there counts anyway.
+pub(super) fn mark_served(inbox: &Path, list: &Seen, row: &Row) -> io::Result<()> {
+    let marks = marks_dir(inbox, list);
+    disk::create_dirs(&marks)?;
+    fs::write(marks.join(mark(&row.file)), "")?;
+    disk::fsync_dir(&marks)
+}
+
+/// Removes marks of lists that are long gone.
+pub(super) fn sweep_marks(inbox: &Path) {
+    let lists = inbox.join(CLAIMED_DIR).join(".lists");
+    for entry in fs::read_dir(lists).into_iter().flatten().flatten() {
+        if age_secs(&entry.path()).is_some_and(|age| age > STALE_MARKS.as_secs_f64()) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// Inode and ctime tell this list from a later one of the same text, whose rows nobody served yet.
+fn marks_dir(inbox: &Path, list: &Seen) -> PathBuf {
+    inbox.join(CLAIMED_DIR).join(".lists").join(format!("{}-{}", list.inode, list.ctime_ns))
+}
+
+fn mark(file: &str) -> String {
+    blake3::hash(file.as_bytes()).to_hex()[..32].to_owned()
+}
+
+fn age_secs(path: &Path) -> Option<f64> {
+    let meta = fs::metadata(path).ok()?;
+    Some(meta.modified().ok()?.elapsed().unwrap_or_default().as_secs_f64())
+}
+
+fn archive(inbox: &Path, list: &Seen, archive_dir: &Path) -> Result<PathBuf, RefuseError> {
+    let folder = list.path.parent().and_then(|p| p.strip_prefix(inbox).ok()).unwrap_or(Path::new(""));
+    let folder = archive_dir.join(ARCHIVE_DIR).join(folder);
+    disk::create_dirs(&folder).map_err(|e| io_error("create", &folder, e))?;
+    let name = list.path.file_name().unwrap_or_default();
+    disk::move_to_free_name(&list.path, &folder, name).map_err(|e| io_error("move to the archive", &list.path, e))
+}
+
+#[cfg(test)]
+#[path = "list_end_tests.rs"]
+mod tests;

@@ -1,0 +1,133 @@
+//! What lies in `.claimed/` after a crash: whole claims are listed, half made ones given back, half removed ones removed.
+
+use std::{
+    ffi::{OsStr, OsString},
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+use tracing::warn;
+
+use super::{
+    Claim, ClaimError,
+    claim::{CLAIMED_DIR, DONE, NEW, io_error},
+    disk,
+    list_end::sweep_marks,
+    name::numbered,
+    settle::{Role, role},
+};
+
+/// The claims that lie in `.claimed/`, oldest first; gives back what a crash left half claimed and removes what it left
+/// half released. To be called at start, before the first scan, and never while a claim is being made.
+pub fn claims(inbox: &Path) -> Result<Vec<Claim>, ClaimError> {
+    let claimed = inbox.join(CLAIMED_DIR);
+    let entries = match fs::read_dir(&claimed) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.map_err(|e| io_error("list", &claimed, e))?,
+    };
+    let mut claims = Vec::new();
+    for entry in entries {
+        let dir = entry.map_err(|e| io_error("list", &claimed, e))?.path();
+        match recover(inbox, &dir) {
+            Ok(found) => claims.extend(found),
+            // It stays where it is and the next start tries again: the other claims must not wait for it.
+            Err(error) => warn!(claim = %dir.display(), %error, "Could not recover a claim."),
+        }
+    }
+    sweep_marks(inbox);
+    claims.sort_by(|a, b| a.id.cmp(&b.id));
+    Ok(claims)
+}
+
+fn recover(inbox: &Path, dir: &Path) -> io::Result<Option<Claim>> {
+    let name = dir.file_name().unwrap_or_default();
+    let starts = |with: &str| name.as_encoded_bytes().starts_with(with.as_bytes());
+    if starts(NEW) {
+        give_back_files(inbox, dir)?;
+    } else if starts(DONE) {
+        fs::remove_dir_all(dir)?;
+    } else if let (false, Some(id)) = (starts("."), name.to_str()) {
+        match Claim::load(inbox, id)? {
+            Some(claim) => return Ok(Some(claim)),
+            // Its part was refused; a ticket may be left to be given back.
+            None => give_back_files(inbox, dir)?,
+        };
+    }
+    Ok(None)
+}
+
+/// Moves all that was taken back to where it was dropped, under a free name if there is something new, and removes the
+/// claim. The copy of a list is only a copy. Returns where the (first) part is now.
+pub(super) fn give_back_files(inbox: &Path, dir: &Path) -> io::Result<Option<PathBuf>> {
+    let dir = &unmake(dir)?;
+    let mut part = None;
+    let files = disk::files_below(dir)?;
+    // A ticket that still has its part goes back with it.
+    let is_led = |file: &Path| matches!(role(file), Role::Ticket { part } if files.contains(&part));
+    for file in files.iter().filter(|f| role(f) != Role::List && !is_led(f)) {
+        let followers: Vec<&Path> = files.iter().map(PathBuf::as_path).filter(|f| follows(f, file)).collect();
+        let back = give_back_one(inbox, dir, file, &followers)?;
+        if role(file) == Role::Part {
+            part = part.or(Some(back));
+        }
+    }
+    remove_claim_dir(dir, &mut || {})?;
+    Ok(part)
+}
+
+/// A claim that is taken apart must not look whole meanwhile: without its ticket it would be another order.
+fn unmake(dir: &Path) -> io::Result<PathBuf> {
+    let id = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if id.starts_with(NEW) {
+        return Ok(dir.to_owned());
+    }
+    let new = dir.with_file_name(format!("{NEW}{id}"));
+    disk::rename_noreplace(dir, &new)?;
+    Ok(new)
+}
+
+fn follows(ticket: &Path, part: &Path) -> bool {
+    matches!(role(ticket), Role::Ticket { part: named } if named == part)
+}
+
+fn give_back_one(inbox: &Path, dir: &Path, file: &Path, followers: &[&Path]) -> io::Result<PathBuf> {
+    let folder = file.parent().and_then(|p| p.strip_prefix(dir).ok()).unwrap_or(Path::new(""));
+    let name = file.file_name().unwrap_or_default();
+    for n in 1..=disk::MAX_NUMBER {
+        let leader = numbered(name, n);
+        let targets: Vec<OsString> = followers.iter().map(|f| follower_name(&leader, f)).collect();
+        if targets.iter().chain([&leader]).any(|t| disk::is_there(&inbox.join(folder).join(t))) {
+            continue;
+        }
+        // The tickets first: a part in the hot folder is never without what is said about it.
+        for (follower, target) in followers.iter().zip(&targets) {
+            disk::rename_in(follower, inbox, &folder.join(target))?;
+        }
+        disk::rename_in(file, inbox, &folder.join(&leader))?;
+        return Ok(inbox.join(folder).join(leader));
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// The name of a ticket for a part of that name.
+pub(super) fn follower_name(part: &OsStr, ticket: &Path) -> OsString {
+    let mut name = part.to_owned();
+    name.push(".");
+    name.push(ticket.extension().unwrap_or_default());
+    name
+}
+
+/// Removes a claim so that it is there whole or not at all.
+pub(super) fn remove_claim_dir(dir: &Path, step: &mut dyn FnMut()) -> io::Result<()> {
+    let id = dir.file_name().unwrap_or_default().to_string_lossy();
+    let done = dir.with_file_name(format!("{DONE}{}", id.trim_start_matches(NEW)));
+    match fs::rename(dir, &done) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => step(),
+    }
+    match fs::remove_dir_all(&done) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => step(),
+    }
+    dir.parent().map_or(Ok(()), disk::fsync_dir)
+}

@@ -1,0 +1,226 @@
+//! Scans are made by hand here: the settler is pure.
+
+use super::*;
+
+const RULES: SettleRules = SettleRules { settle_secs: 5.0, unfinished_secs: 600.0, orphan_secs: 3600.0 };
+
+fn seen(path: &str, size: u64, ctime_secs: i128) -> Seen {
+    Seen {
+        path: path.into(),
+        order: String::new(),
+        kind: Kind::File,
+        size,
+        allocated: size,
+        ctime_ns: ctime_secs * 1_000_000_000,
+        mtime_ns: 0,
+        inode: 1,
+        dev: 1,
+    }
+}
+
+fn whole(_: &Path, _: &str) -> io::Result<bool> {
+    Ok(true)
+}
+
+fn cut(_: &Path, _: &str) -> io::Result<bool> {
+    Ok(false)
+}
+
+fn parts(ready: &[Ready]) -> Vec<&str> {
+    ready
+        .iter()
+        .filter_map(|r| match r {
+            Ready::Part { part, .. } => part.path.to_str(),
+            _ => None,
+        })
+        .collect()
+}
+
+#[test]
+fn a_file_that_stands_still_is_taken_after_two_scans_and_the_settle_time() {
+    let mut settler = Settler::new(RULES);
+    let scan = [seen("in/a.stl", 84, 1)];
+    assert_eq!(settler.observe(&scan, 100.0, whole), []);
+    assert_eq!(settler.observe(&scan, 104.9, whole), []);
+    assert_eq!(parts(&settler.observe(&scan, 105.0, whole)), ["in/a.stl"]);
+    // It is said again for as long as it stands there.
+    assert_eq!(parts(&settler.observe(&scan, 106.0, whole)), ["in/a.stl"]);
+}
+
+#[test]
+fn one_scan_is_never_enough() {
+    let mut settler = Settler::new(SettleRules { settle_secs: 0.0, ..RULES });
+    let scan = [seen("in/a.stl", 84, 1)];
+    assert_eq!(settler.observe(&scan, 0.0, whole), []);
+    assert_eq!(settler.next_secs(0.0), Some(0.0));
+    assert_eq!(parts(&settler.observe(&scan, 0.0, whole)), ["in/a.stl"]);
+    assert_eq!(settler.next_secs(0.0), None);
+}
+
+#[test]
+fn a_file_still_growing_is_not_taken_however_long_it_takes() {
+    let mut settler = Settler::new(RULES);
+    for step in 0..5000 {
+        let now = f64::from(step) * 4.0;
+        assert_eq!(settler.observe(&[seen("in/a.stl", step as u64, i128::from(step))], now, cut), []);
+    }
+    let last = [seen("in/a.stl", 4999, 4999)];
+    assert_eq!(parts(&settler.observe(&last, 4999.0 * 4.0 + 5.0, whole)), ["in/a.stl"]);
+}
+
+#[test]
+fn a_write_into_an_allocated_file_is_seen_by_its_ctime() {
+    let mut settler = Settler::new(RULES);
+    settler.observe(&[seen("in/a.stl", 84, 1)], 0.0, whole);
+    settler.observe(&[seen("in/a.stl", 84, 2)], 6.0, whole);
+    assert_eq!(settler.observe(&[seen("in/a.stl", 84, 2)], 10.0, whole), []);
+    assert_eq!(settler.observe(&[seen("in/a.stl", 84, 2)], 11.0, whole).len(), 1);
+}
+
+#[test]
+fn a_replaced_file_and_one_that_went_and_came_settle_anew() {
+    let mut settler = Settler::new(RULES);
+    settler.observe(&[seen("in/a.stl", 84, 1)], 0.0, whole);
+    let other = Seen { inode: 2, ..seen("in/a.stl", 84, 1) };
+    assert_eq!(settler.observe(std::slice::from_ref(&other), 6.0, whole), []);
+    settler.observe(&[], 7.0, whole);
+    assert_eq!(settler.observe(&[other], 12.0, whole), []);
+}
+
+#[test]
+fn a_file_without_its_end_is_waited_for_and_taken_as_unfinished_in_the_end() {
+    let mut settler = Settler::new(RULES);
+    let scan = [seen("in/a.stl", 100, 1)];
+    for step in 0..60 {
+        assert_eq!(settler.observe(&scan, f64::from(step) * 10.0, cut), [], "step {step}");
+    }
+    let ready = settler.observe(&scan, 600.0, cut);
+    assert!(matches!(&ready[..], [Ready::Part { unfinished: true, .. }]), "{ready:?}");
+    // Its end came after all: it is an ordinary part.
+    let ready = settler.observe(&scan, 610.0, whole);
+    assert!(matches!(&ready[..], [Ready::Part { unfinished: false, .. }]), "{ready:?}");
+}
+
+#[test]
+fn an_end_that_cannot_be_read_is_not_there_yet() {
+    let mut settler = Settler::new(RULES);
+    let scan = [seen("in/a.stl", 100, 1)];
+    settler.observe(&scan, 0.0, whole);
+    assert_eq!(settler.observe(&scan, 9.0, |_, _| Err(io::ErrorKind::PermissionDenied.into())), []);
+}
+
+#[test]
+fn the_end_is_asked_for_only_when_the_file_stands_still() {
+    let mut settler = Settler::new(RULES);
+    let never = |_: &Path, _: &str| -> io::Result<bool> { panic!("asked too early") };
+    settler.observe(&[seen("in/a.stl", 1, 1)], 0.0, never);
+    settler.observe(&[seen("in/a.stl", 2, 2)], 9.0, never);
+    settler.observe(&[seen("in/a.stl", 2, 2)], 10.0, never);
+}
+
+#[test]
+fn a_hole_only_delays() {
+    let mut settler = Settler::new(RULES);
+    let scan = [Seen { allocated: 4096, ..seen("in/a.stl", 1 << 20, 1) }];
+    settler.observe(&scan, 0.0, whole);
+    assert_eq!(settler.observe(&scan, 29.0, whole), []);
+    assert_eq!(settler.observe(&scan, 30.0, whole).len(), 1);
+}
+
+#[test]
+fn a_part_waits_for_the_ticket_beside_it_to_settle() {
+    let mut settler = Settler::new(RULES);
+    settler.observe(&[seen("in/a.stl", 84, 1)], 0.0, whole);
+    let both = [seen("in/a.stl", 84, 1), seen("in/a.stl.toml", 10, 4)];
+    assert_eq!(settler.observe(&both, 4.0, whole), []);
+    assert_eq!(settler.observe(&both, 8.0, whole), []);
+    let ready = settler.observe(&both, 9.0, whole);
+    let [Ready::Part { tickets, .. }] = &ready[..] else { panic!("{ready:?}") };
+    assert_eq!(tickets[0].path, Path::new("in/a.stl.toml"));
+}
+
+#[test]
+fn a_ticket_may_come_long_before_its_part() {
+    let mut settler = Settler::new(RULES);
+    let ticket = seen("in/a.stl.JSON", 10, 1);
+    for now in [0.0, 1000.0, 3599.0] {
+        assert_eq!(settler.observe(std::slice::from_ref(&ticket), now, whole), []);
+    }
+    // From now on its part is growing: it is an orphan no more.
+    for step in 0..10 {
+        let both = [ticket.clone(), seen("in/a.stl", step, i128::from(step))];
+        assert_eq!(settler.observe(&both, 3599.0 + step as f64 * 4.0, cut), []);
+    }
+    let both = [ticket, seen("in/a.stl", 9, 9)];
+    let ready = settler.observe(&both, 3700.0, whole);
+    assert!(matches!(&ready[..], [Ready::Part { tickets, .. }] if tickets.len() == 1), "{ready:?}");
+}
+
+#[test]
+fn an_orphan_ticket_is_refused_after_its_time() {
+    let mut settler = Settler::new(RULES);
+    let ticket = [seen("in/a.stl.toml", 10, 1)];
+    settler.observe(&ticket, 0.0, whole);
+    let ready = settler.observe(&ticket, 3600.0, whole);
+    let [Ready::Refuse { reason, .. }] = &ready[..] else { panic!("{ready:?}") };
+    assert!(reason.contains("\"a.stl\"") && reason.contains("3600 s"), "{reason}");
+}
+
+#[test]
+fn a_part_takes_the_list_of_its_own_folder_along() {
+    let mut settler = Settler::new(RULES);
+    let scan = [seen("in/k/a.stl", 84, 1), seen("in/k/order.csv", 30, 1), seen("in/b.stl", 84, 1)];
+    settler.observe(&scan, 0.0, whole);
+    let ready = settler.observe(&scan, 5.0, whole);
+    let [Ready::Part { list: Some(list), .. }, Ready::List { beside, .. }, Ready::Part { list: None, .. }] = &ready[..]
+    else {
+        panic!("{ready:?}")
+    };
+    assert_eq!(list.path, Path::new("in/k/order.csv"));
+    assert_eq!(beside, &["a.stl"]);
+}
+
+#[test]
+fn a_part_waits_for_a_list_that_is_being_written() {
+    let mut settler = Settler::new(RULES);
+    let part = seen("in/a.stl", 84, 1);
+    settler.observe(&[part.clone(), seen("in/order.csv", 30, 1)], 0.0, whole);
+    let scan = [part, seen("in/order.csv", 31, 2)];
+    assert_eq!(settler.observe(&scan, 5.0, whole), []);
+    assert_eq!(settler.observe(&scan, 10.0, whole).len(), 2);
+}
+
+#[test]
+fn a_second_list_in_other_letters_is_refused() {
+    let mut settler = Settler::new(RULES);
+    let scan = [seen("in/Order.csv", 30, 1), seen("in/order.csv", 30, 1)];
+    settler.observe(&scan, 0.0, whole);
+    let ready = settler.observe(&scan, 5.0, whole);
+    assert!(matches!(&ready[..], [Ready::List { .. }, Ready::Refuse { .. }]), "{ready:?}");
+}
+
+#[test]
+fn what_is_no_file_is_refused_after_settling() {
+    let mut settler = Settler::new(RULES);
+    let kinds = [Kind::Symlink, Kind::Directory, Kind::Socket, Kind::Fifo, Kind::Device];
+    let scan: Vec<Seen> =
+        (kinds.iter().enumerate()).map(|(i, &kind)| Seen { kind, ..seen(&format!("in/{i}.stl"), 0, 1) }).collect();
+    assert_eq!(settler.observe(&scan, 0.0, cut), []);
+    assert_eq!(settler.observe(&scan, 5.0, cut).iter().filter(|r| matches!(r, Ready::Refuse { .. })).count(), 5);
+}
+
+#[test]
+fn an_empty_file_and_one_of_an_unknown_kind_are_taken_too() {
+    let mut settler = Settler::new(RULES);
+    let scan = [seen("in/empty.stl", 0, 1), seen("in/notes.txt", 9, 1), seen("in/no_extension", 9, 1)];
+    settler.observe(&scan, 0.0, whole);
+    assert_eq!(parts(&settler.observe(&scan, 5.0, whole)).len(), 3);
+}
+
+#[test]
+fn the_settler_says_when_to_look_again() {
+    let mut settler = Settler::new(RULES);
+    assert_eq!(settler.next_secs(0.0), None);
+    settler.observe(&[seen("in/a.stl", 84, 1)], 10.0, whole);
+    assert_eq!(settler.next_secs(12.0), Some(3.0));
+}

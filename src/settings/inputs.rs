@@ -1,0 +1,175 @@
+//! The second stage: what the files say, merged and filled up with defaults. Nothing is checked yet but the kinds of the
+//! values. The defaults of all options stand here and, documented, in `config/nestd.toml`; a test compares the two.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Duplicates, LogFormat, MeshErrors, duration::Secs, off::OrOff};
+use crate::{format, nest};
+
+/// The farm file, `nestd.toml`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct FarmInputs {
+    pub root: PathBuf,
+    pub scan_secs: Secs,
+    pub orphan_ticket_secs: Secs,
+    pub threads: usize,
+    pub folders: FarmFolders,
+    pub log: LogInputs,
+    pub limits: format::Limits,
+    pub defaults: ProfileInputs,
+}
+
+impl Default for FarmInputs {
+    fn default() -> Self {
+        Self {
+            root: "./farm".into(),
+            scan_secs: Secs(10.0),
+            orphan_ticket_secs: Secs(3600.0),
+            threads: 0,
+            folders: FarmFolders::default(),
+            log: LogInputs::default(),
+            limits: format::Limits::default(),
+            defaults: ProfileInputs::default(),
+        }
+    }
+}
+
+/// `[folders]` of the farm file: the folders that hold one folder per profile, and the state directory.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct FarmFolders {
+    pub inbox: PathBuf,
+    pub queue: PathBuf,
+    pub error: PathBuf,
+    pub archive: PathBuf,
+    pub state: PathBuf,
+    pub ledger: PathBuf,
+}
+
+impl Default for FarmFolders {
+    fn default() -> Self {
+        Self {
+            inbox: "inbox".into(),
+            queue: "queue".into(),
+            error: "error".into(),
+            archive: "archive".into(),
+            state: "state".into(),
+            ledger: "nestd.db".into(),
+        }
+    }
+}
+
+/// `[log]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct LogInputs {
+    pub filter: String,
+    pub format: LogFormat,
+}
+
+impl Default for LogInputs {
+    fn default() -> Self {
+        Self { filter: "info".into(), format: LogFormat::Auto }
+    }
+}
+
+/// A profile's file; also `[defaults]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct ProfileInputs {
+    /// The only option without a default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume_mm: Option<[f64; 3]>,
+    pub wall_margin_mm: f64,
+    pub floor_margin_mm: f64,
+    pub lid_margin_mm: f64,
+    pub clearance_mm: f64,
+    pub layer_mm: f64,
+    pub print_hours_per_mm: f64,
+    pub unit: format::Unit,
+    pub orientation: nest::OrientationRule,
+    pub settle_secs: Secs,
+    pub duplicates: Duplicates,
+    pub mesh_errors: MeshErrors,
+    pub final_secs: Secs,
+    pub arrival_secs: Secs,
+    pub max_attempts: u32,
+    pub instances: format::Instances,
+    pub arrangement: format::Arrangement,
+    pub stl_output: bool,
+    pub archive_days: u32,
+    pub folders: ProfileFolders,
+    pub trigger: TriggerInputs,
+    pub nest: nest::Config,
+}
+
+impl Default for ProfileInputs {
+    fn default() -> Self {
+        Self {
+            volume_mm: None,
+            wall_margin_mm: 0.0,
+            floor_margin_mm: 0.0,
+            lid_margin_mm: 0.0,
+            clearance_mm: 3.0,
+            layer_mm: 0.1,
+            print_hours_per_mm: 0.1,
+            unit: format::Unit::default(),
+            orientation: nest::OrientationRule::default(),
+            settle_secs: Secs(5.0),
+            duplicates: Duplicates::default(),
+            mesh_errors: MeshErrors::default(),
+            final_secs: Secs(60.0),
+            arrival_secs: Secs(20.0),
+            max_attempts: 3,
+            instances: format::Instances::default(),
+            arrangement: format::Arrangement::default(),
+            stl_output: false,
+            archive_days: 90,
+            folders: ProfileFolders::default(),
+            trigger: TriggerInputs::default(),
+            nest: nest::Config::default(),
+        }
+    }
+}
+
+/// `[folders]` of a profile's file: exact folders instead of those below the farm's.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct ProfileFolders {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inbox: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub queue: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub archive: Option<PathBuf>,
+}
+
+/// `[trigger]` of a profile.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct TriggerInputs {
+    pub fill_height: OrOff<f64>,
+    pub fill_density: OrOff<f64>,
+    pub copies: OrOff<u32>,
+    pub max_wait_secs: Secs,
+    pub due_margin_secs: OrOff<Secs>,
+    pub at: Vec<String>,
+}
+
+impl Default for TriggerInputs {
+    fn default() -> Self {
+        Self {
+            fill_height: OrOff::OFF,
+            fill_density: OrOff::OFF,
+            copies: OrOff::OFF,
+            max_wait_secs: Secs(86_400.0),
+            due_margin_secs: OrOff(Some(Secs(3600.0))),
+            at: Vec::new(),
+        }
+    }
+}

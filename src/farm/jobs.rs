@@ -24,8 +24,6 @@ pub enum JobKey {
     Improve(String),
     /// Nesting, writing and proving a build.
     Final(BuildId),
-    /// Putting a published build's originals away.
-    Finish(BuildId),
 }
 
 /// Jobs that run now.
@@ -36,6 +34,11 @@ pub struct Jobs {
 }
 
 impl Jobs {
+    /// Where events go.
+    pub fn events(&self) -> UnboundedSender<Event> {
+        self.events.clone()
+    }
+
     /// No jobs; each will end with an event.
     pub fn new(events: UnboundedSender<Event>) -> Self {
         Self { running: HashSet::new(), events }

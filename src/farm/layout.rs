@@ -100,11 +100,6 @@ impl Batch {
             evaluations: solution.evaluations,
         }
     }
-
-    /// All copies of the batch.
-    pub fn copies(&self) -> Vec<Copy> {
-        self.parts.iter().flat_map(|p| p.copies.iter().map(|&c| (p.part.id, c))).collect()
-    }
 }
 
 /// All copies of waiting parts, in order of precedence.
@@ -145,8 +140,7 @@ mod tests {
     #[test]
     fn a_stored_layout_comes_back_to_the_last_digit() {
         let pose = Pose::new(DQuat::from_rotation_x(0.3), DVec3::new(1.0 / 3.0, 2e-9, 170.25));
-        let layout =
-            Layout { placed: vec![PlacedCopy { copy: (PartId(7), 3), pose }], ..Layout::default() };
+        let layout = Layout { placed: vec![PlacedCopy { copy: (PartId(7), 3), pose }], ..Layout::default() };
         let back = placed_from_json(&layout.to_json());
         assert_eq!(back[0].copy, (PartId(7), 3));
         assert!((back[0].pose.translation - pose.translation).length() == 0.0);

@@ -1,10 +1,7 @@
 //! The step "nested": a batch of parts becomes a layout. Runs on a job's thread; meshes come from the shelf or are read
 //! again from the store.
 
-use std::{
-    path::PathBuf,
-    sync::{Arc, Mutex, PoisonError},
-};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::{Context, Result};
 
@@ -16,6 +13,7 @@ use super::{
 use crate::{
     format::{self, Limits},
     geometry::Mesh,
+    intake::Store,
     ledger::PartRow,
     nest::{self, Solution},
     settings::Profile,
@@ -26,16 +24,10 @@ use crate::{
 pub struct Meshes {
     /// Meshes in memory.
     pub shelf: Shelf,
-    /// Directory of the content-addressed store's files, by hash.
-    pub store: Arc<dyn StoredFiles>,
+    /// The content-addressed store.
+    pub store: Store,
     /// Limits of the readers.
     pub limits: Limits,
-}
-
-/// Where the store keeps the file of a hash.
-pub trait StoredFiles: Send + Sync + std::fmt::Debug {
-    /// Path of the stored file.
-    fn path(&self, content_hash: &str) -> PathBuf;
 }
 
 /// The best layout of a running search; other threads look at it and take it when the search is cancelled.
@@ -71,6 +63,8 @@ pub struct Nested {
     pub cpu_secs: f64,
     /// Wall seconds of the search.
     pub wall_secs: f64,
+    /// (wall seconds, build height in mm) of every improvement.
+    pub curve: Vec<(f64, f64)>,
 }
 
 impl Meshes {
@@ -85,7 +79,7 @@ impl Meshes {
         if let Some(mesh) = self.shelf.mesh(&key(part.object_index)) {
             return Ok(mesh);
         }
-        let file = self.store.path(&part.content_hash);
+        let file = self.store.path(&part.content_hash)?;
         let contents = format::read(&file, &part.name, part.unit, profile.unit, &self.limits)
             .with_context(|| format!("reading part {} ({}) again", part.id.0, part.name))?;
         for (index, solid) in contents.solids.into_iter().enumerate() {
@@ -106,7 +100,9 @@ impl NestOrder {
         config.seed = self.seed;
         let start = batch.placements(&self.start);
         let cpu = cpu_secs();
+        let mut curve = Vec::new();
         let mut listener = |solution: &Solution, _evaluations: u64| {
+            curve.push((self.budget.elapsed_secs(), solution.height_mm));
             *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(batch.layout(&instance, solution));
         };
         let solution = nest::nest(&instance, &config, &start, &self.budget, &mut listener);
@@ -114,7 +110,7 @@ impl NestOrder {
         *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
         let lower_bound_mm = nest::lower_bound_mm(&instance);
         let wall_secs = self.budget.elapsed_secs();
-        Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs() - cpu, wall_secs })
+        Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs() - cpu, wall_secs, curve })
     }
 
     fn batch(&self, meshes: &Meshes) -> Result<Batch> {

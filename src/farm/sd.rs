@@ -1,13 +1,6 @@
 //! What the service manager hears: ready, status, watchdog, reloading, stopping. Silent where there is none.
 
-use std::time::Duration;
-
 use sd_notify::NotifyState;
-
-/// The watchdog's period, if the service manager watches us.
-pub fn watchdog_period() -> Option<Duration> {
-    sd_notify::watchdog_enabled()
-}
 
 /// The farm serves.
 pub fn ready(status: &str) {

@@ -135,7 +135,7 @@ fn sample_colour(canvas: &Canvas, colours: &[Vec3], x: usize, y: usize) -> Vec3 
 /// Friendly colours that neighbours in the list do not share: hues a golden angle apart, in three strengths.
 fn body_colour(index: usize) -> Vec3 {
     let hue = 6.0 * (0.58 + index as f32 * 0.618_034).fract();
-    let (saturation, value) = [(0.50, 255.0), (0.62, 236.0), (0.38, 250.0)][index % 3];
+    let (saturation, value) = [(0.42, 255.0), (0.52, 238.0), (0.30, 248.0)][index % 3];
     let channel = |offset: f32| {
         let k = (offset + hue) % 6.0;
         value * (1.0 - saturation * k.min(4.0 - k).clamp(0.0, 1.0))

@@ -79,7 +79,7 @@ impl Canvas {
         let end = |most: f32, size: usize| ((most - 0.5).floor() + 1.0).clamp(0.0, size as f32) as usize;
         let (x0, x1) = (first(low.x), end(high.x, self.width));
         let (y0, y1) = (first(low.y), end(high.y, self.height));
-        if !(area > 0.0) || x0 >= x1 || y0 >= y1 {
+        if area <= 0.0 || area.is_nan() || x0 >= x1 || y0 >= y1 {
             return;
         }
         let edge = |from: Vec3, to: Vec3| {

@@ -1,11 +1,21 @@
 //! Pure solids: poses, meshes, boxes and the distance between them. Millimetres everywhere; knows nothing of flowers.
 
 mod bounds;
+mod box_tree;
 mod clearance;
+mod eigen;
+mod inside;
 mod mesh;
 mod obb;
 mod obb_tree;
 mod pose;
+mod triangle;
+mod walk;
+
+#[cfg(test)]
+mod clearance_tests;
+#[cfg(test)]
+pub(crate) mod solids;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;

@@ -1,19 +1,27 @@
 //! Geometry x pollination: the packing search. What is asked is an [`Instance`], what is found is a [`Solution`].
 //! No clock, no file, no log in here: time comes in through [`Stop`], progress goes out through [`Listener`].
 
+mod body;
 mod bound;
 mod config;
+mod construct;
+mod field;
 mod fit;
+mod inside;
 mod instance;
 mod nester;
 mod paper;
+mod piece;
 mod proof;
 mod report;
 mod search;
+mod shape;
+mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
 mod turns;
+mod voxels;
 
 pub use bound::lower_bound_mm;
 pub use config::{Config, Method, PaperConfig};

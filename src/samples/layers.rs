@@ -27,6 +27,7 @@ pub(super) fn layers(
     solid: impl Fn(usize, usize) -> bool,
     walled: impl Fn(DVec2, DVec2) -> bool,
 ) -> Surface {
+    debug_assert!(levels.is_sorted_by(|a, b| a < b), "levels rise");
     let slabs = levels.len() - 1;
     let owners: HashMap<EdgeKey, usize> = (regions.iter().enumerate())
         .flat_map(|(r, region)| region.edges().map(move |(a, b)| (edge_key(a, b), r)))

@@ -79,3 +79,17 @@ pub(super) fn rounded_rectangle(min: DVec2, max: DVec2, radius: f64, n: usize) -
     let corner = |i: usize| arc(centers[i], radius, i as f64 * quarter, (i + 1) as f64 * quarter, n);
     (0..4).flat_map(corner).collect()
 }
+
+/// A path drawn with a pen `width` mm wide and flat ends; corners keep their width.
+pub(super) fn stroke(path: &[DVec2], width: f64) -> Outline {
+    let last = path.len() - 1;
+    let direction = |i: usize| (path[i + 1] - path[i]).normalize();
+    let side = |i: usize| {
+        let (before, after) = (direction(i.max(1) - 1), direction(i.min(last - 1)));
+        let miter = (before.perp() + after.perp()).normalize();
+        miter * (width / 2.0 / miter.dot(after.perp()))
+    };
+    let right = (0..=last).map(|i| path[i] - side(i));
+    let left = (0..=last).rev().map(|i| path[i] + side(i));
+    Outline::new(right.chain(left).collect())
+}

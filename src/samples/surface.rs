@@ -24,6 +24,24 @@ impl Surface {
         self.triangle(a, c, d);
     }
 
+    /// Sews two columns of corners, each from low to high, into a wall; `left` stands to the left seen from outside.
+    pub(super) fn zip(&mut self, left: &[DVec3], right: &[DVec3]) {
+        let (mut l, mut r) = (0, 0);
+        while l + 1 < left.len() || r + 1 < right.len() {
+            let climb_left = match (left.get(l + 1), right.get(r + 1)) {
+                (Some(next_left), Some(next_right)) => next_left.z < next_right.z,
+                (next_left, _) => next_left.is_some(),
+            };
+            if climb_left {
+                self.triangle(left[l], right[r], left[l + 1]);
+                l += 1;
+            } else {
+                self.triangle(left[l], right[r], right[r + 1]);
+                r += 1;
+            }
+        }
+    }
+
     /// Adds all triangles of `other`.
     pub(super) fn append(&mut self, other: Self) {
         self.corners.extend(other.corners);

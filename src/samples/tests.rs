@@ -1,24 +1,176 @@
 //! Every sample is a clean solid of the size that it says.
 
+use std::{collections::HashSet, f64::consts::PI};
+
 use glam::DVec3;
 
 use super::*;
 
+/// Whether the surface is one piece: every triangle is reached from the first over shared vertices.
+fn is_one_shell(mesh: &Mesh) -> bool {
+    let mut group: Vec<usize> = (0..mesh.vertices().len()).collect();
+    fn root(group: &mut [usize], mut v: usize) -> usize {
+        while group[v] != v {
+            group[v] = group[group[v]];
+            v = group[v];
+        }
+        v
+    }
+    for &[a, b, c] in mesh.triangles() {
+        for (x, y) in [(a, b), (b, c)] {
+            let (x, y) = (root(&mut group, x as usize), root(&mut group, y as usize));
+            group[x] = y;
+        }
+    }
+    let roots: HashSet<usize> = (0..group.len()).map(|v| root(&mut group, v)).collect();
+    roots.len() == 1
+}
+
+fn least_area_mm2(mesh: &Mesh) -> f64 {
+    let area = |t| {
+        let [a, b, c] = mesh.corners(t);
+        (b - a).cross(c - a).length() / 2.0
+    };
+    (0..mesh.triangles().len()).map(area).fold(f64::INFINITY, f64::min)
+}
+
+/// How often the surface winds around a point: 1 inside, 0 outside, more where it overlaps itself.
+fn winding(mesh: &Mesh, point: DVec3) -> f64 {
+    let solid_angle = |t: usize| {
+        let [a, b, c] = mesh.corners(t).map(|corner| (corner - point).normalize());
+        2.0 * a.dot(b.cross(c)).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    };
+    (0..mesh.triangles().len()).map(solid_angle).sum::<f64>() / (4.0 * PI)
+}
+
+/// Looks at both sides of `n` triangles spread over the surface.
+fn assert_does_not_overlap_itself(name: &str, mesh: &Mesh, n: usize) {
+    let count = mesh.triangles().len();
+    for t in (0..n).map(|i| i * count / n) {
+        let [a, b, c] = mesh.corners(t);
+        let (middle, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a).normalize());
+        for (side, expected) in [(1.0, 0.0), (-1.0, 1.0)] {
+            let found = winding(mesh, middle + side * 1e-4 * normal);
+            assert!((found - expected).abs() < 1e-3, "{name} winds {found} times around a point at {middle}");
+        }
+    }
+}
+
+fn assert_clean(name: &str, mesh: &Mesh) {
+    let defects = mesh.defects();
+    assert!(defects.is_closed() && !defects.inverted && defects.degenerate_triangles == 0, "{name}: {defects:?}");
+    assert!(is_one_shell(mesh), "{name} is not one shell");
+    assert!(least_area_mm2(mesh) > 1e-6, "{name} has a triangle of {} mm2", least_area_mm2(mesh));
+}
+
+fn assert_near(name: &str, mesh: &Mesh, exact_mm3: f64, tolerance: f64) {
+    let share = mesh.volume_mm3() / exact_mm3;
+    assert!((share - 1.0).abs() < tolerance, "{name}: {} mm3, expected {exact_mm3}", mesh.volume_mm3());
+}
+
 #[test]
-fn every_sample_is_a_closed_solid_without_collapsed_triangles() {
+fn every_sample_is_one_closed_shell_without_collapsed_triangles() {
     for sample in all() {
-        let (name, defects) = (sample.name, sample.mesh.defects());
-        assert!(defects.is_closed() && !defects.inverted && defects.degenerate_triangles == 0, "{name}: {defects:?}");
+        assert_clean(sample.name, &sample.mesh);
         let triangles = sample.mesh.triangles().len();
-        assert!((500..=20_000).contains(&triangles), "{name} has {triangles} triangles");
+        assert!((500..=20_000).contains(&triangles), "{} has {triangles} triangles", sample.name);
     }
 }
 
 #[test]
-fn a_box_and_a_ring_have_their_volumes() {
+fn every_random_part_is_one_closed_shell_and_no_two_are_alike() {
+    let mut volumes = HashSet::new();
+    for seed in 0..400 {
+        let mesh = random_part(seed);
+        assert_clean(&format!("random part {seed}"), &mesh);
+        let size = mesh.bounds().size();
+        assert!(size.max_element() < 120.0 && size.min_element() > 0.5, "random part {seed} measures {size} mm");
+        assert!(volumes.insert(mesh.volume_mm3().to_bits()), "random part {seed} was there before");
+    }
+}
+
+#[test]
+fn no_sample_overlaps_itself() {
+    for sample in all() {
+        assert_does_not_overlap_itself(sample.name, &sample.mesh, 60);
+    }
+    for (i, (mesh, _)) in workload(Workload::EngineLike).iter().enumerate() {
+        assert_does_not_overlap_itself(&format!("engine-like part {i}"), mesh, 30);
+    }
+    for seed in 0..200 {
+        assert_does_not_overlap_itself(&format!("random part {seed}"), &random_part(seed), 30);
+    }
+}
+
+#[test]
+fn there_are_at_least_fourteen_kinds_with_names_of_their_own() {
+    let names: HashSet<&str> = all().iter().map(|s| s.name).collect();
+    assert!(names.len() >= 14 && names.len() == all().len());
+    assert!(names.iter().all(|n| n.chars().all(|c| c.is_ascii_lowercase() || c == '_')));
+}
+
+#[test]
+fn the_same_call_gives_the_same_mesh() {
+    for (first, second) in all().iter().zip(all()) {
+        assert_eq!(first.mesh.vertices(), second.mesh.vertices(), "{}", first.name);
+        assert_eq!(first.mesh.triangles(), second.mesh.triangles(), "{}", first.name);
+    }
+    assert_eq!(random_part(7).vertices(), random_part(7).vertices());
+}
+
+#[test]
+fn crisp_parts_have_their_volumes() {
     let size = DVec3::new(10.0, 20.0, 30.0);
     let mesh = cuboid(size);
-    assert!((mesh.volume_mm3() - 6000.0).abs() < 1e-9 && mesh.bounds().size() == size && mesh.triangles().len() == 12);
-    let exact = std::f64::consts::PI * (20.0f64.powi(2) - 14.0f64.powi(2)) * 8.0;
-    assert!((ring(40.0, 28.0, 8.0).volume_mm3() / exact - 1.0).abs() < 2e-3);
+    assert_near("cuboid", &mesh, 6000.0, 1e-12);
+    assert!(mesh.bounds().size() == size && mesh.triangles().len() == 12);
+    assert_near("ring", &ring(40.0, 28.0, 8.0), PI * (400.0 - 196.0) * 8.0, 2e-3);
+    // A pipe's volume is its section times the way of its centre.
+    let way = 32.0 * PI / 2.0 + 2.0 * 18.0;
+    assert_near("duct", &duct(30.0, 2.5, 32.0, 90.0, 18.0), PI * (225.0 - 156.25) * way, 1e-2);
+    // The wire has 16 sides.
+    let (way, section) = (5.0 * (24.0 * PI).hypot(9.0), 8.0 * 4.0 * (PI / 8.0).sin());
+    assert_near("spring", &spring(24.0, 4.0, 9.0, 5.0), section * way, 2e-2);
+    // Two angles of 36 x 3.5 and 40 x 3.5 over the width, and four concave ribs.
+    let rib = 28.5f64.powi(2) * (1.0 - PI / 4.0);
+    let exact = (76.5 * 3.5) * 36.0 + 4.0 * rib * 3.5;
+    assert_near("ribbed_bracket", &ribbed_bracket(40.0, 36.0, 3.5, 4), exact, 1e-2);
+    // Struts along each axis, crossings counted once: 4 x 4 of 32.5 mm three times, less 2 x 64 cubes.
+    let exact = 3.0 * 16.0 * 32.5 * 6.25 - 2.0 * 64.0 * 2.5f64.powi(3);
+    assert_near("lattice_block", &lattice_block([3, 3, 3], 10.0, 2.5), exact, 1e-9);
+    // A plate less 56 hexagons.
+    let hexagon = 3.0f64.sqrt() / 2.0 * 6.4f64.powi(2);
+    let plate = honeycomb(8, 7, 8.0, 1.6, 6.0);
+    let area = plate.bounds().size().truncate().element_product() - 56.0 * hexagon;
+    assert_near("honeycomb", &plate, area * 6.0, 1e-9);
+}
+
+#[test]
+fn modelled_parts_come_near_their_volumes() {
+    let ball_mm3 = 4.0 / 3.0 * PI * 18.0f64.powi(3);
+    // A gyroid sheet of thickness t has about 3.09 t / period of its space.
+    assert_near("gyroid_ball", &gyroid_ball(36.0, 18.0, 3.2), ball_mm3 * 3.09 * 3.2 / 18.0, 0.1);
+    let tee = pipe_tee(56.0, 32.0, 24.0, 3.5);
+    let section = PI * (144.0 - 8.5f64.powi(2));
+    // The branch begins at the run's wall, somewhere between its flank and its crest.
+    assert!(tee.volume_mm3() > section * (56.0 + 18.0) && tee.volume_mm3() < section * (56.0 + 26.0));
+}
+
+#[test]
+fn the_fan_fills_its_frame_exactly() {
+    let fan = axial_fan(65.0, 22.0, 7);
+    let size = fan.bounds().size();
+    assert!((size - DVec3::new(65.0, 65.0, 22.0)).abs().max_element() < 1e-9, "{size}");
+}
+
+#[test]
+fn workloads_hold_the_copies_and_the_meshes_that_they_promise() {
+    let copies = |w| workload(w).iter().map(|(_, copies)| copies).sum::<u32>();
+    assert_eq!((copies(Workload::Fans), copies(Workload::EngineLike)), (20, 30));
+    let engine = workload(Workload::EngineLike);
+    assert!(engine.iter().all(|(mesh, _)| mesh.defects().is_closed() && mesh.bounds().size().max_element() < 120.0));
+    let different: HashSet<u64> = engine.iter().map(|(mesh, _)| mesh.volume_mm3().to_bits()).collect();
+    assert_eq!(different.len(), 30);
+    let small = Workload::Small { copies: 100, meshes: 30, seed: 5 };
+    assert_eq!((workload(small).len(), copies(small)), (30, 100));
 }

@@ -1,0 +1,188 @@
+//! The demo's farm: a folder with a quick configuration, and sample parts dropped into its hot folder. Nothing that stands
+//! there is ever deleted or overwritten, so that the demo can run again and somebody can go on with its farm by hand.
+
+use std::{
+    fs::{self, File},
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result};
+
+use super::super::Usage;
+use crate::{
+    format::write_stl,
+    geometry::{Mesh, Pose},
+    samples,
+};
+
+/// The machine of the demo.
+pub(super) const PROFILE: &str = "paper-200";
+/// Says that a folder is a demo's farm.
+const MARKER: &str = ".nestd-demo";
+/// Sub-folder of the hot folder: the parts in it are one order.
+const ORDER: &str = "order-1042";
+
+/// Which sample goes under which name: the copies stand in the name, a folder is an order.
+const DROPS: [(&str, &str); 16] = [
+    ("axial_fan", "axial_fan_x2.stl"),
+    ("bracket", "bracket_x3.stl"),
+    ("ribbed_bracket", "ribbed_bracket.stl"),
+    ("duct", "duct.stl"),
+    ("ring", "ring_x3.stl"),
+    ("spur_gear", "spur_gear_x2.stl"),
+    ("lattice_block", "lattice_block.stl"),
+    ("clip", "clip_x4.stl"),
+    ("knob", TICKETED),
+    ("pulley", "pulley.stl"),
+    ("pawn", "pawn_x2.stl"),
+    ("spring", "spring.stl"),
+    ("rail", "rail.stl"),
+    ("hinge", "order-1042/hinge_x2.stl"),
+    ("hook", "order-1042/hook.stl"),
+    ("honeycomb", "order-1042/honeycomb.stl"),
+];
+/// The part that comes with a ticket beside it.
+const TICKETED: &str = "knob.stl";
+const TICKET: &str = "# A ticket: what the file name cannot say.\ncopies = 2\npriority = 80\norientation = \"upright\"\n\
+                      note = \"handles for the test bench\"\n";
+/// A ring with a tear, to show a refusal.
+pub(super) const TORN: &str = "torn_ring.stl";
+
+/// The demo's farm on the disk.
+#[derive(Debug)]
+pub(super) struct DemoFarm {
+    /// Its folder, absolute.
+    pub root: PathBuf,
+}
+
+/// What was dropped into the hot folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Dropped {
+    /// Part files, the torn one among them.
+    pub files: usize,
+    /// Of these, files that must be refused.
+    pub torn: usize,
+}
+
+impl DemoFarm {
+    /// Opens the farm in `dir`, or makes it where nothing stands.
+    ///
+    /// # Errors
+    /// [`Usage`] when something else stands there.
+    pub(super) fn prepare(dir: &Path) -> Result<Self> {
+        let farm = Self { root: std::path::absolute(dir)? };
+        let root = farm.root.display();
+        let marker = farm.root.join(MARKER);
+        fs::create_dir_all(&farm.root).with_context(|| format!("cannot make {root}"))?;
+        let is_empty = fs::read_dir(&farm.root).with_context(|| format!("cannot look into {root}"))?.next().is_none();
+        if !is_empty && !marker.exists() {
+            let text = format!("{root} holds files that are not the demo's; name an empty folder with --dir");
+            return Err(Usage(text).into());
+        }
+        let Some(utf8) = farm.root.to_str() else {
+            return Err(Usage(format!("{root} is not UTF-8, which a configuration must be")).into());
+        };
+        write_new(
+            &marker,
+            "This folder is the farm of `nestd demo`. Delete it as a whole when you have seen enough.\n",
+        )?;
+        write_new(&farm.config(), &farm_toml(utf8))?;
+        write_new(&farm.root.join("config/profiles").join(format!("{PROFILE}.toml")), MACHINE_TOML)?;
+        Ok(farm)
+    }
+
+    /// The configuration file.
+    pub(super) fn config(&self) -> PathBuf {
+        self.root.join("config/nestd.toml")
+    }
+
+    /// The daemon's log.
+    pub(super) fn log(&self) -> PathBuf {
+        self.root.join("daemon.log")
+    }
+
+    /// The ledger.
+    pub(super) fn ledger(&self) -> PathBuf {
+        self.root.join("state/nestd.db")
+    }
+
+    /// One of the machine's folders: inbox, queue, error, archive.
+    pub(super) fn folder(&self, kind: &str) -> PathBuf {
+        self.root.join(kind).join(PROFILE)
+    }
+
+    /// Drops all sample parts, the ticket and the torn part.
+    pub(super) fn drop_parts(&self) -> Result<Dropped> {
+        let inbox = self.folder("inbox");
+        fs::create_dir_all(inbox.join(ORDER)).with_context(|| format!("cannot make {}", inbox.display()))?;
+        drop_file(&inbox.join(format!("{TICKETED}.toml")), |out| Ok(out.write_all(TICKET.as_bytes())?))?;
+        let parts = samples::all();
+        let named = |name: &str| parts.iter().find(|s| s.name == name).map(|s| &s.mesh).expect("the sample exists");
+        for (name, file) in DROPS {
+            drop_file(&inbox.join(file), |out| Ok(write_stl([(named(name), &Pose::IDENTITY)].into_iter(), out)?))?;
+        }
+        let torn = torn(named("ring"))?;
+        drop_file(&inbox.join(TORN), |out| Ok(write_stl([(&torn, &Pose::IDENTITY)].into_iter(), out)?))?;
+        Ok(Dropped { files: DROPS.len() + 1, torn: 1 })
+    }
+}
+
+/// A mesh that lacks the last tenth of its triangles.
+fn torn(mesh: &Mesh) -> Result<Mesh> {
+    let kept = mesh.triangles().len() * 9 / 10;
+    Ok(Mesh::new(mesh.vertices().to_vec(), mesh.triangles()[..kept].to_vec())?)
+}
+
+/// Writes a file unless it is there; makes its folder.
+fn write_new(file: &Path, text: &str) -> Result<()> {
+    if let Some(folder) = file.parent() {
+        fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    }
+    if file.exists() {
+        return Ok(());
+    }
+    fs::write(file, text).with_context(|| format!("cannot write {}", file.display()))
+}
+
+/// Writes under a dot-name and renames, as a well-behaved copier does. What stands there already stays.
+fn drop_file(file: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> Result<()>) -> Result<()> {
+    if file.exists() {
+        return Ok(());
+    }
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let part = file.with_file_name(format!(".{name}.part"));
+    let write = || -> Result<()> {
+        let mut out = BufWriter::new(File::create(&part)?);
+        fill(&mut out)?;
+        out.into_inner()?.sync_all()?;
+        fs::rename(&part, file)?;
+        Ok(())
+    };
+    write().with_context(|| format!("cannot drop {}", file.display()))
+}
+
+fn farm_toml(root: &str) -> String {
+    let root = toml::Value::String(root.to_owned());
+    format!(
+        "# The farm of `nestd demo`: as a real one, but in a hurry.\n\
+         # Every option with its default and its meaning: config/nestd.toml in nestd's repository.\n\
+         root = {root}\n\
+         scan_secs = 1\n"
+    )
+}
+
+/// Short times, so that a newcomer need not wait.
+const MACHINE_TOML: &str = "\
+# The machine of the source paper.
+volume_mm = [200, 200, 200]
+clearance_mm = 3
+
+# In a hurry: a real farm settles for 5 s and searches for a minute or more.
+settle_secs = 1
+arrival_secs = 2
+final_secs = 8
+
+# The demo may run again with the same parts.
+duplicates = \"accept\"
+";

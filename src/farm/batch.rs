@@ -1,0 +1,161 @@
+//! The step "batched": what waits is kept nested in the open build, and fires when a trigger holds.
+
+use std::{collections::BTreeSet, time::Instant};
+
+use anyhow::{Context, Result};
+use jiff::Timestamp;
+use tracing::{error, info};
+
+use super::{
+    budget::Budget,
+    event::Event,
+    farm::Farm,
+    jobs::JobKey,
+    layout::{Copy, Layout, copies_of},
+    nest::{Best, NestOrder, Nested},
+    station::{Search, cut_to_volume},
+    trigger::{Facts, FiredBy, fired_by},
+};
+use crate::ledger::{BuildId, OpenLayout, PartState, WaitingPart};
+
+impl Farm {
+    /// Keeps a profile's open build current and fires it when it is time.
+    pub(super) async fn batch(&mut self, name: &str) -> Result<()> {
+        let waiting = self.ledger.waiting_copies(name).await?;
+        let being_read = self.is_being_read(name).await?;
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
+        if waiting.is_empty() {
+            station.open.clear();
+            if !being_read {
+                let flush = std::mem::take(&mut station.flush);
+                self.answer(&flush, &format!("nothing waits in {name}")).await?;
+            }
+            return Ok(());
+        }
+        let cut = cut_to_volume(&waiting, &station.profile);
+        let wanted: BTreeSet<Copy> = copies_of(&cut).into_iter().collect();
+        if !station.paused {
+            let beyond = wanted.len() < copies_of(&waiting).len();
+            let facts = Facts {
+                copies: copies_of(&waiting).len(),
+                oldest: waiting.iter().map(|w| w.part.claimed_at.0).min().unwrap_or_default(),
+                due: waiting.iter().filter_map(|w| w.part.due_at.map(|d| d.0)).min(),
+                height_mm: station.open.layout.height_mm,
+                density: station.open.layout.part_volume_mm3 / station.profile.build_volume().size_mm.element_product(),
+                full: station.open.covers(&wanted) && (beyond || !station.open.layout.unplaced.is_empty()),
+                flush: !station.flush.is_empty() && !being_read,
+            };
+            if let Some(by) = fired_by(&station.profile, &facts, Timestamp::now()) {
+                return self.fire(name, by, &wanted).await;
+            }
+        }
+        self.improve(name, cut, wanted);
+        Ok(())
+    }
+
+    /// Whether a part of the profile is claimed but not read: an order by hand waits for it.
+    async fn is_being_read(&self, name: &str) -> Result<bool> {
+        Ok(self.ledger.parts_in_state(PartState::Claimed).await?.iter().any(|part| part.profile == name))
+    }
+
+    /// Begins a search for the open build where one is wanted and a slot is free.
+    fn improve(&mut self, name: &str, cut: Vec<WaitingPart>, wanted: BTreeSet<Copy>) {
+        if !self.has_free_slot() {
+            return;
+        }
+        let key = JobKey::Improve(name.to_owned());
+        let meshes = self.meshes.clone();
+        let Some(station) = self.stations.get_mut(name) else { return };
+        if !station.open.wants_search(&wanted, Instant::now()) || self.jobs.runs(&key) {
+            return;
+        }
+        let open = &mut station.open;
+        open.rounds += 1;
+        let (round, best) = (open.rounds, Best::default());
+        let budget = Budget::starting_now(station.profile.arrival_secs);
+        let order = NestOrder {
+            profile: station.profile.clone(),
+            wanted: cut.into_iter().map(|w| (w.part, w.copies)).collect(),
+            start: open.layout.placed.clone(),
+            budget: budget.clone(),
+            seed: station.profile.nest.seed.wrapping_add(round),
+            best: best.clone(),
+        };
+        open.search = Some(Search { round, budget, best, copies: wanted });
+        let profile = name.to_owned();
+        self.jobs.start(key, move || Event::Improved { profile, round, nested: order.run(&meshes) });
+    }
+
+    /// Takes in what a search for an open build found.
+    pub(super) async fn on_improved(&mut self, name: &str, round: u64, nested: Result<Nested>) -> Result<()> {
+        self.jobs.ended(&JobKey::Improve(name.to_owned()));
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
+        if station.open.search.as_ref().is_none_or(|search| search.round != round) {
+            return Ok(());
+        }
+        let nested = match nested {
+            Ok(nested) => nested,
+            Err(failure) => {
+                error!(profile = %name, "The open build could not be nested: {failure:#}.");
+                station.open.ended(round, None);
+                return Ok(());
+            }
+        };
+        station.open.ended(round, Some(nested.layout.clone()));
+        let build = self.ledger.open_build(name).await?.id;
+        self.save_layout(build, &nested.layout).await?;
+        self.ledger.add_cpu_secs(build, nested.cpu_secs).await?;
+        self.refuse_what_fits_nowhere(name, &nested.layout).await
+    }
+
+    /// A part that found no place in an empty volume would wait for ever: it is refused.
+    async fn refuse_what_fits_nowhere(&mut self, name: &str, layout: &Layout) -> Result<()> {
+        let (true, Some(&(part, _))) = (layout.placed.is_empty(), layout.unplaced.first()) else { return Ok(()) };
+        let reason = format!("It was tried and found no place in the empty build volume of {name}.");
+        error!(part.id = %part, profile = %name, "Refused a part. {reason}");
+        self.ledger.cancel(part, &reason).await.context("refusing a part that fits nowhere")
+    }
+
+    /// Keeps a layout in the ledger, so that a restart goes on from it.
+    pub(super) async fn save_layout(&self, build: BuildId, layout: &Layout) -> Result<()> {
+        let row = OpenLayout {
+            layout: layout.to_json(),
+            height_mm: layout.height_mm,
+            density: layout.density,
+            copies: layout.placed.len() as u32,
+            part_volume_mm3: layout.part_volume_mm3,
+        };
+        Ok(self.ledger.save_layout(build, &row).await?)
+    }
+
+    /// The open build becomes a batch: its copies are taken, and the next open build begins with the rest.
+    async fn fire(&mut self, name: &str, by: FiredBy, wanted: &BTreeSet<Copy>) -> Result<()> {
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
+        let open = &station.open;
+        let mut layout = Layout { placed: open.best_placed(), ..open.layout.clone() };
+        // A full build takes what was tried and stands; any other takes all that waits, and what finds no place after
+        // the final search goes back to the head of the line.
+        let copies: Vec<Copy> = match by {
+            FiredBy::Full => open.layout.placed.iter().map(|p| p.copy).collect(),
+            _ => wanted.iter().copied().collect(),
+        };
+        if copies.is_empty() {
+            return Ok(());
+        }
+        layout.placed.retain(|p| copies.contains(&p.copy));
+        let build = self.ledger.open_build(name).await?.id;
+        self.ledger.begin_nesting(build, &by.to_string(), &copies).await?;
+        self.fresh_builds.insert(build);
+        station.open.clear();
+        let flush = std::mem::take(&mut station.flush);
+        info!(build.id = %build, profile = %name, copies = copies.len(), fired_by = %by, "Fired a build.");
+        self.save_layout(build, &layout).await?;
+        self.answer(&flush, &format!("build {build} is being nested with {} copies", copies.len())).await
+    }
+
+    /// Whether another search may run beside those that do.
+    pub(super) fn has_free_slot(&self) -> bool {
+        let searches = self.jobs.count(|key| matches!(key, JobKey::Improve(_) | JobKey::Final(_)));
+        searches < self.nest_slots
+    }
+}

@@ -1,0 +1,256 @@
+//! The event loop's side of "claimed" and "read": rows for what was claimed, and what becomes of it once it is read.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result};
+use jiff::tz::TimeZone;
+use tracing::{info, warn};
+
+use super::{
+    event::Event,
+    farm::Farm,
+    jobs::JobKey,
+    read::{ReadOutcome, read_part},
+    receive::{Gate, Received},
+};
+use crate::{
+    intake::{self, Claim, Given, Released, Source, Stored},
+    ledger::{NewPart, NewTicket, PartId, PartRow, PartState, TicketSource},
+    settings::{Duplicates, Profile},
+};
+
+/// Files that are read at once.
+const READERS: usize = 2;
+/// After the disk failed, a file is read again after so long.
+const READ_AGAIN: Duration = Duration::from_secs(10);
+/// A look that follows a file-system event waits this long, so that a burst of events is one look.
+const LOOK_AFTER_EVENT: Duration = Duration::from_millis(200);
+
+impl Farm {
+    /// Something changed: look soon.
+    pub(super) fn look_soon(&mut self) {
+        let soon = Instant::now() + LOOK_AFTER_EVENT;
+        self.stations.values_mut().for_each(|s| s.look_at = s.look_at.min(soon));
+    }
+
+    /// Starts a look through every hot folder whose time has come.
+    pub(super) fn receive(&mut self) {
+        let orphan_secs = self.settings.orphan_ticket_secs;
+        for (name, station) in &mut self.stations {
+            if Instant::now() < station.look_at {
+                continue;
+            }
+            let Some(mut gate) = station.gate.take() else { continue };
+            let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
+            let (name, status) = (name.clone(), station.status.clone());
+            self.jobs.start(JobKey::Receive(name.clone()), move || {
+                let mut received = gate.look(&profile, &store, orphan_secs);
+                if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
+                    received.troubles.push(format!("writing STATUS.txt: {failure}"));
+                }
+                Event::Received { profile: name, gate, received }
+            });
+        }
+    }
+
+    /// Takes in a look: each claimed part gets its row, and is read.
+    pub(super) async fn on_received(&mut self, name: &str, gate: Box<Gate>, received: Received) -> Result<()> {
+        self.jobs.ended(&JobKey::Receive(name.to_owned()));
+        let scan_secs = self.settings.scan_secs;
+        if let Some(station) = self.stations.get_mut(name) {
+            if gate.is_of(&station.profile) {
+                station.gate = Some(gate);
+            }
+            let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
+            station.look_at = Instant::now() + Duration::from_secs_f64(next_secs);
+            if station.unavailable != received.unavailable {
+                match &received.unavailable {
+                    Some(why) => warn!(profile = %name, "The hot folder is unavailable: {why}."),
+                    None => info!(profile = %name, "The hot folder is available again."),
+                }
+                station.unavailable = received.unavailable.clone();
+            }
+        }
+        for trouble in &received.troubles {
+            self.complain(&format!("{name}: {trouble}"), trouble);
+        }
+        for (file, reason) in &received.refused {
+            warn!(profile = %name, file = %file, "Refused: {reason}");
+            self.ledger.event("refused", name, None, None, &format!("{file}: {reason}")).await?;
+        }
+        for (claim, stored) in received.drops {
+            self.record(name, claim, &stored).await?;
+        }
+        Ok(())
+    }
+
+    /// The row of a claimed part; an earlier run may have written it already.
+    async fn record(&mut self, name: &str, claim: Claim, stored: &Stored) -> Result<()> {
+        let Some(profile) = self.stations.get(name).map(|s| s.profile.clone()) else { return Ok(()) };
+        let given = claim.given();
+        let row = new_part(&profile, &claim, stored, given.as_ref().ok());
+        let recorded = self.ledger.record_claim(&row).await?;
+        let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
+        self.claims.insert(claim.id.clone(), claim);
+        match (part.state, given) {
+            (PartState::Claimed, Err(error)) => {
+                let reason = format!(
+                    "{error}. Its copies are not known, so it is not printed: mend the ticket and drop both again."
+                );
+                self.refuse(&part, &reason).await
+            }
+            (PartState::Claimed, Ok(_)) => Ok(()),
+            (PartState::Rejected, _) => self.put_into_error(&part, &part.reason.clone()).await,
+            // It was read before a crash: only its original is left to let go.
+            _ => self.let_go(&part),
+        }
+    }
+
+    /// Starts reading claimed parts.
+    pub(super) async fn read(&mut self) -> Result<()> {
+        for part in self.ledger.parts_in_state(PartState::Claimed).await? {
+            if self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS {
+                break;
+            }
+            let waits = self.read_again.get(&part.id).is_some_and(|at| Instant::now() < *at);
+            let Some(station) = self.stations.get(&part.profile) else { continue };
+            if waits || self.jobs.runs(&JobKey::Read(part.id)) {
+                continue;
+            }
+            let (profile, meshes) = (station.profile.clone(), self.meshes.clone());
+            self.jobs.start(JobKey::Read(part.id), move || Event::Read {
+                part: part.id,
+                outcome: read_part(&part, &profile, &meshes),
+            });
+        }
+        Ok(())
+    }
+
+    /// Takes in what a reader found.
+    pub(super) async fn on_read(&mut self, id: PartId, outcome: ReadOutcome) -> Result<()> {
+        self.jobs.ended(&JobKey::Read(id));
+        let part = self.ledger.part(id).await?.context("a part that was read has no row")?;
+        if part.state != PartState::Claimed {
+            return Ok(());
+        }
+        match outcome {
+            ReadOutcome::Solids(mut solids) => {
+                if let Some(warning) = match self.duplicate_of(&part).await? {
+                    Some((earlier, Duplicates::Reject)) => {
+                        let reason =
+                            format!("It is the same file as part {earlier}, and this profile takes no file twice.");
+                        return self.refuse(&part, &reason).await;
+                    }
+                    Some((earlier, Duplicates::Warn)) => {
+                        Some(format!("The same file as part {earlier}: taken as more copies."))
+                    }
+                    _ => None,
+                } {
+                    solids[0].warnings.push(warning);
+                }
+                let ids = self.ledger.accept(id, &solids).await?;
+                let copies: u32 = solids.iter().map(|s| s.copies).sum();
+                info!(part.id = %id, profile = %part.profile, file = %part.name, parts = ids.len(), copies, "A part waits.");
+                self.tidy_error_folder(&part);
+                self.let_go(&part)
+            }
+            ReadOutcome::Refused(reason) => self.refuse(&part, &reason).await,
+            ReadOutcome::Later(why) => {
+                self.read_again.insert(id, Instant::now() + READ_AGAIN);
+                self.complain(
+                    &format!("reading part {id}"),
+                    &format!("Part {id} ({}) cannot be read now: {why}", part.name),
+                );
+                Ok(())
+            }
+        }
+    }
+
+    async fn duplicate_of(&self, part: &PartRow) -> Result<Option<(PartId, Duplicates)>> {
+        let Some(station) = self.stations.get(&part.profile) else { return Ok(None) };
+        let earlier = self.ledger.earlier_with_hash(&part.profile, &part.content_hash, part.id).await?;
+        Ok(earlier.map(|earlier| (earlier, station.profile.duplicates)))
+    }
+
+    /// claimed -> rejected, then the file goes into the error folder; a crash between is caught up by `record`.
+    async fn refuse(&mut self, part: &PartRow, reason: &str) -> Result<()> {
+        warn!(part.id = %part.id, profile = %part.profile, file = %part.name, "Refused a part: {reason}");
+        self.ledger.reject(part.id, reason).await?;
+        self.put_into_error(part, reason).await
+    }
+
+    async fn put_into_error(&mut self, part: &PartRow, reason: &str) -> Result<()> {
+        let Some(claim) = self.claims.remove(&part.claim) else { return Ok(()) };
+        let Some(station) = self.stations.get(&part.profile) else { return Ok(()) };
+        let error_dir = station.profile.folders.error.clone();
+        let text = format!(
+            "{}\n\nPart {} of the profile {}. To take it back: nestd retry {}\n",
+            reason.trim_end(),
+            part.id,
+            part.profile,
+            part.id
+        );
+        intake::refuse(&claim, &error_dir, &text)?;
+        Ok(())
+    }
+
+    /// Lets the claimed original go: the store has it, and its row is committed.
+    fn let_go(&mut self, part: &PartRow) -> Result<()> {
+        self.read_again.remove(&part.id);
+        if let Some(claim) = self.claims.remove(&part.claim) {
+            if let Released::GivenBack(path) = intake::release(&claim)? {
+                warn!(file = %path.display(), "It was written to after it was claimed; it is taken again as a new revision.");
+            }
+        }
+        Ok(())
+    }
+
+    /// After a successful retry the refused file and its reason have no business in the error folder any more.
+    fn tidy_error_folder(&self, part: &PartRow) {
+        let Some(station) = self.stations.get(&part.profile) else { return };
+        if self.claims.contains_key(&part.claim) {
+            return;
+        }
+        if let Err(failure) = super::tidy::remove_refused(&station.profile.folders.error, part) {
+            warn!(part.id = %part.id, "Its refused file could not be removed: {failure:#}.");
+        }
+    }
+}
+
+fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given: Option<&Given>) -> NewPart {
+    let ticket = given.map(|g| g.ticket.clone()).unwrap_or_default();
+    let mut warnings = Vec::new();
+    let due_at = ticket.due.and_then(|due| match due.at(&TimeZone::system()) {
+        Ok(at) => Some(at),
+        Err(error) => {
+            warnings.push(format!("Its due date is no date here: {error}."));
+            None
+        }
+    });
+    let source = given.and_then(|g| g.sources.first()).map(|s| NewTicket {
+        source: match s.source {
+            Source::Name => TicketSource::Name,
+            Source::Sidecar => TicketSource::Sidecar,
+            Source::OrderList => TicketSource::OrderList,
+        },
+        file_name: s.file_name.clone(),
+        text: s.text.clone(),
+    });
+    NewPart {
+        claim: claim.id.clone(),
+        profile: profile.name.clone(),
+        name: claim.display_name(),
+        order_name: ticket.order.unwrap_or_else(|| claim.order.clone()),
+        content_hash: stored.hash.clone(),
+        bytes: stored.bytes,
+        copies: ticket.copies.unwrap_or(1),
+        priority: ticket.priority.unwrap_or(50),
+        due_at,
+        orientation: ticket.orientation.unwrap_or(profile.orientation),
+        clearance_mm: ticket.clearance_mm,
+        unit: ticket.unit,
+        note: ticket.note.unwrap_or_default(),
+        warnings,
+        ticket: source,
+    }
+}

@@ -1,0 +1,56 @@
+//! Everything that can happen to the farm.
+
+use super::{
+    jobs::JobKey,
+    nest::Nested,
+    prove::Written,
+    read::ReadOutcome,
+    receive::{Gate, Received},
+};
+use crate::ledger::{BuildId, PartId};
+
+/// What the event loop hears from its jobs and from the watcher.
+#[derive(Debug)]
+pub enum Event {
+    /// Something changed in a hot folder.
+    Look,
+    /// A hot folder has been looked through.
+    Received {
+        /// Which.
+        profile: String,
+        /// The memory of the hot folder, back from the job.
+        gate: Box<Gate>,
+        /// What was found.
+        received: Received,
+    },
+    /// A part's file has been read.
+    Read {
+        /// Which part.
+        part: PartId,
+        /// What came out.
+        outcome: ReadOutcome,
+    },
+    /// The search for an open build's layout has ended.
+    Improved {
+        /// Whose open build.
+        profile: String,
+        /// Which search of that profile.
+        round: u64,
+        /// What came out.
+        nested: anyhow::Result<Nested>,
+    },
+    /// A build is written and proved, or could not be.
+    Written {
+        /// Which build.
+        build: BuildId,
+        /// What came out.
+        written: anyhow::Result<Box<Written>>,
+    },
+    /// A job panicked.
+    Panicked {
+        /// Which.
+        key: JobKey,
+        /// What it said.
+        message: String,
+    },
+}

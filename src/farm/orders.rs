@@ -1,0 +1,93 @@
+//! Orders by hand: what operators asked for through the ledger.
+
+use anyhow::Result;
+use tracing::info;
+
+use super::farm::Farm;
+use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId};
+
+impl Farm {
+    /// Carries out what was asked; an order to publish is answered when its build has been fired.
+    pub(super) async fn orders(&mut self) -> Result<()> {
+        let paused = self.ledger.paused().await?;
+        for (name, station) in &mut self.stations {
+            station.paused = paused.contains(name);
+        }
+        for command in self.ledger.asked().await? {
+            match self.order(&command).await? {
+                Some(Ok(done)) => self.ledger.answer(command.id, true, &done).await?,
+                Some(Err(refused)) => self.ledger.answer(command.id, false, &refused).await?,
+                None => {}
+            }
+        }
+        if self.stations.values().any(|s| s.queue.is_none()) {
+            self.open_queues().await?;
+        }
+        Ok(())
+    }
+
+    async fn order(&mut self, command: &CommandRow) -> Result<Option<Result<String, String>>> {
+        let name = command.profile.as_str();
+        let needs_profile = matches!(command.kind, CommandKind::Flush | CommandKind::Pause | CommandKind::Resume);
+        if needs_profile && !self.stations.contains_key(name) {
+            return Ok(Some(Err(format!("there is no profile {name}"))));
+        }
+        Ok(Some(match command.kind {
+            CommandKind::Flush => return Ok(self.flush(name, command.id)),
+            CommandKind::Pause => match self.ledger.pause(name, &command.asked_by).await? {
+                true => Ok(format!("{name} is paused")),
+                false => Ok(format!("{name} was paused already")),
+            },
+            CommandKind::Resume => match self.ledger.resume(name, &command.asked_by).await? {
+                true => Ok(format!("{name} runs again")),
+                false => Ok(format!("{name} was not paused")),
+            },
+            CommandKind::Scan => {
+                self.stations.values_mut().for_each(|s| s.look_at = std::time::Instant::now());
+                Ok("the hot folders are being looked through".to_owned())
+            }
+            CommandKind::Retry | CommandKind::Cancel => match command.part_id {
+                Some(part) => self.about_part(command, part).await?,
+                None => Err("no part was named".to_owned()),
+            },
+        }))
+    }
+
+    fn flush(&mut self, name: &str, id: CommandId) -> Option<Result<String, String>> {
+        let station = self.stations.get_mut(name)?;
+        if station.paused {
+            return Some(Err(format!("{name} is paused; resume it first")));
+        }
+        if !station.flush.contains(&id) {
+            station.flush.push(id);
+        }
+        None
+    }
+
+    async fn about_part(&mut self, command: &CommandRow, part: PartId) -> Result<Result<String, String>> {
+        let done = match command.kind {
+            CommandKind::Retry => self.ledger.retry(part).await.map(|()| format!("part {part} is read again")),
+            _ => {
+                let reason = format!("Cancelled by {}.", command.asked_by);
+                self.ledger.cancel(part, &reason).await.map(|()| format!("part {part} is cancelled"))
+            }
+        };
+        match done {
+            Ok(done) => {
+                info!(part.id = %part, asked_by = %command.asked_by, "An order by hand: {done}.");
+                Ok(Ok(done))
+            }
+            // The disk or the database failed: the order stays open and is tried again.
+            Err(error @ LedgerError::Sql(_)) => Err(error.into()),
+            Err(refused) => Ok(Err(refused.to_string())),
+        }
+    }
+
+    /// Answers orders that were waiting for something.
+    pub(super) async fn answer(&self, commands: &[CommandId], text: &str) -> Result<()> {
+        for &command in commands {
+            self.ledger.answer(command, true, text).await?;
+        }
+        Ok(())
+    }
+}

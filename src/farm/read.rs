@@ -1,0 +1,140 @@
+//! The step "read": a claimed part's file becomes checked meshes, or a reason why not. Runs on a job's thread.
+
+use std::sync::Arc;
+
+use super::{nest::Meshes, receive::chain, shelf::MeshKey};
+use crate::{
+    format::{self, Solid},
+    geometry::Defects,
+    ledger::{PartRow, SolidFacts},
+    nest::{self, OrientationRule},
+    settings::{MeshErrors, Profile},
+};
+
+/// What came out of reading a part's file.
+#[derive(Debug)]
+pub enum ReadOutcome {
+    /// Printable solids.
+    Solids(Vec<SolidFacts>),
+    /// It cannot be printed; whole sentences for the technician.
+    Refused(String),
+    /// The disk failed, not the file: it is tried again.
+    Later(String),
+}
+
+/// Reads and checks; the meshes go onto the shelf.
+pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> ReadOutcome {
+    let file = match meshes.store.path(&part.content_hash) {
+        Ok(file) => file,
+        Err(error) => return ReadOutcome::Later(chain(&error)),
+    };
+    let contents = match format::read(&file, &part.name, part.unit, profile.unit, &meshes.limits) {
+        Ok(contents) => contents,
+        Err(error) if error.is_io() => return ReadOutcome::Later(chain(&error)),
+        Err(error) => return ReadOutcome::Refused(format!("{} {}.", part.name, chain(&error))),
+    };
+    let faults: Vec<String> = contents.solids.iter().filter_map(|solid| fault_of(solid, part, profile)).collect();
+    if !faults.is_empty() {
+        return ReadOutcome::Refused(faults.join("\n"));
+    }
+    let mut facts = Vec::new();
+    for (index, solid) in contents.solids.into_iter().enumerate() {
+        let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
+        warnings.extend(solid.warnings.iter().cloned());
+        facts.push(facts_of(&solid, index as u32, part, warnings));
+        let key = MeshKey {
+            content_hash: part.content_hash.clone(),
+            object_index: index as u32,
+            default_unit: profile.unit,
+            unit: part.unit,
+        };
+        meshes.shelf.put(key, solid.mesh);
+    }
+    ReadOutcome::Solids(facts)
+}
+
+fn facts_of(solid: &Solid, object_index: u32, part: &PartRow, mut warnings: Vec<String>) -> SolidFacts {
+    let defects = solid.mesh.defects();
+    if !defects.is_closed() {
+        warnings.push(format!("The mesh is not closed: {}.", defects_text(&defects)));
+    }
+    SolidFacts {
+        object_index,
+        object_name: solid.name.clone(),
+        copies: solid.copies.saturating_mul(part.copies),
+        triangles: solid.mesh.triangles().len() as u64,
+        volume_mm3: solid.mesh.volume_mm3(),
+        size_mm: solid.mesh.bounds().size().to_array(),
+        warnings,
+    }
+}
+
+/// Why a solid cannot be printed on this machine.
+fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> {
+    let defects = solid.mesh.defects();
+    if !defects.is_closed() && profile.mesh_errors == MeshErrors::Reject {
+        return Some(format!(
+            "{}: the mesh is not closed ({}), so it is not known what is inside. Repair it, or set mesh_errors = \"warn\" in \
+             the profile {}.",
+            solid.name,
+            defects_text(&defects),
+            profile.name
+        ));
+    }
+    misfit_of(solid, part.orientation, profile)
+}
+
+fn defects_text(defects: &Defects) -> String {
+    [
+        (defects.open_edges, "open edges"),
+        (defects.non_manifold_edges, "edges of more than two triangles"),
+        (defects.inconsistent_edges, "edges whose triangles face opposite ways"),
+    ]
+    .iter()
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!("{count} {what}"))
+    .collect::<Vec<_>>()
+    .join(", ")
+}
+
+/// Why a solid does not fit into the machine in any allowed orientation. Nothing is rescaled; units in which it would
+/// fit are named.
+fn misfit_of(solid: &Solid, rule: OrientationRule, profile: &Profile) -> Option<String> {
+    let volume = profile.build_volume();
+    let misfit = nest::fits(&solid.mesh, rule, &volume).err()?;
+    let (needs, has) = (misfit.extents_mm, volume.size_mm);
+    let mut reason = format!(
+        "{}: needs {:.1} x {:.1} x {:.1} mm in its best allowed orientation ({}); the build volume of {} is {} x {} x {} mm.",
+        solid.name,
+        needs.x,
+        needs.y,
+        needs.z,
+        rule_name(rule),
+        profile.name,
+        has.x,
+        has.y,
+        has.z
+    );
+    // Wrong units are the commonest reason: say what the other readings would be, and let the technician decide.
+    for ratio in [10.0, 25.4, 1000.0] {
+        let smaller = needs / ratio;
+        if smaller.cmple(has).all() {
+            let (x, y, z) = (smaller.x, smaller.y, smaller.z);
+            reason.push_str(&format!(
+                " Were its numbers meant in a unit {ratio} times smaller, it would be {x:.1} x {y:.1} x {z:.1} mm and fit: if \
+                 so, drop it with a ticket that says the unit."
+            ));
+            break;
+        }
+    }
+    Some(reason)
+}
+
+fn rule_name(rule: OrientationRule) -> &'static str {
+    match rule {
+        OrientationRule::Free => "free",
+        OrientationRule::Upright => "upright",
+        OrientationRule::Axis => "axis",
+        OrientationRule::Fixed => "fixed",
+    }
+}

@@ -1,0 +1,149 @@
+//! The steps "dropped" and "claimed": what has settled in a hot folder is claimed and copied into the store. The scan is the
+//! truth; an event only says "look". The row in the ledger follows in the event loop.
+
+use std::time::Instant;
+
+use crate::{
+    format,
+    intake::{self, Claim, Inbox, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, Stored},
+    settings::Profile,
+};
+
+/// Parts claimed in one look, so that the first of very many are being read while the rest is claimed.
+const MAX_CLAIMS_PER_LOOK: usize = 100;
+
+/// The gate of a hot folder: what it remembers between two looks.
+#[derive(Debug)]
+pub struct Gate {
+    inbox: Inbox,
+    settler: Settler,
+    began: Instant,
+    /// Claims that are not in the store yet; `None` = those of an earlier run have not been looked for.
+    pending: Option<Vec<Claim>>,
+}
+
+/// What one look found.
+#[derive(Debug, Default)]
+pub struct Received {
+    /// Claimed parts that are in the store.
+    pub drops: Vec<(Claim, Stored)>,
+    /// Why the hot folder cannot be looked at.
+    pub unavailable: Option<String>,
+    /// Seconds until another look is worth it, where something is settling.
+    pub next_secs: Option<f64>,
+    /// Things that were refused without becoming a part: display name and reason.
+    pub refused: Vec<(String, String)>,
+    /// What went wrong and will be tried again.
+    pub troubles: Vec<String>,
+}
+
+impl Gate {
+    /// A gate that remembers nothing yet.
+    pub fn new(profile: &Profile, orphan_secs: f64) -> Self {
+        Self {
+            inbox: Inbox::new(&profile.folders.inbox, ScanLimits::default()),
+            settler: Settler::new(rules(profile, orphan_secs)),
+            began: Instant::now(),
+            pending: None,
+        }
+    }
+
+    /// Whether it is the gate of this profile's hot folder still.
+    pub fn is_of(&self, profile: &Profile) -> bool {
+        self.inbox.path() == profile.folders.inbox
+    }
+
+    /// One look: claims what has settled and copies it into the store.
+    pub fn look(&mut self, profile: &Profile, store: &Store, orphan_secs: f64) -> Received {
+        let mut received = Received::default();
+        self.settler.set_rules(rules(profile, orphan_secs));
+        let mut claims = self.claims_so_far(&mut received);
+        match self.inbox.scan() {
+            Ok(listing) => {
+                received
+                    .troubles
+                    .extend(listing.troubles.iter().map(|(path, why)| format!("{}: {why}", path.display())));
+                let now_secs = self.began.elapsed().as_secs_f64();
+                let ready = self.settler.observe(&listing.seen, now_secs, format::has_end);
+                received.next_secs = self.settler.next_secs(now_secs);
+                for ready in ready {
+                    if claims.len() >= MAX_CLAIMS_PER_LOOK {
+                        received.next_secs = Some(0.0);
+                        break;
+                    }
+                    claims.extend(self.take(profile, &ready, orphan_secs, &mut received));
+                }
+            }
+            Err(error) => received.unavailable = Some(error.to_string()),
+        }
+        self.pending = Some(Vec::new());
+        for claim in claims {
+            match store.put(&claim.part) {
+                Ok(stored) => received.drops.push((claim, stored)),
+                Err(error) => {
+                    received.troubles.push(chain(&error));
+                    self.pending.get_or_insert_default().push(claim);
+                }
+            }
+        }
+        received
+    }
+
+    /// Claims that wait for the store; at the first look those that an earlier run left.
+    fn claims_so_far(&mut self, received: &mut Received) -> Vec<Claim> {
+        if let Some(pending) = self.pending.take() {
+            return pending;
+        }
+        match intake::claims(self.inbox.path()) {
+            Ok(claims) => claims,
+            Err(error) => {
+                received.troubles.push(chain(&error));
+                Vec::new()
+            }
+        }
+    }
+
+    fn take(&self, profile: &Profile, ready: &Ready, orphan_secs: f64, received: &mut Received) -> Option<Claim> {
+        let inbox = self.inbox.path();
+        match ready {
+            Ready::Part { .. } => match intake::claim(inbox, ready) {
+                Ok(claim) => return Some(claim),
+                // It is still being written to or was taken away: the next look tells.
+                Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
+                Err(error) => received.troubles.push(chain(&error)),
+            },
+            Ready::List { list, .. } => {
+                let folders = &profile.folders;
+                match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
+                    Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
+                    Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
+                    Err(error) => received.troubles.push(format!("{}: {error}", list.path.display())),
+                }
+            }
+            Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {
+                Ok(_) => received.refused.push((name_of(&seen.path), reason.clone())),
+                Err(error) => received.troubles.push(chain(&error)),
+            },
+        }
+        None
+    }
+}
+
+fn rules(profile: &Profile, orphan_secs: f64) -> SettleRules {
+    SettleRules { settle_secs: profile.settle_secs, orphan_secs, ..SettleRules::default() }
+}
+
+fn name_of(path: &std::path::Path) -> String {
+    path.file_name().map(intake::display_name).unwrap_or_default()
+}
+
+/// An error with its sources in one line.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(error) = source {
+        text.push_str(&format!(": {error}"));
+        source = error.source();
+    }
+    text
+}

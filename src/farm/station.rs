@@ -1,0 +1,176 @@
+//! A machine profile at work: its gate, its printer queue, and its open build, whose layout is kept current as parts arrive.
+
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, PoisonError},
+    time::{Duration, Instant},
+};
+
+use super::{
+    budget::Budget,
+    layout::{Copy, Layout, PlacedCopy, placed_from_json},
+    nest::Best,
+    receive::Gate,
+};
+use crate::{
+    ledger::{BuildRow, CommandId, WaitingPart},
+    queue::Queue,
+    settings::Profile,
+};
+
+/// After a search or a look failed, the next one waits so long.
+const RETRY_AFTER: Duration = Duration::from_secs(15);
+/// Arrivals within this time share one search, so that a folder of parts dropped at once is nested at once.
+const ARRIVALS_SETTLE: Duration = Duration::from_millis(700);
+
+/// A profile at work.
+#[derive(Debug)]
+pub struct Station {
+    /// The machine.
+    pub profile: Arc<Profile>,
+    /// The memory of its hot folder; away while a job looks through it.
+    pub gate: Option<Box<Gate>>,
+    /// When to look next.
+    pub look_at: Instant,
+    /// Why its hot folder cannot be looked at, if so.
+    pub unavailable: Option<String>,
+    /// Its printer queue folder, once it could be opened.
+    pub queue: Option<Queue>,
+    /// The build that is being gathered.
+    pub open: OpenBuild,
+    /// Orders to publish now that have not been carried out.
+    pub flush: Vec<CommandId>,
+    /// Whether an operator has paused it.
+    pub paused: bool,
+    /// What `STATUS.txt` and `status.json` say.
+    pub status: (String, String),
+}
+
+/// A search that runs for the open build.
+#[derive(Debug)]
+pub struct Search {
+    /// Which one; an older one's result is not waited for.
+    pub round: u64,
+    /// Its clock.
+    pub budget: Budget,
+    /// Its best layout so far.
+    pub best: Best,
+    /// The copies that it nests.
+    pub copies: BTreeSet<Copy>,
+}
+
+/// The layout of what waits, as far as it has been tried.
+#[derive(Debug, Default)]
+pub struct OpenBuild {
+    /// The best layout of `tried`.
+    pub layout: Layout,
+    /// The copies of the last search that ended.
+    pub tried: BTreeSet<Copy>,
+    /// The search that runs.
+    pub search: Option<Search>,
+    /// Searches begun.
+    pub rounds: u64,
+    /// The waiting copies when they last changed, and when that was.
+    seen: Option<(BTreeSet<Copy>, Instant)>,
+    /// No search before this time, after one failed.
+    retry_at: Option<Instant>,
+}
+
+impl Station {
+    /// A station that has looked at nothing yet; `row` is its open build, whose layout is gone on from.
+    pub fn new(profile: Arc<Profile>, orphan_secs: f64, row: &BuildRow) -> Self {
+        let placed = row.layout.as_deref().map(placed_from_json).unwrap_or_default();
+        Self {
+            gate: Some(Box::new(Gate::new(&profile, orphan_secs))),
+            profile,
+            look_at: Instant::now(),
+            unavailable: None,
+            queue: None,
+            open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
+            flush: Vec::new(),
+            paused: false,
+            status: Default::default(),
+        }
+    }
+}
+
+impl OpenBuild {
+    /// Whether the layout is one of exactly these copies, searched to the end of its budget.
+    pub fn covers(&self, wanted: &BTreeSet<Copy>) -> bool {
+        self.search.is_none() && self.tried == *wanted
+    }
+
+    /// Whether a search for exactly these copies should begin now: they are not covered, have not changed for a moment,
+    /// and no search runs. A search for other copies is told to end.
+    pub fn wants_search(&mut self, wanted: &BTreeSet<Copy>, now: Instant) -> bool {
+        let since = match &self.seen {
+            Some((seen, since)) if seen == wanted => *since,
+            _ => {
+                self.seen = Some((wanted.clone(), now));
+                now
+            }
+        };
+        if let Some(search) = &self.search {
+            if search.copies != *wanted {
+                search.budget.cancel();
+            }
+            return false;
+        }
+        let rested = self.retry_at.is_none_or(|at| now >= at);
+        self.tried != *wanted && rested && now.duration_since(since) >= ARRIVALS_SETTLE
+    }
+
+    /// Takes in what a search found.
+    pub fn ended(&mut self, round: u64, layout: Option<Layout>) {
+        if self.search.as_ref().is_none_or(|s| s.round != round) {
+            return;
+        }
+        let Some(search) = self.search.take() else { return };
+        match layout {
+            Some(layout) => {
+                self.layout = layout;
+                self.tried = search.copies;
+                self.retry_at = None;
+            }
+            None => self.retry_at = Some(Instant::now() + RETRY_AFTER),
+        }
+    }
+
+    /// The placements to go on from: those of the running search if it has found something, else the last layout's.
+    pub fn best_placed(&self) -> Vec<PlacedCopy> {
+        let running = self.search.as_ref().and_then(|search| {
+            search.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|l| l.placed.clone())
+        });
+        running.unwrap_or_else(|| self.layout.placed.clone())
+    }
+
+    /// Lets everything go: its copies are in a build now, or nothing waits any more.
+    pub fn clear(&mut self) {
+        if let Some(search) = &self.search {
+            search.budget.cancel();
+        }
+        *self = Self { rounds: self.rounds, ..Self::default() };
+    }
+}
+
+/// The parts of the line that are tried together: as many copies as could fill the volume if there were no gaps. What is
+/// beyond cannot fit with the others. Always at least one copy.
+pub fn cut_to_volume(waiting: &[WaitingPart], profile: &Profile) -> Vec<WaitingPart> {
+    let size = profile.build_volume().size_mm;
+    let mut room_mm3 = size.x * size.y * size.z;
+    let mut cut: Vec<WaitingPart> = Vec::new();
+    for part in waiting {
+        let each = part.part.volume_mm3.unwrap_or(0.0).max(1e-9);
+        let fit = ((room_mm3 / each).floor().max(0.0) as usize).min(part.copies.len());
+        let fit = if cut.is_empty() { fit.max(1) } else { fit };
+        if fit == 0 {
+            break;
+        }
+        room_mm3 -= fit as f64 * each;
+        cut.push(WaitingPart { part: part.part.clone(), copies: part.copies[..fit].to_vec() });
+        if fit < part.copies.len() {
+            break;
+        }
+    }
+    cut
+}

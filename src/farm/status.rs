@@ -1,0 +1,124 @@
+//! What the farm tells of itself: one line for the service manager, a sign of life in the ledger, and `STATUS.txt` and
+//! `status.json` in each hot folder.
+
+use anyhow::Result;
+use jiff::{Timestamp, tz::TimeZone};
+use serde_json::json;
+
+use super::{farm::Farm, sd, station::Station, trigger::secs_between};
+use crate::ledger::{Beat, ProfileStatus};
+
+impl Farm {
+    /// Brings all that is shown up to date.
+    pub(super) async fn show_status(&mut self) -> Result<()> {
+        let rows = self.ledger.status().await?;
+        for (name, station) in &mut self.stations {
+            if let Some(row) = rows.iter().find(|row| row.profile == *name) {
+                station.status = (status_text(station, row), status_json(station, row));
+            }
+        }
+        let waiting: u32 = rows.iter().map(|r| r.waiting_copies).sum();
+        let nesting: usize = rows.iter().map(|r| r.nesting.len()).sum();
+        let line = format!("{} profiles, {waiting} copies wait, {nesting} builds in work", self.stations.len());
+        if line != self.status_line {
+            sd::status(&line);
+            self.status_line = line;
+        }
+        Ok(())
+    }
+
+    /// Writes a sign of life into the ledger.
+    pub(super) async fn sign_of_life(&mut self) -> Result<()> {
+        let beat = Beat {
+            pid: std::process::id(),
+            host: host_name(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            started_at: self.started_at,
+            status: self.status_line.clone(),
+        };
+        Ok(self.ledger.beat(&beat).await?)
+    }
+}
+
+fn host_name() -> String {
+    rustix::system::uname().nodename().to_string_lossy().into_owned()
+}
+
+/// For the technician at the shared folder; lengths in mm, times local.
+fn status_text(station: &Station, row: &ProfileStatus) -> String {
+    let profile = &station.profile;
+    let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
+    if let Some(paused) = &row.paused {
+        lines.push(format!("PAUSED by {} since {}: nothing is fired.", paused.paused_by, local(paused.paused_at.0)));
+    }
+    lines.push(match row.waiting_parts {
+        0 => "Nothing waits.".to_owned(),
+        parts => format!("{} copies of {parts} parts wait.", row.waiting_copies),
+    });
+    if row.claimed_parts > 0 {
+        lines.push(format!("{} files are being read.", row.claimed_parts));
+    }
+    if row.waiting_parts > 0 && station.open.layout.height_mm > 0.0 {
+        let (height_mm, volume_z_mm) = (station.open.layout.height_mm, profile.build_volume().size_mm.z);
+        lines.push(format!(
+            "Open build: {height_mm:.1} mm high, {:.0} % of the volume's height.",
+            100.0 * height_mm / volume_z_mm
+        ));
+    }
+    if let Some(at) = fires_at(station, row) {
+        lines.push(format!("It fires when it is full, at the latest {}.", local(at)));
+    }
+    for build in &row.nesting {
+        lines.push(format!("Build {} is being made: {} copies.", build.build, build.copies));
+    }
+    if let Some(last) = &row.last_published {
+        let height_mm = last.height_mm.unwrap_or_default();
+        lines.push(format!("Last build: {} on {}, {height_mm:.1} mm.", last.build, local(last.published_at.0)));
+    }
+    if row.rejected_parts > 0 {
+        lines.push(format!("{} files were refused: see {}.", row.rejected_parts, profile.folders.error.display()));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn status_json(station: &Station, row: &ProfileStatus) -> String {
+    let value = json!({
+        "profile": row.profile,
+        "paused": row.paused.is_some(),
+        "being_read_parts": row.claimed_parts,
+        "waiting_parts": row.waiting_parts,
+        "waiting_copies": row.waiting_copies,
+        "refused_parts": row.rejected_parts,
+        "open_build": {
+            "height_mm": station.open.layout.height_mm,
+            "density": station.open.layout.density,
+            "copies": station.open.layout.placed.len(),
+            "height_share": station.open.layout.height_mm / station.profile.build_volume().size_mm.z,
+        },
+        "fires_at_latest": fires_at(station, row).map(|at| at.to_string()),
+        "in_work": row.nesting.iter().map(|b| json!({ "build": b.build, "copies": b.copies })).collect::<Vec<_>>(),
+        "last_published": row.last_published.as_ref().map(|b| json!({
+            "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,
+        })),
+    });
+    format!("{value:#}\n")
+}
+
+/// When the oldest part will have waited long enough.
+fn fires_at(station: &Station, row: &ProfileStatus) -> Option<Timestamp> {
+    if row.paused.is_some() || row.waiting_parts == 0 {
+        return None;
+    }
+    let oldest = row.oldest_at?.0;
+    let wait = jiff::SignedDuration::try_from_secs_f64(station.profile.trigger.max_wait_secs).ok()?;
+    let latest = oldest.checked_add(wait).ok()?;
+    let due = row.due_at.zip(station.profile.trigger.due_margin_secs).and_then(|(due, margin_secs)| {
+        let margin = jiff::SignedDuration::try_from_secs_f64(margin_secs).ok()?;
+        due.0.checked_sub(margin).ok()
+    });
+    Some(due.map_or(latest, |due| if secs_between(due, latest) > 0.0 { due } else { latest }))
+}
+
+fn local(time: Timestamp) -> String {
+    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M").to_string()
+}

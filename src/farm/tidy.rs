@@ -1,0 +1,104 @@
+//! Housekeeping: old archives go, the store forgets what nobody needs, leftovers in the queue folders go.
+
+use std::{
+    fs,
+    path::Path,
+    time::{Duration, SystemTime},
+};
+
+use anyhow::{Context, Result};
+use jiff::Timestamp;
+use tracing::{info, warn};
+
+use super::{farm::Farm, prove::file_name, trigger::secs_between};
+use crate::{
+    intake::{self, raw_name},
+    ledger::{BuildState, PartRow, PartState},
+    queue::Queue,
+};
+
+/// How often the house is tidied.
+pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
+/// Refused files stay in the store so long, so that `nestd retry` finds them.
+const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+/// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
+const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
+
+impl Farm {
+    /// Tidies; nothing here is urgent, and everything is safe to repeat.
+    pub(super) async fn tidy(&mut self) -> Result<()> {
+        for station in self.stations.values() {
+            let profile = &station.profile;
+            if profile.archive_days == 0 {
+                continue;
+            }
+            let keep = Duration::from_secs(u64::from(profile.archive_days) * 86_400);
+            let before = SystemTime::now().checked_sub(keep).context("the clock is wrong")?;
+            match intake::purge(&profile.folders.archive, before) {
+                Ok(0) => {}
+                Ok(files) => info!(profile = %profile.name, files, "Removed old originals from the archive."),
+                Err(error) => warn!(profile = %profile.name, "The archive could not be purged: {error}."),
+            }
+        }
+        self.sweep_store().await
+    }
+
+    /// Removes stored files of built and long refused parts that no live part needs.
+    async fn sweep_store(&mut self) -> Result<()> {
+        let now = Timestamp::now();
+        for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
+            for part in self.ledger.parts_in_state(state).await? {
+                let age_secs = secs_between(part.state_at.0, now);
+                let due = age_secs >= keep_secs && age_secs <= keep_secs + SWEEP_WITHIN_SECS;
+                if due && !self.ledger.hash_in_use(&part.content_hash).await? {
+                    self.meshes.store.remove(&part.content_hash)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Opens the queue folders that are not open and sweeps what a crash left half written in them.
+    pub(super) async fn open_queues(&mut self) -> Result<()> {
+        let mut staged = Vec::new();
+        for build in self.ledger.builds_in_state(BuildState::Verified).await? {
+            staged.push(build.file_name.clone().unwrap_or_else(|| file_name(&build.profile, &build)));
+        }
+        let mut closed = Vec::new();
+        for (name, station) in self.stations.iter_mut().filter(|(_, s)| s.queue.is_none()) {
+            match Queue::open(&station.profile.folders.queue) {
+                Ok(queue) => {
+                    let swept = queue.sweep(&staged)?;
+                    if !swept.is_empty() {
+                        info!(profile = %name, files = swept.len(), "Removed half-written files of an earlier run.");
+                    }
+                    station.queue = Some(queue);
+                }
+                Err(error) => closed.push((name.clone(), super::receive::chain(&error))),
+            }
+        }
+        for (name, why) in closed {
+            self.complain(&format!("queue {name}"), &format!("The queue folder of {name} cannot be used: {why}"));
+        }
+        Ok(())
+    }
+}
+
+/// Removes a refused file from the error folder, if it is still the same file, with its reason.
+pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
+    let Some(name) = raw_name(&part.name) else { return Ok(()) };
+    for folder in [error_dir.join(&part.order_name), error_dir.to_owned()] {
+        let file = folder.join(&name);
+        let Ok(bytes) = fs::read(&file) else { continue };
+        if blake3::hash(&bytes).to_hex().as_str() == part.content_hash {
+            fs::remove_file(&file).with_context(|| format!("removing {}", file.display()))?;
+            let mut reason = name.clone();
+            reason.push(".reason.txt");
+            match fs::remove_file(folder.join(reason)) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
+                _ => return Ok(()),
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,96 @@
+//! Solids for tests.
+
+use std::{collections::HashMap, sync::Arc};
+
+use glam::DVec3;
+
+use super::Mesh;
+
+/// Corners and faces of a box, counter-clockwise seen from outside.
+fn brick(min: DVec3, max: DVec3, vertices: &mut Vec<DVec3>, triangles: &mut Vec<[u32; 3]>, inwards: bool) {
+    let base = vertices.len() as u32;
+    vertices.extend((0..8).map(|i| {
+        let pick = |bit: u32, low: f64, high: f64| if i >> bit & 1 == 1 { high } else { low };
+        DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
+    }));
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    for [a, b, c, d] in faces {
+        for [a, b, c] in [[a, b, c], [a, c, d]] {
+            triangles.push(if inwards { [base + a, base + c, base + b] } else { [base + a, base + b, base + c] });
+        }
+    }
+}
+
+/// A box between two corners.
+pub fn cuboid(min: DVec3, max: DVec3) -> Arc<Mesh> {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    brick(min, max, &mut vertices, &mut triangles, false);
+    Arc::new(Mesh::new(vertices, triangles).expect("a box is a solid"))
+}
+
+/// A box of the given edges with its least corner at the origin.
+pub fn block(x: f64, y: f64, z: f64) -> Arc<Mesh> {
+    cuboid(DVec3::ZERO, DVec3::new(x, y, z))
+}
+
+/// A box with a sealed box-shaped cavity, walls of `wall` mm.
+pub fn safe(size: f64, wall: f64) -> Arc<Mesh> {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    brick(DVec3::ZERO, DVec3::splat(size), &mut vertices, &mut triangles, false);
+    brick(DVec3::splat(wall), DVec3::splat(size - wall), &mut vertices, &mut triangles, true);
+    Arc::new(Mesh::new(vertices, triangles).expect("a hollow box is a solid"))
+}
+
+/// A box open at the top: a bucket with walls of `wall` mm.
+pub fn bucket(size: f64, wall: f64) -> Arc<Mesh> {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    brick(DVec3::ZERO, DVec3::splat(size), &mut vertices, &mut triangles, false);
+    let (low, high) = (DVec3::splat(wall), DVec3::new(size - wall, size - wall, size));
+    brick(low, high, &mut vertices, &mut triangles, true);
+    // The two lids (faces 4, 5, 7, 6 of each box) make way for a rim between them.
+    let on_top = |t: &[u32; 3]| t.iter().all(|&v| vertices[v as usize].z == size);
+    triangles.retain(|t| !on_top(t));
+    for (a, b) in [(4, 5), (5, 7), (7, 6), (6, 4)] {
+        triangles.push([a, b, b + 8]);
+        triangles.push([a, b + 8, a + 8]);
+    }
+    Arc::new(Mesh::new(vertices, triangles).expect("a bucket is a solid"))
+}
+
+/// A sphere-like solid of 20 x 4^level triangles; `radius_mm` gives the radius in each direction.
+pub fn star(level: u32, radius_mm: impl Fn(DVec3) -> f64) -> Arc<Mesh> {
+    let golden = (1.0 + 5f64.sqrt()) / 2.0;
+    let mut vertices: Vec<DVec3> = Vec::new();
+    for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        vertices.extend([DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)]);
+    }
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    let near = |i: usize, j: usize| (vertices[i].distance(vertices[j]) - 2.0).abs() < 1e-9;
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                if near(i, j) && near(j, k) && near(i, k) {
+                    let out = (vertices[j] - vertices[i]).cross(vertices[k] - vertices[i]).dot(vertices[i]) > 0.0;
+                    let corners = if out { [i, j, k] } else { [i, k, j] };
+                    triangles.push(corners.map(|v| v as u32));
+                }
+            }
+        }
+    }
+    for _ in 0..level {
+        let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                vertices.push((vertices[a as usize] + vertices[b as usize]) * 0.5);
+                vertices.len() as u32 - 1
+            })
+        };
+        let split = |[a, b, c]: [u32; 3]| {
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        triangles = triangles.into_iter().flat_map(split).collect();
+    }
+    let placed = vertices.into_iter().map(|v| v.normalize() * radius_mm(v.normalize())).collect();
+    Arc::new(Mesh::new(placed, triangles).expect("a star is a solid"))
+}

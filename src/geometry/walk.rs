@@ -1,0 +1,106 @@
+//! Walks two box trees at once for the least distance between their triangles.
+
+use glam::{DMat3, DVec3};
+
+use super::{
+    ClearanceTree, Pose,
+    box_tree::{BoxTree, Node},
+};
+
+/// Two trees, and frame 2 (of the second tree's boxes) seen from frame 1.
+pub(super) struct Walk<'a> {
+    tree1: &'a BoxTree,
+    tree2: &'a BoxTree,
+    rotation12: DMat3,
+    /// Absolute values of the rotation: half edges of a box seen from the other frame.
+    spread12: DMat3,
+    spread21: DMat3,
+    translation12: DVec3,
+}
+
+impl<'a> Walk<'a> {
+    /// `pose12` is the mesh frame of the second part seen from the first's.
+    pub fn new(part1: &'a ClearanceTree, part2: &'a ClearanceTree, pose12: &Pose) -> Self {
+        let pose12 = part1.obb().pose.inverse().after(&pose12.after(&part2.obb().pose));
+        let rotation12 = pose12.matrix();
+        let spread12 = DMat3::from_cols(rotation12.x_axis.abs(), rotation12.y_axis.abs(), rotation12.z_axis.abs());
+        Self {
+            tree1: &part1.tree,
+            tree2: &part2.tree,
+            rotation12,
+            spread12,
+            spread21: spread12.transpose(),
+            translation12: pose12.translation,
+        }
+    }
+
+    /// The least squared distance below `cap_sq`, or `cap_sq`; ends as soon as one at or below `goal_sq` is found, mm2.
+    pub fn nearest_sq(&self, cap_sq: f64, goal_sq: f64) -> f64 {
+        let mut search = Search { walk: self, best_sq: cap_sq, goal_sq };
+        let (root1, root2) = (&self.tree1.nodes[0], &self.tree2.nodes[0]);
+        if self.apart_sq(root1, root2, cap_sq) < cap_sq {
+            search.visit(root1, root2);
+        }
+        search.best_sq
+    }
+
+    /// A lower bound of the squared distance of two boxes: the gaps along one box's axes are a part of any connecting line.
+    /// May stop at a first bound that reaches `enough_sq`.
+    #[inline]
+    fn apart_sq(&self, node1: &Node, node2: &Node, enough_sq: f64) -> f64 {
+        let apart = self.rotation12 * node2.center + self.translation12 - node1.center;
+        let gaps1 = (apart.abs() - node1.half - self.spread12 * node2.half).max(DVec3::ZERO);
+        let bound_sq = gaps1.length_squared();
+        if bound_sq >= enough_sq {
+            return bound_sq;
+        }
+        let seen2 = DVec3::new(
+            self.rotation12.x_axis.dot(apart),
+            self.rotation12.y_axis.dot(apart),
+            self.rotation12.z_axis.dot(apart),
+        );
+        let gaps2 = (seen2.abs() - node2.half - self.spread21 * node1.half).max(DVec3::ZERO);
+        bound_sq.max(gaps2.length_squared())
+    }
+}
+
+struct Search<'a> {
+    walk: &'a Walk<'a>,
+    best_sq: f64,
+    goal_sq: f64,
+}
+
+impl Search<'_> {
+    fn visit(&mut self, node1: &Node, node2: &Node) {
+        if node1.is_leaf() && node2.is_leaf() {
+            return self.compare(node1, node2);
+        }
+        // The larger box is opened: that shrinks the bound the most.
+        let open1 = !node1.is_leaf() && (node2.is_leaf() || node1.half.length_squared() >= node2.half.length_squared());
+        let walk = self.walk;
+        let (opened, nodes) = if open1 { (node1, &walk.tree1.nodes) } else { (node2, &walk.tree2.nodes) };
+        let children = [&nodes[opened.first as usize], &nodes[opened.first as usize + 1]];
+        let pair = |child: usize| if open1 { (children[child], node2) } else { (node1, children[child]) };
+        let bounds = [0, 1].map(|c| walk.apart_sq(pair(c).0, pair(c).1, self.best_sq));
+        let order = if bounds[0] <= bounds[1] { [0, 1] } else { [1, 0] };
+        for child in order {
+            if bounds[child] < self.best_sq && self.best_sq > self.goal_sq {
+                let (node1, node2) = pair(child);
+                self.visit(node1, node2);
+            }
+        }
+    }
+
+    fn compare(&mut self, leaf1: &Node, leaf2: &Node) {
+        let walk = self.walk;
+        for triangle2 in &walk.tree2.triangles[leaf2.range()] {
+            let triangle2 = triangle2.moved(&walk.rotation12, walk.translation12);
+            for triangle1 in &walk.tree1.triangles[leaf1.range()] {
+                self.best_sq = triangle1.distance_sq_below(&triangle2, self.best_sq);
+                if self.best_sq <= self.goal_sq {
+                    return;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! A signed distance grid: how far a point is from a solid and which way out is, in nanoseconds. It guides the search;
+//! it never decides (the box tree does).
+
+use glam::{DVec3, Vec3};
+
+use crate::geometry::Mesh;
+
+/// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame less `center`.
+#[derive(Debug, Clone)]
+pub(crate) struct DistanceField {
+    origin: Vec3,
+    step: f32,
+    inverse_step: f32,
+    dims: [usize; 3],
+    scale: f32,
+    nodes: Vec<i16>,
+}
+
+/// The lattice while it is filled.
+struct Lattice {
+    origin: DVec3,
+    step: f64,
+    dims: [usize; 3],
+}
+
+impl Lattice {
+    fn at(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.dims[1] + y) * self.dims[0] + x
+    }
+
+    fn place(&self, node: [usize; 3]) -> DVec3 {
+        self.origin + DVec3::new(node[0] as f64, node[1] as f64, node[2] as f64) * self.step
+    }
+
+    fn len(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    /// Nodes in a box, clamped, as inclusive ranges.
+    fn range(&self, min: DVec3, max: DVec3) -> [(usize, usize); 3] {
+        let (low, high) = (((min - self.origin) / self.step).to_array(), ((max - self.origin) / self.step).to_array());
+        [0, 1, 2].map(|axis| {
+            let last = self.dims[axis] - 1;
+            let clamp = |v: f64| v.clamp(0.0, last as f64) as usize;
+            (clamp(low[axis].ceil()), clamp(high[axis].floor()))
+        })
+    }
+}
+
+impl DistanceField {
+    /// Fills a grid of about `most_nodes` nodes that reaches `reach_mm` beyond the mesh.
+    pub(crate) fn new(mesh: &Mesh, center: DVec3, reach_mm: f64, most_nodes: usize) -> Self {
+        let lattice = lattice_around(mesh, center, reach_mm, most_nodes);
+        let corners = |t: usize| mesh.corners(t).map(|c| c - center);
+        let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(corners).collect();
+        let distances = distances(&lattice, &triangles);
+        let inside = super::inside::solid_nodes(lattice.dims, lattice.origin, lattice.step, &triangles);
+        let greatest = distances.iter().fold(0.0_f32, |most, &d| most.max(d));
+        let scale = greatest.max(1e-6) / 32_000.0;
+        let node = |(d, inside): (&f32, &bool)| (if *inside { -d } else { *d } / scale).round() as i16;
+        Self {
+            origin: lattice.origin.as_vec3(),
+            step: lattice.step as f32,
+            inverse_step: (1.0 / lattice.step) as f32,
+            dims: lattice.dims,
+            scale,
+            nodes: distances.iter().zip(&inside).map(node).collect(),
+        }
+    }
+
+    /// Spacing of the nodes, mm.
+    pub(crate) fn step_mm(&self) -> f32 {
+        self.step
+    }
+
+    /// Signed distance at a point, mm; beyond the grid at least the distance to it.
+    #[inline]
+    pub(crate) fn distance(&self, point: Vec3) -> f32 {
+        let (at, part, beyond) = self.cell(point);
+        let [c000, c100, c010, c110, c001, c101, c011, c111] = self.corners(at);
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let low = mix(mix(c000, c100, part.x), mix(c010, c110, part.x), part.y);
+        let high = mix(mix(c001, c101, part.x), mix(c011, c111, part.x), part.y);
+        mix(low, high, part.z) * self.scale + beyond
+    }
+
+    /// Signed distance, mm, and the unit direction in which it grows.
+    #[inline]
+    pub(crate) fn distance_and_way(&self, point: Vec3) -> (f32, Vec3) {
+        let (at, part, beyond) = self.cell(point);
+        let [c000, c100, c010, c110, c001, c101, c011, c111] = self.corners(at);
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let (x00, x10) = (mix(c000, c100, part.x), mix(c010, c110, part.x));
+        let (x01, x11) = (mix(c001, c101, part.x), mix(c011, c111, part.x));
+        let (low, high) = (mix(x00, x10, part.y), mix(x01, x11, part.y));
+        let along_x = mix(mix(c100 - c000, c110 - c010, part.y), mix(c101 - c001, c111 - c011, part.y), part.z);
+        let along_y = mix(x10 - x00, x11 - x01, part.z);
+        let way = Vec3::new(along_x, along_y, high - low).normalize_or(Vec3::Z);
+        (mix(low, high, part.z) * self.scale + beyond, way)
+    }
+
+    /// First node of the cell that holds a point, the point's place in it, and its distance to the grid.
+    #[inline]
+    fn cell(&self, point: Vec3) -> (usize, Vec3, f32) {
+        let raw = (point - self.origin) * self.inverse_step;
+        let most = Vec3::new(self.dims[0] as f32, self.dims[1] as f32, self.dims[2] as f32) - 1.001;
+        let inner = raw.clamp(Vec3::ZERO, most);
+        let beyond = if inner == raw { 0.0 } else { (raw - inner).length() * self.step };
+        let (x, y, z) = (inner.x as usize, inner.y as usize, inner.z as usize);
+        let part = inner - Vec3::new(x as f32, y as f32, z as f32);
+        ((z * self.dims[1] + y) * self.dims[0] + x, part, beyond)
+    }
+
+    #[inline]
+    fn corners(&self, at: usize) -> [f32; 8] {
+        let (row, layer) = (self.dims[0], self.dims[0] * self.dims[1]);
+        let n = &self.nodes[at..at + layer + row + 2];
+        [n[0], n[1], n[row], n[row + 1], n[layer], n[layer + 1], n[layer + row], n[layer + row + 1]].map(f32::from)
+    }
+}
+
+fn lattice_around(mesh: &Mesh, center: DVec3, reach_mm: f64, most_nodes: usize) -> Lattice {
+    let bounds = mesh.bounds();
+    let step_for = |pad: f64| ((bounds.size() + 2.0 * pad).element_product() / most_nodes as f64).cbrt().max(0.2);
+    let step = step_for(reach_mm + step_for(reach_mm));
+    let pad = reach_mm + 1.5 * step;
+    let size = bounds.size() + 2.0 * pad;
+    // Nodes stand off the lattice of round numbers, where faces and edges lie.
+    let off = DVec3::new(0.0131, 0.0173, 0.0117) * step;
+    let dims = (size / step).ceil().to_array().map(|n| n as usize + 2);
+    Lattice { origin: bounds.min - center - pad + off, step, dims }
+}
+
+/// Distance of every node to the surface, mm: exact near it, carried outwards by closest points.
+fn distances(lattice: &Lattice, triangles: &[[DVec3; 3]]) -> Vec<f32> {
+    let mut nearest = vec![(Vec3::ZERO, f32::INFINITY); lattice.len()];
+    let band = 1.2 * lattice.step;
+    for triangle in triangles {
+        let min = triangle[0].min(triangle[1]).min(triangle[2]) - band;
+        let max = triangle[0].max(triangle[1]).max(triangle[2]) + band;
+        let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or(DVec3::ZERO);
+        let [xs, ys, zs] = lattice.range(min, max);
+        for z in zs.0..=zs.1 {
+            for y in ys.0..=ys.1 {
+                for x in xs.0..=xs.1 {
+                    let place = lattice.place([x, y, z]);
+                    if normal.dot(place - triangle[0]).abs() > band {
+                        continue;
+                    }
+                    let closest = closest_point(place, triangle);
+                    let distance = closest.distance(place) as f32;
+                    let node = &mut nearest[lattice.at([x, y, z])];
+                    if distance < node.1 {
+                        *node = (closest.as_vec3(), distance);
+                    }
+                }
+            }
+        }
+    }
+    for backwards in [[false, false, false], [true, true, true], [true, false, true], [false, true, false]] {
+        sweep(lattice, &mut nearest, backwards);
+    }
+    for backwards in [[false, false, true], [true, true, false], [true, false, false], [false, true, true]] {
+        sweep(lattice, &mut nearest, backwards);
+    }
+    nearest.into_iter().map(|(_, distance)| distance).collect()
+}
+
+/// One pass in which every node looks at the closest points of the three nodes before it.
+fn sweep(lattice: &Lattice, nearest: &mut [(Vec3, f32)], backwards: [bool; 3]) {
+    let [nx, ny, nz] = lattice.dims;
+    let strides = [1, nx, nx * ny];
+    let turn = |at: usize, n: usize, back: bool| if back { n - 1 - at } else { at };
+    let (origin, step) = (lattice.origin.as_vec3(), lattice.step as f32);
+    for z in 0..nz {
+        for y in 0..ny {
+            for x in 0..nx {
+                let node = [turn(x, nx, backwards[0]), turn(y, ny, backwards[1]), turn(z, nz, backwards[2])];
+                let at = lattice.at(node);
+                let place = origin + Vec3::new(node[0] as f32, node[1] as f32, node[2] as f32) * step;
+                for axis in 0..3 {
+                    if [x, y, z][axis] == 0 {
+                        continue;
+                    }
+                    let before = if backwards[axis] { at + strides[axis] } else { at - strides[axis] };
+                    let (closest, known) = nearest[before];
+                    if known.is_finite() {
+                        let distance = closest.distance(place);
+                        if distance < nearest[at].1 {
+                            nearest[at] = (closest, distance);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+fn closest_point(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    let total = va + vb + vc;
+    if total <= 0.0 { a } else { a + ab * (vb / total) + ac * (vc / total) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nest::testing::{block, hollow};
+
+    #[test]
+    fn a_box_knows_its_distances_inside_and_outside() {
+        let size = DVec3::new(20.0, 10.0, 30.0);
+        let field = DistanceField::new(&block(size), size * 0.5, 4.0, 60_000);
+        for (point, wanted) in [
+            (Vec3::ZERO, -5.0),
+            (Vec3::new(12.0, 0.0, 0.0), 2.0),
+            (Vec3::new(0.0, 4.0, 10.0), -1.0),
+            (Vec3::new(0.0, 0.0, 18.0), 3.0),
+        ] {
+            let found = field.distance(point);
+            assert!((found - wanted).abs() < 0.1, "{point} {found} {wanted}");
+        }
+        let (_, way) = field.distance_and_way(Vec3::new(0.0, 4.0, 10.0));
+        assert!(way.dot(Vec3::Y) > 0.99, "{way}");
+        assert!(field.distance(Vec3::new(100.0, 0.0, 0.0)) > 60.0);
+    }
+
+    #[test]
+    fn a_sealed_cavity_is_solid() {
+        let field = DistanceField::new(&hollow(30.0, 1.0), DVec3::splat(15.0), 2.0, 20_000);
+        assert!(field.distance(Vec3::ZERO) < 0.0);
+        assert!(field.distance(Vec3::new(16.5, 0.0, 0.0)) > 0.0);
+    }
+}

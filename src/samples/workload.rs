@@ -1,0 +1,102 @@
+//! Piles of parts for benches: many alike, all different, and random ones by seed.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+
+/// A pile of parts to nest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Workload {
+    /// 20 axial fans of 65 x 65 x 22 mm.
+    Fans,
+    /// 30 different parts, as an engine has them, each once; for a base of 120 x 120 mm and more.
+    EngineLike,
+    /// `copies` small parts over `meshes` different random meshes.
+    Small {
+        /// Copies of all parts together.
+        copies: u32,
+        /// Different meshes.
+        meshes: u32,
+        /// Which meshes.
+        seed: u64,
+    },
+}
+
+/// The meshes of a workload with their copies, at least 1 each. The same workload is the same for ever.
+pub fn workload(workload: Workload) -> Vec<(Mesh, u32)> {
+    match workload {
+        Workload::Fans => vec![(axial_fan(65.0, 22.0, 7), 20)],
+        Workload::EngineLike => engine_like().into_iter().map(|mesh| (mesh, 1)).collect(),
+        Workload::Small { copies, meshes, seed } => {
+            let meshes = meshes.clamp(1, copies.max(1));
+            let share = |i: u32| copies.max(1) / meshes + u32::from(i < copies.max(1) % meshes);
+            (0..meshes).map(|i| (random_part(seed.wrapping_mul(1_000_003).wrapping_add(i.into())), share(i))).collect()
+        }
+    }
+}
+
+/// Thirty different parts of 15 to 110 mm.
+fn engine_like() -> Vec<Mesh> {
+    vec![
+        axial_fan(65.0, 22.0, 7),
+        axial_fan(48.0, 16.0, 5),
+        bracket(90.0, 30.0, 6.0, 6.0),
+        bracket(48.0, 20.0, 4.0, 5.0),
+        ribbed_bracket(46.0, 44.0, 4.0, 4),
+        ribbed_bracket(30.0, 24.0, 3.0, 3),
+        duct(34.0, 2.5, 36.0, 90.0, 16.0),
+        duct(22.0, 2.0, 26.0, 135.0, 12.0),
+        ring(92.0, 78.0, 6.0),
+        ring(60.0, 44.0, 14.0),
+        ring(30.0, 18.0, 10.0),
+        spur_gear(32, 2.5, 14.0, 16.0),
+        spur_gear(20, 2.0, 12.0, 10.0),
+        spur_gear(14, 1.5, 20.0, 6.0),
+        lattice_block([4, 3, 2], 12.0, 3.0),
+        clip(30.0, 3.0, 18.0),
+        hinge(70.0, 30.0, 12.0, 5.0, 4),
+        knob(50.0, 24.0, 7),
+        hook(18.0, 9.0, 34.0),
+        tray([2, 2], 36.0, 24.0, 2.5),
+        lampshade(84.0, 44.0, 60.0, 2.5),
+        pulley(70.0, 18.0, 14.0),
+        pulley(36.0, 10.0, 6.0),
+        pipe_tee(70.0, 40.0, 30.0, 4.0),
+        rail(110.0, 35.0, 10.0, 2.5),
+        spring(30.0, 5.0, 11.0, 6.0),
+        connecting_rod(78.0, 38.0, 26.0, 16.0),
+        connecting_rod(50.0, 26.0, 18.0, 10.0),
+        gyroid_ball(40.0, 20.0, 3.6),
+        pawn(24.0, 64.0),
+    ]
+}
+
+/// A small part of a random kind and size, about 10 to 50 mm. The same seed gives the same part for ever.
+pub fn random_part(seed: u64) -> Mesh {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let kind = rng.random_range(0..16u32);
+    let mut between = |low: f64, high: f64| rng.random_range(low..high);
+    let size = between(12.0, 40.0);
+    match kind {
+        0 => axial_fan(size.max(20.0), 0.35 * size, between(4.0, 8.0) as usize),
+        1 => bracket(size * between(1.5, 2.5), 0.6 * size, between(2.0, 5.0), 0.15 * size),
+        2 => ribbed_bracket(size, size * between(0.6, 1.2), between(1.6, 2.4), between(2.0, 5.0) as usize),
+        3 => duct(0.5 * size, 0.05 * size, 0.6 * size, between(40.0, 150.0), 0.3 * size),
+        4 => ring(size, size * between(0.5, 0.8), size * between(0.1, 0.5)),
+        5 => spur_gear((size / 1.6) as usize, 1.5, size * between(0.2, 0.5), 0.25 * size),
+        6 => {
+            let cells = [between(1.0, 4.0), between(1.0, 4.0), between(2.0, 4.0)].map(|n| n as usize);
+            lattice_block(cells, 5.0 + 0.12 * size, 1.8)
+        }
+        7 => clip(0.7 * size, between(1.6, 2.6), size * between(0.3, 0.7)),
+        8 => hinge(size * between(0.8, 1.6), 0.6 * size, 0.25 * size, 0.1 * size, between(2.0, 5.0) as usize),
+        9 => knob(size, size * between(0.4, 0.7), between(4.0, 9.0) as usize),
+        10 => hook(0.35 * size, 0.2 * size, size * between(0.5, 1.0)),
+        11 => tray([between(1.0, 4.0), between(2.0, 4.0)].map(|n| n as usize), 0.5 * size, 0.4 * size, 1.6),
+        12 => lampshade(size, size * between(0.4, 0.8), size * between(0.5, 1.0), 1.6),
+        13 => pulley(size, 0.25 * size, 0.2 * size),
+        14 => pawn(0.6 * size, size * between(0.9, 1.4)),
+        _ => spring(0.6 * size, 0.12 * size, 0.24 * size, between(2.0, 6.0)),
+    }
+}

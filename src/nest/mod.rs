@@ -14,6 +14,7 @@ mod paper;
 mod piece;
 mod proof;
 mod report;
+mod rotations;
 mod search;
 mod shape;
 mod skyline;

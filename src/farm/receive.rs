@@ -112,11 +112,11 @@ impl Gate {
                 Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
                 Err(error) => received.troubles.push(chain(&error)),
             },
-            Ready::List { list, quiet_secs } => {
+            Ready::List { list, .. } => {
                 let folders = &profile.folders;
-                match intake::end_list(inbox, list, *quiet_secs, orphan_secs, &folders.archive, &folders.error) {
+                match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
                     Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
-                    Ok(ListEnd::Awaited | ListEnd::Archived) => {}
+                    Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
                     Err(error) => received.troubles.push(format!("{}: {error}", list.path.display())),
                 }
             }

@@ -36,12 +36,7 @@ struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    fn new(
-        instance: &'a Instance,
-        config: &'a Config,
-        stop: &'a dyn Stop,
-        listener: &'a mut dyn Listener,
-    ) -> Self {
+    fn new(instance: &'a Instance, config: &'a Config, stop: &'a dyn Stop, listener: &'a mut dyn Listener) -> Self {
         Self { instance, config, stop, listener, best: Vec::new(), evaluations: 0 }
     }
 
@@ -78,7 +73,8 @@ impl<'a> Course<'a> {
             let worst = if whole { height_mm(&self.best) } else { f64::INFINITY };
             let (stop, before) = (self.stop, self.evaluations);
             let limit = if at == 0 { 1.0 } else { 0.1 };
-            let built = builder.build(recipe, &order, &standing, worst, |tests| stop.spent(before + tests / 64) >= limit);
+            let built =
+                builder.build(recipe, &order, &standing, worst, |tests| stop.spent(before + tests / 64) >= limit);
             self.evaluations = before + std::mem::take(&mut builder.tests) / 64;
             if let Some(pieces) = built {
                 self.offer(task, pieces);
@@ -94,7 +90,13 @@ impl<'a> Course<'a> {
 
     /// Where not all fit, earlier copies come first: the longest beginning of the line that fits whole, then whoever
     /// still finds a gap.
-    fn keep_precedence(&mut self, task: &Task, builder: &mut Builder<'_>, standing: &[Piece], lacking: &[(usize, u32)]) {
+    fn keep_precedence(
+        &mut self,
+        task: &Task,
+        builder: &mut Builder<'_>,
+        standing: &[Piece],
+        lacking: &[(usize, u32)],
+    ) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
         let recipe = Recipe::FIRST[0];
         let (mut fits, mut fails) = (0, lacking.len() + 1);

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Instance, OrientationRule, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape};
+use super::{
+    Instance, OrientationRule, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape,
+};
 use crate::geometry::{Bounds, Pose};
 
 /// What two placements keep beyond their clearance, mm, so that rounding in a written file never breaks it.

@@ -44,8 +44,10 @@ impl Skyline {
             (0..count).map(move |n| f64::from(n) * self.pitch[axis]).chain([far]).collect::<Vec<f64>>()
         };
         let (xs, ys) = (starts(0), starts(1));
-        let wide: Vec<(i32, i32)> = xs.iter().map(|&x| self.touched(x - clearance_mm, x + size.x + clearance_mm, 0)).collect();
-        let deep: Vec<(i32, i32)> = ys.iter().map(|&y| self.touched(y - clearance_mm, y + size.y + clearance_mm, 1)).collect();
+        let wide: Vec<(i32, i32)> =
+            xs.iter().map(|&x| self.touched(x - clearance_mm, x + size.x + clearance_mm, 0)).collect();
+        let deep: Vec<(i32, i32)> =
+            ys.iter().map(|&y| self.touched(y - clearance_mm, y + size.y + clearance_mm, 1)).collect();
         let rows = self.row_maxima(&wide);
         let mut best: Option<(f64, DVec3)> = None;
         for (at_x, &x) in xs.iter().enumerate() {

@@ -40,8 +40,14 @@ impl Raster {
         let back = DMat3::from_quat(turn).transpose();
         let first = back * (DVec3::splat(0.5 * pitch - 0.5 * clearance_mm) - corner_to_center);
         let (along_x, along_y, along_z) = (back.x_axis * pitch, back.y_axis * pitch, back.z_axis * pitch);
-        let mut raster =
-            Self { turn, corner_to_center, size: bounds.size(), layers: cells.z as usize, columns: vec![], words: vec![] };
+        let mut raster = Self {
+            turn,
+            corner_to_center,
+            size: bounds.size(),
+            layers: cells.z as usize,
+            columns: vec![],
+            words: vec![],
+        };
         let mut bits = vec![0_u64; (cells.z as usize).div_ceil(64)];
         for x in 0..cells.x {
             for y in 0..cells.y {

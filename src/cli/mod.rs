@@ -10,10 +10,16 @@ mod history;
 mod logging;
 mod nest;
 mod outcome;
+mod reach;
 mod run;
 mod show;
+mod show_text;
 mod status;
+mod table;
 mod verify;
+
+#[cfg(test)]
+mod tests;
 
 use std::{path::PathBuf, process::ExitCode};
 

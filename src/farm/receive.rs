@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use crate::{
     format,
-    intake::{self, Claim, Inbox, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, Stored},
+    intake::{
+        self, Claim, Inbox, LeftFolders, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, StoreError, Stored,
+    },
     settings::Profile,
 };
 
@@ -18,6 +20,8 @@ pub struct Gate {
     inbox: Inbox,
     settler: Settler,
     began: Instant,
+    /// Order folders whose files were claimed; they go when they stay empty.
+    left: LeftFolders,
     /// Claims that are not in the store yet; `None` = those of an earlier run have not been looked for.
     pending: Option<Vec<Claim>>,
 }
@@ -44,6 +48,7 @@ impl Gate {
             inbox: Inbox::new(&profile.folders.inbox, ScanLimits::default()),
             settler: Settler::new(rules(profile, orphan_secs)),
             began: Instant::now(),
+            left: LeftFolders::default(),
             pending: None,
         }
     }
@@ -78,14 +83,21 @@ impl Gate {
         }
         self.pending = Some(Vec::new());
         for claim in claims {
+            self.left.note(&claim);
             match store.put(&claim.part) {
                 Ok(stored) => received.drops.push((claim, stored)),
+                // Somebody still writes into it: it goes back and settles anew.
+                Err(StoreError::Changed(_)) => match intake::give_back(&claim) {
+                    Ok(_) => received.next_secs = Some(0.0),
+                    Err(error) => received.troubles.push(chain(&error)),
+                },
                 Err(error) => {
                     received.troubles.push(chain(&error));
                     self.pending.get_or_insert_default().push(claim);
                 }
             }
         }
+        self.left.sweep(self.inbox.path(), LeftFolders::MIN_AGE);
         received
     }
 
@@ -112,12 +124,12 @@ impl Gate {
                 Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
                 Err(error) => received.troubles.push(chain(&error)),
             },
-            Ready::List { list, quiet_secs } => {
+            Ready::List { list, .. } => {
                 let folders = &profile.folders;
-                match intake::end_list(inbox, list, *quiet_secs, orphan_secs, &folders.archive, &folders.error) {
+                match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
                     Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
-                    Ok(ListEnd::Awaited | ListEnd::Archived) => {}
-                    Err(error) => received.troubles.push(format!("{}: {error}", list.path.display())),
+                    Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
+                    Err(error) => received.troubles.push(chain(&error)),
                 }
             }
             Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {

@@ -181,9 +181,10 @@ impl Walk<'_> {
                 self.listing.troubles.push((path, why));
                 return Ok(());
             }
-            if !is_ignored(&name) && !(depth == 0 && is_own(&name)) {
-                self.entry(order, &name, depth)?;
+            if is_ignored(&name) || (depth == 0 && is_own(&name)) {
+                continue;
             }
+            self.entry(order, &name, depth)?;
         }
         Ok(())
     }

@@ -1,4 +1,5 @@
 //! Opt-in, with `NESTD_DATA=<folder>`: every file of the torture set gives what its manifest expects.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests, too
 
 use std::{
     collections::HashMap,
@@ -43,10 +44,10 @@ fn triangles(contents: &Contents) -> usize {
 
 /// What is wrong with an outcome, if anything.
 fn complaint(expect: &str, outcome: &Result<Contents, ReadError>) -> Option<String> {
-    if let Err(error) = outcome {
-        if error.is_io() {
-            return Some(format!("counts as a fault of the disk: {error}"));
-        }
+    if let Err(error) = outcome
+        && error.is_io()
+    {
+        return Some(format!("counts as a fault of the disk: {error}"));
     }
     let wanted: Option<usize> = expect.strip_prefix("accept:").map(|rest| {
         let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();

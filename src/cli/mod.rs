@@ -2,6 +2,7 @@
 //! configuration.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // the only room that speaks to a terminal
 
+mod asked;
 mod check;
 mod command;
 mod demo;

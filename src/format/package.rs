@@ -102,9 +102,9 @@ fn relationship_targets(xml: &mut EntryXml<'_>) -> Result<Vec<String>, ReadError
     let mut targets = Vec::new();
     loop {
         match xml.step()? {
-            Step::Open(Tag::Relationship) => {
-                if xml.plain("Type").is_some_and(|t| MODEL_TYPES.contains(&t)) && targets.len() < 10 {
-                    let target = xml.plain("Target").ok_or_else(|| xml.invalid("a relationship without a target"))?;
+            Step::Open(Tag::Relationship) if xml.plain("Type").is_some_and(|t| MODEL_TYPES.contains(&t)) => {
+                let target = xml.plain("Target").ok_or_else(|| xml.invalid("a relationship without a target"))?;
+                if targets.len() < 10 {
                     targets.push(target.to_owned());
                 }
             }

@@ -98,7 +98,7 @@ fn placed(mesh: &OtherMesh, outer: &[Option<&Transform>]) -> Seen {
     let used = mesh.triangles.triangle.iter().flat_map(|t| [t.v1, t.v2, t.v3]);
     let corners = used.map(|v| {
         let vertex = &mesh.vertices.vertex[v as usize];
-        let start: [f64; 3] = [vertex.x.clone().into(), vertex.y.clone().into(), vertex.z.clone().into()];
+        let start: [f64; 3] = [vertex.x.into(), vertex.y.into(), vertex.z.into()];
         outer.iter().rev().flatten().fold(start, |point, transform| moved(point, &transform.0))
     });
     let bounds = Bounds::around(corners.map(DVec3::from_array));

@@ -27,8 +27,8 @@ pub(super) fn read_text(input: impl BufRead, limits: &Limits) -> Result<Soup, Re
     let mut words = Words::new(input);
     let mut soup = Soup::default();
     while words.advance()? {
-        let word = words.word.to_ascii_lowercase();
-        match word.as_slice() {
+        words.word.make_ascii_lowercase();
+        match words.word.as_slice() {
             b"solid" => {
                 soup.solids += 1;
                 soup.ended = false;
@@ -59,8 +59,8 @@ fn facet<R: BufRead>(words: &mut Words<R>, corners: &mut Vec<DVec3>) -> Result<(
         if !words.advance()? {
             return Err(ReadError::Truncated(format!("it ends within facet {}", first / 3 + 1)));
         }
-        let word = words.word.to_ascii_lowercase();
-        match word.as_slice() {
+        words.word.make_ascii_lowercase();
+        match words.word.as_slice() {
             b"vertex" => corners.push(vertex(words)?),
             b"loop" => in_loop = true,
             b"endfacet" => break,
@@ -88,6 +88,10 @@ fn vertex<R: BufRead>(words: &mut Words<R>) -> Result<DVec3, ReadError> {
     Ok(DVec3::from_array(numbers))
 }
 
+fn is_blank(byte: u8) -> bool {
+    byte.is_ascii_whitespace() || byte == 0x0b
+}
+
 /// Splits a stream into words and counts lines.
 struct Words<R> {
     input: R,
@@ -105,21 +109,27 @@ impl<R: BufRead> Words<R> {
     /// Reads the next word into `self.word`; `false` at the end of the file. `#` starts a comment.
     fn advance(&mut self) -> Result<bool, ReadError> {
         self.word.clear();
-        while let Some(byte) = self.peek()? {
-            let blank = byte.is_ascii_whitespace() || byte == 0x0b;
-            if self.word.is_empty() && byte == b'#' {
+        loop {
+            let bytes = self.input.fill_buf()?;
+            let Some(&first) = bytes.first() else { break };
+            if self.word.is_empty() && is_blank(first) {
+                self.consume(first);
+                continue;
+            }
+            if self.word.is_empty() && first == b'#' {
                 self.skip_line()?;
                 continue;
             }
-            if blank && !self.word.is_empty() {
-                break;
+            let length = bytes.iter().position(|&b| is_blank(b)).unwrap_or(bytes.len());
+            let is_cut = length == bytes.len();
+            self.word.extend_from_slice(&bytes[..length.min(MAX_WORD + 1)]);
+            self.input.consume(length);
+            self.last = 0;
+            if self.word.len() > MAX_WORD {
+                return Err(self.invalid(format!("a word is longer than {MAX_WORD} bytes")));
             }
-            self.consume(byte);
-            if !blank {
-                self.word.push(byte);
-                if self.word.len() > MAX_WORD {
-                    return Err(self.invalid(format!("a word is longer than {MAX_WORD} bytes")));
-                }
+            if !is_cut {
+                break;
             }
         }
         Ok(!self.word.is_empty())

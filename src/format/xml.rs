@@ -3,15 +3,17 @@
 use std::{io::BufRead, ops::Range};
 
 use quick_xml::{
-    NsReader,
+    Reader,
     events::{BytesRef, BytesStart, Event},
-    name::{Prefix, QName, ResolveResult},
+    name::{NamespaceResolver, Prefix, QName, ResolveResult},
 };
 
 use super::{ReadError, guard::Guard};
 
 /// Deeper XML is no 3MF.
-const MAX_DEPTH: u32 = 64;
+const MAX_DEPTH: usize = 64;
+/// An element of 3MF has a dozen; finding one twice compares each with each.
+const MAX_ATTRIBUTES: usize = 64;
 
 /// Our own namespace, for what 3MF has no words for.
 pub(super) const NESTD: &str = "https://nestd.org/2026/build";
@@ -120,27 +122,65 @@ struct Attribute {
 
 /// A reader of one document.
 pub(super) struct Xml<R> {
-    reader: NsReader<R>,
+    reader: Reader<R>,
+    names: Names,
     buffer: Vec<u8>,
     /// Names and values of the open element's attributes, or character data.
     text: String,
     attributes: Vec<Attribute>,
-    depth: u32,
+    /// The open element was empty, so its close is the next step.
+    empty: bool,
     path: String,
     seen_root: bool,
+}
+
+/// The namespaces in force. Most elements declare none, so that nothing is looked up for them.
+struct Names {
+    resolver: NamespaceResolver,
+    /// For each open element, whether it declared namespaces, and the default one around it.
+    open: Vec<(bool, Space)>,
+    default: Space,
+}
+
+impl Names {
+    fn enter(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+        let declares = start.attributes_raw().contains("xmlns");
+        self.open.push((declares, self.default));
+        if declares {
+            self.resolver.push(start).map_err(|error| error.to_string())?;
+            self.default = self.space(None)?;
+        }
+        Ok(())
+    }
+
+    fn leave(&mut self) {
+        if let Some((declared, default)) = self.open.pop()
+            && declared
+        {
+            self.resolver.pop();
+            self.default = default;
+        }
+    }
+
+    fn space(&self, prefix: Option<Prefix<'_>>) -> Result<Space, String> {
+        match self.resolver.resolve_prefix(prefix, true) {
+            ResolveResult::Bound(namespace) => Ok(Space::of(namespace.0)),
+            ResolveResult::Unbound => Ok(Space::None),
+            ResolveResult::Unknown(prefix) => Err(format!("the prefix `{prefix}` is not declared")),
+        }
+    }
 }
 
 impl<R: BufRead> Xml<Guard<R>> {
     /// `path` names the document in errors.
     pub(super) fn new(guard: Guard<R>, path: &str) -> Self {
-        let mut reader = NsReader::from_reader(guard);
-        reader.config_mut().expand_empty_elements = true;
         Self {
-            reader,
+            reader: Reader::from_reader(guard),
+            names: Names { resolver: NamespaceResolver::default(), open: Vec::new(), default: Space::None },
             buffer: Vec::new(),
             text: String::new(),
             attributes: Vec::new(),
-            depth: 0,
+            empty: false,
             path: path.to_owned(),
             seen_root: false,
         }
@@ -150,8 +190,15 @@ impl<R: BufRead> Xml<Guard<R>> {
         self.reader.get_mut().unpacked()
     }
 
+    fn depth(&self) -> usize {
+        self.names.open.len()
+    }
+
     /// The next thing of interest; comments and processing instructions are passed over.
     pub(super) fn step(&mut self) -> Result<Step, ReadError> {
+        if std::mem::take(&mut self.empty) {
+            return self.placed(Step::Close);
+        }
         loop {
             self.buffer.clear();
             self.reader.get_mut().start_token();
@@ -160,9 +207,9 @@ impl<R: BufRead> Xml<Guard<R>> {
                 Err(error) => return Err(self.failed(error)),
             };
             let step = match event {
-                Event::Start(start) => {
-                    let (attributes, text) = (&mut self.attributes, &mut self.text);
-                    match open(&self.reader, &start, attributes, text) {
+                Event::Start(ref start) | Event::Empty(ref start) => {
+                    self.empty = matches!(event, Event::Empty(_));
+                    match open(&mut self.names, start, &mut self.attributes, &mut self.text) {
                         Ok(tag) => Step::Open(tag),
                         Err(reason) => return Err(self.invalid(&reason)),
                     }
@@ -188,22 +235,23 @@ impl<R: BufRead> Xml<Guard<R>> {
                     }
                     Step::Text
                 }
-                Event::Empty(_) | Event::Decl(_) | Event::PI(_) | Event::Comment(_) => continue,
+                Event::Decl(_) | Event::PI(_) | Event::Comment(_) => continue,
             };
             return self.placed(step);
         }
     }
 
-    /// Checks that a step fits where the document stands.
+    /// Checks that a step fits where the document stands. An opening element has entered its names already.
     fn placed(&mut self, step: Step) -> Result<Step, ReadError> {
+        let depth = self.depth();
         match step {
-            Step::Open(_) if self.depth == 0 && self.seen_root => return Err(self.invalid("it has two root elements")),
-            Step::Open(_) if self.depth == MAX_DEPTH => return Err(self.invalid("its elements nest too deeply")),
-            Step::Open(_) => (self.depth, self.seen_root) = (self.depth + 1, true),
-            Step::Close => self.depth -= 1,
-            Step::End if self.depth > 0 => return Err(self.invalid("it ends within an element")),
+            Step::Open(_) if depth == 1 && self.seen_root => return Err(self.invalid("it has two root elements")),
+            Step::Open(_) if depth > MAX_DEPTH => return Err(self.invalid("its elements nest too deeply")),
+            Step::Open(_) => self.seen_root = true,
+            Step::Close => self.names.leave(),
+            Step::End if depth > 0 => return Err(self.invalid("it ends within an element")),
             Step::End if !self.seen_root => return Err(self.invalid("it holds no XML")),
-            Step::Text if self.depth == 0 && !self.text.trim().is_empty() => {
+            Step::Text if depth == 0 && !self.text.trim().is_empty() => {
                 return Err(self.invalid("it has text outside the root element"));
             }
             _ => {}
@@ -213,8 +261,8 @@ impl<R: BufRead> Xml<Guard<R>> {
 
     /// Passes over the open element and all in it.
     pub(super) fn skip(&mut self) -> Result<(), ReadError> {
-        let outside = self.depth - 1;
-        while self.depth > outside {
+        let outside = self.depth() - 1;
+        while self.depth() > outside {
             self.step()?;
         }
         Ok(())
@@ -222,10 +270,10 @@ impl<R: BufRead> Xml<Guard<R>> {
 
     /// The text of the open element up to its close; elements in it are passed over.
     pub(super) fn text_inside(&mut self) -> Result<String, ReadError> {
-        let outside = self.depth - 1;
+        let outside = self.depth() - 1;
         let mut text = String::new();
-        while self.depth > outside {
-            let inside = self.depth == outside + 1;
+        while self.depth() > outside {
+            let inside = self.depth() == outside + 1;
             if self.step()? == Step::Text && inside && text.len() < 1 << 16 {
                 text.push_str(&self.text);
             }
@@ -247,7 +295,7 @@ impl<R: BufRead> Xml<Guard<R>> {
     /// The namespace that a prefix stands for here, `None` when it is not declared.
     pub(super) fn namespace(&self, prefix: &str) -> Option<String> {
         let name = format!("{prefix}:x");
-        match resolve(&self.reader, QName(&name).prefix()) {
+        match self.names.resolver.resolve_prefix(QName(&name).prefix(), true) {
             ResolveResult::Bound(namespace) => Some(namespace.0.to_owned()),
             _ => None,
         }
@@ -272,26 +320,29 @@ impl<R: BufRead> Xml<Guard<R>> {
     }
 }
 
-/// Takes an opening element apart.
-fn open<R: BufRead>(
-    reader: &NsReader<R>,
+/// Takes an opening element apart and enters its namespaces.
+fn open(
+    names: &mut Names,
     start: &BytesStart<'_>,
     attributes: &mut Vec<Attribute>,
     text: &mut String,
 ) -> Result<Tag, String> {
+    names.enter(start)?;
     attributes.clear();
     text.clear();
-    for attribute in start.attributes() {
+    // The reader's own check for doubles allocates at every element; ours is below.
+    for attribute in start.attributes().with_checks(false) {
         let attribute = attribute.map_err(|e| e.to_string())?;
+        let (local, prefix) = attribute.key.decompose();
         if attribute.key.as_namespace_binding().is_some() {
             continue;
         }
-        let space = match attribute.key.prefix() {
+        let space = match prefix {
             None => Space::None,
-            prefix => space(reader, prefix)?,
+            prefix => names.space(prefix)?,
         };
         let name_start = text.len();
-        text.push_str(attribute.key.local_name().into_inner());
+        text.push_str(local.into_inner());
         let value_start = text.len();
         if attribute.value.bytes().any(|b| matches!(b, b'&' | b'\t' | b'\r' | b'\n')) {
             let value = attribute.normalized_value(quick_xml::XmlVersion::Implicit1_0).map_err(|e| e.to_string())?;
@@ -299,22 +350,22 @@ fn open<R: BufRead>(
         } else {
             text.push_str(&attribute.value);
         }
-        attributes.push(Attribute { space, name: name_start..value_start, value: value_start..text.len() });
+        let new = Attribute { space, name: name_start..value_start, value: value_start..text.len() };
+        let is_new = |a: &Attribute| text[a.name.clone()] == text[new.name.clone()] && a.space == new.space;
+        if space != Space::Other && attributes.iter().any(is_new) {
+            return Err(format!("duplicated attribute `{}`", &text[new.name]));
+        }
+        if attributes.len() == MAX_ATTRIBUTES {
+            return Err(format!("an element has more than {MAX_ATTRIBUTES} attributes"));
+        }
+        attributes.push(new);
     }
-    let name = start.name();
-    Ok(Tag::of(space(reader, name.prefix())?, name.local_name().into_inner()))
-}
-
-fn space<R: BufRead>(reader: &NsReader<R>, prefix: Option<Prefix<'_>>) -> Result<Space, String> {
-    match resolve(reader, prefix) {
-        ResolveResult::Bound(namespace) => Ok(Space::of(namespace.0)),
-        ResolveResult::Unbound => Ok(Space::None),
-        ResolveResult::Unknown(prefix) => Err(format!("the prefix `{prefix}` is not declared")),
-    }
-}
-
-fn resolve<'r, R: BufRead>(reader: &'r NsReader<R>, prefix: Option<Prefix<'_>>) -> ResolveResult<'r> {
-    reader.resolver().resolve_prefix(prefix, true)
+    let (local, prefix) = start.name().decompose();
+    let space = match prefix {
+        None => names.default,
+        prefix => names.space(prefix)?,
+    };
+    Ok(Tag::of(space, local.into_inner()))
 }
 
 /// What a reference stands for: a number or one of the five names that XML knows without a DTD.

@@ -9,6 +9,7 @@ mod mesh;
 mod obb;
 mod obb_tree;
 mod pose;
+mod separating_axis;
 mod triangle;
 mod walk;
 
@@ -16,6 +17,8 @@ mod walk;
 mod clearance_tests;
 #[cfg(test)]
 pub(crate) mod solids;
+#[cfg(test)]
+mod speed_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;

@@ -94,3 +94,17 @@ pub fn star(level: u32, radius_mm: impl Fn(DVec3) -> f64) -> Arc<Mesh> {
     let placed = vertices.into_iter().map(|v| v.normalize() * radius_mm(v.normalize())).collect();
     Arc::new(Mesh::new(placed, triangles).expect("a star is a solid"))
 }
+
+/// A solid of the shared data, or `None` (said on stderr) when `NESTD_DATA` does not say where they are.
+#[allow(clippy::print_stderr)]
+pub fn from_data(file: &str) -> Option<Arc<Mesh>> {
+    let Ok(folder) = std::env::var("NESTD_DATA") else {
+        eprintln!("skipped: NESTD_DATA is not set");
+        return None;
+    };
+    let mut source = std::fs::File::open(std::path::Path::new(&folder).join(file)).expect("the file is there");
+    let soup = stl_io::read_stl(&mut source).expect("is an STL file");
+    let vertices = soup.vertices.iter().map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into())).collect();
+    let triangles = soup.faces.iter().map(|f| f.vertices.map(|v| v as u32)).collect();
+    Some(Arc::new(Mesh::new(vertices, triangles).expect("is a solid")))
+}

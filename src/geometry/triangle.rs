@@ -62,8 +62,8 @@ impl Triangle {
 
     /// The squared distance to `other`, mm2, or `cap_sq` when it is no less.
     pub fn distance_sq_below(&self, other: &Self, cap_sq: f64) -> f64 {
-        let ((min1, max1), (min2, max2)) = (self.span(), other.span());
-        if (min2 - max1).max(min1 - max2).max(DVec3::ZERO).length_squared() >= cap_sq {
+        let (span1, span2) = (self.span(), other.span());
+        if (span2.0 - span1.1).max(span1.0 - span2.1).max(DVec3::ZERO).length_squared() >= cap_sq {
             return cap_sq;
         }
         let cap = cap_sq.sqrt();
@@ -80,7 +80,9 @@ impl Triangle {
         }
         let best_sq = self.to_corners_sq(&other.corners, &heights2, cap_sq);
         let best_sq = other.to_corners_sq(&self.corners, &heights1, best_sq);
-        edges_sq(&self.corners, &heights1, &other.corners, &heights2, best_sq)
+        let near1 = near_edges(&self.corners, &heights1, span2, best_sq);
+        let near2 = near_edges(&other.corners, &heights2, span1, best_sq);
+        edges_sq(&self.corners, near1, &other.corners, near2, best_sq)
     }
 
     /// Whether an edge of the triangle `corners` passes through this face.
@@ -115,27 +117,23 @@ fn one_side(heights: &[f64; 3]) -> f64 {
     a.min(b).min(c).max(-a.max(b).max(c))
 }
 
-/// The least squared distance between edges of two triangles, where it is below `best_sq`. The heights of the corners over
-/// the other triangle's plane leave out edges that are too far from it.
-fn edges_sq(
-    corners1: &[DVec3; 3],
-    heights1: &[f64; 3],
-    corners2: &[DVec3; 3],
-    heights2: &[f64; 3],
-    mut best_sq: f64,
-) -> f64 {
-    let far = |heights: &[f64; 3], i: usize, j: usize, best_sq: f64| {
-        let apart = heights[i].min(heights[j]).max(-heights[i].max(heights[j]));
-        apart > 0.0 && apart * apart >= best_sq
-    };
-    for (i, j) in EDGES {
-        if far(heights1, i, j, best_sq) {
-            continue;
+/// Which edges of a triangle can come nearer than `cap_sq` to the other one, by the heights of its corners over the other's
+/// plane and by the box around the other.
+fn near_edges(corners: &[DVec3; 3], heights: &[f64; 3], (min, max): (DVec3, DVec3), cap_sq: f64) -> [bool; 3] {
+    EDGES.map(|(i, j)| {
+        let height = heights[i].min(heights[j]).max(-heights[i].max(heights[j]));
+        if height > 0.0 && height * height >= cap_sq {
+            return false;
         }
-        for (k, l) in EDGES {
-            if far(heights2, k, l, best_sq) {
-                continue;
-            }
+        let (low, high) = (corners[i].min(corners[j]), corners[i].max(corners[j]));
+        (min - high).max(low - max).max(DVec3::ZERO).length_squared() < cap_sq
+    })
+}
+
+/// The least squared distance between those edges of two triangles that are near, where it is below `best_sq`.
+fn edges_sq(corners1: &[DVec3; 3], near1: [bool; 3], corners2: &[DVec3; 3], near2: [bool; 3], mut best_sq: f64) -> f64 {
+    for (&(i, j), _) in EDGES.iter().zip(near1).filter(|e| e.1) {
+        for (&(k, l), _) in EDGES.iter().zip(near2).filter(|e| e.1) {
             best_sq = segments_sq(corners1[i], corners1[j], corners2[k], corners2[l]).min(best_sq);
         }
     }

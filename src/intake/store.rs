@@ -95,14 +95,13 @@ impl Store {
         }
         step();
         let to = self.path(&stored.hash)?;
-        if fs::metadata(&to).is_ok_and(|meta| meta.len() == stored.bytes) {
-            return Ok(stored);
-        }
-        copy.as_file().sync_all().map_err(io_error("fsync", copy.path()))?;
         let folder = to.parent().unwrap_or(&self.dir);
-        disk::create_dirs(folder).map_err(io_error("create", folder))?;
-        step();
-        copy.persist(&to).map_err(|e| io_error("store", &to)(e.error))?;
+        if !fs::metadata(&to).is_ok_and(|meta| meta.len() == stored.bytes) {
+            copy.as_file().sync_all().map_err(io_error("fsync", copy.path()))?;
+            disk::create_dirs(folder).map_err(io_error("create", folder))?;
+            step();
+            copy.persist(&to).map_err(|e| io_error("store", &to)(e.error))?;
+        }
         step();
         disk::fsync_dir(folder).map_err(io_error("fsync", folder))?;
         Ok(stored)

@@ -3,18 +3,23 @@
 
 mod body;
 mod bound;
+mod compress;
 mod config;
 mod construct;
 mod field;
 mod fit;
 mod inside;
 mod instance;
+mod layout;
 mod nester;
 mod paper;
 mod piece;
 mod proof;
+mod push;
+mod relocate;
 mod report;
 mod search;
+mod separate;
 mod shape;
 mod skyline;
 mod solution;

@@ -4,7 +4,9 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
     Config, Instance, Listener, Method, Placement, Solution, Stop,
+    compress::compress,
     construct::{Builder, Recipe, boxes},
+    lower_bound_mm,
     paper::nest_paper,
     piece::{Piece, Task, height_mm},
 };
@@ -43,6 +45,7 @@ impl<'a> Course<'a> {
     fn run(mut self, start: &[Placement]) -> Solution {
         let task = Task::new(self.instance, 30_000, 400);
         self.construct(&task, start);
+        self.search(&task);
         task.solution(self.instance, &self.best, self.evaluations)
     }
 
@@ -86,6 +89,22 @@ impl<'a> Course<'a> {
         if self.best.len() < task.copies.len() {
             self.keep_precedence(task, &mut builder, &standing, &lacking);
         }
+    }
+
+    /// Lowers the lid over what has been found, until the budget is used up.
+    fn search(&mut self, task: &Task) {
+        if self.best.is_empty() || self.stop.spent(self.evaluations) >= 1.0 {
+            return;
+        }
+        let floor_mm = lower_bound_mm(self.instance).min(height_mm(&self.best));
+        let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
+        let (stop, before, start) = (self.stop, self.evaluations, self.best.clone());
+        let spent = |evaluations: u64| stop.spent(before + evaluations);
+        let made = compress(task, &start, floor_mm, &mut rng, &spent, &mut |pieces, evaluations| {
+            self.evaluations = before + evaluations;
+            self.offer(task, pieces);
+        });
+        self.evaluations = before + made;
     }
 
     /// Where not all fit, earlier copies come first: the longest beginning of the line that fits whole, then whoever

@@ -18,6 +18,8 @@ pub(crate) struct Shape {
     pub(crate) frame: DQuat,
     /// Points that decide the extents, less the center.
     pub(crate) extremes: Vec<DVec3>,
+    /// The same, for the guides.
+    pub(crate) extremes_f32: Vec<glam::Vec3>,
     /// Greatest distance of a point from the center, mm.
     pub(crate) radius_mm: f64,
     /// Guides: signed distance.
@@ -58,6 +60,7 @@ impl Shape {
             center,
             frame: tree.obb().pose.rotation,
             radius_mm,
+            extremes_f32: extremes.iter().map(|p| p.as_vec3()).collect(),
             extremes,
             field: DistanceField::new(mesh, center, detail.reach_mm, detail.nodes),
             fine: Body::new(mesh, center, detail.points),
@@ -92,7 +95,7 @@ pub(crate) fn prepare(mesh: &Arc<Mesh>, detail: Detail) -> Arc<Shape> {
     let known = {
         let mut prepared = PREPARED.lock().unwrap_or_else(PoisonError::into_inner);
         // The shape itself holds its mesh; another holder means that somebody may still ask.
-        prepared.retain(|(mesh, shape)| mesh.strong_count() > Arc::strong_count(&shape.tree).min(1));
+        prepared.retain(|(mesh, _)| mesh.strong_count() > 1);
         prepared.iter().find(|(known, _)| std::ptr::eq(known.as_ptr(), Arc::as_ptr(mesh))).map(|(_, s)| s.clone())
     };
     if let Some(shape) = known.as_ref().filter(|shape| shape.detail.serves(&detail)) {

@@ -84,14 +84,16 @@ impl BoxTree {
         (point - root.center).abs().cmple(root.half).all()
     }
 
-    /// The greatest dot product of a corner with `direction`, by branch and bound.
+    /// The greatest dot product of a corner with `direction`, by branch and bound. Exact to rounding: boxes that could
+    /// better the best by rounding only are passed by, or a flat face would have all its corners looked at.
     pub fn reach(&self, direction: DVec3) -> f64 {
         let mut best = f64::NEG_INFINITY;
-        self.reach_in(0, direction, direction.abs(), &mut best);
+        let slack = 1e-13 * self.nodes[0].half.dot(direction.abs());
+        self.reach_in(0, direction, slack, &mut best);
         best
     }
 
-    fn reach_in(&self, node: usize, direction: DVec3, size: DVec3, best: &mut f64) {
+    fn reach_in(&self, node: usize, direction: DVec3, slack: f64, best: &mut f64) {
         let node = &self.nodes[node];
         if node.is_leaf() {
             for triangle in &self.triangles[node.range()] {
@@ -100,11 +102,11 @@ impl BoxTree {
             return;
         }
         let children = [node.first as usize, node.first as usize + 1];
-        let bounds = children.map(|c| self.nodes[c].center.dot(direction) + self.nodes[c].half.dot(size));
+        let bounds = children.map(|c| self.nodes[c].center.dot(direction) + self.nodes[c].half.dot(direction.abs()));
         let order = if bounds[0] >= bounds[1] { [0, 1] } else { [1, 0] };
         for i in order {
-            if bounds[i] > *best {
-                self.reach_in(children[i], direction, size, best);
+            if bounds[i] > *best + slack {
+                self.reach_in(children[i], direction, slack, best);
             }
         }
     }

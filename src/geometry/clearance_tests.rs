@@ -131,7 +131,10 @@ fn touching_and_overlapping_surfaces_are_at_zero() {
         ("overlap", shift(5.0, 4.0, 3.0)),
         (
             "an edge in a face",
-            Pose::new(DQuat::from_rotation_z(0.785_398_163_397_448_3), DVec3::new(17.071_067_811_865_476, 0.0, 0.0)),
+            Pose::new(
+                DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4),
+                DVec3::new(17.071_067_811_865_476, 0.0, 0.0),
+            ),
         ),
     ] {
         assert_eq!(brick.distance_capped_mm(&brick, &pose12, 3.0), 0.0, "{place}");

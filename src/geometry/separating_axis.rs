@@ -18,9 +18,9 @@ pub(crate) fn boxes_overlap(half1: DVec3, half2: DVec3, rotation12: &DMat3, cent
             return false;
         }
     }
-    for j in 0..3 {
+    for (j, &own) in h2.iter().enumerate() {
         let along = t[0] * cos(0, j) + t[1] * cos(1, j) + t[2] * cos(2, j);
-        if along.abs() > h2[j] + h1[0] * abs(0, j) + h1[1] * abs(1, j) + h1[2] * abs(2, j) {
+        if along.abs() > own + h1[0] * abs(0, j) + h1[1] * abs(1, j) + h1[2] * abs(2, j) {
             return false;
         }
     }
@@ -81,8 +81,9 @@ mod tests {
 
     #[test]
     fn only_a_product_of_edges_separates_crossed_edges() {
-        let rotation = DQuat::from_euler(EulerRot::XYZ, 0.0, 0.785_398, 0.0) * DQuat::from_rotation_x(0.785_398);
-        let crossed = DMat3::from_quat(DQuat::from_rotation_y(0.785_398) * DQuat::from_rotation_x(0.3) * rotation);
+        let eighth = std::f64::consts::FRAC_PI_4;
+        let rotation = DQuat::from_rotation_y(eighth) * DQuat::from_rotation_x(eighth);
+        let crossed = DMat3::from_quat(DQuat::from_rotation_y(eighth) * DQuat::from_rotation_x(0.3) * rotation);
         let half = DVec3::new(1.0, 1.0, 1.0);
         let direction = DVec3::new(1.0, 0.0, 1.0).normalize();
         let far = (0..400).map(|i| f64::from(i) * 0.01).find(|&d| !boxes_overlap(half, half, &crossed, direction * d));

@@ -78,8 +78,8 @@ impl Triangle {
         {
             return 0.0;
         }
-        let best_sq = self.to_corners_sq(&other.corners, &heights2, cap_sq);
-        let best_sq = other.to_corners_sq(&self.corners, &heights1, best_sq);
+        let best_sq = self.corners_to_face_sq(&other.corners, &heights2, cap_sq);
+        let best_sq = other.corners_to_face_sq(&self.corners, &heights1, best_sq);
         let near1 = near_edges(&self.corners, &heights1, span2, best_sq);
         let near2 = near_edges(&other.corners, &heights2, span1, best_sq);
         edges_sq(&self.corners, near1, &other.corners, near2, best_sq)
@@ -95,7 +95,7 @@ impl Triangle {
     }
 
     /// The least squared distance of `corners` to the inside of this face, where it is below `best_sq`.
-    fn to_corners_sq(&self, corners: &[DVec3; 3], heights: &[f64; 3], mut best_sq: f64) -> f64 {
+    fn corners_to_face_sq(&self, corners: &[DVec3; 3], heights: &[f64; 3], mut best_sq: f64) -> f64 {
         if self.has_face() {
             for (corner, height) in corners.iter().zip(heights) {
                 let height_sq = height * height;

@@ -130,7 +130,7 @@ fn neighbours(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for i in order {
         // NaN keeps a body open: it is told as outside anyway.
-        open.retain(|&j| !(bounds[j].max.x + cap_mm <= bounds[i].min.x));
+        open.retain(|&j| bounds[j].max.x.is_nan() || bounds[j].max.x + cap_mm > bounds[i].min.x);
         let near = open.iter().filter(|&&j| bounds[j].distance(&bounds[i]) < cap_mm);
         pairs.extend(near.map(|&j| (i.min(j), i.max(j))));
         open.push(i);

@@ -100,7 +100,10 @@ impl<'a> Layout<'a> {
         let turns = config.population.max(1) as u64 * (config.iterations as u64 + 1);
         let start = *evaluations;
         for turn in 0..turns {
-            if turn % LOOK_EVERY == 0 && *evaluations > start + 4 && pace.stop.spent(*evaluations) >= pace.until {
+            if turn.is_multiple_of(LOOK_EVERY)
+                && *evaluations > start + 4
+                && pace.stop.spent(*evaluations) >= pace.until
+            {
                 break;
             }
             if let Some(better) = self.turn(item, &mut search, evaluations) {

@@ -197,10 +197,10 @@ impl Farm {
     /// Lets the claimed original go: the store has it, and its row is committed.
     fn let_go(&mut self, part: &PartRow) -> Result<()> {
         self.read_again.remove(&part.id);
-        if let Some(claim) = self.claims.remove(&part.claim) {
-            if let Released::GivenBack(path) = intake::release(&claim)? {
-                warn!(file = %path.display(), "It was written to after it was claimed; it is taken again as a new revision.");
-            }
+        if let Some(claim) = self.claims.remove(&part.claim)
+            && let Released::GivenBack(path) = intake::release(&claim)?
+        {
+            warn!(file = %path.display(), "It was written to after it was claimed; it is taken again as a new revision.");
         }
         Ok(())
     }

@@ -67,6 +67,7 @@ pub struct Farm {
     watcher: Option<Watcher>,
     sign_of_life: Option<Instant>,
     last_tidy: Option<Instant>,
+    last_watch_check: Instant,
     complaints: HashMap<String, (String, Instant)>,
     events: UnboundedReceiver<Event>,
     _lock: Lock,
@@ -112,6 +113,7 @@ impl Farm {
             watcher: None,
             sign_of_life: None,
             last_tidy: None,
+            last_watch_check: Instant::now(),
             complaints: HashMap::new(),
             events,
             _lock: lock,
@@ -171,6 +173,14 @@ impl Farm {
         };
     }
 
+    /// Watches hot folders that were made anew; where that cannot be, the periodic scan serves.
+    fn check_watch(&mut self) {
+        let unwatched = self.watcher.as_mut().map(Watcher::check).unwrap_or_default();
+        for (path, why) in unwatched {
+            tracing::debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
+        }
+    }
+
     async fn serve(&mut self, signals: &mut Signals) -> Result<()> {
         let mut beat = tokio::time::interval(BEAT);
         beat.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -205,6 +215,10 @@ impl Farm {
         if self.sign_of_life.is_none_or(|at| at.elapsed() >= SIGN_OF_LIFE) {
             self.sign_of_life = Some(Instant::now());
             self.tell("sign of life", Self::sign_of_life).await;
+        }
+        if self.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
+            self.last_watch_check = Instant::now();
+            self.check_watch();
         }
         if self.last_tidy.is_none_or(|at| at.elapsed() >= super::tidy::TIDY_EVERY) {
             self.last_tidy = Some(Instant::now());
@@ -321,10 +335,10 @@ impl Farm {
     async fn keep_layouts(&mut self) {
         for (build, (_, best)) in &self.finals {
             let found = best.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
-            if let Some(layout) = found {
-                if let Err(failure) = self.save_layout(*build, &layout).await {
-                    warn!(build.id = %build, "Its layout could not be kept: {failure:#}.");
-                }
+            if let Some(layout) = found
+                && let Err(failure) = self.save_layout(*build, &layout).await
+            {
+                warn!(build.id = %build, "Its layout could not be kept: {failure:#}.");
             }
         }
     }

@@ -91,6 +91,11 @@ impl Gate {
                     Ok(_) => received.next_secs = Some(0.0),
                     Err(error) => received.troubles.push(chain(&error)),
                 },
+                Err(StoreError::Unreadable { source, .. }) => {
+                    if !refuse_unreadable(profile, &claim, &source, &mut received) {
+                        self.pending.get_or_insert_default().push(claim);
+                    }
+                }
                 Err(error) => {
                     received.troubles.push(chain(&error));
                     self.pending.get_or_insert_default().push(claim);
@@ -139,6 +144,17 @@ impl Gate {
         }
         None
     }
+}
+
+/// A file that nestd may not read has no hash and so no row: it goes straight to the error folder. Returns whether it did.
+fn refuse_unreadable(profile: &Profile, claim: &Claim, why: &std::io::Error, received: &mut Received) -> bool {
+    let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
+    let refused = intake::refuse(claim, &profile.folders.error, &reason);
+    match &refused {
+        Ok(_) => received.refused.push((claim.display_name(), reason)),
+        Err(error) => received.troubles.push(chain(error)),
+    }
+    refused.is_ok()
 }
 
 fn rules(profile: &Profile, orphan_secs: f64) -> SettleRules {

@@ -17,6 +17,7 @@ use std::{
 };
 
 use thiserror::Error;
+use tracing::error;
 
 use super::{
     Ready, Seen, disk, display_name,
@@ -147,8 +148,9 @@ pub(super) fn claim_stepwise(inbox: &Path, ready: &Ready, step: &mut dyn FnMut()
     let (id, new) = begin(inbox)?;
     let whole = take(inbox, &new, part, tickets, list, step).and_then(|()| finish(inbox, &new, &id, step));
     if let Err(error) = whole {
-        // What was taken goes back; if even that fails, the recovery at the next start does it.
-        let _ = give_back_files(inbox, &new);
+        if let Err(error) = give_back_files(inbox, &new) {
+            error!(claim = %new.display(), %error, "Could not give back a half made claim; the next start does it.");
+        }
         return Err(error);
     }
     let claim =

@@ -121,7 +121,7 @@ impl Inbox {
         if let Some(first) = self.dev
             && first != dev
         {
-            let why = "it is on another file system than when nestd first saw it; mount it again, or reload nestd";
+            let why = "it is on another file system than when nestd first saw it; mount it again, or restart nestd";
             return Err(unavailable(&self.path, why, None));
         }
         let listing = scan(&self.path, self.limits)?;

@@ -1,4 +1,5 @@
 //! The farm as its users meet it: the real binary on real folders, a real SQLite ledger and real inotify.
+#![allow(clippy::unwrap_used)] // a test that cannot go on fails
 
 mod bad_input;
 mod kill;

@@ -1,6 +1,9 @@
 //! `nestd verify`: reads a build file back and proves it on its triangles, whoever wrote it.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 use anyhow::Result;
 use glam::DVec3;
@@ -60,11 +63,12 @@ impl Verdict {
 /// Runs the command.
 pub fn run(_common: &Common, args: &Args) -> Result<Exit> {
     let verdict = verify(args)?;
-    if args.json {
-        println!("{:#}", as_json(&verdict));
-    } else {
-        println!("{}: {}", args.build.display(), as_text(&verdict).join("\n  "));
-    }
+    let text = match args.json {
+        true => format!("{:#}", as_json(&verdict)),
+        false => format!("{}: {}", args.build.display(), as_text(&verdict).join("\n  ")),
+    };
+    // Whoever reads only the first lines (`| head`) still gets the exit code.
+    let _ = writeln!(std::io::stdout(), "{text}");
     Ok(if verdict.is_proved() { Exit::Success } else { Exit::Failure })
 }
 
@@ -144,7 +148,7 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
     lines.push(format!("build height    {:.4} mm", proof.height_mm));
     lines.push(match proof.clearance_proved_mm {
         Some(least) => format!("least distance  {least:.6} mm, {} mm asked", verdict.clearance_mm),
-        None => format!("least distance  far more than the {} mm asked", verdict.clearance_mm),
+        None => format!("least distance  more than twice the {} mm asked", verdict.clearance_mm),
     });
     lines.extend(faults(verdict));
     lines

@@ -1,0 +1,122 @@
+//! `nestd verify` on builds that are right and builds that are not.
+#![allow(clippy::unwrap_used)] // helpers of tests, too
+
+use std::{fs::File, path::PathBuf, sync::Arc};
+
+use assert_cmd::Command;
+use glam::{DQuat, DVec3};
+use nestd::{
+    format::{Arrangement, BuildFile, BuildItem, BuildObject, Instances, write_build, write_stl},
+    geometry::{Mesh, Pose},
+};
+
+fn cube() -> Arc<Mesh> {
+    let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1)) * 10.0;
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Arc::new(Mesh::new((0..8).map(corner).collect(), triangles).unwrap())
+}
+
+/// Two cubes of 10 mm on a 50 mm volume, `gap_mm` apart, turned by `tilt` about y, with 2 mm asked.
+fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
+    let item = |copy: u32| BuildItem {
+        object: 0,
+        pose: Pose::new(
+            DQuat::from_rotation_y(tilt),
+            DVec3::new(10.0 + f64::from(copy - 1) * (10.0 + gap_mm), 5.0, 20.0),
+        ),
+        order: None,
+        copy,
+        source_name: "cube.stl".to_owned(),
+        source_hash: "00".to_owned(),
+        clearance_mm: None,
+        orientation: Some("upright".to_owned()),
+    };
+    let object = BuildObject {
+        name: "cube".to_owned(),
+        mesh: cube(),
+        part_number: "1".to_owned(),
+        content_hash: "c".to_owned(),
+    };
+    let build = BuildFile {
+        title: "two cubes".to_owned(),
+        profile: "small".to_owned(),
+        build_id: "1".to_owned(),
+        created: "2026-11-20T04:49:00Z".to_owned(),
+        seed: 1,
+        volume_mm: DVec3::splat(50.0),
+        clearance_mm: 2.0,
+        height_mm: 30.0,
+        density: 0.02,
+        application: "nestd test".to_owned(),
+        objects: vec![object],
+        items: vec![item(1), item(2)],
+        instances: Instances::Shared,
+        arrangement: Arrangement::Items,
+        thumbnail_png: None,
+    };
+    let file = dir.path().join("two.build.3mf");
+    write_build(&build, File::create(&file).unwrap()).unwrap();
+    file
+}
+
+/// Runs it and gives the exit code with what was printed.
+fn verify(file: &PathBuf, args: &[&str]) -> (i32, String) {
+    let out = Command::cargo_bin("nestd").unwrap().arg("verify").arg(file).args(args).output().unwrap();
+    let text = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
+    (out.status.code().unwrap(), text)
+}
+
+#[test]
+fn a_right_build_is_proved_by_what_it_says_of_itself() {
+    let dir = tempfile::tempdir().unwrap();
+    let (code, text) = verify(&build(&dir, 3.0, 0.0), &[]);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("30.0000 mm") && text.contains("3.000000 mm, 2 mm asked"), "{text}");
+}
+
+#[test]
+fn each_fault_is_named_and_the_exit_code_is_one() {
+    let dir = tempfile::tempdir().unwrap();
+    let near = build(&dir, 1.5, 0.0);
+    let (code, text) = verify(&near, &[]);
+    assert!(code == 1 && text.contains("cube #1 (item 1) and cube #2 (item 2) are 1.500000 mm apart"), "{text}");
+    let (code, text) = verify(&near, &["--clearance", "1", "--volume", "30x50x50", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((code, json["proved"].as_bool()), (1, Some(false)));
+    assert_eq!(json["outside"][0]["excess_mm"].as_f64().map(|e| (e * 1e6).round() / 1e6), Some(1.5));
+    let (code, text) = verify(&build(&dir, 8.0, 0.2), &[]);
+    assert!(code == 1 && text.contains("orientation rule"), "{text}");
+}
+
+#[test]
+fn a_list_counts_the_meshes_and_not_their_names() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = build(&dir, 3.0, 0.0);
+    let mesh = cube();
+    write_stl([(&*mesh, &Pose::IDENTITY)].into_iter(), File::create(dir.path().join("other.stl")).unwrap()).unwrap();
+    let list = dir.path().join("list.csv");
+    let mut outcome = |text: &str| {
+        std::fs::write(&list, text).unwrap();
+        verify(&file, &["--list", list.to_str().unwrap()])
+    };
+    assert_eq!(outcome("file,copies\nother.stl,2\n").0, 0);
+    assert_eq!(outcome("quantity,file\n1,other.stl\n1,other.stl\n").0, 0);
+    let (code, text) = outcome("file,copies\nother.stl,3\n");
+    assert!(code == 1 && text.contains("2 times instead of 3"), "{text}");
+    assert_eq!(outcome("file\nmissing.stl\n").0, 2);
+    assert_eq!(outcome("part\nother.stl\n").0, 2);
+}
+
+#[test]
+fn what_cannot_be_read_or_understood_is_wrong_use() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = build(&dir, 3.0, 0.0);
+    assert_eq!(verify(&dir.path().join("none.3mf"), &[]).0, 2);
+    assert_eq!(verify(&file, &["--volume", "380x284"]).0, 2);
+    let cut = dir.path().join("cut.3mf");
+    let bytes = std::fs::read(&file).unwrap();
+    std::fs::write(&cut, &bytes[..bytes.len() - 30]).unwrap();
+    let (code, text) = verify(&cut, &[]);
+    assert!(code == 2 && text.contains("truncated"), "{text}");
+}

@@ -27,6 +27,13 @@ pub fn nest(
     }
 }
 
+/// Nodes of a distance grid for the first layouts.
+const COARSE_NODES: usize = 30_000;
+/// Surface points for the first layouts.
+const COARSE_POINTS: usize = 400;
+/// Nodes of all distance grids together, about: two bytes each.
+const MOST_NODES: usize = 12_000_000;
+
 /// One run of our own search.
 struct Course<'a> {
     instance: &'a Instance,
@@ -43,10 +50,23 @@ impl<'a> Course<'a> {
     }
 
     fn run(mut self, start: &[Placement]) -> Solution {
-        let task = Task::new(self.instance, 30_000, 400);
+        let task = Task::new(self.instance, COARSE_NODES, COARSE_POINTS);
+        let prepared = self.stop.spent(0);
         self.construct(&task, start);
+        let task = self.refined(task, prepared);
         self.search(&task);
         task.solution(self.instance, &self.best, self.evaluations)
+    }
+
+    /// The task with finer guides, as fine as an eighth of the budget allows (the first preparation took `prepared`).
+    fn refined(&self, task: Task, prepared: f64) -> Task {
+        let finer = (0.12 / prepared.max(1e-6)) as usize * COARSE_NODES;
+        let distinct = task.kinds.iter().flatten().count().max(1);
+        let nodes = finer.min((MOST_NODES / distinct).clamp(50_000, 300_000));
+        if nodes < 2 * COARSE_NODES || self.best.is_empty() {
+            return task;
+        }
+        Task::new(self.instance, nodes, COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 })
     }
 
     /// Takes a layout when it places more or is lower, and tells of it.

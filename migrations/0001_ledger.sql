@@ -31,7 +31,7 @@ CREATE TABLE part (
     state_at      TEXT    NOT NULL,                 -- UTC, when the state was entered
     UNIQUE (claim, object_index)
 ) STRICT;
-CREATE INDEX part_by_state ON part (profile, state);
+CREATE INDEX part_by_state ON part (state, profile);
 CREATE INDEX part_by_hash ON part (content_hash);
 CREATE INDEX part_by_order ON part (order_name) WHERE order_name <> '';
 
@@ -81,7 +81,7 @@ CREATE TABLE build (
     version             TEXT,                           -- of nestd
     profile_snapshot    TEXT                            -- JSON, the profile as it was
 ) STRICT;
-CREATE INDEX build_by_state ON build (profile, state);
+CREATE INDEX build_by_state ON build (state, profile);
 CREATE UNIQUE INDEX one_open_build ON build (profile) WHERE state = 'open';
 
 -- A row is a copy of a part that is taken into a build. The key says: a copy is in one build only.

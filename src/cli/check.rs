@@ -1,14 +1,47 @@
-//! `nestd check`.
+//! `nestd check`: everything that can be known to be wrong before the daemon runs, each with its remedy. Leaves nothing
+//! behind.
+
+mod folders;
+mod ledger;
+mod report;
+mod system;
 
 use anyhow::Result;
 
-use super::{Common, Exit};
+use self::report::Report;
+use super::{Common, Exit, Usage};
+use crate::settings::{self, Settings, SettingsError};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
 
-/// Runs the command.
-pub fn run(_common: &Common, _args: &Args) -> Result<Exit> {
-    Ok(Exit::Success)
+/// Runs the command: exit code 0 when all is well, 1 when something around the daemon is wrong, 2 when the configuration is.
+pub fn run(common: &Common, args: &Args) -> Result<Exit> {
+    let mut report = Report::default();
+    let settings = match settings::load(common.config.as_deref(), common.root.as_deref()) {
+        Ok(settings) => settings,
+        Err(SettingsError::Invalid(problems)) => {
+            problems.into_iter().for_each(|problem| report.configuration_problem(problem));
+            report.print(args.json)?;
+            return Err(Usage("the configuration is wrong".into()).into());
+        }
+        Err(error) => return Err(Usage(error.to_string()).into()),
+    };
+    look(&settings, &mut report)?;
+    report.print(args.json)?;
+    Ok(if report.problems() == 0 { Exit::Success } else { Exit::Failure })
+}
+
+fn look(settings: &Settings, report: &mut Report) -> Result<()> {
+    let machines: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
+    report.ok("configuration", format!("{}: {}", settings.file.display(), machines.join(", ")));
+    report.ok("root", settings.root.display().to_string());
+    system::look(settings, report);
+    folders::look(settings, report);
+    ledger::look(settings, report)
 }

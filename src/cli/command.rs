@@ -1,8 +1,20 @@
 //! `nestd flush|pause|resume|retry|cancel|scan`: orders by hand, given to the daemon through the ledger.
 
+use std::time::{Duration, Instant};
+
 use anyhow::Result;
 
-use super::{Common, Exit};
+use super::{
+    Common, Exit,
+    reach::{demand_profile, who, with_ledger},
+    table::say,
+};
+use crate::ledger::{CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartId};
+
+/// The daemon looks for orders about every second; longer is not worth a person's time.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Between two looks for the answer.
+const LOOK: Duration = Duration::from_millis(100);
 
 /// What an order is about.
 #[derive(Debug, Clone)]
@@ -21,7 +33,78 @@ pub enum Order {
     Scan,
 }
 
+impl Order {
+    fn kind(&self) -> CommandKind {
+        match self {
+            Self::Flush(_) => CommandKind::Flush,
+            Self::Pause(_) => CommandKind::Pause,
+            Self::Resume(_) => CommandKind::Resume,
+            Self::Retry(_) => CommandKind::Retry,
+            Self::Cancel(_) => CommandKind::Cancel,
+            Self::Scan => CommandKind::Scan,
+        }
+    }
+
+    fn profile(&self) -> Option<&str> {
+        match self {
+            Self::Flush(profile) | Self::Pause(profile) | Self::Resume(profile) => Some(profile),
+            Self::Retry(_) | Self::Cancel(_) | Self::Scan => None,
+        }
+    }
+
+    fn part(&self) -> Option<PartId> {
+        match self {
+            Self::Retry(part) | Self::Cancel(part) => Some(PartId(*part)),
+            _ => None,
+        }
+    }
+}
+
 /// Gives the order and waits a little for the answer.
-pub fn run(_common: &Common, _order: &Order) -> Result<Exit> {
-    Ok(Exit::Success)
+pub fn run(common: &Common, order: &Order) -> Result<Exit> {
+    let (text, exit) = with_ledger(common, async |settings, ledger| {
+        if let Some(profile) = order.profile() {
+            demand_profile(settings, profile)?;
+        }
+        give(ledger, order, PATIENCE).await
+    })?;
+    say(&text)?;
+    Ok(exit)
+}
+
+/// What to print, and how the command ends.
+pub async fn give(ledger: &Ledger, order: &Order, patience: Duration) -> Result<(String, Exit)> {
+    let command = NewCommand {
+        kind: order.kind(),
+        profile: order.profile().unwrap_or_default().to_owned(),
+        part: order.part(),
+        asked_by: who(),
+    };
+    let alive = ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
+    let id = ledger.ask(&command).await?;
+    if !alive {
+        let kind = command.kind;
+        return Ok((
+            format!("The daemon does not run; {kind} is noted and will be done when it starts."),
+            Exit::Success,
+        ));
+    }
+    Ok(match answer(ledger, id, patience).await? {
+        Some(row) if row.state == CommandState::Refused => (format!("Refused: {}", row.answer), Exit::Failure),
+        Some(row) if row.answer.is_empty() => ("Done.".to_owned(), Exit::Success),
+        Some(row) => (row.answer, Exit::Success),
+        None => (format!("{} is noted; the daemon is busy and has not answered yet.", command.kind), Exit::Success),
+    })
+}
+
+/// The answered order, `None` when patience ends before.
+async fn answer(ledger: &Ledger, id: CommandId, patience: Duration) -> Result<Option<CommandRow>> {
+    let asked = Instant::now();
+    loop {
+        match ledger.command(id).await? {
+            Some(row) if row.state != CommandState::Asked => return Ok(Some(row)),
+            _ if asked.elapsed() >= patience => return Ok(None),
+            _ => tokio::time::sleep(LOOK).await,
+        }
+    }
 }

@@ -64,10 +64,8 @@ async fn play(farm: &DemoFarm) -> Result<()> {
     show(farm, &watch).await?;
     watch.ledger.close().await;
     daemon.stop()?;
-    println!(
-        "\nThe daemon has stopped. Run it again and drop parts of your own:\n  nestd run -c {}",
-        farm.config().display()
-    );
+    println!("\nThe daemon has stopped. Start it again and drop parts of your own into its hot folder:");
+    println!("  nestd run -c {}\n  {}", farm.config().display(), farm.folder("inbox").display());
     Ok(())
 }
 

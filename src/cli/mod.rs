@@ -2,6 +2,7 @@
 //! configuration.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // the only room that speaks to a terminal
 
+mod asked;
 mod check;
 mod command;
 mod demo;
@@ -9,10 +10,16 @@ mod history;
 mod logging;
 mod nest;
 mod outcome;
+mod reach;
 mod run;
 mod show;
+mod show_text;
 mod status;
+mod table;
 mod verify;
+
+#[cfg(test)]
+mod tests;
 
 use std::{path::PathBuf, process::ExitCode};
 

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 
-use super::{Common, Exit, Usage};
+use super::{Common, Exit, Usage, logging};
 use crate::{farm, settings};
 
 /// Arguments of the command.
@@ -14,7 +14,8 @@ pub fn run(common: &Common, _args: &Args) -> Result<Exit> {
     let (config, root) = (common.config.clone(), common.root.clone());
     let load = move || settings::load(config.as_deref(), root.as_deref());
     // A wrong configuration is told before anything is opened.
-    load().map_err(|error| Usage(error.to_string()))?;
+    let settings = load().map_err(|error| Usage(error.to_string()))?;
+    logging::start(&settings.log)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
     let runtime = runtime.context("starting the runtime")?;
     let result = runtime.block_on(farm::run(Box::new(load)));

@@ -1,14 +1,164 @@
-//! `nestd show`.
+//! `nestd show`: a build, a part or an order, with everything that the ledger knows of it.
 
 use anyhow::Result;
+use serde::Serialize;
 
-use super::{Common, Exit};
+use super::{
+    Common, Exit,
+    reach::with_ledger,
+    show_text,
+    table::{say, say_json},
+};
+use crate::ledger::{BuildId, BuildRow, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// 'build 42' or b42, 'part 7' or p7, 'order NAME', or just a number or a name: then everything of that name
+    #[arg(required = true, num_args = 1.., value_name = "BUILD|PART|ORDER")]
+    what: Vec<String>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What somebody wants to see; a bare number or name may be several things.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Wanted {
+    /// A build number.
+    build: Option<i64>,
+    /// A part number.
+    part: Option<i64>,
+    /// A name of an order.
+    order: Option<String>,
+}
+
+/// What was found.
+#[derive(Debug, Default, Serialize)]
+pub struct Found {
+    /// A build.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub build: Option<BuildSheet>,
+    /// A part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<PartSheet>,
+    /// The parts of an order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub order: Vec<PartSheet>,
+}
+
+/// A build with all that belongs to it.
+#[derive(Debug, Serialize)]
+pub struct BuildSheet {
+    /// Its row.
+    pub build: BuildRow,
+    /// Where its file was put; the printer may have taken it.
+    pub file: Option<std::path::PathBuf>,
+    /// Its parts.
+    pub parts: Vec<PartRow>,
+    /// Its copies with their poses.
+    pub placements: Vec<PlacementRow>,
+    /// What was told of it.
+    pub outcomes: Vec<OutcomeRow>,
+    /// What happened to it.
+    pub events: Vec<EventRow>,
+}
+
+/// A part with all that belongs to it.
+#[derive(Debug, Serialize)]
+pub struct PartSheet {
+    /// Its row.
+    pub part: PartRow,
+    /// Where its copies are.
+    pub placements: Vec<PlacementRow>,
+    /// What happened to it.
+    pub events: Vec<EventRow>,
+}
 
 /// Runs the command.
-pub fn run(_common: &Common, _args: &Args) -> Result<Exit> {
+pub fn run(common: &Common, args: &Args) -> Result<Exit> {
+    let wanted = Wanted::parse(&args.what);
+    let found = with_ledger(common, async |settings, ledger| {
+        let mut found = look(ledger, &wanted).await?;
+        if let Some(sheet) = &mut found.build {
+            let folder = settings.profiles.get(&sheet.build.profile).map(|p| p.folders.queue.clone());
+            sheet.file = folder.zip(sheet.build.file_name.as_ref()).map(|(folder, name)| folder.join(name));
+        }
+        Ok(found)
+    })?;
+    if found.is_empty() {
+        // Whoever asks for JSON gets JSON; the exit code says that there is nothing.
+        match args.json {
+            true => say_json(&found)?,
+            false => eprintln!("nestd: there is no build, part or order '{}'", args.what.join(" ")),
+        }
+        return Ok(Exit::Failure);
+    }
+    match args.json {
+        true => say_json(&found)?,
+        false => say(&show_text::found(&found))?,
+    }
     Ok(Exit::Success)
+}
+
+impl Wanted {
+    /// From the words of the command line.
+    pub fn parse(words: &[String]) -> Self {
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let number = |text: &str| text.parse::<i64>().ok().filter(|n| *n >= 0);
+        match words.as_slice() {
+            ["build", n] if number(n).is_some() => Self { build: number(n), ..Self::default() },
+            ["part", n] if number(n).is_some() => Self { part: number(n), ..Self::default() },
+            ["order", name @ ..] if !name.is_empty() => Self { order: Some(name.join(" ")), ..Self::default() },
+            [word] => Self {
+                build: number(word).or_else(|| word.strip_prefix('b').and_then(number)),
+                part: number(word).or_else(|| word.strip_prefix('p').and_then(number)),
+                order: Some((*word).to_owned()),
+            },
+            words => Self { order: Some(words.join(" ")), ..Self::default() },
+        }
+    }
+}
+
+impl Found {
+    fn is_empty(&self) -> bool {
+        self.build.is_none() && self.part.is_none() && self.order.is_empty()
+    }
+}
+
+/// Asks the ledger for everything of that number or name.
+pub async fn look(ledger: &Ledger, wanted: &Wanted) -> Result<Found> {
+    let mut found = Found::default();
+    if let Some(number) = wanted.build {
+        found.build = build_sheet(ledger, BuildId(number)).await?;
+    }
+    if let Some(number) = wanted.part
+        && let Some(part) = ledger.part(PartId(number)).await?
+    {
+        found.part = Some(part_sheet(ledger, part).await?);
+    }
+    if let Some(name) = &wanted.order {
+        for part in ledger.order(name).await? {
+            found.order.push(part_sheet(ledger, part).await?);
+        }
+    }
+    Ok(found)
+}
+
+async fn build_sheet(ledger: &Ledger, id: BuildId) -> Result<Option<BuildSheet>> {
+    let Some(build) = ledger.build(id).await? else { return Ok(None) };
+    Ok(Some(BuildSheet {
+        build,
+        file: None,
+        parts: ledger.parts_of_build(id).await?,
+        placements: ledger.placements_of_build(id).await?,
+        outcomes: ledger.outcomes(id).await?,
+        // Of its parts it is enough to see them in the list.
+        events: ledger.events_of_build(id).await?.into_iter().filter(|e| e.part_id.is_none()).collect(),
+    }))
+}
+
+async fn part_sheet(ledger: &Ledger, part: PartRow) -> Result<PartSheet> {
+    let (placements, events) = (ledger.placements_of_part(part.id).await?, ledger.events_of_part(part.id).await?);
+    Ok(PartSheet { part, placements, events })
 }

@@ -1,14 +1,193 @@
-//! `nestd status`.
+//! `nestd status`: what waits, what is being nested, whether the daemon runs.
 
 use anyhow::Result;
+use jiff::Timestamp;
+use serde::Serialize;
 
-use super::{Common, Exit};
+use super::{
+    Common, Exit,
+    reach::{age, brief, with_ledger},
+    table::{Table, copies, number, say, say_json, text},
+};
+use crate::ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus};
+
+/// So many rejected parts are listed; `show` finds the older ones.
+const REJECTED_LISTED: usize = 20;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// Also list the parts that are claimed, waiting, batched or rejected, with their numbers
+    #[arg(long)]
+    parts: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A farm as it stands.
+#[derive(Debug, Serialize)]
+pub struct FarmStatus {
+    /// The daemon that serves or served the ledger.
+    daemon: Option<DaemonRow>,
+    /// Machines, by name.
+    profiles: Vec<Machine>,
+    /// The parts that were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parts: Option<Vec<PartRow>>,
+}
+
+/// A machine as it stands.
+#[derive(Debug, Serialize)]
+struct Machine {
+    /// Whether the configuration knows it (still).
+    configured: bool,
+    #[serde(flatten)]
+    status: ProfileStatus,
+}
 
 /// Runs the command.
-pub fn run(_common: &Common, _args: &Args) -> Result<Exit> {
+pub fn run(common: &Common, args: &Args) -> Result<Exit> {
+    let status = with_ledger(common, async |settings, ledger| {
+        let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
+        look(ledger, &names, args.parts).await
+    })?;
+    match args.json {
+        true => say_json(&status)?,
+        false => say(&status.print(Timestamp::now()))?,
+    }
     Ok(Exit::Success)
+}
+
+/// Asks the ledger; `configured` are the profiles of the settings.
+pub async fn look(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
+    let known = ledger.status().await?;
+    let is_configured = |name: &str| configured.contains(&name);
+    let mut profiles: Vec<Machine> = (configured.iter())
+        .filter(|name| !known.iter().any(|k| k.profile == **name))
+        .map(|name| ProfileStatus { profile: (*name).to_owned(), ..ProfileStatus::default() })
+        .map(|status| Machine { configured: true, status })
+        .collect();
+    profiles.extend(known.into_iter().map(|status| Machine { configured: is_configured(&status.profile), status }));
+    profiles.sort_by(|a, b| a.status.profile.cmp(&b.status.profile));
+    let parts = if with_parts { Some(parts(ledger).await?) } else { None };
+    Ok(FarmStatus { daemon: ledger.daemon().await?, profiles, parts })
+}
+
+async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
+    let mut parts = Vec::new();
+    for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
+        parts.extend(ledger.parts_in_state(state).await?);
+    }
+    let mut rejected = ledger.parts_in_state(PartState::Rejected).await?;
+    rejected.sort_by_key(|part| std::cmp::Reverse(part.state_at));
+    parts.extend(rejected.into_iter().take(REJECTED_LISTED));
+    Ok(parts)
+}
+
+impl FarmStatus {
+    /// For people.
+    pub fn print(&self, now: Timestamp) -> String {
+        let mut table = Table::new(&[
+            "PROFILE",
+            ">WAITING",
+            ">COPIES",
+            ">OLDEST",
+            "DUE",
+            "NEXT BUILD",
+            "NOW",
+            ">REJECTED",
+            "LAST PUBLISHED",
+        ]);
+        for machine in &self.profiles {
+            table.row(machine.cells(now));
+        }
+        let mut text = format!("{}\n\n{table}", self.daemon_line(now));
+        if let Some(parts) = &self.parts {
+            text += &format!("\n{}", parts_table(parts));
+        }
+        text
+    }
+
+    fn daemon_line(&self, now: Timestamp) -> String {
+        match &self.daemon {
+            None => "The daemon does not run.".to_owned(),
+            Some(d) if !d.alive => {
+                format!("The daemon does not run; its last sign of life was {} ago.", age(Some(d.beat_at), now))
+            }
+            Some(d) => {
+                let since = age(Some(d.started_at), now);
+                format!(
+                    "The daemon runs on {} (process {}, version {}) for {since}: {}.",
+                    d.host, d.pid, d.version, d.status
+                )
+            }
+        }
+    }
+}
+
+impl Machine {
+    fn cells(&self, now: Timestamp) -> Vec<String> {
+        let status = &self.status;
+        let last = status.last_published.as_ref().map_or_else(
+            || "-".to_owned(),
+            |b| format!("build {}, {} mm, {}", b.build, number(b.height_mm, 2), brief(Some(b.published_at))),
+        );
+        vec![
+            status.profile.clone(),
+            status.waiting_parts.to_string(),
+            status.waiting_copies.to_string(),
+            age(status.oldest_at, now),
+            brief(status.due_at),
+            self.forecast(),
+            self.doing(),
+            status.rejected_parts.to_string(),
+            last,
+        ]
+    }
+
+    fn forecast(&self) -> String {
+        match &self.status.open {
+            Some(open) if open.copies.unwrap_or(0) > 0 => {
+                format!("{} mm, {}", number(open.height_mm, 2), copies(open.copies.unwrap_or(0)))
+            }
+            _ => "-".to_owned(),
+        }
+    }
+
+    fn doing(&self) -> String {
+        let status = &self.status;
+        let mut doing: Vec<String> = Vec::new();
+        if !self.configured {
+            doing.push("not configured".to_owned());
+        }
+        if let Some(pause) = &status.paused {
+            doing.push(format!("paused by {}", text(&pause.paused_by)));
+        }
+        doing.extend(status.nesting.iter().map(|b| format!("build {} {} ({})", b.build, b.state, copies(b.copies))));
+        match (doing.is_empty(), status.claimed_parts, status.waiting_parts) {
+            (false, _, _) => doing.join(", "),
+            (true, 0, 0) => "idle".to_owned(),
+            (true, 0, _) => "collecting".to_owned(),
+            (true, reading, _) => format!("reading {reading}"),
+        }
+    }
+}
+
+fn parts_table(parts: &[PartRow]) -> Table {
+    let mut table =
+        Table::new(&[">PART", "PROFILE", "STATE", ">COPIES", ">PRIORITY", "ORDER", "NAME", "REASON OR WARNING"]);
+    for part in parts {
+        table.row(vec![
+            part.id.to_string(),
+            part.profile.clone(),
+            part.state.to_string(),
+            part.copies.to_string(),
+            part.priority.to_string(),
+            text(&part.order_name),
+            super::show_text::full_name(part),
+            text(if part.reason.is_empty() { &part.warnings } else { &part.reason }).replace('\n', "; "),
+        ]);
+    }
+    table
 }

@@ -1,14 +1,195 @@
-//! `nestd verify`.
+//! `nestd verify`: reads a build file back and proves it on its triangles, whoever wrote it.
+
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use glam::DVec3;
+use serde_json::{Value, json};
 
-use super::{Common, Exit};
+use super::{Common, Exit, Usage, asked};
+use crate::{
+    format::{self, BuildInfo, Limits, PlacedMesh},
+    nest::{self, Body, OrientationRule, Proof},
+};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+#[command(after_help = "Exit code 0 proved, 1 not proved, 2 wrong use or not readable.")]
+pub struct Args {
+    /// The build file
+    #[arg(value_name = "BUILD.3mf")]
+    build: PathBuf,
+    /// Build volume in mm, e.g. 380x284x380 [default: what the file says]
+    #[arg(long, value_name = "XxYxZ", value_parser = volume)]
+    volume: Option<DVec3>,
+    /// Least distance between two parts, mm [default: what the file says]
+    #[arg(long, value_name = "MM", value_parser = distance)]
+    clearance: Option<f64>,
+    /// Parts that must be in it, each as often as asked: CSV with the columns file and copies (or quantity)
+    #[arg(long, value_name = "PARTS.csv")]
+    list: Option<PathBuf>,
+    /// Folder that the list's files are relative to [default: the list's own]
+    #[arg(long, value_name = "DIR", requires = "list")]
+    base: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Everything that was found out about a build file.
+struct Verdict {
+    info: BuildInfo,
+    volume_mm: DVec3,
+    clearance_mm: f64,
+    bodies: Vec<Body>,
+    proof: Proof,
+    /// Placements turned against the rule that they were placed under.
+    turned: Vec<usize>,
+    /// What a second reader says against our own reading.
+    second_reader: Option<String>,
+    /// Asked, but not in the file, or in it but not asked.
+    list_faults: Vec<String>,
+}
+
+impl Verdict {
+    fn is_proved(&self) -> bool {
+        self.proof.is_proved() && self.turned.is_empty() && self.second_reader.is_none() && self.list_faults.is_empty()
+    }
+}
 
 /// Runs the command.
-pub fn run(_common: &Common, _args: &Args) -> Result<Exit> {
-    Ok(Exit::Success)
+pub fn run(_common: &Common, args: &Args) -> Result<Exit> {
+    let verdict = verify(args)?;
+    if args.json {
+        println!("{:#}", as_json(&verdict));
+    } else {
+        println!("{}: {}", args.build.display(), as_text(&verdict).join("\n  "));
+    }
+    Ok(if verdict.is_proved() { Exit::Success } else { Exit::Failure })
+}
+
+fn verify(args: &Args) -> Result<Verdict> {
+    let limits = Limits::default();
+    let (info, placed) = format::read_build_and_info(&args.build, &limits)
+        .map_err(|error| Usage(format!("{}: {:#}", args.build.display(), anyhow::Error::from(error))))?;
+    let missing = |what: &str| Usage(format!("the file does not say its {what}: give --{what}"));
+    let volume_mm = args.volume.or(info.volume_mm).ok_or_else(|| missing("volume"))?;
+    let clearance_mm = args.clearance.or(info.clearance_mm).ok_or_else(|| missing("clearance"))?;
+    let second_reader = second_opinion(&args.build, &info, &placed, &limits);
+    let list_faults = match &args.list {
+        Some(list) => {
+            let base = args.base.as_deref().or(list.parent()).unwrap_or(Path::new("."));
+            asked::faults(&asked::read_list(list, base, &limits)?, &placed)
+        }
+        None => Vec::new(),
+    };
+    let turned = (0..placed.len()).filter(|&i| !obeys(&placed[i])).collect();
+    let bodies: Vec<Body> = (placed.into_iter())
+        .map(|item| Body {
+            clearance_mm: item.clearance_mm.unwrap_or(0.0).max(clearance_mm),
+            name: named(&item),
+            mesh: item.mesh,
+            pose: item.pose,
+        })
+        .collect();
+    let proof = nest::prove(&bodies, volume_mm);
+    Ok(Verdict { info, volume_mm, clearance_mm, bodies, proof, turned, second_reader, list_faults })
+}
+
+/// Only for our own files: the other reader does not know everything that other packers write.
+fn second_opinion(file: &Path, info: &BuildInfo, placed: &[PlacedMesh], limits: &Limits) -> Option<String> {
+    info.application.as_ref().filter(|application| application.starts_with("nestd"))?;
+    format::cross_check(file, placed, limits).err().map(|error| error.to_string())
+}
+
+fn obeys(item: &PlacedMesh) -> bool {
+    let Some(rule) = &item.orientation else { return true };
+    serde_json::from_value::<OrientationRule>(Value::String(rule.clone()))
+        .is_ok_and(|rule| nest::rotation_obeys(rule, &item.pose))
+}
+
+fn named(item: &PlacedMesh) -> String {
+    match item.copy {
+        Some(copy) => format!("{} #{copy}", item.name),
+        None => item.name.clone(),
+    }
+}
+
+/// The faults, a line each.
+fn faults(verdict: &Verdict) -> Vec<String> {
+    let name = |i: usize| format!("{} (item {})", verdict.bodies[i].name, i + 1);
+    let proof = &verdict.proof;
+    let close = (proof.too_close.iter()).map(|pair| {
+        let (first, second) = (name(pair.first), name(pair.second));
+        format!("{first} and {second} are {:.6} mm apart instead of {} mm", pair.distance_mm, pair.wanted_mm)
+    });
+    let outside =
+        proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.6} mm out of the volume", name(i)));
+    let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
+    let turned = verdict.turned.iter().map(|&i| format!("{} is turned against its orientation rule", name(i)));
+    close
+        .chain(outside)
+        .chain(inside)
+        .chain(turned)
+        .chain(verdict.second_reader.clone())
+        .chain(verdict.list_faults.iter().cloned())
+        .collect()
+}
+
+fn as_text(verdict: &Verdict) -> Vec<String> {
+    let (size, proof) = (verdict.volume_mm, &verdict.proof);
+    let mut lines = vec![if verdict.is_proved() { "proved".to_owned() } else { "NOT proved".to_owned() }];
+    lines.push(format!("placements      {}", verdict.bodies.len()));
+    lines.push(format!("build volume    {} x {} x {} mm", size.x, size.y, size.z));
+    lines.push(format!("build height    {:.4} mm", proof.height_mm));
+    lines.push(match proof.clearance_proved_mm {
+        Some(least) => format!("least distance  {least:.6} mm, {} mm asked", verdict.clearance_mm),
+        None => format!("least distance  far more than the {} mm asked", verdict.clearance_mm),
+    });
+    lines.extend(faults(verdict));
+    lines
+}
+
+fn as_json(verdict: &Verdict) -> Value {
+    let name = |i: usize| json!({ "item": i + 1, "name": verdict.bodies[i].name });
+    let proof = &verdict.proof;
+    let pairs: Vec<Value> = (proof.too_close.iter())
+        .map(|p| {
+            json!({ "first": name(p.first), "second": name(p.second), "distance_mm": p.distance_mm, "wanted_mm": p.wanted_mm })
+        })
+        .collect();
+    let outside: Vec<Value> =
+        proof.outside.iter().map(|&(i, excess)| json!({ "part": name(i), "excess_mm": excess })).collect();
+    let inside: Vec<Value> =
+        proof.inside.iter().map(|&(outer, inner)| json!({ "outer": name(outer), "inner": name(inner) })).collect();
+    json!({
+        "proved": verdict.is_proved(),
+        "title": verdict.info.title,
+        "application": verdict.info.application,
+        "profile": verdict.info.profile,
+        "placements": verdict.bodies.len(),
+        "volume_mm": verdict.volume_mm.to_array(),
+        "height_mm": proof.height_mm,
+        "clearance_mm": verdict.clearance_mm,
+        "least_distance_mm": proof.clearance_proved_mm,
+        "too_close": pairs,
+        "outside": outside,
+        "inside": inside,
+        "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
+        "second_reader": verdict.second_reader,
+        "list": verdict.list_faults,
+    })
+}
+
+/// `380x284x380`.
+fn volume(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
+    let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
+    size.filter(|s| s.is_finite() && s.min_element() > 0.0)
+        .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0);
+    number.ok_or_else(|| "wants a distance in mm".to_owned())
 }

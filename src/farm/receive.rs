@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use crate::{
     format,
-    intake::{self, Claim, Inbox, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, Stored},
+    intake::{
+        self, Claim, Inbox, LeftFolders, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, StoreError, Stored,
+    },
     settings::Profile,
 };
 
@@ -18,6 +20,8 @@ pub struct Gate {
     inbox: Inbox,
     settler: Settler,
     began: Instant,
+    /// Order folders whose files were claimed; they go when they stay empty.
+    left: LeftFolders,
     /// Claims that are not in the store yet; `None` = those of an earlier run have not been looked for.
     pending: Option<Vec<Claim>>,
 }
@@ -44,6 +48,7 @@ impl Gate {
             inbox: Inbox::new(&profile.folders.inbox, ScanLimits::default()),
             settler: Settler::new(rules(profile, orphan_secs)),
             began: Instant::now(),
+            left: LeftFolders::default(),
             pending: None,
         }
     }
@@ -78,14 +83,26 @@ impl Gate {
         }
         self.pending = Some(Vec::new());
         for claim in claims {
+            self.left.note(&claim);
             match store.put(&claim.part) {
                 Ok(stored) => received.drops.push((claim, stored)),
+                // Somebody still writes into it: it goes back and settles anew.
+                Err(StoreError::Changed(_)) => match intake::give_back(&claim) {
+                    Ok(_) => received.next_secs = Some(0.0),
+                    Err(error) => received.troubles.push(chain(&error)),
+                },
+                Err(StoreError::Unreadable { source, .. }) => {
+                    if !refuse_unreadable(profile, &claim, &source, &mut received) {
+                        self.pending.get_or_insert_default().push(claim);
+                    }
+                }
                 Err(error) => {
                     received.troubles.push(chain(&error));
                     self.pending.get_or_insert_default().push(claim);
                 }
             }
         }
+        self.left.sweep(self.inbox.path(), LeftFolders::MIN_AGE);
         received
     }
 
@@ -117,7 +134,7 @@ impl Gate {
                 match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
                     Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
                     Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
-                    Err(error) => received.troubles.push(format!("{}: {error}", list.path.display())),
+                    Err(error) => received.troubles.push(chain(&error)),
                 }
             }
             Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {
@@ -127,6 +144,17 @@ impl Gate {
         }
         None
     }
+}
+
+/// A file that nestd may not read has no hash and so no row: it goes straight to the error folder. Returns whether it did.
+fn refuse_unreadable(profile: &Profile, claim: &Claim, why: &std::io::Error, received: &mut Received) -> bool {
+    let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
+    let refused = intake::refuse(claim, &profile.folders.error, &reason);
+    match &refused {
+        Ok(_) => received.refused.push((claim.display_name(), reason)),
+        Err(error) => received.troubles.push(chain(error)),
+    }
+    refused.is_ok()
 }
 
 fn rules(profile: &Profile, orphan_secs: f64) -> SettleRules {

@@ -53,6 +53,14 @@ impl ReadError {
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Io(_))
     }
+
+    pub(super) fn stl(reason: impl Into<String>) -> Self {
+        Self::Invalid { format: "STL", reason: reason.into() }
+    }
+
+    pub(super) fn threemf(reason: impl Into<String>) -> Self {
+        Self::Invalid { format: "3MF", reason: reason.into() }
+    }
 }
 
 /// Why a file could not be written.

@@ -1,11 +1,108 @@
 //! Whether a file's end is there: a half-copied drop is waited for.
 
-use std::{io, path::Path};
+use std::{
+    fs::File,
+    io::{self, Read, Seek, SeekFrom},
+    path::Path,
+};
+
+use super::{
+    package::{MAX_END, end_record},
+    sniff::{HEAD_BYTES, Kind, kind},
+    stl_read::{binary_len, claimed_count},
+};
+
+/// Where the last `endsolid` is looked for; its name and white space may follow.
+const TEXT_TAIL: u64 = 1 << 16;
 
 /// Whether the end that the format promises is there: a binary STL is 84 + 50 n bytes or longer, an ASCII STL has its
 /// `endsolid`, a 3MF its end-of-central-directory record. Any other file: `true`, since it will be refused when read. Reads
 /// the head and the tail only. A file that lies about its length never has its end: the caller bounds the wait.
 pub fn has_end(file: &Path, name: &str) -> io::Result<bool> {
-    let _ = (file, name);
-    Ok(true)
+    let mut opened = File::open(file)?;
+    let len = opened.metadata()?.len();
+    let mut head = Vec::new();
+    (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
+    if is_barely_begun(&head, name) {
+        return Ok(false);
+    }
+    match kind(&head, len, name) {
+        Kind::Package => Ok(end_record(&tail(&mut opened, len, MAX_END)?).is_some()),
+        Kind::TextStl => {
+            let tail = tail(&mut opened, len, TEXT_TAIL)?;
+            Ok(tail.windows(8).any(|w| w.eq_ignore_ascii_case(b"endsolid")))
+        }
+        Kind::BinaryStl => Ok(claimed_count(&head).is_some_and(|count| len >= binary_len(count))),
+        Kind::Other(_) => Ok(true),
+    }
+}
+
+/// Too little, or allocated but not yet written: an STL or 3MF may still come of it.
+fn is_barely_begun(head: &[u8], name: &str) -> bool {
+    let extension = name.rsplit_once('.').map_or(String::new(), |(_, e)| e.to_ascii_lowercase());
+    let awaited = matches!(extension.as_str(), "stl" | "3mf");
+    let prefix = |of: &[u8]| of.starts_with(&head.to_ascii_lowercase());
+    awaited && (head.iter().all(|&b| b == 0) || prefix(b"solid") || prefix(b"pk\x03\x04"))
+}
+
+fn tail(file: &mut File, len: u64, at_most: u64) -> io::Result<Vec<u8>> {
+    let length = len.min(at_most);
+    file.seek(SeekFrom::Start(len - length))?;
+    let mut bytes = Vec::new();
+    file.take(length).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ends(bytes: &[u8], name: &str) -> bool {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), bytes).unwrap();
+        has_end(file.path(), name).unwrap()
+    }
+
+    #[test]
+    fn a_binary_stl_ends_with_its_last_facet() {
+        let mut bytes = vec![b'x'; 80];
+        bytes.extend(2_u32.to_le_bytes());
+        bytes.extend([7; 100]);
+        for cut in [0, 3, 40, 84, 134, 183] {
+            assert!(!ends(&bytes[..cut], "a.stl"), "{cut}");
+        }
+        assert!(ends(&bytes, "a.STL"));
+        bytes.push(0);
+        assert!(ends(&bytes, "a.stl"));
+    }
+
+    #[test]
+    fn an_ascii_stl_ends_with_endsolid() {
+        let text = format!("solid a\n{}EndSolid a\n", "facet normal 0 0 1\n".repeat(9));
+        assert!(ends(text.as_bytes(), "a.stl"));
+        for cut in [2, 5, 60, text.len() - 12] {
+            assert!(!ends(&text.as_bytes()[..cut], "a.stl"), "{cut}");
+        }
+    }
+
+    #[test]
+    fn a_package_ends_with_its_end_record() {
+        let mut bytes = b"PK\x03\x04 entries PK\x05\x06".to_vec();
+        bytes.extend([0; 18]);
+        assert!(ends(&bytes, "a.3mf"));
+        for cut in [1, 4, 10, bytes.len() - 1] {
+            assert!(!ends(&bytes[..cut], "a.3mf"), "{cut}");
+        }
+    }
+
+    #[test]
+    fn a_file_allocated_but_not_written_has_no_end() {
+        assert!(!ends(&[0; 4096], "a.stl") && !ends(&[0; 4096], "a.3mf"));
+    }
+
+    #[test]
+    fn a_file_that_will_be_refused_is_not_waited_for() {
+        assert!(ends(b"version https://git-lfs.github.com/spec/v1\n", "a.stl"));
+        assert!(ends(b"OFF\n8 6 0", "a.off") && ends(b"hello", "readme.txt") && ends(b"", "empty.txt"));
+    }
 }

@@ -19,9 +19,24 @@ mod build_write;
 mod error;
 mod file_end;
 mod file_name;
+mod flatten;
+mod guard;
+mod model;
+mod model_parse;
+mod model_write;
+mod number;
+mod package;
 mod pick_map;
 mod read;
+mod second_reader;
+mod sniff;
+mod solid;
+mod stl_read;
+mod stl_text;
 mod stl_write;
+mod threemf_read;
+mod uuid;
+mod xml;
 
 pub use build_file::{BuildFile, BuildInfo, BuildItem, BuildObject, PlacedMesh};
 pub use build_read::{read_build, read_build_and_info};
@@ -31,4 +46,8 @@ pub use file_end::has_end;
 pub use file_name::build_file_name;
 pub use pick_map::{PickRow, pick_rows, write_pick_map};
 pub use read::{Contents, Solid, read};
+pub use second_reader::cross_check;
 pub use stl_write::write_stl;
+
+#[cfg(test)]
+mod build_tests;

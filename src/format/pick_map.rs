@@ -4,7 +4,25 @@ use std::io::Write;
 
 use glam::DVec3;
 
-use super::{BuildFile, WriteError};
+use super::{BuildFile, BuildItem, WriteError};
+
+/// Columns of the pick map.
+const HEADER: [&str; 14] = [
+    "item",
+    "part",
+    "part_number",
+    "order",
+    "copy",
+    "source",
+    "center_x_mm",
+    "center_y_mm",
+    "center_z_mm",
+    "size_x_mm",
+    "size_y_mm",
+    "size_z_mm",
+    "top_mm",
+    "source_hash",
+];
 
 /// One placed copy, for the person who breaks the build out.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,14 +49,53 @@ pub struct PickRow {
     pub top_mm: f64,
 }
 
-/// The rows of a build, in the order of its items.
+/// The rows of a build, in the order of its items. Items without an object have none.
 pub fn pick_rows(build: &BuildFile) -> Vec<PickRow> {
-    let _ = build;
-    Vec::new()
+    let row = |(item, placed): (usize, &BuildItem)| {
+        let object = build.objects.get(placed.object)?;
+        let bounds = object.mesh.bounds_at(&placed.pose);
+        Some(PickRow {
+            item,
+            part: object.name.clone(),
+            part_number: object.part_number.clone(),
+            order: placed.order.clone(),
+            copy: placed.copy,
+            source_name: placed.source_name.clone(),
+            source_hash: placed.source_hash.clone(),
+            center_mm: bounds.center(),
+            size_mm: bounds.size(),
+            top_mm: bounds.max.z,
+        })
+    };
+    (1..).zip(&build.items).filter_map(row).collect()
 }
 
 /// Writes rows as CSV with a header.
 pub fn write_pick_map(rows: impl IntoIterator<Item = PickRow>, out: impl Write) -> Result<(), WriteError> {
-    let _ = (rows.into_iter().count(), out);
-    Err(WriteError::Build("empty".to_owned()))
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(HEADER).map_err(csv_error)?;
+    for row in rows {
+        let millimetres = |v: f64| format!("{v:.3}");
+        let (center, size) = (row.center_mm, row.size_mm);
+        let numbers = [center.x, center.y, center.z, size.x, size.y, size.z, row.top_mm].map(millimetres);
+        let words = [
+            row.item.to_string(),
+            row.part,
+            row.part_number,
+            row.order.unwrap_or_default(),
+            row.copy.to_string(),
+            row.source_name,
+        ];
+        let record = words.iter().chain(&numbers).chain([&row.source_hash]);
+        csv.write_record(record).map_err(csv_error)?;
+    }
+    csv.flush()?;
+    Ok(())
+}
+
+fn csv_error(error: csv::Error) -> WriteError {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => WriteError::Io(error),
+        other => WriteError::Package(format!("{other:?}")),
+    }
 }

@@ -1,8 +1,20 @@
 //! The door for dropped files: which format it is, then its reader.
 
-use std::path::Path;
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
 
-use super::{Limits, ReadError, Unit};
+use glam::DVec3;
+
+use super::{
+    Limits, ReadError, Unit,
+    sniff::{HEAD_BYTES, Kind, kind},
+    solid,
+    stl_read::{StlSoup, read_ascii, read_binary},
+    threemf_read,
+};
 use crate::geometry::Mesh;
 
 /// What a dropped file holds.
@@ -37,6 +49,35 @@ pub fn read(
     default_unit: Unit,
     limits: &Limits,
 ) -> Result<Contents, ReadError> {
-    let _ = (file, unit, default_unit, limits);
-    Err(ReadError::Unknown(name.to_owned()))
+    let mut opened = File::open(file)?;
+    let len = opened.metadata()?.len();
+    if len > limits.max_bytes {
+        return Err(ReadError::TooLarge { what: format!("{len} bytes"), limit: limits.max_bytes });
+    }
+    let mut head = Vec::new();
+    (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
+    let stem = PathBuf::from(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned());
+    let stl_unit = unit.unwrap_or(default_unit);
+    match kind(&head, len, name) {
+        Kind::Package => threemf_read::read_dropped(file, &stem, unit, limits),
+        Kind::TextStl => stl_contents(read_ascii(File::open(file)?, limits)?, stem, stl_unit),
+        Kind::BinaryStl => stl_contents(read_binary(opened, &head, len, limits)?, stem, stl_unit),
+        Kind::Other(what) => Err(ReadError::Unknown(what)),
+    }
+}
+
+/// A whole STL file is one part, also with several `solid` blocks: as dropped.
+fn stl_contents(soup: StlSoup, name: String, unit: Unit) -> Result<Contents, ReadError> {
+    let StlSoup { mut corners, warnings } = soup;
+    if let Some(vertex) = corners.iter().position(|c| !c.is_finite()) {
+        return Err(ReadError::stl(format!(
+            "triangle {} has a coordinate that is not a finite number",
+            vertex / 3 + 1
+        )));
+    }
+    let scale = unit.mm();
+    corners.iter_mut().for_each(|c: &mut DVec3| *c *= scale);
+    let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let solid = solid::solid(name, corners, triangles, 1, unit)?;
+    Ok(Contents { solids: vec![solid], warnings })
 }

@@ -10,10 +10,14 @@ use std::{
     io::{self, Read, Write},
     os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
-    sync::atomic::{AtomicU32, Ordering},
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicU32, Ordering},
+    },
 };
 
 use thiserror::Error;
+use tracing::error;
 
 use super::{
     Ready, Seen, disk, display_name,
@@ -140,16 +144,25 @@ pub(super) fn claim_stepwise(inbox: &Path, ready: &Ready, step: &mut dyn FnMut()
         Ready::Part { part, tickets, list, .. } => (part, tickets, list.as_ref()),
         Ready::List { list: seen, .. } | Ready::Refuse { seen, .. } => return Err(ClaimError::Gone(seen.path.clone())),
     };
+    let _only_one = claiming();
     let (id, new) = begin(inbox)?;
     let whole = take(inbox, &new, part, tickets, list, step).and_then(|()| finish(inbox, &new, &id, step));
     if let Err(error) = whole {
-        // What was taken goes back; if even that fails, the recovery at the next start does it.
-        let _ = give_back_files(inbox, &new);
+        if let Err(error) = give_back_files(inbox, &new) {
+            error!(claim = %new.display(), %error, "Could not give back a half made claim; the next start does it.");
+        }
         return Err(error);
     }
     let claim =
         Claim::load(inbox, &id).map_err(|e| io_error("read the claim", &inbox.join(CLAIMED_DIR).join(&id), e))?;
     claim.ok_or_else(|| ClaimError::Gone(part.path.clone()))
+}
+
+/// Held while claims are put together or taken apart: a recovery must not take for a crash's leftover what another thread
+/// is putting together.
+pub(super) fn claiming() -> MutexGuard<'static, ()> {
+    static CLAIMING: Mutex<()> = Mutex::new(());
+    CLAIMING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn begin(inbox: &Path) -> Result<(String, PathBuf), ClaimError> {
@@ -274,6 +287,7 @@ pub(super) fn release_stepwise(claim: &Claim, step: &mut dyn FnMut()) -> Result<
 /// Puts a claimed part and its tickets back into the hot folder, to be settled and claimed anew: for one that changed
 /// while it was read. Returns where the part is.
 pub fn give_back(claim: &Claim) -> Result<PathBuf, ClaimError> {
+    let _only_one = claiming();
     let back = give_back_files(&claim.inbox, &claim.dir).map_err(|e| io_error("give back", &claim.part, e))?;
     back.ok_or_else(|| ClaimError::Gone(claim.part.clone()))
 }

@@ -1,1 +1,220 @@
+//! Claims on real folders, stopped after every step.
 
+use std::{
+    ffi::OsStr,
+    os::unix::{ffi::OsStrExt, fs::symlink},
+};
+
+use super::*;
+use crate::intake::{
+    Source, claims,
+    test_inbox::{TestInbox, stops_at},
+};
+
+const LIST: &str = "file,copies\npart_x2.stl,7\n";
+
+fn dropped() -> TestInbox {
+    let farm = TestInbox::new();
+    farm.drop_file("kit 1/part_x2.stl", "solid");
+    farm.drop_file("kit 1/part_x2.stl.toml", "priority = 90");
+    farm.drop_file("kit 1/order.csv", LIST);
+    farm
+}
+
+#[test]
+fn a_claim_takes_the_part_with_its_ticket_and_a_copy_of_the_list() {
+    let farm = dropped();
+    let claim = farm.claim();
+    assert_eq!(farm.dropped(), ["kit 1/order.csv"]);
+    assert_eq!((claim.name.as_os_str(), claim.order.as_str()), (OsStr::new("part_x2.stl"), "kit 1"));
+    assert_eq!(claim.part, claim.dir.join("kit 1/part_x2.stl"));
+    assert_eq!(claim.tickets, [claim.dir.join("kit 1/part_x2.stl.toml")]);
+    assert_eq!(fs::read_to_string(claim.list.as_ref().unwrap()).unwrap(), LIST);
+    assert_eq!(claims(&farm.inbox).unwrap(), std::slice::from_ref(&claim));
+    let given = claim.given().unwrap();
+    assert_eq!((given.ticket.copies, given.ticket.priority), (Some(7), Some(90)));
+    let sources: Vec<Source> = given.sources.iter().map(|s| s.source).collect();
+    assert_eq!(sources, [Source::Sidecar, Source::OrderList, Source::Name]);
+    assert_eq!(release(&claim).unwrap(), Released::Removed);
+    assert_eq!(release(&claim).unwrap(), Released::Removed);
+    assert!(farm.claimed().is_empty() && claims(&farm.inbox).unwrap().is_empty());
+}
+
+#[test]
+fn ids_are_unique_and_sort_by_time() {
+    let ids: Vec<String> = (0..200).map(|_| new_id()).collect();
+    assert!(ids.is_sorted(), "{ids:?}");
+    let mut unique = ids.clone();
+    unique.dedup();
+    assert_eq!(unique, ids);
+}
+
+#[test]
+fn a_claim_stopped_anywhere_leaves_the_part_with_its_ticket_at_exactly_one_place() {
+    let mut both = [0, 0];
+    for stop in 1.. {
+        let farm = dropped();
+        let ready = farm.ready_part();
+        if !stops_at(stop, |step| claim_stepwise(&farm.inbox, &ready, step)) {
+            assert!(stop > 8 && both[0] > 5 && both[1] > 0, "{stop} {both:?}");
+            return;
+        }
+        let claims = claims(&farm.inbox).unwrap();
+        let all = ["kit 1/order.csv", "kit 1/part_x2.stl", "kit 1/part_x2.stl.toml"];
+        match &claims[..] {
+            [] => {
+                assert_eq!(farm.dropped(), all, "stop {stop}");
+                assert!(farm.claimed().is_empty());
+                both[0] += 1;
+            }
+            [claim] => {
+                assert_eq!(farm.dropped(), all[..1], "stop {stop}");
+                assert_eq!(claim.given().unwrap().ticket.copies, Some(7));
+                assert_eq!(claim.given().unwrap().ticket.priority, Some(90));
+                both[1] += 1;
+            }
+            more => panic!("stop {stop}: {more:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_release_stopped_anywhere_leaves_a_whole_claim_or_none() {
+    for stop in 1.. {
+        let farm = dropped();
+        let claim = farm.claim();
+        if !stops_at(stop, |step| release_stepwise(&claim, step)) {
+            assert!(stop > 3);
+            return;
+        }
+        let left = claims(&farm.inbox).unwrap();
+        assert!(left.is_empty() || left == [claim.clone()], "stop {stop}: {left:?}");
+        assert_eq!(release(&claim).unwrap(), Released::Removed);
+        assert!(farm.claimed().is_empty());
+        assert_eq!(farm.dropped(), ["kit 1/order.csv"]);
+    }
+}
+
+#[test]
+fn a_part_that_changed_after_it_settled_stays_in_the_hot_folder() {
+    let farm = dropped();
+    let ready = farm.ready_part();
+    farm.drop_file("kit 1/part_x2.stl", "solid and more");
+    assert!(matches!(claim(&farm.inbox, &ready), Err(ClaimError::Changed(_))));
+    assert_eq!(farm.dropped().len(), 3);
+    assert!(farm.claimed().is_empty());
+    // Its list changed: the same.
+    let ready = farm.ready_part();
+    farm.drop_file("kit 1/order.csv", "file,copies\npart_x2.stl,8\n");
+    assert!(matches!(claim(&farm.inbox, &ready), Err(ClaimError::Changed(_))));
+    fs::remove_file(farm.inbox.join("kit 1/part_x2.stl")).unwrap();
+    let ready = Ready::Part { part: seen_part(&ready), tickets: Vec::new(), list: None, unfinished: false };
+    assert!(matches!(claim(&farm.inbox, &ready), Err(ClaimError::Gone(_))));
+    assert_eq!(farm.dropped().len(), 2);
+    assert!(farm.claimed().is_empty());
+}
+
+fn seen_part(ready: &Ready) -> Seen {
+    let Ready::Part { part, .. } = ready else { panic!("{ready:?}") };
+    part.clone()
+}
+
+#[test]
+fn a_part_that_is_written_after_it_was_claimed_comes_back_as_a_new_revision() {
+    let farm = TestInbox::new();
+    let path = farm.drop_file("a.stl", "solid");
+    let mut late = fs::OpenOptions::new().append(true).open(&path).unwrap();
+    let claim = farm.claim();
+    farm.drop_file("a.stl", "another");
+    late.write_all(b" more").unwrap();
+    let back = farm.inbox.join("a (2).stl");
+    assert_eq!(release(&claim).unwrap(), Released::GivenBack(back.clone()));
+    assert_eq!(fs::read_to_string(back).unwrap(), "solid more");
+    assert_eq!(farm.dropped(), ["a (2).stl", "a.stl"]);
+    assert!(farm.claimed().is_empty());
+}
+
+#[test]
+fn what_is_given_back_keeps_its_ticket_under_a_free_name() {
+    let farm = dropped();
+    let claim = farm.claim();
+    farm.drop_file("kit 1/part_x2.stl", "newer");
+    let back = give_back(&claim).unwrap();
+    assert_eq!(back, farm.inbox.join("kit 1/part_x2 (2).stl"));
+    let names = ["kit 1/order.csv", "kit 1/part_x2 (2).stl", "kit 1/part_x2 (2).stl.toml", "kit 1/part_x2.stl"];
+    assert_eq!(farm.dropped(), names);
+}
+
+#[test]
+fn a_folder_swapped_for_a_link_does_not_make_nestd_take_files_from_elsewhere() {
+    let farm = TestInbox::new();
+    farm.drop_file("kit/a.stl", "solid");
+    let ready = farm.ready_part();
+    let outside = farm.dir.path().join("outside");
+    fs::rename(farm.inbox.join("kit"), &outside).unwrap();
+    symlink(&outside, farm.inbox.join("kit")).unwrap();
+    assert!(matches!(claim(&farm.inbox, &ready), Err(ClaimError::Gone(_))));
+    assert!(outside.join("a.stl").exists());
+}
+
+#[test]
+fn names_of_all_kinds_are_claimed() {
+    let farm = TestInbox::new();
+    let long = "n".repeat(251) + ".stl";
+    for name in [b"a b.stl".as_slice(), b"two\nlines.stl", b"latin\xfc.stl", "部品 🔩.stl".as_bytes(), long.as_bytes()]
+    {
+        let path = farm.inbox.join("k\n\u{fc}").join(OsStr::from_bytes(name));
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, name).unwrap();
+        let claim = farm.claim();
+        assert_eq!(claim.name.as_bytes(), name);
+        assert_eq!(claim.order, "k\\n\u{fc}");
+        assert_eq!(fs::read(&claim.part).unwrap(), name);
+        assert_eq!(claims(&farm.inbox).unwrap(), std::slice::from_ref(&claim));
+        release(&claim).unwrap();
+    }
+}
+
+#[test]
+fn broken_and_doubled_tickets_are_errors() {
+    let farm = TestInbox::new();
+    farm.drop_file("a.stl", "solid");
+    farm.drop_file("a.stl.toml", "copys = 3");
+    let error = farm.claim().given().unwrap_err().to_string();
+    assert!(error.contains("a.stl.toml") && error.contains("copys"), "{error}");
+    farm.drop_file("b.stl", "solid");
+    farm.drop_file("b.stl.toml", "copies = 3");
+    farm.drop_file("b.stl.json", "{\"copies\":4}");
+    let error = farm.claim().given().unwrap_err().to_string();
+    assert!(error.contains("b.stl.json") && error.contains("b.stl.toml"), "{error}");
+    farm.drop_file("c.stl", "solid");
+    fs::write(farm.inbox.join("c.stl.toml"), b"note = \"\xff\"").unwrap();
+    assert!(farm.claim().given().unwrap_err().to_string().contains("UTF-8"));
+    farm.drop_file("d.stl", "solid");
+    farm.drop_file("d.stl.toml", &"#".repeat(70_000));
+    assert!(farm.claim().given().unwrap_err().to_string().contains("longer than"));
+}
+
+#[test]
+fn a_ticket_wins_over_the_list_and_the_list_over_the_name() {
+    let farm = TestInbox::new();
+    farm.drop_file("a_x10.stl", "solid");
+    assert_eq!(farm.claim().given().unwrap().ticket.copies, Some(10));
+    farm.drop_file("a_x10.stl", "solid");
+    farm.drop_file("order.csv", "file,copies,priority\na_x10.stl,3,60\n");
+    assert_eq!(farm.claim().given().unwrap().ticket.copies, Some(3));
+    farm.drop_file("a_x10.stl", "solid");
+    farm.drop_file("a_x10.stl.json", "{\"copies\":2}");
+    let ticket = farm.claim().given().unwrap().ticket;
+    assert_eq!((ticket.copies, ticket.priority), (Some(2), Some(60)));
+}
+
+#[test]
+fn strangers_in_the_folder_of_claims_do_no_harm() {
+    let farm = dropped();
+    let claim = farm.claim();
+    fs::create_dir_all(farm.inbox.join(".claimed/empty")).unwrap();
+    fs::write(farm.inbox.join(".claimed/a file"), "x").unwrap();
+    assert_eq!(claims(&farm.inbox).unwrap(), [claim]);
+    assert!(claims(farm.dir.path()).unwrap().is_empty());
+}

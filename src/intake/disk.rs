@@ -116,7 +116,7 @@ pub(super) fn unfinished(path: &Path) -> PathBuf {
 /// Creates the file anew; whatever stood under that dot-name (a leftover, a planted link) goes.
 pub(super) fn create_anew(path: &Path) -> io::Result<File> {
     match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => OpenOptions::new().write(true).create_new(true).open(path),
     }
 }
@@ -226,6 +226,17 @@ pub(super) fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
     }
     files.sort();
     Ok(files)
+}
+
+/// Removes a folder and its sub-folders as far as they hold no file; one that holds something is an error.
+pub(super) fn remove_empty_folders(dir: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(dir)? {
+        let entry = entry?;
+        if entry.file_type()?.is_dir() {
+            remove_empty_folders(&entry.path())?;
+        }
+    }
+    fs::remove_dir(dir)
 }
 
 /// Removes `dir` and the folders above it up to `top` (which stays) as long as they are empty.

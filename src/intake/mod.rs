@@ -11,6 +11,7 @@ mod copies;
 mod disk;
 mod given;
 mod ignore;
+mod left_folders;
 mod list_end;
 mod name;
 mod order_list;
@@ -20,6 +21,10 @@ mod scan;
 mod settle;
 mod status;
 mod store;
+#[cfg(test)]
+mod test_inbox;
+#[cfg(test)]
+mod tests;
 mod ticket;
 mod watch;
 
@@ -28,6 +33,7 @@ pub use claim::{Claim, ClaimError, Released, claim, give_back, release};
 pub use copies::copies_in_name;
 pub use given::{Given, Source, TicketSource};
 pub use ignore::is_ignored;
+pub use left_folders::LeftFolders;
 pub use list_end::{ListEnd, end_list};
 pub use name::{display_name, raw_name};
 

@@ -10,7 +10,7 @@ use tracing::warn;
 
 use super::{
     Claim, ClaimError,
-    claim::{CLAIMED_DIR, DONE, NEW, io_error},
+    claim::{CLAIMED_DIR, DONE, NEW, claiming, io_error},
     disk,
     list_end::sweep_marks,
     name::numbered,
@@ -18,8 +18,9 @@ use super::{
 };
 
 /// The claims that lie in `.claimed/`, oldest first; gives back what a crash left half claimed and removes what it left
-/// half released. To be called at start, before the first scan, and never while a claim is being made.
+/// half released. To be called at start, before the first scan: what it gives back is then listed like any other drop.
 pub fn claims(inbox: &Path) -> Result<Vec<Claim>, ClaimError> {
+    let _only_one = claiming();
     let claimed = inbox.join(CLAIMED_DIR);
     let entries = match fs::read_dir(&claimed) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -71,8 +72,16 @@ pub(super) fn give_back_files(inbox: &Path, dir: &Path) -> io::Result<Option<Pat
             part = part.or(Some(back));
         }
     }
-    remove_claim_dir(dir, &mut || {})?;
+    remove_emptied(dir)?;
     Ok(part)
+}
+
+/// Removes a claim that was taken apart: the copies of its list and the folders, nothing else.
+fn remove_emptied(dir: &Path) -> io::Result<()> {
+    for file in disk::files_below(dir)?.iter().filter(|f| role(f) == Role::List) {
+        fs::remove_file(file)?;
+    }
+    disk::remove_empty_folders(dir)
 }
 
 /// A claim that is taken apart must not look whole meanwhile: without its ticket it would be another order.

@@ -121,7 +121,7 @@ impl Inbox {
         if let Some(first) = self.dev
             && first != dev
         {
-            let why = "it is on another file system than when nestd first saw it; mount it again, or reload nestd";
+            let why = "it is on another file system than when nestd first saw it; mount it again, or restart nestd";
             return Err(unavailable(&self.path, why, None));
         }
         let listing = scan(&self.path, self.limits)?;
@@ -181,9 +181,10 @@ impl Walk<'_> {
                 self.listing.troubles.push((path, why));
                 return Ok(());
             }
-            if !is_ignored(&name) && !(depth == 0 && is_own(&name)) {
-                self.entry(order, &name, depth)?;
+            if is_ignored(&name) || (depth == 0 && is_own(&name)) {
+                continue;
             }
+            self.entry(order, &name, depth)?;
         }
         Ok(())
     }

@@ -38,6 +38,15 @@ pub enum StoreError {
     /// The file changed while it was copied; it must settle again.
     #[error("{} changed while it was copied to the store", .0.display())]
     Changed(PathBuf),
+    /// It is no file, or nestd may not read it: trying again will not help.
+    #[error("{} cannot be read", .path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The error of the system.
+        #[source]
+        source: io::Error,
+    },
     /// Not 64 hex digits.
     #[error("{0:?} is no BLAKE3 hash")]
     NoHash(String),
@@ -61,6 +70,19 @@ fn io_error<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(io::Error) ->
     move |source| StoreError::Io { what, path: path.to_owned(), source }
 }
 
+fn open_error(file: &Path, source: io::Error) -> StoreError {
+    use io::ErrorKind::{InvalidInput, PermissionDenied};
+    let path = file.to_owned();
+    match source.kind() {
+        PermissionDenied | InvalidInput => StoreError::Unreadable { path, source },
+        // How a link is told when none is followed.
+        _ if source.raw_os_error() == Some(rustix::io::Errno::LOOP.raw_os_error()) => {
+            StoreError::Unreadable { path, source }
+        }
+        _ => StoreError::Io { what: "open", path, source },
+    }
+}
+
 impl Store {
     /// Opens the store at `dir` and creates it if needed; removes what a crash left half copied. A store has one daemon.
     pub fn open(dir: impl Into<PathBuf>) -> Result<Self, StoreError> {
@@ -81,7 +103,7 @@ impl Store {
     }
 
     fn put_stepwise(&self, file: &Path, step: &mut dyn FnMut()) -> Result<Stored, StoreError> {
-        let mut source = disk::open_regular(file).map_err(io_error("open", file))?;
+        let mut source = disk::open_regular(file).map_err(|source| open_error(file, source))?;
         let before = print(&source).map_err(io_error("stat", file))?;
         let mut copy = tempfile::Builder::new()
             .prefix(TEMPORARY)
@@ -95,14 +117,13 @@ impl Store {
         }
         step();
         let to = self.path(&stored.hash)?;
-        if fs::metadata(&to).is_ok_and(|meta| meta.len() == stored.bytes) {
-            return Ok(stored);
-        }
-        copy.as_file().sync_all().map_err(io_error("fsync", copy.path()))?;
         let folder = to.parent().unwrap_or(&self.dir);
-        disk::create_dirs(folder).map_err(io_error("create", folder))?;
-        step();
-        copy.persist(&to).map_err(|e| io_error("store", &to)(e.error))?;
+        if !fs::metadata(&to).is_ok_and(|meta| meta.len() == stored.bytes) {
+            copy.as_file().sync_all().map_err(io_error("fsync", copy.path()))?;
+            disk::create_dirs(folder).map_err(io_error("create", folder))?;
+            step();
+            copy.persist(&to).map_err(|e| io_error("store", &to)(e.error))?;
+        }
         step();
         disk::fsync_dir(folder).map_err(io_error("fsync", folder))?;
         Ok(stored)
@@ -241,8 +262,9 @@ mod tests {
         let (dir, part, store) = farm();
         let link = dir.path().join("link.stl");
         std::os::unix::fs::symlink(&part, &link).unwrap();
-        assert!(matches!(store.put(&link), Err(StoreError::Io { .. })));
-        assert!(matches!(store.put(dir.path()), Err(StoreError::Io { .. })));
+        assert!(matches!(store.put(&link), Err(StoreError::Unreadable { .. })));
+        assert!(matches!(store.put(dir.path()), Err(StoreError::Unreadable { .. })));
+        assert!(matches!(store.put(&dir.path().join("gone")), Err(StoreError::Io { .. })));
         for text in ["", "../../etc/passwd", &"A".repeat(64), &"a".repeat(63)] {
             assert!(matches!(store.path(text), Err(StoreError::NoHash(_))), "{text}");
         }

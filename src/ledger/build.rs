@@ -30,7 +30,8 @@ pub struct BuildRow {
     pub published_at: Option<Utc>,
     /// When its state was entered.
     pub state_at: Utc,
-    /// JSON, the best layout so far while open or nesting.
+    /// JSON, the best layout so far while open or nesting; too long for a person, so that faces leave it out.
+    #[serde(skip)]
     pub layout: Option<String>,
     /// Name of the build file in the queue folder.
     pub file_name: Option<String>,

@@ -32,12 +32,12 @@ pub enum LedgerError {
         source: std::io::Error,
     },
     /// SQLite cannot open it.
-    #[error("cannot open the ledger {}", .path.display())]
+    #[error("cannot open the ledger {}: {error}", .path.display())]
     Open {
         /// The ledger.
         path: PathBuf,
-        /// What SQLite said.
-        source: sqlx::Error,
+        /// What SQLite said; not a source, because it tells its own source too.
+        error: sqlx::Error,
     },
     /// A newer nestd wrote it.
     #[error("the ledger {} has schema {found}, this nestd knows up to {known}: use the newer nestd", .path.display())]
@@ -60,16 +60,19 @@ pub enum LedgerError {
         known: i64,
     },
     /// The schema cannot be brought up to date.
-    #[error("cannot bring the ledger {} up to date", .path.display())]
+    #[error("cannot bring the ledger {} up to date: {error}", .path.display())]
     Migrate {
         /// The ledger.
         path: PathBuf,
-        /// What the migration said.
-        source: sqlx::migrate::MigrateError,
+        /// What the migration said; it tells its own source too.
+        error: sqlx::migrate::MigrateError,
     },
-    /// A query failed.
-    #[error("a query of the ledger failed")]
-    Sql(#[from] sqlx::Error),
+    /// A query failed: the disk, the database or a fault in nestd.
+    #[error("a query of the ledger failed: {0}")]
+    Sql(sqlx::Error),
+    /// This user may read the ledger only.
+    #[error("you may read the ledger but not write it: ask as the user that the daemon runs as, or as root")]
+    ReadOnly,
     /// There is no such part.
     #[error("there is no part {0}")]
     UnknownPart(PartId),
@@ -164,6 +167,26 @@ pub enum LedgerError {
     /// A 3MF without a solid was accepted.
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),
+}
+
+impl From<sqlx::Error> for LedgerError {
+    fn from(error: sqlx::Error) -> Self {
+        match sqlite_code(&error) {
+            Some(SQLITE_READONLY) => Self::ReadOnly,
+            _ => Self::Sql(error),
+        }
+    }
+}
+
+/// Another connection holds the lock.
+pub(super) const SQLITE_BUSY: i64 = 5;
+/// The file or the connection cannot be written.
+const SQLITE_READONLY: i64 = 8;
+
+/// SQLite's primary result code of an error, whatever its extended form.
+pub(super) fn sqlite_code(error: &sqlx::Error) -> Option<i64> {
+    let code = error.as_database_error()?.code()?.parse::<i64>().ok()?;
+    Some(code & 0xff)
 }
 
 /// Result of whatever the ledger does.

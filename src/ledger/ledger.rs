@@ -12,7 +12,12 @@ use sqlx::{
     sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
 };
 
-use super::{LedgerError, Utc, change::Change, error::Result, place, schema};
+use super::{
+    LedgerError, Utc,
+    change::Change,
+    error::{Result, SQLITE_BUSY, sqlite_code},
+    place, schema,
+};
 
 /// A writer waits so long for another process before it gives up; changes take milliseconds.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(30);
@@ -62,7 +67,7 @@ impl Ledger {
     }
 
     async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
-        let failed = |source| LedgerError::Open { path: path.to_owned(), source };
+        let failed = |error| LedgerError::Open { path: path.to_owned(), error };
         // A connection that only reads must say so: a query that writes by mistake would bypass the one writer.
         let reading = options.clone().create_if_missing(false).pragma("query_only", "ON");
         let pool = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
@@ -70,7 +75,7 @@ impl Ledger {
         let writer = loop {
             match pool.clone().connect_with(options.clone()).await {
                 Ok(writer) => break writer,
-                Err(error) if is_locked(&error) && attempt < OPEN_ATTEMPTS => attempt += 1,
+                Err(error) if sqlite_code(&error) == Some(SQLITE_BUSY) && attempt < OPEN_ATTEMPTS => attempt += 1,
                 Err(error) => return Err(failed(error)),
             }
             tokio::time::sleep(OPEN_PAUSE).await;
@@ -131,11 +136,4 @@ fn options(path: &Path) -> SqliteConnectOptions {
         .synchronous(SqliteSynchronous::Full)
         .foreign_keys(true)
         .busy_timeout(BUSY_TIMEOUT)
-}
-
-/// SQLITE_BUSY in its primary or an extended form.
-fn is_locked(error: &sqlx::Error) -> bool {
-    const SQLITE_BUSY: i64 = 5;
-    let code = error.as_database_error().and_then(|e| e.code()).and_then(|c| c.parse::<i64>().ok());
-    code.is_some_and(|c| c & 0xff == SQLITE_BUSY)
 }

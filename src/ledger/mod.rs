@@ -44,4 +44,6 @@ pub use time::Utc;
 pub use waiting::WaitingPart;
 
 #[cfg(test)]
+pub(crate) mod fixtures;
+#[cfg(test)]
 mod tests;

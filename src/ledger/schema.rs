@@ -27,13 +27,13 @@ pub async fn bring_up_to_date(path: &Path, writer: &SqlitePool) -> Result<()> {
             drop(transaction);
             demand(path, writer).await
         }
-        Err(source) => Err(LedgerError::Migrate { path: path.to_owned(), source }),
+        Err(error) => Err(LedgerError::Migrate { path: path.to_owned(), error }),
     }
 }
 
 /// Demands exactly the schema of this binary.
 pub async fn demand(path: &Path, writer: &SqlitePool) -> Result<()> {
-    let failed = |source| LedgerError::Open { path: path.to_owned(), source };
+    let failed = |error| LedgerError::Open { path: path.to_owned(), error };
     let is_ledger = "SELECT count(*) FROM sqlite_schema WHERE name = '_sqlx_migrations'";
     let found: i64 = match sqlx::query_scalar::<_, i64>(is_ledger).fetch_one(writer).await.map_err(failed)? {
         0 => 0,

@@ -114,16 +114,18 @@ const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_part
     sum(CASE p.state WHEN 'waiting' THEN p.copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
     ELSE 0 END) AS waiting_copies, sum(p.state = 'rejected') AS rejected_parts, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
-    min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p GROUP BY p.profile";
+    min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p \
+    WHERE p.state IN ('claimed', 'waiting', 'rejected') GROUP BY p.profile";
 
 const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
 
 const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
     FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
 
-const LAST: &str = "SELECT profile, id AS build, published_at, height_mm, density, copies, file_name FROM build \
-    WHERE id IN (SELECT max(id) FROM build b WHERE published_at = (SELECT max(published_at) FROM build c \
-    WHERE c.profile = b.profile) GROUP BY profile)";
+const LAST: &str = "SELECT profile, build, published_at, height_mm, density, copies, file_name FROM \
+    (SELECT profile, id AS build, published_at, height_mm, density, copies, file_name, \
+    row_number() OVER (PARTITION BY profile ORDER BY published_at DESC, id DESC) AS rank FROM build \
+    WHERE published_at IS NOT NULL) WHERE rank = 1";
 
 impl Ledger {
     /// Every profile of which the ledger knows something, by name.

@@ -18,7 +18,6 @@ mod proof;
 mod push;
 mod relocate;
 mod report;
-mod rotations;
 mod search;
 mod separate;
 mod shape;

@@ -24,7 +24,7 @@ mod shape;
 use layout::{Layout, Pace};
 use shape::{Shape, shapes};
 
-use super::{Config, Instance, Listener, Placement, Solution, Stop, rotations::axis_rotations};
+use super::{Config, Instance, Listener, Placement, Solution, Stop};
 use crate::geometry::Bounds;
 
 /// The share of the budget that a first layout may take.
@@ -100,8 +100,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// One layout (steps 4 and 5); `None` when the budget ended on the way and there is an earlier one.
     fn layout(&self, number: u64, first: bool, evaluations: &mut u64) -> Option<Vec<Placement>> {
-        let axis_rotations = axis_rotations();
-        let mut layout = Layout::new(self.instance, self.shapes, &axis_rotations);
+        let mut layout = Layout::new(self.instance, self.shapes);
         let start = self.stop.spent(*evaluations);
         for (index, &(item, copy)) in self.sequence.iter().enumerate() {
             let done = (index + 1) as f64 / self.sequence.len() as f64;

@@ -1,11 +1,19 @@
-//! The independent judge of a finished layout: clearance and containment on the triangles, walls on the vertices.
+//! The independent judge of a finished layout: clearance and containment on the triangles, walls on the vertices. It shares
+//! nothing with the search but the distance kernel; it finds its own neighbours and takes nothing for granted.
 
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
-use super::OrientationRule;
-use crate::geometry::{Mesh, Pose};
+use super::{OrientationRule, turns::axis_turns};
+use crate::geometry::{Bounds, ClearanceTree, Mesh, Pose};
+
+/// A clearance may be short by so much, mm.
+const CLEARANCE_TOLERANCE_MM: f64 = 1e-6;
+/// A body may stand out of the volume by so much, mm.
+const WALL_TOLERANCE_MM: f64 = 1e-6;
+/// A rotation may be off its rule by so much, radians.
+const ANGLE_TOLERANCE: f64 = 1e-6;
 
 /// One placed solid as the judge sees it.
 #[derive(Debug, Clone)]
@@ -41,7 +49,7 @@ pub struct Proof {
     /// The least distance between any two bodies, mm, exact. Pairs are measured up to twice the greatest clearance + 1 mm;
     /// `None` when no pair is nearer than that (or there are fewer than two bodies).
     pub clearance_proved_mm: Option<f64>,
-    /// Pairs nearer than their clearance.
+    /// Pairs nearer than their clearance, or whose surfaces meet: at clearance 0, too, they must not.
     pub too_close: Vec<Pair>,
     /// Bodies that stand out of the volume, with the greatest excess over any wall, mm.
     pub outside: Vec<(usize, f64)>,
@@ -56,15 +64,108 @@ impl Proof {
     }
 }
 
-/// Judges bodies in a box from the origin to `volume_mm`. Tolerance 1e-6 mm on clearance and on walls.
+/// Judges bodies in a box from the origin to `volume_mm`. Tolerance 1e-6 mm on clearance and on walls. A pose that is not
+/// made of finite numbers stands infinitely far outside.
 pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
-    let _ = volume_mm;
-    let height_mm = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose).max.z).fold(0.0, f64::max);
-    Proof { height_mm, clearance_proved_mm: None, too_close: Vec::new(), outside: Vec::new(), inside: Vec::new() }
+    let trees = trees(bodies);
+    // The walls are judged on every vertex, not on the tree's bounds.
+    let bounds: Vec<Bounds> = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
+    let outside: Vec<(usize, f64)> = (bounds.iter().map(|b| excess_mm(b, volume_mm)).enumerate())
+        .filter(|&(_, excess_mm)| excess_mm > WALL_TOLERANCE_MM)
+        .collect();
+    let mut proof = Proof {
+        height_mm: bounds.iter().map(|b| b.max.z).fold(0.0, f64::max),
+        clearance_proved_mm: None,
+        too_close: Vec::new(),
+        outside,
+        inside: Vec::new(),
+    };
+    let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
+    for (first, second) in neighbours(&bounds, cap_mm) {
+        judge(bodies, &trees, &bounds, (first, second), cap_mm, &mut proof);
+    }
+    proof.too_close.sort_by_key(|p| (p.first, p.second));
+    proof.inside.sort_unstable();
+    proof
 }
 
 /// Whether a pose turns a part only as its rule allows (within 1e-6 of a radian).
 pub fn rotation_obeys(rule: OrientationRule, pose: &Pose) -> bool {
-    let _ = (rule, pose);
-    true
+    // |sin| of half the angle between two rotations is the length of their quotient's vector part.
+    let is_near = |to: DQuat| {
+        let apart = (to.conjugate() * pose.rotation.normalize()).xyz().length();
+        2.0 * apart.min(1.0).asin() <= ANGLE_TOLERANCE
+    };
+    match rule {
+        OrientationRule::Free => pose.rotation.is_finite(),
+        OrientationRule::Upright => {
+            let up = pose.direction(DVec3::Z);
+            up.z > 0.0 && up.truncate().length() <= ANGLE_TOLERANCE
+        }
+        OrientationRule::Axis => axis_turns().into_iter().any(is_near),
+        OrientationRule::Fixed => is_near(DQuat::IDENTITY),
+    }
 }
+
+/// A tree per distinct mesh, in the order of the bodies.
+fn trees(bodies: &[Body]) -> Vec<Arc<ClearanceTree>> {
+    let mut known: HashMap<*const Mesh, Arc<ClearanceTree>> = HashMap::new();
+    let tree = |mesh: &Arc<Mesh>| Arc::new(ClearanceTree::new(mesh.clone()));
+    bodies.iter().map(|b| known.entry(Arc::as_ptr(&b.mesh)).or_insert_with(|| tree(&b.mesh)).clone()).collect()
+}
+
+/// How far bounds stand out of the volume, mm; infinite for numbers that are none.
+fn excess_mm(bounds: &Bounds, volume_mm: DVec3) -> f64 {
+    if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+        return f64::INFINITY;
+    }
+    (-bounds.min).max(bounds.max - volume_mm).max_element()
+}
+
+/// Pairs whose bounds are nearer than `cap_mm`, by a sweep along x.
+fn neighbours(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
+    let mut order: Vec<usize> = (0..bounds.len()).collect();
+    order.sort_by(|&i, &j| bounds[i].min.x.total_cmp(&bounds[j].min.x));
+    let mut open: Vec<usize> = Vec::new();
+    let mut pairs = Vec::new();
+    for i in order {
+        // NaN keeps a body open: it is told as outside anyway.
+        open.retain(|&j| !(bounds[j].max.x + cap_mm <= bounds[i].min.x));
+        let near = open.iter().filter(|&&j| bounds[j].distance(&bounds[i]) < cap_mm);
+        pairs.extend(near.map(|&j| (i.min(j), i.max(j))));
+        open.push(i);
+    }
+    pairs
+}
+
+/// Measures one pair and writes down what is wrong with it.
+fn judge(
+    bodies: &[Body],
+    trees: &[Arc<ClearanceTree>],
+    bounds: &[Bounds],
+    (first, second): (usize, usize),
+    cap_mm: f64,
+    proof: &mut Proof,
+) {
+    let pose12 = bodies[first].pose.seen(&bodies[second].pose);
+    let distance_mm = trees[first].distance_capped_mm(&trees[second], &pose12, cap_mm);
+    if distance_mm < cap_mm {
+        proof.clearance_proved_mm = Some(proof.clearance_proved_mm.map_or(distance_mm, |least| least.min(distance_mm)));
+    }
+    let wanted_mm = bodies[first].clearance_mm.max(bodies[second].clearance_mm);
+    if distance_mm <= 0.0 || distance_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
+        proof.too_close.push(Pair { first, second, distance_mm, wanted_mm });
+    }
+    if distance_mm <= 0.0 || bounds[first].distance(&bounds[second]) > 0.0 {
+        return;
+    }
+    if trees[first].holds_part(&trees[second], &pose12) {
+        proof.inside.push((first, second));
+    }
+    if trees[second].holds_part(&trees[first], &pose12.inverse()) {
+        proof.inside.push((second, first));
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,10 @@
 //! `verified`, [`Queue::publish`] renames it once. After a crash [`Queue::state`] tells: dot-file still there = not yet
 //! published, gone = published, whatever the printer did with it since.
 
+mod marker;
+mod names;
 mod queue;
+#[cfg(test)]
+mod tests;
 
 pub use queue::{Published, Queue, QueueError, StagedState};

@@ -72,7 +72,8 @@ pub(super) struct LogInputs {
 
 impl Default for LogInputs {
     fn default() -> Self {
-        Self { filter: "info".into(), format: LogFormat::Auto }
+        // The watch crate warns each time a claim takes a folder away under it; scanning makes up for what it misses.
+        Self { filter: "info,notify=error".into(), format: LogFormat::Auto }
     }
 }
 

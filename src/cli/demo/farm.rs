@@ -24,27 +24,32 @@ const MARKER: &str = ".nestd-demo";
 const ORDER: &str = "order-1042";
 
 /// Which sample goes under which name: the copies stand in the name, a folder is an order.
-const DROPS: [(&str, &str); 16] = [
-    ("axial_fan", "axial_fan_x2.stl"),
-    ("bracket", "bracket_x3.stl"),
-    ("ribbed_bracket", "ribbed_bracket.stl"),
-    ("duct", "duct.stl"),
-    ("ring", "ring_x3.stl"),
-    ("spur_gear", "spur_gear_x2.stl"),
-    ("lattice_block", "lattice_block.stl"),
-    ("clip", "clip_x4.stl"),
+const DROPS: [(&str, &str); 21] = [
+    ("axial_fan", "axial_fan_x4.stl"),
+    ("bracket", "bracket_x6.stl"),
+    ("ribbed_bracket", "ribbed_bracket_x3.stl"),
+    ("duct", "duct_x2.stl"),
+    ("ring", "ring_x6.stl"),
+    ("spur_gear", "spur_gear_x4.stl"),
+    ("lattice_block", "lattice_block_x3.stl"),
+    ("clip", "clip_x10.stl"),
     ("knob", TICKETED),
-    ("pulley", "pulley.stl"),
-    ("pawn", "pawn_x2.stl"),
-    ("spring", "spring.stl"),
-    ("rail", "rail.stl"),
-    ("hinge", "order-1042/hinge_x2.stl"),
-    ("hook", "order-1042/hook.stl"),
-    ("honeycomb", "order-1042/honeycomb.stl"),
+    ("pulley", "pulley_x3.stl"),
+    ("pawn", "pawn_x8.stl"),
+    ("spring", "spring_x3.stl"),
+    ("rail", "rail_x2.stl"),
+    ("tray", "tray.stl"),
+    ("lampshade", "lampshade.stl"),
+    ("pipe_tee", "pipe_tee_x2.stl"),
+    ("connecting_rod", "connecting_rod_x3.stl"),
+    ("gyroid_ball", "gyroid_ball.stl"),
+    ("hinge", "order-1042/hinge_x4.stl"),
+    ("hook", "order-1042/hook_x3.stl"),
+    ("honeycomb", "order-1042/honeycomb_x2.stl"),
 ];
 /// The part that comes with a ticket beside it.
 const TICKETED: &str = "knob.stl";
-const TICKET: &str = "# A ticket: what the file name cannot say.\ncopies = 2\npriority = 80\norientation = \"upright\"\n\
+const TICKET: &str = "# A ticket: what the file name cannot say.\ncopies = 3\npriority = 80\norientation = \"upright\"\n\
                       note = \"handles for the test bench\"\n";
 /// A ring with a tear, to show a refusal.
 pub(super) const TORN: &str = "torn_ring.stl";

@@ -1,6 +1,6 @@
 //! Opening a ledger, and two that write at once.
 
-use std::{path::Path, process};
+use std::{path::Path, process, time::Duration};
 
 use super::*;
 
@@ -32,8 +32,8 @@ async fn a_ledger_is_made_with_its_folder_and_opened_again() {
 #[tokio::test]
 async fn a_reader_cannot_write() {
     let ledger = fresh().await;
-    let written = sqlx::query("DELETE FROM pause").execute(ledger.reader()).await;
-    assert!(written.unwrap_err().to_string().contains("readonly"));
+    let written = sqlx::query("DELETE FROM pause").execute(ledger.reader()).await.unwrap_err();
+    assert!(matches!(LedgerError::from(written), LedgerError::ReadOnly));
 }
 
 #[tokio::test]
@@ -64,6 +64,21 @@ async fn a_file_that_is_no_database_is_refused_and_kept() {
     assert!(matches!(Ledger::open(&path).await, Err(LedgerError::Open { .. })));
     assert!(matches!(Ledger::open_existing(&path).await, Err(LedgerError::Open { .. })));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+}
+
+#[tokio::test]
+async fn a_change_that_is_dropped_half_way_leaves_nothing_behind() {
+    let ledger = fresh().await;
+    let mut kept = 0;
+    for micros in (0..3_000).step_by(25) {
+        let part = new_part(&format!("dropped-{micros}"), 1);
+        let claim = ledger.record_claim(&part);
+        kept += usize::from(tokio::time::timeout(Duration::from_micros(micros), claim).await.is_ok());
+    }
+    ledger.record_claim(&new_part("last", 1)).await.unwrap();
+    let claimed = ledger.parts_in_state(PartState::Claimed).await.unwrap().len();
+    assert!(claimed > kept, "{claimed} of {kept}: what was acknowledged is there");
+    assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new());
 }
 
 /// Reads, then writes: with a deferred BEGIN these fail with "database is locked".

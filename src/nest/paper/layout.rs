@@ -1,6 +1,6 @@
 //! One layout of the paper's method: parts in their sequence, each placed by a flower pollination of its own.
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 use super::shape::Shape;
 use crate::{
@@ -24,7 +24,6 @@ type Fitness = (f64, f64);
 pub(super) struct Layout<'a> {
     instance: &'a Instance,
     shapes: &'a [Shape],
-    axis_rotations: &'a [DQuat],
     placed: Vec<Placed>,
     top_mm: f64,
     /// The placed part that stood in the way last; it probably does again.
@@ -53,8 +52,8 @@ pub(super) struct Pace<'a> {
 
 impl<'a> Layout<'a> {
     /// An empty layout.
-    pub fn new(instance: &'a Instance, shapes: &'a [Shape], axis_rotations: &'a [DQuat]) -> Self {
-        Self { instance, shapes, axis_rotations, placed: Vec::new(), top_mm: 0.0, obstacle: 0 }
+    pub fn new(instance: &'a Instance, shapes: &'a [Shape]) -> Self {
+        Self { instance, shapes, placed: Vec::new(), top_mm: 0.0, obstacle: 0 }
     }
 
     /// Placed copies in the sequence of their placing.
@@ -67,7 +66,7 @@ impl<'a> Layout<'a> {
     pub fn place_in_corner(&mut self, item: usize, copy: u32) -> bool {
         let fit = (0..2).find_map(|quarters| {
             let mut genome = vec![0.0; POSITION];
-            genome.extend(self.shapes[item].initial_genes(quarters, self.axis_rotations));
+            genome.extend(self.shapes[item].initial_genes(quarters));
             self.candidate(item, &genome)
         });
         match fit {
@@ -153,7 +152,7 @@ impl<'a> Layout<'a> {
         (0..flowers)
             .map(|f| {
                 let mut genome = place(f).to_vec();
-                genome.extend(self.shapes[item].initial_genes(quarters(f), self.axis_rotations));
+                genome.extend(self.shapes[item].initial_genes(quarters(f)));
                 genome
             })
             .collect()
@@ -163,7 +162,7 @@ impl<'a> Layout<'a> {
     /// the way that the part can go within the walls, in z up to just above the highest part.
     fn candidate(&self, item: usize, genome: &[f64]) -> Option<Candidate> {
         let shape = &self.shapes[item];
-        let rotation = shape.rotation(&genome[POSITION..], self.axis_rotations);
+        let rotation = shape.rotation(&genome[POSITION..]);
         let bounds = shape.surface.bounds_at(&Pose { rotation, translation: DVec3::ZERO });
         let mut free = self.instance.volume().size_mm - bounds.size();
         // A part exactly as large as the container fits, whatever rounding says.

@@ -9,7 +9,7 @@ use glam::{DMat3, DQuat, EulerRot};
 
 use crate::{
     geometry::{ClearanceTree, Mesh, Obb, ObbTree, Pose},
-    nest::{Instance, OrientationRule, rotations::axis_rotations},
+    nest::{Instance, OrientationRule, turns::axis_turns},
     pollination::{Edge, Gene},
 };
 
@@ -24,6 +24,7 @@ pub(super) struct Shape {
     /// The orientation that the search starts from: the smallest extent upright, as far as the rule allows.
     pub initial: DQuat,
     rule: OrientationRule,
+    axis_turns: [DQuat; 24],
 }
 
 /// Prepares all items of an instance; items with the same mesh share their trees.
@@ -41,6 +42,7 @@ pub(super) fn shapes(instance: &Instance, reduce_tree: bool) -> Vec<Shape> {
             print_area_mm2: print_area_mm2(boxes.root()),
             initial: initial(item.orientation, &boxes, &surface),
             rule: item.orientation,
+            axis_turns: axis_turns(),
             surface,
             boxes,
         };
@@ -63,17 +65,17 @@ impl Shape {
     }
 
     /// The rotation that genes stand for; always one that the rule allows.
-    pub fn rotation(&self, genes: &[f64], axis_rotations: &[DQuat]) -> DQuat {
+    pub fn rotation(&self, genes: &[f64]) -> DQuat {
         match (self.rule, genes) {
             (OrientationRule::Free, &[z, y, x]) => DQuat::from_euler(EulerRot::ZYX, z, y, x) * self.initial,
             (OrientationRule::Upright, &[z]) => DQuat::from_rotation_z(z) * self.initial,
-            (OrientationRule::Axis, &[number]) => axis_rotations[(number as usize).min(axis_rotations.len() - 1)],
+            (OrientationRule::Axis, &[number]) => self.axis_turns[(number as usize).min(23)],
             _ => self.initial,
         }
     }
 
     /// The genes of the initial orientation, turned by quarters about z.
-    pub fn initial_genes(&self, quarters: u32, axis_rotations: &[DQuat]) -> Vec<f64> {
+    pub fn initial_genes(&self, quarters: u32) -> Vec<f64> {
         let turn = f64::from(quarters % 4) * FRAC_PI_2;
         let angle = if turn > PI { turn - 2.0 * PI } else { turn };
         match self.rule {
@@ -81,10 +83,8 @@ impl Shape {
             OrientationRule::Upright => vec![angle],
             OrientationRule::Axis => {
                 let wanted = DQuat::from_rotation_z(turn) * self.initial;
-                let near = |q: &DQuat| q.dot(wanted).abs();
-                let number = (0..axis_rotations.len())
-                    .max_by(|&i, &j| near(&axis_rotations[i]).total_cmp(&near(&axis_rotations[j])))
-                    .unwrap_or(0);
+                let near = |i: usize| self.axis_turns[i].dot(wanted).abs();
+                let number = (0..24).max_by(|&i, &j| near(i).total_cmp(&near(j))).unwrap_or(0);
                 vec![number as f64 + 0.5]
             }
             OrientationRule::Fixed => Vec::new(),
@@ -108,7 +108,7 @@ fn initial(rule: OrientationRule, boxes: &ObbTree, surface: &ClearanceTree) -> D
             let turns = (0..90).map(|degrees| DQuat::from_rotation_z(f64::from(degrees).to_radians()));
             by(&|q| size_at(q).x * size_at(q).y, turns.collect())
         }
-        OrientationRule::Axis => by(&|q| size_at(q).z, axis_rotations()),
+        OrientationRule::Axis => by(&|q| size_at(q).z, axis_turns().to_vec()),
         OrientationRule::Fixed => DQuat::IDENTITY,
     }
 }

@@ -1,0 +1,113 @@
+//! Reaching a farm: its settings, its ledger, and times as people write and read them.
+
+use anyhow::{Context, Result};
+use jiff::{Span, SpanRound, Timestamp, Unit, civil::Date, tz::TimeZone};
+
+use super::{Common, Usage};
+use crate::{
+    ledger::{Ledger, Utc},
+    settings::{self, Settings},
+};
+
+/// The settings of the farm; whatever is wrong with them is wrong use.
+pub fn settings(common: &Common) -> Result<Settings> {
+    settings::load(common.config.as_deref(), common.root.as_deref()).map_err(|error| {
+        let chain = anyhow::Error::from(error);
+        Usage(format!("{chain:#}")).into()
+    })
+}
+
+/// Runs `work` over the settings and the ledger that the daemon has made.
+pub fn with_ledger<T>(common: &Common, work: impl AsyncFnOnce(&Settings, &Ledger) -> Result<T>) -> Result<T> {
+    let settings = settings(common)?;
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
+    runtime.block_on(async {
+        let ledger = Ledger::open_existing(&settings.ledger).await?;
+        let done = work(&settings, &ledger).await;
+        ledger.close().await;
+        done
+    })
+}
+
+/// Refuses a profile that is not configured, and names those that are.
+pub fn demand_profile(settings: &Settings, profile: &str) -> Result<()> {
+    if settings.profiles.contains_key(profile) {
+        return Ok(());
+    }
+    let known: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
+    Err(Usage(format!("there is no profile '{profile}'; there are: {}", known.join(", "))).into())
+}
+
+/// user@host, for the ledger.
+pub fn who() -> String {
+    let user = std::env::var("SUDO_USER").or_else(|_| std::env::var("USER"));
+    let user = user.unwrap_or_else(|_| format!("uid {}", rustix::process::getuid().as_raw()));
+    let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    format!("{user}@{}", host.trim())
+}
+
+/// A point in time as a person writes it: '7d' (ago), '2026-11-01' (its first moment, UTC) or RFC 3339.
+pub fn time_of(text: &str, now: Timestamp) -> Result<Timestamp, String> {
+    if let Ok(time) = text.parse::<Timestamp>() {
+        return Ok(time);
+    }
+    let utc = TimeZone::UTC;
+    if let Ok(date) = text.parse::<Date>() {
+        return date.to_zoned(utc).map(|z| z.timestamp()).map_err(|e| e.to_string());
+    }
+    let ago: Span =
+        text.parse().map_err(|_| format!("'{text}' is no age (7d, 12h), date (2026-11-01) or RFC 3339 time"))?;
+    now.to_zoned(utc).checked_sub(ago.abs()).map(|z| z.timestamp()).map_err(|e| e.to_string())
+}
+
+/// [`time_of`] at this moment, as an argument of a command.
+pub fn time_argument(text: &str) -> Result<Timestamp, String> {
+    time_of(text, Timestamp::now())
+}
+
+/// A time for a table: '2026-11-20 04:49:00'.
+pub fn brief(time: Option<Utc>) -> String {
+    time.map_or_else(|| "-".to_owned(), |t| t.strftime("%Y-%m-%d %H:%M:%S").to_string())
+}
+
+/// How long ago, to two units: '3h 5m'.
+pub fn age(since: Option<Utc>, now: Timestamp) -> String {
+    let Some(since) = since else { return "-".to_owned() };
+    let rounded = now.since(*since).and_then(|span| {
+        let days = span.round(SpanRound::new().largest(Unit::Day).days_are_24_hours())?;
+        let smallest = match (days.get_days(), days.get_hours(), days.get_minutes()) {
+            (0, 0, 0) => Unit::Second,
+            (0, _, _) => Unit::Minute,
+            _ => Unit::Hour,
+        };
+        span.round(SpanRound::new().largest(Unit::Day).smallest(smallest).days_are_24_hours())
+    });
+    rounded.map_or_else(|_| "-".to_owned(), |span| format!("{span:#}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_is_an_age_a_date_or_rfc_3339() {
+        let now: Timestamp = "2026-11-20T04:49:00Z".parse().unwrap();
+        let is = |text: &str, time: &str| assert_eq!(time_of(text, now).unwrap(), time.parse().unwrap(), "{text}");
+        is("7d", "2026-11-13T04:49:00Z");
+        is("90m", "2026-11-20T03:19:00Z");
+        is("2w", "2026-11-06T04:49:00Z");
+        is("2026-11-01", "2026-11-01T00:00:00Z");
+        is("2026-11-01T06:00:00+02:00", "2026-11-01T04:00:00Z");
+        assert!(time_of("yesterday", now).is_err() && time_of("7", now).is_err());
+    }
+
+    #[test]
+    fn an_age_is_told_in_two_units() {
+        let now: Timestamp = "2026-11-20T04:49:00Z".parse().unwrap();
+        let of = |time: &str| age(Some(Utc(time.parse().unwrap())), now);
+        assert_eq!(of("2026-11-20T04:48:48Z"), "12s");
+        assert_eq!(of("2026-11-20T01:44:00Z"), "3h 5m");
+        assert_eq!(of("2026-11-18T02:49:00Z"), "2d 2h");
+        assert_eq!(age(None, now), "-");
+    }
+}

@@ -1,0 +1,186 @@
+//! The sheets of `nestd show` for people.
+
+use std::collections::BTreeMap;
+
+use super::{
+    reach::brief,
+    show::{BuildSheet, Found, PartSheet},
+    table::{Table, number, one_line, or_dash, percent, text},
+};
+use crate::ledger::{BuildId, BuildRow, EventRow, PartRow, PlacementRow};
+
+/// Everything that was found.
+pub fn found(found: &Found) -> String {
+    let mut sheets = Vec::new();
+    sheets.extend(found.build.as_ref().map(build));
+    sheets.extend(found.part.as_ref().map(part));
+    if let Some(first) = found.order.first() {
+        let name = &first.part.order_name;
+        sheets.push(format!("Order {name}\n\n{}", parts(&found.order)));
+    }
+    sheets.join("\n")
+}
+
+/// Name of a part with that of its solid.
+pub fn full_name(part: &PartRow) -> String {
+    match part.object_name.as_str() {
+        "" => part.name.clone(),
+        object => format!("{} ({object})", part.name),
+    }
+}
+
+fn build(sheet: &BuildSheet) -> String {
+    let row = &sheet.build;
+    let mut lines = build_lines(row);
+    lines.push((
+        "file",
+        sheet.file.as_ref().map_or_else(|| or_dash(row.file_name.as_ref()), |f| f.display().to_string()),
+    ));
+    if let Some(hash) = &row.file_hash {
+        lines.push(("content", format!("{} bytes, BLAKE3 {hash}", or_dash(row.file_bytes))));
+    }
+    let mut sheet_text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, aligned(&lines));
+    if !sheet.parts.is_empty() {
+        sheet_text += &format!("\n{}", parts_in_build(sheet));
+    }
+    if !sheet.outcomes.is_empty() {
+        let mut table = Table::new(&["TOLD (UTC)", "OUTCOME", "BY", "NOTE"]);
+        for told in &sheet.outcomes {
+            let cells = [brief(Some(told.told_at)), told.outcome.to_string(), told.told_by.clone(), text(&told.note)];
+            table.row(cells.to_vec());
+        }
+        sheet_text += &format!("\n{table}");
+    }
+    sheet_text + &events(&sheet.events)
+}
+
+fn build_lines(row: &BuildRow) -> Vec<(&'static str, String)> {
+    let mut lines = vec![
+        (
+            "height",
+            format!(
+                "{} mm, no build of these parts is below {} mm",
+                number(row.height_mm, 2),
+                number(row.lower_bound_mm, 2)
+            ),
+        ),
+        ("layers", or_dash(row.layers)),
+        ("density", format!("{} %", percent(row.density))),
+        ("copies", format!("{}, {} cm3", or_dash(row.copies), number(row.part_volume_mm3.map(|v| v / 1000.0), 2))),
+        (
+            "clearance",
+            format!("{} mm asked, {} mm proved", number(row.clearance_mm, 2), number(row.clearance_proved_mm, 3)),
+        ),
+        ("search", search(row)),
+        (
+            "fired by",
+            format!(
+                "{}, nested {}",
+                text(&row.fired_by),
+                if row.attempts == 1 { "once".to_owned() } else { format!("{} times", row.attempts) }
+            ),
+        ),
+        ("opened", brief(Some(row.opened_at))),
+        ("nesting", brief(row.nesting_at)),
+        ("verified", brief(row.verified_at)),
+        ("published", brief(row.published_at)),
+    ];
+    if !row.reason.is_empty() {
+        lines.insert(0, ("reason", row.reason.clone()));
+    }
+    lines
+}
+
+fn search(row: &BuildRow) -> String {
+    format!(
+        "{}, seed {}, {} evaluations, {} CPU s, {} wall s, nestd {}",
+        or_dash(row.method.as_ref()),
+        or_dash(row.seed),
+        or_dash(row.evaluations),
+        number(row.cpu_secs, 1),
+        number(row.wall_secs, 1),
+        or_dash(row.version.as_ref())
+    )
+}
+
+/// The parts of a build with how many of their copies are in it and how high these stand.
+fn parts_in_build(sheet: &BuildSheet) -> Table {
+    let mut table = Table::new(&[">PART", "NAME", "ORDER", "STATE", ">COPIES HERE", ">OF"]);
+    for part in &sheet.parts {
+        let here = sheet.placements.iter().filter(|p| p.part_id == part.id).count();
+        table.row(vec![
+            part.id.to_string(),
+            full_name(part),
+            text(&part.order_name),
+            part.state.to_string(),
+            here.to_string(),
+            part.copies.to_string(),
+        ]);
+    }
+    table
+}
+
+fn part(sheet: &PartSheet) -> String {
+    let row = &sheet.part;
+    let size =
+        row.size_mm().map(|[x, y, z]| format!("{x:.2} x {y:.2} x {z:.2} mm, {} triangles", or_dash(row.triangles)));
+    let mut lines = vec![
+        ("profile", row.profile.clone()),
+        ("order", text(&row.order_name)),
+        ("copies", format!("{}, {}", row.copies, whereabouts(&sheet.placements))),
+        ("priority", row.priority.to_string()),
+        ("due", brief(row.due_at)),
+        ("orientation", format!("{:?}", row.orientation).to_lowercase()),
+        ("size", or_dash(size)),
+        ("volume", format!("{} cm3", number(row.volume_mm3.map(|v| v / 1000.0), 2))),
+        ("content", format!("{} bytes, BLAKE3 {}", row.bytes, row.content_hash)),
+        ("claimed", brief(Some(row.claimed_at))),
+    ];
+    lines.extend(
+        [("note", row.note.clone()), ("reason", row.reason.clone())].into_iter().filter(|(_, t)| !t.is_empty()),
+    );
+    lines.extend(row.warnings.lines().map(|warning| ("warning", warning.to_owned())));
+    format!("Part {}, {}: {}\n{}{}", row.id, full_name(row), row.state, aligned(&lines), events(&sheet.events))
+}
+
+/// '2 in build 3 (published), 1 in build 4 (nesting)'.
+fn whereabouts(placements: &[PlacementRow]) -> String {
+    let mut builds: BTreeMap<BuildId, (String, u32)> = BTreeMap::new();
+    for placement in placements {
+        builds.entry(placement.build_id).or_insert_with(|| (placement.build_state.to_string(), 0)).1 += 1;
+    }
+    let told: Vec<String> = (builds.iter()).map(|(id, (state, n))| format!("{n} in build {id} ({state})")).collect();
+    if told.is_empty() { "none in a build".to_owned() } else { told.join(", ") }
+}
+
+fn parts(sheets: &[PartSheet]) -> Table {
+    let mut table = Table::new(&[">PART", "NAME", "PROFILE", "STATE", ">COPIES", ">PUBLISHED", "DUE", "WHERE"]);
+    for sheet in sheets {
+        let part = &sheet.part;
+        let published = sheet.placements.iter().filter(|p| p.published_at.is_some()).count();
+        table.row(vec![
+            part.id.to_string(),
+            full_name(part),
+            part.profile.clone(),
+            part.state.to_string(),
+            part.copies.to_string(),
+            published.to_string(),
+            brief(part.due_at),
+            if part.reason.is_empty() { whereabouts(&sheet.placements) } else { part.reason.clone() },
+        ]);
+    }
+    table
+}
+
+fn events(events: &[EventRow]) -> String {
+    let mut table = Table::new(&["EVENT (UTC)", "KIND", ">BUILD", "DETAIL"]);
+    for event in events {
+        let cells = [brief(Some(event.at)), event.kind.clone(), or_dash(event.build_id), event.detail.clone()];
+        table.row(cells.to_vec());
+    }
+    if table.is_empty() { String::new() } else { format!("\n{table}") }
+}
+
+fn aligned(lines: &[(&str, String)]) -> String {
+    lines.iter().map(|(name, value)| format!("  {name:<12}{}\n", one_line(value))).collect()
+}

@@ -1,0 +1,157 @@
+//! Tests of the faces over a real ledger.
+
+use std::time::Duration;
+
+use jiff::Timestamp;
+
+use super::{Cli, Exit, command, command::Order, history, show, show::Wanted, show_text, status};
+use crate::ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, fixtures::*};
+
+fn words(text: &str) -> Vec<String> {
+    text.split(' ').map(str::to_owned).collect()
+}
+
+async fn beat(ledger: &Ledger) {
+    let beat = Beat {
+        pid: 4711,
+        host: "farm".into(),
+        version: "0.1.0".into(),
+        started_at: Timestamp::now(),
+        status: "idle".into(),
+    };
+    ledger.beat(&beat).await.unwrap();
+}
+
+#[test]
+fn the_command_line_is_sound() {
+    use clap::CommandFactory;
+    Cli::command().debug_assert();
+}
+
+#[tokio::test]
+async fn an_order_is_noted_while_the_daemon_does_not_run() {
+    let ledger = fresh().await;
+    let (text, exit) = command::give(&ledger, &Order::Flush("paper-200".into()), Duration::ZERO).await.unwrap();
+    assert_eq!(exit, Exit::Success);
+    assert_eq!(text, "The daemon does not run; flush is noted and will be done when it starts.");
+    let asked = ledger.asked().await.unwrap();
+    assert_eq!((asked[0].kind, asked[0].profile.as_str()), (CommandKind::Flush, "paper-200"));
+    assert!(asked[0].asked_by.contains('@'));
+}
+
+#[tokio::test]
+async fn the_answer_of_the_daemon_is_printed_and_a_refusal_fails() {
+    let ledger = fresh().await;
+    beat(&ledger).await;
+    for (done, exit, told) in [(true, Exit::Success, "nothing waits"), (false, Exit::Failure, "Refused: nothing waits")]
+    {
+        let daemon = async {
+            while ledger.asked().await.unwrap().is_empty() {
+                tokio::time::sleep(Duration::from_millis(5)).await;
+            }
+            let id = ledger.asked().await.unwrap()[0].id;
+            ledger.answer(id, done, "nothing waits").await.unwrap();
+        };
+        let (given, ()) = tokio::join!(command::give(&ledger, &Order::Scan, Duration::from_secs(20)), daemon);
+        assert_eq!(given.unwrap(), (told.to_owned(), exit));
+    }
+    let (text, exit) = command::give(&ledger, &Order::Scan, Duration::ZERO).await.unwrap();
+    assert_eq!((text.as_str(), exit), ("scan is noted; the daemon is busy and has not answered yet.", Exit::Success));
+    let unknown = command::give(&ledger, &Order::Retry(99), Duration::ZERO).await.unwrap_err();
+    assert_eq!(unknown.to_string(), "there is no part 99");
+}
+
+#[tokio::test]
+async fn status_shows_every_machine_and_what_it_does() {
+    let ledger = fresh().await;
+    let (a, b) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 1).await);
+    published(&ledger, &[(a, 0)]).await;
+    nesting(&ledger, &[(a, 1)]).await;
+    ledger.cancel(b, "not\nneeded").await.unwrap();
+    ledger.pause("sold", "ann@farm").await.unwrap();
+    let stopped = status::look(&ledger, &["fuse-1", "paper-200"], false).await.unwrap().print(Timestamp::now());
+    assert!(stopped.starts_with("The daemon does not run.\n"), "{stopped}");
+    beat(&ledger).await;
+    let farm = status::look(&ledger, &["fuse-1", "paper-200"], true).await.unwrap();
+    let text = farm.print(Timestamp::now());
+    assert!(text.starts_with("The daemon runs on farm (process 4711, version 0.1.0)"), "{text}");
+    let line = |name: &str| text.lines().find(|l| l.starts_with(name)).unwrap().split_whitespace().collect::<Vec<_>>();
+    assert_eq!(line("fuse-1")[..7], ["fuse-1", "0", "0", "-", "-", "-", "idle"]);
+    assert_eq!(line("paper-200")[..3], ["paper-200", "1", "1"]);
+    assert!(text.contains("build 2 nesting (1 copy)") && text.contains("build 1, 87.50 mm"), "{text}");
+    assert!(text.contains("not configured, paused by ann@farm"), "{text}");
+    assert!(text.contains("b.stl  not; needed"), "{text}");
+    let json = serde_json::to_value(&farm).unwrap();
+    assert_eq!(json["profiles"][1]["waiting_copies"], 1);
+    assert_eq!(json["profiles"][1]["nesting"][0]["state"], "nesting");
+    assert_eq!((&json["daemon"]["alive"], json["parts"].as_array().unwrap().len()), (&true.into(), 2));
+}
+
+#[tokio::test]
+async fn history_is_a_table_json_or_csv_with_the_same_heights() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 2).await;
+    published(&ledger, &[(id, 0), (id, 1)]).await;
+    let rows = ledger.history(&HistoryQuery::default()).await.unwrap();
+    let table = history::table(&rows).to_string();
+    assert!(table.lines().nth(1).unwrap().contains("87.50"), "{table}");
+    let csv = history::csv_text(&rows).unwrap();
+    let json = serde_json::to_value(&rows).unwrap();
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let heads = reader.headers().unwrap().clone();
+    let record = reader.records().next().unwrap().unwrap();
+    let names: Vec<&String> = json[0].as_object().unwrap().keys().collect();
+    assert_eq!(names.len(), heads.len());
+    for (head, cell) in heads.iter().zip(&record) {
+        match &json[0][head] {
+            serde_json::Value::Null => assert_eq!(cell, "", "{head}"),
+            serde_json::Value::String(text) => assert_eq!(cell, text, "{head}"),
+            number => assert_eq!(cell.parse::<f64>().unwrap(), number.as_f64().unwrap(), "{head}"),
+        }
+    }
+    assert_eq!(history::csv_text(&[]).unwrap().lines().count(), 1, "headings even when there is no build");
+}
+
+#[test]
+fn a_bare_number_or_name_may_be_several_things() {
+    let json = |text: &str| format!("{:?}", Wanted::parse(&words(text)));
+    assert_eq!(json("42"), r#"Wanted { build: Some(42), part: Some(42), order: Some("42") }"#);
+    assert_eq!(json("b42"), r#"Wanted { build: Some(42), part: None, order: Some("b42") }"#);
+    assert_eq!(json("p7"), r#"Wanted { build: None, part: Some(7), order: Some("p7") }"#);
+    assert_eq!(json("build 42"), "Wanted { build: Some(42), part: None, order: None }");
+    assert_eq!(json("part 7"), "Wanted { build: None, part: Some(7), order: None }");
+    assert_eq!(json("order kit 7"), r#"Wanted { build: None, part: None, order: Some("kit 7") }"#);
+    assert_eq!(json("kit seven"), r#"Wanted { build: None, part: None, order: Some("kit seven") }"#);
+}
+
+#[tokio::test]
+async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
+    let ledger = fresh().await;
+    let claim = NewPart { order_name: "kit 7".into(), warnings: vec!["odd name".into()], ..new_part("fan", 3) };
+    let id = ledger.record_claim(&claim).await.unwrap().id;
+    ledger.accept(id, &[solid(0, 3)]).await.unwrap();
+    let build = published(&ledger, &[(id, 0), (id, 2)]).await;
+    ledger.record_outcome(build, Outcome::Complete, "fine", "ann@farm").await.unwrap();
+    assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
+    let found = show::look(&ledger, &Wanted::parse(&words("1"))).await.unwrap();
+    let text = show_text::found(&found);
+    for told in [
+        "Build 1 of paper-200: complete",
+        "87.50 mm, no build of these parts is below 40.00 mm",
+        "3.00 mm asked, 3.020 mm proved",
+        "ann@farm  fine",
+        "Part 1, fan.stl: waiting",
+        "3, 2 in build 1 (complete)",
+        "10.00 x 20.00 x 30.00 mm, 12 triangles",
+        "warning     odd name",
+    ] {
+        assert!(text.contains(told), "'{told}' is not told in\n{text}");
+    }
+    let json = serde_json::to_value(&found).unwrap();
+    assert_eq!(json["build"]["placements"][1]["tx_mm"], 2.0);
+    assert_eq!(json["part"]["part"]["state"], "waiting");
+    let order = show::look(&ledger, &Wanted::parse(&words("kit 7"))).await.unwrap();
+    assert!(show_text::found(&order).starts_with("Order kit 7\n\n"));
+    let nothing = show::look(&ledger, &Wanted::parse(&words("build 9"))).await.unwrap();
+    assert_eq!(serde_json::to_string(&nothing).unwrap(), "{}");
+}

@@ -1,0 +1,227 @@
+//! What a 3MF package says, as it says it: objects, components and build items in the file's own unit. `BuildItem` of the
+//! build file is our own word; `Item` here is the `<item>` of 3MF.
+
+use std::collections::{BTreeSet, HashMap};
+
+use glam::{DAffine3, DVec3};
+
+use super::{Limits, ReadError, Unit, model_parse, package::Package, xml::Space};
+
+/// Metadata without a namespace or under our own.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Metadata(pub(super) Vec<(Space, String, String)>);
+
+impl Metadata {
+    /// The value of a name under our own namespace.
+    pub(super) fn nestd(&self, name: &str) -> Option<String> {
+        self.of(Space::Nestd, name)
+    }
+
+    /// The value of one of the specification's nine names.
+    pub(super) fn plain(&self, name: &str) -> Option<String> {
+        self.of(Space::None, name)
+    }
+
+    fn of(&self, space: Space, name: &str) -> Option<String> {
+        self.0.iter().find(|(s, n, _)| *s == space && n == name).map(|(_, _, value)| value.clone())
+    }
+}
+
+/// What an object is made of.
+#[derive(Debug, Clone)]
+pub(super) enum Body {
+    Mesh { vertices: Vec<DVec3>, triangles: Vec<[u32; 3]> },
+    Components(Vec<Reference>),
+}
+
+/// An object at a place: a component or a build item.
+#[derive(Debug, Clone)]
+pub(super) struct Reference {
+    /// Another model part of the package (production extension).
+    pub(super) path: Option<String>,
+    pub(super) object: u32,
+    pub(super) transform: DAffine3,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Object {
+    pub(super) name: Option<String>,
+    pub(super) part_number: Option<String>,
+    /// Whether it is printed: `model` and `solidsupport`.
+    pub(super) is_part: bool,
+    pub(super) body: Body,
+    /// Its true shape is in a slice stack.
+    pub(super) sliced: bool,
+    /// Its true shape is in beams.
+    pub(super) lattice: bool,
+    pub(super) metadata: Metadata,
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct Item {
+    pub(super) reference: Reference,
+    pub(super) part_number: Option<String>,
+    /// Slicers mark what is not to be printed.
+    pub(super) printable: bool,
+    pub(super) metadata: Metadata,
+}
+
+/// One model part of the package.
+#[derive(Debug, Default)]
+pub(super) struct ModelPart {
+    pub(super) unit: Unit,
+    pub(super) objects: HashMap<u32, Object>,
+    pub(super) items: Vec<Item>,
+    pub(super) metadata: Metadata,
+}
+
+/// Names an object throughout the package.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct ObjectKey {
+    part: usize,
+    id: u32,
+}
+
+/// A whole package: the part that it starts from and those that it names.
+#[derive(Debug)]
+pub(super) struct Document {
+    parts: Vec<ModelPart>,
+    /// Lower-case path -> part.
+    paths: HashMap<String, usize>,
+    /// What a person should know about the package.
+    pub(super) warnings: Vec<String>,
+}
+
+/// What may still be read of each kind.
+#[derive(Debug)]
+pub(super) struct Budget {
+    limits: Limits,
+    left: [u64; 6],
+}
+
+/// Things that are counted.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Counted {
+    Triangles,
+    Vertices,
+    Objects,
+    Components,
+    Items,
+    MetadataBytes,
+}
+
+impl Budget {
+    /// Metadata of all objects and items together; a name and a hash per instance is a quarter of it.
+    const METADATA_BYTES_PER_INSTANCE: u64 = 1024;
+
+    pub(super) fn new(limits: &Limits) -> Self {
+        let mut budget = Self { limits: limits.clone(), left: [0; 6] };
+        use Counted::*;
+        for counted in [Triangles, Vertices, Objects, Components, Items, MetadataBytes] {
+            budget.left[counted as usize] = budget.limit(counted);
+        }
+        budget
+    }
+
+    fn limit(&self, counted: Counted) -> u64 {
+        match counted {
+            Counted::Triangles => self.limits.max_triangles,
+            Counted::Vertices => self.limits.max_triangles.saturating_mul(3),
+            Counted::Objects | Counted::Components | Counted::Items => self.limits.max_instances,
+            Counted::MetadataBytes => self.limits.max_instances.saturating_mul(Self::METADATA_BYTES_PER_INSTANCE),
+        }
+    }
+
+    pub(super) fn take(&mut self, counted: Counted, amount: u64) -> Result<(), ReadError> {
+        let left = &mut self.left[counted as usize];
+        match left.checked_sub(amount) {
+            Some(rest) => *left = rest,
+            None => return Err(self.passed(counted)),
+        }
+        Ok(())
+    }
+
+    fn passed(&self, counted: Counted) -> ReadError {
+        let what = match counted {
+            Counted::Triangles => "the number of triangles",
+            Counted::Vertices => "the number of vertices",
+            Counted::Objects => "the number of objects",
+            Counted::Components => "the number of components",
+            Counted::Items => "the number of build items",
+            Counted::MetadataBytes => "the metadata in bytes",
+        };
+        ReadError::TooLarge { what: what.to_owned(), limit: self.limit(counted) }
+    }
+}
+
+impl Document {
+    /// Reads the starting part and every part that items and components name.
+    pub(super) fn read(file: &std::path::Path, limits: &Limits) -> Result<Self, ReadError> {
+        let mut package = Package::open(file, limits)?;
+        let mut budget = Budget::new(limits);
+        let (start, starts) = package.start_part()?;
+        let mut document = Self { parts: Vec::new(), paths: HashMap::new(), warnings: Vec::new() };
+        if starts > 1 {
+            document.warnings.push(format!("the package names {starts} 3D models to start from; only {start} is read"));
+        }
+        let mut wanted = vec![start];
+        while let Some(path) = wanted.pop() {
+            let key = path_key(&path);
+            if document.paths.contains_key(&key) {
+                continue;
+            }
+            let part = package.parse(&path, |xml| model_parse::model(xml, &mut budget))?;
+            wanted.extend(named_paths(&part));
+            document.paths.insert(key, document.parts.len());
+            document.parts.push(part);
+        }
+        let unit = document.start().unit;
+        if document.parts.iter().any(|part| part.unit != unit && !part.objects.is_empty()) {
+            return Err(ReadError::threemf("its model parts are in different units"));
+        }
+        Ok(document)
+    }
+
+    /// The part that the package starts from; its build is the build.
+    pub(super) fn start(&self) -> &ModelPart {
+        &self.parts[0]
+    }
+
+    /// The object that a reference in the part of `from` names.
+    pub(super) fn key(&self, reference: &Reference, from: Option<ObjectKey>) -> Result<ObjectKey, ReadError> {
+        let part = match &reference.path {
+            Some(path) => self.paths.get(&path_key(path)).copied().unwrap_or(0),
+            None => from.map_or(0, |key| key.part),
+        };
+        let key = ObjectKey { part, id: reference.object };
+        if !self.parts[part].objects.contains_key(&key.id) {
+            return Err(ReadError::threemf(format!("there is no object {}", key.id)));
+        }
+        Ok(key)
+    }
+
+    /// An object by a key that [`Document::key`] gave.
+    pub(super) fn object(&self, key: ObjectKey) -> &Object {
+        &self.parts[key.part].objects[&key.id]
+    }
+}
+
+impl ObjectKey {
+    pub(super) fn id(self) -> u32 {
+        self.id
+    }
+}
+
+fn path_key(path: &str) -> String {
+    path.trim_start_matches('/').to_ascii_lowercase()
+}
+
+fn named_paths(part: &ModelPart) -> Vec<String> {
+    let components = part.objects.values().flat_map(|object| match &object.body {
+        Body::Components(components) => components.as_slice(),
+        Body::Mesh { .. } => &[],
+    });
+    let items = part.items.iter().map(|item| &item.reference);
+    let paths: BTreeSet<String> = components.chain(items).filter_map(|r| r.path.clone()).collect();
+    paths.into_iter().collect()
+}

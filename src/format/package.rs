@@ -1,0 +1,158 @@
+//! A 3MF package behind a guard: entries and unpacked bytes are counted as they come, never believed.
+
+use std::{
+    collections::HashMap,
+    fs::File,
+    io::{self, BufReader, Read, Seek, SeekFrom},
+    path::Path,
+};
+
+use zip::{ZipArchive, result::ZipError};
+
+use super::{
+    Limits, ReadError,
+    guard::Guard,
+    xml::{Step, Tag, Xml},
+};
+
+/// The relationship that leads to the model.
+const MODEL_TYPES: [&str; 2] = [
+    "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel",
+    "http://schemas.microsoft.com/3dmanufacturing/2015/06/3dmodel",
+];
+/// A comment of the greatest length may follow the end record of 22 bytes.
+pub(super) const MAX_END: u64 = 22 + 65_535;
+
+/// XML of a package entry, unpacked as it is read.
+pub(super) type EntryXml<'a> = Xml<Guard<BufReader<zip::read::ZipFile<'a, BufReader<File>>>>>;
+
+/// An opened package.
+pub(super) struct Package {
+    archive: ZipArchive<BufReader<File>>,
+    /// Lower-case name -> index: package names are equal whatever their case.
+    entries: HashMap<String, usize>,
+    /// Bytes that may still be unpacked.
+    budget: u64,
+    limits: Limits,
+}
+
+impl Package {
+    /// Opens the directory and counts its entries; unpacks nothing.
+    pub(super) fn open(file: &Path, limits: &Limits) -> Result<Self, ReadError> {
+        let mut opened = File::open(file)?;
+        let len = opened.metadata()?.len();
+        if len > limits.max_bytes {
+            return Err(ReadError::TooLarge { what: format!("{len} bytes"), limit: limits.max_bytes });
+        }
+        let claimed = claimed_entries(&mut opened, len)?
+            .ok_or_else(|| ReadError::Truncated("the end of the ZIP package is missing".to_owned()))?;
+        if claimed > limits.max_entries {
+            return Err(ReadError::TooLarge { what: format!("{claimed} package entries"), limit: limits.max_entries });
+        }
+        let archive = ZipArchive::new(BufReader::new(opened)).map_err(zip_error)?;
+        if archive.len() as u64 != claimed {
+            // The ZIP reader keeps one of two equal names; other readers keep the other one.
+            return Err(ReadError::threemf("the package names an entry twice"));
+        }
+        let mut entries = HashMap::new();
+        for (index, name) in archive.file_names().enumerate() {
+            if entries.insert(name.to_ascii_lowercase(), index).is_some() {
+                return Err(ReadError::threemf(format!("the package names {name:?} twice")));
+            }
+        }
+        Ok(Self { archive, entries, budget: limits.max_unpacked_bytes, limits: limits.clone() })
+    }
+
+    /// Unpacks one entry as XML and hands it to `parse`, which must read it to its end.
+    pub(super) fn parse<T>(
+        &mut self,
+        path: &str,
+        parse: impl FnOnce(&mut EntryXml<'_>) -> Result<T, ReadError>,
+    ) -> Result<T, ReadError> {
+        let name = path.trim_start_matches('/').to_ascii_lowercase();
+        let index = *self.entries.get(&name).ok_or_else(|| ReadError::threemf(format!("there is no {path:?}")))?;
+        let entry = self.archive.by_index(index).map_err(zip_error)?;
+        if entry.encrypted() {
+            return Err(ReadError::Unsupported("the package is encrypted".to_owned()));
+        }
+        let packed = entry.compressed_size();
+        let guard =
+            Guard::new(BufReader::with_capacity(1 << 16, entry), packed, self.budget, self.limits.max_unpacked_bytes);
+        let mut xml = Xml::new(guard, path);
+        let result = parse(&mut xml);
+        self.budget -= xml.unpacked().min(self.budget);
+        result
+    }
+
+    /// The path of the model that the package starts from, and how many it names (it should be one).
+    pub(super) fn start_part(&mut self) -> Result<(String, usize), ReadError> {
+        if !self.entries.contains_key("_rels/.rels") {
+            return Err(ReadError::threemf("the package has no relationships, so no 3D model"));
+        }
+        let mut targets = self.parse("_rels/.rels", relationship_targets)?;
+        match targets.len() {
+            0 => Err(ReadError::threemf("the package has no 3D model")),
+            count => Ok((targets.remove(0), count)),
+        }
+    }
+}
+
+/// Targets of the relationships to a model.
+fn relationship_targets(xml: &mut EntryXml<'_>) -> Result<Vec<String>, ReadError> {
+    let mut targets = Vec::new();
+    loop {
+        match xml.step()? {
+            Step::Open(Tag::Relationship) if xml.plain("Type").is_some_and(|t| MODEL_TYPES.contains(&t)) => {
+                let target = xml.plain("Target").ok_or_else(|| xml.invalid("a relationship without a target"))?;
+                if targets.len() < 10 {
+                    targets.push(target.to_owned());
+                }
+            }
+            Step::End => return Ok(targets),
+            _ => {}
+        }
+    }
+}
+
+/// The number of entries that the end record claims, `None` without an end record.
+pub(super) fn claimed_entries(file: &mut File, len: u64) -> io::Result<Option<u64>> {
+    let tail_len = len.min(MAX_END + 20);
+    file.seek(SeekFrom::Start(len - tail_len))?;
+    let mut tail = Vec::new();
+    (&mut *file).take(tail_len).read_to_end(&mut tail)?;
+    let Some(at) = end_record(&tail) else { return Ok(None) };
+    let short = u64::from(u16::from_le_bytes([tail[at + 10], tail[at + 11]]));
+    if short != 0xffff || at < 20 || !tail[at - 20..].starts_with(b"PK\x06\x07") {
+        return Ok(Some(short));
+    }
+    let offset = u64::from_le_bytes(tail[at - 12..at - 4].try_into().expect("eight bytes"));
+    let mut long = [0; 40];
+    file.seek(SeekFrom::Start(offset.min(len)))?;
+    match file.read_exact(&mut long) {
+        Ok(()) => Ok(Some(u64::from_le_bytes(long[32..40].try_into().expect("eight bytes")))),
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Where the last end-of-central-directory record begins whose comment is wholly there.
+pub(super) fn end_record(tail: &[u8]) -> Option<usize> {
+    (0..tail.len().saturating_sub(21)).rev().find(|&at| {
+        tail[at..].starts_with(b"PK\x05\x06")
+            && at + 22 + usize::from(u16::from_le_bytes([tail[at + 20], tail[at + 21]])) <= tail.len()
+    })
+}
+
+/// A ZIP error in our words: a fault of the disk stays one.
+fn zip_error(error: ZipError) -> ReadError {
+    match error {
+        ZipError::Io(error) if error.raw_os_error().is_some() => ReadError::Io(error),
+        ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => {
+            ReadError::Unsupported("the package is encrypted".to_owned())
+        }
+        ZipError::UnsupportedArchive(what) => {
+            ReadError::Unsupported(format!("the package is packed in a way that 3MF does not allow: {what}"))
+        }
+        other => ReadError::threemf(format!("the ZIP package is damaged: {other}")),
+    }
+}

@@ -1,0 +1,127 @@
+//! What tests of the ledger and of the rooms above it start from: ledgers in folders of their own, parts, builds.
+
+use jiff::Timestamp;
+use tempfile::TempDir;
+
+use super::*;
+use crate::nest::OrientationRule;
+
+/// A ledger in a folder of its own, with the clock standing at a fixed time until a test turns it.
+pub struct TestLedger {
+    _folder: TempDir,
+    pub ledger: Ledger,
+}
+
+impl std::ops::Deref for TestLedger {
+    type Target = Ledger;
+
+    fn deref(&self) -> &Ledger {
+        &self.ledger
+    }
+}
+
+pub async fn fresh() -> TestLedger {
+    let folder = tempfile::tempdir().unwrap();
+    let ledger = Ledger::open(&folder.path().join("nestd.db")).await.unwrap();
+    TestLedger { _folder: folder, ledger }
+}
+
+pub fn at(time: &str) -> Timestamp {
+    time.parse().unwrap()
+}
+
+pub fn new_part(claim: &str, copies: u32) -> NewPart {
+    NewPart {
+        claim: claim.to_owned(),
+        profile: "paper-200".to_owned(),
+        name: format!("{claim}.stl"),
+        order_name: String::new(),
+        content_hash: blake3::hash(claim.as_bytes()).to_hex().to_string(),
+        bytes: 684,
+        copies,
+        priority: 50,
+        due_at: None,
+        orientation: OrientationRule::Free,
+        clearance_mm: None,
+        unit: None,
+        note: String::new(),
+        warnings: Vec::new(),
+        ticket: None,
+    }
+}
+
+pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
+    SolidFacts {
+        object_index,
+        object_name: String::new(),
+        copies,
+        triangles: 12,
+        volume_mm3: 1000.0,
+        size_mm: [10.0, 20.0, 30.0],
+        warnings: Vec::new(),
+    }
+}
+
+/// A part that waits with so many copies.
+pub async fn waiting(ledger: &Ledger, claim: &str, copies: u32) -> PartId {
+    let part = ledger.record_claim(&new_part(claim, copies)).await.unwrap();
+    ledger.accept(part.id, &[solid(0, copies)]).await.unwrap();
+    part.id
+}
+
+pub fn verified(build: BuildId, copies: u32) -> Verified {
+    Verified {
+        file_name: format!("20261120T044900Z_paper-200_{build:0>6}.build.3mf"),
+        queue_id: "queue".to_owned(),
+        file_hash: "0".repeat(64),
+        file_bytes: 4321,
+        height_mm: 87.5,
+        density: 0.21,
+        lower_bound_mm: 40.0,
+        layers: 875,
+        part_volume_mm3: 1000.0 * f64::from(copies),
+        copies,
+        clearance_mm: 3.0,
+        clearance_proved_mm: Some(3.02),
+        cpu_secs: 10.5,
+        wall_secs: 5.25,
+        evaluations: 12_345,
+        seed: 7,
+        method: "nestd".to_owned(),
+        version: "0.1.0".to_owned(),
+        profile_snapshot: "{}".to_owned(),
+    }
+}
+
+pub fn placed(copies: &[(PartId, u32)]) -> Vec<PlacedCopy> {
+    let pose = |&(part, copy): &(PartId, u32)| PlacedCopy {
+        part,
+        copy,
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        translation_mm: [f64::from(copy), 2.0, 3.0],
+    };
+    copies.iter().map(pose).collect()
+}
+
+/// A build that has fired with these copies.
+pub async fn nesting(ledger: &Ledger, copies: &[(PartId, u32)]) -> BuildId {
+    let build = ledger.open_build("paper-200").await.unwrap().id;
+    ledger.begin_nesting(build, "flush", copies).await.unwrap();
+    build
+}
+
+/// A build in the queue with these copies.
+pub async fn published(ledger: &Ledger, copies: &[(PartId, u32)]) -> BuildId {
+    let build = nesting(ledger, copies).await;
+    ledger.verify_build(build, &verified(build, copies.len() as u32), &placed(copies)).await.unwrap();
+    ledger.publish_build(build).await.unwrap();
+    build
+}
+
+pub async fn part_state(ledger: &Ledger, id: PartId) -> PartState {
+    ledger.part(id).await.unwrap().unwrap().state
+}
+
+pub async fn build_state(ledger: &Ledger, id: BuildId) -> BuildState {
+    ledger.build(id).await.unwrap().unwrap().state
+}

@@ -1,0 +1,37 @@
+//! The marker file of a queue folder: a random id by which a replaced or unmounted folder is noticed.
+
+use std::{
+    fs,
+    io::{self, Write},
+    path::Path,
+};
+
+const NAME: &str = ".nestd-queue";
+
+/// The id in the marker, if there is one.
+pub(super) fn read(dir: &Path) -> io::Result<Option<String>> {
+    match fs::read_to_string(dir.join(NAME)) {
+        Ok(text) => Ok(Some(text.trim().to_owned()).filter(|id| !id.is_empty())),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// The id in the marker, which is made if there is none; of two that make it at once the first wins.
+pub(super) fn read_or_make(dir: &Path) -> io::Result<String> {
+    if let Some(id) = read(dir)? {
+        return Ok(id);
+    }
+    let mut file = tempfile::Builder::new().prefix(".nestd-queue-").tempfile_in(dir)?;
+    writeln!(file, "{:032x}", rand::random::<u128>())?;
+    file.as_file().sync_all()?;
+    // An empty marker, from a disk that was full, marks nothing.
+    if fs::metadata(dir.join(NAME)).is_ok_and(|meta| meta.len() == 0) {
+        fs::remove_file(dir.join(NAME))?;
+    }
+    match file.persist_noclobber(dir.join(NAME)) {
+        Err(error) if error.error.kind() != io::ErrorKind::AlreadyExists => return Err(error.error),
+        _ => fs::File::open(dir)?.sync_all()?,
+    }
+    read(dir)?.ok_or_else(|| io::Error::other("the marker .nestd-queue is empty"))
+}

@@ -1,0 +1,81 @@
+//! Bad input ends in the error folder with a reason, or with a warning on the part; the daemon goes on.
+
+use std::{fs, os::unix::net::UnixListener};
+
+use nestd::ledger::PartState;
+
+use super::support::{QUICK, TestFarm, block, stl, wait_until_or};
+
+/// The reason file of a refused name.
+fn reason(farm: &TestFarm, name: &str) -> String {
+    let file = farm.folder("error").join(format!("{name}.reason.txt"));
+    wait_until_or(&format!("{name} is refused"), 30.0, || farm.log(), || file.exists());
+    fs::read_to_string(file).unwrap()
+}
+
+#[test]
+fn what_cannot_be_printed_is_refused_with_a_reason_and_the_rest_goes_on() {
+    let farm = TestFarm::running(&format!("{QUICK}duplicates = \"reject\"\n"));
+    let cube = stl(&block(10.0, 10.0, 10.0));
+    farm.drop_bytes("torn.stl", &cube[..cube.len() - 30]);
+    farm.drop_bytes("empty.stl", b"");
+    farm.drop_bytes("letter.txt", b"Dear farm, please print a cube.");
+    farm.drop_bytes("open.stl", &stl_without_last_triangle(&cube));
+    farm.drop_part("large.stl", &block(130.0, 10.0, 125.0));
+    let _socket = UnixListener::bind(farm.folder("inbox").join("socket.stl")).unwrap();
+    fs::create_dir(farm.folder("inbox").join("folder.stl")).unwrap();
+    std::os::unix::fs::symlink("/etc/hostname", farm.folder("inbox").join("link.stl")).unwrap();
+    farm.drop_bytes("good.stl", &cube);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.drop_bytes("again.stl", &cube);
+
+    for name in ["empty.stl", "letter.txt", "socket.stl", "link.stl", "folder.stl"] {
+        assert!(reason(&farm, name).len() > 10, "{name}");
+    }
+    assert!(reason(&farm, "open.stl").contains("not closed"));
+    let large = reason(&farm, "large.stl");
+    assert!(large.contains("130.0") && large.contains("125.0") && large.contains("120 x 120 x 120"), "{large}");
+    assert!(reason(&farm, "again.stl").contains("same file"));
+    assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].name, "good.stl");
+}
+
+#[test]
+fn a_broken_ticket_refuses_its_part_for_its_copies_are_not_known() {
+    let farm = TestFarm::running(QUICK);
+    farm.drop_bytes("cube.stl.toml", b"copies = \"many\"");
+    farm.drop_part("cube.stl", &block(10.0, 10.0, 10.0));
+    assert!(reason(&farm, "cube.stl").contains("copies"));
+    assert_eq!(farm.parts(PartState::Rejected).len(), 1);
+}
+
+#[test]
+fn a_ticket_says_copies_order_and_rule() {
+    let farm = TestFarm::running(QUICK);
+    farm.drop_bytes("cube_x9.stl.toml", b"copies = 3\norder = \"A-17\"\npriority = 80\norientation = \"upright\"");
+    farm.drop_part("cube_x9.stl", &block(10.0, 10.0, 10.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert_eq!((part.copies, part.order_name.as_str(), part.priority), (3, "A-17", 80));
+    assert_eq!(part.orientation, nestd::nest::OrientationRule::Upright);
+}
+
+#[test]
+fn a_refused_part_is_taken_back_by_retry_once_the_cause_is_gone() {
+    let farm = TestFarm::running(QUICK);
+    farm.drop_part("large.stl", &block(130.0, 10.0, 125.0));
+    let part = farm.wait_for_parts(PartState::Rejected, 1).remove(0);
+    reason(&farm, "large.stl");
+    farm.write_profile("test", &QUICK.replace("[120, 120, 120]", "[150, 150, 150]"));
+    farm.reload();
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    farm.nestd_ok(&["retry", &part.id.to_string()]);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let error = farm.folder("error");
+    wait_until_or("the error folder is tidy", 5.0, || farm.log(), || !error.join("large.stl").exists());
+}
+
+fn stl_without_last_triangle(stl: &[u8]) -> Vec<u8> {
+    let mut bytes = stl[..stl.len() - 50].to_vec();
+    let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) - 1;
+    bytes[80..84].copy_from_slice(&count.to_le_bytes());
+    bytes
+}

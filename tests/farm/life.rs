@@ -1,0 +1,137 @@
+//! A part's life: dropped, claimed, read, waiting, batched, nested, verified, published, history.
+
+use std::{
+    fs,
+    io::Write,
+    time::{Duration, Instant},
+};
+
+use nestd::{
+    format,
+    ledger::{HistoryQuery, PartState},
+    samples,
+};
+
+use super::support::{QUICK, TestFarm, block, stl, wait_until};
+
+#[test]
+fn dropped_parts_become_one_build_in_the_queue_with_its_height_in_the_history() {
+    let farm = TestFarm::running(QUICK);
+    for (at, sample) in samples::all().iter().take(5).enumerate() {
+        farm.drop_part(&format!("{at}_{}_x2.stl", sample.name), &sample.mesh);
+    }
+    farm.wait_for_parts(PartState::Waiting, 5);
+    farm.nestd_ok(&["flush", "test"]);
+    let file = farm.wait_for_queued(1).remove(0);
+    farm.wait_for_parts(PartState::Built, 5);
+    let placed = format::read_build(&file, &format::Limits::default()).unwrap();
+    assert_eq!(placed.len(), 10);
+    let top_mm = placed.iter().map(|p| p.mesh.bounds_at(&p.pose).max.z).fold(0.0, f64::max);
+    let rows = farm.ask(async |ledger| ledger.history(&HistoryQuery::default()).await.unwrap());
+    assert_eq!(rows.len(), 1);
+    assert!((rows[0].height_mm.unwrap() - top_mm).abs() < 1e-3, "{:?} is not {top_mm}", rows[0].height_mm);
+    assert!(rows[0].clearance_proved_mm.is_none_or(|c| c >= 2.0));
+    let stem = file.to_string_lossy().replace(".build.3mf", "");
+    for suffix in [".report.json", ".parts.csv", ".png"] {
+        assert!(fs::metadata(format!("{stem}{suffix}")).unwrap().len() > 0, "{suffix} is missing");
+    }
+    assert!(farm.nestd(&["verify", file.to_str().unwrap()]).status.success());
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn the_originals_of_a_published_build_lie_in_the_archive_and_leave_the_inbox() {
+    let farm = TestFarm::running(QUICK);
+    let bytes = stl(&block(10.0, 10.0, 10.0));
+    farm.drop_bytes("order 7/cube.stl", &bytes);
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert_eq!(part.order_name, "order 7");
+    farm.nestd_ok(&["flush", "test"]);
+    let file = farm.wait_for_queued(1).remove(0);
+    let stem = file.file_name().unwrap().to_string_lossy().replace(".build.3mf", "");
+    let archived = farm.folder("archive").join(stem).join("cube.stl");
+    assert_eq!(fs::read(archived).unwrap(), bytes);
+    wait_until("the claimed original is let go", 5.0, || {
+        fs::read_dir(farm.folder("inbox").join(".claimed"))
+            .is_ok_and(|mut d| d.all(|e| e.unwrap().file_name().to_string_lossy().starts_with('.')))
+    });
+}
+
+#[test]
+fn a_file_that_is_still_being_written_is_taken_once_and_whole() {
+    let farm = TestFarm::running(QUICK);
+    let bytes = stl(&samples::lattice_block([2, 2, 2], 8.0, 2.0));
+    let mut file = fs::File::create(farm.folder("inbox").join("slow.stl")).unwrap();
+    let began = Instant::now();
+    for chunk in bytes.chunks(bytes.len() / 12 + 1) {
+        file.write_all(chunk).unwrap();
+        std::thread::sleep(Duration::from_millis(200));
+        assert!(farm.parts(PartState::Waiting).is_empty(), "taken after {:?}", began.elapsed());
+    }
+    drop(file);
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert_eq!(part.bytes, bytes.len() as u64);
+}
+
+#[test]
+fn a_stopped_farm_goes_on_where_it_was() {
+    let mut farm = TestFarm::running(QUICK);
+    farm.drop_part("a_x3.stl", &block(20.0, 30.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    std::thread::sleep(Duration::from_millis(1500));
+    farm.stop();
+    farm.drop_part("b_x2.stl", &block(10.0, 10.0, 40.0));
+    farm.start();
+    farm.wait_for_parts(PartState::Waiting, 2);
+    farm.nestd_ok(&["flush", "test"]);
+    farm.wait_for_parts(PartState::Built, 2);
+    assert_eq!(farm.queued().len(), 1);
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_stop_in_the_middle_of_a_final_search_loses_nothing() {
+    let mut farm = TestFarm::running(&QUICK.replace("final_secs = 0.5", "final_secs = 60"));
+    farm.drop_part("a_x6.stl", &samples::all()[0].mesh);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.nestd_ok(&["flush", "test"]);
+    farm.wait_for_parts(PartState::Batched, 1);
+    farm.stop();
+    farm.write_profile("test", QUICK);
+    farm.start();
+    farm.wait_for_parts(PartState::Built, 1);
+    assert_eq!(farm.queued().len(), 1);
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_second_daemon_on_the_same_ledger_is_refused() {
+    let farm = TestFarm::running(QUICK);
+    let output = farm.nestd(&["run"]);
+    assert!(!output.status.success());
+    assert!(String::from_utf8_lossy(&output.stderr).contains("another nestd"));
+}
+
+#[test]
+fn a_reload_adds_changes_and_removes_profiles_without_a_restart() {
+    let farm = TestFarm::running(QUICK);
+    farm.write_profile("second", QUICK);
+    farm.reload();
+    let inbox = farm.root().join("inbox/second");
+    wait_until("the new profile has its hot folder", 5.0, || inbox.is_dir());
+    fs::write(inbox.join("cube.stl"), stl(&block(10.0, 10.0, 10.0))).unwrap();
+    assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].profile, "second");
+    farm.write_profile("second", "volume_mm = \"wrong\"");
+    farm.reload();
+    std::thread::sleep(Duration::from_millis(500));
+    farm.nestd_ok_with_old_profile("second");
+}
+
+impl TestFarm {
+    /// A wrong configuration must leave the old one in force: the profile still publishes.
+    fn nestd_ok_with_old_profile(&self, name: &str) {
+        self.write_profile(name, QUICK);
+        self.nestd_ok(&["flush", name]);
+        self.wait_for_parts(PartState::Built, 1);
+    }
+}

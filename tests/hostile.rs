@@ -1,0 +1,301 @@
+//! Files made to break readers: none may panic, hang, or take memory that the file only claims to need.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests, too
+
+use std::{
+    fs,
+    io::{Cursor, Write},
+    path::PathBuf,
+};
+
+use nestd::format::{Contents, Limits, ReadError, Unit, has_end, read, read_build};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
+
+/// All tests of this binary together stay below this, MiB: limits for testing allow files of 4 MiB.
+const MAX_MEMORY_MIB: u64 = 400;
+const ROUNDS: usize = 400;
+
+const TYPES: &str = r#"<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>"#;
+const RELATIONSHIPS: &str = r#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+const MESH: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="9" y="0" z="0"/><vertex x="0" y="9" z="0"/><vertex x="0" y="0" z="9"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/><triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/></triangles></mesh>"#;
+
+fn model(resources: &str, build: &str) -> String {
+    format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?><model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><metadata name="Title">T</metadata><resources>{resources}</resources><build>{build}</build></model>"#
+    )
+}
+
+fn honest() -> String {
+    model(
+        &format!(
+            r#"<object id="1" name="a" p:UUID="6b0a9b54-58a1-4a38-8d5d-1f2f4ef0b0aa">{MESH}</object><object id="2"><components><component objectid="1"/><component objectid="1" transform="1 0 0 0 1 0 0 0 1 20 0 0"/></components></object>"#
+        ),
+        r#"<item objectid="1"/><item objectid="2" transform="0 1 0 -1 0 0 0 0 1 5 5 5"/>"#,
+    )
+}
+
+fn package(entries: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in entries {
+        zip.start_file(*name, SimpleFileOptions::default().compression_method(method)).unwrap();
+        zip.write_all(bytes).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+fn threemf(model: &[u8]) -> Vec<u8> {
+    let entries: [(&str, &[u8]); 3] = [
+        ("[Content_Types].xml", TYPES.as_bytes()),
+        ("_rels/.rels", RELATIONSHIPS.as_bytes()),
+        ("3D/3dmodel.model", model),
+    ];
+    package(&entries, CompressionMethod::Deflated)
+}
+
+fn binary_stl() -> Vec<u8> {
+    let corners: [[f32; 3]; 4] = [[0.0; 3], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
+    let mut bytes = b"solid binary".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend(4_u32.to_le_bytes());
+    for triangle in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+        bytes.extend([0; 12]);
+        bytes.extend(triangle.iter().flat_map(|&i: &usize| corners[i]).flat_map(f32::to_le_bytes));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn text_stl() -> Vec<u8> {
+    let corners = ["0 0 0", "9 0 0", "0 9.5e0 0", "0 0 9"];
+    let mut text = "solid text\n".to_owned();
+    for triangle in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
+        text += "facet normal 0 0 0\n outer loop\n";
+        triangle.iter().for_each(|&i: &usize| text += &format!("  vertex {}\n", corners[i]));
+        text += " endloop\nendfacet\n";
+    }
+    (text + "endsolid text\n").into_bytes()
+}
+
+/// A scratch file that all readers are tried on.
+struct Scratch(tempfile::TempDir);
+
+impl Scratch {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn file(&self, bytes: &[u8]) -> PathBuf {
+        let file = self.0.path().join("f");
+        fs::write(&file, bytes).unwrap();
+        file
+    }
+
+    fn read(&self, bytes: &[u8], name: &str) -> Result<Contents, ReadError> {
+        let result = read(&self.file(bytes), name, None, Unit::Millimeter, &Limits::for_testing());
+        assert!(!result.as_ref().is_err_and(ReadError::is_io), "{result:?} blames the disk");
+        result
+    }
+
+    /// All readers, for their panics.
+    fn try_all(&self, bytes: &[u8], name: &str) {
+        let _ = self.read(bytes, name);
+        let file = self.file(bytes);
+        let _ = read_build(&file, &Limits::for_testing());
+        let _ = has_end(&file, name);
+    }
+
+    fn refusal(&self, bytes: &[u8]) -> String {
+        match self.read(bytes, "x.3mf") {
+            Ok(contents) => panic!("accepted: {:?}", contents.warnings),
+            Err(error) => error.to_string(),
+        }
+    }
+}
+
+fn peak_memory_mib() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find(|l| l.starts_with("VmHWM:")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() / 1024
+}
+
+/// Changes a few bytes, cuts, doubles or drops a piece.
+fn mutated(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
+    let mut out = bytes.to_vec();
+    for _ in 0..rng.random_range(1..4) {
+        let at = rng.random_range(0..=out.len());
+        let end = (at + rng.random_range(0..24)).min(out.len());
+        let piece = out[at..end].to_vec();
+        match rng.random_range(0..6) {
+            0 => out.truncate(at),
+            1 => drop(out.drain(at..end)),
+            2 => drop(out.splice(at..at, piece)),
+            3 => out[at..end].fill(*[0, 0xff, b'9', b'-', b'<', b'"'].get(rng.random_range(0..6)).unwrap()),
+            4 => out[at..end].iter_mut().for_each(|b| *b ^= 1 << rng.random_range(0..8)),
+            _ => out[at..end].iter_mut().for_each(|b| *b = rng.random()),
+        }
+        if out.is_empty() {
+            break;
+        }
+    }
+    out
+}
+
+#[test]
+fn the_honest_files_are_read() {
+    let scratch = Scratch::new();
+    assert_eq!(scratch.read(&binary_stl(), "a.stl").unwrap().solids[0].mesh.triangles().len(), 4);
+    assert_eq!(scratch.read(&text_stl(), "a.stl").unwrap().solids[0].mesh.triangles().len(), 4);
+    let contents = scratch.read(&threemf(honest().as_bytes()), "a.3mf").unwrap();
+    assert_eq!(contents.solids.iter().map(|s| s.mesh.triangles().len()).collect::<Vec<_>>(), [4, 8]);
+    assert_eq!(contents.solids[1].mesh.bounds().min.to_array(), [-9.0, 0.0, 0.0], "components are moved, items turned");
+}
+
+#[test]
+fn thousands_of_damaged_files_are_read_or_refused() {
+    let scratch = Scratch::new();
+    let mut rng = ChaCha8Rng::seed_from_u64(42);
+    let (binary, text, xml) = (binary_stl(), text_stl(), honest().into_bytes());
+    let packed = threemf(&xml);
+    for _ in 0..ROUNDS {
+        scratch.try_all(&mutated(&binary, &mut rng), "a.stl");
+        scratch.try_all(&mutated(&text, &mut rng), "a.stl");
+        scratch.try_all(&mutated(&packed, &mut rng), "a.3mf");
+        scratch.try_all(&threemf(&mutated(&xml, &mut rng)), "a.3mf");
+    }
+    assert!(peak_memory_mib() < MAX_MEMORY_MIB, "{} MiB", peak_memory_mib());
+}
+
+#[test]
+fn bombs_are_refused_before_they_go_off() {
+    let scratch = Scratch::new();
+    let blank = |bytes: usize| model("", "").replace("<build>", &format!("<build>{}", " ".repeat(bytes)));
+    assert!(scratch.refusal(&threemf(blank(3 << 20).as_bytes())).contains("token"));
+    let comments = format!("<!--{}-->", "x".repeat(1 << 19)).repeat(40);
+    assert!(scratch.refusal(&threemf((comments + &honest()).as_bytes())).contains("unpacked"));
+    let many: String = (0..300).map(|i| format!(r#"<object id="{i}"/>"#)).collect();
+    assert!(scratch.refusal(&threemf(model(&many, "").as_bytes())).contains("objects"));
+    let doubled = (1..20).map(|i| {
+        let inner = format!(r#"<component objectid="{i}"/>"#).repeat(10);
+        format!(r#"<object id="{}"><components>{inner}</components></object>"#, i + 1)
+    });
+    let doubling = format!(r#"<object id="1">{MESH}</object>"#) + &doubled.collect::<String>();
+    for (top, word) in [(4, "instances"), (19, "depth")] {
+        let bomb = model(&doubling, &format!(r#"<item objectid="{top}"/>"#));
+        let refusal = scratch.refusal(&threemf(bomb.as_bytes()));
+        assert!(refusal.contains(word), "{refusal}");
+    }
+    let deep = "<x>".repeat(100_000);
+    assert!(scratch.refusal(&threemf(model(&deep, "").as_bytes())).contains("deep"));
+    assert!(peak_memory_mib() < MAX_MEMORY_MIB, "{} MiB", peak_memory_mib());
+}
+
+#[test]
+fn lies_about_structure_are_refused_by_name() {
+    let scratch = Scratch::new();
+    let cases = [
+        (r#"v1="0""#, r#"v1="-1""#, "index"),
+        (r#"v1="0""#, r#"v1="4""#, "of 4 vertices"),
+        (r#"v1="0""#, r#"v1="4294967296""#, "index"),
+        (r#"x="9""#, r#"x="nan""#, "finite"),
+        (r#"transform="1 0 0 0 1 0 0 0 1 20 0 0""#, r#"transform="1 0 0""#, "12 finite numbers"),
+        (r#"transform="1 0 0 0 1 0 0 0 1 20 0 0""#, r#"transform="1 0 0 0 1 0 0 0 0 20 0 0""#, "singular"),
+        (r#"<component objectid="1"/>"#, r#"<component objectid="2"/>"#, "component of itself"),
+        (r#"<component objectid="1"/>"#, r#"<component objectid="7"/>"#, "no object 7"),
+        (r#"<component objectid="1"/>"#, r#"<component objectid="1" p:path="/3D/x.model"/>"#, "there is no"),
+        (r#"id="2""#, r#"id="1""#, "two objects 1"),
+        ("<model ", r#"<!DOCTYPE a [<!ENTITY x SYSTEM "file:///etc/passwd">]><model "#, "DTD"),
+        ("<model ", r#"<model requiredextensions="q" "#, "does not declare"),
+        ("<model ", r#"<model requiredextensions="q" xmlns:q="http://example.com/q" "#, "http://example.com/q"),
+        ("millimeter", "parsec", "parsec"),
+        (">T<", ">&x;<", "entity"),
+    ];
+    for (from, to, word) in cases {
+        assert!(honest().contains(from));
+        let refusal = scratch.refusal(&threemf(honest().replace(from, to).as_bytes()));
+        assert!(refusal.contains(word), "{from} -> {to}: {refusal}");
+    }
+}
+
+#[test]
+fn two_entries_of_one_name_are_refused_whatever_their_case() {
+    let scratch = Scratch::new();
+    let model = honest();
+    let entries: [(&str, &[u8]); 3] = [
+        ("_rels/.rels", RELATIONSHIPS.as_bytes()),
+        ("3D/3dmodel.model", model.as_bytes()),
+        ("3d/3DMODEL.model", b"<x/>"),
+    ];
+    let mut twice = package(&entries, CompressionMethod::Stored);
+    assert!(scratch.refusal(&twice).contains("twice"));
+    for at in 0..twice.len() - 16 {
+        if twice[at..].starts_with(b"3d/3DMODEL.model") {
+            twice[at..at + 16].copy_from_slice(b"3D/3dmodel.model");
+        }
+    }
+    assert!(scratch.refusal(&twice).contains("twice"));
+}
+
+#[test]
+fn more_entries_than_the_limit_are_refused() {
+    let names: Vec<String> = (0..51).map(|i| format!("e{i}")).collect();
+    let entries: Vec<(&str, &[u8])> = names.iter().map(|n| (n.as_str(), [].as_slice())).collect();
+    assert!(Scratch::new().refusal(&package(&entries, CompressionMethod::Stored)).contains("entries"));
+}
+
+#[test]
+fn sizes_that_the_directory_claims_are_not_believed() {
+    let scratch = Scratch::new();
+    let honest = threemf(honest().as_bytes());
+    for signature in [b"PK\x01\x02".as_slice(), b"PK\x03\x04"] {
+        let size_at = if signature == b"PK\x01\x02" { 24 } else { 22 };
+        let mut lying = honest.clone();
+        for at in 0..lying.len() - 46 {
+            if lying[at..].starts_with(signature) {
+                lying[at + size_at..at + size_at + 4].copy_from_slice(&0xffff_fff0_u32.to_le_bytes());
+            }
+        }
+        scratch.try_all(&lying, "a.3mf");
+    }
+    assert!(peak_memory_mib() < MAX_MEMORY_MIB, "{} MiB", peak_memory_mib());
+}
+
+#[test]
+fn a_file_beyond_the_limits_is_refused_unread() {
+    let scratch = Scratch::new();
+    let large = vec![b' '; (4 << 20) + 1];
+    assert!(matches!(scratch.read(&large, "a.stl"), Err(ReadError::TooLarge { .. })));
+    let mut many = vec![0; 84 + 50 * 50_001];
+    many[80..84].copy_from_slice(&50_001_u32.to_le_bytes());
+    assert!(matches!(scratch.read(&many, "a.stl"), Err(ReadError::TooLarge { .. })));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn arbitrary_bytes_do_no_harm(
+        start in prop::sample::select(vec![&b""[..], b"solid ", b"PK\x03\x04", b"facet", b"\xef\xbb\xbf", b"<?xml"]),
+        bytes in prop::collection::vec(any::<u8>(), 0..600),
+        name in prop::sample::select(vec!["a.stl", "a.3mf", "a", "a.txt"]),
+    ) {
+        let whole = [start, &bytes].concat();
+        Scratch::new().try_all(&whole, name);
+    }
+
+    #[test]
+    fn arbitrary_xml_does_no_harm(inside in "[<>/a-z\"= 0-9&;:!\\-\\[\\]?]{0,200}") {
+        let scratch = Scratch::new();
+        scratch.try_all(&threemf(model(&inside, &inside).as_bytes()), "a.3mf");
+        scratch.try_all(&threemf(inside.as_bytes()), "a.3mf");
+    }
+
+    #[test]
+    fn arbitrary_words_do_no_harm(words in prop::collection::vec(
+        prop::sample::select(vec!["solid", "facet", "normal", "outer", "loop", "vertex", "0", "1e9", "-", "endloop",
+            "endfacet", "endsolid", "\n", "\r", "#", "x"]), 0..80)
+    ) {
+        Scratch::new().try_all(format!("solid {}", words.join(" ")).as_bytes(), "a.stl");
+    }
+}

@@ -1,0 +1,113 @@
+#!/bin/bash
+# Runs inside the container that run.sh boots: checks nestd under systemd, writes `checks`, `journal` and `verdict` into $1.
+set -u
+RESULTS=$1
+failures=0
+
+say() { echo "$*" | tee -a "$RESULTS/checks"; }
+check() { # NAME COMMAND...: the check holds when the command succeeds
+    local name=$1; shift
+    if "$@" > /tmp/said 2>&1; then say "ok      $name"; else say "FAILED  $name"; sed 's/^/        /' /tmp/said >> "$RESULTS/checks"; failures=$((failures + 1)); fi
+}
+within() { # SECONDS COMMAND...: the command succeeds some time within so long
+    local end=$((SECONDS + $1)); shift
+    until "$@"; do [ $SECONDS -lt $end ] || return 1; sleep 0.3; done
+}
+property() { systemctl show --value -p "$1" nestd; }
+is_active() { [ "$(property ActiveState)" = active ]; }
+as_nestd() { runuser -u nestd -- nestd "$@" -c /etc/nestd/nestd.toml; }
+
+# An ASCII cube with an edge of 20 mm: cube NAME
+cube() {
+    python3 - "$1" <<'PYTHON'
+import sys
+corner = lambda i: tuple(20.0 * (i >> k & 1) for k in range(3))
+quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+with open(sys.argv[1], "w") as out:
+    out.write("solid cube\n")
+    for a, b, c, d in quads:
+        for triangle in ((a, b, c), (a, c, d)):
+            corners = "".join("vertex %g %g %g\n" % corner(i) for i in triangle)
+            out.write("facet normal 0 0 0\nouter loop\n%sendloop\nendfacet\n" % corners)
+    out.write("endsolid cube\n")
+PYTHON
+}
+
+verifies() { local said; said=$(systemd-analyze verify --man=no /usr/lib/systemd/system/nestd.service 2>&1); echo "$said"; [ -z "$said" ]; }
+security() { systemd-analyze security --offline=true --threshold=15 /usr/lib/systemd/system/nestd.service | tail -1; return "${PIPESTATUS[0]}"; }
+builds() { find "/srv/nestd/queue/$1" -maxdepth 1 -name '[!.]*.build.3mf' 2>/dev/null | wc -l; }
+published() { [ "$(builds "$1")" = "$2" ]; }
+flushed() { as_nestd flush "$1"; }
+
+check "the account is made" systemd-sysusers /usr/lib/sysusers.d/nestd.conf
+check "the folders are made" systemd-tmpfiles --create /usr/lib/tmpfiles.d/nestd.conf
+check "the unit verifies without a word" verifies
+check "systemd-analyze security gives at most 1.5" security
+systemctl daemon-reload
+check "nestd check finds no problem before the first start" as_nestd check
+
+# systemctl start of a notify service returns when READY=1 has come.
+check "it starts and says that it is ready" timeout 30 systemctl start nestd
+check "it is active" is_active
+check "it says what it does" test -n "$(property StatusText)"
+check "it runs as nestd" test "$(ps -o user= -p "$(property MainPID)")" = nestd
+
+check "the hot folder is there" within 10 test -d /srv/nestd/inbox/paper-200
+cube /srv/nestd/inbox/paper-200/cube_x3.stl
+chmod 0644 /srv/nestd/inbox/paper-200/cube_x3.stl
+check "a dropped part is taken" within 20 test ! -e /srv/nestd/inbox/paper-200/cube_x3.stl
+check "flush is taken" within 20 flushed paper-200
+check "the build is in the queue" within 60 published paper-200 1
+as_nestd status >> "$RESULTS/checks" 2>&1
+as_nestd history >> "$RESULTS/checks" 2>&1
+
+# A technician in the group, with an order folder that only he may write to by mode.
+useradd -M -G nestd technician 2>/dev/null
+check "a technician drops an order" runuser -u technician -- sh -c \
+    'umask 077; mkdir "/srv/nestd/inbox/paper-200/order 7" && cat > "/srv/nestd/inbox/paper-200/order 7/piece.stl"' < <(cube /tmp/piece.stl; cat /tmp/piece.stl)
+check "it is taken or refused with a reason" within 30 test ! -e "/srv/nestd/inbox/paper-200/order 7/piece.stl"
+
+before=$(property MainPID)
+cp /etc/nestd/profiles/paper-200.toml /etc/nestd/profiles/second-200.toml
+check "it reloads" timeout 20 systemctl reload nestd
+check "a new profile has its hot folder without a restart" within 15 test -d /srv/nestd/inbox/second-200
+check "it is the same process" test "$before" = "$(property MainPID)"
+check "it is active after the reload" within 5 is_active
+echo 'volume_mm = "wrong"' > /etc/nestd/profiles/third.toml
+systemctl reload nestd
+sleep 2
+check "a wrong configuration does not stop it" is_active
+journalctl -u nestd --no-pager -o cat | grep -q 'third.toml' && say "ok      the journal names the wrong file" || { say "FAILED  the journal names the wrong file"; failures=$((failures + 1)); }
+rm /etc/nestd/profiles/third.toml
+systemctl reload nestd
+
+# A process that stands still gives no sign of life.
+kill -STOP "$before"
+restarted() { is_active && [ "$(property MainPID)" != "$before" ] && [ "$(property MainPID)" != 0 ]; }
+check "the watchdog has it killed and started anew" within 60 restarted
+check "the reason was the watchdog" sh -c "journalctl -u nestd --no-pager -o cat | grep -qi 'watchdog'"
+cube /srv/nestd/inbox/second-200/after.stl
+check "it works after the restart" within 20 test ! -e /srv/nestd/inbox/second-200/after.stl
+check "flush is taken after the restart" within 20 flushed second-200
+check "the second build is in its queue" within 60 published second-200 1
+check "the first build is still there once" published paper-200 1
+
+started=$SECONDS
+stopped_at=$(date '+%Y-%m-%d %H:%M:%S')
+check "it stops" timeout 20 systemctl stop nestd
+took=$((SECONDS - started))
+check "it stops within 10 s (took $took s)" test $took -le 10
+ended_well() { journalctl -u nestd --no-pager -o cat --since "$stopped_at" | tee /dev/stderr | grep -q 'Deactivated successfully'; }
+check "it ended by itself, with success" ended_well
+check "nestd check finds no problem afterwards" as_nestd check
+check "nothing was killed by the system-call filter" sh -c "! journalctl --no-pager | grep -qi 'SIGSYS\|seccomp'"
+
+journalctl --no-pager -o short-precise -u nestd > "$RESULTS/journal" 2>&1
+# One entry of the journal a line; the wrong configuration and the watchdog are the two errors that were provoked.
+unexpected() {
+    journalctl -u nestd -p err --no-pager -o json | grep -v 'third.toml' | grep -v 'Watchdog timeout'
+}
+check "no error was logged but those that were provoked" test -z "$(unexpected)"
+unexpected >> "$RESULTS/checks"
+if [ $failures = 0 ]; then echo passed > "$RESULTS/verdict"; else echo "$failures failed" > "$RESULTS/verdict"; fi
+say "$(cat "$RESULTS/verdict")"

@@ -1,14 +1,232 @@
-//! `nestd nest`.
+//! `nestd nest`: the whole nester without a farm. Parts in, a proved build file out.
 
-use anyhow::Result;
+mod output;
+mod parts;
+mod progress;
 
-use super::{Common, Exit};
+use std::{
+    io::IsTerminal,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result};
+use glam::DVec3;
+
+use super::{Common, Exit, Usage};
+use crate::{
+    format::{Arrangement, Instances, Limits, Unit},
+    nest::{self, BuildVolume, Config, Instance, Item, Method, OrientationRule, Solution},
+    settings::{self, parse_secs},
+};
+use progress::{Budget, Progress};
+
+/// Clearance without a profile and without `--clearance`, mm.
+const DEFAULT_CLEARANCE_MM: f64 = 3.0;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+#[command(
+    after_help = "Exit code 0 everything placed and proved, 1 a copy could not be placed (the rest is still written), \
+                        2 wrong use."
+)]
+pub struct Args {
+    /// Parts (STL or 3MF), each with a number of copies after `=` [default: 1]
+    #[arg(value_name = "PART[=COPIES]", required_unless_present = "list")]
+    parts: Vec<String>,
+    /// Parts as CSV with the columns file and quantity (or copies)
+    #[arg(long, value_name = "PARTS.csv")]
+    list: Option<PathBuf>,
+    /// Folder that the list's files are relative to [default: the list's own]
+    #[arg(long, value_name = "DIR", requires = "list")]
+    base: Option<PathBuf>,
+    /// Machine profile: its volume, margins, clearance, orientation rule and search parameters
+    #[arg(long, value_name = "PROFILE", required_unless_present = "volume")]
+    profile: Option<String>,
+    /// Build volume in mm, e.g. 200x200x200 [default: the profile's]
+    #[arg(long, value_name = "XxYxZ", value_parser = volume)]
+    volume: Option<DVec3>,
+    /// Least distance between two parts, mm [default: the profile's, else 3]
+    #[arg(long, value_name = "MM", value_parser = distance)]
+    clearance: Option<f64>,
+    /// Search: our own or the published one [default: the profile's, else nestd]
+    #[arg(long, value_name = "METHOD", value_parser = word::<Method>)]
+    method: Option<Method>,
+    /// Time to search, e.g. 60s or 2m
+    #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]
+    budget: f64,
+    /// Search for so many evaluations instead: the same build every time
+    #[arg(long, value_name = "N", conflicts_with = "budget", value_parser = clap::value_parser!(u64).range(1..))]
+    evaluations: Option<u64>,
+    /// Threads to search with; part of what makes a build repeatable; 0 = one per core [default: the profile's, else 1]
+    #[arg(long, value_name = "T")]
+    threads: Option<usize>,
+    /// Seed of every random choice [default: the profile's, else 1]
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
+    #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
+    orientation: Option<OrientationRule>,
+    /// Build file to write, e.g. build.3mf
+    #[arg(short = 'o', long = "output", value_name = "OUT.build.3mf")]
+    output: PathBuf,
+    /// Also write a report as JSON
+    #[arg(long, value_name = "OUT.json")]
+    report: Option<PathBuf>,
+    /// Also write all placed parts as one binary STL
+    #[arg(long, value_name = "OUT.stl")]
+    stl: Option<PathBuf>,
+}
+
+/// What the machine asks for: the profile's word unless an option says otherwise.
+struct Machine {
+    name: String,
+    /// The printable box, mm.
+    volume_mm: DVec3,
+    /// The box that may be filled, and where its corner stands in the machine's frame.
+    room: BuildVolume,
+    origin_mm: DVec3,
+    clearance_mm: f64,
+    orientation: OrientationRule,
+    unit: Unit,
+    limits: Limits,
+    config: Config,
+    instances: Instances,
+    arrangement: Arrangement,
+}
 
 /// Runs the command.
-pub fn run(_common: &Common, _args: &Args) -> Result<Exit> {
-    Ok(Exit::Success)
+pub fn run(common: &Common, args: &Args) -> Result<Exit> {
+    let machine = machine(common, args)?;
+    let folder = args.output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if !folder.is_dir() {
+        return Err(Usage(format!("{}: there is no folder {}", args.output.display(), folder.display())).into());
+    }
+    let parts = parts::read(args, &machine)?;
+    let item = |part: &parts::Part| Item {
+        name: part.name.clone(),
+        mesh: part.mesh.clone(),
+        copies: part.copies,
+        orientation: machine.orientation,
+        clearance_mm: None,
+    };
+    let instance = Instance::new(machine.room, machine.clearance_mm, parts.iter().map(item).collect())
+        .map_err(|error| Usage(error.to_string()))?;
+    let budget = Budget::starting_now(args.budget, args.evaluations);
+    let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm.z);
+    let solution = nest::nest(&instance, &machine.config, &[], &budget, &mut progress);
+    let course = progress.finish(machine.config.seed);
+    name_unplaced(&instance, &solution);
+    let report = output::write(args, &machine, &parts, &instance, &solution, course)?;
+    if std::io::stdout().is_terminal() {
+        println!(
+            "{:.2} mm high, {} of {} copies placed, density {:.3}, {:.1} s",
+            report.height_mm,
+            report.placed,
+            instance.copies(),
+            report.density,
+            report.wall_secs
+        );
+    }
+    Ok(if solution.unplaced.is_empty() { Exit::Success } else { Exit::Failure })
+}
+
+/// Says which copies found no place, and why where it is known.
+fn name_unplaced(instance: &Instance, solution: &Solution) {
+    for (at, item) in instance.items().iter().enumerate() {
+        let left_out = solution.unplaced.iter().filter(|(of, _)| *of == at).count();
+        if left_out == 0 {
+            continue;
+        }
+        let room = instance.volume().size_mm;
+        match nest::fits(&item.mesh, item.orientation, &instance.volume()) {
+            Ok(_) => eprintln!("nestd: {}: {left_out} of {} copies found no place", item.name, item.copies),
+            Err(misfit) => {
+                let needs = misfit.extents_mm;
+                eprintln!(
+                    "nestd: {}: needs {:.1} x {:.1} x {:.1} mm in its best allowed orientation, there are {} x {} x {} mm",
+                    item.name, needs.x, needs.y, needs.z, room.x, room.y, room.z
+                );
+            }
+        }
+    }
+}
+
+fn machine(common: &Common, args: &Args) -> Result<Machine> {
+    let mut machine = match &args.profile {
+        Some(name) => from_profile(common, name)?,
+        None => without_profile(args.volume.unwrap_or(DVec3::ZERO)),
+    };
+    if let Some(size_mm) = args.volume {
+        (machine.volume_mm, machine.room, machine.origin_mm) = (size_mm, BuildVolume { size_mm }, DVec3::ZERO);
+    }
+    machine.clearance_mm = args.clearance.unwrap_or(machine.clearance_mm);
+    machine.orientation = args.orientation.unwrap_or(machine.orientation);
+    machine.config.method = args.method.unwrap_or(machine.config.method);
+    machine.config.threads = args.threads.unwrap_or(machine.config.threads);
+    machine.config.seed = args.seed.unwrap_or(machine.config.seed);
+    Ok(machine)
+}
+
+fn without_profile(size_mm: DVec3) -> Machine {
+    Machine {
+        name: "none".to_owned(),
+        volume_mm: size_mm,
+        room: BuildVolume { size_mm },
+        origin_mm: DVec3::ZERO,
+        clearance_mm: DEFAULT_CLEARANCE_MM,
+        orientation: OrientationRule::default(),
+        unit: Unit::default(),
+        limits: Limits::default(),
+        config: Config::default(),
+        instances: Instances::default(),
+        arrangement: Arrangement::default(),
+    }
+}
+
+fn from_profile(common: &Common, name: &str) -> Result<Machine> {
+    let settings = settings::load(common.config.as_deref(), common.root.as_deref())
+        .map_err(|error| Usage(format!("{:#}", anyhow::Error::from(error))))?;
+    let known = || settings.profiles.keys().cloned().collect::<Vec<_>>().join(", ");
+    let profile = (settings.profiles.get(name))
+        .ok_or_else(|| Usage(format!("there is no profile {name}; there are: {}", known())))?;
+    Ok(Machine {
+        name: name.to_owned(),
+        volume_mm: profile.volume_mm,
+        room: profile.build_volume(),
+        origin_mm: profile.origin_mm(),
+        clearance_mm: profile.clearance_mm,
+        orientation: profile.orientation,
+        unit: profile.unit,
+        limits: settings.limits.clone(),
+        config: profile.nest.clone(),
+        instances: profile.instances,
+        arrangement: profile.arrangement,
+    })
+}
+
+/// `380x284x380`.
+fn volume(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
+    let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
+    size.filter(|s| s.is_finite() && s.min_element() > 0.0)
+        .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
+}
+
+fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0);
+    number.ok_or_else(|| "wants a distance in mm".to_owned())
+}
+
+fn budget(text: &str) -> Result<f64, String> {
+    parse_secs(text).and_then(|secs| if secs > 0.0 { Ok(secs) } else { Err("wants some time, e.g. 60s".to_owned()) })
+}
+
+/// A word of one of the settings' enumerations.
+fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
+}
+
+/// Reads a file's bytes for a hash, with the name in the error.
+fn bytes_of(file: &Path) -> Result<Vec<u8>> {
+    std::fs::read(file).with_context(|| format!("reading {}", file.display()))
 }

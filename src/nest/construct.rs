@@ -13,6 +13,7 @@ use super::{
     turns,
     voxels::{Occupancy, Raster},
 };
+use crate::pollination::{Edge, Gene};
 
 /// How parts are taken and where they like to stand.
 #[derive(Debug, Clone, Copy)]
@@ -36,14 +37,15 @@ impl Recipe {
         Self { order: 3, top_share: 0.6, pull_x: 0.9, shuffle: 0.0 },
     ];
 
-    /// A random one.
-    pub(crate) fn random(rng: &mut ChaCha8Rng) -> Self {
-        Self {
-            order: rng.random_range(0..4),
-            top_share: rng.random_range(0.4..1.0),
-            pull_x: rng.random_range(0.0..1.0),
-            shuffle: rng.random_range(0.0..0.6),
-        }
+    /// The ranges of a genome that stands for a recipe.
+    pub(crate) fn genes() -> Vec<Gene> {
+        let gene = |upper: f64| Gene { lower: 0.0, upper, edge: Edge::Reflect };
+        vec![gene(3.99), gene(1.0), gene(1.0), gene(0.6)]
+    }
+
+    /// The recipe that a genome stands for.
+    pub(crate) fn of_genes(genome: &[f64]) -> Self {
+        Self { order: genome[0] as usize, top_share: genome[1], pull_x: genome[2], shuffle: genome[3] }
     }
 
     /// Copies in the order of this recipe, largest first; equal ones stay together.

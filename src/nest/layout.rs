@@ -12,6 +12,9 @@ use super::{
 /// Parts are pushed so much further apart than they must be, mm: a push that ends exactly at the bound never arrives.
 const OVERSHOOT_MM: f32 = 0.03;
 
+/// What the guides may be wrong by at most, mm: the greatest margin of a pair.
+const MARGIN_MM: f32 = 1.5;
+
 /// What is remembered of a pair beside its being there.
 #[derive(Debug, Clone, Copy)]
 struct Note {
@@ -99,12 +102,12 @@ impl<'t> Layout<'t> {
         stand
     }
 
-    /// By how much a clamped guide stands out of the room, squared and weighed like overlap.
+    /// By how much a clamped guide stands out of the room, weighed like overlap.
     pub(crate) fn excess_energy(&self, guide: &Guide) -> f32 {
         let room = self.task.room.with_z(self.lid_mm).as_vec3();
         let excess = (guide.max - room).max(Vec3::ZERO);
         let radius = guide.shape.radius_mm as f32;
-        if excess.max_element() > 5e-4 { excess.length_squared() * radius * radius } else { 0.0 }
+        if excess.max_element() > 5e-4 { excess.length() * radius * radius } else { 0.0 }
     }
 
     fn note(&self, one: usize, other: usize) -> (f32, f32) {
@@ -136,7 +139,7 @@ impl<'t> Layout<'t> {
 
     /// Parts whose bounds come nearer to a guide than any pair may be.
     fn near<'a>(&'a self, part: usize, guide: &'a Guide) -> impl Iterator<Item = usize> + 'a {
-        let reach = self.task.reach_mm as f32 + 0.5;
+        let reach = self.task.reach_mm as f32 + MARGIN_MM;
         (0..self.len()).filter(move |&other| other != part && guide.is_near(&self.guides[other], reach))
     }
 
@@ -211,7 +214,7 @@ impl<'t> Layout<'t> {
         energies.clear();
         energies.resize(self.len(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        let reach = self.task.reach_mm as f32 + 0.5;
+        let reach = self.task.reach_mm as f32 + MARGIN_MM;
         for one in 0..self.len() {
             energies[one] += self.excess_energy(&self.guides[one]);
             for other in one + 1..self.len() {
@@ -264,9 +267,9 @@ impl<'t> Layout<'t> {
                 let gap = task.gap_mm(&pieces[one], &pieces[other]);
                 if gap < wanted {
                     good = false;
-                    let missing = ((wanted - gap) as f32).min(0.45);
+                    let missing = ((wanted - gap) as f32).min(MARGIN_MM);
                     let note = self.note_mut(one, other);
-                    note.margin = (note.margin + missing + 0.01).min(0.45);
+                    note.margin = (note.margin + missing + 0.01).min(MARGIN_MM);
                 }
             }
         }

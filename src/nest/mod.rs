@@ -37,3 +37,6 @@ pub use proof::{Body, Pair, Proof, prove, rotation_obeys};
 pub use report::{Course, PlacedPart, Report, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use solution::{Placement, Solution};
+
+#[cfg(test)]
+mod nester_tests;

@@ -42,7 +42,7 @@ impl Guide {
         gap.length_squared() < reach * reach
     }
 
-    /// Half the overlap: of `body`, this part's points, in the other's distance grid. mm4.
+    /// Half the overlap: of `body`, this part's points, in the other's distance grid. mm3.
     fn half_energy(&self, body: &Body, other: &Self, reach: f32) -> f32 {
         let back = other.turn.transpose();
         let (turn, shift) = (back * self.turn, back * (self.place - other.place));
@@ -53,14 +53,14 @@ impl Guide {
             |point| {
                 let depth = reach - field.distance(turn * point + shift);
                 if depth > 0.0 {
-                    sum += depth * depth;
+                    sum += depth;
                 }
             },
         );
         sum * body.point_area
     }
 
-    /// How much two parts are nearer than `reach`: surface times squared depth, mm4; 0 when they are clear.
+    /// How much two parts are nearer than `reach`: surface times depth, mm3; 0 when they are clear.
     pub(crate) fn energy(&self, other: &Self, reach: f32) -> f32 {
         0.5 * (self.half_energy(&self.shape.fine, other, reach) + other.half_energy(&other.shape.fine, self, reach))
     }

@@ -51,10 +51,13 @@ pub(crate) fn separate(
             }
             repairs += 1;
             total = layout.weigh(&mut energies);
-            if repairs > patience.repairs || total <= 0.0 {
+            if repairs > patience.repairs {
                 return Outcome::Stuck(total, layout.stands.clone());
             }
             (idle, least) = (0, (f32::INFINITY, Vec::new()));
+            if total <= 0.0 {
+                continue;
+            }
         }
         idle += 1;
         if total < 0.97 * least.0 {

@@ -1,0 +1,176 @@
+//! Writes the build, reads it back and proves it before it gets its name; then report and STL.
+
+use std::{
+    collections::BTreeSet,
+    fs::{self, File},
+    io::BufWriter,
+    path::{Path, PathBuf},
+};
+
+use anyhow::{Context, Result, bail, ensure};
+use jiff::Timestamp;
+
+use super::{Args, Machine, parts::Part};
+use crate::{
+    format::{self, BuildFile, BuildItem, BuildObject},
+    geometry::{Mesh, Pose},
+    nest::{self, Body, Course, Instance, Placement, Proof, Report, Solution},
+};
+
+/// Edge lengths of the thumbnail, pixels.
+const THUMBNAIL: (u32, u32) = (512, 384);
+
+/// A file under a name that nobody looks for, until it is given its own; else it is taken away again.
+struct Draft {
+    hidden: PathBuf,
+    target: PathBuf,
+}
+
+impl Draft {
+    fn of(target: &Path) -> Self {
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        Self {
+            hidden: target.with_file_name(format!(".{name}.{}.part", std::process::id())),
+            target: target.to_owned(),
+        }
+    }
+
+    fn fill(target: &Path, write: impl FnOnce(File) -> Result<()>) -> Result<Self> {
+        let draft = Self::of(target);
+        let file = File::create(&draft.hidden).with_context(|| format!("creating {}", draft.hidden.display()))?;
+        write(file).with_context(|| format!("writing {}", target.display()))?;
+        Ok(draft)
+    }
+
+    fn publish(self) -> Result<()> {
+        fs::rename(&self.hidden, &self.target).with_context(|| format!("renaming to {}", self.target.display()))
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        // After `publish` there is nothing left to take away.
+        let _ = fs::remove_file(&self.hidden);
+    }
+}
+
+/// Writes everything that was asked for. Nothing is written under the build's name that is not proved.
+pub fn write(
+    args: &Args,
+    machine: &Machine,
+    parts: &[Part],
+    instance: &Instance,
+    solution: &Solution,
+    mut course: Course,
+) -> Result<Report> {
+    let mut moved = solution.clone();
+    moved.placements.iter_mut().for_each(|p| p.pose.translation += machine.origin_mm);
+    if !moved.placements.is_empty() {
+        moved.height_mm += machine.origin_mm.z;
+        let build = describe(machine, parts, instance, solution, &moved);
+        let draft = Draft::fill(&args.output, |file| Ok(format::write_build(&build, file)?))?;
+        let proof = prove(&draft.hidden, machine, parts, &moved.placements)?;
+        course.clearance_proved_mm = proof.clearance_proved_mm;
+        draft.publish()?;
+    } else {
+        eprintln!("nestd: no copy could be placed; {} is not written", args.output.display());
+    }
+    let mut report = Report::new(instance, &moved, course);
+    report.density = solution.density(instance);
+    if let Some(target) = &args.stl {
+        let placed = moved.placements.iter().map(|p| (&*parts[p.item].mesh, &p.pose));
+        Draft::fill(target, |file| Ok(format::write_stl(placed, BufWriter::new(file))?))?.publish()?;
+    }
+    if let Some(target) = &args.report {
+        Draft::fill(target, |file| Ok(serde_json::to_writer_pretty(BufWriter::new(file), &report)?))?.publish()?;
+    }
+    Ok(report)
+}
+
+/// The solution as a build file says it; `moved` is the same in the machine's frame.
+fn describe(
+    machine: &Machine,
+    parts: &[Part],
+    instance: &Instance,
+    solution: &Solution,
+    moved: &Solution,
+) -> BuildFile {
+    let used: BTreeSet<usize> = moved.placements.iter().map(|p| p.item).collect();
+    let used: Vec<usize> = used.into_iter().collect();
+    let rule = serde_json::to_value(machine.orientation).ok().and_then(|v| v.as_str().map(str::to_owned));
+    let object = |&at: &usize| BuildObject {
+        name: parts[at].name.clone(),
+        mesh: parts[at].mesh.clone(),
+        part_number: (at + 1).to_string(),
+        content_hash: format!("{}-{at}", parts[at].source_hash),
+    };
+    let item = |placement: &Placement| BuildItem {
+        object: used.partition_point(|&at| at < placement.item),
+        pose: placement.pose,
+        order: None,
+        copy: placement.copy + 1,
+        source_name: parts[placement.item].source_name.clone(),
+        source_hash: parts[placement.item].source_hash.clone(),
+        clearance_mm: None,
+        orientation: rule.clone(),
+    };
+    let bodies: Vec<(&Mesh, Pose)> = moved.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
+    BuildFile {
+        title: format!("nestd nest, {} parts", moved.placements.len()),
+        profile: machine.name.clone(),
+        build_id: "0".to_owned(),
+        created: Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
+        seed: machine.config.seed,
+        volume_mm: machine.volume_mm,
+        clearance_mm: machine.clearance_mm,
+        height_mm: moved.height_mm,
+        density: solution.density(instance),
+        application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
+        objects: used.iter().map(object).collect(),
+        items: moved.placements.iter().map(item).collect(),
+        instances: machine.instances,
+        arrangement: machine.arrangement,
+        thumbnail_png: Some(format::picture(&bodies, machine.volume_mm, THUMBNAIL.0, THUMBNAIL.1)),
+    }
+}
+
+/// Reads the written file back and proves it: every copy once, walls, clearance, containment, orientation.
+fn prove(written: &Path, machine: &Machine, parts: &[Part], placed: &[Placement]) -> Result<Proof> {
+    let read = format::read_build(written, &machine.limits).context("reading the written build back")?;
+    let asked: BTreeSet<(usize, u32)> = placed.iter().map(|p| (p.item, p.copy)).collect();
+    let mut found = BTreeSet::new();
+    let mut bodies = Vec::with_capacity(read.len());
+    for item in read {
+        let number = item.part_number.as_deref().and_then(|n| n.parse::<usize>().ok()).unwrap_or(0);
+        let copy = item.copy.unwrap_or(0);
+        let key = (number.wrapping_sub(1), copy.wrapping_sub(1));
+        ensure!(asked.contains(&key), "the written build holds copy {copy} of {}, which was not placed", item.name);
+        ensure!(found.insert(key), "the written build holds copy {copy} of {} twice", item.name);
+        let mesh = &parts[key.0].mesh;
+        let same = item.mesh.triangles().len() == mesh.triangles().len()
+            && (item.mesh.volume_mm3() - mesh.volume_mm3()).abs() <= 1e-6 * (1.0 + mesh.volume_mm3());
+        ensure!(same, "{} came back from the written build with another mesh", item.name);
+        let pose = Pose { translation: item.pose.translation - machine.origin_mm, ..item.pose };
+        ensure!(nest::rotation_obeys(machine.orientation, &pose), "{} is turned against its rule", item.name);
+        bodies.push(Body { name: item.name, mesh: item.mesh, pose, clearance_mm: machine.clearance_mm });
+    }
+    ensure!(found == asked, "the written build lacks {} placements", asked.len() - found.len());
+    let proof = nest::prove(&bodies, machine.room.size_mm);
+    if !proof.is_proved() {
+        let name = |at: usize| &bodies[at].name;
+        let close = proof.too_close.first().map(|p| {
+            format!(
+                "{} and {} are {:.6} mm apart instead of {}",
+                name(p.first),
+                name(p.second),
+                p.distance_mm,
+                p.wanted_mm
+            )
+        });
+        let outside = proof.outside.first().map(|&(at, by)| format!("{} stands out by {by:.6} mm", name(at)));
+        let inside = proof.inside.first().map(|&(outer, inner)| format!("{} is inside {}", name(inner), name(outer)));
+        let fault = close.or(outside).or(inside).unwrap_or_default();
+        bail!("the written build is not proved and was taken back: {fault}");
+    }
+    Ok(proof)
+}

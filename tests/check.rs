@@ -1,4 +1,5 @@
 //! `nestd check` on real folders and a real ledger.
+#![allow(clippy::unwrap_used)] // a test that cannot go on fails
 
 use std::{
     fs,

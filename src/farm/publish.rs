@@ -135,7 +135,7 @@ impl Farm {
         })
         .await??;
         self.ledger.publish_build(build.id).await?;
-        let height_mm = build.height_mm.unwrap_or_default();
+        let height_mm = (build.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
             Published::Now => info!(build.id = %build.id, profile = %build.profile, height_mm, "Published build."),
             Published::Before => {

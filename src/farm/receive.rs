@@ -158,7 +158,7 @@ fn refuse_unreadable(profile: &Profile, claim: &Claim, why: &std::io::Error, rec
 }
 
 fn rules(profile: &Profile, orphan_secs: f64) -> SettleRules {
-    SettleRules { settle_secs: profile.settle_secs, orphan_secs, ..SettleRules::default() }
+    SettleRules { settle_secs: profile.settle_secs, unfinished_secs: profile.unfinished_secs, orphan_secs }
 }
 
 fn name_of(path: &std::path::Path) -> String {

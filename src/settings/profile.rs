@@ -88,6 +88,9 @@ pub struct Profile {
     pub orientation: nest::OrientationRule,
     /// A file must stand still so long before it is taken, seconds.
     pub settle_secs: f64,
+    /// A file whose end is missing (a copy that stalled, a torn upload) is taken, to be refused with a reason, after it
+    /// stood still so long, seconds.
+    pub unfinished_secs: f64,
     /// What to do with identical files.
     pub duplicates: Duplicates,
     /// What to do with meshes that are not closed.

@@ -74,6 +74,7 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
     judge.within("layer_mm", inputs.layer_mm, 0.001..=10.0);
     judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
     judge.within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
+    judge.within("unfinished_secs", inputs.unfinished_secs.0, 0.0..=604_800.0);
     judge.within("final_secs", inputs.final_secs.0, 0.0..=MAX_SEARCH_SECS);
     judge.within("arrival_secs", inputs.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
     judge.within("max_attempts", inputs.max_attempts, 1..=100);
@@ -92,6 +93,7 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
         unit: inputs.unit,
         orientation: inputs.orientation,
         settle_secs: inputs.settle_secs.0,
+        unfinished_secs: inputs.unfinished_secs.0,
         duplicates: inputs.duplicates,
         mesh_errors: inputs.mesh_errors,
         trigger: trigger(&inputs.trigger, judge),

@@ -17,8 +17,10 @@ const KILLS: usize = 12;
 #[test]
 fn a_killed_farm_loses_nothing_and_prints_nothing_twice() {
     let kills = std::env::var("NESTD_KILLS").map_or(KILLS, |n| n.parse().unwrap());
-    let profile =
-        QUICK.replace("final_secs = 0.5", "final_secs = 0.2").replace("arrival_secs = 0.5", "arrival_secs = 0.2");
+    let profile = QUICK
+        .replace("[120, 120, 120]", "[200, 200, 200]")
+        .replace("final_secs = 0.5", "final_secs = 0.2")
+        .replace("arrival_secs = 0.5", "arrival_secs = 0.2");
     let mut farm = TestFarm::new(&format!("{profile}duplicates = \"accept\"\n[trigger]\ncopies = 6\n"));
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
     let all = samples::all();

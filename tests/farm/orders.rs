@@ -62,5 +62,5 @@ fn an_outcome_is_told_of_a_published_build() {
     farm.wait_for_parts(PartState::Built, 1);
     let id = farm.ask(async |ledger| ledger.history(&Default::default()).await.unwrap()[0].build);
     farm.nestd_ok(&["outcome", &id.to_string(), "complete", "--note", "fine"]);
-    assert!(farm.nestd_ok(&["show", &format!("build {id}")]).contains("complete"));
+    assert!(farm.nestd_ok(&["show", &format!("b{id}")]).contains("complete"));
 }

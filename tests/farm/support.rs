@@ -24,7 +24,7 @@ pub struct TestFarm {
 }
 
 /// What a profile says when a test does not say otherwise: small volume, quick settling, short searches.
-pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nfinal_secs = 0.5\n\
+pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.5\n\
                          arrival_secs = 0.5\nmax_attempts = 50\n";
 
 impl TestFarm {

@@ -27,7 +27,9 @@ pub(crate) fn compress(
     let mut best = layout.stands.clone();
     let mut pool: Vec<(f32, Vec<Stand>)> = Vec::new();
     let begun = spent(0);
-    let (mut step, mut failures) = (0.03_f64, 0);
+    // Many parts need longer for one lid; few are better off with another try.
+    let patient = (0.04 + start.len() as f64 * 4e-4).min(0.12);
+    let (mut step, mut failures) = (0.02_f64, 0);
     while spent(layout.evaluations) < 1.0 && height > floor_mm + 0.01 {
         let progress = ((spent(layout.evaluations) - begun) / (1.0 - begun).max(1e-9)).clamp(0.0, 1.0);
         let (least, most) = if progress > 0.75 { (0.0005, 0.008) } else { (0.002, 0.05) };
@@ -45,7 +47,7 @@ pub(crate) fn compress(
             let stands = squeezed(&layout, &best, height - lid, rng);
             layout.load(&stands);
         }
-        let limit = spent(layout.evaluations) + 0.12 * (1.0 - begun);
+        let limit = spent(layout.evaluations) + patient * (1.0 - begun);
         let patience = Patience { rounds: 40, repairs: 12 };
         let outcome = separate(&mut layout, patience, rng, |evaluations| {
             let now = spent(evaluations);
@@ -83,12 +85,21 @@ fn squeezed(layout: &Layout<'_>, stands: &[Stand], gain_mm: f64, rng: &mut ChaCh
     stands.iter().map(|stand| if stand.place.z > cut { lower(stand) } else { *stand }).collect()
 }
 
-/// Lets two parts of about the same size change places.
+/// Lets two parts of about the same size change places, keeping their turns.
 fn disturb(layout: &mut Layout<'_>, rng: &mut ChaCha8Rng) {
     if layout.len() < 2 {
         return;
     }
-    let (one, other) = (rng.random_range(0..layout.len()), rng.random_range(0..layout.len()));
+    let one = rng.random_range(0..layout.len());
+    let radius = |part: usize| layout.guides[part].shape.radius_mm;
+    let mut others: Vec<usize> =
+        (0..layout.len()).filter(|&part| layout.copies[part].0 != layout.copies[one].0).collect();
+    others.sort_by(|&a, &b| (radius(a) - radius(one)).abs().total_cmp(&(radius(b) - radius(one)).abs()));
+    others.truncate(5);
+    if others.is_empty() {
+        return;
+    }
+    let other = others[rng.random_range(0..others.len())];
     let (first, second) = (layout.stands[one], layout.stands[other]);
     layout.set(one, Stand { place: second.place, ..first });
     layout.set(other, Stand { place: first.place, ..second });

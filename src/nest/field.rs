@@ -68,11 +68,6 @@ impl DistanceField {
         }
     }
 
-    /// Spacing of the nodes, mm.
-    pub(crate) fn step_mm(&self) -> f32 {
-        self.step
-    }
-
     /// Signed distance at a point, mm; beyond the grid at least the distance to it.
     #[inline]
     pub(crate) fn distance(&self, point: Vec3) -> f32 {

@@ -66,7 +66,7 @@ impl Rays {
     /// Turns crossings into windings, from each line's start to its end.
     fn sum_up(&mut self, length: usize, stride: usize) {
         for at in 0..self.winding.len() {
-            if (at / stride) % length > 0 {
+            if !(at / stride).is_multiple_of(length) {
                 self.winding[at] += self.winding[at - stride];
             }
         }

@@ -128,8 +128,8 @@ impl Push {
         for i in 0..6 {
             let scaled = weight * row[i];
             self.side[i] += scaled * depth;
-            for j in 0..=i {
-                self.matrix[i][j] += scaled * row[j];
+            for (sum, &value) in self.matrix[i][..=i].iter_mut().zip(&row) {
+                *sum += scaled * value;
             }
         }
         self.energy += weight * depth * depth;

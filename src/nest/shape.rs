@@ -53,8 +53,7 @@ impl Shape {
     fn new(tree: Arc<ClearanceTree>, detail: Detail) -> Self {
         let mesh = tree.mesh();
         let center = tree.obb().pose.translation;
-        let extremes: Vec<DVec3> =
-            turns::extreme_points(mesh.vertices(), 160).into_iter().map(|v| v - center).collect();
+        let extremes: Vec<DVec3> = turns::extreme_points(mesh.vertices(), 96).into_iter().map(|v| v - center).collect();
         let radius_mm = mesh.vertices().iter().map(|v| v.distance(center)).fold(0.0, f64::max);
         Self {
             center,
@@ -68,11 +67,6 @@ impl Shape {
             detail,
             tree,
         }
-    }
-
-    /// The mesh.
-    pub(crate) fn mesh(&self) -> &Arc<Mesh> {
-        self.tree.mesh()
     }
 
     /// The pose of the mesh when its center stands at `place` after `turn`.

@@ -52,9 +52,7 @@ fn rooms_named(text: &str) -> Vec<String> {
             let name: String = name.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
             // What follows the last comma of a list over several lines names nothing.
             if !name.is_empty() {
-                if !name.is_empty() {
-                    rooms.push(name);
-                }
+                rooms.push(name);
             }
         }
     }

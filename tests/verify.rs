@@ -96,7 +96,7 @@ fn a_list_counts_the_meshes_and_not_their_names() {
     let mesh = cube();
     write_stl([(&*mesh, &Pose::IDENTITY)].into_iter(), File::create(dir.path().join("other.stl")).unwrap()).unwrap();
     let list = dir.path().join("list.csv");
-    let mut outcome = |text: &str| {
+    let outcome = |text: &str| {
         std::fs::write(&list, text).unwrap();
         verify(&file, &["--list", list.to_str().unwrap()])
     };

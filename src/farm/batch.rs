@@ -13,10 +13,13 @@ use super::{
     jobs::JobKey,
     layout::{Copy, Layout, copies_of},
     nest::{Best, NestOrder, Nested},
-    station::{Search, cut_to_volume},
+    station::Search,
     trigger::{Facts, FiredBy, fired_by},
 };
 use crate::ledger::{BuildId, OpenLayout, PartState, WaitingPart};
+
+/// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
+const SECS_PER_COPY: f64 = 0.02;
 
 impl Farm {
     /// Keeps a profile's open build current and fires it when it is time.
@@ -32,7 +35,7 @@ impl Farm {
             }
             return Ok(());
         }
-        let cut = cut_to_volume(&waiting, &station.profile);
+        let cut = station.open.cut(&waiting, &station.profile);
         let wanted: BTreeSet<Copy> = copies_of(&cut).into_iter().collect();
         if !station.paused {
             let beyond = wanted.len() < copies_of(&waiting).len();
@@ -72,7 +75,8 @@ impl Farm {
         let open = &mut station.open;
         open.rounds += 1;
         let (round, best) = (open.rounds, Best::default());
-        let budget = Budget::starting_now(station.profile.arrival_secs);
+        let secs = station.profile.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
+        let budget = Budget::starting_now(secs);
         let order = NestOrder {
             profile: station.profile.clone(),
             wanted: cut.into_iter().map(|w| (w.part, w.copies)).collect(),
@@ -108,9 +112,13 @@ impl Farm {
         self.refuse_what_fits_nowhere(name, &nested.layout).await
     }
 
-    /// A part that found no place in an empty volume would wait for ever: it is refused.
+    /// A part that finds no place in an empty volume would wait for ever: once it was tried alone, it is refused.
     async fn refuse_what_fits_nowhere(&mut self, name: &str, layout: &Layout) -> Result<()> {
         let (true, Some(&(part, _))) = (layout.placed.is_empty(), layout.unplaced.first()) else { return Ok(()) };
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
+        if !station.open.placed_nothing(layout.unplaced.len()) {
+            return Ok(());
+        }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
         error!(part.id = %part, profile = %name, "Refused a part. {reason}");
         self.ledger.cancel(part, &reason).await.context("refusing a part that fits nowhere")

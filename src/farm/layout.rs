@@ -1,7 +1,10 @@
 //! What the farm knows of a layout: which copies of which parts stand where. The nester speaks of items, the ledger of
 //! parts; this is where the two meet.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -99,6 +102,14 @@ impl Batch {
             part_volume_mm3: solution.part_volume_mm3(instance),
             evaluations: solution.evaluations,
         }
+    }
+
+    /// The batch without the copies that a layout leaves out.
+    pub fn placed_only(&self, layout: &Layout) -> Self {
+        let placed: HashSet<Copy> = layout.placed.iter().map(|p| p.copy).collect();
+        let mut batch = self.clone();
+        batch.parts.iter_mut().for_each(|p| p.copies.retain(|&copy| placed.contains(&(p.part.id, copy))));
+        batch
     }
 }
 

@@ -57,7 +57,7 @@ pub struct Nested {
     pub batch: Batch,
     /// The layout.
     pub layout: Layout,
-    /// No layout of all wanted copies can be lower, mm.
+    /// No layout of the placed copies can be lower, mm.
     pub lower_bound_mm: f64,
     /// CPU seconds of the search.
     pub cpu_secs: f64,
@@ -108,7 +108,8 @@ impl NestOrder {
         let solution = nest::nest(&instance, &config, &start, &self.budget, &mut listener);
         let layout = batch.layout(&instance, &solution);
         *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
-        let lower_bound_mm = nest::lower_bound_mm(&instance);
+        let lower_bound_mm =
+            nest::lower_bound_mm(&batch.placed_only(&layout).instance(&self.profile).unwrap_or(instance));
         let wall_secs = self.budget.elapsed_secs();
         Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs() - cpu, wall_secs, curve })
     }

@@ -72,6 +72,8 @@ pub struct OpenBuild {
     pub rounds: u64,
     /// The waiting copies when they last changed, and when that was.
     seen: Option<(BTreeSet<Copy>, Instant)>,
+    /// Copies tried together at most, after a search of more of them placed nothing; `None` = no limit.
+    most: Option<usize>,
     /// No search before this time, after one failed.
     retry_at: Option<Instant>,
 }
@@ -144,6 +146,18 @@ impl OpenBuild {
         running.unwrap_or_else(|| self.layout.placed.clone())
     }
 
+    /// The head of the line that is tried together.
+    pub fn cut(&self, waiting: &[WaitingPart], profile: &Profile) -> Vec<WaitingPart> {
+        cut_to_volume(waiting, profile, self.most.unwrap_or(usize::MAX))
+    }
+
+    /// A search of `copies` placed nothing: half of them are tried next. `true` = it was one copy alone, which has no
+    /// place anywhere.
+    pub fn placed_nothing(&mut self, copies: usize) -> bool {
+        self.most = Some((copies / 2).max(1));
+        copies == 1
+    }
+
     /// Lets everything go: its copies are in a build now, or nothing waits any more.
     pub fn clear(&mut self) {
         if let Some(search) = &self.search {
@@ -154,19 +168,20 @@ impl OpenBuild {
 }
 
 /// The parts of the line that are tried together: as many copies as could fill the volume if there were no gaps. What is
-/// beyond cannot fit with the others. Always at least one copy.
-pub fn cut_to_volume(waiting: &[WaitingPart], profile: &Profile) -> Vec<WaitingPart> {
+/// beyond cannot fit with the others. At most `most` copies, always at least one.
+fn cut_to_volume(waiting: &[WaitingPart], profile: &Profile, mut most: usize) -> Vec<WaitingPart> {
     let size = profile.build_volume().size_mm;
     let mut room_mm3 = size.x * size.y * size.z;
     let mut cut: Vec<WaitingPart> = Vec::new();
     for part in waiting {
         let each = part.part.volume_mm3.unwrap_or(0.0).max(1e-9);
-        let fit = ((room_mm3 / each).floor().max(0.0) as usize).min(part.copies.len());
+        let fit = ((room_mm3 / each).floor().max(0.0) as usize).min(part.copies.len()).min(most);
         let fit = if cut.is_empty() { fit.max(1) } else { fit };
         if fit == 0 {
             break;
         }
         room_mm3 -= fit as f64 * each;
+        most -= fit.min(most);
         cut.push(WaitingPart { part: part.part.clone(), copies: part.copies[..fit].to_vec() });
         if fit < part.copies.len() {
             break;

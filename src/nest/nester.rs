@@ -245,7 +245,12 @@ impl<'a> Course<'a> {
         let stop = self.stop;
         let rest = &lacking[fits..];
         let filled = builder.build(&recipe, rest, &chosen, f64::INFINITY, |_| stop.spent(0) >= 1.0);
-        self.best = filled.unwrap_or(chosen);
+        let kept = filled.unwrap_or(chosen);
+        // Where the budget ended first, a far fuller layout in another order is worth more than a short beginning.
+        if 10 * kept.len() < 9 * self.best.len() && self.stop.spent(0) >= 1.0 {
+            return;
+        }
+        self.best = kept;
         self.listener.improved(&task.solution(self.instance, &self.best, self.evaluations), self.evaluations);
     }
 }

@@ -79,7 +79,6 @@ pub(crate) fn boxes(task: &Task, copies: &[(usize, u32)], standing: &[Piece]) ->
 
 /// Stands a copy on whatever boxes are below it: always valid, never asks for shapes.
 fn on_top(task: &Task, copy: (usize, u32), skyline: &mut Skyline) -> Option<Piece> {
-    let kind = task.kind(copy.0);
     let turns = turns_of(task, copy.0, 6);
     let mut best: Option<(f64, Piece)> = None;
     for turn in turns {
@@ -94,7 +93,6 @@ fn on_top(task: &Task, copy: (usize, u32), skyline: &mut Skyline) -> Option<Piec
         }
     }
     let (_, piece) = best?;
-    debug_assert!(kind.shape.radius_mm > 0.0);
     skyline.add(&piece.bounds);
     Some(piece)
 }

@@ -12,6 +12,7 @@ mod pose;
 mod separating_axis;
 mod triangle;
 mod walk;
+mod weld;
 
 #[cfg(test)]
 mod clearance_tests;

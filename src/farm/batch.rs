@@ -156,7 +156,7 @@ impl Farm {
         self.fresh_builds.insert(build);
         station.open.clear();
         let flush = std::mem::take(&mut station.flush);
-        info!(build.id = %build, profile = %name, copies = copies.len(), fired_by = %by, "Fired a build.");
+        info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {} copies: {by}.", copies.len());
         self.save_layout(build, &layout).await?;
         self.answer(&flush, &format!("build {build} is being nested with {} copies", copies.len())).await
     }

@@ -75,7 +75,7 @@ impl Farm {
             self.complain(&format!("{name}: {trouble}"), trouble);
         }
         for (file, reason) in &received.refused {
-            warn!(profile = %name, file = %file, "Refused: {reason}");
+            warn!(profile = %name, "Refused {file} in {name}: {reason}");
             self.ledger.event("refused", name, None, None, &format!("{file}: {reason}")).await?;
         }
         for (claim, stored) in received.drops {
@@ -150,7 +150,8 @@ impl Farm {
                 }
                 let ids = self.ledger.accept(id, &solids).await?;
                 let copies: u32 = solids.iter().map(|s| s.copies).sum();
-                info!(part.id = %id, profile = %part.profile, file = %part.name, parts = ids.len(), copies, "A part waits.");
+                let parts = ids.len();
+                info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts} parts, {copies} copies.", part.name, part.profile);
                 self.tidy_error_folder(&part);
                 self.let_go(&part)
             }
@@ -174,7 +175,7 @@ impl Farm {
 
     /// claimed -> rejected, then the file goes into the error folder; a crash between is caught up by `record`.
     async fn refuse(&mut self, part: &PartRow, reason: &str) -> Result<()> {
-        warn!(part.id = %part.id, profile = %part.profile, file = %part.name, "Refused a part: {reason}");
+        warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
         self.ledger.reject(part.id, reason).await?;
         self.put_into_error(part, reason).await
     }

@@ -99,7 +99,7 @@ impl NestOrder {
         let mut config = self.profile.nest.clone();
         config.seed = self.seed;
         let start = batch.placements(&self.start);
-        let cpu = cpu_secs();
+        let cpu = cpu_secs(config.threads);
         let mut curve = Vec::new();
         let mut listener = |solution: &Solution, _evaluations: u64| {
             curve.push((self.budget.elapsed_secs(), solution.height_mm));
@@ -111,7 +111,7 @@ impl NestOrder {
         let lower_bound_mm =
             nest::lower_bound_mm(&batch.placed_only(&layout).instance(&self.profile).unwrap_or(instance));
         let wall_secs = self.budget.elapsed_secs();
-        Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs() - cpu, wall_secs, curve })
+        Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs(config.threads) - cpu, wall_secs, curve })
     }
 
     fn batch(&self, meshes: &Meshes) -> Result<Batch> {
@@ -123,8 +123,9 @@ impl NestOrder {
     }
 }
 
-/// CPU seconds of this thread so far.
-fn cpu_secs() -> f64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+/// CPU seconds so far: of this thread where it searches alone, else of the process, for then no other search runs.
+fn cpu_secs(threads: usize) -> f64 {
+    use rustix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(if threads == 1 { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime });
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

@@ -188,6 +188,7 @@ fn prove_written(staged: &Path, order: &WriteOrder, batch: &Batch, placed: &[Pla
     }
     let asked: BTreeSet<Copy> = placed.iter().map(|p| p.copy).collect();
     ensure!(seen == asked, "the written build holds other copies than were placed");
+    format::cross_check(staged, &read, &order.limits).context("comparing with a second reader")?;
     let proof = nest::prove(&bodies, order.profile.build_volume().size_mm);
     if !proof.is_proved() {
         bail!("the written build is not proved: {}", faults_of(&proof, &bodies));

@@ -137,7 +137,9 @@ impl Farm {
         self.ledger.publish_build(build.id).await?;
         let height_mm = (build.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
-            Published::Now => info!(build.id = %build.id, profile = %build.profile, height_mm, "Published build."),
+            Published::Now => {
+                info!(build.id = %build.id, profile = %build.profile, height_mm, "Published build {} of {}: {height_mm} mm.", build.id, build.profile)
+            }
             Published::Before => {
                 warn!(build.id = %build.id, "The build had been published before a crash; nothing was done twice.")
             }

@@ -16,6 +16,7 @@ mod show;
 mod show_text;
 mod status;
 mod table;
+mod values;
 mod verify;
 
 #[cfg(test)]

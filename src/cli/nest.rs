@@ -12,7 +12,10 @@ use std::{
 use anyhow::{Context, Result};
 use glam::DVec3;
 
-use super::{Common, Exit, Usage};
+use super::{
+    Common, Exit, Usage,
+    values::{distance, volume},
+};
 use crate::{
     format::{Arrangement, Instances, Limits, Unit},
     nest::{self, BuildVolume, Config, Instance, Item, Method, OrientationRule, Solution},
@@ -202,19 +205,6 @@ fn from_profile(common: &Common, name: &str) -> Result<Machine> {
         instances: profile.instances,
         arrangement: profile.arrangement,
     })
-}
-
-/// `380x284x380`.
-fn volume(text: &str) -> Result<DVec3, String> {
-    let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
-    let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
-    size.filter(|s| s.is_finite() && s.min_element() > 0.0)
-        .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
-}
-
-fn distance(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0);
-    number.ok_or_else(|| "wants a distance in mm".to_owned())
 }
 
 fn budget(text: &str) -> Result<f64, String> {

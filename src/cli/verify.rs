@@ -9,7 +9,10 @@ use anyhow::Result;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use super::{Common, Exit, Usage, asked};
+use super::{
+    Common, Exit, Usage, asked,
+    values::{distance, volume},
+};
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
     nest::{self, Body, OrientationRule, Proof},
@@ -183,17 +186,4 @@ fn as_json(verdict: &Verdict) -> Value {
         "second_reader": verdict.second_reader,
         "list": verdict.list_faults,
     })
-}
-
-/// `380x284x380`.
-fn volume(text: &str) -> Result<DVec3, String> {
-    let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
-    let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
-    size.filter(|s| s.is_finite() && s.min_element() > 0.0)
-        .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
-}
-
-fn distance(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0);
-    number.ok_or_else(|| "wants a distance in mm".to_owned())
 }

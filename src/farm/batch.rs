@@ -25,7 +25,8 @@ impl Farm {
     /// Keeps a profile's open build current and fires it when it is time.
     pub(super) async fn batch(&mut self, name: &str) -> Result<()> {
         let waiting = self.ledger.waiting_copies(name).await?;
-        let being_read = self.is_being_read(name).await?;
+        let flush = self.stations.get(name).is_some_and(|s| !s.flush.is_empty());
+        let being_read = flush && self.is_being_read(name).await?;
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
         if waiting.is_empty() {
             station.open.clear();

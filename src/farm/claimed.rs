@@ -37,7 +37,7 @@ impl Farm {
     pub(super) fn receive(&mut self) {
         let orphan_secs = self.settings.orphan_ticket_secs;
         for (name, station) in &mut self.stations {
-            if Instant::now() < station.look_at {
+            if Instant::now() < station.look_at || self.jobs.runs(&JobKey::Receive(name.clone())) {
                 continue;
             }
             let Some(mut gate) = station.gate.take() else { continue };
@@ -53,9 +53,15 @@ impl Farm {
         }
     }
 
-    /// Takes in a look: each claimed part gets its row, and is read.
-    pub(super) async fn on_received(&mut self, name: &str, gate: Box<Gate>, received: Received) -> Result<()> {
+    /// Takes in a look: each claimed part gets its row, and is read. What cannot be recorded now is tried at the next look.
+    pub(super) async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, received: Received) -> Result<()> {
         self.jobs.ended(&JobKey::Receive(name.to_owned()));
+        for (claim, stored) in received.drops {
+            if let Err(failure) = self.record(name, &claim, &stored).await {
+                self.complain(&format!("recording {name}"), &format!("A drop cannot be recorded now: {failure:#}"));
+                gate.take_back(claim);
+            }
+        }
         let scan_secs = self.settings.scan_secs;
         if let Some(station) = self.stations.get_mut(name) {
             if gate.is_of(&station.profile) {
@@ -65,10 +71,10 @@ impl Farm {
             station.look_at = Instant::now() + Duration::from_secs_f64(next_secs);
             if station.unavailable != received.unavailable {
                 match &received.unavailable {
-                    Some(why) => warn!(profile = %name, "The hot folder is unavailable: {why}."),
-                    None => info!(profile = %name, "The hot folder is available again."),
+                    Some(why) => warn!(profile = %name, "The hot folder of {name} is unavailable: {why}."),
+                    None => info!(profile = %name, "The hot folder of {name} is available again."),
                 }
-                station.unavailable = received.unavailable.clone();
+                station.unavailable = received.unavailable;
             }
         }
         for trouble in &received.troubles {
@@ -78,20 +84,21 @@ impl Farm {
             warn!(profile = %name, "Refused {file} in {name}: {reason}");
             self.ledger.event("refused", name, None, None, &format!("{file}: {reason}")).await?;
         }
-        for (claim, stored) in received.drops {
-            self.record(name, claim, &stored).await?;
-        }
         Ok(())
     }
 
     /// The row of a claimed part; an earlier run may have written it already.
-    async fn record(&mut self, name: &str, claim: Claim, stored: &Stored) -> Result<()> {
+    async fn record(&mut self, name: &str, claim: &Claim, stored: &Stored) -> Result<()> {
         let Some(profile) = self.stations.get(name).map(|s| s.profile.clone()) else { return Ok(()) };
         let given = claim.given();
-        let row = new_part(&profile, &claim, stored, given.as_ref().ok());
+        let row = new_part(&profile, claim, stored, given.as_ref().ok());
         let recorded = self.ledger.record_claim(&row).await?;
+        // Between the copy and the row, the end of an earlier part of the same content may have taken the copy away.
+        if !self.meshes.store.path(&stored.hash)?.exists() {
+            self.meshes.store.put(&claim.part)?;
+        }
+        self.claims.insert(claim.id.clone(), claim.clone());
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
-        self.claims.insert(claim.id.clone(), claim);
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {
                 let reason = format!(
@@ -99,10 +106,27 @@ impl Farm {
                 );
                 self.refuse(&part, &reason).await
             }
-            (PartState::Claimed, Ok(_)) => Ok(()),
-            (PartState::Rejected, _) => self.put_into_error(&part, &part.reason.clone()).await,
-            // It was read before a crash: only its original is left to let go.
-            _ => self.let_go(&part),
+            _ => self.settle_claim(&part),
+        }
+    }
+
+    /// Ends the claims of parts that were read or refused; what failed earlier (an error folder that could not be
+    /// written to) is tried again.
+    pub(super) async fn settle_claims(&mut self) -> Result<()> {
+        for claim in self.claims.keys().cloned().collect::<Vec<_>>() {
+            if let Some(part) = self.ledger.parts_of_claim(&claim).await?.first() {
+                self.settle_claim(part)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn settle_claim(&mut self, part: &PartRow) -> Result<()> {
+        match part.state {
+            PartState::Claimed => Ok(()),
+            PartState::Rejected => self.put_into_error(part, &part.reason),
+            // It was read: only its original is left to let go.
+            _ => self.let_go(part),
         }
     }
 
@@ -177,11 +201,12 @@ impl Farm {
     async fn refuse(&mut self, part: &PartRow, reason: &str) -> Result<()> {
         warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
         self.ledger.reject(part.id, reason).await?;
-        self.put_into_error(part, reason).await
+        self.put_into_error(part, reason)
     }
 
-    async fn put_into_error(&mut self, part: &PartRow, reason: &str) -> Result<()> {
-        let Some(claim) = self.claims.remove(&part.claim) else { return Ok(()) };
+    fn put_into_error(&mut self, part: &PartRow, reason: &str) -> Result<()> {
+        self.read_again.remove(&part.id);
+        let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
         let Some(station) = self.stations.get(&part.profile) else { return Ok(()) };
         let error_dir = station.profile.folders.error.clone();
         let text = format!(
@@ -191,18 +216,20 @@ impl Farm {
             part.profile,
             part.id
         );
-        intake::refuse(&claim, &error_dir, &text)?;
+        intake::refuse(claim, &error_dir, &text)?;
+        self.claims.remove(&part.claim);
         Ok(())
     }
 
     /// Lets the claimed original go: the store has it, and its row is committed.
     fn let_go(&mut self, part: &PartRow) -> Result<()> {
         self.read_again.remove(&part.id);
-        if let Some(claim) = self.claims.remove(&part.claim)
-            && let Released::GivenBack(path) = intake::release(&claim)?
-        {
-            warn!(file = %path.display(), "It was written to after it was claimed; it is taken again as a new revision.");
+        let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
+        if let Released::GivenBack(path) = intake::release(claim)? {
+            let file = path.display();
+            warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
         }
+        self.claims.remove(&part.claim);
         Ok(())
     }
 

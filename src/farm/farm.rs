@@ -35,6 +35,10 @@ const BEAT: Duration = Duration::from_millis(500);
 const SIGN_OF_LIFE: Duration = Duration::from_secs(4);
 /// How long an orderly stop waits for jobs; the service manager gives 10 s.
 const STOP_WITHIN: Duration = Duration::from_secs(8);
+/// Claims whose end failed are tried again after so long.
+const CLAIMS_AGAIN: Duration = Duration::from_secs(20);
+/// Different complaints remembered at most.
+const MAX_COMPLAINTS: usize = 1000;
 /// The same complaint is logged again after so long.
 const COMPLAIN_AGAIN: Duration = Duration::from_secs(600);
 
@@ -59,15 +63,17 @@ pub struct Farm {
     pub(super) fresh_builds: HashSet<BuildId>,
     /// Final searches that run.
     pub(super) finals: HashMap<BuildId, (Budget, Best)>,
-    /// Why builds failed last.
-    pub(super) failures: HashMap<BuildId, String>,
+    /// How often the making of builds has failed in this run, and why last.
+    pub(super) failures: HashMap<BuildId, (u32, String)>,
     pub(super) stopping: bool,
     pub(super) started_at: Timestamp,
     pub(super) status_line: String,
+    pub(super) shown_at: Option<Instant>,
     watcher: Option<Watcher>,
     sign_of_life: Option<Instant>,
     last_tidy: Option<Instant>,
     last_watch_check: Instant,
+    last_claims: Instant,
     complaints: HashMap<String, (String, Instant)>,
     events: UnboundedReceiver<Event>,
     _lock: Lock,
@@ -110,10 +116,12 @@ impl Farm {
             stopping: false,
             started_at: Timestamp::now(),
             status_line: "opening".to_owned(),
+            shown_at: None,
             watcher: None,
             sign_of_life: None,
             last_tidy: None,
             last_watch_check: Instant::now(),
+            last_claims: Instant::now(),
             complaints: HashMap::new(),
             events,
             _lock: lock,
@@ -136,7 +144,13 @@ impl Farm {
             }
         }
         for (name, profile) in self.settings.profiles.clone() {
-            make_folders(&profile)?;
+            // A share that is away must not keep the other machines from working.
+            if let Err(failure) = make_folders(&profile) {
+                self.complain(
+                    &format!("folders of {name}"),
+                    &format!("The folders of {name} cannot be made: {failure:#}"),
+                );
+            }
             match self.stations.get_mut(&name) {
                 Some(station) if *station.profile == profile => {}
                 Some(station) => {
@@ -220,6 +234,10 @@ impl Farm {
             self.last_watch_check = Instant::now();
             self.check_watch();
         }
+        if self.last_claims.elapsed() >= CLAIMS_AGAIN {
+            self.last_claims = Instant::now();
+            self.tell("settling claims", Self::settle_claims).await;
+        }
         if self.last_tidy.is_none_or(|at| at.elapsed() >= super::tidy::TIDY_EVERY) {
             self.last_tidy = Some(Instant::now());
             self.tell("tidying", Self::tidy).await;
@@ -240,6 +258,9 @@ impl Farm {
             return;
         }
         error!("{}.", text.trim_end_matches('.'));
+        if self.complaints.len() >= MAX_COMPLAINTS {
+            self.complaints.clear();
+        }
         self.complaints.insert(about.to_owned(), (text.to_owned(), Instant::now()));
     }
 

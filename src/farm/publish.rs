@@ -22,6 +22,9 @@ use crate::{
     settings::Profile,
 };
 
+/// A build whose making was begun so often without an end is given up, whatever ended the daemon each time.
+const MAX_STARTS: u32 = 30;
+
 impl Farm {
     /// Starts the final search of every build that is to be nested and is not in work.
     pub(super) async fn nest(&mut self) -> Result<()> {
@@ -38,8 +41,9 @@ impl Farm {
                 true => build.attempts,
                 false => self.ledger.begin_attempt(build.id).await?,
             };
-            if attempts > self.stations[&build.profile].profile.max_attempts {
-                self.give_up(&build, &format!("gave up after {} attempts", attempts - 1)).await?;
+            let failures = self.failures.get(&build.id).map_or(0, |(count, _)| *count);
+            if failures >= self.stations[&build.profile].profile.max_attempts || attempts > MAX_STARTS {
+                self.give_up(&build, attempts - 1).await?;
                 continue;
             }
             self.start_final(build, attempts, key).await?;
@@ -89,6 +93,9 @@ impl Farm {
     pub(super) async fn on_written(&mut self, build: BuildId, written: Result<Box<Written>>) -> Result<()> {
         self.jobs.ended(&JobKey::Final(build));
         self.finals.remove(&build);
+        if written.is_ok() {
+            self.failures.remove(&build);
+        }
         let written = match written {
             Ok(written) => written,
             Err(failure) if self.stopping => {
@@ -159,9 +166,9 @@ impl Farm {
     }
 
     /// A build that cannot be made fails; its parts wait again, and its profile is paused, for a person must act.
-    async fn give_up(&mut self, build: &BuildRow, why: &str) -> Result<()> {
-        let last = self.failures.remove(&build.id).unwrap_or_default();
-        let reason = if last.is_empty() { why.to_owned() } else { format!("{why}: {last}") };
+    async fn give_up(&mut self, build: &BuildRow, attempts: u32) -> Result<()> {
+        let (_, last) = self.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
+        let reason = format!("gave up after {attempts} attempts: {last}");
         error!(build.id = %build.id, profile = %build.profile, "A build failed, and its profile is paused: {reason}.");
         if let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.as_ref()) {
             queue.discard(&file_name(&build.profile, build))?;
@@ -172,7 +179,8 @@ impl Farm {
     }
 
     async fn note_failure(&mut self, build: BuildId, why: &str) -> Result<()> {
-        self.failures.insert(build, why.to_owned());
+        let failure = self.failures.entry(build).or_default();
+        *failure = (failure.0 + 1, why.to_owned());
         let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
         Ok(self.ledger.event("attempt_failed", &profile, None, Some(build), why).await?)
     }

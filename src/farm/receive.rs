@@ -58,6 +58,11 @@ impl Gate {
         self.inbox.path() == profile.folders.inbox
     }
 
+    /// A claim that could not be recorded: the next look brings it again.
+    pub fn take_back(&mut self, claim: Claim) {
+        self.pending.get_or_insert_default().push(claim);
+    }
+
     /// One look: claims what has settled and copies it into the store.
     pub fn look(&mut self, profile: &Profile, store: &Store, orphan_secs: f64) -> Received {
         let mut received = Received::default();

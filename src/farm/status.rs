@@ -1,6 +1,8 @@
 //! What the farm tells of itself: one line for the service manager, a sign of life in the ledger, and `STATUS.txt` and
 //! `status.json` in each hot folder.
 
+use std::time::{Duration, Instant};
+
 use anyhow::Result;
 use jiff::{Timestamp, tz::TimeZone};
 use serde_json::json;
@@ -8,9 +10,16 @@ use serde_json::json;
 use super::{farm::Farm, sd, station::Station, trigger::secs_between};
 use crate::ledger::{Beat, ProfileStatus};
 
+/// Between two looks at the whole ledger for what is shown.
+const SHOW_EVERY: Duration = Duration::from_secs(2);
+
 impl Farm {
     /// Brings all that is shown up to date.
     pub(super) async fn show_status(&mut self) -> Result<()> {
+        if self.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
+            return Ok(());
+        }
+        self.shown_at = Some(Instant::now());
         let rows = self.ledger.status().await?;
         for (name, station) in &mut self.stations {
             if let Some(row) = rows.iter().find(|row| row.profile == *name) {

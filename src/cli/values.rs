@@ -1,0 +1,17 @@
+//! Values of options that several commands take.
+
+use glam::DVec3;
+
+/// `380x284x380`.
+pub(super) fn volume(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
+    let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
+    size.filter(|s| s.is_finite() && s.min_element() > 0.0)
+        .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
+}
+
+/// A distance in mm.
+pub(super) fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0);
+    number.ok_or_else(|| "wants a distance in mm".to_owned())
+}

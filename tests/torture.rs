@@ -8,8 +8,15 @@ use std::{
 
 use nestd::format::{Contents, Limits, ReadError, Unit, read};
 
+const ROUNDING: &str = "its open edges are the rounding of 32-bit coordinates: welded";
+
 /// Files whose outcome differs from the manifest on purpose: (file, why). Each must really differ.
-const EXCEPTIONS: [(&str, &str); 6] = [
+const EXCEPTIONS: [(&str, &str); 11] = [
+    ("trimesh__idler_riser.STL", ROUNDING),
+    ("trimesh__featuretype.STL", ROUNDING),
+    ("trimesh__angle_block.STL", ROUNDING),
+    ("metres__Base.stl", ROUNDING),
+    ("moveo__Tapa_4M1.STL", ROUNDING),
     ("openscad__cubes-touching.stl", "an edge passed twice each way encloses a volume and is no defect"),
     ("trimesh__shared.STL", "an edge passed twice each way encloses a volume and is no defect"),
     ("slic3r__100_000.stl", "edges passed twice each way enclose a volume and are no defect"),

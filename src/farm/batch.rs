@@ -16,7 +16,10 @@ use super::{
     station::Search,
     trigger::{Facts, FiredBy, fired_by},
 };
-use crate::ledger::{BuildId, OpenLayout, PartState, WaitingPart};
+use crate::{
+    intake,
+    ledger::{BuildId, OpenLayout, PartId, PartState, WaitingPart},
+};
 
 /// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
 const SECS_PER_COPY: f64 = 0.02;
@@ -46,7 +49,9 @@ impl Farm {
                 due: waiting.iter().filter_map(|w| w.part.due_at.map(|d| d.0)).min(),
                 height_mm: station.open.layout.height_mm,
                 density: station.open.layout.part_volume_mm3 / station.profile.build_volume().size_mm.element_product(),
-                full: station.open.covers(&wanted) && (beyond || !station.open.layout.unplaced.is_empty()),
+                full: station.open.covers(&wanted)
+                    && !station.open.layout.placed.is_empty()
+                    && (beyond || !station.open.layout.unplaced.is_empty()),
                 flush: !station.flush.is_empty() && !being_read,
             };
             if let Some(by) = fired_by(&station.profile, &facts, Timestamp::now()) {
@@ -121,8 +126,22 @@ impl Farm {
             return Ok(());
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
-        error!(part.id = %part, profile = %name, "Refused a part. {reason}");
+        error!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
+        self.copy_into_error(name, part, &reason).await?;
         self.ledger.cancel(part, &reason).await.context("refusing a part that fits nowhere")
+    }
+
+    /// The original was let go when the part began to wait: a copy from the store goes into the error folder.
+    async fn copy_into_error(&self, name: &str, part: PartId, reason: &str) -> Result<()> {
+        let (Some(station), Some(row)) = (self.stations.get(name), self.ledger.part(part).await?) else {
+            return Ok(());
+        };
+        let stored = self.meshes.store.path(&row.content_hash)?;
+        let copy = intake::archive(&stored, &station.profile.folders.error, &format!("part-{part}"), &row.name)
+            .with_context(|| format!("copying {} into the error folder", row.name))?;
+        let mut beside = copy.into_os_string();
+        beside.push(".reason.txt");
+        Ok(std::fs::write(beside, format!("{reason}\n"))?)
     }
 
     /// Keeps a layout in the ledger, so that a restart goes on from it.

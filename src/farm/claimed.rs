@@ -45,6 +45,9 @@ impl Farm {
             let (name, status) = (name.clone(), station.status.clone());
             self.jobs.start(JobKey::Receive(name.clone()), move || {
                 let mut received = gate.look(&profile, &store, orphan_secs);
+                if status.1.is_empty() {
+                    return Event::Received { profile: name, gate, received };
+                }
                 if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
                     received.troubles.push(format!("writing STATUS.txt: {failure}"));
                 }
@@ -97,8 +100,13 @@ impl Farm {
         if !self.meshes.store.path(&stored.hash)?.exists() {
             self.meshes.store.put(&claim.part)?;
         }
-        self.claims.insert(claim.id.clone(), claim.clone());
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
+        if part.content_hash != stored.hash {
+            // It was written to after its row was committed, and then nestd crashed: a new revision.
+            intake::give_back(claim)?;
+            return Ok(());
+        }
+        self.claims.insert(claim.id.clone(), claim.clone());
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {
                 let reason = format!(

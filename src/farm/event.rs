@@ -46,6 +46,15 @@ pub enum Event {
         /// What came out.
         written: anyhow::Result<Box<Written>>,
     },
+    /// A verified build was published, or could not be.
+    Published {
+        /// Which build.
+        build: BuildId,
+        /// What the queue folder said.
+        published: anyhow::Result<crate::queue::Published>,
+    },
+    /// The archives have been gone through.
+    Purged,
     /// A job panicked.
     Panicked {
         /// Which.

@@ -65,13 +65,15 @@ pub struct Farm {
     pub(super) finals: HashMap<BuildId, (Budget, Best)>,
     /// How often the making of builds has failed in this run, and why last.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
+    /// Builds that failed are not touched before this time.
+    pub(super) rest_until: HashMap<BuildId, Instant>,
     pub(super) stopping: bool,
     pub(super) started_at: Timestamp,
     pub(super) status_line: String,
     pub(super) shown_at: Option<Instant>,
     watcher: Option<Watcher>,
     sign_of_life: Option<Instant>,
-    last_tidy: Option<Instant>,
+    last_tidy: Instant,
     last_watch_check: Instant,
     last_claims: Instant,
     complaints: HashMap<String, (String, Instant)>,
@@ -113,13 +115,14 @@ impl Farm {
             fresh_builds: HashSet::new(),
             finals: HashMap::new(),
             failures: HashMap::new(),
+            rest_until: HashMap::new(),
             stopping: false,
             started_at: Timestamp::now(),
             status_line: "opening".to_owned(),
             shown_at: None,
             watcher: None,
             sign_of_life: None,
-            last_tidy: None,
+            last_tidy: Instant::now(),
             last_watch_check: Instant::now(),
             last_claims: Instant::now(),
             complaints: HashMap::new(),
@@ -218,12 +221,13 @@ impl Farm {
         self.receive();
         self.tell("orders", Self::orders).await;
         self.tell("reading", Self::read).await;
+        // Fired builds come before open ones: they take the free slots first.
+        self.tell("nesting", Self::nest).await;
         for name in names {
             if let Err(failure) = self.batch(&name).await {
                 self.complain(&format!("batching {name}"), &format!("Batching for {name} failed: {failure:#}"));
             }
         }
-        self.tell("nesting", Self::nest).await;
         self.tell("publishing", Self::publish).await;
         self.tell("status", Self::show_status).await;
         if self.sign_of_life.is_none_or(|at| at.elapsed() >= SIGN_OF_LIFE) {
@@ -238,8 +242,8 @@ impl Farm {
             self.last_claims = Instant::now();
             self.tell("settling claims", Self::settle_claims).await;
         }
-        if self.last_tidy.is_none_or(|at| at.elapsed() >= super::tidy::TIDY_EVERY) {
-            self.last_tidy = Some(Instant::now());
+        if self.last_tidy.elapsed() >= super::tidy::TIDY_EVERY {
+            self.last_tidy = Instant::now();
             self.tell("tidying", Self::tidy).await;
         }
     }
@@ -274,6 +278,11 @@ impl Farm {
             Event::Read { part, outcome } => self.on_read(part, outcome).await,
             Event::Improved { profile, round, nested } => self.on_improved(&profile, round, nested).await,
             Event::Written { build, written } => self.on_written(build, written).await,
+            Event::Published { build, published } => self.on_published(build, published).await,
+            Event::Purged => {
+                self.jobs.ended(&JobKey::Purge);
+                Ok(())
+            }
             Event::Panicked { key, message } => self.on_panicked(key, &message).await,
         };
         if let Err(failure) = result {
@@ -289,6 +298,7 @@ impl Farm {
                 if let Some(station) = self.stations.get_mut(&name) {
                     let gate = super::receive::Gate::new(&station.profile, self.settings.orphan_ticket_secs);
                     station.gate = Some(Box::new(gate));
+                    station.look_at = Instant::now() + Duration::from_secs_f64(self.settings.scan_secs);
                 }
                 Ok(())
             }
@@ -304,6 +314,8 @@ impl Farm {
                 Ok(())
             }
             JobKey::Final(build) => self.on_final_panicked(build, message).await,
+            JobKey::Publish(build) => self.on_published(build, Err(anyhow::anyhow!("panicked: {message}"))).await,
+            JobKey::Purge => Ok(()),
         }
     }
 

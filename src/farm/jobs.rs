@@ -24,6 +24,10 @@ pub enum JobKey {
     Improve(String),
     /// Nesting, writing and proving a build.
     Final(BuildId),
+    /// Publishing a build.
+    Publish(BuildId),
+    /// Going through the archives.
+    Purge,
 }
 
 /// Jobs that run now.

@@ -56,6 +56,7 @@ impl Farm {
     fn flush(&mut self, name: &str, id: CommandId) -> Option<Result<String, String>> {
         let station = self.stations.get_mut(name)?;
         if station.paused {
+            station.flush.retain(|&waits| waits != id);
             return Some(Err(format!("{name} is paused; resume it first")));
         }
         if !station.flush.contains(&id) {

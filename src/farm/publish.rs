@@ -1,7 +1,11 @@
 //! The steps "nested", "verified" and "published" of a fired build: each looks into the ledger for its work, so that a crash
 //! anywhere is taken up where it was.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{
+    collections::HashMap,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result, bail, ensure};
 use tracing::{error, info, warn};
@@ -17,38 +21,53 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow},
-    queue::{Published, StagedState},
+    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow, Verified},
+    queue::{Published, Queue, StagedState},
     settings::Profile,
 };
 
+/// After a build could not be made or published, it rests so long.
+const REST: Duration = Duration::from_secs(10);
 /// A build whose making was begun so often without an end is given up, whatever ended the daemon each time.
 const MAX_STARTS: u32 = 30;
 
 impl Farm {
-    /// Starts the final search of every build that is to be nested and is not in work.
+    /// Starts the final search of every build that is to be nested and is not in work. What keeps one build from being
+    /// begun keeps no other.
     pub(super) async fn nest(&mut self) -> Result<()> {
         for build in self.ledger.builds_in_state(BuildState::Nesting).await? {
-            let key = JobKey::Final(build.id);
-            if self.jobs.runs(&key) || !self.has_free_slot() {
-                continue;
+            let id = build.id;
+            if let Err(failure) = self.nest_build(build).await {
+                self.complain(&format!("nest {id}"), &format!("Build {id} cannot be begun now: {failure:#}"));
             }
-            let Some(station) = self.stations.get_mut(&build.profile) else { continue };
-            if station.queue.is_none() {
-                continue;
-            }
-            let attempts = match self.fresh_builds.remove(&build.id) {
-                true => build.attempts,
-                false => self.ledger.begin_attempt(build.id).await?,
-            };
-            let failures = self.failures.get(&build.id).map_or(0, |(count, _)| *count);
-            if failures >= self.stations[&build.profile].profile.max_attempts || attempts > MAX_STARTS {
-                self.give_up(&build, attempts - 1).await?;
-                continue;
-            }
-            self.start_final(build, attempts, key).await?;
         }
         Ok(())
+    }
+
+    async fn nest_build(&mut self, build: BuildRow) -> Result<()> {
+        let key = JobKey::Final(build.id);
+        let rests = self.rest_until.get(&build.id).is_some_and(|at| Instant::now() < *at);
+        if rests || self.jobs.runs(&key) || !self.has_free_slot() || !self.has_queue(&build.profile) {
+            return Ok(());
+        }
+        let attempts = match self.fresh_builds.remove(&build.id) {
+            true => build.attempts,
+            false => self.ledger.begin_attempt(build.id).await?,
+        };
+        let failures = self.failures.get(&build.id).map_or(0, |(count, _)| *count);
+        if failures >= self.stations[&build.profile].profile.max_attempts || attempts > MAX_STARTS {
+            return self.give_up(&build, attempts - 1).await;
+        }
+        self.start_final(build, attempts, key).await
+    }
+
+    /// Whether the queue folder of a profile is there; one that went away is opened anew, and its absence costs no attempt.
+    fn has_queue(&mut self, profile: &str) -> bool {
+        let Some(station) = self.stations.get_mut(profile) else { return false };
+        if station.queue.as_ref().is_some_and(|queue| queue.check().is_err()) {
+            station.queue = None;
+        }
+        station.queue.is_some()
     }
 
     async fn start_final(&mut self, build: BuildRow, attempts: u32, key: JobKey) -> Result<()> {
@@ -107,51 +126,70 @@ impl Farm {
                 return self.note_failure(build, &format!("{failure:#}")).await;
             }
         };
+        if let Err(why) = self.still_staged(build, &written.verified).await {
+            return self.note_failure(build, &format!("{why:#}")).await;
+        }
         if !written.unplaced.is_empty() {
-            info!(build.id = %build, copies = written.unplaced.len(), "Copies found no place and wait for the next build.");
+            info!(build.id = %build, "{} copies found no place in build {build} and wait for the next.", written.unplaced.len());
             self.ledger.release_copies(build, &written.unplaced).await?;
         }
         self.ledger.verify_build(build, &written.verified, &written.placed).await?;
         self.publish().await
     }
 
-    /// Publishes every verified build: one rename, then the row.
+    /// The dot-file must be there, in the queue folder that is configured now, before the ledger relies on it: a missing one
+    /// would read as published.
+    async fn still_staged(&self, build: BuildId, verified: &Verified) -> Result<()> {
+        let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+        let queue = self.stations.get(&profile).and_then(|s| s.queue.as_ref());
+        let queue = queue.context("the queue folder is not available any more")?;
+        ensure!(queue.id() == verified.queue_id, "the queue folder has changed since the build was written");
+        ensure!(
+            queue.state(&verified.file_name)? == StagedState::Staged,
+            "the written build is gone from the queue folder"
+        );
+        Ok(())
+    }
+
+    /// Publishes every verified build: one rename, on a thread of its own, for a queue folder may be a share that hangs.
     pub(super) async fn publish(&mut self) -> Result<()> {
         for build in self.ledger.builds_in_state(BuildState::Verified).await? {
-            if let Err(failure) = self.publish_build(&build).await {
-                self.complain(
-                    &format!("publish {}", build.id),
-                    &format!("Build {} cannot be published: {failure:#}", build.id),
-                );
+            if self.rest_until.get(&build.id).is_some_and(|at| Instant::now() < *at) {
+                continue;
             }
+            let station = self.stations.get(&build.profile).context("a verified build's profile is not configured")?;
+            let Some(queue) = station.queue.clone() else { continue };
+            let id = build.id;
+            self.jobs
+                .start(JobKey::Publish(id), move || Event::Published { build: id, published: rename(&queue, &build) });
         }
         Ok(())
     }
 
-    async fn publish_build(&mut self, build: &BuildRow) -> Result<()> {
-        let station = self.stations.get(&build.profile).context("its profile is not configured")?;
-        let queue = station.queue.clone().context("its queue folder is unavailable")?;
-        let name = build.file_name.clone().context("its row names no file")?;
-        let same_folder = build.queue_id.as_deref() == Some(queue.id());
-        let published = tokio::task::spawn_blocking(move || {
-            // In another folder than it was staged in, "gone" does not mean published: a person must look.
-            if !same_folder && queue.state(&name)? == StagedState::Gone {
-                bail!("the queue folder was replaced after {name} was staged in it, and the file is not there");
+    /// Commits what was published.
+    pub(super) async fn on_published(&mut self, id: BuildId, published: Result<Published>) -> Result<()> {
+        self.jobs.ended(&JobKey::Publish(id));
+        let published = match published {
+            Ok(published) => published,
+            Err(failure) => {
+                self.rest_until.insert(id, Instant::now() + REST);
+                self.complain(&format!("publish {id}"), &format!("Build {id} cannot be published: {failure:#}"));
+                return Ok(());
             }
-            Ok(queue.publish(&name)?)
-        })
-        .await??;
-        self.ledger.publish_build(build.id).await?;
+        };
+        self.ledger.publish_build(id).await?;
+        self.rest_until.remove(&id);
+        let Some(build) = self.ledger.build(id).await? else { return Ok(()) };
         let height_mm = (build.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
             Published::Now => {
-                info!(build.id = %build.id, profile = %build.profile, height_mm, "Published build {} of {}: {height_mm} mm.", build.id, build.profile)
+                info!(build.id = %id, profile = %build.profile, height_mm, "Published build {id} of {}: {height_mm} mm.", build.profile)
             }
             Published::Before => {
-                warn!(build.id = %build.id, "The build had been published before a crash; nothing was done twice.")
+                warn!(build.id = %id, "Build {id} had been published before a crash; nothing was done twice.")
             }
         }
-        self.forget_built(build).await
+        self.forget_built(&build).await
     }
 
     /// Removes the store's copies of parts that are built: the archive has them.
@@ -171,7 +209,10 @@ impl Farm {
         let reason = format!("gave up after {attempts} attempts: {last}");
         error!(build.id = %build.id, profile = %build.profile, "A build failed, and its profile is paused: {reason}.");
         if let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.as_ref()) {
-            queue.discard(&file_name(&build.profile, build))?;
+            // What cannot be removed now is swept when the folder is opened next.
+            if let Err(failure) = queue.discard(&file_name(&build.profile, build)) {
+                warn!(build.id = %build.id, "The build's dot-file could not be removed: {failure}.");
+            }
         }
         self.ledger.fail_build(build.id, &reason).await?;
         self.ledger.pause(&build.profile, "nestd").await?;
@@ -181,6 +222,7 @@ impl Farm {
     async fn note_failure(&mut self, build: BuildId, why: &str) -> Result<()> {
         let failure = self.failures.entry(build).or_default();
         *failure = (failure.0 + 1, why.to_owned());
+        self.rest_until.insert(build, Instant::now() + REST);
         let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
         Ok(self.ledger.event("attempt_failed", &profile, None, Some(build), why).await?)
     }
@@ -190,6 +232,16 @@ impl Farm {
         self.finals.remove(&build);
         self.note_failure(build, &format!("panicked: {message}")).await
     }
+}
+
+/// The one rename that publishes.
+fn rename(queue: &Queue, build: &BuildRow) -> Result<Published> {
+    let name = build.file_name.as_deref().context("its row names no file")?;
+    // In another folder than it was staged in, "gone" does not mean published: a person must look.
+    if build.queue_id.as_deref() != Some(queue.id()) && queue.state(name)? == StagedState::Gone {
+        bail!("the queue folder was replaced after {name} was staged in it, and the file is not there");
+    }
+    Ok(queue.publish(name)?)
 }
 
 /// The whole final job: search, write, prove, archive the originals.

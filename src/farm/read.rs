@@ -11,6 +11,9 @@ use crate::{
     settings::{MeshErrors, Profile},
 };
 
+/// Copies that one dropped file may ask for, all its solids together.
+const MAX_COPIES: u64 = 20_000;
+
 /// What came out of reading a part's file.
 #[derive(Debug)]
 pub enum ReadOutcome {
@@ -28,11 +31,20 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
         Ok(file) => file,
         Err(error) => return ReadOutcome::Later(chain(&error)),
     };
+    if !file.exists() {
+        return ReadOutcome::Refused("Its file is no longer kept. Drop it again.".to_owned());
+    }
     let contents = match format::read(&file, &part.name, part.unit, profile.unit, &meshes.limits) {
         Ok(contents) => contents,
         Err(error) if error.is_io() => return ReadOutcome::Later(chain(&error)),
         Err(error) => return ReadOutcome::Refused(format!("{} {}.", part.name, chain(&error))),
     };
+    let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
+    if copies > MAX_COPIES {
+        return ReadOutcome::Refused(format!(
+            "It asks for {copies} copies; one file may ask for {MAX_COPIES} at most."
+        ));
+    }
     let faults: Vec<String> = contents.solids.iter().filter_map(|solid| fault_of(solid, part, profile)).collect();
     if !faults.is_empty() {
         return ReadOutcome::Refused(faults.join("\n"));

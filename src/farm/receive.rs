@@ -88,13 +88,20 @@ impl Gate {
         }
         self.pending = Some(Vec::new());
         for claim in claims {
+            // A claim that was listed while the loop ended it is no claim any more.
+            if !claim.dir.exists() {
+                continue;
+            }
             self.left.note(&claim);
             match store.put(&claim.part) {
                 Ok(stored) => received.drops.push((claim, stored)),
                 // Somebody still writes into it: it goes back and settles anew.
                 Err(StoreError::Changed(_)) => match intake::give_back(&claim) {
                     Ok(_) => received.next_secs = Some(0.0),
-                    Err(error) => received.troubles.push(chain(&error)),
+                    Err(error) => {
+                        received.troubles.push(chain(&error));
+                        self.pending.get_or_insert_default().push(claim);
+                    }
                 },
                 Err(StoreError::Unreadable { source, .. }) => {
                     if !refuse_unreadable(profile, &claim, &source, &mut received) {

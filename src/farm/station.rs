@@ -154,7 +154,7 @@ impl OpenBuild {
     /// A search of `copies` placed nothing: half of them are tried next. `true` = it was one copy alone, which has no
     /// place anywhere.
     pub fn placed_nothing(&mut self, copies: usize) -> bool {
-        self.most = Some((copies / 2).max(1));
+        self.most = (copies > 1).then_some(copies / 2);
         copies == 1
     }
 

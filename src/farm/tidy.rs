@@ -1,8 +1,9 @@
 //! Housekeeping: old archives go, the store forgets what nobody needs, leftovers in the queue folders go.
 
 use std::{
+    collections::HashSet,
     fs,
-    path::Path,
+    path::{Path, PathBuf},
     time::{Duration, SystemTime},
 };
 
@@ -10,7 +11,7 @@ use anyhow::{Context, Result};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
-use super::{farm::Farm, prove::file_name, trigger::secs_between};
+use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name, trigger::secs_between};
 use crate::{
     intake::{self, raw_name},
     ledger::{BuildState, PartRow, PartState},
@@ -27,19 +28,14 @@ const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 impl Farm {
     /// Tidies; nothing here is urgent, and everything is safe to repeat.
     pub(super) async fn tidy(&mut self) -> Result<()> {
-        for station in self.stations.values() {
-            let profile = &station.profile;
-            if profile.archive_days == 0 {
-                continue;
-            }
-            let keep = Duration::from_secs(u64::from(profile.archive_days) * 86_400);
-            let before = SystemTime::now().checked_sub(keep).context("the clock is wrong")?;
-            match intake::purge(&profile.folders.archive, before) {
-                Ok(0) => {}
-                Ok(files) => info!(profile = %profile.name, files, "Removed old originals from the archive."),
-                Err(error) => warn!(profile = %profile.name, "The archive could not be purged: {error}."),
-            }
-        }
+        let archives: Vec<(PathBuf, u32)> = (self.stations.values())
+            .map(|s| (s.profile.folders.archive.clone(), s.profile.archive_days))
+            .filter(|(_, days)| *days > 0)
+            .collect();
+        self.jobs.start(JobKey::Purge, move || {
+            archives.iter().for_each(|(archive, days)| purge(archive, *days));
+            Event::Purged
+        });
         self.sweep_store().await
     }
 
@@ -55,14 +51,22 @@ impl Farm {
                 }
             }
         }
+        let mut live = HashSet::new();
+        for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
+            live.extend(self.ledger.parts_in_state(state).await?.into_iter().map(|part| part.content_hash));
+        }
+        self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
         Ok(())
     }
 
     /// Opens the queue folders that are not open and sweeps what a crash left half written in them.
     pub(super) async fn open_queues(&mut self) -> Result<()> {
         let mut staged = Vec::new();
-        for build in self.ledger.builds_in_state(BuildState::Verified).await? {
-            staged.push(build.file_name.clone().unwrap_or_else(|| file_name(&build.profile, &build)));
+        // A build that is being nested may have been staged already: only what no build names is swept.
+        for state in [BuildState::Nesting, BuildState::Verified] {
+            for build in self.ledger.builds_in_state(state).await? {
+                staged.push(build.file_name.clone().unwrap_or_else(|| file_name(&build.profile, &build)));
+            }
         }
         let mut closed = Vec::new();
         for (name, station) in self.stations.iter_mut().filter(|(_, s)| s.queue.is_none()) {
@@ -81,6 +85,17 @@ impl Farm {
             self.complain(&format!("queue {name}"), &format!("The queue folder of {name} cannot be used: {why}"));
         }
         Ok(())
+    }
+}
+
+/// Removes originals that are older than the profile keeps them.
+fn purge(archive: &Path, days: u32) {
+    let keep = Duration::from_secs(u64::from(days) * 86_400);
+    let Some(before) = SystemTime::now().checked_sub(keep) else { return };
+    match intake::purge(archive, before) {
+        Ok(0) => {}
+        Ok(files) => info!("Removed {files} old originals from {}.", archive.display()),
+        Err(error) => warn!("The archive {} could not be purged: {error}.", archive.display()),
     }
 }
 

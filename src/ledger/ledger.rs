@@ -20,7 +20,7 @@ use super::{
 };
 
 /// A writer waits so long for another process before it gives up; changes take milliseconds.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(30);
+const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 /// Connections that only read.
 const READERS: u32 = 4;
 /// Turning a fresh file into WAL mode cannot wait for a lock, so opening is tried so often ...

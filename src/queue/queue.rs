@@ -237,8 +237,9 @@ impl Queue {
         Ok(swept)
     }
 
-    /// An unmounted or replaced folder looks like one from which the printer took everything: its marker tells.
-    fn check(&self) -> Result<(), QueueError> {
+    /// Whether it is still the folder that was opened. An unmounted or replaced folder looks like one from which the printer
+    /// took everything: its marker tells.
+    pub fn check(&self) -> Result<(), QueueError> {
         let unavailable = |why: String| QueueError::Unavailable { dir: self.dir.clone(), why };
         match marker::read(&self.dir) {
             Ok(Some(id)) if id == self.id => Ok(()),

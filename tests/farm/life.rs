@@ -135,3 +135,33 @@ impl TestFarm {
         self.wait_for_parts(PartState::Built, 1);
     }
 }
+
+#[test]
+fn reloads_while_a_build_is_made_do_not_take_its_file_away() {
+    let profile = QUICK.replace("final_secs = 0.5", "final_secs = 2");
+    let farm = TestFarm::running(&profile);
+    farm.drop_part("a_x4.stl", &samples::all()[1].mesh);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.nestd_ok(&["flush", "test"]);
+    for days in 1..60 {
+        farm.write_profile("test", &format!("{profile}archive_days = {days}\n"));
+        farm.reload();
+        std::thread::sleep(Duration::from_millis(60));
+    }
+    farm.wait_for_parts(PartState::Built, 1);
+    assert_eq!(farm.queued().len(), 1, "{}", farm.log());
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_profile_whose_folders_cannot_be_made_does_not_stop_the_others() {
+    let mut farm = TestFarm::new(QUICK);
+    fs::write(farm.root().join("file"), "in the way").unwrap();
+    let elsewhere = farm.root().join("file/queue");
+    farm.write_profile("broken", &format!("{QUICK}[folders]\nqueue = {:?}\n", elsewhere.to_str().unwrap()));
+    farm.start();
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.nestd_ok(&["flush", "test"]);
+    farm.wait_for_queued(1);
+}

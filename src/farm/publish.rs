@@ -195,7 +195,7 @@ impl Farm {
     /// Removes the store's copies of parts that are built: the archive has them.
     async fn forget_built(&mut self, build: &BuildRow) -> Result<()> {
         for part in self.ledger.parts_of_build(build.id).await? {
-            if !self.ledger.hash_in_use(&part.content_hash).await? {
+            if !self.is_needed(&part.content_hash).await? {
                 self.meshes.store.remove(&part.content_hash)?;
                 self.meshes.shelf.keep(|key| key.content_hash != part.content_hash);
             }

@@ -50,6 +50,8 @@ pub struct Given {
     pub ticket: Ticket,
     /// Where it is from, strongest first.
     pub sources: Vec<TicketSource>,
+    /// What was probably meant otherwise, for the technician, in whole sentences.
+    pub warnings: Vec<String>,
 }
 
 impl Claim {

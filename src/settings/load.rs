@@ -108,6 +108,7 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     Some(Settings {
         file: file.to_owned(),
         ledger: folders::below(&state_dir, &inputs.folders.ledger),
+        inbox_base: folders::below(&root, &inputs.folders.inbox),
         root,
         state_dir,
         scan_secs: inputs.scan_secs.0,

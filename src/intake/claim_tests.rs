@@ -218,3 +218,18 @@ fn strangers_in_the_folder_of_claims_do_no_harm() {
     assert_eq!(claims(&farm.inbox).unwrap(), [claim]);
     assert!(claims(farm.dir.path()).unwrap().is_empty());
 }
+
+#[test]
+fn a_name_whose_copies_are_not_understood_is_warned_of_unless_a_ticket_says_them() {
+    let farm = TestInbox::new();
+    farm.drop_file("part_x0.stl", "solid");
+    let given = farm.claim().given().unwrap();
+    assert_eq!(given.ticket.copies, None);
+    assert!(given.warnings.len() == 1 && given.warnings[0].contains("\"x0\""), "{:?}", given.warnings);
+    farm.drop_file("part_x99999.stl", "solid");
+    farm.drop_file("part_x99999.stl.toml", "copies = 3");
+    let given = farm.claim().given().unwrap();
+    assert_eq!((given.ticket.copies, given.warnings), (Some(3), vec![]));
+    farm.drop_file("part_x2.stl", "solid");
+    assert!(farm.claim().given().unwrap().warnings.is_empty());
+}

@@ -6,6 +6,7 @@
 //! [`Watcher`] only says "look". After a crash [`claims`] finds what was being taken.
 
 mod archive;
+mod beside;
 mod claim;
 mod copies;
 mod disk;

@@ -90,6 +90,9 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     let state =
         Claim { folder: state_dir.clone(), what: "the state directory".into(), place: judge.place("folders.state") };
     problems.append(&mut judge.problems);
+    let mut judge = Judge::new(vec![(&farm, "defaults.")]);
+    validate::defaults(&inputs.defaults, &mut judge);
+    problems.append(&mut judge.problems);
 
     let mut profiles = BTreeMap::new();
     let mut claims = Vec::new();

@@ -254,7 +254,7 @@ impl Farm {
 
 fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given: Option<&Given>) -> NewPart {
     let ticket = given.map(|g| g.ticket.clone()).unwrap_or_default();
-    let mut warnings = Vec::new();
+    let mut warnings = given.map(|g| g.warnings.clone()).unwrap_or_default();
     let due_at = ticket.due.and_then(|due| match due.at(&TimeZone::system()) {
         Ok(at) => Some(at),
         Err(error) => {

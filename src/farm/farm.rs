@@ -73,7 +73,7 @@ pub struct Farm {
     pub(super) shown_at: Option<Instant>,
     watcher: Option<Watcher>,
     sign_of_life: Option<Instant>,
-    last_tidy: Instant,
+    tidy_at: Instant,
     last_watch_check: Instant,
     last_claims: Instant,
     complaints: HashMap<String, (String, Instant)>,
@@ -122,7 +122,7 @@ impl Farm {
             shown_at: None,
             watcher: None,
             sign_of_life: None,
-            last_tidy: Instant::now(),
+            tidy_at: Instant::now() + super::tidy::FIRST_TIDY_AFTER,
             last_watch_check: Instant::now(),
             last_claims: Instant::now(),
             complaints: HashMap::new(),
@@ -242,8 +242,8 @@ impl Farm {
             self.last_claims = Instant::now();
             self.tell("settling claims", Self::settle_claims).await;
         }
-        if self.last_tidy.elapsed() >= super::tidy::TIDY_EVERY {
-            self.last_tidy = Instant::now();
+        if Instant::now() >= self.tidy_at {
+            self.tidy_at = Instant::now() + super::tidy::TIDY_EVERY;
             self.tell("tidying", Self::tidy).await;
         }
     }

@@ -18,6 +18,8 @@ use crate::{
     queue::Queue,
 };
 
+/// The first tidying follows the start by so much, so that it delays no start.
+pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 /// How often the house is tidied.
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Refused files stay in the store so long, so that `nestd retry` finds them.
@@ -32,7 +34,11 @@ impl Farm {
             .map(|s| (s.profile.folders.archive.clone(), s.profile.archive_days))
             .filter(|(_, days)| *days > 0)
             .collect();
+        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.folders());
         self.jobs.start(JobKey::Purge, move || {
+            for stray in intake::stray(&base, &folders).unwrap_or_default() {
+                warn!("{} lies beside the hot folders and belongs to no machine: nobody prints it.", stray.display());
+            }
             archives.iter().for_each(|(archive, days)| purge(archive, *days));
             Event::Purged
         });

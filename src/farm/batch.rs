@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{BuildId, OpenLayout, PartId, PartState, WaitingPart},
+    ledger::{BuildId, OpenLayout, PartRow, PartState, WaitingPart},
 };
 
 /// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
@@ -62,9 +62,11 @@ impl Farm {
         Ok(())
     }
 
-    /// Whether a part of the profile is claimed but not read: an order by hand waits for it.
+    /// Whether a part of the profile is claimed but not read: an order by hand waits for it, unless the disk keeps it from
+    /// being read.
     async fn is_being_read(&self, name: &str) -> Result<bool> {
-        Ok(self.ledger.parts_in_state(PartState::Claimed).await?.iter().any(|part| part.profile == name))
+        let claimed = self.ledger.parts_in_state(PartState::Claimed).await?;
+        Ok(claimed.iter().any(|part| part.profile == name && !self.read_again.contains_key(&part.id)))
     }
 
     /// Begins a search for the open build where one is wanted and a slot is free.
@@ -127,17 +129,17 @@ impl Farm {
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
         error!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-        self.copy_into_error(name, part, &reason).await?;
+        if let Some(row) = self.ledger.part(part).await? {
+            self.copy_into_error(&row, &reason)?;
+        }
         self.ledger.cancel(part, &reason).await.context("refusing a part that fits nowhere")
     }
 
     /// The original was let go when the part began to wait: a copy from the store goes into the error folder.
-    async fn copy_into_error(&self, name: &str, part: PartId, reason: &str) -> Result<()> {
-        let (Some(station), Some(row)) = (self.stations.get(name), self.ledger.part(part).await?) else {
-            return Ok(());
-        };
+    pub(super) fn copy_into_error(&self, row: &PartRow, reason: &str) -> Result<()> {
+        let Some(station) = self.stations.get(&row.profile) else { return Ok(()) };
         let stored = self.meshes.store.path(&row.content_hash)?;
-        let copy = intake::archive(&stored, &station.profile.folders.error, &format!("part-{part}"), &row.name)
+        let copy = intake::archive(&stored, &station.profile.folders.error, &format!("part-{}", row.id), &row.name)
             .with_context(|| format!("copying {} into the error folder", row.name))?;
         let mut beside = copy.into_os_string();
         beside.push(".reason.txt");

@@ -26,6 +26,9 @@ const READ_AGAIN: Duration = Duration::from_secs(10);
 /// A look that follows a file-system event waits this long, so that a burst of events is one look.
 const LOOK_AFTER_EVENT: Duration = Duration::from_millis(200);
 
+/// Said of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
+pub(super) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
+
 impl Farm {
     /// Something changed: look soon.
     pub(super) fn look_soon(&mut self) {
@@ -109,9 +112,7 @@ impl Farm {
         self.claims.insert(claim.id.clone(), claim.clone());
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {
-                let reason = format!(
-                    "{error}. Its copies are not known, so it is not printed: mend the ticket and drop both again."
-                );
+                let reason = format!("{error}. {COPIES_UNKNOWN}: mend the ticket and drop both again.");
                 self.refuse(&part, &reason).await
             }
             _ => self.settle_claim(&part),
@@ -217,13 +218,11 @@ impl Farm {
         let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
         let Some(station) = self.stations.get(&part.profile) else { return Ok(()) };
         let error_dir = station.profile.folders.error.clone();
-        let text = format!(
-            "{}\n\nPart {} of the profile {}. To take it back: nestd retry {}\n",
-            reason.trim_end(),
-            part.id,
-            part.profile,
-            part.id
-        );
+        let again = match reason.contains(COPIES_UNKNOWN) {
+            true => String::new(),
+            false => format!(" To take it back: nestd retry {}", part.id),
+        };
+        let text = format!("{}\n\nPart {} of the profile {}.{again}\n", reason.trim_end(), part.id, part.profile);
         intake::refuse(claim, &error_dir, &text)?;
         self.claims.remove(&part.claim);
         Ok(())

@@ -3,8 +3,8 @@
 use anyhow::Result;
 use tracing::info;
 
-use super::farm::Farm;
-use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId};
+use super::{claimed::COPIES_UNKNOWN, farm::Farm};
+use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartState};
 
 impl Farm {
     /// Carries out what was asked; an order to publish is answered when its build has been fired.
@@ -66,11 +66,19 @@ impl Farm {
     }
 
     async fn about_part(&mut self, command: &CommandRow, part: PartId) -> Result<Result<String, String>> {
+        let Some(row) = self.ledger.part(part).await? else { return Ok(Err(format!("there is no part {part}"))) };
         let done = match command.kind {
+            CommandKind::Retry if row.reason.contains(COPIES_UNKNOWN) => {
+                return Ok(Err(format!("the ticket of part {part} could not be read: mend it and drop both again")));
+            }
             CommandKind::Retry => self.ledger.retry(part).await.map(|()| format!("part {part} is read again")),
             _ => {
                 let reason = format!("Cancelled by {}.", command.asked_by);
-                self.ledger.cancel(part, &reason).await.map(|()| format!("part {part} is cancelled"))
+                let done = self.ledger.cancel(part, &reason).await;
+                if done.is_ok() && row.state == PartState::Waiting {
+                    self.copy_into_error(&row, &reason)?;
+                }
+                done.map(|()| format!("part {part} is cancelled"))
             }
         };
         match done {

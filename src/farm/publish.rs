@@ -29,13 +29,16 @@ use crate::{
 /// After a build could not be made or published, it rests so long.
 const REST: Duration = Duration::from_secs(10);
 /// A build whose making was begun so often without an end is given up, whatever ended the daemon each time.
-const MAX_STARTS: u32 = 30;
+const MAX_STARTS: u32 = 200;
 
 impl Farm {
     /// Starts the final search of every build that is to be nested and is not in work. What keeps one build from being
     /// begun keeps no other.
     pub(super) async fn nest(&mut self) -> Result<()> {
-        for build in self.ledger.builds_in_state(BuildState::Nesting).await? {
+        let mut builds = self.ledger.builds_in_state(BuildState::Nesting).await?;
+        // One that ends the daemon each time must not keep the others from their turn.
+        builds.sort_by_key(|build| (build.attempts, build.id));
+        for build in builds {
             let id = build.id;
             if let Err(failure) = self.nest_build(build).await {
                 self.complain(&format!("nest {id}"), &format!("Build {id} cannot be begun now: {failure:#}"));
@@ -195,7 +198,7 @@ impl Farm {
     /// Removes the store's copies of parts that are built: the archive has them.
     async fn forget_built(&mut self, build: &BuildRow) -> Result<()> {
         for part in self.ledger.parts_of_build(build.id).await? {
-            if !self.ledger.hash_in_use(&part.content_hash).await? {
+            if !self.is_needed(&part.content_hash).await? {
                 self.meshes.store.remove(&part.content_hash)?;
                 self.meshes.shelf.keep(|key| key.content_hash != part.content_hash);
             }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{nest::Meshes, receive::chain, shelf::MeshKey};
 use crate::{
-    format::{self, Solid},
+    format::{self, Solid, Unit},
     geometry::Defects,
     ledger::{PartRow, SolidFacts},
     nest::{self, OrientationRule},
@@ -93,7 +93,7 @@ fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> 
             profile.name
         ));
     }
-    misfit_of(solid, part.orientation, profile)
+    misfit_of(solid, part, profile)
 }
 
 fn defects_text(defects: &Defects) -> String {
@@ -111,7 +111,8 @@ fn defects_text(defects: &Defects) -> String {
 
 /// Why a solid does not fit into the machine in any allowed orientation. Nothing is rescaled; units in which it would
 /// fit are named.
-fn misfit_of(solid: &Solid, rule: OrientationRule, profile: &Profile) -> Option<String> {
+fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> {
+    let rule = part.orientation;
     let volume = profile.build_volume();
     let misfit = nest::fits(&solid.mesh, rule, &volume).err()?;
     let (needs, has) = (misfit.extents_mm, volume.size_mm);
@@ -127,16 +128,20 @@ fn misfit_of(solid: &Solid, rule: OrientationRule, profile: &Profile) -> Option<
         has.y,
         has.z
     );
-    // Wrong units are the commonest reason: say what the other readings would be, and let the technician decide.
-    for ratio in [10.0, 25.4, 1000.0] {
-        let smaller = needs / ratio;
-        if smaller.cmple(has).all() {
-            let (x, y, z) = (smaller.x, smaller.y, smaller.z);
+    // Wrong units are the commonest reason: say what the numbers would be in a smaller unit, and let people decide.
+    if part.unit.is_none() {
+        let read_in = profile.unit.mm();
+        let smaller = [Unit::Millimeter, Unit::Micron]
+            .into_iter()
+            .find(|unit| unit.mm() < read_in && (needs * (unit.mm() / read_in)).cmple(has).all());
+        if let Some(unit) = smaller {
+            let size = needs * (unit.mm() / read_in);
+            let word = format!("{unit:?}").to_lowercase();
             reason.push_str(&format!(
-                " Were its numbers meant in a unit {ratio} times smaller, it would be {x:.1} x {y:.1} x {z:.1} mm and fit: if \
-                 so, drop it with a ticket that says the unit."
+                " Read in {word}s it would be {:.1} x {:.1} x {:.1} mm and fit: if that is meant, drop it with a ticket that says \
+                 unit = \"{word}\".",
+                size.x, size.y, size.z
             ));
-            break;
         }
     }
     Some(reason)

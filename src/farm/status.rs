@@ -84,7 +84,8 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
         let height_mm = last.height_mm.unwrap_or_default();
         lines.push(format!("Last build: {} on {}, {height_mm:.1} mm.", last.build, local(last.published_at.0)));
     }
-    if row.rejected_parts > 0 {
+    let kept = std::fs::read_dir(&profile.folders.error).is_ok_and(|mut entries| entries.next().is_some());
+    if row.rejected_parts > 0 && kept {
         lines.push(format!("{} files were refused: see {}.", row.rejected_parts, profile.folders.error.display()));
     }
     lines.join("\n") + "\n"

@@ -8,7 +8,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
 use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name, trigger::secs_between};
@@ -46,7 +46,7 @@ impl Farm {
             for part in self.ledger.parts_in_state(state).await? {
                 let age_secs = secs_between(part.state_at.0, now);
                 let due = age_secs >= keep_secs && age_secs <= keep_secs + SWEEP_WITHIN_SECS;
-                if due && !self.ledger.hash_in_use(&part.content_hash).await? {
+                if due && !self.is_needed(&part.content_hash).await? {
                     self.meshes.store.remove(&part.content_hash)?;
                 }
             }
@@ -57,6 +57,13 @@ impl Farm {
         }
         self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
         Ok(())
+    }
+
+    /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
+    pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
+        let keep = SignedDuration::try_from_secs_f64(KEEP_REFUSED_SECS).context("a wrong constant")?;
+        let since = Timestamp::now().checked_sub(keep).unwrap_or(Timestamp::MIN);
+        Ok(self.ledger.hash_in_use(content_hash, since).await?)
     }
 
     /// Opens the queue folders that are not open and sweeps what a crash left half written in them.

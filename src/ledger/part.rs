@@ -209,11 +209,13 @@ impl Ledger {
         Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()).await?)
     }
 
-    /// Whether a live part (claimed, waiting, batched) needs the stored file.
-    pub async fn hash_in_use(&self, hash: &str) -> Result<bool> {
+    /// Whether a live part (claimed, waiting, batched) needs the stored file, or one that was rejected after
+    /// `rejected_since` and may be taken back.
+    pub async fn hash_in_use(&self, hash: &str, rejected_since: Timestamp) -> Result<bool> {
         let query = sqlx::query_scalar(
-            "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = ? AND state IN ('claimed', 'waiting', 'batched'))",
+            "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = ? AND (state IN ('claimed', 'waiting', 'batched') \
+             OR (state = 'rejected' AND state_at >= ?)))",
         );
-        Ok(query.bind(hash).fetch_one(self.reader()).await?)
+        Ok(query.bind(hash).bind(Utc(rejected_since)).fetch_one(self.reader()).await?)
     }
 }

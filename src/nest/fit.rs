@@ -12,8 +12,9 @@ use super::{
 };
 use crate::geometry::{Bounds, Mesh, Pose};
 
-/// What a placement keeps from the walls, mm, so that rounding in a written file never puts it outside.
-pub(crate) const WALL_SPARE_MM: f64 = 1e-4;
+/// What a placement keeps from the walls, mm. Less than nothing, within the proof's tolerance, so that a part exactly as
+/// large as the volume fits: build files hold every digit, so nothing is rounded away afterwards.
+pub(crate) const WALL_SPARE_MM: f64 = -4e-7;
 
 /// A part that stands in no allowed orientation.
 #[derive(Debug, Clone, Copy, PartialEq)]

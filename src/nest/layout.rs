@@ -9,6 +9,8 @@ use super::{
     push::{Guide, Push},
 };
 
+/// What guides keep from the walls, mm: their bounds are of single precision.
+const GUIDE_SPARE_MM: f32 = 2e-4;
 /// Parts are pushed so much further apart than they must be, mm: a push that ends exactly at the bound never arrives.
 const OVERSHOOT_MM: f32 = 0.03;
 
@@ -88,10 +90,10 @@ impl<'t> Layout<'t> {
     /// Sets a guide to a stand, moved inside the walls; standing out at the far end where it is too long.
     pub(crate) fn clamp(&self, guide: &mut Guide, stand: Stand) -> Stand {
         guide.set(stand.turn, stand.place);
-        let room = self.task.room.with_z(self.lid_mm).as_vec3() - 2.0 * WALL_SPARE_MM as f32;
+        let room = self.task.room.with_z(self.lid_mm).as_vec3() - GUIDE_SPARE_MM;
         // The guides know bounds to about a micron of single precision; the exact bounds are checked in the end.
         let shift = (room - guide.max).min(Vec3::ZERO);
-        let shift = shift + (WALL_SPARE_MM as f32 * 2.0 - (guide.min + shift)).max(Vec3::ZERO);
+        let shift = shift + (GUIDE_SPARE_MM - (guide.min + shift)).max(Vec3::ZERO);
         if shift == Vec3::ZERO {
             return stand;
         }

@@ -187,3 +187,15 @@ proptest! {
         assert_good(&instance, &solution);
     }
 }
+
+#[test]
+fn parts_exactly_as_large_as_the_volume_fit() {
+    let slab = block(DVec3::new(60.0, 40.0, 15.0));
+    for rule in [OrientationRule::Free, OrientationRule::Upright, OrientationRule::Axis, OrientationRule::Fixed] {
+        // Two slabs and the clearance between them fill the height but for the spare of the clearance.
+        let slabs = asked(DVec3::new(60.0, 40.0, 33.01), 3.0, vec![item(slab.clone(), 2, rule)]);
+        let solution = nested(&slabs, &Config::default(), &[], 2_000);
+        assert_good(&slabs, &solution);
+        assert!(solution.unplaced.is_empty(), "{rule:?}: {solution:?}");
+    }
+}

@@ -74,7 +74,7 @@ impl Task {
     /// Whether a piece stands inside the walls.
     pub(crate) fn is_inside(&self, piece: &Piece, lid_mm: f64) -> bool {
         let room = Bounds { min: DVec3::ZERO, max: self.room.with_z(lid_mm.min(self.room.z)) };
-        room.holds(&piece.bounds, WALL_SPARE_MM * 0.999)
+        room.holds(&piece.bounds, WALL_SPARE_MM - 1e-7)
     }
 
     /// Whether two pieces keep their clearance and none is inside the other. Exact.

@@ -45,7 +45,29 @@ fn a_broken_ticket_refuses_its_part_for_its_copies_are_not_known() {
     farm.drop_bytes("cube.stl.toml", b"copies = \"many\"");
     farm.drop_part("cube.stl", &block(10.0, 10.0, 10.0));
     assert!(reason(&farm, "cube.stl").contains("copies"));
-    assert_eq!(farm.parts(PartState::Rejected).len(), 1);
+    let part = farm.parts(PartState::Rejected).remove(0);
+    let retry = farm.nestd(&["retry", &part.id.to_string()]);
+    assert_eq!(retry.status.code(), Some(1), "its copies would be guessed");
+    assert!(!reason(&farm, "cube.stl").contains("nestd retry"));
+}
+
+#[test]
+fn a_refused_twin_can_be_taken_back_after_the_other_was_built() {
+    let mut farm = TestFarm::running(QUICK);
+    let cube = stl(&block(10.0, 10.0, 10.0));
+    farm.drop_bytes("one.stl", &cube);
+    farm.drop_bytes("two.stl", &cube);
+    let parts = farm.wait_for_parts(PartState::Waiting, 2);
+    let two = parts.iter().find(|p| p.name == "two.stl").unwrap().id.to_string();
+    farm.nestd_ok(&["cancel", &two]);
+    farm.nestd_ok(&["flush", "test"]);
+    farm.wait_for_parts(PartState::Built, 1);
+    farm.stop();
+    farm.start();
+    farm.nestd_ok(&["retry", &two]);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.nestd_ok(&["flush", "test"]);
+    farm.wait_for_parts(PartState::Built, 2);
 }
 
 #[test]

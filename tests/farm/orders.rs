@@ -31,6 +31,8 @@ fn a_cancelled_part_is_in_no_build() {
     let built = farm.wait_for_parts(PartState::Built, 1);
     assert_eq!(built[0].name, "b.stl");
     assert_eq!(farm.parts(PartState::Rejected)[0].name, "a.stl");
+    let copy = farm.folder("error").join(format!("part-{}", a.id)).join("a.stl");
+    assert!(copy.exists(), "the original of a cancelled part is given back");
 }
 
 #[test]

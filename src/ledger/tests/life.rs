@@ -79,7 +79,7 @@ async fn a_claim_that_cannot_be_read_is_rejected_with_its_reason() {
     ledger.reject(id, "the file is empty").await.unwrap();
     let row = ledger.part(id).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (PartState::Rejected, "the file is empty"));
-    assert!(!ledger.hash_in_use(&row.content_hash).await.unwrap());
+    assert!(!ledger.hash_in_use(&row.content_hash, jiff::Timestamp::MAX).await.unwrap());
     assert!(matches!(ledger.reject(id, "again").await, Err(LedgerError::Illegal(_))));
     assert!(matches!(ledger.accept(id, &[solid(0, 1)]).await, Err(LedgerError::Illegal(_))));
     let other = ledger.record_claim(&new_part("empty", 1)).await.unwrap().id;

@@ -96,7 +96,7 @@ async fn an_identical_file_of_another_claim_is_found() {
     assert_eq!(ledger.earlier_with_hash("paper-200", &hash, second).await.unwrap(), Some(first));
     assert_eq!(ledger.earlier_with_hash("paper-200", &hash, first).await.unwrap(), None);
     assert_eq!(ledger.earlier_with_hash("fuse-1", &hash, second).await.unwrap(), None);
-    assert!(ledger.hash_in_use(&hash).await.unwrap());
+    assert!(ledger.hash_in_use(&hash, jiff::Timestamp::MAX).await.unwrap());
     ledger.reject(first, "no").await.unwrap();
     assert_eq!(ledger.earlier_with_hash("paper-200", &hash, second).await.unwrap(), None);
 }

@@ -189,8 +189,9 @@ impl<'d> Watch<'d> {
             if !nesting && flushed_after != Some(published) {
                 flushed_after = Some(published);
                 // A daemon that is too busy to answer at once still does it: the build is waited for.
-                operate(farm, &["flush", PROFILE])
-                    .or_else(|error| self.daemon.expect_running().and(Ok(drop(error))))?;
+                if operate(farm, &["flush", PROFILE]).is_err() {
+                    self.daemon.expect_running()?;
+                }
             }
             self.tick("the build").await?;
         }

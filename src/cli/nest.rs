@@ -59,7 +59,7 @@ pub struct Args {
     /// Time to search, e.g. 60s or 2m
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]
     budget: f64,
-    /// Search for so many evaluations instead: the same build every time
+    /// Search for so many evaluations instead: the same placements every time
     #[arg(long, value_name = "N", conflicts_with = "budget", value_parser = clap::value_parser!(u64).range(1..))]
     evaluations: Option<u64>,
     /// Threads to search with; part of what makes a build repeatable; 0 = one per core [default: the profile's, else 1]

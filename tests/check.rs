@@ -142,6 +142,35 @@ fn a_ledger_that_is_up_to_date_is_well_and_one_that_is_none_is_a_problem() {
 }
 
 #[test]
+fn what_lies_beside_the_hot_folders_is_warned_of_with_a_remedy() {
+    let farm = Farm::new();
+    for file in ["inbox/lost.stl", "inbox/cubes/a.stl", "inbox/cube/b.stl", "inbox/.DS_Store"] {
+        farm.write(&format!("farm/{file}"), "solid");
+    }
+    let (code, problems, text) = farm.check();
+    assert_eq!((code, problems), (0, vec![]), "{text}");
+    let report: Value = serde_json::from_str(&text).unwrap();
+    let warnings: Vec<&Value> =
+        report["findings"].as_array().unwrap().iter().filter(|finding| finding["level"] == "warning").collect();
+    let said = |at: usize, key: &str| warnings[at][key].as_str().unwrap();
+    assert_eq!(warnings.len(), 2, "{text}");
+    assert!(said(0, "text").starts_with("the folder \"cubes\" in "), "{text}");
+    assert!(said(1, "text").starts_with("\"lost.stl\" lies in "), "{text}");
+    assert!(said(0, "remedy").contains("a profile of that name") && said(1, "remedy").starts_with("move it"), "{text}");
+}
+
+#[test]
+fn folders_of_the_farm_that_lie_beside_the_hot_folders_are_not_stray() {
+    let farm = Farm::new();
+    farm.write("etc/nestd.toml", "[folders]\ninbox = \".\"\n");
+    for folder in ["cube", "queue/cube", "error/cube", "archive/cube", "state"] {
+        fs::create_dir_all(farm.path("farm").join(folder)).unwrap();
+    }
+    let (code, _, text) = farm.check();
+    assert!(code == 0 && !text.contains("\"warning\""), "{text}");
+}
+
+#[test]
 fn without_a_configuration_it_is_said_what_to_do() {
     let dir = tempfile::tempdir().unwrap();
     let output = Command::cargo_bin("nestd").unwrap().arg("check").current_dir(dir.path()).output().unwrap();

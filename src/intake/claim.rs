@@ -20,12 +20,13 @@ use thiserror::Error;
 use tracing::error;
 
 use super::{
-    Ready, Seen, disk, display_name,
+    Ready, Seen,
+    beside::{LIST_NAME, Role, role},
+    disk, display_name,
     list_end::mark_served,
     name::order_name,
     order_list::OrderList,
     recover::{give_back_files, remove_claim_dir},
-    settle::{LIST_NAME, Role, role},
 };
 
 /// Claims lie here, below the hot folder and so on its own file system.

@@ -218,3 +218,65 @@ fn strangers_in_the_folder_of_claims_do_no_harm() {
     assert_eq!(claims(&farm.inbox).unwrap(), [claim]);
     assert!(claims(farm.dir.path()).unwrap().is_empty());
 }
+
+#[test]
+fn a_name_whose_copies_are_not_understood_is_warned_of_unless_a_ticket_says_them() {
+    let farm = TestInbox::new();
+    farm.drop_file("part_x0.stl", "solid");
+    let given = farm.claim().given().unwrap();
+    assert_eq!(given.ticket.copies, None);
+    assert!(given.warnings.len() == 1 && given.warnings[0].contains("\"x0\""), "{:?}", given.warnings);
+    farm.drop_file("part_x99999.stl", "solid");
+    farm.drop_file("part_x99999.stl.toml", "copies = 3");
+    let given = farm.claim().given().unwrap();
+    assert_eq!((given.ticket.copies, given.warnings), (Some(3), vec![]));
+    farm.drop_file("part_x2.stl", "solid");
+    assert!(farm.claim().given().unwrap().warnings.is_empty());
+}
+
+#[test]
+fn a_ticket_without_the_parts_extension_goes_with_its_part_wherever_that_goes() {
+    let farm = TestInbox::new();
+    farm.drop_file("plain.stl", "solid");
+    farm.drop_file("plain.toml", "copies = 4");
+    let claim = farm.claim();
+    assert_eq!(claim.given().unwrap().ticket.copies, Some(4));
+    assert_eq!(claim.given().unwrap().sources[0].file_name, "plain.toml");
+    assert_eq!(claims(&farm.inbox).unwrap(), std::slice::from_ref(&claim));
+    // Meanwhile its name would be unclear.
+    farm.drop_file("plain.3mf", "PK");
+    give_back(&claim).unwrap();
+    assert_eq!(farm.dropped(), ["plain.3mf", "plain.stl", "plain.stl.toml"]);
+    fs::remove_file(farm.inbox.join("plain.3mf")).unwrap();
+    assert_eq!(farm.claim().given().unwrap().ticket.copies, Some(4));
+}
+
+#[test]
+fn a_part_with_a_full_and_a_short_ticket_is_given_back_with_both() {
+    let farm = TestInbox::new();
+    for name in ["plain.stl", "plain.stl.toml", "plain.toml"] {
+        farm.drop_file(name, "copies = 4");
+    }
+    let claim = farm.claim();
+    assert!(claim.given().unwrap_err().to_string().contains("two tickets"));
+    give_back(&claim).unwrap();
+    assert_eq!(farm.dropped(), ["plain.stl", "plain.stl.toml", "plain.toml"]);
+    assert!(farm.claimed().is_empty());
+}
+
+#[test]
+fn a_claim_with_a_short_ticket_stopped_anywhere_keeps_the_two_together() {
+    for stop in 1.. {
+        let farm = TestInbox::new();
+        farm.drop_file("plain.stl", "solid");
+        farm.drop_file("plain.toml", "copies = 4");
+        let ready = farm.ready_part();
+        if !stops_at(stop, |step| claim_stepwise(&farm.inbox, &ready, step)) {
+            assert!(stop > 5, "{stop}");
+            return;
+        }
+        let claims = claims(&farm.inbox).unwrap();
+        let claim = claims.first().cloned().unwrap_or_else(|| farm.claim());
+        assert_eq!(claim.given().unwrap().ticket.copies, Some(4), "stop {stop}");
+    }
+}

@@ -7,25 +7,42 @@ pub(super) const MAX_COPIES: u32 = 10_000;
 /// or a space; `None` if it asks for none or ambiguously: two such words, a leading zero, more than 10 000, or nothing but
 /// the word.
 pub fn copies_in_name(name: &str) -> Option<u32> {
-    let (stem, _) = name.rsplit_once('.')?;
-    let words: Vec<&str> = stem.split(['_', '-', '.', ' ']).collect();
-    let (last, before) = words.split_last()?;
-    if before.iter().all(|w| w.is_empty()) || before.iter().any(|w| count(w).is_some()) {
+    let (last, before) = words(name)?;
+    if before.iter().any(|w| count(w).is_some()) {
         return None;
     }
     count(last).filter(|&copies| copies <= u64::from(MAX_COPIES)).map(|copies| copies as u32)
 }
 
+/// The word of a file name that stands where copies do and looks like them, but is not understood by [`copies_in_name`].
+pub(super) fn unclear_copies(name: &str) -> Option<String> {
+    let (last, _) = words(name)?;
+    let is_unclear = digits(last).is_some() && copies_in_name(name).is_none();
+    is_unclear.then(|| last.to_owned())
+}
+
+/// The last word before the extension, and the words before it, of which one at least says something.
+fn words(name: &str) -> Option<(&str, Vec<&str>)> {
+    let (stem, _) = name.rsplit_once('.')?;
+    let mut words: Vec<&str> = stem.split(['_', '-', '.', ' ']).collect();
+    let last = words.pop()?;
+    words.iter().any(|w| !w.is_empty()).then_some((last, words))
+}
+
 /// The number in a word that says a count, whatever its size.
 fn count(word: &str) -> Option<u64> {
+    digits(word).filter(|digits| !digits.starts_with('0')).and_then(|digits| digits.parse().ok())
+}
+
+/// The digits of a word that looks like a count.
+fn digits(word: &str) -> Option<String> {
     let word = word.to_ascii_lowercase();
     let digits = word
         .strip_prefix("qty")
         .or_else(|| word.strip_prefix('x'))
         .or_else(|| word.strip_suffix("pcs"))
         .or_else(|| word.strip_suffix('x'))?;
-    let is_number = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
-    if is_number { digits.parse().ok() } else { None }
+    (!digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.to_owned())
 }
 
 #[cfg(test)]
@@ -48,6 +65,25 @@ mod tests {
         }
         assert_eq!(copies_in_name("a_x1.stl"), Some(1));
         assert_eq!(copies_in_name("a_x10000.stl"), Some(10_000));
+    }
+
+    #[test]
+    fn what_looks_like_copies_and_is_not_understood_is_named() {
+        for (name, word) in [
+            ("part_x0.stl", "x0"),
+            ("part_x99999.stl", "x99999"),
+            ("part_x99999999999999999999.stl", "x99999999999999999999"),
+            ("part-X05.stl", "X05"),
+            ("part 0pcs.stl", "0pcs"),
+            ("part_qty0.3mf", "qty0"),
+            ("screw_x2_x10.stl", "x10"),
+        ] {
+            assert_eq!(unclear_copies(name).as_deref(), Some(word), "{name}");
+        }
+        for name in ["part_x10.stl", "part.stl", "box_10x20.stl", "axis_x.stl", "part_10.stl", "x0.stl", "part_x0", ""]
+        {
+            assert_eq!(unclear_copies(name), None, "{name}");
+        }
     }
 
     #[test]

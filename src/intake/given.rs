@@ -5,7 +5,13 @@ use std::{
     path::Path,
 };
 
-use super::{Claim, Ticket, TicketError, copies_in_name, disk, display_name, order_list::OrderList, ticket::broken};
+use super::{
+    Claim, Ticket, TicketError,
+    copies::{MAX_COPIES, unclear_copies},
+    copies_in_name, disk, display_name,
+    order_list::OrderList,
+    ticket::broken,
+};
 
 /// A longer ticket is none.
 const MAX_TICKET_BYTES: u64 = 64 << 10;
@@ -50,6 +56,8 @@ pub struct Given {
     pub ticket: Ticket,
     /// Where it is from, strongest first.
     pub sources: Vec<TicketSource>,
+    /// What was probably meant otherwise, for the technician, in whole sentences.
+    pub warnings: Vec<String>,
 }
 
 impl Claim {
@@ -74,6 +82,10 @@ impl Claim {
         let name = self.display_name();
         if let Some(copies) = copies_in_name(&name) {
             given.add(Source::Name, name.clone(), Ticket { copies: Some(copies), ..Ticket::default() }, name);
+        } else if let (None, Some(word)) = (given.ticket.copies, unclear_copies(&name)) {
+            given.warnings.push(format!(
+                "Its name ends in \"{word}\", which is no clear number of copies from 1 to {MAX_COPIES}: taken as 1 copy."
+            ));
         }
         Ok(given)
     }

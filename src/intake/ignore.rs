@@ -7,7 +7,7 @@ const SUFFIXES: [&str; 5] = [".tmp", ".partial", ".part", ".crdownload", ".filep
 /// Office lock files. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`) are ignored as such.
 const PREFIXES: [&str; 1] = ["~$"];
 /// Files and folders that systems and synchronisers put into every folder.
-const NAMES: [&str; 4] = ["desktop.ini", "thumbs.db", "@eadir", "__macosx"];
+const NAMES: [&str; 5] = ["desktop.ini", "thumbs.db", "@eadir", "__macosx", "lost+found"];
 
 /// Whether a file or folder of this name is passed over, at any depth and in any case: Windows and macOS do not tell
 /// `THUMBS.DB` from `Thumbs.db`.
@@ -50,6 +50,7 @@ mod tests {
             ".stfolder",
             ".stversions",
             "__MACOSX",
+            "lost+found",
             ".Trashes",
             ".claimed",
         ] {

@@ -6,6 +6,7 @@
 //! [`Watcher`] only says "look". After a crash [`claims`] finds what was being taken.
 
 mod archive;
+mod beside;
 mod claim;
 mod copies;
 mod disk;
@@ -21,6 +22,7 @@ mod scan;
 mod settle;
 mod status;
 mod store;
+mod stray;
 #[cfg(test)]
 mod test_inbox;
 #[cfg(test)]
@@ -43,5 +45,6 @@ pub use scan::{Inbox, Kind, Listing, ScanError, ScanLimits, Seen, scan};
 pub use settle::{Ready, SettleRules, Settler};
 pub use status::write_status;
 pub use store::{Store, StoreError, Stored};
+pub use stray::stray;
 pub use ticket::{Due, Ticket, TicketError};
 pub use watch::{WatchError, Watcher};

@@ -14,6 +14,8 @@ use super::{
 /// A longer list is none.
 const MAX_LIST_BYTES: u64 = 4 << 20;
 const COLUMNS: [&str; 5] = ["file", "copies", "due", "priority", "orientation"];
+/// Other words for a column, as `nest --list` takes them.
+const OTHER_WORDS: [(&str, &str); 2] = [("quantity", "copies"), ("qty", "copies")];
 
 /// A list as it stands there.
 #[derive(Debug)]
@@ -111,10 +113,12 @@ struct Columns {
 fn columns(header: &csv::StringRecord) -> Result<Columns, String> {
     let mut places = [None; COLUMNS.len()];
     for (at, name) in header.iter().enumerate() {
-        let known = COLUMNS.iter().position(|c| name.eq_ignore_ascii_case(c));
+        let other = OTHER_WORDS.iter().find(|(other, _)| name.eq_ignore_ascii_case(other));
+        let word = other.map_or(name, |&(_, word)| word);
+        let known = COLUMNS.iter().position(|c| word.eq_ignore_ascii_case(c));
         let known = known.ok_or_else(|| format!("it has a column {name:?}; known are {}", COLUMNS.join(", ")))?;
         if places[known].replace(at).is_some() {
-            return Err(format!("it has two columns {name:?}"));
+            return Err(format!("it has two columns for {}", COLUMNS[known]));
         }
     }
     match places[0] {
@@ -191,6 +195,15 @@ mod tests {
         }
         let latin1 = OrderList::parse(b"file,copies\ngr\xf6\xdfe.stl,3\n".to_vec());
         assert_eq!(row(&latin1, "größe.stl").ticket.clone().unwrap().copies, Some(3));
+    }
+
+    #[test]
+    fn quantity_is_another_word_for_copies() {
+        for text in ["file,quantity\na.stl,3\n", "Qty;File\n3;a.stl\n", "file\tQUANTITY\na.stl\t3\n"] {
+            assert_eq!(row(&list(text), "a.stl").ticket.clone().unwrap().copies, Some(3), "{text:?}");
+        }
+        let both = list("file,copies,qty\na.stl,3,4\n");
+        assert_eq!(both.row_for(OsStr::new("a.stl")).unwrap_err(), "it has two columns for copies");
     }
 
     #[test]

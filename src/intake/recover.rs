@@ -10,11 +10,11 @@ use tracing::warn;
 
 use super::{
     Claim, ClaimError,
+    beside::{Role, role, short_name},
     claim::{CLAIMED_DIR, DONE, NEW, claiming, io_error},
     disk,
     list_end::sweep_marks,
     name::numbered,
-    settle::{Role, role},
 };
 
 /// The claims that lie in `.claimed/`, oldest first; gives back what a crash left half claimed and removes what it left
@@ -64,7 +64,7 @@ pub(super) fn give_back_files(inbox: &Path, dir: &Path) -> io::Result<Option<Pat
     let mut part = None;
     let files = disk::files_below(dir)?;
     // A ticket that still has its part goes back with it.
-    let is_led = |file: &Path| matches!(role(file), Role::Ticket { part } if files.contains(&part));
+    let is_led = |file: &Path| files.iter().any(|part| follows(file, part));
     for file in files.iter().filter(|f| role(f) != Role::List && !is_led(f)) {
         let followers: Vec<&Path> = files.iter().map(PathBuf::as_path).filter(|f| follows(f, file)).collect();
         let back = give_back_one(inbox, dir, file, &followers)?;
@@ -96,7 +96,8 @@ fn unmake(dir: &Path) -> io::Result<PathBuf> {
 }
 
 fn follows(ticket: &Path, part: &Path) -> bool {
-    matches!(role(ticket), Role::Ticket { part: named } if named == part)
+    let Role::Ticket { part: named } = role(ticket) else { return false };
+    role(part) == Role::Part && (named == part || short_name(part) == Some(named))
 }
 
 fn give_back_one(inbox: &Path, dir: &Path, file: &Path, followers: &[&Path]) -> io::Result<PathBuf> {
@@ -104,7 +105,7 @@ fn give_back_one(inbox: &Path, dir: &Path, file: &Path, followers: &[&Path]) -> 
     let name = file.file_name().unwrap_or_default();
     for n in 1..=disk::MAX_NUMBER {
         let leader = numbered(name, n);
-        let targets: Vec<OsString> = followers.iter().map(|f| follower_name(&leader, f)).collect();
+        let targets = follower_names(&leader, followers);
         if targets.iter().chain([&leader]).any(|t| disk::is_there(&inbox.join(folder).join(t))) {
             continue;
         }
@@ -116,6 +117,18 @@ fn give_back_one(inbox: &Path, dir: &Path, file: &Path, followers: &[&Path]) -> 
         return Ok(inbox.join(folder).join(leader));
     }
     Err(io::ErrorKind::AlreadyExists.into())
+}
+
+/// Names of the tickets of one part, in full: what was clear when they were claimed may be so no more. Only a second one of
+/// the same kind has the short name.
+fn follower_names(part: &OsStr, tickets: &[&Path]) -> Vec<OsString> {
+    let mut names = Vec::new();
+    for ticket in tickets {
+        let full = follower_name(part, ticket);
+        let short = follower_name(Path::new(part).with_extension("").as_os_str(), ticket);
+        names.push(if names.contains(&full) { short } else { full });
+    }
+    names
 }
 
 /// The name of a ticket for a part of that name.

@@ -230,8 +230,8 @@ impl Walk<'_> {
     }
 }
 
-/// A folder named like this is no order: somebody unpacked or mistook something.
-fn is_part_name(name: &OsStr) -> bool {
+/// Whether a name is that of a part file. A folder named so is no order: somebody unpacked or mistook something.
+pub(super) fn is_part_name(name: &OsStr) -> bool {
     Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("stl") || e.eq_ignore_ascii_case("3mf"))
 }
 

@@ -1,16 +1,18 @@
 //! Decides what may be taken: what stood still long enough and is there to its end. Pure: seen + now -> ready.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::HashMap,
     ffi::OsString,
     io,
     path::{Path, PathBuf},
 };
 
-use super::{Kind, Seen, display_name};
+use super::{
+    Kind, Seen,
+    beside::{Beside, Role, role},
+    display_name,
+};
 
-/// The name of an order list.
-pub(super) const LIST_NAME: &str = "order.csv";
 /// A file with a hole may be a copy under way, or on a disk that compresses: it waits so many settle times.
 const HOLE_SETTLES: f64 = 6.0;
 /// Smaller files may be kept inside their inode, with nothing allocated.
@@ -40,7 +42,8 @@ pub enum Ready {
     Part {
         /// The part.
         part: Seen,
-        /// Its sidecar tickets (`name.toml`, `name.json`): none or one; two are refused when they are read.
+        /// Its sidecar tickets (`part.stl.toml`, or `part.toml` where no other part is called so; or `.json`): none or one;
+        /// two are refused when they are read.
         tickets: Vec<Seen>,
         /// The `order.csv` of its folder.
         list: Option<Seen>,
@@ -91,6 +94,8 @@ struct Watched {
     since_secs: f64,
     /// Scans that saw it like this.
     scans: u32,
+    /// For a ticket: whether it could have been of several parts. Then it is of none, not of the one that is left.
+    is_unclear: bool,
 }
 
 /// Remembers since when each thing in one hot folder has been unchanged.
@@ -120,7 +125,10 @@ impl Settler {
         mut has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
     ) -> Vec<Ready> {
         self.remember(seen, now_secs);
-        let beside = Beside::of(seen);
+        let beside = Beside::of(seen, |ticket| !self.is_unclear(ticket));
+        for ticket in beside.unclear() {
+            self.watched.entry(ticket.to_owned()).and_modify(|watched| watched.is_unclear = true);
+        }
         let mut ready = Vec::new();
         for one in seen.iter().filter(|one| self.is_settled(one, now_secs)) {
             let still_secs = now_secs - self.watched[&one.path].since_secs;
@@ -147,10 +155,14 @@ impl Settler {
             let print = Print::of(one);
             let watched = match before.remove(&one.path) {
                 Some(known) if known.print == print => Watched { scans: known.scans.saturating_add(1), ..known },
-                _ => Watched { print, since_secs: now_secs, scans: 1 },
+                _ => Watched { print, since_secs: now_secs, scans: 1, is_unclear: false },
             };
             self.watched.insert(one.path.clone(), watched);
         }
+    }
+
+    fn is_unclear(&self, ticket: &Path) -> bool {
+        self.watched.get(ticket).is_some_and(|watched| watched.is_unclear)
     }
 
     fn is_settled(&self, seen: &Seen, now_secs: f64) -> bool {
@@ -187,14 +199,17 @@ impl Settler {
 
     /// A ticket without its part, once it has waited long enough.
     fn orphan(&self, ticket: &Seen, part: &Path, beside: &Beside, still_secs: f64) -> Option<Ready> {
-        if beside.parts.contains(part) || still_secs < self.rules.orphan_secs {
+        if beside.is_led(ticket) || still_secs < self.rules.orphan_secs {
             return None;
         }
         let name = display_name(part.file_name()?);
+        let what = match self.is_unclear(&ticket.path) {
+            true => format!("several parts were called {name:?}, so it was used for none of them"),
+            false => format!("no such part came within {:.0} s", self.rules.orphan_secs),
+        };
         let reason = format!(
-            "This is a ticket for a part {name:?}, but no such part came within {:.0} s. \
-             Drop the part and the ticket together, the ticket named like the whole part file with .toml or .json added.",
-            self.rules.orphan_secs
+            "This is a ticket for a part {name:?}, but {what}. \
+             Drop the part and the ticket together, the ticket named like the whole part file with .toml or .json added."
         );
         Some(Ready::Refuse { seen: ticket.clone(), reason })
     }
@@ -224,60 +239,6 @@ fn no_file(kind: Kind) -> &'static str {
         Kind::Socket => "This is a socket, not a file. Drop STL or 3MF files.",
         Kind::Fifo => "This is a named pipe, not a file. Drop STL or 3MF files.",
         Kind::Device => "This is a device, not a file. Drop STL or 3MF files.",
-    }
-}
-
-/// What a file is by its name.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) enum Role {
-    Part,
-    Ticket { part: PathBuf },
-    List,
-}
-
-/// Tells parts from tickets and order lists; case does not count.
-pub(super) fn role(path: &Path) -> Role {
-    let Some(name) = path.file_name() else { return Role::Part };
-    if name.eq_ignore_ascii_case(LIST_NAME) {
-        return Role::List;
-    }
-    let is_ticket = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml") || e.eq_ignore_ascii_case("json"));
-    match is_ticket {
-        true => Role::Ticket { part: path.with_extension("") },
-        false => Role::Part,
-    }
-}
-
-/// What stands beside what in one scan.
-struct Beside<'a> {
-    parts: HashSet<&'a Path>,
-    tickets: HashMap<PathBuf, Vec<&'a Seen>>,
-    lists: HashMap<&'a Path, &'a Seen>,
-}
-
-impl<'a> Beside<'a> {
-    fn of(seen: &'a [Seen]) -> Self {
-        let mut beside = Self { parts: HashSet::new(), tickets: HashMap::new(), lists: HashMap::new() };
-        for one in seen.iter().filter(|one| one.kind == Kind::File) {
-            match role(&one.path) {
-                Role::Part => {
-                    beside.parts.insert(&one.path);
-                }
-                Role::Ticket { part } => beside.tickets.entry(part).or_default().push(one),
-                Role::List => {
-                    beside.lists.entry(one.path.parent().unwrap_or(Path::new(""))).or_insert(one);
-                }
-            }
-        }
-        beside
-    }
-
-    fn tickets_of(&self, part: &Path) -> Vec<&'a Seen> {
-        self.tickets.get(part).cloned().unwrap_or_default()
-    }
-
-    fn list_of(&self, part: &Path) -> Option<&'a Seen> {
-        self.lists.get(part.parent()?).copied()
     }
 }
 

@@ -224,3 +224,68 @@ fn the_settler_says_when_to_look_again() {
     settler.observe(&[seen("in/a.stl", 84, 1)], 10.0, whole);
     assert_eq!(settler.next_secs(12.0), Some(3.0));
 }
+
+/// Names of the tickets that go with each part that is ready.
+fn with_tickets(ready: &[Ready]) -> Vec<(&str, Vec<&str>)> {
+    ready
+        .iter()
+        .filter_map(|r| match r {
+            Ready::Part { part, tickets, .. } => {
+                Some((part.path.to_str()?, tickets.iter().filter_map(|t| t.path.to_str()).collect()))
+            }
+            _ => None,
+        })
+        .collect()
+}
+
+#[test]
+fn a_ticket_without_the_parts_extension_is_of_the_one_part_of_that_name() {
+    let mut settler = Settler::new(RULES);
+    let names = ["in/a.json", "in/a.STL", "in/b.3mf", "in/b.toml", "in/b.txt", "in/k/b.stl"];
+    let scan = names.map(|name| seen(name, 84, 1));
+    settler.observe(&scan, 0.0, whole);
+    let ready = settler.observe(&scan, 5.0, whole);
+    let expected = [
+        ("in/a.STL", vec!["in/a.json"]),
+        ("in/b.3mf", vec!["in/b.toml"]),
+        ("in/b.txt", vec![]),
+        ("in/k/b.stl", vec![]),
+    ];
+    assert_eq!(with_tickets(&ready), expected);
+    // It is waited for like any other.
+    let growing = names.map(|name| seen(name, 84, if name == "in/b.toml" { 2 } else { 1 }));
+    assert!(!parts(&settler.observe(&growing, 6.0, whole)).contains(&"in/b.3mf"));
+}
+
+#[test]
+fn a_ticket_that_could_be_of_several_parts_is_of_none_not_even_of_the_last_one_left() {
+    let mut settler = Settler::new(RULES);
+    let scan = [seen("in/a.3mf", 84, 1), seen("in/a.stl", 84, 1), seen("in/a.toml", 9, 1)];
+    settler.observe(&scan, 0.0, whole);
+    let expected = [("in/a.3mf", vec![]), ("in/a.stl", vec![])];
+    assert_eq!(with_tickets(&settler.observe(&scan, 5.0, whole)), expected);
+    assert_eq!(with_tickets(&settler.observe(&scan[1..], 10.0, whole)), expected[1..]);
+    let ready = settler.observe(&scan[2..], 3600.0, whole);
+    let [Ready::Refuse { reason, .. }] = &ready[..] else { panic!("{ready:?}") };
+    assert!(reason.contains("several parts were called \"a\""), "{reason}");
+    // One that is written anew for the part that is left is clear.
+    let anew = [seen("in/a.stl", 84, 1), seen("in/a.toml", 9, 2)];
+    settler.observe(&anew, 3601.0, whole);
+    assert_eq!(with_tickets(&settler.observe(&anew, 3606.0, whole)), [("in/a.stl", vec!["in/a.toml"])]);
+}
+
+#[test]
+fn a_ticket_that_names_a_part_in_full_is_of_no_other() {
+    let mut settler = Settler::new(RULES);
+    let names =
+        ["in/a", "in/a.stl", "in/a.toml", "in/b.stl.3mf", "in/b.stl.toml", "in/c.stl", "in/c.stl.toml", "in/c.toml"];
+    let scan = names.map(|name| seen(name, 84, 1));
+    settler.observe(&scan, 0.0, whole);
+    let expected = [
+        ("in/a", vec!["in/a.toml"]),
+        ("in/a.stl", vec![]),
+        ("in/b.stl.3mf", vec![]),
+        ("in/c.stl", vec!["in/c.stl.toml", "in/c.toml"]), // two are refused when they are read
+    ];
+    assert_eq!(with_tickets(&settler.observe(&scan, 5.0, whole)), expected);
+}

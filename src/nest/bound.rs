@@ -4,11 +4,13 @@ use std::{collections::BinaryHeap, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Instance, OrientationRule};
-use crate::geometry::{ClearanceTree, Mesh};
+use super::{Instance, OrientationRule, turns::extreme_points};
+use crate::geometry::{Bounds, Mesh};
 
 /// The least width is found to within this share of the part's diameter, and the bound stays below it.
 const WIDTH_SHARE: f64 = 1e-3;
+/// Points that stand for a part: those that reach furthest in about so many directions.
+const EXTREMES: usize = 600;
 /// Most directions looked at per part; more would only sharpen the bound.
 const MAX_DIRECTIONS: usize = 20_000;
 
@@ -37,7 +39,7 @@ fn least_height_mm(mesh: &Arc<Mesh>, rule: OrientationRule, bound_mm: f64) -> f6
         OrientationRule::Upright | OrientationRule::Fixed => size.z,
         OrientationRule::Axis => size.min_element(),
         OrientationRule::Free if size.min_element() <= bound_mm => 0.0,
-        OrientationRule::Free => least_width_mm(&ClearanceTree::new(mesh.clone())),
+        OrientationRule::Free => least_width_mm(&extreme_points(mesh.vertices(), EXTREMES)),
     }
 }
 
@@ -70,10 +72,16 @@ impl Ord for Patch {
 
 /// The least distance of two parallel planes with the part between them, mm, or a little less. Branch and bound over the
 /// directions: the width is a norm of the direction, so between directions u and v it changes by no more than
-/// diameter x |u - v|.
-fn least_width_mm(part: &ClearanceTree) -> f64 {
-    let width = |d: DVec3| part.reach_mm(d) + part.reach_mm(-d);
-    let diameter = 2.0 * part.obb().half_mm.length();
+/// diameter x |u - v|. Some of the part's points are no wider than all of them: the bound stays below the truth.
+fn least_width_mm(points: &[DVec3]) -> f64 {
+    let width = |d: DVec3| {
+        let (low, high) = points
+            .iter()
+            .map(|p| p.dot(d))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        high - low
+    };
+    let diameter = Bounds::around(points.iter().copied()).size().length();
     let patch = |corners: [DVec3; 3], best: &mut f64| {
         let middle = (corners[0] + corners[1] + corners[2]).normalize();
         let found = width(middle);
@@ -81,9 +89,7 @@ fn least_width_mm(part: &ClearanceTree) -> f64 {
         let reach = corners.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
         Patch { least_mm: found - diameter * reach, corners }
     };
-    let mut best = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| width(part.obb().pose.rotation * axis));
-    best.sort_by(f64::total_cmp);
-    let mut best = best[0];
+    let mut best = [DVec3::X, DVec3::Y, DVec3::Z].map(width).into_iter().fold(f64::INFINITY, f64::min);
     // Four octants: a direction and its opposite have the same width.
     let octants = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
     let mut patches: BinaryHeap<Patch> =

@@ -68,8 +68,9 @@ pub(crate) fn extreme_points(vertices: &[DVec3], count: usize) -> Vec<DVec3> {
     }
     let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
     let mut chosen: Vec<usize> = (axes.into_iter().chain(spread_directions(count)))
-        .filter_map(|direction| {
-            (0..vertices.len()).max_by(|&a, &b| vertices[a].dot(direction).total_cmp(&vertices[b].dot(direction)))
+        .map(|direction| {
+            let reach = vertices.iter().map(|v| v.dot(direction)).enumerate();
+            reach.fold((0, f64::NEG_INFINITY), |far, next| if next.1 > far.1 { next } else { far }).0
         })
         .collect();
     chosen.sort_unstable();

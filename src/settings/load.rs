@@ -104,6 +104,9 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     let state =
         Claim { folder: state_dir.clone(), what: "the state directory".into(), place: judge.place("folders.state") };
     problems.append(&mut judge.problems);
+    let mut judge = Judge::new(vec![(&farm, "defaults.")]);
+    validate::defaults(&inputs.defaults, &mut judge);
+    problems.append(&mut judge.problems);
 
     let mut profiles = BTreeMap::new();
     let mut claims = Vec::new();
@@ -122,6 +125,7 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     Some(Settings {
         file: file.to_owned(),
         ledger: folders::below(&state_dir, &inputs.folders.ledger),
+        inbox_base: folders::below(&root, &inputs.folders.inbox),
         root,
         state_dir,
         scan_secs: inputs.scan_secs.0,

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use super::{Logging, Profile};
+use super::{Folders, Logging, Profile};
 
 /// Everything the daemon needs to know, checked. Made only by reading a configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,8 @@ pub struct Settings {
     pub file: PathBuf,
     /// The farm's root, absolute: relative folders are below it.
     pub root: PathBuf,
+    /// The folder that holds the hot folders, except those that a profile names exactly.
+    pub inbox_base: PathBuf,
     /// The state directory: ledger, content-addressed store, caches. On a local disk.
     pub state_dir: PathBuf,
     /// The ledger, by default `state_dir/nestd.db`.
@@ -27,4 +29,15 @@ pub struct Settings {
     pub log: Logging,
     /// Machines by profile name.
     pub profiles: BTreeMap<String, Profile>,
+}
+
+impl Settings {
+    /// Every folder of the farm: those of all profiles, and the state directory.
+    pub fn folders(&self) -> Vec<PathBuf> {
+        let of_profiles = self.profiles.values().flat_map(|profile| {
+            let Folders { inbox, queue, error, archive } = &profile.folders;
+            [inbox, queue, error, archive]
+        });
+        of_profiles.chain([&self.state_dir]).cloned().collect()
+    }
 }

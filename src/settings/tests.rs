@@ -214,6 +214,27 @@ fn values_out_of_range_are_refused_each_by_itself() {
 }
 
 #[test]
+fn a_wrong_default_is_told_once_also_where_every_machine_has_a_value_of_its_own() {
+    let farm =
+        "[defaults]\nclearance_mm = -1\nlid_margin_mm = -2\nvolume_mm = [0, 1, 1]\n[defaults.trigger]\ncopies = 0\n";
+    let own = format!("{CUBE}clearance_mm = 3\nlid_margin_mm = 0\n");
+    for trigger in ["[trigger]\ncopies = 5\n", ""] {
+        let machine = format!("{own}{trigger}");
+        let mut problems = Config::new(farm, &[("a.toml", &machine), ("b.toml", &machine)]).problems();
+        problems.sort();
+        lines_begin(
+            &problems,
+            &[
+                "nestd.toml:2: clearance_mm = -1 makes no sense; give a number from 0 to 100",
+                "nestd.toml:3: lid_margin_mm = -2 makes no sense; give a number from 0",
+                "nestd.toml:4: volume_mm = [0, 1, 1] is not a box",
+                "nestd.toml:6: trigger.copies = 0 would always fire",
+            ],
+        );
+    }
+}
+
+#[test]
 fn a_volume_must_be_a_box() {
     for text in ["[0, 200, 200]", "[200, -1, 200]", "[200, 200, nan]", "[200, 200, 1e9]", "\"200x200x200\"", "200"] {
         let problems = Config::new("", &[("a.toml", &format!("volume_mm = {text}\n"))]).problems();

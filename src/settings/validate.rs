@@ -53,33 +53,23 @@ pub(super) fn farm(inputs: &FarmInputs, judge: &mut Judge) {
     }
 }
 
+/// Objects to what makes no sense in `[defaults]`, also where every profile has a value of its own: the next one may not.
+pub(super) fn defaults(inputs: &ProfileInputs, judge: &mut Judge) {
+    if let Some(edges_mm) = inputs.volume_mm {
+        box_makes_sense(edges_mm, judge);
+    }
+    values(inputs, judge);
+    trigger(&inputs.trigger, judge);
+}
+
 /// Makes a profile of its inputs and objects to what makes no sense.
 pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge: &mut Judge) -> Profile {
     if !is_profile_name(name) {
         let remedy = "rename the file: 1 to 40 of a-z, 0-9 and -, as in mjf-5200.toml; folders are named after it";
         judge.object("", format!("\"{}\" cannot be the name of a profile", name.escape_debug()), remedy);
     }
-    let own = &inputs.folders;
-    let paths = [
-        ("folders.inbox", &own.inbox),
-        ("folders.queue", &own.queue),
-        ("folders.error", &own.error),
-        ("folders.archive", &own.archive),
-    ];
-    for (key, path) in paths {
-        path.iter().for_each(|path| path_makes_sense(key, path, judge));
-    }
+    values(&inputs, judge);
     let volume_mm = volume(&inputs, judge);
-    judge.within("clearance_mm", inputs.clearance_mm, 0.0..=100.0);
-    judge.within("layer_mm", inputs.layer_mm, 0.001..=10.0);
-    judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
-    judge.within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
-    judge.within("unfinished_secs", inputs.unfinished_secs.0, 0.0..=604_800.0);
-    judge.within("final_secs", inputs.final_secs.0, 0.0..=MAX_SEARCH_SECS);
-    judge.within("arrival_secs", inputs.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
-    judge.within("max_attempts", inputs.max_attempts, 1..=100);
-    judge.within("archive_days", inputs.archive_days, 0..=36_500);
-    search(&inputs.nest, judge);
     Profile {
         name: name.to_owned(),
         folders,
@@ -108,6 +98,33 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
     }
 }
 
+/// What makes sense or not by itself, whatever the machine.
+fn values(inputs: &ProfileInputs, judge: &mut Judge) {
+    let own = &inputs.folders;
+    let paths = [
+        ("folders.inbox", &own.inbox),
+        ("folders.queue", &own.queue),
+        ("folders.error", &own.error),
+        ("folders.archive", &own.archive),
+    ];
+    for (key, path) in paths {
+        path.iter().for_each(|path| path_makes_sense(key, path, judge));
+    }
+    judge.within("wall_margin_mm", inputs.wall_margin_mm, 0.0..=MAX_EDGE_MM);
+    judge.within("floor_margin_mm", inputs.floor_margin_mm, 0.0..=MAX_EDGE_MM);
+    judge.within("lid_margin_mm", inputs.lid_margin_mm, 0.0..=MAX_EDGE_MM);
+    judge.within("clearance_mm", inputs.clearance_mm, 0.0..=100.0);
+    judge.within("layer_mm", inputs.layer_mm, 0.001..=10.0);
+    judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
+    judge.within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
+    judge.within("unfinished_secs", inputs.unfinished_secs.0, 0.0..=604_800.0);
+    judge.within("final_secs", inputs.final_secs.0, 0.0..=MAX_SEARCH_SECS);
+    judge.within("arrival_secs", inputs.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
+    judge.within("max_attempts", inputs.max_attempts, 1..=100);
+    judge.within("archive_days", inputs.archive_days, 0..=36_500);
+    search(&inputs.nest, judge);
+}
+
 fn is_profile_name(name: &str) -> bool {
     let known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     (1..=40).contains(&name.len()) && name.chars().all(known)
@@ -124,9 +141,6 @@ fn path_makes_sense(key: &str, path: &Path, judge: &mut Judge) {
 
 /// The printable box; the margins must leave something of it.
 fn volume(inputs: &ProfileInputs, judge: &mut Judge) -> DVec3 {
-    judge.within("wall_margin_mm", inputs.wall_margin_mm, 0.0..=MAX_EDGE_MM);
-    judge.within("floor_margin_mm", inputs.floor_margin_mm, 0.0..=MAX_EDGE_MM);
-    judge.within("lid_margin_mm", inputs.lid_margin_mm, 0.0..=MAX_EDGE_MM);
     let Some(edges_mm) = inputs.volume_mm else {
         judge.object(
             "volume_mm",
@@ -136,9 +150,7 @@ fn volume(inputs: &ProfileInputs, judge: &mut Judge) -> DVec3 {
         return DVec3::ONE;
     };
     let [x, y, z] = edges_mm;
-    if edges_mm.iter().any(|edge| !(*edge > 0.0 && *edge <= MAX_EDGE_MM)) {
-        let remedy = format!("give three lengths in mm, each more than 0 and at most {MAX_EDGE_MM}");
-        judge.object("volume_mm", format!("volume_mm = [{x}, {y}, {z}] is not a box"), remedy);
+    if !box_makes_sense(edges_mm, judge) {
         return edges_mm.into();
     }
     if 2.0 * inputs.wall_margin_mm >= x.min(y) {
@@ -153,6 +165,16 @@ fn volume(inputs: &ProfileInputs, judge: &mut Judge) -> DVec3 {
         judge.object("floor_margin_mm", text, "make floor_margin_mm and lid_margin_mm smaller or volume_mm larger");
     }
     edges_mm.into()
+}
+
+fn box_makes_sense(edges_mm: [f64; 3], judge: &mut Judge) -> bool {
+    let is_box = edges_mm.iter().all(|edge| *edge > 0.0 && *edge <= MAX_EDGE_MM);
+    if !is_box {
+        let [x, y, z] = edges_mm;
+        let remedy = format!("give three lengths in mm, each more than 0 and at most {MAX_EDGE_MM}");
+        judge.object("volume_mm", format!("volume_mm = [{x}, {y}, {z}] is not a box"), remedy);
+    }
+    is_box
 }
 
 fn trigger(inputs: &TriggerInputs, judge: &mut Judge) -> Trigger {

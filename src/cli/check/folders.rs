@@ -10,7 +10,10 @@ use std::{
 use rustix::fs::{Access, access, statfs, statvfs};
 
 use super::report::Report;
-use crate::settings::{Profile, Settings};
+use crate::{
+    intake::{self, display_name},
+    settings::{Profile, Settings},
+};
 
 /// Less room than this in the state directory, and the next large drop fills the disk.
 const MIN_STATE_BYTES: u64 = 1 << 30;
@@ -18,6 +21,8 @@ const MIN_STATE_BYTES: u64 = 1 << 30;
 const MIN_FOLDER_BYTES: u64 = 256 << 20;
 /// nestd adds suffixes to names (`.reason.txt`); shorter limits refuse ordinary names.
 const MIN_NAME_BYTES: u64 = 143;
+/// More stray files than these are only counted.
+const MAX_STRAY_SHOWN: usize = 20;
 /// Magic numbers of file systems that tell nobody of changes made elsewhere.
 const REMOTE: [(u32, &str); 4] = [(0x6969, "NFS"), (0xfe53_4d42, "SMB2"), (0xff53_4d42, "CIFS"), (0x6573_5546, "FUSE")];
 
@@ -32,6 +37,34 @@ pub fn look(settings: &Settings, report: &mut Report) {
     }
     for profile in settings.profiles.values() {
         profile_folders(profile, &mut seen, report);
+    }
+    stray_files(settings, report);
+}
+
+/// What was dropped beside the hot folders lies there for ever.
+fn stray_files(settings: &Settings, report: &mut Report) {
+    let base = settings.inbox_base.display();
+    let stray = match intake::stray(&settings.inbox_base, &settings.folders()) {
+        Ok(stray) => stray,
+        Err(error) => return report.note("inbox", format!("{base} cannot be listed: {error}")),
+    };
+    for path in stray.iter().take(MAX_STRAY_SHOWN) {
+        let name = display_name(path.file_name().unwrap_or_default());
+        let (text, remedy) = match path.is_dir() {
+            true => (
+                format!("the folder {name:?} in {base} belongs to no profile: nothing in it is printed"),
+                "move it into the folder of a profile, where it is an order, or give it a profile of that name",
+            ),
+            false => (
+                format!("{name:?} lies in {base} itself: it is not printed"),
+                "move it into the folder of the profile that it is for",
+            ),
+        };
+        report.warning("inbox", text, remedy);
+    }
+    if stray.len() > MAX_STRAY_SHOWN {
+        let text = format!("{} more things in {base} belong to no profile", stray.len() - MAX_STRAY_SHOWN);
+        report.warning("inbox", text, "move them into the folders of the profiles that they are for");
     }
 }
 

@@ -13,6 +13,8 @@ enum Level {
     Ok,
     /// Worth knowing, not wrong.
     Note,
+    /// Probably not as it was meant, though the daemon can work.
+    Warning,
     Problem,
 }
 
@@ -48,6 +50,11 @@ impl Report {
         self.add(Level::Note, what, text.into(), None);
     }
 
+    /// Something is probably not as it was meant.
+    pub fn warning(&mut self, what: &str, text: impl Into<String>, remedy: impl Into<String>) {
+        self.add(Level::Warning, what, text.into(), Some(remedy.into()));
+    }
+
     /// Something is wrong.
     pub fn problem(&mut self, what: &str, text: impl Into<String>, remedy: impl Into<String>) {
         self.add(Level::Problem, what, text.into(), Some(remedy.into()));
@@ -62,7 +69,11 @@ impl Report {
 
     /// How much is wrong.
     pub fn problems(&self) -> usize {
-        self.findings.iter().filter(|finding| finding.level == Level::Problem).count()
+        self.count(Level::Problem)
+    }
+
+    fn count(&self, level: Level) -> usize {
+        self.findings.iter().filter(|finding| finding.level == level).count()
     }
 
     /// Prints it to standard output.
@@ -75,10 +86,15 @@ impl Report {
         for finding in &self.findings {
             print_line(finding);
         }
+        let warnings = match self.count(Level::Warning) {
+            0 => String::new(),
+            1 => ", 1 warning".to_owned(),
+            several => format!(", {several} warnings"),
+        };
         match self.problems() {
-            0 => println!("No problem found."),
-            1 => println!("1 problem found."),
-            several => println!("{several} problems found."),
+            0 => println!("No problem found{warnings}."),
+            1 => println!("1 problem found{warnings}."),
+            several => println!("{several} problems found{warnings}."),
         }
         Ok(())
     }
@@ -92,6 +108,7 @@ fn print_line(finding: &Finding) {
     let level = match finding.level {
         Level::Ok => "ok",
         Level::Note => "note",
+        Level::Warning => "WARNING",
         Level::Problem => "PROBLEM",
     };
     let place = match (&finding.file, finding.line) {

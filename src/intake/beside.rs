@@ -1,0 +1,129 @@
+//! What stands beside what: which ticket and which order list belong to which part.
+
+use std::{
+    collections::{HashMap, HashSet},
+    path::{Path, PathBuf},
+};
+
+use super::{Kind, Seen, scan::is_part_name};
+
+/// The name of an order list.
+pub(super) const LIST_NAME: &str = "order.csv";
+
+/// What a file is by its name.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Part,
+    /// `part` is the ticket's path without its extension: the part, or its short name.
+    Ticket {
+        part: PathBuf,
+    },
+    List,
+}
+
+/// Tells parts from tickets and order lists; case does not count.
+pub(super) fn role(path: &Path) -> Role {
+    let Some(name) = path.file_name() else { return Role::Part };
+    if name.eq_ignore_ascii_case(LIST_NAME) {
+        return Role::List;
+    }
+    let is_ticket = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml") || e.eq_ignore_ascii_case("json"));
+    match is_ticket {
+        true => Role::Ticket { part: path.with_extension("") },
+        false => Role::Part,
+    }
+}
+
+/// The short name by which a ticket may call a part, `plain` for `plain.stl`. A name that still ends like a part file is
+/// none: `a.stl.toml` waits for `a.stl`, whatever `a.stl.3mf` stands there.
+pub(super) fn short_name(part: &Path) -> Option<PathBuf> {
+    let short = part.with_extension("");
+    let is_short_name = |short: &PathBuf| short.file_name().is_some_and(|name| !is_part_name(name));
+    part.file_name().filter(|name| is_part_name(name)).and(Some(short)).filter(is_short_name)
+}
+
+/// Whose a ticket is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Owner<'a> {
+    Part(&'a Path),
+    Nobody,
+    /// Its short name fits several parts.
+    Several,
+}
+
+/// What stands beside what in one scan.
+pub(super) struct Beside<'a> {
+    /// All parts.
+    pub parts: HashSet<&'a Path>,
+    by_short_name: HashMap<PathBuf, Vec<&'a Path>>,
+    all_tickets: Vec<&'a Seen>,
+    tickets: HashMap<&'a Path, Vec<&'a Seen>>,
+    lists: HashMap<&'a Path, &'a Seen>,
+}
+
+impl<'a> Beside<'a> {
+    /// Tickets by a short name find their part only if `is_clear(ticket)`.
+    pub fn of(seen: &'a [Seen], is_clear: impl Fn(&Path) -> bool) -> Self {
+        let mut beside = Self {
+            parts: HashSet::new(),
+            by_short_name: HashMap::new(),
+            all_tickets: Vec::new(),
+            tickets: HashMap::new(),
+            lists: HashMap::new(),
+        };
+        for one in seen.iter().filter(|one| one.kind == Kind::File) {
+            match role(&one.path) {
+                Role::Part => beside.add_part(&one.path),
+                Role::Ticket { .. } => beside.all_tickets.push(one),
+                Role::List => {
+                    beside.lists.entry(one.path.parent().unwrap_or(Path::new(""))).or_insert(one);
+                }
+            }
+        }
+        for ticket in beside.all_tickets.clone() {
+            if let Owner::Part(part) = beside.owner(&ticket.path)
+                && (is_clear(&ticket.path) || ticket.path.with_extension("") == part)
+            {
+                beside.tickets.entry(part).or_default().push(ticket);
+            }
+        }
+        beside
+    }
+
+    fn add_part(&mut self, part: &'a Path) {
+        self.parts.insert(part);
+        if let Some(short) = short_name(part) {
+            self.by_short_name.entry(short).or_default().push(part);
+        }
+    }
+
+    /// Whose a ticket is: the part that it names in full, else the one part that it names in short.
+    fn owner(&self, ticket: &Path) -> Owner<'a> {
+        let name = ticket.with_extension("");
+        let in_full = self.parts.get(name.as_path()).map(|&part| Owner::Part(part));
+        in_full.unwrap_or_else(|| match self.by_short_name.get(&name).map(Vec::as_slice) {
+            None | Some([]) => Owner::Nobody,
+            Some(&[part]) => Owner::Part(part),
+            Some(_) => Owner::Several,
+        })
+    }
+
+    /// Tickets that could be of several parts.
+    pub fn unclear(&self) -> impl Iterator<Item = &'a Path> {
+        self.all_tickets.iter().map(|t| t.path.as_path()).filter(|t| self.owner(t) == Owner::Several)
+    }
+
+    /// Whether a ticket has found its part.
+    pub fn is_led(&self, ticket: &Seen) -> bool {
+        let Owner::Part(part) = self.owner(&ticket.path) else { return false };
+        self.tickets_of(part).iter().any(|t| t.path == ticket.path)
+    }
+
+    pub fn tickets_of(&self, part: &Path) -> Vec<&'a Seen> {
+        self.tickets.get(part).cloned().unwrap_or_default()
+    }
+
+    pub fn list_of(&self, part: &Path) -> Option<&'a Seen> {
+        self.lists.get(part.parent()?).copied()
+    }
+}

@@ -129,3 +129,70 @@ fn orders_are_noted_for_the_daemon_and_an_unknown_part_or_build_fails() {
     let (code, _, err) = run(farm.path(), "outcome 9 complete --note x");
     assert_eq!((code, err.as_str()), (1, "nestd: there is no build 9\n"));
 }
+
+#[test]
+fn a_machine_file_that_is_wrong_hides_neither_status_nor_history_and_forbids_orders() {
+    let farm = farm();
+    let config = farm.path().join("config");
+    std::fs::create_dir_all(config.join("profiles")).unwrap();
+    let root = format!("root = {:?}\n", farm.path());
+    std::fs::write(config.join("nestd.toml"), &root).unwrap();
+    std::fs::write(config.join("profiles/paper-200.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
+    std::fs::write(config.join("profiles/odd.toml"), "volume_mm = \"large\"\n").unwrap();
+    let asked = |words: &str| {
+        let mut command = Command::cargo_bin("nestd").unwrap();
+        let output = command.arg("-c").arg(config.join("nestd.toml")).args(words.split(' ')).output().unwrap();
+        (
+            output.status.code().unwrap(),
+            String::from_utf8(output.stdout).unwrap() + str::from_utf8(&output.stderr).unwrap(),
+        )
+    };
+    for (words, told) in
+        [("status", "paper-200"), ("history", "No builds."), ("show fan.stl", "Part 1, fan.stl: waiting")]
+    {
+        let (code, text) = asked(words);
+        assert!(code == 0 && text.contains(told) && text.contains("odd.toml"), "{words}: {text}");
+    }
+    assert_eq!(asked("flush paper-200").0, 2);
+    std::fs::write(config.join("nestd.toml"), root + "folders = 3\n").unwrap();
+    assert_eq!(asked("status").0, 2, "where the ledger is must not be guessed");
+}
+
+#[test]
+fn numbers_are_taken_as_show_takes_them() {
+    let farm = farm();
+    assert_eq!(run(farm.path(), "cancel p1").0, 0);
+    assert_eq!(run(farm.path(), "outcome b9 complete").2, "nestd: there is no build 9\n");
+    assert_eq!(run(farm.path(), "cancel b1").0, 2);
+}
+
+#[test]
+fn nest_looks_at_its_outputs_before_any_work() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("part.stl"), "kept").unwrap();
+    std::os::unix::fs::symlink("part.stl", dir.path().join("link.stl")).unwrap();
+    std::fs::write(dir.path().join("list.csv"), "file\npart.stl\n").unwrap();
+    let nest = |words: &str| {
+        let mut command = Command::cargo_bin("nestd").unwrap();
+        let output = command.arg("nest").args(words.split(' ')).current_dir(dir.path()).output().unwrap();
+        (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    for (words, told) in [
+        ("part.stl -o ./part.stl", "a file that is read"),
+        ("link.stl -o part.stl", "a file that is read"),
+        ("--list list.csv -o o.3mf --report list.csv", "a file that is read"),
+        ("part.stl -o o.3mf --stl ../DIR/part.stl", "a file that is read"),
+        ("part.stl -o o.3mf --report ./o.3mf", "also -o"),
+        ("part.stl -o o.3mf --report r --stl ../DIR/r", "also --report"),
+        ("part.stl -o o.3mf --report nowhere/r.json", "there is no folder nowhere"),
+        ("part.stl -o o.3mf --stl nowhere/r.stl", "there is no folder nowhere"),
+        ("part.stl -o .", "name a file"),
+    ] {
+        let words = words.replace("DIR", dir.path().file_name().unwrap().to_str().unwrap());
+        let (code, err) = nest(&format!("{words} --volume 50x50x50"));
+        assert!(code == 2 && err.contains(told), "{words}: {err}");
+    }
+    assert_eq!(std::fs::read_to_string(dir.path().join("part.stl")).unwrap(), "kept");
+    let (code, err) = nest("part.stl -o o.3mf");
+    assert!(code == 2 && err.contains("--profile") && err.contains("--volume"), "{err}");
+}

@@ -192,6 +192,14 @@ fn bombs_are_refused_before_they_go_off() {
 }
 
 #[test]
+fn a_torn_binary_stl_whose_header_says_solid_is_told_as_truncated() {
+    let mut bytes = binary_stl();
+    bytes.truncate(84 + 2 * 50 + 7);
+    let error = Scratch::new().read(&bytes, "a.stl").unwrap_err();
+    assert_eq!(error.to_string(), "the file is truncated: 2 of 4 triangles are there");
+}
+
+#[test]
 fn lies_about_structure_are_refused_by_name() {
     let scratch = Scratch::new();
     let cases = [

@@ -80,21 +80,25 @@ pub async fn give(ledger: &Ledger, order: &Order, patience: Duration) -> Result<
         part: order.part(),
         asked_by: who(),
     };
-    let alive = ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
     let id = ledger.ask(&command).await?;
-    if !alive {
-        let kind = command.kind;
-        return Ok((
-            format!("The daemon does not run; {kind} is noted and will be done when it starts."),
-            Exit::Success,
-        ));
-    }
-    Ok(match answer(ledger, id, patience).await? {
+    let answered = if is_alive(ledger).await? { answer(ledger, id, patience).await? } else { None };
+    let kind = command.kind;
+    Ok(match answered {
         Some(row) if row.state == CommandState::Refused => (format!("Refused: {}", row.answer), Exit::Failure),
         Some(row) if row.answer.is_empty() => ("Done.".to_owned(), Exit::Success),
         Some(row) => (row.answer, Exit::Success),
-        None => (format!("{} is noted; the daemon is busy and has not answered yet.", command.kind), Exit::Success),
+        None if is_alive(ledger).await? => {
+            let text = format!(
+                "{kind} is noted, but the daemon has not answered yet: it is busy or hangs. `nestd status` says what it does."
+            );
+            (text, Exit::Failure)
+        }
+        None => (format!("The daemon does not run; {kind} is noted and will be done when it starts."), Exit::Success),
     })
+}
+
+async fn is_alive(ledger: &Ledger) -> Result<bool> {
+    Ok(ledger.daemon().await?.is_some_and(|daemon| daemon.alive))
 }
 
 /// The answered order, `None` when patience ends before.

@@ -65,7 +65,9 @@ async fn play(farm: &DemoFarm) -> Result<()> {
     watch.ledger.close().await;
     daemon.stop()?;
     println!("\nThe daemon has stopped. Start it again and drop parts of your own into its hot folder:");
-    println!("  nestd run -c {}\n  {}", farm.config().display(), farm.folder("inbox").display());
+    let program = std::env::current_exe().context("cannot find this program")?;
+    println!("  {} run -c {}", program.display(), farm.config().display());
+    println!("  {}", farm.folder("inbox").display());
     Ok(())
 }
 
@@ -186,7 +188,10 @@ impl<'d> Watch<'d> {
             // Once, and again after a build that had no room for all.
             if !nesting && flushed_after != Some(published) {
                 flushed_after = Some(published);
-                operate(farm, &["flush", PROFILE])?;
+                // A daemon that is too busy to answer at once still does it: the build is waited for.
+                if operate(farm, &["flush", PROFILE]).is_err() {
+                    self.daemon.expect_running()?;
+                }
             }
             self.tick("the build").await?;
         }

@@ -5,13 +5,13 @@ use jiff::Timestamp;
 
 use super::{
     Common, Exit, Usage,
-    reach::{brief, time_argument, with_ledger},
+    reach::{brief, look_at_ledger, time_argument},
     table::{Table, number, or_dash, percent, say, say_json, text},
 };
 use crate::ledger::{HistoryQuery, HistoryRow};
 
 /// Columns of the CSV, as the rows are named in the ledger; a test compares.
-const CSV_COLUMNS: [&str; 23] = [
+const CSV_COLUMNS: [&str; 24] = [
     "build",
     "profile",
     "state",
@@ -35,6 +35,7 @@ const CSV_COLUMNS: [&str; 23] = [
     "fired_by",
     "file_name",
     "reason",
+    "note",
 ];
 
 /// Arguments of the command.
@@ -74,7 +75,7 @@ enum Format {
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let query = HistoryQuery { since: args.since, until: args.until, profile: args.profile.clone(), limit: args.limit };
-    let rows = with_ledger(common, async |settings, ledger| {
+    let rows = look_at_ledger(common, async |settings, ledger| {
         let rows = ledger.history(&query).await?;
         match &args.profile {
             // The history of a machine that was sold stays readable.

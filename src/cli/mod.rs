@@ -93,12 +93,14 @@ enum Command {
     },
     /// Take a rejected part back
     Retry {
-        /// Part number, as status and show print it
+        /// Part number, as status and show print it (5 or p5)
+        #[arg(value_parser = values::part_number)]
         part: i64,
     },
     /// Take a waiting part out of the farm
     Cancel {
-        /// Part number, as status and show print it
+        /// Part number, as status and show print it (5 or p5)
+        #[arg(value_parser = values::part_number)]
         part: i64,
     },
     /// Tell what became of a published build

@@ -2,6 +2,7 @@
 
 mod output;
 mod parts;
+mod paths;
 mod progress;
 
 use std::{
@@ -30,7 +31,8 @@ const DEFAULT_CLEARANCE_MM: f64 = 3.0;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Exit code 0 everything placed and proved, 1 a copy could not be placed (the rest is still written), \
-                        2 wrong use."
+                        2 wrong use.",
+    group = clap::ArgGroup::new("machine").args(["profile", "volume"]).multiple(true).required(true)
 )]
 pub struct Args {
     /// Parts (STL or 3MF), each with a number of copies after `=` [default: 1]
@@ -43,7 +45,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR", requires = "list")]
     base: Option<PathBuf>,
     /// Machine profile: its volume, margins, clearance, orientation rule and search parameters
-    #[arg(long, value_name = "PROFILE", required_unless_present = "volume")]
+    #[arg(long, value_name = "PROFILE")]
     profile: Option<String>,
     /// Build volume in mm, e.g. 200x200x200 [default: the profile's]
     #[arg(long, value_name = "XxYxZ", value_parser = volume)]
@@ -57,7 +59,7 @@ pub struct Args {
     /// Time to search, e.g. 60s or 2m
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]
     budget: f64,
-    /// Search for so many evaluations instead: the same build every time
+    /// Search for so many evaluations instead: the same placements every time
     #[arg(long, value_name = "N", conflicts_with = "budget", value_parser = clap::value_parser!(u64).range(1..))]
     evaluations: Option<u64>,
     /// Threads to search with; part of what makes a build repeatable; 0 = one per core [default: the profile's, else 1]
@@ -100,11 +102,9 @@ struct Machine {
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let machine = machine(common, args)?;
-    let folder = args.output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(Usage(format!("{}: there is no folder {}", args.output.display(), folder.display())).into());
-    }
-    let parts = parts::read(args, &machine)?;
+    let rows = parts::rows(args)?;
+    paths::check(args, &rows)?;
+    let parts = parts::read(rows, &machine)?;
     let item = |part: &parts::Part| Item {
         name: part.name.clone(),
         mesh: part.mesh.clone(),

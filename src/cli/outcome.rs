@@ -6,13 +6,15 @@ use super::{
     Common, Exit,
     reach::{who, with_ledger},
     table::say,
+    values::build_number,
 };
 use crate::ledger::{BuildId, Outcome};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Build number, as history prints it
+    /// Build number, as history prints it (4 or b4)
+    #[arg(value_parser = build_number)]
     build: i64,
     /// What became of it
     outcome: Told,

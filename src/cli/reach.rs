@@ -17,9 +17,27 @@ pub fn settings(common: &Common) -> Result<Settings> {
     })
 }
 
+/// The settings for a command that only looks: a machine file that is wrong is told, but hinders nobody.
+fn settings_to_look(common: &Common) -> Result<Settings> {
+    let loaded = settings::load_to_look(common.config.as_deref(), common.root.as_deref());
+    let (settings, problems) = loaded.map_err(|error| Usage(format!("{:#}", anyhow::Error::from(error))))?;
+    for problem in &problems {
+        eprintln!("nestd: warning: the configuration is wrong: {problem}");
+    }
+    Ok(settings)
+}
+
 /// Runs `work` over the settings and the ledger that the daemon has made.
 pub fn with_ledger<T>(common: &Common, work: impl AsyncFnOnce(&Settings, &Ledger) -> Result<T>) -> Result<T> {
-    let settings = settings(common)?;
+    over(settings(common)?, work)
+}
+
+/// [`with_ledger`] for a command that only looks, and so goes on with what is right of the configuration.
+pub fn look_at_ledger<T>(common: &Common, work: impl AsyncFnOnce(&Settings, &Ledger) -> Result<T>) -> Result<T> {
+    over(settings_to_look(common)?, work)
+}
+
+fn over<T>(settings: Settings, work: impl AsyncFnOnce(&Settings, &Ledger) -> Result<T>) -> Result<T> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
     runtime.block_on(async {
         let ledger = Ledger::open_existing(&settings.ledger).await?;
@@ -65,7 +83,12 @@ pub fn time_argument(text: &str) -> Result<Timestamp, String> {
     time_of(text, Timestamp::now())
 }
 
-/// A time for a table: '2026-11-20 04:49:00'.
+/// A time with its zone: '2026-11-20 04:49:00 UTC'.
+pub fn zoned(time: Option<Utc>) -> String {
+    time.map_or_else(|| brief(None), |_| format!("{} UTC", brief(time)))
+}
+
+/// A time for a table whose heading names the zone: '2026-11-20 04:49:00'.
 pub fn brief(time: Option<Utc>) -> String {
     time.map_or_else(|| "-".to_owned(), |t| t.strftime("%Y-%m-%d %H:%M:%S").to_string())
 }

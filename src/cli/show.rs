@@ -5,16 +5,17 @@ use serde::Serialize;
 
 use super::{
     Common, Exit,
-    reach::with_ledger,
+    reach::look_at_ledger,
     show_text,
     table::{say, say_json},
+    values::numbered,
 };
-use crate::ledger::{BuildId, BuildRow, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow};
+use crate::ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// 'build 42' or b42, 'part 7' or p7, 'order NAME', or just a number or a name: then everything of that name
+    /// 'build 42' or b42, 'part 7' or p7, 'part FILE', 'order NAME', or just a number or a name: then everything of that name
     #[arg(required = true, num_args = 1.., value_name = "BUILD|PART|ORDER")]
     what: Vec<String>,
     /// Print JSON
@@ -31,6 +32,8 @@ pub struct Wanted {
     part: Option<i64>,
     /// A name of an order.
     order: Option<String>,
+    /// A name of a file as dropped.
+    file: Option<String>,
 }
 
 /// What was found.
@@ -45,6 +48,9 @@ pub struct Found {
     /// The parts of an order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub order: Vec<PartSheet>,
+    /// The parts of a file name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub named: Vec<PartSheet>,
 }
 
 /// A build with all that belongs to it.
@@ -56,12 +62,24 @@ pub struct BuildSheet {
     pub file: Option<std::path::PathBuf>,
     /// Its parts.
     pub parts: Vec<PartRow>,
+    /// What waits for it while it is open: it takes no copy before it is fired.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub waiting: Vec<Waits>,
     /// Its copies with their poses.
     pub placements: Vec<PlacementRow>,
     /// What was told of it.
     pub outcomes: Vec<OutcomeRow>,
     /// What happened to it.
     pub events: Vec<EventRow>,
+}
+
+/// A part with copies that wait.
+#[derive(Debug, Serialize)]
+pub struct Waits {
+    /// Its row.
+    pub part: PartRow,
+    /// How many of its copies wait.
+    pub copies: usize,
 }
 
 /// A part with all that belongs to it.
@@ -78,7 +96,7 @@ pub struct PartSheet {
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let wanted = Wanted::parse(&args.what);
-    let found = with_ledger(common, async |settings, ledger| {
+    let found = look_at_ledger(common, async |settings, ledger| {
         let mut found = look(ledger, &wanted).await?;
         if let Some(sheet) = &mut found.build {
             let folder = settings.profiles.get(&sheet.build.profile).map(|p| p.folders.queue.clone());
@@ -105,24 +123,25 @@ impl Wanted {
     /// From the words of the command line.
     pub fn parse(words: &[String]) -> Self {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
-        let number = |text: &str| text.parse::<i64>().ok().filter(|n| *n >= 0);
         match words.as_slice() {
-            ["build", n] if number(n).is_some() => Self { build: number(n), ..Self::default() },
-            ["part", n] if number(n).is_some() => Self { part: number(n), ..Self::default() },
+            ["build", n] if numbered(n, 'b').is_some() => Self { build: numbered(n, 'b'), ..Self::default() },
+            ["part", n] if numbered(n, 'p').is_some() => Self { part: numbered(n, 'p'), ..Self::default() },
+            ["part", name @ ..] if !name.is_empty() => Self { file: Some(name.join(" ")), ..Self::default() },
             ["order", name @ ..] if !name.is_empty() => Self { order: Some(name.join(" ")), ..Self::default() },
             [word] => Self {
-                build: number(word).or_else(|| word.strip_prefix('b').and_then(number)),
-                part: number(word).or_else(|| word.strip_prefix('p').and_then(number)),
+                build: numbered(word, 'b'),
+                part: numbered(word, 'p'),
                 order: Some((*word).to_owned()),
+                file: Some((*word).to_owned()),
             },
-            words => Self { order: Some(words.join(" ")), ..Self::default() },
+            words => Self { order: Some(words.join(" ")), file: Some(words.join(" ")), ..Self::default() },
         }
     }
 }
 
 impl Found {
     fn is_empty(&self) -> bool {
-        self.build.is_none() && self.part.is_none() && self.order.is_empty()
+        self.build.is_none() && self.part.is_none() && self.order.is_empty() && self.named.is_empty()
     }
 }
 
@@ -142,15 +161,25 @@ pub async fn look(ledger: &Ledger, wanted: &Wanted) -> Result<Found> {
             found.order.push(part_sheet(ledger, part).await?);
         }
     }
+    if let Some(name) = &wanted.file {
+        for part in ledger.parts_named(name).await? {
+            found.named.push(part_sheet(ledger, part).await?);
+        }
+    }
     Ok(found)
 }
 
 async fn build_sheet(ledger: &Ledger, id: BuildId) -> Result<Option<BuildSheet>> {
     let Some(build) = ledger.build(id).await? else { return Ok(None) };
+    let line = match build.state {
+        BuildState::Open => ledger.waiting_copies(&build.profile).await?,
+        _ => Vec::new(),
+    };
     Ok(Some(BuildSheet {
         build,
         file: None,
         parts: ledger.parts_of_build(id).await?,
+        waiting: line.into_iter().map(|w| Waits { copies: w.copies.len(), part: w.part }).collect(),
         placements: ledger.placements_of_build(id).await?,
         outcomes: ledger.outcomes(id).await?,
         // Of its parts it is enough to see them in the list.

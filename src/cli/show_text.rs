@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::{
-    reach::brief,
-    show::{BuildSheet, Found, PartSheet},
+    reach::{brief, zoned},
+    show::{BuildSheet, Found, PartSheet, Waits},
     table::{Table, number, one_line, or_dash, percent, text},
 };
-use crate::ledger::{BuildId, BuildRow, EventRow, PartRow, PlacementRow};
+use crate::ledger::{BuildId, BuildRow, BuildState, EventRow, PartRow, PlacementRow};
 
 /// Everything that was found.
 pub fn found(found: &Found) -> String {
@@ -17,6 +17,11 @@ pub fn found(found: &Found) -> String {
     if let Some(first) = found.order.first() {
         let name = &first.part.order_name;
         sheets.push(format!("Order {name}\n\n{}", parts(&found.order)));
+    }
+    match found.named.as_slice() {
+        [] => {}
+        [one] => sheets.push(part(one)),
+        [first, ..] => sheets.push(format!("Parts named {}\n\n{}", first.part.name, parts(&found.named))),
     }
     sheets.join("\n")
 }
@@ -31,7 +36,7 @@ pub fn full_name(part: &PartRow) -> String {
 
 fn build(sheet: &BuildSheet) -> String {
     let row = &sheet.build;
-    let mut lines = build_lines(row);
+    let mut lines = build_lines(sheet);
     lines.push((
         "file",
         sheet.file.as_ref().map_or_else(|| or_dash(row.file_name.as_ref()), |f| f.display().to_string()),
@@ -42,6 +47,9 @@ fn build(sheet: &BuildSheet) -> String {
     let mut sheet_text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, aligned(&lines));
     if !sheet.parts.is_empty() {
         sheet_text += &format!("\n{}", parts_in_build(sheet));
+    }
+    if !sheet.waiting.is_empty() {
+        sheet_text += &format!("\n{}", parts_that_wait(&sheet.waiting));
     }
     if !sheet.outcomes.is_empty() {
         let mut table = Table::new(&["TOLD (UTC)", "OUTCOME", "BY", "NOTE"]);
@@ -54,7 +62,8 @@ fn build(sheet: &BuildSheet) -> String {
     sheet_text + &events(&sheet.events)
 }
 
-fn build_lines(row: &BuildRow) -> Vec<(&'static str, String)> {
+fn build_lines(sheet: &BuildSheet) -> Vec<(&'static str, String)> {
+    let row = &sheet.build;
     let mut lines = vec![
         (
             "height",
@@ -66,7 +75,7 @@ fn build_lines(row: &BuildRow) -> Vec<(&'static str, String)> {
         ),
         ("layers", or_dash(row.layers)),
         ("density", format!("{} %", percent(row.density))),
-        ("copies", format!("{}, {} cm3", or_dash(row.copies), number(row.part_volume_mm3.map(|v| v / 1000.0), 2))),
+        ("copies", format!("{}, {} cm3", copies_of(sheet), number(row.part_volume_mm3.map(|v| v / 1000.0), 2))),
         (
             "clearance",
             format!("{} mm asked, {} mm proved", number(row.clearance_mm, 2), number(row.clearance_proved_mm, 3)),
@@ -80,15 +89,26 @@ fn build_lines(row: &BuildRow) -> Vec<(&'static str, String)> {
                 if row.attempts == 1 { "once".to_owned() } else { format!("{} times", row.attempts) }
             ),
         ),
-        ("opened", brief(Some(row.opened_at))),
-        ("nesting", brief(row.nesting_at)),
-        ("verified", brief(row.verified_at)),
-        ("published", brief(row.published_at)),
+        ("opened", zoned(Some(row.opened_at))),
+        ("nesting", zoned(row.nesting_at)),
+        ("verified", zoned(row.verified_at)),
+        ("published", zoned(row.published_at)),
     ];
     if !row.reason.is_empty() {
         lines.insert(0, ("reason", row.reason.clone()));
     }
     lines
+}
+
+/// How many copies are in a build; an open one has a forecast and takes none.
+fn copies_of(sheet: &BuildSheet) -> String {
+    match sheet.build.state {
+        BuildState::Open => {
+            let waiting: usize = sheet.waiting.iter().map(|w| w.copies).sum();
+            format!("{} in the layout so far, {waiting} wait", sheet.build.copies.unwrap_or(0))
+        }
+        _ => or_dash(sheet.build.copies),
+    }
 }
 
 fn search(row: &BuildRow) -> String {
@@ -120,6 +140,16 @@ fn parts_in_build(sheet: &BuildSheet) -> Table {
     table
 }
 
+/// The parts that an open build is made for, in their order in line.
+fn parts_that_wait(waiting: &[Waits]) -> Table {
+    let mut table = Table::new(&[">PART", "NAME", "ORDER", ">COPIES WAITING", ">OF"]);
+    for Waits { part, copies } in waiting {
+        let of = part.copies.to_string();
+        table.row(vec![part.id.to_string(), full_name(part), text(&part.order_name), copies.to_string(), of]);
+    }
+    table
+}
+
 fn part(sheet: &PartSheet) -> String {
     let row = &sheet.part;
     let size =
@@ -129,13 +159,16 @@ fn part(sheet: &PartSheet) -> String {
         ("order", text(&row.order_name)),
         ("copies", format!("{}, {}", row.copies, whereabouts(&sheet.placements))),
         ("priority", row.priority.to_string()),
-        ("due", brief(row.due_at)),
+        ("due", zoned(row.due_at)),
         ("orientation", format!("{:?}", row.orientation).to_lowercase()),
         ("size", or_dash(size)),
         ("volume", format!("{} cm3", number(row.volume_mm3.map(|v| v / 1000.0), 2))),
         ("content", format!("{} bytes, BLAKE3 {}", row.bytes, row.content_hash)),
-        ("claimed", brief(Some(row.claimed_at))),
+        ("claimed", zoned(Some(row.claimed_at))),
     ];
+    if let Some(clearance_mm) = row.clearance_mm {
+        lines.insert(6, ("clearance", format!("{clearance_mm} mm, as its ticket says")));
+    }
     lines.extend(
         [("note", row.note.clone()), ("reason", row.reason.clone())].into_iter().filter(|(_, t)| !t.is_empty()),
     );
@@ -154,7 +187,7 @@ fn whereabouts(placements: &[PlacementRow]) -> String {
 }
 
 fn parts(sheets: &[PartSheet]) -> Table {
-    let mut table = Table::new(&[">PART", "NAME", "PROFILE", "STATE", ">COPIES", ">PUBLISHED", "DUE", "WHERE"]);
+    let mut table = Table::new(&[">PART", "NAME", "PROFILE", "STATE", ">COPIES", ">PUBLISHED", "DUE (UTC)", "WHERE"]);
     for sheet in sheets {
         let part = &sheet.part;
         let published = sheet.placements.iter().filter(|p| p.published_at.is_some()).count();

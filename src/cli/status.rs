@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{
     Common, Exit,
-    reach::{age, brief, with_ledger},
+    reach::{age, brief, look_at_ledger},
     table::{Table, copies, number, say, say_json, text},
 };
 use crate::ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus};
@@ -48,7 +48,7 @@ struct Machine {
 
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let status = with_ledger(common, async |settings, ledger| {
+    let status = look_at_ledger(common, async |settings, ledger| {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
         look(ledger, &names, args.parts).await
     })?;
@@ -93,11 +93,11 @@ impl FarmStatus {
             ">WAITING",
             ">COPIES",
             ">OLDEST",
-            "DUE",
+            "DUE (UTC)",
             "NEXT BUILD",
             "NOW",
             ">REJECTED",
-            "LAST PUBLISHED",
+            "LAST PUBLISHED (UTC)",
         ]);
         for machine in &self.profiles {
             table.row(machine.cells(now));

@@ -15,3 +15,19 @@ pub(super) fn distance(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0);
     number.ok_or_else(|| "wants a distance in mm".to_owned())
 }
+
+/// The number of a build: '4', or 'b4' as `show` takes it.
+pub(super) fn build_number(text: &str) -> Result<i64, String> {
+    numbered(text, 'b').ok_or_else(|| "wants a build as status and history print it, e.g. 4 or b4".to_owned())
+}
+
+/// The number of a part: '5', or 'p5' as `show` takes it.
+pub(super) fn part_number(text: &str) -> Result<i64, String> {
+    numbered(text, 'p').ok_or_else(|| "wants a part as status and show print it, e.g. 5 or p5".to_owned())
+}
+
+/// A number with or without its letter.
+pub(super) fn numbered(text: &str, letter: char) -> Option<i64> {
+    let digits = text.strip_prefix([letter, letter.to_ascii_uppercase()]).unwrap_or(text);
+    digits.parse().ok().filter(|number| *number >= 0)
+}

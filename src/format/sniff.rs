@@ -35,6 +35,9 @@ pub(super) fn kind(head: &[u8], len: u64, name: &str) -> Kind {
     if let Some(what) = foreign(head) {
         return Kind::Other(what);
     }
+    if claims_binary_facets(head) {
+        return Kind::BinaryStl;
+    }
     if starts_like_text_stl(head) || (is_text(head) && contains_word(head, b"facet")) {
         return Kind::TextStl;
     }
@@ -72,6 +75,13 @@ pub(super) fn starts_like_text_stl(head: &[u8]) -> bool {
 /// Whether the head is text: no control characters but white space.
 pub(super) fn is_text(head: &[u8]) -> bool {
     !head.is_empty() && head.iter().all(|&b| b >= 0x20 && b != 0x7f || b.is_ascii_whitespace() || b == 0x0b)
+}
+
+/// Whether a head that starts with `solid` is binary all the same: what stands where a binary file has its count is no text,
+/// and no facet follows as a word. Such a file is torn, as its size is not what the count asks for.
+fn claims_binary_facets(head: &[u8]) -> bool {
+    let count_is_text = head.get(80..84).is_none_or(is_text);
+    !count_is_text && starts_like_text_stl(head) && !contains_word(&head[84..], b"facet")
 }
 
 fn contains_word(head: &[u8], word: &[u8]) -> bool {

@@ -63,7 +63,7 @@ pub(super) fn read_binary(mut file: File, head: &[u8], len: u64, limits: &Limits
     let wanted = binary_len(count);
     if wanted > len {
         let present = (len - HEAD) / FACET;
-        let reason = format!("{count} triangles are counted, but there are bytes for {present} only");
+        let reason = format!("{present} of {count} triangles are there");
         return Err(ReadError::Truncated(reason));
     }
     if count > limits.max_triangles {

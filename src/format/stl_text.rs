@@ -12,6 +12,9 @@ use super::{Limits, ReadError, number::decimal};
 /// Longer words cannot be numbers or keywords; the cap keeps a word out of memory that never ends.
 const MAX_WORD: usize = 256;
 
+/// So much of an unexpected word is told; binary junk would fill a page.
+const EXCERPT: usize = 40;
+
 /// What an ASCII file holds: three vertices per facet.
 #[derive(Debug, Default)]
 pub(super) struct Soup {
@@ -158,8 +161,9 @@ impl<R: BufRead> Words<R> {
     }
 
     fn unexpected(&self, wanted: &str) -> ReadError {
-        let word = self.word.escape_ascii().to_string();
-        self.invalid(format!("expected {wanted}, found `{word}`"))
+        let word: String = self.word.escape_ascii().map(char::from).take(EXCERPT).collect();
+        let more = if self.word.escape_ascii().count() > EXCERPT { "..." } else { "" };
+        self.invalid(format!("expected {wanted}, found `{word}`{more}"))
     }
 
     fn invalid(&self, reason: String) -> ReadError {
@@ -208,6 +212,13 @@ mod tests {
             let error = text(&format!("solid\n{}", FACET.replace(from, to))).unwrap_err();
             assert!(error.to_string().contains("line "), "{error}");
         }
+    }
+
+    #[test]
+    fn of_binary_junk_a_short_excerpt_is_told() {
+        let error = read_text(&[b"solid\n".as_slice(), &[7; 200]].concat()[..], &Limits::for_testing()).unwrap_err();
+        let told = error.to_string();
+        assert!(told.contains(r"found `\x07\x07") && told.ends_with("`...") && told.len() < 130, "{told}");
     }
 
     #[test]

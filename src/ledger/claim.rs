@@ -81,6 +81,11 @@ impl Ledger {
         if let Some((build, state)) = nested {
             return Err(LedgerError::BeingBuilt { part: id, build, state });
         }
+        match change.part(id).await?.state {
+            PartState::Rejected => return Err(LedgerError::IsOut(id)),
+            PartState::Built => return Err(LedgerError::IsBuilt(id)),
+            _ => {}
+        }
         change.move_part(id, PartState::Rejected, None, reason).await?;
         change.commit().await
     }
@@ -88,6 +93,10 @@ impl Ledger {
     /// rejected -> claimed: it is read again.
     pub async fn retry(&self, id: PartId) -> Result<()> {
         let mut change = self.change().await?;
+        let state = change.part(id).await?.state;
+        if state != PartState::Rejected {
+            return Err(LedgerError::NotRejected { part: id, state });
+        }
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
         change.commit().await
     }

@@ -1,6 +1,11 @@
 //! The daemon's sign of life, so that faces can say whether it runs.
 
 use jiff::{SignedDuration, Timestamp};
+use rustix::{
+    io::Errno,
+    process::{Pid, test_kill_process},
+    system::uname,
+};
 use serde::Serialize;
 use sqlx::FromRow;
 
@@ -39,7 +44,7 @@ pub struct DaemonRow {
     pub beat_at: Utc,
     /// One line on what it did.
     pub status: String,
-    /// Whether the last sign of life is younger than [`BEAT_LASTS_SECS`].
+    /// Whether the last sign of life is younger than [`BEAT_LASTS_SECS`] and, on its own server, its process is there.
     #[sqlx(default)]
     pub alive: bool,
 }
@@ -76,7 +81,17 @@ impl Ledger {
     pub async fn daemon(&self) -> Result<Option<DaemonRow>> {
         let query = sqlx::query_as("SELECT pid, host, version, started_at, beat_at, status FROM daemon");
         let row: Option<DaemonRow> = query.fetch_optional(self.reader()).await?;
-        let age = |row: &DaemonRow| self.now().duration_since(*row.beat_at);
-        Ok(row.map(|row| DaemonRow { alive: age(&row) < SignedDuration::from_secs(BEAT_LASTS_SECS), ..row }))
+        let beats =
+            |row: &DaemonRow| self.now().duration_since(*row.beat_at) < SignedDuration::from_secs(BEAT_LASTS_SECS);
+        Ok(row.map(|row| DaemonRow { alive: beats(&row) && !row.is_known_to_be_gone(), ..row }))
+    }
+}
+
+impl DaemonRow {
+    /// Whether it ran on this server and its process is no more: killed, so that nobody need wait for its next beat.
+    fn is_known_to_be_gone(&self) -> bool {
+        let is_here = uname().nodename().to_string_lossy() == self.host;
+        let pid = i32::try_from(self.pid).ok().and_then(Pid::from_raw);
+        is_here && pid.is_some_and(|pid| test_kill_process(pid) == Err(Errno::SRCH))
     }
 }

@@ -164,6 +164,20 @@ pub enum LedgerError {
         /// The state of the build.
         state: super::BuildState,
     },
+    /// Nothing is left to cancel.
+    #[error("part {0} is refused or cancelled already; `nestd show p{0}` says why")]
+    IsOut(PartId),
+    /// Nothing is left to cancel.
+    #[error("part {0} is built already: all its copies are in published builds")]
+    IsBuilt(PartId),
+    /// Only what is out of the farm can be taken back.
+    #[error("part {part} is {state}; only a part that is refused or cancelled can be taken back")]
+    NotRejected {
+        /// The part.
+        part: PartId,
+        /// Its state.
+        state: super::PartState,
+    },
     /// A 3MF without a solid was accepted.
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),

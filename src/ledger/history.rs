@@ -68,6 +68,8 @@ pub struct HistoryRow {
     pub file_name: Option<String>,
     /// Why it failed, or the outcome's note.
     pub reason: String,
+    /// The note of the outcome that was told last, "" when there is none.
+    pub note: String,
 }
 
 impl Ledger {
@@ -78,7 +80,8 @@ impl Ledger {
              b.height_mm, b.density, b.lower_bound_mm, b.layers, \
              (SELECT count(DISTINCT l.part_id) FROM placement l WHERE l.build_id = b.id) AS parts, b.copies, \
              b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
-             b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason \
+             b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason, \
+             coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note \
              FROM build b WHERE b.state NOT IN ('open', 'nesting') \
              AND (?1 IS NULL OR coalesce(b.published_at, b.state_at) >= ?1) \
              AND (?2 IS NULL OR coalesce(b.published_at, b.state_at) < ?2) \

@@ -185,6 +185,12 @@ impl Ledger {
         Ok(query.bind(name).fetch_all(self.reader()).await?)
     }
 
+    /// All parts of a file name as dropped, oldest first.
+    pub async fn parts_named(&self, name: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE name = ? ORDER BY id").bind(name);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
     /// All parts with a copy in a build, in order of precedence.
     pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as(

@@ -62,6 +62,20 @@ pub fn load(config: Option<&Path>, root: Option<&Path>) -> Result<Settings, Sett
     }
 }
 
+/// As [`load`] for those who only ask the ledger: when the machine files are wrong, but the farm file says for certain where
+/// the farm is, the settings are those of the other machines, together with all that is wrong.
+///
+/// # Errors
+/// When there is no configuration, or when it does not say where the farm is.
+pub fn load_to_look(config: Option<&Path>, root: Option<&Path>) -> Result<(Settings, Vec<Problem>), SettingsError> {
+    let file = find(config)?;
+    let mut problems = Vec::new();
+    match read(&file, root, &mut problems) {
+        Some(settings) if problems.iter().all(|problem| problem.file != file) => Ok((settings, problems)),
+        _ => Err(SettingsError::Invalid(problems)),
+    }
+}
+
 fn find(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
     let candidates = match config {
         Some(file) => vec![file.to_owned()],

@@ -17,7 +17,7 @@ mod validate;
 mod wording;
 
 pub use duration::parse_secs;
-pub use load::{SettingsError, load};
+pub use load::{SettingsError, load, load_to_look};
 pub use logging::{LogFormat, Logging};
 pub use problem::Problem;
 pub use profile::{Duplicates, Folders, MeshErrors, Profile, Trigger};

@@ -21,18 +21,24 @@ pub struct Part {
 }
 
 /// A file that is asked for.
-struct Row {
+pub struct Row {
     name: String,
-    file: PathBuf,
+    /// Where it is.
+    pub file: PathBuf,
     copies: u32,
 }
 
-/// Reads all parts; warnings go to the terminal's error output.
-pub fn read(args: &Args, machine: &Machine) -> Result<Vec<Part>> {
+/// All files that are asked for, not read yet.
+pub fn rows(args: &Args) -> Result<Vec<Row>> {
     let mut rows = args.parts.iter().map(|text| row_of(text)).collect::<Result<Vec<Row>>>()?;
     if args.list.is_some() {
         rows.extend(listed(args)?);
     }
+    Ok(rows)
+}
+
+/// Reads all parts; warnings go to the terminal's error output.
+pub fn read(rows: Vec<Row>, machine: &Machine) -> Result<Vec<Part>> {
     // Equal files are read once, so that the search shares all work on them.
     let mut known: BTreeMap<String, Vec<(String, Arc<Mesh>, u32)>> = BTreeMap::new();
     let mut parts = Vec::new();

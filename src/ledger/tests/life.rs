@@ -93,6 +93,11 @@ async fn a_waiting_part_is_rejected_by_cancel_only() {
     assert!(matches!(ledger.reject(id, "no").await, Err(LedgerError::Illegal(_))));
     ledger.cancel(id, "").await.unwrap();
     assert_eq!(ledger.part(id).await.unwrap().unwrap().reason, "no reason was given");
+    let again = ledger.cancel(id, "").await.unwrap_err().to_string();
+    assert_eq!(again, "part 1 is refused or cancelled already; `nestd show p1` says why");
+    ledger.retry(id).await.unwrap();
+    let again = ledger.retry(id).await.unwrap_err().to_string();
+    assert_eq!(again, "part 1 is claimed; only a part that is refused or cancelled can be taken back");
 }
 
 #[tokio::test]

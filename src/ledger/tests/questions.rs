@@ -142,11 +142,17 @@ async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
         status: "idle".into(),
     };
     ledger.beat(&beat).await.unwrap();
-    ledger.beat(&Beat { status: "nesting build 3".into(), ..beat }).await.unwrap();
+    ledger.beat(&Beat { status: "nesting build 3".into(), ..beat.clone() }).await.unwrap();
     let row = ledger.daemon().await.unwrap().unwrap();
     assert_eq!((row.pid, row.status.as_str(), row.alive), (4711, "nesting build 3", true));
     let later = ledger.ledger.clone().with_clock(|| Timestamp::now() + jiff::SignedDuration::from_secs(16));
     assert!(!later.daemon().await.unwrap().unwrap().alive);
+    // On the same server the process is looked for: 2^22 is the largest number that Linux gives.
+    let here = rustix::system::uname().nodename().to_string_lossy().into_owned();
+    for (pid, alive) in [(std::process::id(), true), ((1 << 22) + 1, false)] {
+        ledger.beat(&Beat { pid, host: here.clone(), ..beat.clone() }).await.unwrap();
+        assert_eq!(ledger.daemon().await.unwrap().unwrap().alive, alive);
+    }
     ledger.farewell().await.unwrap();
     assert_eq!(ledger.daemon().await.unwrap(), None);
 }

@@ -37,7 +37,7 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
     let contents = match format::read(&file, &part.name, part.unit, profile.unit, &meshes.limits) {
         Ok(contents) => contents,
         Err(error) if error.is_io() => return ReadOutcome::Later(chain(&error)),
-        Err(error) => return ReadOutcome::Refused(format!("{} {}.", part.name, chain(&error))),
+        Err(error) => return ReadOutcome::Refused(format!("{}: {}.", part.name, chain(&error))),
     };
     let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
     if copies > MAX_COPIES {

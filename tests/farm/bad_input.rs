@@ -60,13 +60,13 @@ fn a_refused_twin_can_be_taken_back_after_the_other_was_built() {
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     let two = parts.iter().find(|p| p.name == "two.stl").unwrap().id.to_string();
     farm.nestd_ok(&["cancel", &two]);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
     farm.stop();
     farm.start();
     farm.nestd_ok(&["retry", &two]);
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     farm.wait_for_parts(PartState::Built, 2);
 }
 

@@ -44,7 +44,7 @@ fn a_killed_farm_loses_nothing_and_prints_nothing_twice() {
     farm.start();
     let began = Instant::now();
     loop {
-        farm.nestd_ok(&["flush", "test"]);
+        farm.flush();
         let built: usize = farm.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
         if built == copies {
             break;

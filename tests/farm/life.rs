@@ -21,7 +21,7 @@ fn dropped_parts_become_one_build_in_the_queue_with_its_height_in_the_history() 
         farm.drop_part(&format!("{at}_{}_x2.stl", sample.name), &sample.mesh);
     }
     farm.wait_for_parts(PartState::Waiting, 5);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     let file = farm.wait_for_queued(1).remove(0);
     farm.wait_for_parts(PartState::Built, 5);
     let placed = format::read_build(&file, &format::Limits::default()).unwrap();
@@ -46,7 +46,7 @@ fn the_originals_of_a_published_build_lie_in_the_archive_and_leave_the_inbox() {
     farm.drop_bytes("order 7/cube.stl", &bytes);
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     assert_eq!(part.order_name, "order 7");
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     let file = farm.wait_for_queued(1).remove(0);
     let stem = file.file_name().unwrap().to_string_lossy().replace(".build.3mf", "");
     let archived = farm.folder("archive").join(stem).join("cube.stl");
@@ -83,7 +83,7 @@ fn a_stopped_farm_goes_on_where_it_was() {
     farm.drop_part("b_x2.stl", &block(10.0, 10.0, 40.0));
     farm.start();
     farm.wait_for_parts(PartState::Waiting, 2);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     farm.wait_for_parts(PartState::Built, 2);
     assert_eq!(farm.queued().len(), 1);
     farm.assert_nothing_lost_or_doubled();
@@ -94,7 +94,7 @@ fn a_stop_in_the_middle_of_a_final_search_loses_nothing() {
     let mut farm = TestFarm::running(&QUICK.replace("final_secs = 0.5", "final_secs = 60"));
     farm.drop_part("a_x6.stl", &samples::all()[0].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     farm.wait_for_parts(PartState::Batched, 1);
     farm.stop();
     farm.write_profile("test", QUICK);
@@ -142,7 +142,7 @@ fn reloads_while_a_build_is_made_do_not_take_its_file_away() {
     let farm = TestFarm::running(&profile);
     farm.drop_part("a_x4.stl", &samples::all()[1].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     for days in 1..60 {
         farm.write_profile("test", &format!("{profile}archive_days = {days}\n"));
         farm.reload();
@@ -162,6 +162,6 @@ fn a_profile_whose_folders_cannot_be_made_does_not_stop_the_others() {
     farm.start();
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     farm.wait_for_queued(1);
 }

@@ -27,7 +27,7 @@ fn a_cancelled_part_is_in_no_build() {
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     let a = parts.iter().find(|p| p.name == "a.stl").unwrap();
     farm.nestd_ok(&["cancel", &a.id.to_string()]);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     let built = farm.wait_for_parts(PartState::Built, 1);
     assert_eq!(built[0].name, "b.stl");
     assert_eq!(farm.parts(PartState::Rejected)[0].name, "a.stl");
@@ -41,7 +41,7 @@ fn an_order_to_a_farm_without_a_daemon_is_kept_and_said_so() {
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.stop();
-    let told = farm.nestd_ok(&["flush", "test"]);
+    let told = farm.flush();
     assert!(told.contains("daemon"), "{told}");
     farm.start();
     farm.wait_for_queued(1);
@@ -60,7 +60,7 @@ fn an_outcome_is_told_of_a_published_build() {
     let farm = TestFarm::running(QUICK);
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
     let id = farm.ask(async |ledger| ledger.history(&Default::default()).await.unwrap()[0].build);
     farm.nestd_ok(&["outcome", &id.to_string(), "complete", "--note", "fine"]);

@@ -122,6 +122,13 @@ impl TestFarm {
         out.into_owned()
     }
 
+    /// Orders the profile to be published now. On a busy machine the answer may come later; a refusal fails the test.
+    pub fn flush(&self) {
+        let output = self.nestd(&["flush", PROFILE]);
+        let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() != Some(2) && !told.contains("Refused"), "{told}\n{}", self.log());
+    }
+
     /// Drops a file as a careful sender does: written elsewhere on the same file system, then renamed in.
     pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
         let target = self.folder("inbox").join(name);

@@ -12,7 +12,7 @@ fn a_full_volume_fires_and_what_does_not_fit_stays_first_in_line() {
     let placed = nestd::format::read_build(&farm.queued()[0], &Default::default()).unwrap();
     assert_eq!(placed.len(), 2, "two slabs of 18 mm fit into 50 mm");
     farm.wait_for_queued(1);
-    farm.nestd_ok(&["flush", "test"]);
+    farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
     farm.assert_nothing_lost_or_doubled();
     assert_eq!(farm.queued().len(), 2);

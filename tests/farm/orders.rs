@@ -41,7 +41,7 @@ fn an_order_to_a_farm_without_a_daemon_is_kept_and_said_so() {
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.stop();
-    let told = farm.flush();
+    let told = farm.nestd_ok(&["flush", "test"]);
     assert!(told.contains("daemon"), "{told}");
     farm.start();
     farm.wait_for_queued(1);

@@ -135,6 +135,22 @@ impl Farm {
         self.ledger.cancel(part, &reason).await.context("refusing a part that fits nowhere")
     }
 
+    /// A part on which the search panics must not keep the others from being built: half of the line is tried next, and
+    /// what panics alone is refused.
+    pub(super) async fn on_search_panicked(&mut self, name: &str, message: &str) -> Result<()> {
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
+        let copies = station.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
+        station.open.ended(station.open.rounds, None);
+        let (true, Some(&(part, _))) = (station.open.placed_nothing(copies.len()), copies.first()) else {
+            return Ok(());
+        };
+        let reason = format!("The search failed on it: {message}.");
+        if let Some(row) = self.ledger.part(part).await? {
+            self.copy_into_error(&row, &reason)?;
+        }
+        self.ledger.cancel(part, &reason).await.context("refusing a part that the search fails on")
+    }
+
     /// The original was let go when the part began to wait: a copy from the store goes into the error folder.
     pub(super) fn copy_into_error(&self, row: &PartRow, reason: &str) -> Result<()> {
         let Some(station) = self.stations.get(&row.profile) else { return Ok(()) };

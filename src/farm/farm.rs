@@ -306,13 +306,7 @@ impl Farm {
                 let outcome = super::read::ReadOutcome::Refused(format!("The reader failed on it: {message}."));
                 self.on_read(part, outcome).await
             }
-            JobKey::Improve(name) => {
-                if let Some(station) = self.stations.get_mut(&name) {
-                    let round = station.open.rounds;
-                    station.open.ended(round, None);
-                }
-                Ok(())
-            }
+            JobKey::Improve(name) => self.on_search_panicked(&name, message).await,
             JobKey::Final(build) => self.on_final_panicked(build, message).await,
             JobKey::Publish(build) => self.on_published(build, Err(anyhow::anyhow!("panicked: {message}"))).await,
             JobKey::Purge => Ok(()),

@@ -24,9 +24,16 @@ pub(super) fn unclear_copies(name: &str) -> Option<String> {
 /// The last word before the extension, and the words before it, of which one at least says something.
 fn words(name: &str) -> Option<(&str, Vec<&str>)> {
     let (stem, _) = name.rsplit_once('.')?;
+    let stem = without_number(stem);
     let mut words: Vec<&str> = stem.split(['_', '-', '.', ' ']).collect();
     let last = words.pop()?;
     words.iter().any(|w| !w.is_empty()).then_some((last, words))
+}
+
+/// A stem without the ` (2)` that browsers and file managers add to a second file of the same name.
+fn without_number(stem: &str) -> &str {
+    let inner = stem.strip_suffix(')').and_then(|rest| rest.rsplit_once(" ("));
+    inner.filter(|(_, n)| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())).map_or(stem, |(before, _)| before)
 }
 
 /// The number in a word that says a count, whatever its size.
@@ -63,6 +70,8 @@ mod tests {
         ] {
             assert_eq!(copies_in_name(name), Some(10), "{name}");
         }
+        assert_eq!(copies_in_name("bracket_x10 (2).stl"), Some(10), "a second download of the same file");
+        assert_eq!(copies_in_name("bracket (2).stl"), None);
         assert_eq!(copies_in_name("a_x1.stl"), Some(1));
         assert_eq!(copies_in_name("a_x10000.stl"), Some(10_000));
     }

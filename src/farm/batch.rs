@@ -18,7 +18,7 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{BuildId, OpenLayout, PartRow, PartState, WaitingPart},
+    ledger::{BuildId, OpenLayout, PartId, PartRow, PartState, WaitingPart},
 };
 
 /// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
@@ -42,9 +42,10 @@ impl Farm {
         let cut = station.open.cut(&waiting, &station.profile);
         let wanted: BTreeSet<Copy> = copies_of(&cut).into_iter().collect();
         if !station.paused {
-            let beyond = wanted.len() < copies_of(&waiting).len();
+            let copies = waiting.iter().map(|w| w.copies.len()).sum();
+            let beyond = wanted.len() < copies;
             let facts = Facts {
-                copies: copies_of(&waiting).len(),
+                copies,
                 oldest: waiting.iter().map(|w| w.part.claimed_at.0).min().unwrap_or_default(),
                 due: waiting.iter().filter_map(|w| w.part.due_at.map(|d| d.0)).min(),
                 height_mm: station.open.layout.height_mm,
@@ -129,10 +130,7 @@ impl Farm {
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
         error!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-        if let Some(row) = self.ledger.part(part).await? {
-            self.copy_into_error(&row, &reason)?;
-        }
-        self.ledger.cancel(part, &reason).await.context("refusing a part that fits nowhere")
+        self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere")
     }
 
     /// A part on which the search panics must not keep the others from being built: half of the line is tried next, and
@@ -145,10 +143,15 @@ impl Farm {
             return Ok(());
         };
         let reason = format!("The search failed on it: {message}.");
+        self.refuse_waiting(part, &reason).await.context("refusing a part that the search fails on")
+    }
+
+    /// waiting -> rejected, with a copy of the original in the error folder.
+    async fn refuse_waiting(&self, part: PartId, reason: &str) -> Result<()> {
         if let Some(row) = self.ledger.part(part).await? {
-            self.copy_into_error(&row, &reason)?;
+            self.copy_into_error(&row, reason)?;
         }
-        self.ledger.cancel(part, &reason).await.context("refusing a part that the search fails on")
+        Ok(self.ledger.cancel(part, reason).await?)
     }
 
     /// The original was let go when the part began to wait: a copy from the store goes into the error folder.

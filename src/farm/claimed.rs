@@ -123,8 +123,11 @@ impl Farm {
     /// written to) is tried again.
     pub(super) async fn settle_claims(&mut self) -> Result<()> {
         for claim in self.claims.keys().cloned().collect::<Vec<_>>() {
-            if let Some(part) = self.ledger.parts_of_claim(&claim).await?.first() {
-                self.settle_claim(part)?;
+            let parts = self.ledger.parts_of_claim(&claim).await?;
+            let Some(part) = parts.first() else { continue };
+            if let Err(failure) = self.settle_claim(part) {
+                let why = format!("The claim of {} cannot be ended now: {failure:#}", part.name);
+                self.complain(&format!("claim {claim}"), &why);
             }
         }
         Ok(())

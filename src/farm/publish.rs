@@ -49,8 +49,7 @@ impl Farm {
 
     async fn nest_build(&mut self, build: BuildRow) -> Result<()> {
         let key = JobKey::Final(build.id);
-        let rests = self.rest_until.get(&build.id).is_some_and(|at| Instant::now() < *at);
-        if rests || self.jobs.runs(&key) || !self.has_free_slot() || !self.has_queue(&build.profile) {
+        if self.rests(build.id) || self.jobs.runs(&key) || !self.has_free_slot() || !self.has_queue(&build.profile) {
             return Ok(());
         }
         let attempts = match self.fresh_builds.remove(&build.id) {
@@ -62,6 +61,11 @@ impl Farm {
             return self.give_up(&build, attempts - 1).await;
         }
         self.start_final(build, attempts, key).await
+    }
+
+    /// Whether a build failed a moment ago and is left alone for now.
+    fn rests(&self, build: BuildId) -> bool {
+        self.rest_until.get(&build).is_some_and(|at| Instant::now() < *at)
     }
 
     /// Whether the queue folder of a profile is there; one that went away is opened anew, and its absence costs no attempt.
@@ -157,12 +161,16 @@ impl Farm {
     /// Publishes every verified build: one rename, on a thread of its own, for a queue folder may be a share that hangs.
     pub(super) async fn publish(&mut self) -> Result<()> {
         for build in self.ledger.builds_in_state(BuildState::Verified).await? {
-            if self.rest_until.get(&build.id).is_some_and(|at| Instant::now() < *at) {
+            if self.rests(build.id) {
                 continue;
             }
-            let station = self.stations.get(&build.profile).context("a verified build's profile is not configured")?;
-            let Some(queue) = station.queue.clone() else { continue };
             let id = build.id;
+            let Some(station) = self.stations.get(&build.profile) else {
+                let why = format!("Build {id} cannot be published: its profile {} is not configured", build.profile);
+                self.complain(&format!("publish {id}"), &why);
+                continue;
+            };
+            let Some(queue) = station.queue.clone() else { continue };
             self.jobs
                 .start(JobKey::Publish(id), move || Event::Published { build: id, published: rename(&queue, &build) });
         }

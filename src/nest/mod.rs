@@ -25,6 +25,7 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod touch;
 mod turns;
 mod voxels;
 

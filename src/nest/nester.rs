@@ -57,7 +57,7 @@ impl<'a> Course<'a> {
     }
 
     fn run(mut self, start: &[Placement]) -> Solution {
-        let task = Task::new(self.instance, COARSE_NODES, COARSE_POINTS);
+        let task = Task::new(self.instance, self.config.organs, COARSE_NODES, COARSE_POINTS);
         let prepared = self.stop.spent(0);
         self.construct(&task, start);
         let task = self.refined(task, prepared);
@@ -75,10 +75,11 @@ impl<'a> Course<'a> {
         let finer = (0.12 / prepared.max(1e-6)) as usize * COARSE_NODES;
         let distinct = task.kinds.iter().flatten().count().max(1);
         let nodes = finer.min((MOST_NODES / distinct).clamp(50_000, 300_000));
-        if nodes < 2 * COARSE_NODES || self.best.is_empty() {
+        if nodes < 2 * COARSE_NODES || self.best.is_empty() || !self.config.organs.fine_guides {
             return task;
         }
-        Task::new(self.instance, nodes, COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 })
+        let points = COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 };
+        Task::new(self.instance, self.config.organs, nodes, points)
     }
 
     /// Takes a layout when it places more or is lower, and tells of it.
@@ -121,7 +122,7 @@ impl<'a> Course<'a> {
     /// Tries other recipes by flower pollination: order, liking for low tops, pull and disorder.
     fn vary(&mut self, task: &Task, builder: &mut Builder<'_>, standing: &[Piece], lacking: &[(usize, u32)]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let setup = Setup { population: 8, ..Setup::default() };
+        let setup = Setup { population: 8, even: !self.config.organs.flowers_in_start, ..Setup::default() };
         let mut flowers: Pollination<f64> = Pollination::new(setup, Recipe::genes(), self.config.seed);
         for _ in 0..24 {
             if self.stop.spent(self.evaluations) >= START_SHARE {
@@ -156,7 +157,7 @@ impl<'a> Course<'a> {
 
     /// Lowers the lid over what has been found, until a share of the budget is used up.
     fn search(&mut self, task: &Task, until: f64) {
-        if self.best.is_empty() || self.stop.spent(self.evaluations) >= until {
+        if self.best.is_empty() || !self.config.organs.separation || self.stop.spent(self.evaluations) >= until {
             return;
         }
         let floor_mm = lower_bound_mm(self.instance).min(height_mm(&self.best));

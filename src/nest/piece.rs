@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 
 use super::{
-    Instance, OrientationRule, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape,
+    Instance, Organs, OrientationRule, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape,
 };
 use crate::geometry::{Bounds, Pose};
 
@@ -32,11 +32,13 @@ pub(crate) struct Task {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Which organs of the search take part.
+    pub(crate) organs: Organs,
 }
 
 impl Task {
     /// Prepares every distinct mesh that fits.
-    pub(crate) fn new(instance: &Instance, nodes: usize, points: usize) -> Self {
+    pub(crate) fn new(instance: &Instance, organs: Organs, nodes: usize, points: usize) -> Self {
         let own = |item: &super::Item| item.clearance_mm.unwrap_or(0.0).max(instance.clearance_mm());
         let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
         let detail = Detail { nodes, points, reach_mm: reach_mm + 0.5 };
@@ -51,7 +53,7 @@ impl Task {
             .filter(|&(at, _)| kinds[at].is_some())
             .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
             .collect();
-        Self { kinds, copies, room: instance.volume().size_mm, reach_mm }
+        Self { kinds, copies, room: instance.volume().size_mm, reach_mm, organs }
     }
 
     /// The prepared item of a copy that is being nested.

@@ -4,6 +4,7 @@ mod bounds;
 mod box_tree;
 mod clearance;
 mod eigen;
+mod extremes;
 mod inside;
 mod mesh;
 mod obb;
@@ -23,6 +24,7 @@ mod speed_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;
+pub use extremes::Extremes;
 pub use mesh::{Defects, Mesh, MeshError};
 pub use obb::Obb;
 pub use obb_tree::ObbTree;

@@ -32,6 +32,7 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod touch;
 mod turns;
 mod voxels;
 mod workshop;

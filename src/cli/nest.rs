@@ -18,6 +18,7 @@ use super::{
     values::{distance, volume},
 };
 use crate::{
+    farm::DiskCache,
     format::{Arrangement, Instances, Limits, Unit},
     nest::{self, BuildVolume, Config, Instance, Item, Method, OrientationRule, Solution},
     settings::{self, parse_secs},
@@ -26,6 +27,9 @@ use progress::{Budget, Progress};
 
 /// Clearance without a profile and without `--clearance`, mm.
 const DEFAULT_CLEARANCE_MM: f64 = 3.0;
+
+/// What `--cache` may take up, bytes.
+const CACHE_BYTES: u64 = 4 << 30;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -71,6 +75,9 @@ pub struct Args {
     /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
     #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
     orientation: Option<OrientationRule>,
+    /// Folder where work on meshes is kept from one run to the next
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
     /// Build file to write, e.g. build.3mf
     #[arg(short = 'o', long = "output", value_name = "OUT.build.3mf")]
     output: PathBuf,
@@ -114,9 +121,11 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     };
     let instance = Instance::new(machine.room, machine.clearance_mm, parts.iter().map(item).collect())
         .map_err(|error| Usage(error.to_string()))?;
+    let cache = cache(args)?;
+    let cache = cache.as_ref().map(|cache| cache as &dyn nest::Cache);
     let budget = Budget::starting_now(args.budget, args.evaluations);
     let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm.z);
-    let solution = nest::nest(&instance, &machine.config, &[], &budget, &mut progress);
+    let solution = nest::nest_with(&instance, &machine.config, &[], cache, &budget, &mut progress);
     let course = progress.finish(machine.config.seed);
     name_unplaced(&instance, &solution);
     let report = output::write(args, &machine, &parts, &instance, &solution, course)?;
@@ -131,6 +140,13 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         );
     }
     Ok(if solution.unplaced.is_empty() { Exit::Success } else { Exit::Failure })
+}
+
+/// The cache that was asked for.
+fn cache(args: &Args) -> Result<Option<DiskCache>> {
+    let Some(dir) = &args.cache else { return Ok(None) };
+    let opened = DiskCache::open(dir, CACHE_BYTES);
+    opened.map(Some).map_err(|error| Usage(format!("--cache {}: {error}", dir.display())).into())
 }
 
 /// Says which copies found no place, and why where it is known.

@@ -3,7 +3,9 @@
 mod bounds;
 mod box_tree;
 mod clearance;
+mod contact;
 mod eigen;
+mod extremes;
 mod inside;
 mod mesh;
 mod obb;
@@ -23,7 +25,10 @@ mod speed_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;
+pub use contact::Contact;
+pub use extremes::Extremes;
 pub use mesh::{Defects, Mesh, MeshError};
 pub use obb::Obb;
 pub use obb_tree::ObbTree;
 pub use pose::Pose;
+pub(crate) use triangle::closest_point;

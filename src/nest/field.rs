@@ -3,10 +3,11 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::geometry::Mesh;
+use super::cache::{Packer, Unpacker};
+use crate::geometry::{Mesh, closest_point};
 
 /// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame less `center`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DistanceField {
     origin: Vec3,
     step: f32,
@@ -61,11 +62,32 @@ impl DistanceField {
         Self {
             origin: lattice.origin.as_vec3(),
             step: lattice.step as f32,
-            inverse_step: (1.0 / lattice.step) as f32,
+            inverse_step: 1.0 / lattice.step as f32,
             dims: lattice.dims,
             scale,
             nodes: distances.iter().zip(&inside).map(node).collect(),
         }
+    }
+
+    /// As bytes.
+    pub(super) fn pack(&self, to: &mut Packer) {
+        to.f32s(&self.origin.to_array());
+        to.f32s(&[self.step, self.scale]);
+        self.dims.iter().for_each(|&n| to.u32(n as u32));
+        self.nodes.iter().for_each(|node| to.0.extend(node.to_le_bytes()));
+    }
+
+    /// From bytes.
+    pub(super) fn unpack(from: &mut Unpacker<'_>) -> Option<Self> {
+        let origin = Vec3::from_array(from.f32s()?);
+        let [step, scale] = from.f32s()?;
+        let dims = [from.u32()? as usize, from.u32()? as usize, from.u32()? as usize];
+        let count = dims[0].checked_mul(dims[1])?.checked_mul(dims[2])?;
+        let nodes: Vec<i16> = (from.bytes(count.checked_mul(2)?)?.chunks_exact(2))
+            .map(|pair| i16::from_le_bytes([pair[0], pair[1]]))
+            .collect();
+        let is_sound = step > 0.0 && scale > 0.0 && dims.iter().all(|&n| n >= 2);
+        is_sound.then_some(Self { origin, step, inverse_step: 1.0 / step, dims, scale, nodes })
     }
 
     /// Signed distance at a point, mm; beyond the grid at least the distance to it.
@@ -189,39 +211,6 @@ fn sweep(lattice: &Lattice, nearest: &mut [(Vec3, f32)], backwards: [bool; 3]) {
             }
         }
     }
-}
-
-/// The point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
-fn closest_point(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3));
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-    }
-    let total = va + vb + vc;
-    if total <= 0.0 { a } else { a + ab * (vb / total) + ac * (vc / total) }
 }
 
 #[cfg(test)]

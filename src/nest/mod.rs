@@ -3,22 +3,29 @@
 
 mod body;
 mod bound;
+mod boxes;
+mod cache;
 mod compress;
 mod config;
 mod construct;
+mod cut;
 mod field;
 mod fit;
 mod inside;
 mod instance;
 mod layout;
+mod near;
 mod nester;
 mod organs;
+mod outline;
 mod paper;
 mod piece;
 mod proof;
 mod push;
+mod recipe;
 mod relocate;
 mod report;
+mod scan;
 mod search;
 mod separate;
 mod shape;
@@ -26,14 +33,17 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod touch;
 mod turns;
 mod voxels;
+mod workshop;
 
 pub use bound::lower_bound_mm;
+pub use cache::Cache;
 pub use config::{Config, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
-pub use nester::nest;
+pub use nester::{nest, nest_with};
 pub use organs::Organs;
 pub use proof::{Body, Pair, Proof, prove, rotation_obeys};
 pub use report::{Course, PlacedPart, Report, UnplacedPart};

@@ -1,13 +1,17 @@
 //! What is nested and how a layout is judged while it is built: exactly, on the triangles.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
 use super::{
-    Instance, Organs, OrientationRule, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape,
+    Instance, Organs, OrientationRule, Placement, Solution,
+    fit::WALL_SPARE_MM,
+    outline::{Candidate, Lineup},
+    shape::{Detail, Shape},
+    workshop::Workshop,
 };
-use crate::geometry::{Bounds, Pose};
+use crate::geometry::{Bounds, Mesh, Pose};
 
 /// What two placements keep beyond their clearance, mm, so that rounding in a written file never breaks it.
 pub(crate) const CLEARANCE_SPARE_MM: f64 = 1e-4;
@@ -19,13 +23,13 @@ pub(crate) struct Kind {
     pub(crate) rule: OrientationRule,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
-    /// A rotation in which it stands in the volume.
-    pub(crate) fitting: DQuat,
 }
 
 /// The instance, prepared. `kinds` has one entry per item; `None` for those that fit in no allowed orientation.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
+    /// The same items from outside.
+    pub(crate) lineup: Arc<Lineup>,
     pub(crate) kinds: Vec<Option<Kind>>,
     /// All copies that fit alone, in order of precedence.
     pub(crate) copies: Vec<(usize, u32)>,
@@ -37,23 +41,32 @@ pub(crate) struct Task {
 }
 
 impl Task {
-    /// Prepares every distinct mesh that fits.
-    pub(crate) fn new(instance: &Instance, organs: Organs, nodes: usize, points: usize) -> Self {
-        let own = |item: &super::Item| item.clearance_mm.unwrap_or(0.0).max(instance.clearance_mm());
-        let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
-        let detail = Detail { nodes, points, reach_mm: reach_mm + 0.5 };
-        let kinds: Vec<Option<Kind>> = (instance.items().iter())
-            .map(|item| {
-                let fitting = fit::fits(&item.mesh, item.orientation, &instance.volume()).ok()?;
-                let shape = shape::prepare(&item.mesh, detail);
-                Some(Kind { shape, rule: item.orientation, clearance_mm: own(item), fitting })
-            })
-            .collect();
-        let copies = (instance.items().iter().enumerate())
-            .filter(|&(at, _)| kinds[at].is_some())
-            .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
-            .collect();
-        Self { kinds, copies, room: instance.volume().size_mm, reach_mm, organs }
+    /// Prepares every distinct mesh of a line-up.
+    pub(crate) fn new(
+        lineup: Arc<Lineup>,
+        workshop: &Workshop<'_>,
+        organs: Organs,
+        nodes: usize,
+        points: usize,
+    ) -> Self {
+        let detail = Detail { nodes, points, reach_mm: lineup.reach_mm + 0.5 };
+        let meshes: Vec<Arc<Mesh>> = lineup.candidates.iter().flatten().map(|c| c.mesh.clone()).collect();
+        let mut shapes = workshop.shapes(&meshes, detail).into_iter();
+        let kind = |candidate: &Option<Candidate>| {
+            let Candidate { rule, clearance_mm, .. } = *candidate.as_ref()?;
+            Some(Kind { shape: shapes.next()?, rule, clearance_mm })
+        };
+        let kinds = lineup.candidates.iter().map(kind).collect();
+        Self { kinds, copies: lineup.copies.clone(), room: lineup.room, reach_mm: lineup.reach_mm, organs, lineup }
+    }
+
+    /// Prepares some of the items at another detail.
+    pub(crate) fn refine(&mut self, items: Range<usize>, workshop: &Workshop<'_>, nodes: usize, points: usize) {
+        let detail = Detail { nodes, points, reach_mm: self.reach_mm + 0.5 };
+        let mut kinds: Vec<&mut Kind> = self.kinds[items].iter_mut().flatten().collect();
+        let meshes: Vec<Arc<Mesh>> = kinds.iter().map(|kind| kind.shape.tree.mesh().clone()).collect();
+        let shapes = workshop.shapes(&meshes, detail);
+        kinds.iter_mut().zip(shapes).for_each(|(kind, shape)| kind.shape = shape);
     }
 
     /// The prepared item of a copy that is being nested.
@@ -102,17 +115,6 @@ impl Task {
         }
         gap
     }
-
-    /// The solution that pieces make.
-    pub(crate) fn solution(&self, instance: &Instance, pieces: &[Piece], evaluations: u64) -> Solution {
-        let mut placements: Vec<Placement> =
-            pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
-        placements.sort_by_key(|p| (p.item, p.copy));
-        let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
-        let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
-        let unplaced = all.filter(|&copy| !placed(copy)).collect();
-        Solution { unplaced, height_mm: height_mm(pieces), evaluations, placements }
-    }
 }
 
 /// One placed copy.
@@ -131,4 +133,15 @@ pub(crate) struct Piece {
 /// Top of the highest piece, mm.
 pub(crate) fn height_mm(pieces: &[Piece]) -> f64 {
     pieces.iter().map(|p| p.bounds.max.z).fold(0.0, f64::max)
+}
+
+/// The solution that pieces make.
+pub(crate) fn solution(instance: &Instance, pieces: &[Piece], evaluations: u64) -> Solution {
+    let mut placements: Vec<Placement> =
+        pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
+    placements.sort_by_key(|p| (p.item, p.copy));
+    let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
+    let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
+    let unplaced = all.filter(|&copy| !placed(copy)).collect();
+    Solution { unplaced, height_mm: height_mm(pieces), evaluations, placements }
 }

@@ -37,7 +37,7 @@ pub fn instance(name: &str) -> Result<Instance> {
         _ => {
             let numbers: Vec<u32> = name.split('-').filter_map(|n| n.parse().ok()).collect();
             match (name.split('-').next(), numbers.as_slice()) {
-                (Some("scale"), &[copies]) => generated(small(copies, copies.div_ceil(5)), [380.0, 284.0], 3.0),
+                (Some("scale"), &[copies]) => generated(small(copies, copies.div_ceil(5)), [200.0, 200.0], 3.0),
                 (Some("first"), &[copies, meshes]) => generated(small(copies, meshes), [380.0, 284.0], 3.0),
                 _ => match name.strip_prefix(LISTED) {
                     Some(list) => listed(list),

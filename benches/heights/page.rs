@@ -39,7 +39,7 @@ pub fn write(book: &Book) -> Result<()> {
     section(&mut page, "Height at the same CPU seconds", &compared, tables::heights);
     page.push_str(&drawings(&compared)?);
     let listed: Vec<&Record> = book.records.iter().filter(|r| r.finding.trial.case.starts_with(LISTED)).collect();
-    section(&mut page, "Other people's parts", &listed, tables::heights);
+    section(&mut page, "Other people's parts", &listed, tables::listed);
     page.push_str(&drawings(&listed)?);
     let all: Vec<&Record> = book.records.iter().collect();
     section(&mut page, "What each organ is worth", &all, tables::ablation);

@@ -11,7 +11,7 @@ const HEIGHT: f64 = 400.0;
 /// Left, right, top, bottom.
 const MARGIN: [f64; 4] = [60.0, 20.0, 36.0, 48.0];
 /// The time axis begins here, CPU seconds; it is logarithmic.
-const FIRST_SECS: f64 = 0.1;
+const FIRST_SECS: f64 = 0.03;
 
 /// From CPU seconds and mm to the drawing.
 struct Axes {
@@ -64,7 +64,7 @@ pub fn drawing(title: &str, records: &[&Record], last_secs: f64) -> String {
     }
     for (at, (method, name)) in [(Method::Nestd, "nestd"), (Method::Paper, "published method")].into_iter().enumerate()
     {
-        let (x, y) = (WIDTH - 170.0, MARGIN[2] + 12.0 + 18.0 * at as f64);
+        let (x, y) = (WIDTH - 270.0 + 90.0 * at as f64, 22.0);
         line(&mut svg, [x, y - 4.0, x + 24.0, y - 4.0], colour(method));
         text(&mut svg, x + 30.0, y, "start", name);
     }
@@ -95,7 +95,7 @@ fn grid(svg: &mut String, axes: &Axes) {
         text(svg, MARGIN[0] - 8.0, y + 4.0, "end", &mm.to_string());
         mm += step;
     }
-    for secs in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 60.0, 160.0, 600.0] {
+    for secs in [0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 60.0, 160.0, 600.0] {
         if secs <= axes.last_secs {
             let x = axes.x(secs);
             line(svg, [x, MARGIN[2], x, HEIGHT - MARGIN[3]], "#eee");

@@ -8,6 +8,7 @@ use super::{
     book::{KernelRecord, Origin, Record},
     cases,
     plan::{self, ABLATED, FIRST, FIRST_BUDGET},
+    repository,
     trial::{Budget, Finding},
 };
 
@@ -63,6 +64,22 @@ fn machine(case: &str) -> String {
     cases::instance(case).map_or_else(|_| "-".to_owned(), |instance| cases::machine(&instance))
 }
 
+/// What others reached on a list, out of `benches/references.toml`.
+fn others(case: &str) -> String {
+    let Some(list) = case.strip_prefix(cases::LISTED) else { return String::new() };
+    let text = std::fs::read_to_string(repository("benches/references.toml")).unwrap_or_default();
+    let known: BTreeMap<String, BTreeMap<String, f64>> = toml::from_str(&text).unwrap_or_default();
+    let told = known.get(list).into_iter().flatten().map(|(who, mm)| format!("{mm:.1} ({who})"));
+    format!(" {} |", told.collect::<Vec<_>>().join("; "))
+}
+
+/// As [`heights`], with what others reached.
+pub fn listed(records: &[&Record]) -> (String, Vec<Origin>) {
+    let (text, origins) = heights(records);
+    let head = text.replacen("| evaluations |\n|", "| evaluations | others |\n|---|", 1);
+    (head, origins)
+}
+
 /// Our own method beside the published one.
 pub fn heights(records: &[&Record]) -> (String, Vec<Origin>) {
     let mut rows: BTreeMap<(usize, &str, Budget, usize), [Vec<&Finding>; 2]> = BTreeMap::new();
@@ -92,7 +109,7 @@ pub fn heights(records: &[&Record]) -> (String, Vec<Origin>) {
         let evaluations =
             if ours.is_empty() { "-".to_owned() } else { thousands(Sample::of(ours, |f| f.evaluations as f64).mean()) };
         text.push_str(&format!(
-            "| {case} | {} ({}) | {} | {secs}{threads} | {} | **{}** | {} | {:.1} | {} | {evaluations} |\n",
+            "| {case} | {} ({}) | {} | {secs}{threads} | {} | **{}** | {} | {:.1} | {} | {evaluations} |{}\n",
             any.copies,
             any.meshes,
             machine(case),
@@ -101,6 +118,7 @@ pub fn heights(records: &[&Record]) -> (String, Vec<Origin>) {
             ratio(ours, theirs),
             any.lower_bound_mm,
             first(ours),
+            others(case),
         ));
     }
     (text, origins)

@@ -62,6 +62,7 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
         source_hash: "00".to_owned(),
         clearance_mm: None,
         orientation: Some("free".to_owned()),
+        tilts: None,
     };
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, 1, 1);

@@ -19,6 +19,10 @@ fn cube() -> Arc<Mesh> {
 
 /// Two cubes of 10 mm on a 50 mm volume, `gap_mm` apart, turned by `tilt` about y, with 2 mm asked.
 fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
+    turned(dir, gap_mm, tilt, "upright", None)
+}
+
+fn turned(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Option<&str>) -> PathBuf {
     let item = |copy: u32| BuildItem {
         object: 0,
         pose: Pose::new(
@@ -30,7 +34,8 @@ fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
         source_name: "cube.stl".to_owned(),
         source_hash: "00".to_owned(),
         clearance_mm: None,
-        orientation: Some("upright".to_owned()),
+        orientation: Some(rule.to_owned()),
+        tilts: tilts.map(str::to_owned),
     };
     let object = BuildObject {
         name: "cube".to_owned(),
@@ -87,6 +92,18 @@ fn each_fault_is_named_and_the_exit_code_is_one() {
     assert_eq!(json["outside"][0]["excess_mm"].as_f64().map(|e| (e * 1e6).round() / 1e6), Some(1.5));
     let (code, text) = verify(&build(&dir, 8.0, 0.2), &[]);
     assert!(code == 1 && text.contains("orientation rule"), "{text}");
+}
+
+#[test]
+fn a_direction_that_does_not_stay_up_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let outcome = |tilts| verify(&turned(&dir, 8.0, 0.2, "free", Some(tilts)), &[]);
+    // 0.2 radians are 11.46 degrees.
+    assert_eq!(outcome("0,0,1:11.46").0, 0);
+    for broken in ["0,0,1:11.45", "0,0,1:30;0,0,-1:135", "0,0,1"] {
+        let (code, text) = outcome(broken);
+        assert!(code == 1 && text.contains("cube #1 (item 1) is turned against its orientation rule"), "{text}");
+    }
 }
 
 #[test]

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     format::{Arrangement, Instances, Limits, Unit},
-    nest::{self, BuildVolume, Config, Instance, Item, Method, OrientationRule, Solution},
+    nest::{self, BuildVolume, Config, Instance, Item, Method, NotDown, Orientation, OrientationRule, Solution, Tilt},
     settings::{self, parse_secs},
 };
 use progress::{Budget, Progress};
@@ -71,6 +71,12 @@ pub struct Args {
     /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
     #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
     orientation: Option<OrientationRule>,
+    /// A direction of the parts that must stand within so many degrees of up, e.g. 0,0,1:30; may be said several times
+    #[arg(long, value_name = "X,Y,Z:DEG", allow_hyphen_values = true, value_parser = str::parse::<Tilt>)]
+    keep_up: Vec<Tilt>,
+    /// A face of the parts, by its outward normal, that must not look down; keeps so many degrees from it, else 45
+    #[arg(long, value_name = "X,Y,Z[:DEG]", allow_hyphen_values = true, value_parser = str::parse::<NotDown>)]
+    not_down: Vec<NotDown>,
     /// Build file to write, e.g. build.3mf
     #[arg(short = 'o', long = "output", value_name = "OUT.build.3mf")]
     output: PathBuf,
@@ -91,7 +97,7 @@ struct Machine {
     room: BuildVolume,
     origin_mm: DVec3,
     clearance_mm: f64,
-    orientation: OrientationRule,
+    orientation: Orientation,
     unit: Unit,
     limits: Limits,
     config: Config,
@@ -109,7 +115,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         name: part.name.clone(),
         mesh: part.mesh.clone(),
         copies: part.copies,
-        orientation: machine.orientation,
+        orientation: machine.orientation.clone(),
         clearance_mm: None,
     };
     let instance = Instance::new(machine.room, machine.clearance_mm, parts.iter().map(item).collect())
@@ -140,44 +146,43 @@ fn name_unplaced(instance: &Instance, solution: &Solution) {
         if left_out == 0 {
             continue;
         }
-        let room = instance.volume().size_mm;
-        match nest::fits(&item.mesh, item.orientation, &instance.volume()) {
+        match nest::fits(&item.mesh, &item.orientation, &instance.volume()) {
             Ok(_) => eprintln!("nestd: {}: {left_out} of {} copies found no place", item.name, item.copies),
-            Err(misfit) => {
-                let needs = misfit.extents_mm;
-                eprintln!(
-                    "nestd: {}: needs {:.1} x {:.1} x {:.1} mm in its best allowed orientation, there are {} x {} x {} mm",
-                    item.name, needs.x, needs.y, needs.z, room.x, room.y, room.z
-                );
-            }
+            Err(misfit) => eprintln!("nestd: {}: {}", item.name, misfit.reason(&instance.volume())),
         }
     }
 }
 
 fn machine(common: &Common, args: &Args) -> Result<Machine> {
     let mut machine = match &args.profile {
-        Some(name) => from_profile(common, name)?,
-        None => without_profile(args.volume.unwrap_or(DVec3::ZERO)),
+        Some(name) => from_profile(common, args, name)?,
+        None => without_profile(args, args.volume.unwrap_or(DVec3::ZERO)),
     };
     if let Some(size_mm) = args.volume {
         (machine.volume_mm, machine.room, machine.origin_mm) = (size_mm, BuildVolume { size_mm }, DVec3::ZERO);
     }
     machine.clearance_mm = args.clearance.unwrap_or(machine.clearance_mm);
-    machine.orientation = args.orientation.unwrap_or(machine.orientation);
     machine.config.method = args.method.unwrap_or(machine.config.method);
     machine.config.threads = args.threads.unwrap_or(machine.config.threads);
     machine.config.seed = args.seed.unwrap_or(machine.config.seed);
     Ok(machine)
 }
 
-fn without_profile(size_mm: DVec3) -> Machine {
+/// The machine's rules but for what an option says.
+fn turning(args: &Args, rule: OrientationRule, keep_up: &[Tilt], not_down: &[NotDown]) -> Orientation {
+    let keep_up = if args.keep_up.is_empty() { keep_up } else { &args.keep_up };
+    let not_down = if args.not_down.is_empty() { not_down } else { &args.not_down };
+    Orientation::new(args.orientation.unwrap_or(rule), keep_up, not_down)
+}
+
+fn without_profile(args: &Args, size_mm: DVec3) -> Machine {
     Machine {
         name: "none".to_owned(),
         volume_mm: size_mm,
         room: BuildVolume { size_mm },
         origin_mm: DVec3::ZERO,
         clearance_mm: DEFAULT_CLEARANCE_MM,
-        orientation: OrientationRule::default(),
+        orientation: turning(args, OrientationRule::default(), &[], &[]),
         unit: Unit::default(),
         limits: Limits::default(),
         config: Config::default(),
@@ -186,7 +191,7 @@ fn without_profile(size_mm: DVec3) -> Machine {
     }
 }
 
-fn from_profile(common: &Common, name: &str) -> Result<Machine> {
+fn from_profile(common: &Common, args: &Args, name: &str) -> Result<Machine> {
     let settings = settings::load(common.config.as_deref(), common.root.as_deref())
         .map_err(|error| Usage(format!("{:#}", anyhow::Error::from(error))))?;
     let known = || settings.profiles.keys().cloned().collect::<Vec<_>>().join(", ");
@@ -198,7 +203,7 @@ fn from_profile(common: &Common, name: &str) -> Result<Machine> {
         room: profile.build_volume(),
         origin_mm: profile.origin_mm(),
         clearance_mm: profile.clearance_mm,
-        orientation: profile.orientation,
+        orientation: turning(args, profile.orientation, &profile.keep_up, &profile.not_down),
         unit: profile.unit,
         limits: settings.limits.clone(),
         config: profile.nest.clone(),

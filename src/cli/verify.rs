@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
-    nest::{self, Body, OrientationRule, Proof},
+    nest::{self, Body, Orientation, OrientationRule, Proof, Tilt},
 };
 
 /// Arguments of the command.
@@ -110,9 +110,12 @@ fn second_opinion(file: &Path, info: &BuildInfo, placed: &[PlacedMesh], limits: 
 }
 
 fn obeys(item: &PlacedMesh) -> bool {
-    let Some(rule) = &item.orientation else { return true };
-    serde_json::from_value::<OrientationRule>(Value::String(rule.clone()))
-        .is_ok_and(|rule| nest::rotation_obeys(rule, &item.pose))
+    let word = item.orientation.as_deref().unwrap_or("free");
+    let rule = serde_json::from_value::<OrientationRule>(Value::String(word.to_owned()));
+    let tilts = Tilt::parse_list(item.tilts.as_deref().unwrap_or_default());
+    // A rule that is not understood is not obeyed.
+    let (Ok(rule), Ok(tilts)) = (rule, tilts) else { return false };
+    nest::rotation_obeys(&Orientation { rule, tilts }, &item.pose)
 }
 
 fn named(item: &PlacedMesh) -> String {

@@ -70,7 +70,7 @@ impl Batch {
             name: format!("{} (part {})", p.part.name, p.part.id.0),
             mesh: p.mesh.clone(),
             copies: p.copies.len() as u32,
-            orientation: p.part.orientation,
+            orientation: p.part.turning(),
             clearance_mm: p.part.clearance_mm,
         });
         Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())

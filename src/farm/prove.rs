@@ -141,6 +141,7 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
             source_hash: part.content_hash.clone(),
             clearance_mm: part.clearance_mm,
             orientation: Some(serde_word(&part.orientation)),
+            tilts: (!part.tilts.0.is_empty()).then(|| part.tilts.to_string()),
         })
     };
     let created = order.build.nesting_at.unwrap_or(order.build.opened_at);
@@ -209,7 +210,7 @@ fn body_of(item: &PlacedMesh, order: &WriteOrder, batch: &Batch) -> Result<(Copy
     );
     let pose = Pose { rotation: item.pose.rotation, translation: item.pose.translation - order.profile.origin_mm() };
     ensure!(
-        nest::rotation_obeys(part.part.orientation, &pose),
+        nest::rotation_obeys(&part.part.turning(), &pose),
         "part {number} ({}) is turned against its orientation rule",
         part.part.name
     );

@@ -74,6 +74,8 @@ pub struct BuildItem {
     pub clearance_mm: Option<f64>,
     /// The orientation rule that it was placed under, as settings spell it (`free`, `upright`, ...).
     pub orientation: Option<String>,
+    /// Directions that had to stand near to straight up, as a line of text (`0,0,1:30;...`).
+    pub tilts: Option<String>,
 }
 
 /// One placed copy, as a build file says it.
@@ -99,6 +101,8 @@ pub struct PlacedMesh {
     pub clearance_mm: Option<f64>,
     /// The orientation rule that it was placed under.
     pub orientation: Option<String>,
+    /// Directions that had to stand near to straight up.
+    pub tilts: Option<String>,
 }
 
 /// What a build file says about itself; `None` where another packer wrote it.

@@ -143,6 +143,7 @@ impl Reader<'_> {
             source_hash: metadata.nestd("source_hash"),
             clearance_mm: metadata.nestd("clearance_mm").and_then(|text| text.parse().ok()),
             orientation: metadata.nestd("orientation"),
+            tilts: metadata.nestd("tilts"),
         });
         Ok(())
     }

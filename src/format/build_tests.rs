@@ -35,6 +35,7 @@ fn item(object: usize, copy: u32, pose: Pose) -> BuildItem {
         source_hash: "0123".to_owned(),
         clearance_mm: (copy == 2).then_some(2.5),
         orientation: Some("upright".to_owned()),
+        tilts: Some("0,0,1:30;".repeat(40) + "1,-0.5e-3,0:90"),
     }
 }
 
@@ -106,6 +107,7 @@ fn what_is_written_is_read_back_exactly() {
             assert_eq!((read.name.as_str(), read.copy), (object.name.as_str(), Some(item.copy)));
             assert_eq!(read.part_number.as_deref(), Some(object.part_number.as_str()));
             assert_eq!((&read.order, &read.orientation), (&item.order, &item.orientation));
+            assert_eq!(read.tilts, item.tilts);
             assert_eq!(read.source_name.as_deref(), Some("a _ b _ü_.stl"));
             assert_eq!((read.source_hash.as_deref(), read.clearance_mm), (Some("0123"), item.clearance_mm));
         }

@@ -105,6 +105,12 @@ fn item_metadata(item: &BuildItem, out: &mut impl Write) -> io::Result<()> {
     if let Some(orientation) = &item.orientation {
         metadata(out, "nestd:orientation", orientation)?;
     }
+    if let Some(tilts) = &item.tilts {
+        // Not cut like a name: a rule that is written in part is another rule.
+        let number = |c: &char| c.is_ascii_alphanumeric() || matches!(c, ',' | ';' | ':' | '.' | '-' | '+');
+        let text: String = tilts.chars().filter(number).collect();
+        writeln!(out, r#"<metadata name="nestd:tilts">{text}</metadata>"#)?;
+    }
     writeln!(out, "</metadatagroup>")
 }
 

@@ -101,7 +101,7 @@ fn on_top(task: &Task, copy: (usize, u32), skyline: &mut Skyline) -> Option<Piec
 fn turns_of(task: &Task, item: usize, most: usize) -> Vec<DQuat> {
     let kind = task.kind(item);
     let room = task.room - 2.0 * super::fit::WALL_SPARE_MM;
-    let mut turns = turns::first_turns(kind.rule, kind.shape.frame, &kind.shape.extremes, room, most);
+    let mut turns = turns::first_turns(&kind.orientation, kind.shape.frame, &kind.shape.extremes, room, most);
     if turns.is_empty() {
         turns.push(kind.fitting);
     }

@@ -6,9 +6,10 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::Orientation;
 use crate::geometry::Mesh;
 
-/// How a part may be turned. A hard rule, checked again on the written file.
+/// Which rotations a part may have. A hard rule, checked again on the written file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OrientationRule {
@@ -40,7 +41,7 @@ pub struct Item {
     /// How many copies to place, at least 1.
     pub copies: u32,
     /// How it may be turned.
-    pub orientation: OrientationRule,
+    pub orientation: Orientation,
     /// Clearance of its own, mm; between two parts the greater clearance holds.
     pub clearance_mm: Option<f64>,
 }

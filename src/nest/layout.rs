@@ -77,7 +77,7 @@ impl<'t> Layout<'t> {
 
     /// The rule of a part.
     pub(crate) fn rule(&self, part: usize) -> OrientationRule {
-        self.task.kind(self.copies[part].0).rule
+        self.task.kind(self.copies[part].0).orientation.rule
     }
 
     /// Moves a part, and then inside the walls as far as it fits.
@@ -179,7 +179,10 @@ impl<'t> Layout<'t> {
         }
         let stand = self.stands[part];
         let turn = match rule {
-            OrientationRule::Free => (DQuat::from_scaled_axis(spin.as_dvec3()) * stand.turn).normalize(),
+            OrientationRule::Free => {
+                let spun = (DQuat::from_scaled_axis(spin.as_dvec3()) * stand.turn).normalize();
+                self.task.kind(self.copies[part].0).orientation.nearest(spun).unwrap_or(stand.turn)
+            }
             OrientationRule::Upright => (DQuat::from_rotation_z(f64::from(spin.z)) * stand.turn).normalize(),
             OrientationRule::Axis | OrientationRule::Fixed => stand.turn,
         };

@@ -12,6 +12,7 @@ mod inside;
 mod instance;
 mod layout;
 mod nester;
+mod orientation;
 mod paper;
 mod piece;
 mod proof;
@@ -25,6 +26,7 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod tilt;
 mod turns;
 mod voxels;
 
@@ -33,10 +35,12 @@ pub use config::{Config, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
 pub use nester::nest;
+pub use orientation::Orientation;
 pub use proof::{Body, Pair, Proof, prove, rotation_obeys};
 pub use report::{Course, PlacedPart, Report, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use solution::{Placement, Solution};
+pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
 #[cfg(test)]
 mod nester_tests;

@@ -267,7 +267,7 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
         if known
             && !twice
             && task.is_inside(&piece, task.room.z)
-            && super::rotation_obeys(kind.rule, &piece.pose)
+            && super::rotation_obeys(&kind.orientation, &piece.pose)
             && pieces.iter().all(|other| task.is_clear(&piece, other))
         {
             pieces.push(piece);

@@ -136,6 +136,7 @@ fn solution(instance: &Instance, shapes: &[Shape], placements: Vec<Placement>, e
         let bounds = shapes[placement.item].surface.bounds_at(&placement.pose);
         let inside = Bounds { min: glam::DVec3::ZERO, max: instance.volume().size_mm }.holds(&bounds, -1e-7);
         if inside
+            && super::rotation_obeys(&instance.items()[placement.item].orientation, &placement.pose)
             && kept.iter().all(|(other, near)| keeps_clear(instance, shapes, (&placement, &bounds), (other, near)))
         {
             kept.push((placement, bounds));

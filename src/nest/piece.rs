@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{
-    Instance, OrientationRule, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape,
-};
+use super::{Instance, Orientation, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape};
 use crate::geometry::{Bounds, Pose};
 
 /// What two placements keep beyond their clearance, mm, so that rounding in a written file never breaks it.
@@ -16,7 +14,7 @@ pub(crate) const CLEARANCE_SPARE_MM: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub(crate) struct Kind {
     pub(crate) shape: Arc<Shape>,
-    pub(crate) rule: OrientationRule,
+    pub(crate) orientation: Orientation,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
     /// A rotation in which it stands in the volume.
@@ -42,9 +40,9 @@ impl Task {
         let detail = Detail { nodes, points, reach_mm: reach_mm + 0.5 };
         let kinds: Vec<Option<Kind>> = (instance.items().iter())
             .map(|item| {
-                let fitting = fit::fits(&item.mesh, item.orientation, &instance.volume()).ok()?;
+                let fitting = fit::fits(&item.mesh, &item.orientation, &instance.volume()).ok()?;
                 let shape = shape::prepare(&item.mesh, detail);
-                Some(Kind { shape, rule: item.orientation, clearance_mm: own(item), fitting })
+                Some(Kind { shape, orientation: item.orientation.clone(), clearance_mm: own(item), fitting })
             })
             .collect();
         let copies = (instance.items().iter().enumerate())

@@ -5,7 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
-use super::{OrientationRule, turns::axis_turns};
+use super::{Orientation, OrientationRule, Tilt, turns::axis_turns};
 use crate::geometry::{Bounds, ClearanceTree, Mesh, Pose};
 
 /// A clearance may be short by so much, mm.
@@ -90,13 +90,17 @@ pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
 }
 
 /// Whether a pose turns a part only as its rule allows (within 1e-6 of a radian).
-pub fn rotation_obeys(rule: OrientationRule, pose: &Pose) -> bool {
+pub fn rotation_obeys(orientation: &Orientation, pose: &Pose) -> bool {
+    let stands = |tilt: &Tilt| {
+        let (stands, up) = (pose.direction(tilt.direction()), DVec3::Z);
+        stands.cross(up).length().atan2(stands.dot(up)) <= tilt.within_deg().to_radians() + ANGLE_TOLERANCE
+    };
     // |sin| of half the angle between two rotations is the length of their quotient's vector part.
     let is_near = |to: DQuat| {
         let apart = (to.conjugate() * pose.rotation.normalize()).xyz().length();
         2.0 * apart.min(1.0).asin() <= ANGLE_TOLERANCE
     };
-    match rule {
+    let obeys = match orientation.rule {
         OrientationRule::Free => pose.rotation.is_finite(),
         OrientationRule::Upright => {
             let up = pose.direction(DVec3::Z);
@@ -104,7 +108,8 @@ pub fn rotation_obeys(rule: OrientationRule, pose: &Pose) -> bool {
         }
         OrientationRule::Axis => axis_turns().into_iter().any(is_near),
         OrientationRule::Fixed => is_near(DQuat::IDENTITY),
-    }
+    };
+    obeys && orientation.tilts.iter().all(stands)
 }
 
 /// A tree per distinct mesh, in the order of the bodies.

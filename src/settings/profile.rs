@@ -86,6 +86,10 @@ pub struct Profile {
     pub unit: Unit,
     /// Orientation rule of parts without a ticket.
     pub orientation: nest::OrientationRule,
+    /// Directions of the mesh that must stand near to straight up, of parts whose ticket names none.
+    pub keep_up: Vec<nest::Tilt>,
+    /// Faces, by their outward normals, that must not look down, of parts whose ticket names none.
+    pub not_down: Vec<nest::NotDown>,
     /// A file must stand still so long before it is taken, seconds.
     pub settle_secs: f64,
     /// A file whose end is missing (a copy that stalled, a torn upload) is taken, to be refused with a reason, after it

@@ -97,7 +97,7 @@ fn describe(
 ) -> BuildFile {
     let used: BTreeSet<usize> = moved.placements.iter().map(|p| p.item).collect();
     let used: Vec<usize> = used.into_iter().collect();
-    let rule = serde_json::to_value(machine.orientation).ok().and_then(|v| v.as_str().map(str::to_owned));
+    let rule = serde_json::to_value(machine.orientation.rule).ok().and_then(|v| v.as_str().map(str::to_owned));
     let object = |&at: &usize| BuildObject {
         name: parts[at].name.clone(),
         mesh: parts[at].mesh.clone(),
@@ -113,6 +113,7 @@ fn describe(
         source_hash: parts[placement.item].source_hash.clone(),
         clearance_mm: None,
         orientation: rule.clone(),
+        tilts: (!machine.orientation.tilts.is_empty()).then(|| nest::write_tilts(&machine.orientation.tilts)),
     };
     let bodies: Vec<(&Mesh, Pose)> = moved.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
     BuildFile {
@@ -151,7 +152,7 @@ fn prove(written: &Path, machine: &Machine, parts: &[Part], placed: &[Placement]
             && (item.mesh.volume_mm3() - mesh.volume_mm3()).abs() <= 1e-6 * (1.0 + mesh.volume_mm3());
         ensure!(same, "{} came back from the written build with another mesh", item.name);
         let pose = Pose { translation: item.pose.translation - machine.origin_mm, ..item.pose };
-        ensure!(nest::rotation_obeys(machine.orientation, &pose), "{} is turned against its rule", item.name);
+        ensure!(nest::rotation_obeys(&machine.orientation, &pose), "{} is turned against its rule", item.name);
         bodies.push(Body { name: item.name, mesh: item.mesh, pose, clearance_mm: machine.clearance_mm });
     }
     ensure!(found == asked, "the written build lacks {} placements", asked.len() - found.len());

@@ -166,6 +166,9 @@ impl<'a> Layout<'a> {
     fn candidate(&self, item: usize, genome: &[f64]) -> Option<Candidate> {
         let shape = &self.shapes[item];
         let rotation = shape.rotation(&genome[POSITION..]);
+        if !shape.obeys(rotation) {
+            return None;
+        }
         let bounds = shape.surface.bounds_at(&Pose { rotation, translation: DVec3::ZERO });
         let mut free = self.instance.volume().size_mm - bounds.size();
         // A part exactly as large as the container fits, whatever rounding says.

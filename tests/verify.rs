@@ -23,6 +23,18 @@ fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
 }
 
 fn turned(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Option<&str>) -> PathBuf {
+    written(dir, gap_mm, tilt, rule, tilts, (DVec3::ZERO, 0.0))
+}
+
+/// As before, with margins and a clearance along z that the file asks for.
+fn written(
+    dir: &tempfile::TempDir,
+    gap_mm: f64,
+    tilt: f64,
+    rule: &str,
+    tilts: Option<&str>,
+    (margins_mm, clearance_z_extra_mm): (DVec3, f64),
+) -> PathBuf {
     let item = |copy: u32| BuildItem {
         object: 0,
         pose: Pose::new(
@@ -50,6 +62,8 @@ fn turned(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Op
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 1,
         volume_mm: DVec3::splat(50.0),
+        margins_mm,
+        clearance_z_extra_mm,
         clearance_mm: 2.0,
         height_mm: 30.0,
         density: 0.02,
@@ -104,6 +118,31 @@ fn a_direction_that_does_not_stay_up_is_told() {
         let (code, text) = outcome(broken);
         assert!(code == 1 && text.contains("cube #1 (item 1) is turned against its orientation rule"), "{text}");
     }
+}
+
+#[test]
+fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let outcome = |margins, extra| {
+        let file = written(&dir, 3.0, 0.0, "free", None, (DVec3::from_array(margins), extra));
+        verify(&file, &[])
+    };
+    // The cubes stand 5 mm from a wall, 20 mm above the floor and 20 mm below the lid.
+    let (code, text) = outcome([5.0, 20.0, 20.0], 4.0);
+    assert!(code == 0 && text.contains("30.0000 mm") && text.contains("5 mm at the walls"), "{text}");
+    for margins in [[5.1, 0.0, 0.0], [0.0, 20.1, 0.0], [0.0, 0.0, 20.1]] {
+        let (code, text) = outcome(margins, 0.0);
+        assert!(code == 1 && text.contains("stands 0.100000 mm out of the volume"), "{text}");
+    }
+    let file = written(&dir, 0.0, 0.0, "free", None, (DVec3::ZERO, 0.0));
+    let (code, _) = verify(&file, &["--clearance", "0"]);
+    assert_eq!(code, 1, "they touch");
+    let leaning = written(&dir, 3.0, 0.2, "free", None, (DVec3::ZERO, 0.0));
+    let least = |args: &[&str]| verify(&leaning, args);
+    assert_eq!(least(&["--clearance", "2.5"]).0, 0);
+    let (code, text) = least(&["--clearance", "2.5", "--clearance-z-extra", "20"]);
+    assert!(code == 1 && text.contains("instead of 2.5 mm"), "{text}");
+    assert_eq!(least(&["--margins", "2,20"]).0, 2);
 }
 
 #[test]

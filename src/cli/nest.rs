@@ -15,11 +15,14 @@ use glam::DVec3;
 
 use super::{
     Common, Exit, Usage,
-    values::{distance, volume},
+    values::{distance, margins, volume},
 };
 use crate::{
     format::{Arrangement, Instances, Limits, Unit},
-    nest::{self, BuildVolume, Config, Instance, Item, Method, NotDown, Orientation, OrientationRule, Solution, Tilt},
+    nest::{
+        self, BuildVolume, Config, Instance, Item, Margins, Method, NotDown, Orientation, OrientationRule, Solution,
+        Tilt,
+    },
     settings::{self, parse_secs},
 };
 use progress::{Budget, Progress};
@@ -53,6 +56,12 @@ pub struct Args {
     /// Least distance between two parts, mm [default: the profile's, else 3]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance: Option<f64>,
+    /// The clearance also holds when either of two parts is raised by up to this, mm [default: the profile's, else 0]
+    #[arg(long, value_name = "MM", value_parser = distance)]
+    clearance_z_extra: Option<f64>,
+    /// Kept free, mm: all around, or along the walls, above the floor and below the lid [default: the profile's, else 0]
+    #[arg(long, value_name = "MM|WALL,FLOOR,LID", value_parser = margins)]
+    margins: Option<Margins>,
     /// Search: our own or the published one [default: the profile's, else nestd]
     #[arg(long, value_name = "METHOD", value_parser = word::<Method>)]
     method: Option<Method>,
@@ -93,16 +102,27 @@ struct Machine {
     name: String,
     /// The printable box, mm.
     volume_mm: DVec3,
-    /// The box that may be filled, and where its corner stands in the machine's frame.
-    room: BuildVolume,
-    origin_mm: DVec3,
+    margins: Margins,
     clearance_mm: f64,
+    clearance_z_extra_mm: f64,
     orientation: Orientation,
     unit: Unit,
     limits: Limits,
     config: Config,
     instances: Instances,
     arrangement: Arrangement,
+}
+
+impl Machine {
+    /// The box that may be filled.
+    fn room(&self) -> BuildVolume {
+        self.margins.room(self.volume_mm)
+    }
+
+    /// Where its corner stands in the machine's frame, mm.
+    fn origin_mm(&self) -> DVec3 {
+        self.margins.origin_mm()
+    }
 }
 
 /// Runs the command.
@@ -118,10 +138,11 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         orientation: machine.orientation.clone(),
         clearance_mm: None,
     };
-    let instance = Instance::new(machine.room, machine.clearance_mm, parts.iter().map(item).collect())
+    let instance = Instance::new(machine.room(), machine.clearance_mm, parts.iter().map(item).collect())
+        .and_then(|instance| instance.with_clearance_z_extra(machine.clearance_z_extra_mm))
         .map_err(|error| Usage(error.to_string()))?;
     let budget = Budget::starting_now(args.budget, args.evaluations);
-    let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm.z);
+    let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm().z);
     let solution = nest::nest(&instance, &machine.config, &[], &budget, &mut progress);
     let course = progress.finish(machine.config.seed);
     name_unplaced(&instance, &solution);
@@ -158,10 +179,10 @@ fn machine(common: &Common, args: &Args) -> Result<Machine> {
         Some(name) => from_profile(common, args, name)?,
         None => without_profile(args, args.volume.unwrap_or(DVec3::ZERO)),
     };
-    if let Some(size_mm) = args.volume {
-        (machine.volume_mm, machine.room, machine.origin_mm) = (size_mm, BuildVolume { size_mm }, DVec3::ZERO);
-    }
+    machine.volume_mm = args.volume.unwrap_or(machine.volume_mm);
+    machine.margins = args.margins.unwrap_or(machine.margins);
     machine.clearance_mm = args.clearance.unwrap_or(machine.clearance_mm);
+    machine.clearance_z_extra_mm = args.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
     machine.config.method = args.method.unwrap_or(machine.config.method);
     machine.config.threads = args.threads.unwrap_or(machine.config.threads);
     machine.config.seed = args.seed.unwrap_or(machine.config.seed);
@@ -179,9 +200,9 @@ fn without_profile(args: &Args, size_mm: DVec3) -> Machine {
     Machine {
         name: "none".to_owned(),
         volume_mm: size_mm,
-        room: BuildVolume { size_mm },
-        origin_mm: DVec3::ZERO,
+        margins: Margins::default(),
         clearance_mm: DEFAULT_CLEARANCE_MM,
+        clearance_z_extra_mm: 0.0,
         orientation: turning(args, OrientationRule::default(), &[], &[]),
         unit: Unit::default(),
         limits: Limits::default(),
@@ -200,9 +221,9 @@ fn from_profile(common: &Common, args: &Args, name: &str) -> Result<Machine> {
     Ok(Machine {
         name: name.to_owned(),
         volume_mm: profile.volume_mm,
-        room: profile.build_volume(),
-        origin_mm: profile.origin_mm(),
+        margins: profile.margins(),
         clearance_mm: profile.clearance_mm,
+        clearance_z_extra_mm: profile.clearance_z_extra_mm,
         orientation: turning(args, profile.orientation, &profile.keep_up, &profile.not_down),
         unit: profile.unit,
         limits: settings.limits.clone(),

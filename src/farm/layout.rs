@@ -73,7 +73,8 @@ impl Batch {
             orientation: p.part.turning(),
             clearance_mm: p.part.clearance_mm,
         });
-        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())
+        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())?
+            .with_clearance_z_extra(profile.clearance_z_extra_mm)
     }
 
     /// An earlier layout as placements of this batch; copies that are not in the batch are left out.

@@ -51,6 +51,8 @@ pub(super) fn sample(instances: Instances, arrangement: Arrangement) -> BuildFil
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 7,
         volume_mm: DVec3::new(380.0, 284.0, 380.0),
+        margins_mm: DVec3::ZERO,
+        clearance_z_extra_mm: 0.0,
         clearance_mm: 3.0,
         height_mm: 61.5,
         density: 0.123,

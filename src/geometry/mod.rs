@@ -10,6 +10,7 @@ mod obb;
 mod obb_tree;
 mod pose;
 mod separating_axis;
+mod slide;
 mod triangle;
 mod walk;
 mod weld;

@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    piece::{CLEARANCE_SPARE_MM, Piece, Task},
+    piece::{CLEARANCE_SPARE_MM, Piece, Task, lifted},
     skyline::Skyline,
     turns,
     voxels::{Occupancy, Raster},
@@ -70,7 +70,7 @@ impl Recipe {
 pub(crate) fn boxes(task: &Task, copies: &[(usize, u32)], standing: &[Piece]) -> Vec<Piece> {
     let mut pieces = standing.to_vec();
     let mut skyline = Skyline::new(task.room, 20_000.0);
-    standing.iter().for_each(|p| skyline.add(&p.bounds));
+    standing.iter().for_each(|p| skyline.add(&lifted(&p.bounds, task.z_extra_mm)));
     for &copy in copies {
         pieces.extend(on_top(task, copy, &mut skyline));
     }
@@ -93,7 +93,7 @@ fn on_top(task: &Task, copy: (usize, u32), skyline: &mut Skyline) -> Option<Piec
         }
     }
     let (_, piece) = best?;
-    skyline.add(&piece.bounds);
+    skyline.add(&lifted(&piece.bounds, task.z_extra_mm));
     Some(piece)
 }
 
@@ -131,6 +131,11 @@ impl<'t> Builder<'t> {
         Self { task, pitch, turns, rasters: BTreeMap::new(), tests: 0 }
     }
 
+    /// Voxels that every part is drawn higher by, so that clearances hold when it is raised.
+    fn lift(&self) -> usize {
+        (self.task.z_extra_mm / self.pitch).ceil() as usize
+    }
+
     /// Places copies in the given order around what stands already; those that find no place are left out. Ends early
     /// with `None` when the layout gets as high as `worst_mm` or `enough` says so.
     pub(crate) fn build(
@@ -141,15 +146,15 @@ impl<'t> Builder<'t> {
         worst_mm: f64,
         mut enough: impl FnMut(u64) -> bool,
     ) -> Option<Vec<Piece>> {
-        let task = self.task;
-        let mut occupancy = Occupancy::new(task.room, task.reach_mm, self.pitch);
+        let (task, lift) = (self.task, self.lift());
+        let mut occupancy = Occupancy::new(task.room, task.reach_mm, self.pitch, lift);
         let mut skyline = Skyline::new(task.room, 20_000.0);
         let mut pieces = standing.to_vec();
         for piece in standing {
             let reach = 0.5 * task.reach_mm + GROW * self.pitch;
             let shape = &task.kind(piece.item).shape;
             occupancy.fill_solid(shape, &piece.pose, &piece.bounds, reach, 0.5 * task.reach_mm);
-            skyline.add(&piece.bounds);
+            skyline.add(&lifted(&piece.bounds, task.z_extra_mm));
         }
         let mut floors = Floors::default();
         for &copy in order {
@@ -167,7 +172,7 @@ impl<'t> Builder<'t> {
                     piece
                 }
             };
-            skyline.add(&piece.bounds);
+            skyline.add(&lifted(&piece.bounds, task.z_extra_mm));
             if piece.bounds.max.z >= worst_mm {
                 return None;
             }
@@ -185,11 +190,11 @@ impl<'t> Builder<'t> {
         pieces: &[Piece],
         floors: &mut Floors,
     ) -> Option<Piece> {
-        let (task, pitch) = (self.task, self.pitch);
+        let (task, pitch, lift) = (self.task, self.pitch, self.lift());
         let rasters = self.rasters.entry(copy.0).or_insert_with(|| {
             let turns = turns_of(task, copy.0, self.turns);
             let shape = &task.kind(copy.0).shape;
-            turns.into_iter().map(|turn| Raster::new(shape, turn, task.reach_mm, pitch, GROW)).collect()
+            turns.into_iter().map(|turn| Raster::new(shape, turn, task.reach_mm, pitch, GROW).lifted(lift)).collect()
         });
         floors.turn_to(copy.0, rasters.len());
         for _ in 0..8 {

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3, Vec3};
 use super::{
     OrientationRule,
     fit::WALL_SPARE_MM,
-    piece::{CLEARANCE_SPARE_MM, Piece, Task},
+    piece::{CLEARANCE_SPARE_MM, Piece, Task, lifted},
     push::{Guide, Push},
 };
 
@@ -40,6 +40,8 @@ pub(crate) struct Layout<'t> {
     pub(crate) stands: Vec<Stand>,
     pub(crate) guides: Vec<Guide>,
     clearances: Vec<f32>,
+    /// Raisings at which overlap is looked for, mm; 0 alone where clearances hold for no more than the parts as they stand.
+    lifts: Vec<f32>,
     notes: Vec<Vec<Note>>,
     /// Height that must not be passed, mm.
     pub(crate) lid_mm: f64,
@@ -57,6 +59,7 @@ impl<'t> Layout<'t> {
             stands: pieces.iter().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
             guides: pieces.iter().map(guide).collect(),
             clearances: pieces.iter().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
+            lifts: lifts(task),
             notes: vec![Vec::new(); pieces.len()],
             lid_mm,
             evaluations: 0,
@@ -139,9 +142,24 @@ impl<'t> Layout<'t> {
         (self.clearances[one].max(self.clearances[other]) + margin + 5e-3, weight)
     }
 
+    /// How near bounds must come for a pair to be looked at.
+    fn reach(&self) -> f32 {
+        (self.task.reach_mm + self.task.z_extra_mm) as f32 + MARGIN_MM
+    }
+
+    /// Overlap of a guide with a part, summed over the ways that either may be raised.
+    fn pair_energy(&self, guide: &Guide, other: usize, reach: f32, coarse: bool) -> f32 {
+        let there = &self.guides[other];
+        let one = |guide: &Guide| match coarse {
+            true => guide.coarse_energy(there, reach),
+            false => guide.energy(there, reach),
+        };
+        self.lifts.iter().map(|&lift| if lift == 0.0 { one(guide) } else { one(&guide.raised(lift)) }).sum()
+    }
+
     /// Parts whose bounds come nearer to a guide than any pair may be.
     fn near<'a>(&'a self, part: usize, guide: &'a Guide) -> impl Iterator<Item = usize> + 'a {
-        let reach = self.task.reach_mm as f32 + MARGIN_MM;
+        let reach = self.reach();
         (0..self.len()).filter(move |&other| other != part && guide.is_near(&self.guides[other], reach))
     }
 
@@ -150,8 +168,7 @@ impl<'t> Layout<'t> {
         let mut energy = self.excess_energy(guide);
         for other in self.near(part, guide) {
             let (reach, weight) = self.wanted(part, other);
-            let there = &self.guides[other];
-            energy += weight * if coarse { guide.coarse_energy(there, reach) } else { guide.energy(there, reach) };
+            energy += weight * self.pair_energy(guide, other, reach, coarse);
             if energy >= enough {
                 break;
             }
@@ -166,7 +183,13 @@ impl<'t> Layout<'t> {
         let mut push = Push::new(0.7 * guide.shape.radius_mm as f32);
         for other in self.near(part, guide) {
             let (reach, weight) = self.wanted(part, other);
-            guide.push_from(&self.guides[other], reach + OVERSHOOT_MM, weight, &mut push);
+            for &lift in &self.lifts {
+                let there = &self.guides[other];
+                match lift == 0.0 {
+                    true => guide.push_from(there, reach + OVERSHOOT_MM, weight, &mut push),
+                    false => guide.raised(lift).push_from(there, reach + OVERSHOOT_MM, weight, &mut push),
+                }
+            }
         }
         let rule = self.rule(part);
         let energy = push.energy + self.excess_energy(guide);
@@ -219,12 +242,12 @@ impl<'t> Layout<'t> {
         energies.clear();
         energies.resize(self.len(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        let reach = self.task.reach_mm as f32 + MARGIN_MM;
+        let reach = self.reach();
         for one in 0..self.len() {
             energies[one] += self.excess_energy(&self.guides[one]);
             for other in one + 1..self.len() {
                 if self.guides[one].is_near(&self.guides[other], reach) {
-                    let energy = self.guides[one].energy(&self.guides[other], self.wanted(one, other).0);
+                    let energy = self.pair_energy(&self.guides[one], other, self.wanted(one, other).0, false);
                     if energy > 0.0 {
                         energies[one] += energy;
                         energies[other] += energy;
@@ -266,7 +289,8 @@ impl<'t> Layout<'t> {
         for one in 0..pieces.len() {
             for other in one + 1..pieces.len() {
                 let wanted = task.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
-                if pieces[one].bounds.distance(&pieces[other].bounds) >= wanted {
+                let near = lifted(&pieces[one].bounds, task.z_extra_mm);
+                if near.distance(&lifted(&pieces[other].bounds, task.z_extra_mm)) >= wanted {
                     continue;
                 }
                 let gap = task.gap_mm(&pieces[one], &pieces[other]);
@@ -280,6 +304,16 @@ impl<'t> Layout<'t> {
         }
         good.then_some(pieces)
     }
+}
+
+/// Where guides look for overlap: what may be raised by more than a clearance is looked at in between, too.
+fn lifts(task: &Task) -> Vec<f32> {
+    let extra = task.z_extra_mm;
+    if extra <= 0.0 {
+        return vec![0.0];
+    }
+    let steps = (extra / task.reach_mm.max(1.0)).ceil().min(4.0) as i32;
+    (-steps..=steps).map(|step| (extra * f64::from(step) / f64::from(steps)) as f32).collect()
 }
 
 /// Moves a piece inside the walls by its exact bounds where the guides' bounds were a little off.

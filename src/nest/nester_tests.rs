@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::{
     Body, BuildVolume, Config, Instance, Item, Method, Orientation, OrientationRule, PaperConfig, Placement, Solution,
-    Stop, Tilt, nest, prove, rotation_obeys,
+    Stop, Tilt, nest, prove_raised, rotation_obeys,
     testing::{block, hollow, tetrahedron},
 };
 use crate::geometry::{Mesh, Pose};
@@ -43,7 +43,7 @@ fn assert_good(instance: &Instance, solution: &Solution) {
             clearance_mm: instance.clearance_between_mm(p.item, p.item),
         })
         .collect();
-    let proof = prove(&bodies, instance.volume().size_mm);
+    let proof = prove_raised(&bodies, instance.volume().size_mm, instance.clearance_z_extra_mm());
     assert!(proof.is_proved(), "{proof:?}");
     assert!((proof.height_mm - solution.height_mm).abs() < 1e-6);
     for p in &solution.placements {
@@ -194,10 +194,11 @@ proptest! {
         parts in prop::collection::vec((any_mesh(), 1..4_u32, any_orientation()), 1..6),
         size in (30.0..80.0_f64, 30.0..80.0_f64, 30.0..90.0_f64),
         clearance_mm in 0.0..4.0_f64,
+        extra_mm in prop_oneof![Just(0.0), 0.0..4.0_f64],
         seed in 0..1000_u64,
     ) {
         let items = parts.into_iter().map(|(mesh, copies, rule)| item(mesh, copies, rule)).collect();
-        let instance = asked(size.into(), clearance_mm, items);
+        let instance = asked(size.into(), clearance_mm, items).with_clearance_z_extra(extra_mm).expect("is a distance");
         let solution = nested(&instance, &Config { seed, ..Config::default() }, &[], 2500);
         assert_good(&instance, &solution);
         let paper = PaperConfig { population: 10, iterations: 5, max_layouts: 2, ..PaperConfig::default() };

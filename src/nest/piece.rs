@@ -30,6 +30,8 @@ pub(crate) struct Task {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Clearances also hold when either part is raised by up to this, mm.
+    pub(crate) z_extra_mm: f64,
 }
 
 impl Task {
@@ -49,7 +51,7 @@ impl Task {
             .filter(|&(at, _)| kinds[at].is_some())
             .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
             .collect();
-        Self { kinds, copies, room: instance.volume().size_mm, reach_mm }
+        Self { kinds, copies, room: instance.volume().size_mm, reach_mm, z_extra_mm: instance.clearance_z_extra_mm() }
     }
 
     /// The prepared item of a copy that is being nested.
@@ -80,15 +82,20 @@ impl Task {
         self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM
     }
 
-    /// Distance between two pieces, exact up to a little more than their clearance; negative when one is inside the other.
+    /// Distance between two pieces while either is raised as far as it may be, exact up to a little more than their clearance; negative when one is inside the other.
     pub(crate) fn gap_mm(&self, one: &Piece, other: &Piece) -> f64 {
         let cap = self.clearance_mm(one.item, other.item) + 2.0 * CLEARANCE_SPARE_MM;
-        if one.bounds.distance(&other.bounds) >= cap {
+        if lifted(&one.bounds, self.z_extra_mm).distance(&lifted(&other.bounds, self.z_extra_mm)) >= cap {
             return cap;
         }
         let (tree1, tree2) = (&self.kind(one.item).shape.tree, &self.kind(other.item).shape.tree);
         let pose12 = one.pose.seen(&other.pose);
-        let gap = tree1.distance_capped_mm(tree2, &pose12, cap);
+        let gap = match self.z_extra_mm > 0.0 {
+            true => {
+                tree1.distance_sliding_mm(tree2, &pose12, one.pose.inverse().direction(DVec3::Z * self.z_extra_mm), cap)
+            }
+            false => tree1.distance_capped_mm(tree2, &pose12, cap),
+        };
         if gap > 0.0 && one.bounds.holds(&other.bounds, 0.0) && tree1.holds_part(tree2, &pose12) {
             return -1.0;
         }
@@ -122,6 +129,11 @@ pub(crate) struct Piece {
     pub(crate) pose: Pose,
     /// Exact bounds.
     pub(crate) bounds: Bounds,
+}
+
+/// Bounds with what is kept free above them.
+pub(crate) fn lifted(bounds: &Bounds, extra_mm: f64) -> Bounds {
+    Bounds { min: bounds.min, max: bounds.max + DVec3::Z * extra_mm }
 }
 
 /// Top of the highest piece, mm.

@@ -78,6 +78,7 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
         floor_margin_mm: inputs.floor_margin_mm,
         lid_margin_mm: inputs.lid_margin_mm,
         clearance_mm: inputs.clearance_mm,
+        clearance_z_extra_mm: inputs.clearance_z_extra_mm,
         layer_mm: inputs.layer_mm,
         print_hours_per_mm: inputs.print_hours_per_mm,
         unit: inputs.unit,
@@ -116,6 +117,7 @@ fn values(inputs: &ProfileInputs, judge: &mut Judge) {
     judge.within("floor_margin_mm", inputs.floor_margin_mm, 0.0..=MAX_EDGE_MM);
     judge.within("lid_margin_mm", inputs.lid_margin_mm, 0.0..=MAX_EDGE_MM);
     judge.within("clearance_mm", inputs.clearance_mm, 0.0..=100.0);
+    judge.within("clearance_z_extra_mm", inputs.clearance_z_extra_mm, 0.0..=100.0);
     judge.within("layer_mm", inputs.layer_mm, 0.001..=10.0);
     judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
     for (key, count) in [("keep_up", inputs.keep_up.len()), ("not_down", inputs.not_down.len())] {

@@ -3,6 +3,7 @@
 mod bounds;
 mod box_tree;
 mod clearance;
+mod contact;
 mod eigen;
 mod inside;
 mod mesh;
@@ -24,7 +25,9 @@ mod speed_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;
+pub use contact::Contact;
 pub use mesh::{Defects, Mesh, MeshError};
 pub use obb::Obb;
 pub use obb_tree::ObbTree;
 pub use pose::Pose;
+pub(crate) use triangle::closest_point;

@@ -7,22 +7,36 @@ use super::{
     fit::WALL_SPARE_MM,
     piece::{CLEARANCE_SPARE_MM, Piece, Task, lifted},
     push::{Guide, Push},
+    touch::{self, Touch},
 };
+use crate::geometry::Bounds;
 
 /// What guides keep from the walls, mm: their bounds are of single precision.
 const GUIDE_SPARE_MM: f32 = 2e-4;
 /// Parts are pushed so much further apart than they must be, mm: a push that ends exactly at the bound never arrives.
 const OVERSHOOT_MM: f32 = 0.03;
 
+/// The same for exact contacts.
+const TOUCH_OVERSHOOT_MM: f32 = 0.004;
+/// What is aimed at beyond the clearance, mm.
+const WANTED_SPARE_MM: f32 = 2e-3;
+/// Contacts of a failing pair are collected as far as this beyond its clearance, mm.
+const TOUCH_LIMIT_MM: f64 = 0.1;
+
 /// What the guides may be wrong by at most, mm: the greatest margin of a pair.
 const MARGIN_MM: f32 = 1.5;
 
 /// What is remembered of a pair beside its being there.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Note {
     other: u32,
     weight: f32,
+    /// What the guides are wrong by where no contact can be told, mm.
     margin: f32,
+    /// Exact contacts, from the failed confirmations.
+    touches: Vec<Touch>,
+    /// The moves of both parts at which the triangles were last found clear.
+    clear_at: Option<(u32, u32)>,
 }
 
 /// Where one part stands; the turn is kept in full digits.
@@ -43,6 +57,8 @@ pub(crate) struct Layout<'t> {
     /// Raisings at which overlap is looked for, mm; 0 alone where clearances hold for no more than the parts as they stand.
     lifts: Vec<f32>,
     notes: Vec<Vec<Note>>,
+    /// How often each part has moved.
+    moves: Vec<u32>,
     /// Height that must not be passed, mm.
     pub(crate) lid_mm: f64,
     /// Looks at one part among its neighbours.
@@ -59,8 +75,9 @@ impl<'t> Layout<'t> {
             stands: pieces.iter().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
             guides: pieces.iter().map(guide).collect(),
             clearances: pieces.iter().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
-            lifts: lifts(task),
+            lifts: task.lifts(),
             notes: vec![Vec::new(); pieces.len()],
+            moves: vec![0; pieces.len()],
             lid_mm,
             evaluations: 0,
         }
@@ -86,7 +103,19 @@ impl<'t> Layout<'t> {
     /// Moves a part, and then inside the walls as far as it fits.
     pub(crate) fn set(&mut self, part: usize, stand: Stand) {
         let mut guide = self.guides[part].clone();
-        self.stands[part] = self.clamp(&mut guide, stand);
+        let mut stand = self.clamp(&mut guide, stand);
+        let known = self.stands[part];
+        if known.place == stand.place && known.turn == stand.turn {
+            return;
+        }
+        // The guides' bounds are those of some points; the triangles' are exact.
+        let exact = guide.shape.tree.bounds_at(&guide.shape.pose(stand.turn, stand.place));
+        let shift = shift_inside(&exact, self.task.room.with_z(self.lid_mm));
+        stand.place += shift;
+        guide.place = stand.place.as_vec3();
+        (guide.min, guide.max) = ((exact.min + shift).as_vec3(), (exact.max + shift).as_vec3());
+        self.moves[part] = self.moves[part].wrapping_add(1);
+        self.stands[part] = stand;
         self.guides[part] = guide;
     }
 
@@ -115,12 +144,10 @@ impl<'t> Layout<'t> {
         if excess.max_element() > 5e-4 { excess.length() * radius * radius } else { 0.0 }
     }
 
-    fn note(&self, one: usize, other: usize) -> (f32, f32) {
+    fn note(&self, one: usize, other: usize) -> Option<&Note> {
         let (first, second) = (one.min(other), one.max(other) as u32);
-        match self.notes[first].binary_search_by_key(&second, |n| n.other) {
-            Ok(at) => (self.notes[first][at].weight, self.notes[first][at].margin),
-            Err(_) => (1.0, 0.0),
-        }
+        let at = self.notes[first].binary_search_by_key(&second, |n| n.other).ok()?;
+        Some(&self.notes[first][at])
     }
 
     fn note_mut(&mut self, one: usize, other: usize) -> &mut Note {
@@ -129,32 +156,46 @@ impl<'t> Layout<'t> {
         let at = match notes.binary_search_by_key(&second, |n| n.other) {
             Ok(at) => at,
             Err(at) => {
-                notes.insert(at, Note { other: second, weight: 1.0, margin: 0.0 });
+                let note = Note { other: second, weight: 1.0, margin: 0.0, touches: Vec::new(), clear_at: None };
+                notes.insert(at, note);
                 at
             }
         };
         &mut notes[at]
     }
 
-    /// Clearance of a pair, mm, and its weight.
-    fn wanted(&self, one: usize, other: usize) -> (f32, f32) {
-        let (weight, margin) = self.note(one, other);
-        (self.clearances[one].max(self.clearances[other]) + margin + 5e-3, weight)
+    /// What holds between two parts.
+    fn wanted(&self, one: usize, other: usize) -> Wanted<'_> {
+        let clearance = self.clearances[one].max(self.clearances[other]) + WANTED_SPARE_MM;
+        match self.note(one, other) {
+            Some(note) => {
+                Wanted { reach: clearance + note.margin, clearance, weight: note.weight, touches: &note.touches }
+            }
+            None => Wanted { reach: clearance, clearance, weight: 1.0, touches: &[] },
+        }
+    }
+
+    /// Overlap of a part, were it at `guide`, with another one; unweighted.
+    fn overlap(&self, part: usize, guide: &Guide, other: usize, wanted: &Wanted<'_>, coarse: bool) -> f32 {
+        let there = &self.guides[other];
+        let once = |guide: &Guide| match coarse {
+            true => guide.coarse_energy(there, wanted.reach),
+            false => guide.energy(there, wanted.reach),
+        };
+        let energy = match self.lifts[..] {
+            [_] => once(guide),
+            _ => self.lifts.iter().map(|&lift| once(&guide.raised(lift))).sum(),
+        };
+        if wanted.touches.is_empty() {
+            return energy;
+        }
+        let (first, second) = if part < other { (guide, there) } else { (there, guide) };
+        energy + touch::energy(wanted.touches, first, second, wanted.clearance)
     }
 
     /// How near bounds must come for a pair to be looked at.
     fn reach(&self) -> f32 {
         (self.task.reach_mm + self.task.z_extra_mm) as f32 + MARGIN_MM
-    }
-
-    /// Overlap of a guide with a part, summed over the ways that either may be raised.
-    fn pair_energy(&self, guide: &Guide, other: usize, reach: f32, coarse: bool) -> f32 {
-        let there = &self.guides[other];
-        let one = |guide: &Guide| match coarse {
-            true => guide.coarse_energy(there, reach),
-            false => guide.energy(there, reach),
-        };
-        self.lifts.iter().map(|&lift| if lift == 0.0 { one(guide) } else { one(&guide.raised(lift)) }).sum()
     }
 
     /// Parts whose bounds come nearer to a guide than any pair may be.
@@ -167,8 +208,8 @@ impl<'t> Layout<'t> {
     pub(crate) fn energy_at(&self, part: usize, guide: &Guide, coarse: bool, enough: f32) -> f32 {
         let mut energy = self.excess_energy(guide);
         for other in self.near(part, guide) {
-            let (reach, weight) = self.wanted(part, other);
-            energy += weight * self.pair_energy(guide, other, reach, coarse);
+            let wanted = self.wanted(part, other);
+            energy += wanted.weight * self.overlap(part, guide, other, &wanted, coarse);
             if energy >= enough {
                 break;
             }
@@ -182,14 +223,16 @@ impl<'t> Layout<'t> {
         let guide = &self.guides[part];
         let mut push = Push::new(0.7 * guide.shape.radius_mm as f32);
         for other in self.near(part, guide) {
-            let (reach, weight) = self.wanted(part, other);
-            for &lift in &self.lifts {
-                let there = &self.guides[other];
-                match lift == 0.0 {
-                    true => guide.push_from(there, reach + OVERSHOOT_MM, weight, &mut push),
-                    false => guide.raised(lift).push_from(there, reach + OVERSHOOT_MM, weight, &mut push),
-                }
+            let (wanted, there) = (self.wanted(part, other), &self.guides[other]);
+            match self.lifts[..] {
+                [_] => guide.push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push),
+                _ => self.lifts.iter().for_each(|&lift| {
+                    guide.raised(lift).push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push);
+                }),
             }
+            let pair = if part < other { (guide, there) } else { (there, guide) };
+            let aim = (wanted.clearance + TOUCH_OVERSHOOT_MM, wanted.weight);
+            touch::push(wanted.touches, pair, part < other, aim, &mut push);
         }
         let rule = self.rule(part);
         let energy = push.energy + self.excess_energy(guide);
@@ -247,7 +290,7 @@ impl<'t> Layout<'t> {
             energies[one] += self.excess_energy(&self.guides[one]);
             for other in one + 1..self.len() {
                 if self.guides[one].is_near(&self.guides[other], reach) {
-                    let energy = self.pair_energy(&self.guides[one], other, self.wanted(one, other).0, false);
+                    let energy = self.overlap(one, &self.guides[one], other, &self.wanted(one, other), false);
                     if energy > 0.0 {
                         energies[one] += energy;
                         energies[other] += energy;
@@ -269,23 +312,28 @@ impl<'t> Layout<'t> {
         energies.iter().sum()
     }
 
-    /// Forgets weights, and half of the margins.
+    /// Forgets weights, and a part of the margins.
     pub(crate) fn forget(&mut self) {
         for notes in &mut self.notes {
             notes.iter_mut().for_each(|n| (n.weight, n.margin) = (1.0, 0.7 * n.margin));
-            notes.retain(|n| n.margin > 0.01);
+            notes.retain(|n| n.margin > 0.01 || !n.touches.is_empty());
         }
     }
 
     /// The pieces, when every one is exactly inside and clear of all others; otherwise margins grow where it was not.
     pub(crate) fn confirm(&mut self) -> Option<Vec<Piece>> {
         let task = self.task;
-        let mut pieces: Vec<Piece> =
+        let pieces: Vec<Piece> =
             (self.copies.iter().zip(&self.stands)).map(|(&copy, s)| task.piece(copy, s.turn, s.place)).collect();
-        for (piece, stand) in pieces.iter_mut().zip(&mut self.stands) {
-            nudge_inside(task, piece, stand, self.lid_mm);
-        }
-        let mut good = pieces.iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
+        let inside = pieces.iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
+        let clear = self.check_pairs(&pieces);
+        (inside && clear).then_some(pieces)
+    }
+
+    /// Whether all pairs are clear on the triangles; where one is not, its contacts are kept, or its margin grows.
+    fn check_pairs(&mut self, pieces: &[Piece]) -> bool {
+        let task = self.task;
+        let mut clear = true;
         for one in 0..pieces.len() {
             for other in one + 1..pieces.len() {
                 let wanted = task.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
@@ -293,39 +341,43 @@ impl<'t> Layout<'t> {
                 if near.distance(&lifted(&pieces[other].bounds, task.z_extra_mm)) >= wanted {
                     continue;
                 }
+                let now = (self.moves[one], self.moves[other]);
+                let note = self.note_mut(one, other);
+                if note.clear_at == Some(now) {
+                    continue;
+                }
                 let gap = task.gap_mm(&pieces[one], &pieces[other]);
-                if gap < wanted {
-                    good = false;
-                    let missing = ((wanted - gap) as f32).min(MARGIN_MM);
-                    let note = self.note_mut(one, other);
-                    note.margin = (note.margin + missing + 0.01).min(MARGIN_MM);
+                if gap >= wanted {
+                    note.clear_at = Some(now);
+                    continue;
+                }
+                clear = false;
+                if task.z_extra_mm > 0.0 {
+                    // Contacts tell where surfaces are near as they stand, not when one is raised.
+                    note.margin = (note.margin + (wanted - gap).min(0.4) as f32 + 0.01).min(MARGIN_MM);
+                } else if gap > 0.0 {
+                    touch::find(task, &pieces[one], &pieces[other], wanted + TOUCH_LIMIT_MM, &mut note.touches);
+                } else {
+                    note.margin = (note.margin + 0.4).min(MARGIN_MM);
                 }
             }
         }
-        good.then_some(pieces)
+        clear
     }
 }
 
-/// Where guides look for overlap: what may be raised by more than a clearance is looked at in between, too.
-fn lifts(task: &Task) -> Vec<f32> {
-    let extra = task.z_extra_mm;
-    if extra <= 0.0 {
-        return vec![0.0];
-    }
-    let steps = (extra / task.reach_mm.max(1.0)).ceil().min(4.0) as i32;
-    (-steps..=steps).map(|step| (extra * f64::from(step) / f64::from(steps)) as f32).collect()
+/// What holds between two parts.
+struct Wanted<'a> {
+    /// What the guides keep, mm.
+    reach: f32,
+    /// What the triangles are to keep, mm.
+    clearance: f32,
+    weight: f32,
+    touches: &'a [Touch],
 }
 
-/// Moves a piece inside the walls by its exact bounds where the guides' bounds were a little off.
-fn nudge_inside(task: &Task, piece: &mut Piece, stand: &mut Stand, lid_mm: f64) {
-    if task.is_inside(piece, lid_mm) {
-        return;
-    }
-    let room = task.room.with_z(lid_mm) - WALL_SPARE_MM;
-    let shift = (room - piece.bounds.max).min(DVec3::ZERO);
-    let shift = shift + (WALL_SPARE_MM - (piece.bounds.min + shift)).max(DVec3::ZERO);
-    if shift.abs().max_element() < 0.3 {
-        stand.place += shift;
-        *piece = task.piece((piece.item, piece.copy), stand.turn, stand.place);
-    }
+/// What brings bounds inside the walls, mm; standing out at the far end where they are too long.
+fn shift_inside(bounds: &Bounds, room: DVec3) -> DVec3 {
+    let shift = (room - WALL_SPARE_MM - bounds.max).min(DVec3::ZERO);
+    shift + (WALL_SPARE_MM - (bounds.min + shift)).max(DVec3::ZERO)
 }

@@ -27,6 +27,7 @@ mod solution;
 #[cfg(test)]
 mod testing;
 mod tilt;
+mod touch;
 mod turns;
 mod voxels;
 

@@ -106,6 +106,16 @@ impl Task {
         gap
     }
 
+    /// Raisings at which guides look for overlap, mm: what may be raised by more than a clearance is looked at in between,
+    /// too.
+    pub(crate) fn lifts(&self) -> Vec<f32> {
+        if self.z_extra_mm <= 0.0 {
+            return vec![0.0];
+        }
+        let steps = (self.z_extra_mm / self.reach_mm.max(1.0)).ceil().min(4.0) as i32;
+        (-steps..=steps).map(|step| (self.z_extra_mm * f64::from(step) / f64::from(steps)) as f32).collect()
+    }
+
     /// The solution that pieces make.
     pub(crate) fn solution(&self, instance: &Instance, pieces: &[Piece], evaluations: u64) -> Solution {
         let mut placements: Vec<Placement> =

@@ -18,6 +18,7 @@ use super::{
     values::{distance, margins, volume},
 };
 use crate::{
+    farm::DiskCache,
     format::{Arrangement, Instances, Limits, Unit},
     nest::{
         self, BuildVolume, Config, Instance, Item, Margins, Method, NotDown, Orientation, OrientationRule, Solution,
@@ -29,6 +30,9 @@ use progress::{Budget, Progress};
 
 /// Clearance without a profile and without `--clearance`, mm.
 const DEFAULT_CLEARANCE_MM: f64 = 3.0;
+
+/// What `--cache` may take up, bytes.
+const CACHE_BYTES: u64 = 4 << 30;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -86,6 +90,9 @@ pub struct Args {
     /// A face of the parts, by its outward normal, that must not look down; keeps so many degrees from it, else 45
     #[arg(long, value_name = "X,Y,Z[:DEG]", allow_hyphen_values = true, value_parser = str::parse::<NotDown>)]
     not_down: Vec<NotDown>,
+    /// Folder where work on meshes is kept from one run to the next
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
     /// Build file to write, e.g. build.3mf
     #[arg(short = 'o', long = "output", value_name = "OUT.build.3mf")]
     output: PathBuf,
@@ -141,9 +148,11 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let instance = Instance::new(machine.room(), machine.clearance_mm, parts.iter().map(item).collect())
         .and_then(|instance| instance.with_clearance_z_extra(machine.clearance_z_extra_mm))
         .map_err(|error| Usage(error.to_string()))?;
+    let cache = cache(args)?;
+    let cache = cache.as_ref().map(|cache| cache as &dyn nest::Cache);
     let budget = Budget::starting_now(args.budget, args.evaluations);
     let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm().z);
-    let solution = nest::nest(&instance, &machine.config, &[], &budget, &mut progress);
+    let solution = nest::nest_with(&instance, &machine.config, &[], cache, &budget, &mut progress);
     let course = progress.finish(machine.config.seed);
     name_unplaced(&instance, &solution);
     let report = output::write(args, &machine, &parts, &instance, &solution, course)?;
@@ -158,6 +167,13 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         );
     }
     Ok(if solution.unplaced.is_empty() { Exit::Success } else { Exit::Failure })
+}
+
+/// The cache that was asked for.
+fn cache(args: &Args) -> Result<Option<DiskCache>> {
+    let Some(dir) = &args.cache else { return Ok(None) };
+    let opened = DiskCache::open(dir, CACHE_BYTES);
+    opened.map(Some).map_err(|error| Usage(format!("--cache {}: {error}", dir.display())).into())
 }
 
 /// Says which copies found no place, and why where it is known.

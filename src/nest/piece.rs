@@ -1,11 +1,17 @@
 //! What is nested and how a layout is judged while it is built: exactly, on the triangles.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
-use super::{Instance, Orientation, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape};
-use crate::geometry::{Bounds, Pose};
+use super::{
+    Instance, Organs, Orientation, Placement, Solution,
+    fit::WALL_SPARE_MM,
+    outline::{Candidate, Lineup},
+    shape::{Detail, Shape},
+    workshop::Workshop,
+};
+use crate::geometry::{Bounds, Mesh, Pose};
 
 /// What two placements keep beyond their clearance, mm, so that rounding in a written file never breaks it.
 pub(crate) const CLEARANCE_SPARE_MM: f64 = 1e-4;
@@ -17,13 +23,13 @@ pub(crate) struct Kind {
     pub(crate) orientation: Orientation,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
-    /// A rotation in which it stands in the volume.
-    pub(crate) fitting: DQuat,
 }
 
 /// The instance, prepared. `kinds` has one entry per item; `None` for those that fit in no allowed orientation.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
+    /// The same items from outside.
+    pub(crate) lineup: Arc<Lineup>,
     pub(crate) kinds: Vec<Option<Kind>>,
     /// All copies that fit alone, in order of precedence.
     pub(crate) copies: Vec<(usize, u32)>,
@@ -32,26 +38,38 @@ pub(crate) struct Task {
     pub(crate) reach_mm: f64,
     /// Clearances also hold when either part is raised by up to this, mm.
     pub(crate) z_extra_mm: f64,
+    /// Which organs of the search take part.
+    pub(crate) organs: Organs,
 }
 
 impl Task {
-    /// Prepares every distinct mesh that fits.
-    pub(crate) fn new(instance: &Instance, nodes: usize, points: usize) -> Self {
-        let own = |item: &super::Item| item.clearance_mm.unwrap_or(0.0).max(instance.clearance_mm());
-        let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
-        let detail = Detail { nodes, points, reach_mm: reach_mm + 0.5 };
-        let kinds: Vec<Option<Kind>> = (instance.items().iter())
-            .map(|item| {
-                let fitting = fit::fits(&item.mesh, &item.orientation, &instance.volume()).ok()?;
-                let shape = shape::prepare(&item.mesh, detail);
-                Some(Kind { shape, orientation: item.orientation.clone(), clearance_mm: own(item), fitting })
-            })
-            .collect();
-        let copies = (instance.items().iter().enumerate())
-            .filter(|&(at, _)| kinds[at].is_some())
-            .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
-            .collect();
-        Self { kinds, copies, room: instance.volume().size_mm, reach_mm, z_extra_mm: instance.clearance_z_extra_mm() }
+    /// Prepares every distinct mesh of a line-up.
+    pub(crate) fn new(
+        lineup: Arc<Lineup>,
+        workshop: &Workshop<'_>,
+        organs: Organs,
+        nodes: usize,
+        points: usize,
+    ) -> Self {
+        let detail = Detail { nodes, points, reach_mm: lineup.reach_mm + 0.5 };
+        let meshes: Vec<Arc<Mesh>> = lineup.candidates.iter().flatten().map(|c| c.mesh.clone()).collect();
+        let mut shapes = workshop.shapes(&meshes, detail).into_iter();
+        let kind = |candidate: &Option<Candidate>| {
+            let Candidate { orientation, clearance_mm, .. } = candidate.as_ref()?;
+            Some(Kind { shape: shapes.next()?, orientation: orientation.clone(), clearance_mm: *clearance_mm })
+        };
+        let kinds = lineup.candidates.iter().map(kind).collect();
+        let (room, reach_mm, z_extra_mm) = (lineup.room, lineup.reach_mm, lineup.z_extra_mm);
+        Self { kinds, copies: lineup.copies.clone(), room, reach_mm, z_extra_mm, organs, lineup }
+    }
+
+    /// Prepares some of the items at another detail.
+    pub(crate) fn refine(&mut self, items: Range<usize>, workshop: &Workshop<'_>, nodes: usize, points: usize) {
+        let detail = Detail { nodes, points, reach_mm: self.reach_mm + 0.5 };
+        let mut kinds: Vec<&mut Kind> = self.kinds[items].iter_mut().flatten().collect();
+        let meshes: Vec<Arc<Mesh>> = kinds.iter().map(|kind| kind.shape.tree.mesh().clone()).collect();
+        let shapes = workshop.shapes(&meshes, detail);
+        kinds.iter_mut().zip(shapes).for_each(|(kind, shape)| kind.shape = shape);
     }
 
     /// The prepared item of a copy that is being nested.
@@ -69,6 +87,21 @@ impl Task {
         let shape = &self.kind(item).shape;
         let pose = shape.pose(turn, place);
         Piece { item, copy, turn, place, pose, bounds: shape.tree.bounds_at(&pose) }
+    }
+
+    /// Bounds further apart than this are clear, mm.
+    pub(crate) fn near_mm(&self) -> f64 {
+        self.reach_mm + self.z_extra_mm + 2.0 * CLEARANCE_SPARE_MM
+    }
+
+    /// Raisings at which guides look for overlap, mm: what may be raised by more than a clearance is looked at in between,
+    /// too.
+    pub(crate) fn lifts(&self) -> Vec<f32> {
+        if self.z_extra_mm <= 0.0 {
+            return vec![0.0];
+        }
+        let steps = (self.z_extra_mm / self.reach_mm.max(1.0)).ceil().min(4.0) as i32;
+        (-steps..=steps).map(|step| (self.z_extra_mm * f64::from(step) / f64::from(steps)) as f32).collect()
     }
 
     /// Whether a piece stands inside the walls.
@@ -105,27 +138,6 @@ impl Task {
         }
         gap
     }
-
-    /// Raisings at which guides look for overlap, mm: what may be raised by more than a clearance is looked at in between,
-    /// too.
-    pub(crate) fn lifts(&self) -> Vec<f32> {
-        if self.z_extra_mm <= 0.0 {
-            return vec![0.0];
-        }
-        let steps = (self.z_extra_mm / self.reach_mm.max(1.0)).ceil().min(4.0) as i32;
-        (-steps..=steps).map(|step| (self.z_extra_mm * f64::from(step) / f64::from(steps)) as f32).collect()
-    }
-
-    /// The solution that pieces make.
-    pub(crate) fn solution(&self, instance: &Instance, pieces: &[Piece], evaluations: u64) -> Solution {
-        let mut placements: Vec<Placement> =
-            pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
-        placements.sort_by_key(|p| (p.item, p.copy));
-        let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
-        let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
-        let unplaced = all.filter(|&copy| !placed(copy)).collect();
-        Solution { unplaced, height_mm: height_mm(pieces), evaluations, placements }
-    }
 }
 
 /// One placed copy.
@@ -149,4 +161,15 @@ pub(crate) fn lifted(bounds: &Bounds, extra_mm: f64) -> Bounds {
 /// Top of the highest piece, mm.
 pub(crate) fn height_mm(pieces: &[Piece]) -> f64 {
     pieces.iter().map(|p| p.bounds.max.z).fold(0.0, f64::max)
+}
+
+/// The solution that pieces make.
+pub(crate) fn solution(instance: &Instance, pieces: &[Piece], evaluations: u64) -> Solution {
+    let mut placements: Vec<Placement> =
+        pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
+    placements.sort_by_key(|p| (p.item, p.copy));
+    let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
+    let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
+    let unplaced = all.filter(|&copy| !placed(copy)).collect();
+    Solution { unplaced, height_mm: height_mm(pieces), evaluations, placements }
 }

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{Orientation, OrientationRule};
-use crate::geometry::Bounds;
+use crate::geometry::{Bounds, Extremes};
 
 /// The 24 rotations that map axes onto axes; the identity comes first.
 pub(crate) fn axis_turns() -> [DQuat; 24] {
@@ -61,14 +61,7 @@ pub(crate) fn extreme_points(vertices: &[DVec3], count: usize) -> Vec<DVec3> {
         return vertices.to_vec();
     }
     let axes = [DVec3::X, DVec3::Y, DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y, DVec3::NEG_Z];
-    let mut chosen: Vec<usize> = (axes.into_iter().chain(spread_directions(count)))
-        .map(|direction| {
-            let reach = vertices.iter().map(|v| v.dot(direction)).enumerate();
-            reach.fold((0, f64::NEG_INFINITY), |far, next| if next.1 > far.1 { next } else { far }).0
-        })
-        .collect();
-    chosen.sort_unstable();
-    chosen.dedup();
+    let chosen = Extremes::new(vertices).among(axes.into_iter().chain(spread_directions(count)));
     chosen.into_iter().map(|at| vertices[at]).collect()
 }
 

@@ -26,6 +26,7 @@ pub(super) fn farm(inputs: &FarmInputs, judge: &mut Judge) {
     judge.within("scan_secs", inputs.scan_secs.0, 0.05..=3600.0);
     judge.within("orphan_ticket_secs", inputs.orphan_ticket_secs.0, 0.0..=MAX_WAIT_SECS);
     judge.within("threads", inputs.threads, 0..=MAX_THREADS);
+    judge.within("cache_bytes", inputs.cache_bytes, 0..=1 << 50);
     let limits = &inputs.limits;
     judge.within("limits.max_bytes", limits.max_bytes, 1..=u64::MAX);
     judge.within("limits.max_triangles", limits.max_triangles, 4..=u64::MAX);

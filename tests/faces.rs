@@ -5,7 +5,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use nestd::{
-    ledger::{Ledger, NewPart, SolidFacts},
+    ledger::{Ledger, NewPart, SolidFacts, Tilts},
     nest::OrientationRule,
 };
 
@@ -41,6 +41,7 @@ fn farm() -> tempfile::TempDir {
             priority: 50,
             due_at: None,
             orientation: OrientationRule::Free,
+            tilts: Tilts::default(),
             clearance_mm: None,
             unit: None,
             note: String::new(),

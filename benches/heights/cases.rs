@@ -62,7 +62,7 @@ pub fn distinct(instance: &Instance) -> Vec<Arc<Mesh>> {
 }
 
 fn item(name: String, mesh: Arc<Mesh>, copies: u32) -> Item {
-    Item { name, mesh, copies, orientation: OrientationRule::Free, clearance_mm: None }
+    Item { name, mesh, copies, orientation: OrientationRule::Free.into(), clearance_mm: None }
 }
 
 fn generated(pile: Workload, base_mm: [f64; 2], clearance_mm: f64) -> Result<Instance> {

@@ -18,6 +18,7 @@ mod layout;
 mod near;
 mod nester;
 mod organs;
+mod orientation;
 mod outline;
 mod paper;
 mod piece;
@@ -34,6 +35,7 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod tilt;
 mod touch;
 mod turns;
 mod voxels;
@@ -43,13 +45,15 @@ pub use bound::lower_bound_mm;
 pub use cache::Cache;
 pub use config::{Config, Method, PaperConfig};
 pub use fit::{Misfit, fits};
-pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
+pub use instance::{BuildVolume, Instance, InstanceError, Item, Margins, OrientationRule};
 pub use nester::{nest, nest_with};
 pub use organs::Organs;
-pub use proof::{Body, Pair, Proof, prove, rotation_obeys};
+pub use orientation::Orientation;
+pub use proof::{Body, Pair, Proof, prove, prove_raised, rotation_obeys};
 pub use report::{Course, PlacedPart, Report, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use solution::{Placement, Solution};
+pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
 #[cfg(test)]
 mod nester_tests;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Instance, OrientationRule, fit, turns};
+use super::{Instance, Orientation, fit, turns};
 use crate::geometry::{Mesh, Obb};
 
 /// Directions whose farthest points decide a part's extents, all but exactly.
@@ -38,7 +38,7 @@ impl Outline {
 pub(crate) struct Candidate {
     pub(crate) mesh: Arc<Mesh>,
     pub(crate) outline: Arc<Outline>,
-    pub(crate) rule: OrientationRule,
+    pub(crate) orientation: Orientation,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
     /// A rotation in which it stands in the volume.
@@ -54,13 +54,15 @@ pub(crate) struct Lineup {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Clearances also hold when either part is raised by up to this, mm.
+    pub(crate) z_extra_mm: f64,
 }
 
 impl Lineup {
     /// Looks at every item; `outlines` gives the outlines of meshes, in their order.
     pub(crate) fn new(instance: &Instance, outlines: impl Fn(&[Arc<Mesh>]) -> Vec<Arc<Outline>>) -> Self {
         let own = |item: &super::Item| item.clearance_mm.unwrap_or(0.0).max(instance.clearance_mm());
-        let fitting = |item: &super::Item| fit::fits(&item.mesh, item.orientation, &instance.volume()).ok();
+        let fitting = |item: &super::Item| fit::fits(&item.mesh, &item.orientation, &instance.volume()).ok();
         let fittings: Vec<Option<DQuat>> = instance.items().iter().map(fitting).collect();
         let standing =
             || instance.items().iter().zip(&fittings).filter_map(|(item, fitting)| Some((item, (*fitting)?)));
@@ -71,7 +73,7 @@ impl Lineup {
                 fitting: (*fitting)?,
                 mesh: item.mesh.clone(),
                 outline: outlines.next()?,
-                rule: item.orientation,
+                orientation: item.orientation.clone(),
                 clearance_mm: own(item),
             })
         };
@@ -81,7 +83,8 @@ impl Lineup {
             .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
             .collect();
         let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
-        Self { candidates, copies, room: instance.volume().size_mm, reach_mm }
+        let z_extra_mm = instance.clearance_z_extra_mm();
+        Self { candidates, copies, room: instance.volume().size_mm, reach_mm, z_extra_mm }
     }
 
     /// The item of a copy that is being nested.

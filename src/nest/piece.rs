@@ -5,7 +5,7 @@ use std::{ops::Range, sync::Arc};
 use glam::{DQuat, DVec3};
 
 use super::{
-    Instance, Organs, OrientationRule, Placement, Solution,
+    Instance, Organs, Orientation, Placement, Solution,
     fit::WALL_SPARE_MM,
     outline::{Candidate, Lineup},
     shape::{Detail, Shape},
@@ -20,7 +20,7 @@ pub(crate) const CLEARANCE_SPARE_MM: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub(crate) struct Kind {
     pub(crate) shape: Arc<Shape>,
-    pub(crate) rule: OrientationRule,
+    pub(crate) orientation: Orientation,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
 }
@@ -36,6 +36,8 @@ pub(crate) struct Task {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Clearances also hold when either part is raised by up to this, mm.
+    pub(crate) z_extra_mm: f64,
     /// Which organs of the search take part.
     pub(crate) organs: Organs,
 }
@@ -53,11 +55,12 @@ impl Task {
         let meshes: Vec<Arc<Mesh>> = lineup.candidates.iter().flatten().map(|c| c.mesh.clone()).collect();
         let mut shapes = workshop.shapes(&meshes, detail).into_iter();
         let kind = |candidate: &Option<Candidate>| {
-            let Candidate { rule, clearance_mm, .. } = *candidate.as_ref()?;
-            Some(Kind { shape: shapes.next()?, rule, clearance_mm })
+            let Candidate { orientation, clearance_mm, .. } = candidate.as_ref()?;
+            Some(Kind { shape: shapes.next()?, orientation: orientation.clone(), clearance_mm: *clearance_mm })
         };
         let kinds = lineup.candidates.iter().map(kind).collect();
-        Self { kinds, copies: lineup.copies.clone(), room: lineup.room, reach_mm: lineup.reach_mm, organs, lineup }
+        let (room, reach_mm, z_extra_mm) = (lineup.room, lineup.reach_mm, lineup.z_extra_mm);
+        Self { kinds, copies: lineup.copies.clone(), room, reach_mm, z_extra_mm, organs, lineup }
     }
 
     /// Prepares some of the items at another detail.
@@ -86,6 +89,21 @@ impl Task {
         Piece { item, copy, turn, place, pose, bounds: shape.tree.bounds_at(&pose) }
     }
 
+    /// Bounds further apart than this are clear, mm.
+    pub(crate) fn near_mm(&self) -> f64 {
+        self.reach_mm + self.z_extra_mm + 2.0 * CLEARANCE_SPARE_MM
+    }
+
+    /// Raisings at which guides look for overlap, mm: what may be raised by more than a clearance is looked at in between,
+    /// too.
+    pub(crate) fn lifts(&self) -> Vec<f32> {
+        if self.z_extra_mm <= 0.0 {
+            return vec![0.0];
+        }
+        let steps = (self.z_extra_mm / self.reach_mm.max(1.0)).ceil().min(4.0) as i32;
+        (-steps..=steps).map(|step| (self.z_extra_mm * f64::from(step) / f64::from(steps)) as f32).collect()
+    }
+
     /// Whether a piece stands inside the walls.
     pub(crate) fn is_inside(&self, piece: &Piece, lid_mm: f64) -> bool {
         let room = Bounds { min: DVec3::ZERO, max: self.room.with_z(lid_mm.min(self.room.z)) };
@@ -97,15 +115,20 @@ impl Task {
         self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM
     }
 
-    /// Distance between two pieces, exact up to a little more than their clearance; negative when one is inside the other.
+    /// Distance between two pieces while either is raised as far as it may be, exact up to a little more than their clearance; negative when one is inside the other.
     pub(crate) fn gap_mm(&self, one: &Piece, other: &Piece) -> f64 {
         let cap = self.clearance_mm(one.item, other.item) + 2.0 * CLEARANCE_SPARE_MM;
-        if one.bounds.distance(&other.bounds) >= cap {
+        if lifted(&one.bounds, self.z_extra_mm).distance(&lifted(&other.bounds, self.z_extra_mm)) >= cap {
             return cap;
         }
         let (tree1, tree2) = (&self.kind(one.item).shape.tree, &self.kind(other.item).shape.tree);
         let pose12 = one.pose.seen(&other.pose);
-        let gap = tree1.distance_capped_mm(tree2, &pose12, cap);
+        let gap = match self.z_extra_mm > 0.0 {
+            true => {
+                tree1.distance_sliding_mm(tree2, &pose12, one.pose.inverse().direction(DVec3::Z * self.z_extra_mm), cap)
+            }
+            false => tree1.distance_capped_mm(tree2, &pose12, cap),
+        };
         if gap > 0.0 && one.bounds.holds(&other.bounds, 0.0) && tree1.holds_part(tree2, &pose12) {
             return -1.0;
         }
@@ -128,6 +151,11 @@ pub(crate) struct Piece {
     pub(crate) pose: Pose,
     /// Exact bounds.
     pub(crate) bounds: Bounds,
+}
+
+/// Bounds with what is kept free above them.
+pub(crate) fn lifted(bounds: &Bounds, extra_mm: f64) -> Bounds {
+    Bounds { min: bounds.min, max: bounds.max + DVec3::Z * extra_mm }
 }
 
 /// Top of the highest piece, mm.

@@ -23,7 +23,7 @@ fn instance(pile: Workload, base_mm: [f64; 2], clearance_mm: f64) -> Instance {
         name: "part".to_owned(),
         mesh: Arc::new(mesh),
         copies,
-        orientation: OrientationRule::Free,
+        orientation: OrientationRule::Free.into(),
         clearance_mm: None,
     });
     let volume = BuildVolume { size_mm: DVec3::new(base_mm[0], base_mm[1], 600.0) };

@@ -56,7 +56,7 @@ fn any_own_instance(rng: &mut ChaCha8Rng) -> Instance {
             name: format!("part {at}"),
             mesh: Arc::new(random_part(rng.random_range(0..400))),
             copies: rng.random_range(1..6),
-            orientation: *[Free, Upright, Axis, Fixed].choose(rng).unwrap(),
+            orientation: (*[Free, Upright, Axis, Fixed].choose(rng).unwrap()).into(),
             clearance_mm: rng.random_bool(0.2).then(|| any_clearance_mm(rng)),
         })
         .collect();
@@ -85,7 +85,7 @@ fn assert_holds_what_was_asked(name: &str, instance: &Instance, solution: &Solut
     let proof = prove(&bodies, instance.volume().size_mm);
     assert!(proof.is_proved(), "{name}: {proof:?}");
     for p in &solution.placements {
-        assert!(rotation_obeys(instance.items()[p.item].orientation, &p.pose), "{name}: {p:?} against its rule");
+        assert!(rotation_obeys(&instance.items()[p.item].orientation, &p.pose), "{name}: {p:?} against its rule");
         let bounds = instance.items()[p.item].mesh.bounds_at(&p.pose);
         let inside = bounds.min.min_element() > -1e-6 && (bounds.max - instance.volume().size_mm).max_element() < 1e-6;
         assert!(inside && bounds.max.z <= solution.height_mm + 1e-9, "{name}: {p:?} stands at {bounds:?}");

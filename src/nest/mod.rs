@@ -17,6 +17,7 @@ mod instance;
 mod layout;
 mod near;
 mod nester;
+mod notes;
 mod organs;
 mod orientation;
 mod outline;

@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     format::{Arrangement, Instances, Limits, Unit},
-    nest::{self, BuildVolume, Config, Instance, Item, Method, OrientationRule, Solution},
+    nest::{self, BuildVolume, Config, Instance, Interlock, Item, Method, OrientationRule, Solution},
     settings::{self, parse_secs},
 };
 use progress::{Budget, Progress};
@@ -71,6 +71,10 @@ pub struct Args {
     /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
     #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
     orientation: Option<OrientationRule>,
+    /// Parts locked into each other: forbid (the search keeps clear of them), warn or allow [default: the profile's, else
+    /// forbid]
+    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
+    interlock: Option<Interlock>,
     /// Build file to write, e.g. build.3mf
     #[arg(short = 'o', long = "output", value_name = "OUT.build.3mf")]
     output: PathBuf,
@@ -166,6 +170,7 @@ fn machine(common: &Common, args: &Args) -> Result<Machine> {
     machine.orientation = args.orientation.unwrap_or(machine.orientation);
     machine.config.method = args.method.unwrap_or(machine.config.method);
     machine.config.threads = args.threads.unwrap_or(machine.config.threads);
+    machine.config.interlock = args.interlock.unwrap_or(machine.config.interlock);
     machine.config.seed = args.seed.unwrap_or(machine.config.seed);
     Ok(machine)
 }

@@ -10,6 +10,7 @@ mod obb;
 mod obb_tree;
 mod pose;
 mod separating_axis;
+mod sweep;
 mod triangle;
 mod walk;
 mod weld;
@@ -20,6 +21,8 @@ mod clearance_tests;
 pub(crate) mod solids;
 #[cfg(test)]
 mod speed_tests;
+#[cfg(test)]
+mod sweep_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;

@@ -9,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     piece::{CLEARANCE_SPARE_MM, Piece, Task},
+    separable::can_leave,
     skyline::Skyline,
     turns,
     voxels::{Occupancy, Raster},
@@ -196,7 +197,9 @@ impl<'t> Builder<'t> {
             let (at, node) = lowest_score(recipe, occupancy, rasters, floors, &mut self.tests)?;
             let raster = &rasters[at];
             let piece = task.piece(copy, raster.turn, occupancy.place(raster, node));
-            if task.is_inside(&piece, task.room.z) && pieces.iter().all(|other| task.is_clear(&piece, other)) {
+            let stands = task.is_inside(&piece, task.room.z) && pieces.iter().all(|other| task.is_clear(&piece, other));
+            // When each can leave those before it, all can leave in the opposite order.
+            if stands && (!task.separable || can_leave(task, &piece, pieces)) {
                 occupancy.fill(raster, node);
                 return Some(piece);
             }

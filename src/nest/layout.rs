@@ -5,8 +5,10 @@ use glam::{DQuat, DVec3, Vec3};
 use super::{
     OrientationRule,
     fit::WALL_SPARE_MM,
+    hulls,
     piece::{CLEARANCE_SPARE_MM, Piece, Task},
     push::{Guide, Push},
+    separable::Leave,
 };
 
 /// What guides keep from the walls, mm: their bounds are of single precision.
@@ -17,12 +19,17 @@ const OVERSHOOT_MM: f32 = 0.03;
 /// What the guides may be wrong by at most, mm: the greatest margin of a pair.
 const MARGIN_MM: f32 = 1.5;
 
+/// Lids for which two parts that were locked into each other keep their hulls apart.
+const HULLS_APART_LIDS: u8 = 40;
+
 /// What is remembered of a pair beside its being there.
 #[derive(Debug, Clone, Copy)]
 struct Note {
     other: u32,
     weight: f32,
     margin: f32,
+    /// For so many lids more their convex hulls are kept apart: they were locked into each other.
+    hulls_apart: u8,
 }
 
 /// Where one part stands; the turn is kept in full digits.
@@ -41,6 +48,10 @@ pub(crate) struct Layout<'t> {
     pub(crate) guides: Vec<Guide>,
     clearances: Vec<f32>,
     notes: Vec<Vec<Note>>,
+    /// Whether any note keeps hulls apart.
+    any_hulls: bool,
+    /// How the last layout that was looked at came apart.
+    pub(crate) leaves: Vec<Leave>,
     /// Height that must not be passed, mm.
     pub(crate) lid_mm: f64,
     /// Looks at one part among its neighbours.
@@ -58,6 +69,8 @@ impl<'t> Layout<'t> {
             guides: pieces.iter().map(guide).collect(),
             clearances: pieces.iter().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
             notes: vec![Vec::new(); pieces.len()],
+            any_hulls: false,
+            leaves: Vec::new(),
             lid_mm,
             evaluations: 0,
         }
@@ -126,7 +139,7 @@ impl<'t> Layout<'t> {
         let at = match notes.binary_search_by_key(&second, |n| n.other) {
             Ok(at) => at,
             Err(at) => {
-                notes.insert(at, Note { other: second, weight: 1.0, margin: 0.0 });
+                notes.insert(at, Note { other: second, weight: 1.0, margin: 0.0, hulls_apart: 0 });
                 at
             }
         };
@@ -137,6 +150,29 @@ impl<'t> Layout<'t> {
     fn wanted(&self, one: usize, other: usize) -> (f32, f32) {
         let (weight, margin) = self.note(one, other);
         (self.clearances[one].max(self.clearances[other]) + margin + 5e-3, weight)
+    }
+
+    /// From now on and for many lids two parts keep their hulls apart. Whether that is new.
+    pub(crate) fn keep_hulls_apart(&mut self, one: usize, other: usize) -> bool {
+        self.any_hulls = true;
+        let note = self.note_mut(one, other);
+        std::mem::replace(&mut note.hulls_apart, HULLS_APART_LIDS) == 0
+    }
+
+    /// How the hulls of a part, were it at `guide`, and of another overlap, where they must not.
+    fn hull_overlap(&self, part: usize, guide: &Guide, other: usize) -> Option<hulls::Overlap> {
+        let (first, second) = (part.min(other), part.max(other) as u32);
+        let notes = if self.any_hulls { &self.notes[first][..] } else { &[] };
+        let at = notes.binary_search_by_key(&second, |n| n.other).ok()?;
+        if notes[at].hulls_apart == 0 {
+            return None;
+        }
+        hulls::overlap(guide, &self.guides[other])
+    }
+
+    /// The overlap of two hulls that must not, weighed like overlap of the parts; 0 for all others.
+    fn hull_energy(&self, part: usize, guide: &Guide, other: usize) -> f32 {
+        self.hull_overlap(part, guide, other).map_or(0.0, |hulls| hulls.depth * hulls.area)
     }
 
     /// Parts whose bounds come nearer to a guide than any pair may be.
@@ -152,6 +188,7 @@ impl<'t> Layout<'t> {
             let (reach, weight) = self.wanted(part, other);
             let there = &self.guides[other];
             energy += weight * if coarse { guide.coarse_energy(there, reach) } else { guide.energy(there, reach) };
+            energy += weight * self.hull_energy(part, guide, other);
             if energy >= enough {
                 break;
             }
@@ -167,6 +204,9 @@ impl<'t> Layout<'t> {
         for other in self.near(part, guide) {
             let (reach, weight) = self.wanted(part, other);
             guide.push_from(&self.guides[other], reach + OVERSHOOT_MM, weight, &mut push);
+            if let Some(hulls) = self.hull_overlap(part, guide, other) {
+                push.add(Vec3::ZERO, hulls.way, hulls.depth + OVERSHOOT_MM, weight * hulls.area);
+            }
         }
         let rule = self.rule(part);
         let energy = push.energy + self.excess_energy(guide);
@@ -221,7 +261,8 @@ impl<'t> Layout<'t> {
             energies[one] += self.excess_energy(&self.guides[one]);
             for other in one + 1..self.len() {
                 if self.guides[one].is_near(&self.guides[other], reach) {
-                    let energy = self.guides[one].energy(&self.guides[other], self.wanted(one, other).0);
+                    let energy = self.guides[one].energy(&self.guides[other], self.wanted(one, other).0)
+                        + self.hull_energy(one, &self.guides[one], other);
                     if energy > 0.0 {
                         energies[one] += energy;
                         energies[other] += energy;
@@ -243,12 +284,15 @@ impl<'t> Layout<'t> {
         energies.iter().sum()
     }
 
-    /// Forgets weights, and half of the margins.
+    /// Forgets weights, a part of the margins, and after many lids who was locked.
     pub(crate) fn forget(&mut self) {
         for notes in &mut self.notes {
-            notes.iter_mut().for_each(|n| (n.weight, n.margin) = (1.0, 0.7 * n.margin));
-            notes.retain(|n| n.margin > 0.01);
+            for n in notes.iter_mut() {
+                (n.weight, n.margin, n.hulls_apart) = (1.0, 0.7 * n.margin, n.hulls_apart.saturating_sub(1));
+            }
+            notes.retain(|n| n.margin > 0.01 || n.hulls_apart > 0);
         }
+        self.any_hulls = self.notes.iter().flatten().any(|n| n.hulls_apart > 0);
     }
 
     /// The pieces, when every one is exactly inside and clear of all others; otherwise margins grow where it was not.

@@ -8,8 +8,10 @@ mod config;
 mod construct;
 mod field;
 mod fit;
+mod hulls;
 mod inside;
 mod instance;
+mod interlock;
 mod layout;
 mod nester;
 mod paper;
@@ -19,6 +21,7 @@ mod push;
 mod relocate;
 mod report;
 mod search;
+mod separable;
 mod separate;
 mod shape;
 mod skyline;
@@ -29,13 +32,14 @@ mod turns;
 mod voxels;
 
 pub use bound::lower_bound_mm;
-pub use config::{Config, Method, PaperConfig};
+pub use config::{Config, Interlock, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
 pub use nester::nest;
-pub use proof::{Body, Pair, Proof, prove, rotation_obeys};
+pub use proof::{Body, Pair, Proof, TakenApart, prove, rotation_obeys, take_apart};
 pub use report::{Course, PlacedPart, Report, UnplacedPart};
 pub use search::{Listener, Stop};
+pub use separable::drawing_gap_mm;
 pub use solution::{Placement, Solution};
 
 #[cfg(test)]

@@ -5,9 +5,10 @@ use std::{collections::BTreeSet, sync::mpsc};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Config, Instance, Listener, Method, Placement, Solution, Stop,
+    Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
     compress::compress,
     construct::{Builder, Recipe, boxes},
+    interlock::without_locked,
     lower_bound_mm,
     paper::nest_paper,
     piece::{Piece, Task, height_mm},
@@ -57,7 +58,8 @@ impl<'a> Course<'a> {
     }
 
     fn run(mut self, start: &[Placement]) -> Solution {
-        let task = Task::new(self.instance, COARSE_NODES, COARSE_POINTS);
+        let separable = self.config.interlock() == Interlock::Forbid;
+        let task = Task { separable, ..Task::new(self.instance, COARSE_NODES, COARSE_POINTS) };
         let prepared = self.stop.spent(0);
         self.construct(&task, start);
         let task = self.refined(task, prepared);
@@ -78,7 +80,8 @@ impl<'a> Course<'a> {
         if nodes < 2 * COARSE_NODES || self.best.is_empty() {
             return task;
         }
-        Task::new(self.instance, nodes, COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 })
+        let points = COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 };
+        Task { separable: task.separable, ..Task::new(self.instance, nodes, points) }
     }
 
     /// Takes a layout when it places more or is lower, and tells of it.
@@ -255,7 +258,8 @@ impl<'a> Course<'a> {
     }
 }
 
-/// The pieces of an earlier layout that still hold: inside the walls and clear of each other. Others are placed anew.
+/// The pieces of an earlier layout that still hold: inside the walls, clear of each other and, where it is asked, not locked
+/// into each other. Others are placed anew.
 fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
     let mut pieces: Vec<Piece> = Vec::new();
     for placement in start {
@@ -273,5 +277,5 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
             pieces.push(piece);
         }
     }
-    pieces
+    if task.separable { without_locked(task, pieces) } else { pieces }
 }

@@ -32,10 +32,12 @@ pub(crate) struct Task {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Whether a layout counts only when no part is locked into others.
+    pub(crate) separable: bool,
 }
 
 impl Task {
-    /// Prepares every distinct mesh that fits.
+    /// Prepares every distinct mesh that fits. Locked parts are let be.
     pub(crate) fn new(instance: &Instance, nodes: usize, points: usize) -> Self {
         let own = |item: &super::Item| item.clearance_mm.unwrap_or(0.0).max(instance.clearance_mm());
         let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
@@ -51,7 +53,7 @@ impl Task {
             .filter(|&(at, _)| kinds[at].is_some())
             .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
             .collect();
-        Self { kinds, copies, room: instance.volume().size_mm, reach_mm }
+        Self { kinds, copies, room: instance.volume().size_mm, reach_mm, separable: false }
     }
 
     /// The prepared item of a copy that is being nested.

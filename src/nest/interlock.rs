@@ -1,0 +1,58 @@
+//! What the search does about parts that are locked into each other: the pair is told to keep its hulls apart for a while,
+//! the smaller part is moved elsewhere, and separation goes on as after any other failed check.
+
+use rand_chacha::ChaCha8Rng;
+
+use super::{
+    layout::Layout,
+    piece::{Piece, Task},
+    relocate::{DepthGrid, Effort, move_away},
+    separable::{dismantle, locked_pairs},
+};
+
+/// Sweeps that cost about as much as one evaluation of the search.
+const SWEEPS_PER_EVALUATION: u64 = 2;
+
+/// Whether the layout that was just confirmed can be taken apart, or need not. Otherwise notes are made and parts moved, so
+/// that going on leads elsewhere.
+pub(crate) fn is_settled(
+    layout: &mut Layout<'_>,
+    pieces: &[Piece],
+    grid: &mut DepthGrid,
+    rng: &mut ChaCha8Rng,
+) -> bool {
+    if !layout.task.separable {
+        return true;
+    }
+    let known = std::mem::take(&mut layout.leaves);
+    let found = dismantle(layout.task, pieces, &known);
+    layout.leaves = found.leaves;
+    layout.evaluations += found.sweeps / SWEEPS_PER_EVALUATION + 1;
+    if found.locked.is_empty() {
+        return true;
+    }
+    let pairs = locked_pairs(layout.task, pieces, &found.locked);
+    layout.evaluations += (found.locked.len() * found.locked.len()) as u64;
+    let mut fresh = false;
+    for &(one, other) in &pairs {
+        fresh |= layout.keep_hulls_apart(one, other);
+    }
+    // A group that no single pair locks, or a pair that is locked though it was told before: the smallest part goes.
+    if !fresh {
+        let volume = |part: usize| layout.guides[part].shape.tree.mesh().volume_mm3();
+        let smallest = found.locked.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
+        let effort = Effort { asked: 800, looked_at: 24, pushed: 3 };
+        smallest.into_iter().for_each(|part| move_away(layout, grid, part, effort, rng));
+    }
+    false
+}
+
+/// The pieces of a layout without those, smallest first, that keep it from being taken apart.
+pub(crate) fn without_locked(task: &Task, mut pieces: Vec<Piece>) -> Vec<Piece> {
+    loop {
+        let locked = dismantle(task, &pieces, &[]).locked;
+        let volume = |at: usize| task.kind(pieces[at].item).shape.tree.mesh().volume_mm3();
+        let Some(smallest) = locked.into_iter().min_by(|&a, &b| volume(a).total_cmp(&volume(b))) else { return pieces };
+        pieces.remove(smallest);
+    }
+}

@@ -1,13 +1,17 @@
 //! The start: one part after the other at its lowest place. Boxes on boxes always work and are the floor; bit columns do
 //! better. Every placement is confirmed on the triangles before it counts.
 
-use std::{cmp::Reverse, collections::BTreeMap};
+use std::{
+    cmp::Reverse,
+    collections::{BTreeMap, BTreeSet},
+};
 
 use glam::{DQuat, DVec3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{
+    interlock::parted,
     piece::{CLEARANCE_SPARE_MM, Piece, Task},
     separable::can_leave,
     skyline::Skyline,
@@ -115,12 +119,19 @@ pub(crate) struct Builder<'t> {
     pitch: f64,
     turns: usize,
     rasters: BTreeMap<usize, Vec<Raster>>,
+    /// Whether a place counts only where the part can be drawn out again.
+    must_leave: bool,
     /// Placement tests made.
     pub(crate) tests: u64,
 }
 
 /// Voxels that a part is grown by beyond half its clearance: less wastes less, but fails the exact test more often.
 const GROW: f64 = 0.45;
+
+/// Places on the lattice that the triangles may refuse before a part goes on top.
+const MOST_FAILED: usize = 8;
+/// Places that may turn out to lock the part before it goes on top.
+const MOST_HELD: usize = 24;
 
 impl<'t> Builder<'t> {
     /// A builder whose lattice suits the task: finer for few parts and large clearances.
@@ -129,11 +140,12 @@ impl<'t> Builder<'t> {
         let columns = if task.copies.len() > 150 { 14_000.0 } else { 20_000.0 };
         let pitch = (task.room.x * task.room.y / columns).sqrt().max(0.3 * task.reach_mm).max(0.5);
         let turns = (300 / distinct).clamp(4, 16);
-        Self { task, pitch, turns, rasters: BTreeMap::new(), tests: 0 }
+        Self { task, pitch, turns, rasters: BTreeMap::new(), must_leave: false, tests: 0 }
     }
 
     /// Places copies in the given order around what stands already; those that find no place are left out. Ends early
-    /// with `None` when the layout gets as high as `worst_mm` or `enough` says so.
+    /// with `None` when the layout gets as high as `worst_mm` or `enough` says so. Where no part may be locked, those that
+    /// are find other places in the end.
     pub(crate) fn build(
         &mut self,
         recipe: &Recipe,
@@ -141,6 +153,30 @@ impl<'t> Builder<'t> {
         standing: &[Piece],
         worst_mm: f64,
         mut enough: impl FnMut(u64) -> bool,
+    ) -> Option<Vec<Piece>> {
+        self.must_leave = false;
+        let pieces = self.build_once(recipe, order, standing, worst_mm, &mut enough)?;
+        if !self.task.separable {
+            return Some(pieces);
+        }
+        let (kept, dropped) = parted(self.task, pieces);
+        if dropped.is_empty() {
+            return Some(kept);
+        }
+        let again: BTreeSet<(usize, u32)> = dropped.iter().map(|p| (p.item, p.copy)).collect();
+        let again: Vec<(usize, u32)> = order.iter().copied().filter(|copy| again.contains(copy)).collect();
+        self.must_leave = true;
+        self.build_once(recipe, &again, &kept, f64::INFINITY, &mut enough)
+    }
+
+    /// One run over copies in order, around what stands.
+    fn build_once(
+        &mut self,
+        recipe: &Recipe,
+        order: &[(usize, u32)],
+        standing: &[Piece],
+        worst_mm: f64,
+        enough: &mut impl FnMut(u64) -> bool,
     ) -> Option<Vec<Piece>> {
         let task = self.task;
         let mut occupancy = Occupancy::new(task.room, task.reach_mm, self.pitch);
@@ -193,17 +229,23 @@ impl<'t> Builder<'t> {
             turns.into_iter().map(|turn| Raster::new(shape, turn, task.reach_mm, pitch, GROW)).collect()
         });
         floors.turn_to(copy.0, rasters.len());
-        for _ in 0..8 {
+        let (mut failed, mut held) = (0, 0);
+        while failed < MOST_FAILED && held < MOST_HELD {
             let (at, node) = lowest_score(recipe, occupancy, rasters, floors, &mut self.tests)?;
             let raster = &rasters[at];
             let piece = task.piece(copy, raster.turn, occupancy.place(raster, node));
-            let stands = task.is_inside(&piece, task.room.z) && pieces.iter().all(|other| task.is_clear(&piece, other));
+            if !(task.is_inside(&piece, task.room.z) && pieces.iter().all(|other| task.is_clear(&piece, other))) {
+                floors.forbid(at, node);
+                failed += 1;
             // When each can leave those before it, all can leave in the opposite order.
-            if stands && (!task.separable || can_leave(task, &piece, pieces)) {
+            } else if self.must_leave && !can_leave(task, &piece, pieces) {
+                let reach = 0.25 * task.kind(copy.0).shape.radius_mm / pitch;
+                floors.forbid_around(node, reach.ceil() as usize);
+                held += 1;
+            } else {
                 occupancy.fill(raster, node);
                 return Some(piece);
             }
-            floors.forbid(at, node);
         }
         None
     }
@@ -227,6 +269,21 @@ impl Floors {
     fn forbid(&mut self, at: usize, [x, y, z]: [usize; 3]) {
         let count = self.counts[at];
         self.layers[at][x * count + y] = z as u16 + 1;
+    }
+
+    /// The part would be locked here, and so near, whatever its rotation.
+    fn forbid_around(&mut self, [x, y, z]: [usize; 3], reach: usize) {
+        let low = z.saturating_sub(reach);
+        for (layers, &count) in self.layers.iter_mut().zip(&self.counts).filter(|(layers, _)| !layers.is_empty()) {
+            for x in x.saturating_sub(reach)..=(x + reach).min(layers.len() / count - 1) {
+                for y in y.saturating_sub(reach)..=(y + reach).min(count - 1) {
+                    let layer = &mut layers[x * count + y];
+                    if usize::from(*layer) >= low {
+                        *layer = (*layer).max((z + reach + 1) as u16);
+                    }
+                }
+            }
+        }
     }
 }
 

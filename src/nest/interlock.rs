@@ -7,7 +7,7 @@ use super::{
     layout::Layout,
     piece::{Piece, Task},
     relocate::{DepthGrid, Effort, move_away},
-    separable::{dismantle, locked_pairs},
+    separable::{dismantle, in_the_way, locked_pairs},
 };
 
 /// Sweeps that cost about as much as one evaluation of the search.
@@ -47,12 +47,9 @@ pub(crate) fn is_settled(
     false
 }
 
-/// The pieces of a layout without those, smallest first, that keep it from being taken apart.
-pub(crate) fn without_locked(task: &Task, mut pieces: Vec<Piece>) -> Vec<Piece> {
-    loop {
-        let locked = dismantle(task, &pieces, &[]).locked;
-        let volume = |at: usize| task.kind(pieces[at].item).shape.tree.mesh().volume_mm3();
-        let Some(smallest) = locked.into_iter().min_by(|&a, &b| volume(a).total_cmp(&volume(b))) else { return pieces };
-        pieces.remove(smallest);
-    }
+/// Splits a layout into pieces that can be taken apart and those, the smallest that do, that keep the others from it.
+pub(crate) fn parted(task: &Task, mut pieces: Vec<Piece>) -> (Vec<Piece>, Vec<Piece>) {
+    let dropped = in_the_way(task, &pieces);
+    let dropped = dropped.into_iter().rev().map(|at| pieces.remove(at)).collect();
+    (pieces, dropped)
 }

@@ -8,7 +8,7 @@ use super::{
     Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
     compress::compress,
     construct::{Builder, Recipe, boxes},
-    interlock::without_locked,
+    interlock::parted,
     lower_bound_mm,
     paper::nest_paper,
     piece::{Piece, Task, height_mm},
@@ -277,5 +277,5 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
             pieces.push(piece);
         }
     }
-    if task.separable { without_locked(task, pieces) } else { pieces }
+    if task.separable { parted(task, pieces).0 } else { pieces }
 }

@@ -123,6 +123,23 @@ pub(crate) fn dismantle(task: &Task, pieces: &[Piece], known: &[Leave]) -> Disma
     Dismantled { leaves: work.leaves, locked, sweeps: work.sweeps }
 }
 
+/// The pieces that must go so that all others can be taken apart: of those who are locked the smallest, again and again. In
+/// order.
+pub(crate) fn in_the_way(task: &Task, pieces: &[Piece]) -> Vec<usize> {
+    let volume = |part: usize| task.kind(pieces[part].item).shape.tree.mesh().volume_mm3();
+    let mut work = Work::new(pieces.iter().map(|piece| Solid::new(task, piece)).collect());
+    let mut dropped = Vec::new();
+    loop {
+        while work.leave_upwards() || work.leave_anyhow() {}
+        let locked = (0..pieces.len()).filter(|&part| !work.gone[part]);
+        let Some(smallest) = locked.min_by(|&a, &b| volume(a).total_cmp(&volume(b))) else { break };
+        work.gone[smallest] = true;
+        dropped.push(smallest);
+    }
+    dropped.sort_unstable();
+    dropped
+}
+
 /// Pairs among the locked parts that are locked by themselves: neither can leave the other, whatever else is taken away.
 pub(crate) fn locked_pairs(task: &Task, pieces: &[Piece], locked: &[usize]) -> Vec<(usize, usize)> {
     let ways = ways();

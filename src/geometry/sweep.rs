@@ -1,7 +1,7 @@
 //! Whether one part can be drawn past another along a straight line, exactly: the moving surface's infinite sweep against the
 //! standing surface's triangles, in one walk of the two box trees and without steps along the way.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::{
     ClearanceTree, Pose,
@@ -9,8 +9,9 @@ use super::{
     triangle::Triangle,
 };
 
-/// A normal that leans less than this against the way counts as facing both ways.
-const LEAN: f64 = 1e-9;
+/// A face that leans less than this towards the way (the cosine) counts as standing along it: what it sweeps is swept by its
+/// neighbours too.
+const LEAN: f64 = 4e-6;
 /// Triangles seen edge-on are no wider than this, mm.
 const ROUNDING_MM: f64 = 1e-9;
 
@@ -33,20 +34,30 @@ struct Sweep<'a> {
     solid: bool,
 }
 
+/// Axes along which boxes are seen: x, y, their two diagonals, z, which is the way, and the axes of both trees' boxes.
+const AXES: usize = 11;
+
 /// A tree in the frame of the way.
 struct Seen<'a> {
     tree: &'a BoxTree,
     turn: DMat3,
     shift: DVec3,
-    /// Absolute values of the axes below, in the tree's frame: they turn half edges into half widths.
-    spread: [DVec3; 5],
+    /// The axes in the tree's own frame.
+    axes: [DVec3; AXES],
+    /// Absolute values of the axes: they turn half edges into half widths.
+    spread: [DVec3; AXES],
+    shifts: [f64; AXES],
+    /// The way in the tree's own frame, and its absolute values.
+    way: Vec3,
+    way_spread: Vec3,
 }
 
-/// A box as it is seen along five axes: x, y, their two diagonals, and z, the way.
+/// A node with its box as it is seen along the axes.
 #[derive(Clone, Copy)]
-struct Shadow {
-    middle: [f64; 5],
-    half: [f64; 5],
+struct Shadow<'a> {
+    node: &'a Node,
+    low: [f64; AXES],
+    high: [f64; AXES],
 }
 
 impl<'a> Sweep<'a> {
@@ -57,42 +68,59 @@ impl<'a> Sweep<'a> {
         let sides = box1.matrix();
         let across = if sides.x_axis.dot(way).abs() < 0.9 { sides.x_axis } else { sides.y_axis };
         let x = (across - way * across.dot(way)).normalize();
-        let rows = DMat3::from_cols(x, way.cross(x), way).transpose();
+        let y = way.cross(x);
+        // An axis that the way runs along, not against: then only what stands before the sweep along it is out of reach.
+        let onward = |axis: DVec3| if axis.dot(way) < 0.0 { -axis } else { axis };
+        let (sides1, sides2) = (box1.matrix(), box2.matrix());
+        let [a, b, c] = [sides1.x_axis, sides1.y_axis, sides1.z_axis].map(onward);
+        let [d, e, f] = [sides2.x_axis, sides2.y_axis, sides2.z_axis].map(onward);
+        let diagonal = std::f64::consts::FRAC_1_SQRT_2;
+        let axes = [x, y, (x + y) * diagonal, (x - y) * diagonal, way, a, b, c, d, e, f];
+        let rows = DMat3::from_cols(x, y, way).transpose();
         Self {
-            moving: Seen::new(&part1.tree, rows, &box1),
-            standing: Seen::new(&part2.tree, rows, &box2),
+            moving: Seen::new(&part1.tree, rows, &box1, &axes),
+            standing: Seen::new(&part2.tree, rows, &box2, &axes),
             gap_mm,
             solid: part1.mesh().defects().is_closed() && part2.mesh().defects().is_closed(),
         }
     }
 
     fn is_barred(&self) -> bool {
-        let (node1, node2) = (&self.moving.tree.nodes[0], &self.standing.tree.nodes[0]);
-        let (shadow1, shadow2) = (self.moving.shadow(node1), self.standing.shadow(node2));
-        self.may_meet(&shadow1, &shadow2) && self.visit(node1, &shadow1, node2, &shadow2)
+        let (shadow1, shadow2) = (self.moving.shadow(0), self.standing.shadow(0));
+        self.may_meet(&shadow1, &shadow2) && self.visit(&shadow1, &shadow2)
     }
 
     /// Whether boxes leave it open that something of the first sweeps over something of the second.
     #[inline]
-    fn may_meet(&self, shadow1: &Shadow, shadow2: &Shadow) -> bool {
-        let apart = |k: usize| (shadow2.middle[k] - shadow1.middle[k]).abs() - shadow1.half[k] - shadow2.half[k];
-        shadow2.middle[4] + shadow2.half[4] > shadow1.middle[4] - shadow1.half[4]
-            && (0..4).all(|k| apart(k) < self.gap_mm)
+    fn may_meet(&self, shadow1: &Shadow<'_>, shadow2: &Shadow<'_>) -> bool {
+        shadow2.high[4] > shadow1.low[4]
+            && (0..4).all(|k| {
+                shadow2.low[k] - shadow1.high[k] < self.gap_mm && shadow1.low[k] - shadow2.high[k] < self.gap_mm
+            })
+            && (5..AXES).all(|k| shadow1.low[k] - shadow2.high[k] < self.gap_mm)
     }
 
-    fn visit(&self, node1: &Node, shadow1: &Shadow, node2: &Node, shadow2: &Shadow) -> bool {
+    fn visit(&self, shadow1: &Shadow<'_>, shadow2: &Shadow<'_>) -> bool {
+        let (node1, node2) = (shadow1.node, shadow2.node);
         if node1.is_leaf() && node2.is_leaf() {
             return self.compare(node1, node2);
         }
         let open1 = !node1.is_leaf() && (node2.is_leaf() || node1.half.length_squared() >= node2.half.length_squared());
-        let (opened, seen) = if open1 { (node1, &self.moving) } else { (node2, &self.standing) };
-        let children = [0, 1].map(|c| &seen.tree.nodes[opened.first as usize + c]);
-        let shadows = children.map(|child| seen.shadow(child));
-        (0..2).any(|c| {
+        (0..2).any(|child| {
             if open1 {
-                self.may_meet(&shadows[c], shadow2) && self.visit(children[c], &shadows[c], node2, shadow2)
+                let at = node1.first as usize + child;
+                if self.solid && self.moving.faces(at).1 <= LEAN as f32 {
+                    return false;
+                }
+                let shadow1 = self.moving.shadow(at);
+                self.may_meet(&shadow1, shadow2) && self.visit(&shadow1, shadow2)
             } else {
-                self.may_meet(shadow1, &shadows[c]) && self.visit(node1, shadow1, children[c], &shadows[c])
+                let at = node2.first as usize + child;
+                if self.solid && self.standing.faces(at).0 >= -LEAN as f32 {
+                    return false;
+                }
+                let shadow2 = self.standing.shadow(at);
+                self.may_meet(shadow1, &shadow2) && self.visit(shadow1, &shadow2)
             }
         })
     }
@@ -114,26 +142,38 @@ impl<'a> Sweep<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(tree: &'a BoxTree, rows: DMat3, pose: &Pose) -> Self {
-        let turn = rows * pose.matrix();
-        let [x, y, z] = {
-            let rows = turn.transpose();
-            [rows.x_axis, rows.y_axis, rows.z_axis]
-        };
-        let diagonal = std::f64::consts::FRAC_1_SQRT_2;
-        let spread = [x, y, (x + y) * diagonal, (x - y) * diagonal, z].map(DVec3::abs);
-        Self { tree, turn, shift: rows * pose.translation, spread }
+    fn new(tree: &'a BoxTree, rows: DMat3, pose: &Pose, axes: &[DVec3; AXES]) -> Self {
+        let matrix = pose.matrix();
+        let back = matrix.transpose();
+        let own = axes.map(|axis| back * axis);
+        let way = own[4].as_vec3();
+        Self {
+            tree,
+            turn: rows * matrix,
+            shift: rows * pose.translation,
+            axes: own,
+            spread: own.map(DVec3::abs),
+            shifts: axes.map(|axis| axis.dot(pose.translation)),
+            way,
+            way_spread: way.abs(),
+        }
     }
 
     #[inline]
-    fn shadow(&self, node: &Node) -> Shadow {
-        let middle = self.turn * node.center + self.shift;
-        let diagonal = std::f64::consts::FRAC_1_SQRT_2;
-        let (sum, difference) = ((middle.x + middle.y) * diagonal, (middle.x - middle.y) * diagonal);
-        Shadow {
-            middle: [middle.x, middle.y, sum, difference, middle.z],
-            half: self.spread.map(|axis| axis.dot(node.half)),
+    fn shadow(&self, node: usize) -> Shadow<'a> {
+        let node = &self.tree.nodes[node];
+        let mut shadow = Shadow { node, low: [0.0; AXES], high: [0.0; AXES] };
+        for k in 0..AXES {
+            let (middle, half) = (self.axes[k].dot(node.center) + self.shifts[k], self.spread[k].dot(node.half));
+            (shadow.low[k], shadow.high[k]) = (middle - half, middle + half);
         }
+        shadow
+    }
+
+    /// How little and how much the triangles of a node face the way.
+    #[inline]
+    fn faces(&self, node: usize) -> (f32, f32) {
+        self.tree.facings[node].along(self.way, self.way_spread)
     }
 }
 

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::{Bounds, Mesh, Pose, triangle::Triangle};
 
 /// Most triangles in a leaf: below that, walking boxes costs more than it saves.
-const LEAF: usize = 4;
+pub(super) const LEAF: usize = 4;
 /// Places at which a split is tried along an axis.
 const BINS: usize = 16;
 /// Below this depth nodes are halved by count, so that a walk is never deeper than twice about 40.

@@ -1,11 +1,11 @@
 //! Whether one part can be drawn past another along a straight line, exactly: the moving surface's infinite sweep against the
 //! standing surface's triangles, in one walk of the two box trees and without steps along the way.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Vec3};
 
 use super::{
     ClearanceTree, Pose,
-    box_tree::{BoxTree, Node},
+    box_tree::{BoxTree, LEAF, Node},
     triangle::Triangle,
 };
 
@@ -34,6 +34,8 @@ struct Sweep<'a> {
     solid: bool,
 }
 
+/// Which of the axes is the way.
+const WAY: usize = 4;
 /// Axes along which boxes are seen: x, y, their two diagonals, z, which is the way, and the axes of both trees' boxes.
 const AXES: usize = 11;
 
@@ -80,7 +82,7 @@ impl<'a> Sweep<'a> {
         Self {
             moving: Seen::new(&part1.tree, rows, &box1, &axes),
             standing: Seen::new(&part2.tree, rows, &box2, &axes),
-            gap_mm,
+            gap_mm: gap_mm.max(ROUNDING_MM),
             solid: part1.mesh().defects().is_closed() && part2.mesh().defects().is_closed(),
         }
     }
@@ -93,11 +95,11 @@ impl<'a> Sweep<'a> {
     /// Whether boxes leave it open that something of the first sweeps over something of the second.
     #[inline]
     fn may_meet(&self, shadow1: &Shadow<'_>, shadow2: &Shadow<'_>) -> bool {
-        shadow2.high[4] > shadow1.low[4]
-            && (0..4).all(|k| {
+        shadow2.high[WAY] > shadow1.low[WAY]
+            && (0..WAY).all(|k| {
                 shadow2.low[k] - shadow1.high[k] < self.gap_mm && shadow1.low[k] - shadow2.high[k] < self.gap_mm
             })
-            && (5..AXES).all(|k| shadow1.low[k] - shadow2.high[k] < self.gap_mm)
+            && (WAY + 1..AXES).all(|k| shadow1.low[k] - shadow2.high[k] < self.gap_mm)
     }
 
     fn visit(&self, shadow1: &Shadow<'_>, shadow2: &Shadow<'_>) -> bool {
@@ -126,18 +128,20 @@ impl<'a> Sweep<'a> {
     }
 
     fn compare(&self, leaf1: &Node, leaf2: &Node) -> bool {
-        let standing = |triangle: &Triangle| triangle.moved(&self.standing.turn, self.standing.shift);
-        let moving = |triangle: &Triangle| triangle.moved(&self.moving.turn, self.moving.shift);
-        let ahead = |t: &Triangle| !self.solid || t.normal.z > LEAN || t.normal == DVec3::ZERO;
-        let against = |t: &Triangle| !self.solid || t.normal.z < -LEAN || t.normal == DVec3::ZERO;
-        for triangle1 in self.moving.tree.triangles[leaf1.range()].iter().map(moving).filter(ahead) {
-            for triangle2 in self.standing.tree.triangles[leaf2.range()].iter().map(standing).filter(against) {
-                if sweeps_over(&triangle1, &triangle2, self.gap_mm) {
-                    return true;
-                }
-            }
+        let (moving, standing) = (&self.moving, &self.standing);
+        let counts = |normal: DVec3, lean: f64| !self.solid || lean > LEAN || normal == DVec3::ZERO;
+        let way = (moving.axes[WAY], standing.axes[WAY]);
+        let ahead = moving.tree.triangles[leaf1.range()].iter().filter(|t| counts(t.normal, t.normal.dot(way.0)));
+        let mut ahead = ahead.map(|t| t.moved(&moving.turn, moving.shift)).peekable();
+        if ahead.peek().is_none() {
+            return false;
         }
-        false
+        let against = standing.tree.triangles[leaf2.range()].iter().filter(|t| counts(t.normal, -t.normal.dot(way.1)));
+        let mut room = [None; LEAF];
+        for (place, triangle) in room.iter_mut().zip(against) {
+            *place = Some(triangle.moved(&standing.turn, standing.shift));
+        }
+        ahead.any(|one| room.iter().flatten().any(|other| sweeps_over(&one, other, self.gap_mm)))
     }
 }
 
@@ -146,7 +150,7 @@ impl<'a> Seen<'a> {
         let matrix = pose.matrix();
         let back = matrix.transpose();
         let own = axes.map(|axis| back * axis);
-        let way = own[4].as_vec3();
+        let way = own[WAY].as_vec3();
         Self {
             tree,
             turn: rows * matrix,
@@ -179,48 +183,86 @@ impl<'a> Seen<'a> {
 
 /// Whether a triangle moved along +z for ever comes nearer than `gap` to another, nearer than which it is not now.
 fn sweeps_over(moving: &Triangle, standing: &Triangle, gap: f64) -> bool {
-    let span = |t: &Triangle| {
-        (t.corners[0].min(t.corners[1]).min(t.corners[2]), t.corners[0].max(t.corners[1]).max(t.corners[2]))
-    };
-    let ((low1, high1), (low2, high2)) = (span(moving), span(standing));
+    let ((low1, high1), (low2, high2)) = (moving.span(), standing.span());
     if high2.z <= low1.z || (low2 - high1).truncate().max((low1 - high2).truncate()).max_element() >= gap {
         return false;
     }
-    let apart = apart_across(&moving.corners, &standing.corners).max(apart_across(&standing.corners, &moving.corners));
-    if apart >= gap {
+    if leaves_plane(moving, standing, gap) {
         return false;
     }
-    if apart < -ROUNDING_MM && high1.z <= low2.z {
+    let across1 = across(&moving.corners, &standing.corners, gap);
+    if across1 == Across::Apart {
+        return false;
+    }
+    let across2 = across(&standing.corners, &moving.corners, gap);
+    if across2 == Across::Apart {
+        return false;
+    }
+    if across1 == Across::Overlapping && across2 == Across::Overlapping && high1.z <= low2.z {
         return true;
     }
     if standing.corners.iter().any(|&corner| is_over(corner, &moving.corners)) {
         return true;
     }
     let up = DVec3::Z * (high2.z - low1.z + gap);
+    let gap_sq = gap * gap;
     (0..3).any(|edge| {
         let (from, to) = (moving.corners[edge], moving.corners[(edge + 1) % 3]);
-        let gap_sq = gap * gap;
         [[from, to, to + up], [from, to + up, from + up]]
             .into_iter()
             .any(|half| Triangle::new(half).distance_sq_below(standing, gap_sq) < gap_sq)
     })
 }
 
-/// How far apart two triangles stand across z, seen along the normals of the first one's edges, mm; negative when they
-/// overlap along all of them.
-fn apart_across(corners1: &[DVec3; 3], corners2: &[DVec3; 3]) -> f64 {
-    let mut most = f64::NEG_INFINITY;
+/// Whether one of the two planes keeps a moving triangle `gap` away from the other one already, and ever more on its way.
+fn leaves_plane(moving: &Triangle, standing: &Triangle, gap: f64) -> bool {
+    let upwards = |normal: DVec3| if normal.z < 0.0 { -normal } else { normal };
+    let (normal1, normal2) = (upwards(moving.normal), upwards(standing.normal));
+    let limits = |triangle: &Triangle, normal: DVec3| {
+        let [a, b, c] = triangle.corners.map(|corner| corner.dot(normal));
+        (a.min(b).min(c), a.max(b).max(c))
+    };
+    // Of a sliver, whose normal is zero, nothing follows: all limits are zero.
+    limits(moving, normal1).0 - limits(standing, normal1).1 >= gap
+        || limits(moving, normal2).0 - limits(standing, normal2).1 >= gap
+}
+
+/// How two triangles stand to each other across z.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Across {
+    /// A gap or more apart.
+    Apart,
+    /// Overlapping along all axes looked at.
+    Overlapping,
+    /// Nearer than a gap, or only touching.
+    Near,
+}
+
+/// Looks at two triangles along the normals of the first one's edges.
+fn across(corners1: &[DVec3; 3], corners2: &[DVec3; 3], gap: f64) -> Across {
+    let flat1 = corners1.map(DVec3::truncate);
+    let flat2 = corners2.map(DVec3::truncate);
+    let mut found = Across::Overlapping;
     for edge in 0..3 {
-        let along = (corners1[(edge + 1) % 3] - corners1[edge]).truncate();
-        let Some(normal) = along.perp().try_normalize() else { continue };
-        let limits = |corners: &[DVec3; 3]| {
-            let [a, b, c] = corners.map(|corner| corner.truncate().dot(normal));
+        let normal = (flat1[(edge + 1) % 3] - flat1[edge]).perp();
+        let limits = |[a, b, c]: [DVec2; 3]| {
+            let [a, b, c] = [a.dot(normal), b.dot(normal), c.dot(normal)];
             (a.min(b).min(c), a.max(b).max(c))
         };
-        let ((low1, high1), (low2, high2)) = (limits(corners1), limits(corners2));
-        most = most.max(low2 - high1).max(low1 - high2);
+        let ((low1, high1), (low2, high2)) = (limits(flat1), limits(flat2));
+        // The normal is as long as the edge.
+        let (apart, length_sq) = ((low2 - high1).max(low1 - high2), normal.length_squared());
+        if apart > 0.0 && apart * apart >= gap * gap * length_sq {
+            // A point of an edge has no normal.
+            if length_sq > ROUNDING_MM * ROUNDING_MM {
+                return Across::Apart;
+            }
+        }
+        if apart > 0.0 || apart * apart <= ROUNDING_MM * ROUNDING_MM * length_sq {
+            found = Across::Near;
+        }
     }
-    most
+    found
 }
 
 /// Whether a point stands over (in +z of) a triangle that is not seen edge-on.

@@ -3,6 +3,7 @@
 mod bounds;
 mod box_tree;
 mod clearance;
+mod contact;
 mod eigen;
 mod inside;
 mod mesh;
@@ -26,7 +27,9 @@ mod sweep_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;
+pub use contact::Contact;
 pub use mesh::{Defects, Mesh, MeshError};
 pub use obb::Obb;
 pub use obb_tree::ObbTree;
 pub use pose::Pose;
+pub(crate) use triangle::closest_point;

@@ -178,6 +178,39 @@ fn to_segment_sq(point: DVec3, from: DVec3, d: DVec3, d_sq: f64) -> f64 {
     (r - d * share).length_squared()
 }
 
+/// The point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+pub(crate) fn closest_point(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    let total = va + vb + vc;
+    if total <= 0.0 { a } else { a + ab * (vb / total) + ac * (vc / total) }
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;

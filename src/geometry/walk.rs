@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3};
 use super::{
     ClearanceTree, Pose,
     box_tree::{BoxTree, Node},
+    triangle::Triangle,
 };
 
 /// Two trees, and frame 2 (of the second tree's boxes) seen from frame 1.
@@ -44,6 +45,42 @@ impl<'a> Walk<'a> {
         search.best_sq
     }
 
+    /// Tells `each` of the nearest two triangles of every two leaves that come nearer than the root of `limit_sq` (mm2)
+    /// without meeting. The second triangle is given in frame 1.
+    pub fn near_leaves(&self, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) {
+        let mut open = vec![(0_usize, 0_usize)];
+        while let Some((at1, at2)) = open.pop() {
+            let (node1, node2) = (&self.tree1.nodes[at1], &self.tree2.nodes[at2]);
+            if self.apart_sq(node1, node2, limit_sq) >= limit_sq {
+                continue;
+            }
+            if node1.is_leaf() && node2.is_leaf() {
+                self.nearest_triangles(node1, node2, limit_sq, each);
+            } else if opens_first(node1, node2) {
+                open.extend([0, 1].map(|child| (node1.first as usize + child, at2)));
+            } else {
+                open.extend([0, 1].map(|child| (at1, node2.first as usize + child)));
+            }
+        }
+    }
+
+    fn nearest_triangles(&self, leaf1: &Node, leaf2: &Node, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) {
+        let mut best_sq = limit_sq;
+        let mut best = None;
+        for triangle2 in &self.tree2.triangles[leaf2.range()] {
+            let triangle2 = triangle2.moved(&self.rotation12, self.translation12);
+            for triangle1 in &self.tree1.triangles[leaf1.range()] {
+                let found_sq = triangle1.distance_sq_below(&triangle2, best_sq);
+                if found_sq < best_sq {
+                    (best_sq, best) = (found_sq, Some((triangle1, triangle2)));
+                }
+            }
+        }
+        if let Some((triangle1, triangle2)) = best.filter(|_| best_sq > 0.0) {
+            each(triangle1, &triangle2);
+        }
+    }
+
     /// A lower bound of the squared distance of two boxes: the gaps along one box's axes are a part of any connecting line.
     /// May stop at a first bound that reaches `enough_sq`.
     #[inline]
@@ -64,6 +101,12 @@ impl<'a> Walk<'a> {
     }
 }
 
+/// Which of two nodes that are not both leaves is opened: the larger box, for that shrinks the bound the most.
+#[inline]
+fn opens_first(node1: &Node, node2: &Node) -> bool {
+    !node1.is_leaf() && (node2.is_leaf() || node1.half.length_squared() >= node2.half.length_squared())
+}
+
 struct Search<'a> {
     walk: &'a Walk<'a>,
     best_sq: f64,
@@ -75,8 +118,7 @@ impl Search<'_> {
         if node1.is_leaf() && node2.is_leaf() {
             return self.compare(node1, node2);
         }
-        // The larger box is opened: that shrinks the bound the most.
-        let open1 = !node1.is_leaf() && (node2.is_leaf() || node1.half.length_squared() >= node2.half.length_squared());
+        let open1 = opens_first(node1, node2);
         let walk = self.walk;
         let (opened, nodes) = if open1 { (node1, &walk.tree1.nodes) } else { (node2, &walk.tree2.nodes) };
         let children = [&nodes[opened.first as usize], &nodes[opened.first as usize + 1]];

@@ -24,9 +24,9 @@ pub(crate) fn is_settled(
     if !layout.task.separable {
         return true;
     }
-    let known = std::mem::take(&mut layout.leaves);
+    let known = std::mem::take(&mut layout.locks.leaves);
     let found = dismantle(layout.task, pieces, &known);
-    layout.leaves = found.leaves;
+    layout.locks.leaves = found.leaves;
     layout.evaluations += found.sweeps / SWEEPS_PER_EVALUATION + 1;
     if found.locked.is_empty() {
         return true;
@@ -35,7 +35,7 @@ pub(crate) fn is_settled(
     layout.evaluations += (found.locked.len() * found.locked.len()) as u64;
     let mut fresh = false;
     for &(one, other) in &pairs {
-        fresh |= layout.keep_hulls_apart(one, other);
+        fresh |= layout.locks.keep_apart(one, other);
     }
     // A group that no single pair locks, or a pair that is locked though it was told before: the smallest part goes.
     if !fresh {

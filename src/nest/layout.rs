@@ -5,31 +5,39 @@ use glam::{DQuat, DVec3, Vec3};
 use super::{
     OrientationRule,
     fit::WALL_SPARE_MM,
-    hulls,
+    locks::Locks,
     piece::{CLEARANCE_SPARE_MM, Piece, Task},
     push::{Guide, Push},
-    separable::Leave,
+    touch::{self, Touch},
 };
+use crate::geometry::Bounds;
 
 /// What guides keep from the walls, mm: their bounds are of single precision.
 const GUIDE_SPARE_MM: f32 = 2e-4;
 /// Parts are pushed so much further apart than they must be, mm: a push that ends exactly at the bound never arrives.
 const OVERSHOOT_MM: f32 = 0.03;
 
+/// The same for exact contacts.
+const TOUCH_OVERSHOOT_MM: f32 = 0.004;
+/// What is aimed at beyond the clearance, mm.
+const WANTED_SPARE_MM: f32 = 2e-3;
+/// Contacts of a failing pair are collected as far as this beyond its clearance, mm.
+const TOUCH_LIMIT_MM: f64 = 0.1;
+
 /// What the guides may be wrong by at most, mm: the greatest margin of a pair.
 const MARGIN_MM: f32 = 1.5;
 
-/// Lids for which two parts that were locked into each other keep their hulls apart.
-const HULLS_APART_LIDS: u8 = 40;
-
 /// What is remembered of a pair beside its being there.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Note {
     other: u32,
     weight: f32,
+    /// What the guides are wrong by where no contact can be told, mm.
     margin: f32,
-    /// For so many lids more their convex hulls are kept apart: they were locked into each other.
-    hulls_apart: u8,
+    /// Exact contacts, from the failed confirmations.
+    touches: Vec<Touch>,
+    /// The moves of both parts at which the triangles were last found clear.
+    clear_at: Option<(u32, u32)>,
 }
 
 /// Where one part stands; the turn is kept in full digits.
@@ -48,10 +56,10 @@ pub(crate) struct Layout<'t> {
     pub(crate) guides: Vec<Guide>,
     clearances: Vec<f32>,
     notes: Vec<Vec<Note>>,
-    /// Whether any note keeps hulls apart.
-    any_hulls: bool,
-    /// How the last layout that was looked at came apart.
-    pub(crate) leaves: Vec<Leave>,
+    /// How often each part has moved.
+    moves: Vec<u32>,
+    /// Who was locked into whom.
+    pub(crate) locks: Locks,
     /// Height that must not be passed, mm.
     pub(crate) lid_mm: f64,
     /// Looks at one part among its neighbours.
@@ -69,8 +77,8 @@ impl<'t> Layout<'t> {
             guides: pieces.iter().map(guide).collect(),
             clearances: pieces.iter().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
             notes: vec![Vec::new(); pieces.len()],
-            any_hulls: false,
-            leaves: Vec::new(),
+            moves: vec![0; pieces.len()],
+            locks: Locks::default(),
             lid_mm,
             evaluations: 0,
         }
@@ -96,7 +104,19 @@ impl<'t> Layout<'t> {
     /// Moves a part, and then inside the walls as far as it fits.
     pub(crate) fn set(&mut self, part: usize, stand: Stand) {
         let mut guide = self.guides[part].clone();
-        self.stands[part] = self.clamp(&mut guide, stand);
+        let mut stand = self.clamp(&mut guide, stand);
+        let known = self.stands[part];
+        if known.place == stand.place && known.turn == stand.turn {
+            return;
+        }
+        // The guides' bounds are those of some points; the triangles' are exact.
+        let exact = guide.shape.tree.bounds_at(&guide.shape.pose(stand.turn, stand.place));
+        let shift = shift_inside(&exact, self.task.room.with_z(self.lid_mm));
+        stand.place += shift;
+        guide.place = stand.place.as_vec3();
+        (guide.min, guide.max) = ((exact.min + shift).as_vec3(), (exact.max + shift).as_vec3());
+        self.moves[part] = self.moves[part].wrapping_add(1);
+        self.stands[part] = stand;
         self.guides[part] = guide;
     }
 
@@ -125,12 +145,10 @@ impl<'t> Layout<'t> {
         if excess.max_element() > 5e-4 { excess.length() * radius * radius } else { 0.0 }
     }
 
-    fn note(&self, one: usize, other: usize) -> (f32, f32) {
+    fn note(&self, one: usize, other: usize) -> Option<&Note> {
         let (first, second) = (one.min(other), one.max(other) as u32);
-        match self.notes[first].binary_search_by_key(&second, |n| n.other) {
-            Ok(at) => (self.notes[first][at].weight, self.notes[first][at].margin),
-            Err(_) => (1.0, 0.0),
-        }
+        let at = self.notes[first].binary_search_by_key(&second, |n| n.other).ok()?;
+        Some(&self.notes[first][at])
     }
 
     fn note_mut(&mut self, one: usize, other: usize) -> &mut Note {
@@ -139,40 +157,35 @@ impl<'t> Layout<'t> {
         let at = match notes.binary_search_by_key(&second, |n| n.other) {
             Ok(at) => at,
             Err(at) => {
-                notes.insert(at, Note { other: second, weight: 1.0, margin: 0.0, hulls_apart: 0 });
+                let note = Note { other: second, weight: 1.0, margin: 0.0, touches: Vec::new(), clear_at: None };
+                notes.insert(at, note);
                 at
             }
         };
         &mut notes[at]
     }
 
-    /// Clearance of a pair, mm, and its weight.
-    fn wanted(&self, one: usize, other: usize) -> (f32, f32) {
-        let (weight, margin) = self.note(one, other);
-        (self.clearances[one].max(self.clearances[other]) + margin + 5e-3, weight)
-    }
-
-    /// From now on and for many lids two parts keep their hulls apart. Whether that is new.
-    pub(crate) fn keep_hulls_apart(&mut self, one: usize, other: usize) -> bool {
-        self.any_hulls = true;
-        let note = self.note_mut(one, other);
-        std::mem::replace(&mut note.hulls_apart, HULLS_APART_LIDS) == 0
-    }
-
-    /// How the hulls of a part, were it at `guide`, and of another overlap, where they must not.
-    fn hull_overlap(&self, part: usize, guide: &Guide, other: usize) -> Option<hulls::Overlap> {
-        let (first, second) = (part.min(other), part.max(other) as u32);
-        let notes = if self.any_hulls { &self.notes[first][..] } else { &[] };
-        let at = notes.binary_search_by_key(&second, |n| n.other).ok()?;
-        if notes[at].hulls_apart == 0 {
-            return None;
+    /// What holds between two parts.
+    fn wanted(&self, one: usize, other: usize) -> Wanted<'_> {
+        let clearance = self.clearances[one].max(self.clearances[other]) + WANTED_SPARE_MM;
+        match self.note(one, other) {
+            Some(note) => {
+                Wanted { reach: clearance + note.margin, clearance, weight: note.weight, touches: &note.touches }
+            }
+            None => Wanted { reach: clearance, clearance, weight: 1.0, touches: &[] },
         }
-        hulls::overlap(guide, &self.guides[other])
     }
 
-    /// The overlap of two hulls that must not, weighed like overlap of the parts; 0 for all others.
-    fn hull_energy(&self, part: usize, guide: &Guide, other: usize) -> f32 {
-        self.hull_overlap(part, guide, other).map_or(0.0, |hulls| hulls.depth * hulls.area)
+    /// Overlap of a part, were it at `guide`, with another one; unweighted.
+    fn overlap(&self, part: usize, guide: &Guide, other: usize, wanted: &Wanted<'_>, coarse: bool) -> f32 {
+        let there = &self.guides[other];
+        let energy = if coarse { guide.coarse_energy(there, wanted.reach) } else { guide.energy(there, wanted.reach) };
+        let energy = energy + self.locks.energy((part, guide), (other, there));
+        if wanted.touches.is_empty() {
+            return energy;
+        }
+        let (first, second) = if part < other { (guide, there) } else { (there, guide) };
+        energy + touch::energy(wanted.touches, first, second, wanted.clearance)
     }
 
     /// Parts whose bounds come nearer to a guide than any pair may be.
@@ -185,10 +198,8 @@ impl<'t> Layout<'t> {
     pub(crate) fn energy_at(&self, part: usize, guide: &Guide, coarse: bool, enough: f32) -> f32 {
         let mut energy = self.excess_energy(guide);
         for other in self.near(part, guide) {
-            let (reach, weight) = self.wanted(part, other);
-            let there = &self.guides[other];
-            energy += weight * if coarse { guide.coarse_energy(there, reach) } else { guide.energy(there, reach) };
-            energy += weight * self.hull_energy(part, guide, other);
+            let wanted = self.wanted(part, other);
+            energy += wanted.weight * self.overlap(part, guide, other, &wanted, coarse);
             if energy >= enough {
                 break;
             }
@@ -202,11 +213,12 @@ impl<'t> Layout<'t> {
         let guide = &self.guides[part];
         let mut push = Push::new(0.7 * guide.shape.radius_mm as f32);
         for other in self.near(part, guide) {
-            let (reach, weight) = self.wanted(part, other);
-            guide.push_from(&self.guides[other], reach + OVERSHOOT_MM, weight, &mut push);
-            if let Some(hulls) = self.hull_overlap(part, guide, other) {
-                push.add(Vec3::ZERO, hulls.way, hulls.depth + OVERSHOOT_MM, weight * hulls.area);
-            }
+            let (wanted, there) = (self.wanted(part, other), &self.guides[other]);
+            guide.push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push);
+            let pair = if part < other { (guide, there) } else { (there, guide) };
+            let aim = (wanted.clearance + TOUCH_OVERSHOOT_MM, wanted.weight);
+            touch::push(wanted.touches, pair, part < other, aim, &mut push);
+            self.locks.push((part, guide), (other, there), wanted.weight, &mut push);
         }
         let rule = self.rule(part);
         let energy = push.energy + self.excess_energy(guide);
@@ -261,8 +273,7 @@ impl<'t> Layout<'t> {
             energies[one] += self.excess_energy(&self.guides[one]);
             for other in one + 1..self.len() {
                 if self.guides[one].is_near(&self.guides[other], reach) {
-                    let energy = self.guides[one].energy(&self.guides[other], self.wanted(one, other).0)
-                        + self.hull_energy(one, &self.guides[one], other);
+                    let energy = self.overlap(one, &self.guides[one], other, &self.wanted(one, other), false);
                     if energy > 0.0 {
                         energies[one] += energy;
                         energies[other] += energy;
@@ -284,55 +295,69 @@ impl<'t> Layout<'t> {
         energies.iter().sum()
     }
 
-    /// Forgets weights, a part of the margins, and after many lids who was locked.
+    /// Forgets weights, and a part of the margins.
     pub(crate) fn forget(&mut self) {
         for notes in &mut self.notes {
-            for n in notes.iter_mut() {
-                (n.weight, n.margin, n.hulls_apart) = (1.0, 0.7 * n.margin, n.hulls_apart.saturating_sub(1));
-            }
-            notes.retain(|n| n.margin > 0.01 || n.hulls_apart > 0);
+            notes.iter_mut().for_each(|n| (n.weight, n.margin) = (1.0, 0.7 * n.margin));
+            notes.retain(|n| n.margin > 0.01 || !n.touches.is_empty());
         }
-        self.any_hulls = self.notes.iter().flatten().any(|n| n.hulls_apart > 0);
+        self.locks.forget();
     }
 
     /// The pieces, when every one is exactly inside and clear of all others; otherwise margins grow where it was not.
     pub(crate) fn confirm(&mut self) -> Option<Vec<Piece>> {
         let task = self.task;
-        let mut pieces: Vec<Piece> =
+        let pieces: Vec<Piece> =
             (self.copies.iter().zip(&self.stands)).map(|(&copy, s)| task.piece(copy, s.turn, s.place)).collect();
-        for (piece, stand) in pieces.iter_mut().zip(&mut self.stands) {
-            nudge_inside(task, piece, stand, self.lid_mm);
-        }
-        let mut good = pieces.iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
+        let inside = pieces.iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
+        let clear = self.check_pairs(&pieces);
+        (inside && clear).then_some(pieces)
+    }
+
+    /// Whether all pairs are clear on the triangles; where one is not, its contacts are kept, or its margin grows.
+    fn check_pairs(&mut self, pieces: &[Piece]) -> bool {
+        let task = self.task;
+        let mut clear = true;
         for one in 0..pieces.len() {
             for other in one + 1..pieces.len() {
                 let wanted = task.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
                 if pieces[one].bounds.distance(&pieces[other].bounds) >= wanted {
                     continue;
                 }
+                let now = (self.moves[one], self.moves[other]);
+                let note = self.note_mut(one, other);
+                if note.clear_at == Some(now) {
+                    continue;
+                }
                 let gap = task.gap_mm(&pieces[one], &pieces[other]);
-                if gap < wanted {
-                    good = false;
-                    let missing = ((wanted - gap) as f32).min(MARGIN_MM);
-                    let note = self.note_mut(one, other);
-                    note.margin = (note.margin + missing + 0.01).min(MARGIN_MM);
+                if gap >= wanted {
+                    note.clear_at = Some(now);
+                    continue;
+                }
+                clear = false;
+                if gap > 0.0 {
+                    touch::find(task, &pieces[one], &pieces[other], wanted + TOUCH_LIMIT_MM, &mut note.touches);
+                } else {
+                    note.margin = (note.margin + 0.4).min(MARGIN_MM);
                 }
             }
         }
-        good.then_some(pieces)
+        clear
     }
 }
 
-/// Moves a piece inside the walls by its exact bounds where the guides' bounds were a little off.
-fn nudge_inside(task: &Task, piece: &mut Piece, stand: &mut Stand, lid_mm: f64) {
-    if task.is_inside(piece, lid_mm) {
-        return;
-    }
-    let room = task.room.with_z(lid_mm) - WALL_SPARE_MM;
-    let shift = (room - piece.bounds.max).min(DVec3::ZERO);
-    let shift = shift + (WALL_SPARE_MM - (piece.bounds.min + shift)).max(DVec3::ZERO);
-    if shift.abs().max_element() < 0.3 {
-        stand.place += shift;
-        *piece = task.piece((piece.item, piece.copy), stand.turn, stand.place);
-    }
+/// What holds between two parts.
+struct Wanted<'a> {
+    /// What the guides keep, mm.
+    reach: f32,
+    /// What the triangles are to keep, mm.
+    clearance: f32,
+    weight: f32,
+    touches: &'a [Touch],
+}
+
+/// What brings bounds inside the walls, mm; standing out at the far end where they are too long.
+fn shift_inside(bounds: &Bounds, room: DVec3) -> DVec3 {
+    let shift = (room - WALL_SPARE_MM - bounds.max).min(DVec3::ZERO);
+    shift + (WALL_SPARE_MM - (bounds.min + shift)).max(DVec3::ZERO)
 }

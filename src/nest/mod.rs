@@ -13,6 +13,7 @@ mod inside;
 mod instance;
 mod interlock;
 mod layout;
+mod locks;
 mod nester;
 mod paper;
 mod piece;
@@ -28,6 +29,7 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod touch;
 mod turns;
 mod voxels;
 

@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::{
     Common, Exit, Usage,
-    values::{distance, volume},
+    values::{distance, volume, word},
 };
 use crate::{
     format::{Arrangement, Instances, Limits, Unit},
@@ -214,11 +214,6 @@ fn from_profile(common: &Common, name: &str) -> Result<Machine> {
 
 fn budget(text: &str) -> Result<f64, String> {
     parse_secs(text).and_then(|secs| if secs > 0.0 { Ok(secs) } else { Err("wants some time, e.g. 60s".to_owned()) })
-}
-
-/// A word of one of the settings' enumerations.
-fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
-    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
 }
 
 /// Reads a file's bytes for a hash, with the name in the error.

@@ -11,11 +11,11 @@ use serde_json::{Value, json};
 
 use super::{
     Common, Exit, Usage, asked,
-    values::{distance, volume},
+    values::{distance, volume, word},
 };
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
-    nest::{self, Body, OrientationRule, Proof},
+    nest::{self, Body, Interlock, OrientationRule, Proof, TakenApart},
 };
 
 /// Arguments of the command.
@@ -31,6 +31,10 @@ pub struct Args {
     /// Least distance between two parts, mm [default: what the file says]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance: Option<f64>,
+    /// Parts locked into each other: forbid (then they are no proof), warn or allow (nobody looks) [default: what the file
+    /// says, else warn]
+    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
+    interlock: Option<Interlock>,
     /// Parts that must be in it, each as often as asked: CSV with the columns file and copies (or quantity)
     #[arg(long, value_name = "PARTS.csv")]
     list: Option<PathBuf>,
@@ -49,6 +53,9 @@ struct Verdict {
     clearance_mm: f64,
     bodies: Vec<Body>,
     proof: Proof,
+    interlock: Interlock,
+    /// How it comes apart; `None` when locked parts are allowed.
+    apart: Option<TakenApart>,
     /// Placements turned against the rule that they were placed under.
     turned: Vec<usize>,
     /// What a second reader says against our own reading.
@@ -59,7 +66,17 @@ struct Verdict {
 
 impl Verdict {
     fn is_proved(&self) -> bool {
-        self.proof.is_proved() && self.turned.is_empty() && self.second_reader.is_none() && self.list_faults.is_empty()
+        let locked = self.interlock == Interlock::Forbid && !self.locked().is_empty();
+        self.proof.is_proved()
+            && !locked
+            && self.turned.is_empty()
+            && self.second_reader.is_none()
+            && self.list_faults.is_empty()
+    }
+
+    /// Bodies that cannot be drawn out.
+    fn locked(&self) -> &[usize] {
+        self.apart.as_ref().map_or(&[], |apart| &apart.locked)
     }
 }
 
@@ -100,7 +117,10 @@ fn verify(args: &Args) -> Result<Verdict> {
         })
         .collect();
     let proof = nest::prove(&bodies, volume_mm);
-    Ok(Verdict { info, volume_mm, clearance_mm, bodies, proof, turned, second_reader, list_faults })
+    let said = || info.interlock.as_deref().and_then(|said| word(said).ok());
+    let interlock = args.interlock.or_else(said).unwrap_or(Interlock::Warn);
+    let apart = (interlock != Interlock::Allow).then(|| nest::take_apart(&bodies));
+    Ok(Verdict { info, volume_mm, clearance_mm, bodies, proof, interlock, apart, turned, second_reader, list_faults })
 }
 
 /// Only for our own files: the other reader does not know everything that other packers write.
@@ -133,10 +153,12 @@ fn faults(verdict: &Verdict) -> Vec<String> {
     let outside =
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.6} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
+    let locked = verdict.locked().iter().map(|&i| format!("{} is locked into others", name(i)));
     let turned = verdict.turned.iter().map(|&i| format!("{} is turned against its orientation rule", name(i)));
     close
         .chain(outside)
         .chain(inside)
+        .chain(locked)
         .chain(turned)
         .chain(verdict.second_reader.clone())
         .chain(verdict.list_faults.iter().cloned())
@@ -152,6 +174,12 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
     lines.push(match proof.clearance_proved_mm {
         Some(least) => format!("least distance  {least:.6} mm, {} mm asked", verdict.clearance_mm),
         None => format!("least distance  more than twice the {} mm asked", verdict.clearance_mm),
+    });
+    let gap_mm = nest::drawing_gap_mm(verdict.clearance_mm);
+    lines.push(match verdict.locked().len() {
+        _ if verdict.apart.is_none() => "comes apart     not asked".to_owned(),
+        0 => format!("comes apart     part by part, {gap_mm} mm kept on the way"),
+        locked => format!("comes apart     not, {locked} parts are locked"),
     });
     lines.extend(faults(verdict));
     lines
@@ -182,6 +210,8 @@ fn as_json(verdict: &Verdict) -> Value {
         "too_close": pairs,
         "outside": outside,
         "inside": inside,
+        "interlock": verdict.interlock.word(),
+        "locked": verdict.apart.as_ref().map(|apart| apart.locked.iter().map(|&i| name(i)).collect::<Vec<_>>()),
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
         "second_reader": verdict.second_reader,
         "list": verdict.list_faults,

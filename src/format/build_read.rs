@@ -59,6 +59,7 @@ fn info(metadata: &Metadata) -> BuildInfo {
         clearance_mm: number("clearance_mm"),
         height_mm: number("height_mm"),
         density: number("density"),
+        interlock: metadata.nestd("interlock"),
     }
 }
 

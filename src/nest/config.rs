@@ -28,6 +28,17 @@ pub enum Interlock {
     Allow,
 }
 
+impl Interlock {
+    /// As settings and build files spell it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Forbid => "forbid",
+            Self::Warn => "warn",
+            Self::Allow => "allow",
+        }
+    }
+}
+
 /// Everything that steers the search but the instance and the budget.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

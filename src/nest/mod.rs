@@ -39,10 +39,12 @@ pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
 pub use nester::nest;
 pub use proof::{Body, Pair, Proof, TakenApart, prove, rotation_obeys, take_apart};
-pub use report::{Course, PlacedPart, Report, UnplacedPart};
+pub use report::{Course, DrawnCopy, NamedCopy, PlacedPart, Report, Separability, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use separable::drawing_gap_mm;
 pub use solution::{Placement, Solution};
 
+#[cfg(test)]
+mod interlock_tests;
 #[cfg(test)]
 mod nester_tests;

@@ -103,3 +103,7 @@ impl Barred {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "apart_tests.rs"]
+mod tests;

@@ -1,12 +1,15 @@
 //! The independent judge of separability: can the bodies of a finished layout be drawn out one after the other? It counts
 //! for every body how many others bar each of its ways, and lets go whoever has a way that nobody bars.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, sync::Arc};
 
 use glam::{DVec3, IVec3};
 
 use super::{Body, trees};
-use crate::{geometry::ClearanceTree, nest::separable::drawing_gap_mm};
+use crate::{
+    geometry::{Bounds, ClearanceTree},
+    nest::separable::drawing_gap_mm,
+};
 
 /// How a layout comes apart.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,13 +22,13 @@ pub struct TakenApart {
 }
 
 /// Takes bodies apart along straight lines in the 26 directions of a cube's faces, edges and corners; walls are no
-/// obstacle. Bodies that are nearer to each other than their drawing gap, or inside each other, count as locked where they
-/// meet on their way.
+/// obstacle. Of bodies whose surfaces meet, or are nearer to each other than their drawing gap, nothing certain is said: they
+/// are no proved layout anyway. A body inside another one is locked.
 pub fn take_apart(bodies: &[Body]) -> TakenApart {
-    let judge = Judge { bodies, trees: trees(bodies) };
-    let tops: Vec<f64> = bodies.iter().map(|body| body.mesh.bounds_at(&body.pose).max.z).collect();
+    let bounds: Vec<Bounds> = bodies.iter().map(|body| body.mesh.bounds_at(&body.pose)).collect();
     let mut from_top: Vec<usize> = (0..bodies.len()).collect();
-    from_top.sort_by(|&a, &b| tops[b].total_cmp(&tops[a]));
+    from_top.sort_by(|&a, &b| bounds[b].max.z.total_cmp(&bounds[a].max.z));
+    let judge = Judge { bodies, trees: trees(bodies), bounds };
     let mut left: BTreeSet<usize> = (0..bodies.len()).collect();
     let mut order = Vec::new();
     // Nearly all leave upwards; the other ways are only asked for those who cannot.
@@ -60,15 +63,26 @@ fn other_ways() -> impl Iterator<Item = DVec3> {
 
 struct Judge<'a> {
     bodies: &'a [Body],
-    trees: Vec<std::sync::Arc<ClearanceTree>>,
+    trees: Vec<Arc<ClearanceTree>>,
+    bounds: Vec<Bounds>,
 }
 
 impl Judge<'_> {
     fn bars(&self, standing: usize, moving: usize, way: DVec3) -> bool {
         let (one, other) = (&self.bodies[moving], &self.bodies[standing]);
         let gap_mm = drawing_gap_mm(one.clearance_mm.max(other.clearance_mm));
+        if self.holds(standing, moving) || self.holds(moving, standing) {
+            return true;
+        }
         let way1 = one.pose.rotation.conjugate() * way;
         !self.trees[moving].is_free_along(&self.trees[standing], &one.pose.seen(&other.pose), way1, gap_mm)
+    }
+
+    /// Whether one body lies inside the other's solid or a sealed cavity of it.
+    fn holds(&self, outer: usize, inner: usize) -> bool {
+        let pose12 = || self.bodies[outer].pose.seen(&self.bodies[inner].pose);
+        self.bounds[outer].holds(&self.bounds[inner], 0.0)
+            && self.trees[outer].holds_part(&self.trees[inner], &pose12())
     }
 }
 

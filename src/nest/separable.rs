@@ -156,13 +156,21 @@ pub(crate) fn locked_pairs(task: &Task, pieces: &[Piece], locked: &[usize]) -> V
     pairs
 }
 
+/// How far it is known who bars a part's way, in the order from the top.
+#[derive(Debug, Clone, Copy, Default)]
+struct Asked {
+    /// All before this one do not stand in the way, or are gone.
+    next: u32,
+    /// Whether this one does.
+    barred: bool,
+}
+
 /// A layout while it is being taken apart.
 struct Work<'a> {
     solids: Vec<Solid<'a>>,
     ways: [DVec3; WAYS],
-    /// For every part and way, who is to be asked next: all before do not stand in the way, or are gone. So no two parts
-    /// are asked about the same way twice.
-    next: Vec<[u32; WAYS]>,
+    /// For every part and way how far the others were asked: no two parts are asked about the same way twice.
+    asked: Vec<[Asked; WAYS]>,
     /// Parts from the highest top to the lowest.
     from_top: Vec<usize>,
     gone: Vec<bool>,
@@ -174,33 +182,36 @@ impl<'a> Work<'a> {
     fn new(solids: Vec<Solid<'a>>) -> Self {
         let mut from_top: Vec<usize> = (0..solids.len()).collect();
         from_top.sort_by(|&a, &b| solids[b].bounds.max.z.total_cmp(&solids[a].bounds.max.z));
-        let (next, gone) = (vec![[0; WAYS]; solids.len()], vec![false; solids.len()]);
-        Self { solids, ways: ways(), next, from_top, gone, leaves: Vec::new(), sweeps: 0 }
+        let (asked, gone) = (vec![[Asked::default(); WAYS]; solids.len()], vec![false; solids.len()]);
+        Self { solids, ways: ways(), asked, from_top, gone, leaves: Vec::new(), sweeps: 0 }
     }
 
     /// Takes a part away when nothing stands in its way.
     fn try_leave(&mut self, part: usize, way: usize) -> bool {
-        if self.gone[part] {
+        if self.gone[part] || self.is_barred(part, way) {
             return false;
         }
-        let (solid, line) = (self.solids[part], self.ways[way]);
-        let mut at = self.next[part][way] as usize;
-        while let Some(other) = self.from_top.get(at).copied() {
-            if other != part && !self.gone[other] && solid.may_meet(&self.solids[other], line) {
-                self.sweeps += 1;
-                if !solid.is_free(&self.solids[other], line) {
-                    break;
+        self.gone[part] = true;
+        self.leaves.push(Leave { part, way });
+        true
+    }
+
+    fn is_barred(&mut self, part: usize, way: usize) -> bool {
+        let (solid, line) = (&self.solids[part], self.ways[way]);
+        let asked = &mut self.asked[part][way];
+        while let Some(other) = self.from_top.get(asked.next as usize).copied() {
+            if other != part && !self.gone[other] {
+                if !asked.barred && solid.may_meet(&self.solids[other], line) {
+                    self.sweeps += 1;
+                    asked.barred = !solid.is_free(&self.solids[other], line);
+                }
+                if asked.barred {
+                    return true;
                 }
             }
-            at += 1;
+            *asked = Asked { next: asked.next + 1, barred: false };
         }
-        self.next[part][way] = at as u32;
-        let free = at == self.from_top.len();
-        if free {
-            self.gone[part] = true;
-            self.leaves.push(Leave { part, way });
-        }
-        free
+        false
     }
 
     /// Everybody who can leaves upwards, the highest first. Whether anybody did.

@@ -116,6 +116,33 @@ fn frames_and_dumbbells_come_apart_at_every_height_on_the_way() {
     assert!(prove(&bodies(&instance, &solution.placements), instance.volume().size_mm).is_proved());
 }
 
+/// Two frames of 21 mm, one flat and one on edge, neither of which may be turned, in a volume that holds both only as links
+/// of a chain.
+fn two_links() -> Instance {
+    let inner = |v: i32| (1..6).contains(&v);
+    let flat = cells(3.0, range([0, 0, 0], [7, 7, 1]).filter(|c| !(inner(c[0]) && inner(c[1]))));
+    let on_edge = cells(3.0, range([0, 0, 0], [7, 1, 7]).filter(|c| !(inner(c[0]) && inner(c[2]))));
+    let item = |mesh| Item {
+        name: "link".to_owned(),
+        mesh,
+        copies: 1,
+        orientation: OrientationRule::Fixed,
+        clearance_mm: None,
+    };
+    let volume = BuildVolume { size_mm: DVec3::new(32.0, 22.0, 22.0) };
+    Instance::new(volume, 1.0, vec![item(flat), item(on_edge)]).expect("makes sense")
+}
+
+#[test]
+fn where_two_links_fit_only_as_a_chain_one_stays_out() {
+    let instance = two_links();
+    for (interlock, count) in [(Interlock::Forbid, 1), (Interlock::Warn, 2), (Interlock::Allow, 2)] {
+        let solution = run(&instance, interlock, &[], 2000);
+        assert_eq!(solution.placements.len(), count, "{interlock:?}");
+        assert_eq!(take_apart(&bodies(&instance, &solution.placements)).locked.len(), [0, 2][count - 1]);
+    }
+}
+
 fn pieces(task: &Task, placements: &[Placement]) -> Vec<Piece> {
     let piece = |p: &Placement| {
         let place = task.kind(p.item).shape.place(&p.pose);

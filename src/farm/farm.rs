@@ -14,6 +14,7 @@ use tracing::{error, info, warn};
 
 use super::{
     budget::Budget,
+    cache::DiskCache,
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
@@ -106,7 +107,7 @@ impl Farm {
         let mut farm = Self {
             load,
             ledger,
-            meshes: Meshes { shelf: Shelf::default(), store, limits: settings.limits.clone() },
+            meshes: Meshes { shelf: Shelf::default(), store, limits: settings.limits.clone(), cache: None },
             stations: BTreeMap::new(),
             jobs: Jobs::new(sender),
             nest_slots: 1,
@@ -137,6 +138,7 @@ impl Farm {
     /// Makes stations and the watcher agree with the settings.
     pub(super) async fn set_up_stations(&mut self) -> Result<()> {
         self.meshes.limits = self.settings.limits.clone();
+        self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
         self.nest_slots = nest_slots(&self.settings);
         let gone: Vec<String> =
             self.stations.keys().filter(|name| !self.settings.profiles.contains_key(*name)).cloned().collect();

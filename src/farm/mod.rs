@@ -5,6 +5,7 @@
 
 mod batch;
 mod budget;
+mod cache;
 mod claimed;
 mod event;
 mod farm;
@@ -26,5 +27,6 @@ mod tidy;
 mod trigger;
 
 pub use budget::Budget;
+pub use cache::DiskCache;
 pub use farm::{Load, run};
 pub use prove::faults_of;

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 
 use super::{
     budget::Budget,
+    cache::DiskCache,
     layout::{Batch, BatchPart, Layout, PlacedCopy},
     shelf::{MeshKey, Shelf},
 };
@@ -15,7 +16,7 @@ use crate::{
     geometry::Mesh,
     intake::Store,
     ledger::PartRow,
-    nest::{self, Solution},
+    nest::{self, Cache, Solution},
     settings::Profile,
 };
 
@@ -28,6 +29,8 @@ pub struct Meshes {
     pub store: Store,
     /// Limits of the readers.
     pub limits: Limits,
+    /// Work on meshes, kept on disk; `None` = it is done anew after each start.
+    pub cache: Option<Arc<DiskCache>>,
 }
 
 /// The best layout of a running search; other threads look at it and take it when the search is cancelled.
@@ -68,6 +71,10 @@ pub struct Nested {
 }
 
 impl Meshes {
+    fn cache(&self) -> Option<&dyn Cache> {
+        self.cache.as_deref().map(|cache| cache as &dyn Cache)
+    }
+
     /// The mesh of a part, from the shelf or from the store.
     pub fn mesh(&self, profile: &Profile, part: &PartRow) -> Result<Arc<Mesh>> {
         let key = |object_index| MeshKey {
@@ -105,7 +112,7 @@ impl NestOrder {
             curve.push((self.budget.elapsed_secs(), solution.height_mm));
             *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(batch.layout(&instance, solution));
         };
-        let solution = nest::nest(&instance, &config, &start, &self.budget, &mut listener);
+        let solution = nest::nest_with(&instance, &config, &start, meshes.cache(), &self.budget, &mut listener);
         let layout = batch.layout(&instance, &solution);
         *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
         let lower_bound_mm =

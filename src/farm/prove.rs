@@ -145,6 +145,7 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
             source_hash: part.content_hash.clone(),
             clearance_mm: part.clearance_mm,
             orientation: Some(serde_word(&part.orientation)),
+            tilts: (!part.tilts.0.is_empty()).then(|| part.tilts.to_string()),
         })
     };
     let created = order.build.nesting_at.unwrap_or(order.build.opened_at);
@@ -155,7 +156,9 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
         created: created.0.strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
         seed: order.seed,
         volume_mm: profile.volume_mm,
+        margins_mm: profile.margins().as_dvec3(),
         clearance_mm: profile.clearance_mm,
+        clearance_z_extra_mm: profile.clearance_z_extra_mm,
         height_mm: nested.layout.height_mm + profile.origin_mm().z,
         density: nested.layout.density,
         interlock: profile.nest.interlock().word().to_owned(),
@@ -200,7 +203,7 @@ fn prove_written(
     let asked: BTreeSet<Copy> = placed.iter().map(|p| p.copy).collect();
     ensure!(seen == asked, "the written build holds other copies than were placed");
     format::cross_check(staged, &read, &order.limits).context("comparing with a second reader")?;
-    let proof = nest::prove(&bodies, order.profile.build_volume().size_mm);
+    let proof = nest::prove_raised(&bodies, order.profile.build_volume().size_mm, order.profile.clearance_z_extra_mm);
     if !proof.is_proved() {
         bail!("the written build is not proved: {}", faults_of(&proof, &bodies));
     }
@@ -244,7 +247,7 @@ fn body_of(item: &PlacedMesh, order: &WriteOrder, batch: &Batch) -> Result<(Copy
     );
     let pose = Pose { rotation: item.pose.rotation, translation: item.pose.translation - order.profile.origin_mm() };
     ensure!(
-        nest::rotation_obeys(part.part.orientation, &pose),
+        nest::rotation_obeys(&part.part.turning(), &pose),
         "part {number} ({}) is turned against its orientation rule",
         part.part.name
     );

@@ -56,7 +56,9 @@ fn info(metadata: &Metadata) -> BuildInfo {
         build_id: metadata.nestd("build"),
         seed: metadata.nestd("seed").and_then(|text| text.parse().ok()),
         volume_mm: metadata.nestd("volume_mm").and_then(|text| three_numbers(&text)),
+        margins_mm: metadata.nestd("margins_mm").and_then(|text| three_numbers(&text)),
         clearance_mm: number("clearance_mm"),
+        clearance_z_extra_mm: number("clearance_z_extra_mm"),
         height_mm: number("height_mm"),
         density: number("density"),
         interlock: metadata.nestd("interlock"),
@@ -144,6 +146,7 @@ impl Reader<'_> {
             source_hash: metadata.nestd("source_hash"),
             clearance_mm: metadata.nestd("clearance_mm").and_then(|text| text.parse().ok()),
             orientation: metadata.nestd("orientation"),
+            tilts: metadata.nestd("tilts"),
         });
         Ok(())
     }

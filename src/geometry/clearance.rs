@@ -23,6 +23,12 @@ impl ClearanceTree {
     /// Builds the tree; time grows with n log n of the triangles.
     pub fn new(mesh: Arc<Mesh>) -> Self {
         let obb = Obb::smallest(&mesh);
+        Self::along(mesh, obb)
+    }
+
+    /// The same, with boxes along `obb`, which was found before. Any box around the mesh gives right answers; a small one
+    /// gives them sooner.
+    pub fn along(mesh: Arc<Mesh>, obb: Obb) -> Self {
         let tree = BoxTree::new(&mesh, &obb.pose.inverse());
         Self { mesh, obb, tree }
     }

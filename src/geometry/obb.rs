@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::{Bounds, Mesh, Pose, eigen::symmetric_eigen};
+use super::{Bounds, Extremes, Mesh, Pose, eigen::symmetric_eigen};
 
 /// A box in any orientation: `pose` takes the box's own frame (centre at its origin, faces along its axes) to the frame
 /// that it stands in.
@@ -101,18 +101,7 @@ fn extremes(vertices: &[DVec3]) -> Vec<DVec3> {
         let radius = (1.0 - z * z).sqrt();
         DVec3::new(radius * angle.cos(), radius * angle.sin(), z)
     });
-    let mut outermost: Vec<(DVec3, f64, usize)> = directions.map(|d| (d, f64::NEG_INFINITY, 0)).collect();
-    for (i, vertex) in vertices.iter().enumerate() {
-        for (direction, reach, place) in &mut outermost {
-            let along = vertex.dot(*direction);
-            if along > *reach {
-                (*reach, *place) = (along, i);
-            }
-        }
-    }
-    let mut places: Vec<usize> = outermost.into_iter().map(|(.., place)| place).collect();
-    places.sort_unstable();
-    places.dedup();
+    let places = Extremes::new(vertices).among(directions);
     places.into_iter().map(|i| vertices[i]).collect()
 }
 

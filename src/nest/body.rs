@@ -6,13 +6,14 @@ use glam::{DVec3, Vec3};
 use rand::RngExt;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
+use super::cache::{Packer, Unpacker};
 use crate::geometry::Mesh;
 
 /// Points of a leaf at most.
 const LEAF: usize = 6;
 
 /// A sphere around some of the points; nodes stand in depth-first order.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sphere {
     pub(crate) center: Vec3,
     pub(crate) radius: f32,
@@ -23,7 +24,7 @@ pub(crate) struct Sphere {
 }
 
 /// Surface points of a part in its frame less its center, and the spheres around them.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Body {
     points: Vec<Vec3>,
     spheres: Vec<Sphere>,
@@ -50,6 +51,35 @@ impl Body {
         let count = points.len();
         build(&mut points, 0, count, &mut spheres);
         Self { point_area: (area / points.len() as f64) as f32, points, spheres }
+    }
+
+    /// As bytes.
+    pub(super) fn pack(&self, to: &mut Packer) {
+        to.f32s(&[self.point_area]);
+        to.u32(self.points.len() as u32);
+        self.points.iter().for_each(|p| to.f32s(&p.to_array()));
+        to.u32(self.spheres.len() as u32);
+        for sphere in &self.spheres {
+            to.f32s(&sphere.center.to_array());
+            to.f32s(&[sphere.radius]);
+            [sphere.skip, sphere.first, sphere.count].into_iter().for_each(|n| to.u32(n));
+        }
+    }
+
+    /// From bytes; `None` where a walk would not end or would leave the points.
+    pub(super) fn unpack(from: &mut Unpacker<'_>) -> Option<Self> {
+        let [point_area] = from.f32s()?;
+        let count = from.u32()?;
+        let points: Vec<Vec3> = (0..count).map(|_| from.f32s().map(Vec3::from_array)).collect::<Option<_>>()?;
+        let count = from.u32()?;
+        let sphere = |at: u32, from: &mut Unpacker<'_>| {
+            let (center, [radius]) = (Vec3::from_array(from.f32s()?), from.f32s()?);
+            let [skip, first, own] = [from.u32()?, from.u32()?, from.u32()?];
+            let is_sound = skip > at && skip <= count && first.checked_add(own)? as usize <= points.len();
+            is_sound.then_some(Sphere { center, radius, skip, first, count: own })
+        };
+        let spheres = (0..count).map(|at| sphere(at, from)).collect::<Option<Vec<Sphere>>>()?;
+        (!points.is_empty()).then_some(Self { points, spheres, point_area })
     }
 
     /// All points.

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Organs;
+
 /// Which search nests a build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -53,6 +55,9 @@ pub struct Config {
     pub interlock: Interlock,
     /// Parameters of the paper's method.
     pub paper: PaperConfig,
+    /// Which organs of our own search take part; for benches, not for configuration files.
+    #[serde(skip)]
+    pub organs: Organs,
 }
 
 impl Default for Config {
@@ -63,6 +68,7 @@ impl Default for Config {
             threads: 1,
             interlock: Interlock::default(),
             paper: PaperConfig::default(),
+            organs: Organs::default(),
         }
     }
 }

@@ -3,10 +3,11 @@
 
 use glam::{DVec3, Vec3};
 
+use super::cache::{Packer, Unpacker};
 use crate::geometry::{Mesh, closest_point};
 
 /// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame less `center`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DistanceField {
     origin: Vec3,
     step: f32,
@@ -61,15 +62,36 @@ impl DistanceField {
         Self {
             origin: lattice.origin.as_vec3(),
             step: lattice.step as f32,
-            inverse_step: (1.0 / lattice.step) as f32,
+            inverse_step: 1.0 / lattice.step as f32,
             dims: lattice.dims,
             scale,
             nodes: distances.iter().zip(&inside).map(node).collect(),
         }
     }
 
+    /// As bytes.
+    pub(super) fn pack(&self, to: &mut Packer) {
+        to.f32s(&self.origin.to_array());
+        to.f32s(&[self.step, self.scale]);
+        self.dims.iter().for_each(|&n| to.u32(n as u32));
+        self.nodes.iter().for_each(|node| to.0.extend(node.to_le_bytes()));
+    }
+
+    /// From bytes.
+    pub(super) fn unpack(from: &mut Unpacker<'_>) -> Option<Self> {
+        let origin = Vec3::from_array(from.f32s()?);
+        let [step, scale] = from.f32s()?;
+        let dims = [from.u32()? as usize, from.u32()? as usize, from.u32()? as usize];
+        let count = dims[0].checked_mul(dims[1])?.checked_mul(dims[2])?;
+        let nodes: Vec<i16> = (from.bytes(count.checked_mul(2)?)?.chunks_exact(2))
+            .map(|pair| i16::from_le_bytes([pair[0], pair[1]]))
+            .collect();
+        let is_sound = step > 0.0 && scale > 0.0 && dims.iter().all(|&n| n >= 2);
+        is_sound.then_some(Self { origin, step, inverse_step: 1.0 / step, dims, scale, nodes })
+    }
+
     /// Signed distance at a point, mm; beyond the grid at least the distance to it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn distance(&self, point: Vec3) -> f32 {
         let (at, part, beyond) = self.cell(point);
         let [c000, c100, c010, c110, c001, c101, c011, c111] = self.corners(at);
@@ -80,7 +102,7 @@ impl DistanceField {
     }
 
     /// Signed distance, mm, and the unit direction in which it grows.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn distance_and_way(&self, point: Vec3) -> (f32, Vec3) {
         let (at, part, beyond) = self.cell(point);
         let [c000, c100, c010, c110, c001, c101, c011, c111] = self.corners(at);
@@ -95,7 +117,7 @@ impl DistanceField {
     }
 
     /// First node of the cell that holds a point, the point's place in it, and its distance to the grid.
-    #[inline]
+    #[inline(always)]
     fn cell(&self, point: Vec3) -> (usize, Vec3, f32) {
         let raw = (point - self.origin) * self.inverse_step;
         let most = Vec3::new(self.dims[0] as f32, self.dims[1] as f32, self.dims[2] as f32) - 1.001;
@@ -106,7 +128,7 @@ impl DistanceField {
         ((z * self.dims[1] + y) * self.dims[0] + x, part, beyond)
     }
 
-    #[inline]
+    #[inline(always)]
     fn corners(&self, at: usize) -> [f32; 8] {
         let (row, layer) = (self.dims[0], self.dims[0] * self.dims[1]);
         let n = &self.nodes[at..at + layer + row + 2];

@@ -1,5 +1,5 @@
 //! What the search does about parts that are locked into each other: the pair is told to keep its hulls apart for a while,
-//! the smaller part is moved elsewhere, and separation goes on as after any other failed check.
+//! its smaller part is moved elsewhere, and separation goes on as after any other failed check.
 
 use rand_chacha::ChaCha8Rng;
 
@@ -12,6 +12,9 @@ use super::{
 
 /// Sweeps that cost about as much as one evaluation of the search.
 const SWEEPS_PER_EVALUATION: u64 = 2;
+
+/// What finding another place for a locked part may cost.
+const EFFORT: Effort = Effort { asked: 800, looked_at: 24, pushed: 3 };
 
 /// Whether the layout that was just confirmed can be taken apart, or need not. Otherwise notes are made and parts moved, so
 /// that going on leads elsewhere.
@@ -33,16 +36,19 @@ pub(crate) fn is_settled(
     }
     let pairs = locked_pairs(layout.task, pieces, &found.locked);
     layout.evaluations += (found.locked.len() * found.locked.len()) as u64;
-    let mut fresh = false;
+    let mut leaving: Vec<usize> = Vec::new();
+    let volume = |part: usize| layout.guides[part].shape.tree.mesh().volume_mm3();
+    let smaller = |parts: &[usize]| parts.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
     for &(one, other) in &pairs {
-        fresh |= layout.locks.keep_apart(one, other);
+        leaving.extend(smaller(&[one, other]).filter(|part| !leaving.contains(part)));
     }
-    // A group that no single pair locks, or a pair that is locked though it was told before: the smallest part goes.
-    if !fresh {
-        let volume = |part: usize| layout.guides[part].shape.tree.mesh().volume_mm3();
-        let smallest = found.locked.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
-        let effort = Effort { asked: 800, looked_at: 24, pushed: 3 };
-        smallest.into_iter().for_each(|part| move_away(layout, grid, part, effort, rng));
+    let fresh = pairs.iter().filter(|&&(one, other)| layout.locks.keep_apart(one, other)).count();
+    if fresh == 0 {
+        // A group that no single pair locks, or a pair that is locked though it was told before.
+        leaving.extend(smaller(&found.locked).filter(|part| !leaving.contains(part)));
+    }
+    for part in leaving {
+        move_away(layout, grid, part, EFFORT, rng);
     }
     false
 }

@@ -6,13 +6,15 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use super::{
-    Body, BuildVolume, Config, Instance, Interlock, Item, OrientationRule, Placement, Solution, Stop, nest,
+    Body, BuildVolume, Config, Instance, Interlock, Item, Organs, OrientationRule, Placement, Solution, Stop, nest,
+    outline::Lineup,
     piece::{Piece, Task},
     prove,
     separable::{can_leave, dismantle, in_the_way, locked_pairs, ways},
     take_apart,
     testing::{block, cells, range},
     turns::axis_turns,
+    workshop::Workshop,
 };
 use crate::geometry::{Mesh, Pose};
 
@@ -41,7 +43,7 @@ fn instance(size: DVec3, clearance_mm: f64, meshes: &[(Arc<Mesh>, u32)]) -> Inst
         name: "part".to_owned(),
         mesh: mesh.clone(),
         copies: *copies,
-        orientation: OrientationRule::Free,
+        orientation: OrientationRule::Free.into(),
         clearance_mm: None,
     };
     let volume = BuildVolume { size_mm: size };
@@ -126,7 +128,7 @@ fn two_links() -> Instance {
         name: "link".to_owned(),
         mesh,
         copies: 1,
-        orientation: OrientationRule::Fixed,
+        orientation: OrientationRule::Fixed.into(),
         clearance_mm: None,
     };
     let volume = BuildVolume { size_mm: DVec3::new(32.0, 22.0, 22.0) };
@@ -141,6 +143,12 @@ fn where_two_links_fit_only_as_a_chain_one_stays_out() {
         assert_eq!(solution.placements.len(), count, "{interlock:?}");
         assert_eq!(take_apart(&bodies(&instance, &solution.placements)).locked.len(), [0, 2][count - 1]);
     }
+}
+
+fn task(instance: &Instance) -> Task {
+    let workshop = Workshop::new(None, 1);
+    let lineup = Lineup::new(instance, |meshes| workshop.outlines(meshes));
+    Task::new(Arc::new(lineup), &workshop, Organs::default(), 2000, 100)
 }
 
 fn pieces(task: &Task, placements: &[Placement]) -> Vec<Piece> {
@@ -160,7 +168,7 @@ fn a_locked_pair_is_found_and_the_smaller_part_has_to_go() {
         placed(1, 0, upright, [20.0, 21.5, 7.0]),
         placed(2, 0, DQuat::IDENTITY, [45.0, 45.0, 5.0]),
     ];
-    let task = Task::new(&instance, 2000, 100);
+    let task = task(&instance);
     let pieces = pieces(&task, &placements);
     let found = dismantle(&task, &pieces, &[]);
     assert_eq!(found.locked, [0, 1]);
@@ -187,7 +195,7 @@ proptest! {
                 placements.pop();
             }
         }
-        let task = Task::new(&instance, 2000, 100);
+        let task = task(&instance);
         let pieces = pieces(&task, &placements);
         let cold = dismantle(&task, &pieces, &[]);
         prop_assert_eq!(&cold.locked, &take_apart(&bodies(&instance, &placements)).locked);

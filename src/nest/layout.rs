@@ -6,7 +6,7 @@ use super::{
     OrientationRule,
     fit::WALL_SPARE_MM,
     locks::Locks,
-    piece::{CLEARANCE_SPARE_MM, Piece, Task},
+    piece::{CLEARANCE_SPARE_MM, Piece, Task, lifted},
     push::{Guide, Push},
     touch::{self, Touch},
 };
@@ -32,7 +32,7 @@ const MARGIN_MM: f32 = 1.5;
 struct Note {
     other: u32,
     weight: f32,
-    /// What the guides are wrong by where no contact can be told, mm.
+    /// What the guides are wrong by, mm: too little where no contact can be told, or too much.
     margin: f32,
     /// Exact contacts, from the failed confirmations.
     touches: Vec<Touch>,
@@ -55,6 +55,8 @@ pub(crate) struct Layout<'t> {
     pub(crate) stands: Vec<Stand>,
     pub(crate) guides: Vec<Guide>,
     clearances: Vec<f32>,
+    /// Raisings at which overlap is looked for, mm; 0 alone where clearances hold for no more than the parts as they stand.
+    lifts: Vec<f32>,
     notes: Vec<Vec<Note>>,
     /// How often each part has moved.
     moves: Vec<u32>,
@@ -76,6 +78,7 @@ impl<'t> Layout<'t> {
             stands: pieces.iter().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
             guides: pieces.iter().map(guide).collect(),
             clearances: pieces.iter().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
+            lifts: task.lifts(),
             notes: vec![Vec::new(); pieces.len()],
             moves: vec![0; pieces.len()],
             locks: Locks::default(),
@@ -98,7 +101,7 @@ impl<'t> Layout<'t> {
 
     /// The rule of a part.
     pub(crate) fn rule(&self, part: usize) -> OrientationRule {
-        self.task.kind(self.copies[part].0).rule
+        self.task.kind(self.copies[part].0).orientation.rule
     }
 
     /// Moves a part, and then inside the walls as far as it fits.
@@ -179,7 +182,14 @@ impl<'t> Layout<'t> {
     /// Overlap of a part, were it at `guide`, with another one; unweighted.
     fn overlap(&self, part: usize, guide: &Guide, other: usize, wanted: &Wanted<'_>, coarse: bool) -> f32 {
         let there = &self.guides[other];
-        let energy = if coarse { guide.coarse_energy(there, wanted.reach) } else { guide.energy(there, wanted.reach) };
+        let once = |guide: &Guide| match coarse {
+            true => guide.coarse_energy(there, wanted.reach),
+            false => guide.energy(there, wanted.reach),
+        };
+        let energy: f32 = match self.lifts[..] {
+            [_] => once(guide),
+            _ => self.lifts.iter().map(|&lift| once(&guide.raised(lift))).sum(),
+        };
         let energy = energy + self.locks.energy((part, guide), (other, there));
         if wanted.touches.is_empty() {
             return energy;
@@ -188,9 +198,14 @@ impl<'t> Layout<'t> {
         energy + touch::energy(wanted.touches, first, second, wanted.clearance)
     }
 
+    /// How near bounds must come for a pair to be looked at.
+    fn reach(&self) -> f32 {
+        (self.task.reach_mm + self.task.z_extra_mm) as f32 + MARGIN_MM
+    }
+
     /// Parts whose bounds come nearer to a guide than any pair may be.
     fn near<'a>(&'a self, part: usize, guide: &'a Guide) -> impl Iterator<Item = usize> + 'a {
-        let reach = self.task.reach_mm as f32 + MARGIN_MM;
+        let reach = self.reach();
         (0..self.len()).filter(move |&other| other != part && guide.is_near(&self.guides[other], reach))
     }
 
@@ -214,13 +229,18 @@ impl<'t> Layout<'t> {
         let mut push = Push::new(0.7 * guide.shape.radius_mm as f32);
         for other in self.near(part, guide) {
             let (wanted, there) = (self.wanted(part, other), &self.guides[other]);
-            guide.push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push);
+            match self.lifts[..] {
+                [_] => guide.push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push),
+                _ => self.lifts.iter().for_each(|&lift| {
+                    guide.raised(lift).push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push);
+                }),
+            }
             let pair = if part < other { (guide, there) } else { (there, guide) };
             let aim = (wanted.clearance + TOUCH_OVERSHOOT_MM, wanted.weight);
             touch::push(wanted.touches, pair, part < other, aim, &mut push);
             self.locks.push((part, guide), (other, there), wanted.weight, &mut push);
         }
-        let rule = self.rule(part);
+        let rule = if self.task.organs.turning { self.rule(part) } else { OrientationRule::Fixed };
         let energy = push.energy + self.excess_energy(guide);
         if energy <= 0.0 {
             return 0.0;
@@ -231,7 +251,10 @@ impl<'t> Layout<'t> {
         }
         let stand = self.stands[part];
         let turn = match rule {
-            OrientationRule::Free => (DQuat::from_scaled_axis(spin.as_dvec3()) * stand.turn).normalize(),
+            OrientationRule::Free => {
+                let spun = (DQuat::from_scaled_axis(spin.as_dvec3()) * stand.turn).normalize();
+                self.task.kind(self.copies[part].0).orientation.nearest(spun).unwrap_or(stand.turn)
+            }
             OrientationRule::Upright => (DQuat::from_rotation_z(f64::from(spin.z)) * stand.turn).normalize(),
             OrientationRule::Axis | OrientationRule::Fixed => stand.turn,
         };
@@ -268,7 +291,7 @@ impl<'t> Layout<'t> {
         energies.clear();
         energies.resize(self.len(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        let reach = self.task.reach_mm as f32 + MARGIN_MM;
+        let reach = self.reach();
         for one in 0..self.len() {
             energies[one] += self.excess_energy(&self.guides[one]);
             for other in one + 1..self.len() {
@@ -287,7 +310,7 @@ impl<'t> Layout<'t> {
         for notes in &mut self.notes {
             notes.iter_mut().for_each(|n| n.weight = (n.weight * 0.95).max(1.0));
         }
-        for &(one, other, energy) in &pairs {
+        for &(one, other, energy) in pairs.iter().filter(|_| self.task.organs.weights) {
             let note = self.note_mut(one, other);
             // Twice for the worst pair, 1.2 times for the least (the decay above taken back).
             note.weight = (note.weight / 0.95 * (1.2 + 0.8 * (energy / worst).sqrt())).min(1e5);
@@ -299,7 +322,7 @@ impl<'t> Layout<'t> {
     pub(crate) fn forget(&mut self) {
         for notes in &mut self.notes {
             notes.iter_mut().for_each(|n| (n.weight, n.margin) = (1.0, 0.7 * n.margin));
-            notes.retain(|n| n.margin > 0.01 || !n.touches.is_empty());
+            notes.retain(|n| n.margin.abs() > 0.01 || !n.touches.is_empty());
         }
         self.locks.forget();
     }
@@ -321,7 +344,8 @@ impl<'t> Layout<'t> {
         for one in 0..pieces.len() {
             for other in one + 1..pieces.len() {
                 let wanted = task.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
-                if pieces[one].bounds.distance(&pieces[other].bounds) >= wanted {
+                let near = lifted(&pieces[one].bounds, task.z_extra_mm);
+                if near.distance(&lifted(&pieces[other].bounds, task.z_extra_mm)) >= wanted {
                     continue;
                 }
                 let now = (self.moves[one], self.moves[other]);
@@ -329,13 +353,24 @@ impl<'t> Layout<'t> {
                 if note.clear_at == Some(now) {
                     continue;
                 }
+                self.evaluations += 1;
                 let gap = task.gap_mm(&pieces[one], &pieces[other]);
+                let guides = self.wanted(one, other);
+                let deceived = gap >= wanted
+                    && guides.reach > guides.clearance - MARGIN_MM
+                    && self.overlap(one, &self.guides[one], other, &guides, false) > 0.0;
+                let note = self.note_mut(one, other);
                 if gap >= wanted {
                     note.clear_at = Some(now);
+                    // The guides see an overlap that is none.
+                    note.margin -= if deceived { 0.1 } else { 0.0 };
                     continue;
                 }
                 clear = false;
-                if gap > 0.0 {
+                if task.z_extra_mm > 0.0 {
+                    // Contacts tell where surfaces are near as they stand, not when one is raised.
+                    note.margin = (note.margin + (wanted - gap).min(0.4) as f32 + 0.01).min(MARGIN_MM);
+                } else if gap > 0.0 {
                     touch::find(task, &pieces[one], &pieces[other], wanted + TOUCH_LIMIT_MM, &mut note.touches);
                 } else {
                     note.margin = (note.margin + 0.4).min(MARGIN_MM);

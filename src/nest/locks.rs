@@ -1,4 +1,4 @@
-//! Who was locked into whom: such pairs keep their convex hulls apart for many lids, since parts whose hulls stand apart are
+//! Who was locked into whom: such pairs keep their convex hulls apart for the next lids, since parts whose hulls stand apart are
 //! never locked into each other.
 
 use std::collections::BTreeMap;
@@ -11,8 +11,8 @@ use super::{
     separable::Leave,
 };
 
-/// Lids for which a pair is remembered.
-const LIDS: u8 = 40;
+/// Lids for which a pair is remembered: parts of rods and rings stand well in each other's hulls, only not locked.
+const LIDS: u8 = 2;
 /// Hulls are pushed so much further apart than they must be, mm.
 const OVERSHOOT_MM: f32 = 0.03;
 
@@ -26,7 +26,7 @@ pub(crate) struct Locks {
 }
 
 impl Locks {
-    /// From now on and for many lids two parts keep their hulls apart. Whether that is new.
+    /// From now on and for some lids two parts keep their hulls apart. Whether that is new.
     pub(crate) fn keep_apart(&mut self, one: usize, other: usize) -> bool {
         self.pairs.insert((one.min(other), one.max(other)), LIDS).is_none()
     }

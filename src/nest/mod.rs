@@ -3,9 +3,13 @@
 
 mod body;
 mod bound;
+mod boxes;
+mod cache;
 mod compress;
 mod config;
 mod construct;
+mod contest;
+mod cut;
 mod field;
 mod fit;
 mod hulls;
@@ -14,13 +18,19 @@ mod instance;
 mod interlock;
 mod layout;
 mod locks;
+mod near;
 mod nester;
+mod organs;
+mod orientation;
+mod outline;
 mod paper;
 mod piece;
 mod proof;
 mod push;
+mod recipe;
 mod relocate;
 mod report;
+mod scan;
 mod search;
 mod separable;
 mod separate;
@@ -29,20 +39,26 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod tilt;
 mod touch;
 mod turns;
 mod voxels;
+mod workshop;
 
 pub use bound::lower_bound_mm;
+pub use cache::Cache;
 pub use config::{Config, Interlock, Method, PaperConfig};
 pub use fit::{Misfit, fits};
-pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
-pub use nester::nest;
-pub use proof::{Body, Pair, Proof, TakenApart, prove, rotation_obeys, take_apart};
+pub use instance::{BuildVolume, Instance, InstanceError, Item, Margins, OrientationRule};
+pub use nester::{nest, nest_with};
+pub use organs::Organs;
+pub use orientation::Orientation;
+pub use proof::{Body, Pair, Proof, TakenApart, prove, prove_raised, rotation_obeys, take_apart};
 pub use report::{Course, DrawnCopy, NamedCopy, PlacedPart, Report, Separability, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use separable::drawing_gap_mm;
 pub use solution::{Placement, Solution};
+pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
 #[cfg(test)]
 mod interlock_tests;

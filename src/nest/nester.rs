@@ -1,17 +1,26 @@
 //! The door: Instance -> Solution.
 
-use std::{collections::BTreeSet, sync::mpsc};
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, mpsc},
+};
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
-    compress::compress,
-    construct::{Builder, Recipe, boxes},
+    Cache, Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
+    boxes::Boxes,
+    construct::Builder,
+    contest::contest,
+    cut::is_hopeless,
     interlock::parted,
     lower_bound_mm,
+    near::Near,
+    outline::Lineup,
     paper::nest_paper,
-    piece::{Piece, Task, height_mm},
+    piece::{Piece, Task, height_mm, solution},
+    recipe::Recipe,
+    workshop::Workshop,
 };
 use crate::pollination::{Pollination, Setup};
 
@@ -25,42 +34,78 @@ pub fn nest(
     stop: &dyn Stop,
     listener: &mut dyn Listener,
 ) -> Solution {
+    nest_with(instance, config, start, None, stop, listener)
+}
+
+/// The same, with a place where work on meshes is kept from one run to the next. What comes out does not depend on it.
+pub fn nest_with(
+    instance: &Instance,
+    config: &Config,
+    start: &[Placement],
+    cache: Option<&dyn Cache>,
+    stop: &dyn Stop,
+    listener: &mut dyn Listener,
+) -> Solution {
     match config.method {
         Method::Paper => nest_paper(instance, config, stop, listener),
-        Method::Nestd => Course::new(instance, config, stop, listener).run(start),
+        Method::Nestd => {
+            let workshop = Workshop::new(cache, config.threads);
+            Course { instance, config, workshop, stop, listener, best: Vec::new(), starts: Vec::new(), evaluations: 0 }
+                .run(start)
+        }
     }
 }
 
 /// Share of the budget for first layouts, after the first one.
 const START_SHARE: f64 = 0.1;
 /// Placement tests that cost about as much as one evaluation of the search.
-const TESTS_PER_EVALUATION: u64 = 64;
+pub(super) const TESTS_PER_EVALUATION: u64 = 64;
 /// Nodes of a distance grid for the first layouts.
 const COARSE_NODES: usize = 30_000;
 /// Surface points for the first layouts.
 const COARSE_POINTS: usize = 400;
+/// First layouts that are kept as places to begin from.
+const MOST_STARTS: usize = 8;
+/// How much higher than the lowest a first layout may be to be worth keeping.
+const WORTH_KEEPING: f64 = 1.15;
+/// From here on, boxes are stacked in one order only.
+const MANY: usize = 300;
 /// Nodes of all distance grids together, about: two bytes each.
 const MOST_NODES: usize = 12_000_000;
+/// Nodes of a finer distance grid. Few different ones, so that what is kept of a mesh serves again.
+const FINER_NODES: [usize; 6] = [60_000, 75_000, 100_000, 150_000, 200_000, 300_000];
+/// Share of the budget for finer guides.
+const FINER_SHARE: f64 = 0.12;
+/// Meshes of finer guides between two looks at the budget.
+const FINER_AT_ONCE: usize = 8;
 
 /// One run of our own search.
-struct Course<'a> {
-    instance: &'a Instance,
-    config: &'a Config,
-    stop: &'a dyn Stop,
+pub(super) struct Course<'a> {
+    pub(super) instance: &'a Instance,
+    pub(super) config: &'a Config,
+    workshop: Workshop<'a>,
+    pub(super) stop: &'a dyn Stop,
     listener: &'a mut dyn Listener,
-    best: Vec<Piece>,
-    evaluations: u64,
+    pub(super) best: Vec<Piece>,
+    /// First layouts, the lowest first.
+    starts: Vec<Vec<Piece>>,
+    pub(super) evaluations: u64,
 }
 
-impl<'a> Course<'a> {
-    fn new(instance: &'a Instance, config: &'a Config, stop: &'a dyn Stop, listener: &'a mut dyn Listener) -> Self {
-        Self { instance, config, stop, listener, best: Vec::new(), evaluations: 0 }
-    }
-
+impl Course<'_> {
     fn run(mut self, start: &[Placement]) -> Solution {
-        let separable = self.config.interlock() == Interlock::Forbid;
-        let task = Task { separable, ..Task::new(self.instance, COARSE_NODES, COARSE_POINTS) };
-        let prepared = self.stop.spent(0);
+        let workshop = self.workshop;
+        let lineup = Lineup::new(self.instance, |meshes| workshop.outlines(meshes));
+        if start.is_empty() {
+            self.stack_boxes(&lineup);
+            if self.stop.spent(0) >= 1.0 {
+                return solution(self.instance, &self.best, self.evaluations);
+            }
+        }
+        let begun = self.stop.spent(0);
+        let mut task = Task::new(Arc::new(lineup), &workshop, self.config.organs, COARSE_NODES, COARSE_POINTS);
+        task.separable = self.config.interlock() == Interlock::Forbid;
+        let prepared = self.stop.spent(0) - begun;
         self.construct(&task, start);
         let task = self.refined(task, prepared);
         if self.best.len() < task.copies.len() {
@@ -69,28 +114,63 @@ impl<'a> Course<'a> {
             self.insert_lacking(&task);
         }
         self.search(&task, 1.0);
-        task.solution(self.instance, &self.best, self.evaluations)
+        solution(self.instance, &self.best, self.evaluations)
+    }
+
+    /// Boxes on boxes, by several orders; where they do not all fit, in order of precedence.
+    fn stack_boxes(&mut self, lineup: &Lineup) {
+        let mut boxes = Boxes::new(lineup);
+        let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
+        let orders = if lineup.copies.len() > MANY { 1 } else { Recipe::FIRST.len() };
+        for recipe in &Recipe::FIRST[..orders] {
+            let order = recipe.sorted(lineup, &lineup.copies, &mut rng);
+            let pieces = boxes.stack(&[], &order);
+            if pieces.len() < lineup.copies.len() {
+                return self.offer(boxes.stack(&[], &lineup.copies));
+            }
+            self.offer(pieces);
+        }
     }
 
     /// The task with finer guides, as fine as an eighth of the budget allows (the first preparation took `prepared`).
-    fn refined(&self, task: Task, prepared: f64) -> Task {
-        let finer = (0.12 / prepared.max(1e-6)) as usize * COARSE_NODES;
+    fn refined(&self, mut task: Task, prepared: f64) -> Task {
+        let finer = (FINER_SHARE / prepared.max(1e-6)) as usize * COARSE_NODES;
         let distinct = task.kinds.iter().flatten().count().max(1);
-        let nodes = finer.min((MOST_NODES / distinct).clamp(50_000, 300_000));
-        if nodes < 2 * COARSE_NODES || self.best.is_empty() {
-            return task;
-        }
+        let most = finer.min((MOST_NODES / distinct).clamp(50_000, 300_000));
+        let nodes = FINER_NODES.into_iter().rev().find(|&nodes| nodes <= most);
+        let wanted = self.config.organs.fine_guides && !self.best.is_empty();
+        let Some(nodes) = nodes.filter(|_| wanted) else { return task };
+        let begun = self.stop.spent(self.evaluations);
         let points = COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 };
-        Task { separable: task.separable, ..Task::new(self.instance, nodes, points) }
+        for first in (0..task.kinds.len()).step_by(FINER_AT_ONCE) {
+            let last = (first + FINER_AT_ONCE).min(task.kinds.len());
+            task.refine(first..last, &self.workshop, nodes, points);
+            // What was kept coarse may be cheap and what is fine dear: the rest then stays coarse.
+            if self.stop.spent(self.evaluations) > begun + FINER_SHARE {
+                break;
+            }
+        }
+        task
     }
 
     /// Takes a layout when it places more or is lower, and tells of it.
-    fn offer(&mut self, task: &Task, pieces: Vec<Piece>) {
+    pub(super) fn offer(&mut self, pieces: Vec<Piece>) {
         let rank = |pieces: &[Piece]| (std::cmp::Reverse(pieces.len()), height_mm(pieces));
         if !pieces.is_empty() && rank(&pieces) < rank(&self.best) {
             self.best = pieces;
-            self.listener.improved(&task.solution(self.instance, &self.best, self.evaluations), self.evaluations);
+            self.listener.improved(&solution(self.instance, &self.best, self.evaluations), self.evaluations);
         }
+    }
+
+    /// Offers a first layout, and keeps it as a place to begin from if it is not offered already.
+    fn consider(&mut self, pieces: Vec<Piece>) {
+        let height = height_mm(&pieces);
+        if self.starts.iter().all(|known| height_mm(known) != height) {
+            let at = self.starts.partition_point(|known| height_mm(known) <= height);
+            self.starts.insert(at, pieces.clone());
+            self.starts.truncate(MOST_STARTS);
+        }
+        self.offer(pieces);
     }
 
     /// The first layouts: what stands already, boxes, and bit columns by several recipes.
@@ -99,17 +179,21 @@ impl<'a> Course<'a> {
         let standing = standing(task, start);
         let taken: BTreeSet<(usize, u32)> = standing.iter().map(|p| (p.item, p.copy)).collect();
         let lacking: Vec<(usize, u32)> = task.copies.iter().copied().filter(|c| !taken.contains(c)).collect();
-        let sorted = Recipe::FIRST[0].sorted(task, &lacking, &mut rng);
-        self.offer(task, boxes(task, &sorted, &standing));
+        if !standing.is_empty() {
+            self.offer(Boxes::new(&task.lineup).stack(&standing, &lacking));
+        }
         if lacking.is_empty() {
             return;
         }
+        if is_hopeless(self.instance, &lacking) {
+            return self.keep_precedence(task, &mut Builder::new(task), &standing, &lacking);
+        }
         let mut builder = Builder::new(task);
         for (at, recipe) in Recipe::FIRST.iter().enumerate() {
-            let order = recipe.sorted(task, &lacking, &mut rng);
+            let order = recipe.sorted(&task.lineup, &lacking, &mut rng);
             let limit = if at == 0 { 1.0 } else { START_SHARE };
             if let Some(pieces) = self.build(&mut builder, recipe, &order, &standing, limit) {
-                self.offer(task, pieces);
+                self.consider(pieces);
             }
             if self.stop.spent(self.evaluations) >= START_SHARE {
                 break;
@@ -124,23 +208,23 @@ impl<'a> Course<'a> {
     /// Tries other recipes by flower pollination: order, liking for low tops, pull and disorder.
     fn vary(&mut self, task: &Task, builder: &mut Builder<'_>, standing: &[Piece], lacking: &[(usize, u32)]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let setup = Setup { population: 8, ..Setup::default() };
+        let setup = Setup { population: 8, even: !self.config.organs.flowers_in_start, ..Setup::default() };
         let mut flowers: Pollination<f64> = Pollination::new(setup, Recipe::genes(), self.config.seed);
         for _ in 0..24 {
             if self.stop.spent(self.evaluations) >= START_SHARE {
                 return;
             }
             let recipe = Recipe::of_genes(flowers.ask());
-            let order = recipe.sorted(task, lacking, &mut rng);
+            let order = recipe.sorted(&task.lineup, lacking, &mut rng);
             let built = self.build(builder, &recipe, &order, standing, START_SHARE);
             let whole = built.filter(|pieces| pieces.len() == task.copies.len());
             flowers.tell(whole.as_ref().map_or(f64::INFINITY, |pieces| height_mm(pieces)));
-            whole.into_iter().for_each(|pieces| self.offer(task, pieces));
+            whole.into_iter().for_each(|pieces| self.consider(pieces));
         }
     }
 
     /// One run of the builder, ended when it gets higher than the best complete layout or at a share of the budget.
-    fn build(
+    pub(super) fn build(
         &mut self,
         builder: &mut Builder<'_>,
         recipe: &Recipe,
@@ -149,7 +233,7 @@ impl<'a> Course<'a> {
         limit: f64,
     ) -> Option<Vec<Piece>> {
         let whole = self.best.len() == standing.len() + order.len();
-        let worst_mm = if whole { height_mm(&self.best) } else { f64::INFINITY };
+        let worst_mm = if whole { WORTH_KEEPING * height_mm(&self.best) } else { f64::INFINITY };
         let (stop, before) = (self.stop, self.evaluations);
         let enough = |tests| stop.spent(before + tests / TESTS_PER_EVALUATION) >= limit;
         let built = builder.build(recipe, order, standing, worst_mm, enough);
@@ -159,11 +243,11 @@ impl<'a> Course<'a> {
 
     /// Lowers the lid over what has been found, until a share of the budget is used up.
     fn search(&mut self, task: &Task, until: f64) {
-        if self.best.is_empty() || self.stop.spent(self.evaluations) >= until {
+        if self.best.is_empty() || !self.config.organs.separation || self.stop.spent(self.evaluations) >= until {
             return;
         }
         let floor_mm = lower_bound_mm(self.instance).min(height_mm(&self.best));
-        let (stop, seed, before, start) = (self.stop, self.config.seed, self.evaluations, self.best.clone());
+        let (stop, seed, before, starts) = (self.stop, self.config.seed, self.evaluations, self.places_to_begin());
         let threads = match self.config.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
@@ -171,13 +255,12 @@ impl<'a> Course<'a> {
         // Every thread searches for itself with its own seed; the lowest layout wins, the first thread's among equals.
         let spent = |made: u64| stop.spent(before + made * threads as u64) / until;
         let lower = |thread: usize, found: &mut dyn FnMut(Vec<Piece>, u64)| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_add(thread as u64 * 0x9e37_79b9_7f4a_7c15));
-            compress(task, &start, floor_mm, &mut rng, &spent, found)
+            contest(task, &starts, floor_mm, (seed, thread), &spent, found)
         };
         if threads == 1 {
             let made = lower(0, &mut |pieces, made| {
                 self.evaluations = before + made;
-                self.offer(task, pieces);
+                self.offer(pieces);
             });
             self.evaluations = before + made;
             return;
@@ -199,7 +282,7 @@ impl<'a> Course<'a> {
             drop(send);
             for (pieces, made) in found {
                 self.evaluations = before + made * threads as u64;
-                self.offer(task, pieces);
+                self.offer(pieces);
             }
             handles.into_iter().map(|h| h.join().expect("a search thread does not panic")).collect()
         });
@@ -210,6 +293,16 @@ impl<'a> Course<'a> {
         }
     }
 
+    /// Layouts to begin the search with: the best, and others of as many copies that are not much higher.
+    fn places_to_begin(&self) -> Vec<Vec<Piece>> {
+        let height = height_mm(&self.best);
+        let is_other = |other: &&Vec<Piece>| {
+            let there = height_mm(other);
+            other.len() == self.best.len() && there != height && there <= WORTH_KEEPING * height
+        };
+        std::iter::once(&self.best).chain(self.starts.iter().filter(is_other)).cloned().collect()
+    }
+
     /// Copies that found no place are tried again around the best layout, in order of precedence.
     fn insert_lacking(&mut self, task: &Task) {
         let taken: BTreeSet<(usize, u32)> = self.best.iter().map(|p| (p.item, p.copy)).collect();
@@ -217,63 +310,32 @@ impl<'a> Course<'a> {
         let standing = self.best.clone();
         let mut builder = Builder::new(task);
         if let Some(pieces) = self.build(&mut builder, &Recipe::FIRST[0], &lacking, &standing, 0.9) {
-            self.offer(task, pieces);
+            self.offer(pieces);
         }
-    }
-
-    /// Where not all fit, earlier copies come first: the longest beginning of the line that fits whole, then whoever
-    /// still finds a gap.
-    fn keep_precedence(
-        &mut self,
-        task: &Task,
-        builder: &mut Builder<'_>,
-        standing: &[Piece],
-        lacking: &[(usize, u32)],
-    ) {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let recipe = Recipe::FIRST[0];
-        let (mut fits, mut fails) = (0, lacking.len() + 1);
-        let mut chosen = standing.to_vec();
-        while fails - fits > 1 + lacking.len() / 100 {
-            let middle = fits.midpoint(fails);
-            let order = recipe.sorted(task, &lacking[..middle], &mut rng);
-            let stop = self.stop;
-            let built = builder.build(&recipe, &order, standing, f64::INFINITY, |_| stop.spent(0) >= 1.0);
-            match built {
-                Some(pieces) if pieces.len() == standing.len() + middle => (fits, chosen) = (middle, pieces),
-                Some(_) => fails = middle,
-                None => break,
-            }
-        }
-        let stop = self.stop;
-        let rest = &lacking[fits..];
-        let filled = builder.build(&recipe, rest, &chosen, f64::INFINITY, |_| stop.spent(0) >= 1.0);
-        let kept = filled.unwrap_or(chosen);
-        // Where the budget ended first, a far fuller layout in another order is worth more than a short beginning.
-        if 10 * kept.len() < 9 * self.best.len() && self.stop.spent(0) >= 1.0 {
-            return;
-        }
-        self.best = kept;
-        self.listener.improved(&task.solution(self.instance, &self.best, self.evaluations), self.evaluations);
     }
 }
 
 /// The pieces of an earlier layout that still hold: inside the walls, clear of each other and, where it is asked, not locked
 /// into each other. Others are placed anew.
 fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
+    let known: BTreeSet<(usize, u32)> = task.copies.iter().copied().collect();
+    let mut taken: BTreeSet<(usize, u32)> = BTreeSet::new();
+    let mut near = Near::new(task.room);
     let mut pieces: Vec<Piece> = Vec::new();
     for placement in start {
-        let Some(kind) = task.kinds.get(placement.item).and_then(Option::as_ref) else { continue };
-        let place = kind.shape.place(&placement.pose);
-        let piece = task.piece((placement.item, placement.copy), placement.pose.rotation, place);
-        let known = task.copies.contains(&(placement.item, placement.copy));
-        let twice = pieces.iter().any(|p| (p.item, p.copy) == (piece.item, piece.copy));
-        if known
-            && !twice
-            && task.is_inside(&piece, task.room.z)
-            && super::rotation_obeys(kind.rule, &piece.pose)
-            && pieces.iter().all(|other| task.is_clear(&piece, other))
+        let copy = (placement.item, placement.copy);
+        if !known.contains(&copy) || taken.contains(&copy) {
+            continue;
+        }
+        let kind = task.kind(placement.item);
+        let piece = task.piece(copy, placement.pose.rotation, kind.shape.place(&placement.pose));
+        let around = || near.around(&piece.bounds, task.near_mm());
+        if task.is_inside(&piece, task.room.z)
+            && super::rotation_obeys(&kind.orientation, &piece.pose)
+            && around().into_iter().all(|other| task.is_clear(&piece, &pieces[other]))
         {
+            near.add(pieces.len(), &piece.bounds);
+            taken.insert(copy);
             pieces.push(piece);
         }
     }

@@ -1,13 +1,17 @@
 //! What is nested and how a layout is judged while it is built: exactly, on the triangles.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
 use super::{
-    Instance, OrientationRule, Placement, Solution, fit, fit::WALL_SPARE_MM, shape, shape::Detail, shape::Shape,
+    Instance, Organs, Orientation, Placement, Solution,
+    fit::WALL_SPARE_MM,
+    outline::{Candidate, Lineup},
+    shape::{Detail, Shape},
+    workshop::Workshop,
 };
-use crate::geometry::{Bounds, Pose};
+use crate::geometry::{Bounds, Mesh, Pose};
 
 /// What two placements keep beyond their clearance, mm, so that rounding in a written file never breaks it.
 pub(crate) const CLEARANCE_SPARE_MM: f64 = 1e-4;
@@ -16,44 +20,58 @@ pub(crate) const CLEARANCE_SPARE_MM: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub(crate) struct Kind {
     pub(crate) shape: Arc<Shape>,
-    pub(crate) rule: OrientationRule,
+    pub(crate) orientation: Orientation,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
-    /// A rotation in which it stands in the volume.
-    pub(crate) fitting: DQuat,
 }
 
 /// The instance, prepared. `kinds` has one entry per item; `None` for those that fit in no allowed orientation.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
+    /// The same items from outside.
+    pub(crate) lineup: Arc<Lineup>,
     pub(crate) kinds: Vec<Option<Kind>>,
     /// All copies that fit alone, in order of precedence.
     pub(crate) copies: Vec<(usize, u32)>,
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Clearances also hold when either part is raised by up to this, mm.
+    pub(crate) z_extra_mm: f64,
+    /// Which organs of the search take part.
+    pub(crate) organs: Organs,
     /// Whether a layout counts only when no part is locked into others.
     pub(crate) separable: bool,
 }
 
 impl Task {
-    /// Prepares every distinct mesh that fits. Locked parts are let be.
-    pub(crate) fn new(instance: &Instance, nodes: usize, points: usize) -> Self {
-        let own = |item: &super::Item| item.clearance_mm.unwrap_or(0.0).max(instance.clearance_mm());
-        let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
-        let detail = Detail { nodes, points, reach_mm: reach_mm + 0.5 };
-        let kinds: Vec<Option<Kind>> = (instance.items().iter())
-            .map(|item| {
-                let fitting = fit::fits(&item.mesh, item.orientation, &instance.volume()).ok()?;
-                let shape = shape::prepare(&item.mesh, detail);
-                Some(Kind { shape, rule: item.orientation, clearance_mm: own(item), fitting })
-            })
-            .collect();
-        let copies = (instance.items().iter().enumerate())
-            .filter(|&(at, _)| kinds[at].is_some())
-            .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
-            .collect();
-        Self { kinds, copies, room: instance.volume().size_mm, reach_mm, separable: false }
+    /// Prepares every distinct mesh of a line-up. Locked parts are let be.
+    pub(crate) fn new(
+        lineup: Arc<Lineup>,
+        workshop: &Workshop<'_>,
+        organs: Organs,
+        nodes: usize,
+        points: usize,
+    ) -> Self {
+        let detail = Detail { nodes, points, reach_mm: lineup.reach_mm + 0.5 };
+        let meshes: Vec<Arc<Mesh>> = lineup.candidates.iter().flatten().map(|c| c.mesh.clone()).collect();
+        let mut shapes = workshop.shapes(&meshes, detail).into_iter();
+        let kind = |candidate: &Option<Candidate>| {
+            let Candidate { orientation, clearance_mm, .. } = candidate.as_ref()?;
+            Some(Kind { shape: shapes.next()?, orientation: orientation.clone(), clearance_mm: *clearance_mm })
+        };
+        let kinds = lineup.candidates.iter().map(kind).collect();
+        let (room, reach_mm, z_extra_mm) = (lineup.room, lineup.reach_mm, lineup.z_extra_mm);
+        Self { kinds, copies: lineup.copies.clone(), room, reach_mm, z_extra_mm, organs, separable: false, lineup }
+    }
+
+    /// Prepares some of the items at another detail.
+    pub(crate) fn refine(&mut self, items: Range<usize>, workshop: &Workshop<'_>, nodes: usize, points: usize) {
+        let detail = Detail { nodes, points, reach_mm: self.reach_mm + 0.5 };
+        let mut kinds: Vec<&mut Kind> = self.kinds[items].iter_mut().flatten().collect();
+        let meshes: Vec<Arc<Mesh>> = kinds.iter().map(|kind| kind.shape.tree.mesh().clone()).collect();
+        let shapes = workshop.shapes(&meshes, detail);
+        kinds.iter_mut().zip(shapes).for_each(|(kind, shape)| kind.shape = shape);
     }
 
     /// The prepared item of a copy that is being nested.
@@ -73,6 +91,21 @@ impl Task {
         Piece { item, copy, turn, place, pose, bounds: shape.tree.bounds_at(&pose) }
     }
 
+    /// Bounds further apart than this are clear, mm.
+    pub(crate) fn near_mm(&self) -> f64 {
+        self.reach_mm + self.z_extra_mm + 2.0 * CLEARANCE_SPARE_MM
+    }
+
+    /// Raisings at which guides look for overlap, mm: what may be raised by more than a clearance is looked at in between,
+    /// too.
+    pub(crate) fn lifts(&self) -> Vec<f32> {
+        if self.z_extra_mm <= 0.0 {
+            return vec![0.0];
+        }
+        let steps = (self.z_extra_mm / self.reach_mm.max(1.0)).ceil().min(4.0) as i32;
+        (-steps..=steps).map(|step| (self.z_extra_mm * f64::from(step) / f64::from(steps)) as f32).collect()
+    }
+
     /// Whether a piece stands inside the walls.
     pub(crate) fn is_inside(&self, piece: &Piece, lid_mm: f64) -> bool {
         let room = Bounds { min: DVec3::ZERO, max: self.room.with_z(lid_mm.min(self.room.z)) };
@@ -84,15 +117,20 @@ impl Task {
         self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM
     }
 
-    /// Distance between two pieces, exact up to a little more than their clearance; negative when one is inside the other.
+    /// Distance between two pieces while either is raised as far as it may be, exact up to a little more than their clearance; negative when one is inside the other.
     pub(crate) fn gap_mm(&self, one: &Piece, other: &Piece) -> f64 {
         let cap = self.clearance_mm(one.item, other.item) + 2.0 * CLEARANCE_SPARE_MM;
-        if one.bounds.distance(&other.bounds) >= cap {
+        if lifted(&one.bounds, self.z_extra_mm).distance(&lifted(&other.bounds, self.z_extra_mm)) >= cap {
             return cap;
         }
         let (tree1, tree2) = (&self.kind(one.item).shape.tree, &self.kind(other.item).shape.tree);
         let pose12 = one.pose.seen(&other.pose);
-        let gap = tree1.distance_capped_mm(tree2, &pose12, cap);
+        let gap = match self.z_extra_mm > 0.0 {
+            true => {
+                tree1.distance_sliding_mm(tree2, &pose12, one.pose.inverse().direction(DVec3::Z * self.z_extra_mm), cap)
+            }
+            false => tree1.distance_capped_mm(tree2, &pose12, cap),
+        };
         if gap > 0.0 && one.bounds.holds(&other.bounds, 0.0) && tree1.holds_part(tree2, &pose12) {
             return -1.0;
         }
@@ -101,17 +139,6 @@ impl Task {
             return -1.0;
         }
         gap
-    }
-
-    /// The solution that pieces make.
-    pub(crate) fn solution(&self, instance: &Instance, pieces: &[Piece], evaluations: u64) -> Solution {
-        let mut placements: Vec<Placement> =
-            pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
-        placements.sort_by_key(|p| (p.item, p.copy));
-        let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
-        let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
-        let unplaced = all.filter(|&copy| !placed(copy)).collect();
-        Solution { unplaced, height_mm: height_mm(pieces), evaluations, placements }
     }
 }
 
@@ -128,7 +155,23 @@ pub(crate) struct Piece {
     pub(crate) bounds: Bounds,
 }
 
+/// Bounds with what is kept free above them.
+pub(crate) fn lifted(bounds: &Bounds, extra_mm: f64) -> Bounds {
+    Bounds { min: bounds.min, max: bounds.max + DVec3::Z * extra_mm }
+}
+
 /// Top of the highest piece, mm.
 pub(crate) fn height_mm(pieces: &[Piece]) -> f64 {
     pieces.iter().map(|p| p.bounds.max.z).fold(0.0, f64::max)
+}
+
+/// The solution that pieces make.
+pub(crate) fn solution(instance: &Instance, pieces: &[Piece], evaluations: u64) -> Solution {
+    let mut placements: Vec<Placement> =
+        pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
+    placements.sort_by_key(|p| (p.item, p.copy));
+    let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
+    let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
+    let unplaced = all.filter(|&copy| !placed(copy)).collect();
+    Solution { unplaced, height_mm: height_mm(pieces), evaluations, placements }
 }

@@ -35,6 +35,12 @@ impl Guide {
         self.max = self.place + max;
     }
 
+    /// The same part higher by `lift` mm.
+    pub(crate) fn raised(&self, lift: f32) -> Self {
+        let up = Vec3::Z * lift;
+        Self { place: self.place + up, min: self.min + up, max: self.max + up, ..self.clone() }
+    }
+
     /// Whether the bounds of two parts are nearer than `reach`.
     #[inline]
     pub(crate) fn is_near(&self, other: &Self, reach: f32) -> bool {

@@ -18,6 +18,8 @@ pub(crate) struct Patience {
     pub(crate) rounds: usize,
     /// Failed confirmations.
     pub(crate) repairs: usize,
+    /// Overlap below which the triangles are asked now and then, though the guides are not content yet.
+    pub(crate) nearly: f32,
 }
 
 /// How a separation ended.
@@ -30,6 +32,8 @@ pub(crate) enum Outcome {
 
 /// Share of an overlapping part's rounds in which it looks for another place.
 const RELOCATE_SHARE: f64 = 0.5;
+/// Rounds between two looks at the triangles while little overlaps.
+const LOOK_ROUNDS: usize = 6;
 /// Gauss-Newton steps per part and round.
 const STEPS: usize = 3;
 
@@ -44,8 +48,15 @@ pub(crate) fn separate(
     let mut energies = Vec::new();
     let mut total = layout.weigh(&mut energies);
     let mut least = (f32::INFINITY, Vec::new());
-    let (mut idle, mut repairs) = (0, 0);
+    let (mut idle, mut repairs, mut rounds) = (0, 0, 0);
     loop {
+        if total > 0.0 && total < patience.nearly && rounds % LOOK_ROUNDS == 0 {
+            if let Some(pieces) = layout.confirm() {
+                return Outcome::Clear(pieces);
+            }
+            total = layout.weigh(&mut energies);
+        }
+        rounds += 1;
         if total <= 0.0 {
             if let Some(pieces) = layout.confirm().filter(|pieces| is_settled(layout, pieces, &mut grid, rng)) {
                 return Outcome::Clear(pieces);
@@ -96,7 +107,7 @@ fn round(
                 break;
             }
         }
-        if energy > 0.0 && rng.random_bool(share) {
+        if energy > 0.0 && layout.task.organs.relocation && rng.random_bool(share) {
             let still = layout.energy_at(part, &layout.guides[part], false, f32::INFINITY);
             if still > 0.0 {
                 let effort = Effort { asked: 800, looked_at: 24, pushed: 3 };

@@ -1,11 +1,19 @@
-//! Everything the search knows of one distinct mesh, prepared once and shared by all of its copies.
+//! Everything the search knows of one distinct mesh, shared by all of its copies.
 
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{body::Body, field::DistanceField, turns};
-use crate::geometry::{ClearanceTree, Mesh, Pose};
+use super::{
+    body::Body,
+    cache::{self, Cache},
+    field::DistanceField,
+    outline::Outline,
+};
+use crate::geometry::{ClearanceTree, Pose};
+
+/// Points of the few by which candidates are compared.
+const FEW_POINTS: usize = 120;
 
 /// A distinct mesh, prepared.
 #[derive(Debug)]
@@ -28,7 +36,6 @@ pub(crate) struct Shape {
     pub(crate) fine: Body,
     /// Few surface points.
     pub(crate) coarse: Body,
-    detail: Detail,
 }
 
 /// How finely a shape is prepared.
@@ -42,29 +49,25 @@ pub(crate) struct Detail {
     pub(crate) reach_mm: f64,
 }
 
-impl Detail {
-    /// Whether what was prepared so is good enough for `wanted`.
-    fn serves(&self, wanted: &Self) -> bool {
-        self.nodes >= wanted.nodes && self.points >= wanted.points && self.reach_mm >= wanted.reach_mm
-    }
-}
-
 impl Shape {
-    fn new(tree: Arc<ClearanceTree>, detail: Detail) -> Self {
-        let mesh = tree.mesh();
-        let center = tree.obb().pose.translation;
-        let extremes: Vec<DVec3> = turns::extreme_points(mesh.vertices(), 96).into_iter().map(|v| v - center).collect();
-        let radius_mm = mesh.vertices().iter().map(|v| v.distance(center)).fold(0.0, f64::max);
+    /// Works out the guides, or takes them from what was kept under the mesh's name.
+    pub(crate) fn new(
+        tree: Arc<ClearanceTree>,
+        outline: &Outline,
+        detail: Detail,
+        kept: Option<(&dyn Cache, &str)>,
+    ) -> Self {
+        let center = outline.obb.pose.translation;
+        let (field, fine, coarse) = guides(&tree, center, detail, kept);
         Self {
             center,
-            frame: tree.obb().pose.rotation,
-            radius_mm,
-            extremes_f32: extremes.iter().map(|p| p.as_vec3()).collect(),
-            extremes,
-            field: DistanceField::new(mesh, center, detail.reach_mm, detail.nodes),
-            fine: Body::new(mesh, center, detail.points),
-            coarse: Body::new(mesh, center, 120),
-            detail,
+            frame: outline.obb.pose.rotation,
+            radius_mm: outline.radius_mm,
+            extremes_f32: outline.extremes.iter().map(|p| p.as_vec3()).collect(),
+            extremes: outline.extremes.clone(),
+            field,
+            fine,
+            coarse,
             tree,
         }
     }
@@ -81,24 +84,23 @@ impl Shape {
     }
 }
 
-/// Prepared shapes of meshes that are still alive: an open build asks for the same meshes again and again.
-static PREPARED: Mutex<Vec<(Weak<Mesh>, Arc<Shape>)>> = Mutex::new(Vec::new());
-
-/// The shape of a mesh at a detail or better, from what was prepared before where possible.
-pub(crate) fn prepare(mesh: &Arc<Mesh>, detail: Detail) -> Arc<Shape> {
-    let known = {
-        let mut prepared = PREPARED.lock().unwrap_or_else(PoisonError::into_inner);
-        // The shape itself holds its mesh; another holder means that somebody may still ask.
-        prepared.retain(|(mesh, _)| mesh.strong_count() > 1);
-        prepared.iter().find(|(known, _)| std::ptr::eq(known.as_ptr(), Arc::as_ptr(mesh))).map(|(_, s)| s.clone())
-    };
-    if let Some(shape) = known.as_ref().filter(|shape| shape.detail.serves(&detail)) {
-        return shape.clone();
+fn guides(
+    tree: &ClearanceTree,
+    center: DVec3,
+    detail: Detail,
+    kept: Option<(&dyn Cache, &str)>,
+) -> (DistanceField, Body, Body) {
+    let kind = || format!("guides-{}-{}-{:016x}", detail.nodes, detail.points, detail.reach_mm.to_bits());
+    let slot = kept.map(|(cache, name)| (cache, cache::key_of(&kind(), name)));
+    let known = slot.as_ref().and_then(|(cache, key)| cache::unpack_guides(&cache.fetch(key)?));
+    if let Some(known) = known {
+        return known;
     }
-    let tree = known.map_or_else(|| Arc::new(ClearanceTree::new(mesh.clone())), |shape| shape.tree.clone());
-    let shape = Arc::new(Shape::new(tree, detail));
-    let mut prepared = PREPARED.lock().unwrap_or_else(PoisonError::into_inner);
-    prepared.retain(|(known, _)| !std::ptr::eq(known.as_ptr(), Arc::as_ptr(mesh)));
-    prepared.push((Arc::downgrade(mesh), shape.clone()));
-    shape
+    let mesh = tree.mesh();
+    let field = DistanceField::new(mesh, center, detail.reach_mm, detail.nodes);
+    let (fine, coarse) = (Body::new(mesh, center, detail.points), Body::new(mesh, center, FEW_POINTS));
+    if let Some((cache, key)) = slot {
+        cache.keep(&key, &cache::pack_guides(&field, &fine, &coarse));
+    }
+    (field, fine, coarse)
 }

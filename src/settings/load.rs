@@ -131,6 +131,7 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
         scan_secs: inputs.scan_secs.0,
         orphan_ticket_secs: inputs.orphan_ticket_secs.0,
         threads: inputs.threads,
+        cache_bytes: inputs.cache_bytes,
         limits: inputs.limits,
         log,
         profiles,

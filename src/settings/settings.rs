@@ -23,6 +23,8 @@ pub struct Settings {
     pub orphan_ticket_secs: f64,
     /// Threads that nest; 0 = one per core.
     pub threads: usize,
+    /// What prepared meshes may take up in the state directory, bytes; 0 = none are kept.
+    pub cache_bytes: u64,
     /// Limits of the readers.
     pub limits: crate::format::Limits,
     /// What the log holds and what it looks like.

@@ -26,6 +26,7 @@ pub(super) fn farm(inputs: &FarmInputs, judge: &mut Judge) {
     judge.within("scan_secs", inputs.scan_secs.0, 0.05..=3600.0);
     judge.within("orphan_ticket_secs", inputs.orphan_ticket_secs.0, 0.0..=MAX_WAIT_SECS);
     judge.within("threads", inputs.threads, 0..=MAX_THREADS);
+    judge.within("cache_bytes", inputs.cache_bytes, 0..=1 << 50);
     let limits = &inputs.limits;
     judge.within("limits.max_bytes", limits.max_bytes, 1..=u64::MAX);
     judge.within("limits.max_triangles", limits.max_triangles, 4..=u64::MAX);
@@ -78,10 +79,13 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
         floor_margin_mm: inputs.floor_margin_mm,
         lid_margin_mm: inputs.lid_margin_mm,
         clearance_mm: inputs.clearance_mm,
+        clearance_z_extra_mm: inputs.clearance_z_extra_mm,
         layer_mm: inputs.layer_mm,
         print_hours_per_mm: inputs.print_hours_per_mm,
         unit: inputs.unit,
         orientation: inputs.orientation,
+        keep_up: inputs.keep_up,
+        not_down: inputs.not_down,
         settle_secs: inputs.settle_secs.0,
         unfinished_secs: inputs.unfinished_secs.0,
         duplicates: inputs.duplicates,
@@ -114,8 +118,14 @@ fn values(inputs: &ProfileInputs, judge: &mut Judge) {
     judge.within("floor_margin_mm", inputs.floor_margin_mm, 0.0..=MAX_EDGE_MM);
     judge.within("lid_margin_mm", inputs.lid_margin_mm, 0.0..=MAX_EDGE_MM);
     judge.within("clearance_mm", inputs.clearance_mm, 0.0..=100.0);
+    judge.within("clearance_z_extra_mm", inputs.clearance_z_extra_mm, 0.0..=100.0);
     judge.within("layer_mm", inputs.layer_mm, 0.001..=10.0);
     judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
+    for (key, count) in [("keep_up", inputs.keep_up.len()), ("not_down", inputs.not_down.len())] {
+        if count > nest::MAX_TILTS {
+            judge.object(key, format!("{key} names {count} directions"), format!("name {} at most", nest::MAX_TILTS));
+        }
+    }
     judge.within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
     judge.within("unfinished_secs", inputs.unfinished_secs.0, 0.0..=604_800.0);
     judge.within("final_secs", inputs.final_secs.0, 0.0..=MAX_SEARCH_SECS);

@@ -64,9 +64,9 @@ pub fn write(
     mut course: Course,
 ) -> Result<Report> {
     let mut moved = solution.clone();
-    moved.placements.iter_mut().for_each(|p| p.pose.translation += machine.origin_mm);
+    moved.placements.iter_mut().for_each(|p| p.pose.translation += machine.origin_mm());
     if !moved.placements.is_empty() {
-        moved.height_mm += machine.origin_mm.z;
+        moved.height_mm += machine.origin_mm().z;
         let build = describe(machine, parts, instance, solution, &moved);
         let draft = Draft::fill(&args.output, |file| Ok(format::write_build(&build, file)?))?;
         let (proof, separable) = prove(&draft.hidden, machine, parts, &moved.placements)?;
@@ -98,7 +98,7 @@ fn describe(
 ) -> BuildFile {
     let used: BTreeSet<usize> = moved.placements.iter().map(|p| p.item).collect();
     let used: Vec<usize> = used.into_iter().collect();
-    let rule = serde_json::to_value(machine.orientation).ok().and_then(|v| v.as_str().map(str::to_owned));
+    let rule = serde_json::to_value(machine.orientation.rule).ok().and_then(|v| v.as_str().map(str::to_owned));
     let object = |&at: &usize| BuildObject {
         name: parts[at].name.clone(),
         mesh: parts[at].mesh.clone(),
@@ -114,6 +114,7 @@ fn describe(
         source_hash: parts[placement.item].source_hash.clone(),
         clearance_mm: None,
         orientation: rule.clone(),
+        tilts: (!machine.orientation.tilts.is_empty()).then(|| nest::write_tilts(&machine.orientation.tilts)),
     };
     let bodies: Vec<(&Mesh, Pose)> = moved.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
     BuildFile {
@@ -123,7 +124,9 @@ fn describe(
         created: Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
         seed: machine.config.seed,
         volume_mm: machine.volume_mm,
+        margins_mm: machine.margins.as_dvec3(),
         clearance_mm: machine.clearance_mm,
+        clearance_z_extra_mm: machine.clearance_z_extra_mm,
         height_mm: moved.height_mm,
         density: solution.density(instance),
         interlock: machine.config.interlock().word().to_owned(),
@@ -159,13 +162,13 @@ fn prove(
         let same = item.mesh.triangles().len() == mesh.triangles().len()
             && (item.mesh.volume_mm3() - mesh.volume_mm3()).abs() <= 1e-6 * (1.0 + mesh.volume_mm3());
         ensure!(same, "{} came back from the written build with another mesh", item.name);
-        let pose = Pose { translation: item.pose.translation - machine.origin_mm, ..item.pose };
-        ensure!(nest::rotation_obeys(machine.orientation, &pose), "{} is turned against its rule", item.name);
+        let pose = Pose { translation: item.pose.translation - machine.origin_mm(), ..item.pose };
+        ensure!(nest::rotation_obeys(&machine.orientation, &pose), "{} is turned against its rule", item.name);
         keys.push(key);
         bodies.push(Body { name: item.name, mesh: item.mesh, pose, clearance_mm: machine.clearance_mm });
     }
     ensure!(found == asked, "the written build lacks {} placements", asked.len() - found.len());
-    let proof = nest::prove(&bodies, machine.room.size_mm);
+    let proof = nest::prove_raised(&bodies, machine.room().size_mm, machine.clearance_z_extra_mm);
     if !proof.is_proved() {
         let name = |at: usize| &bodies[at].name;
         let close = proof.too_close.first().map(|p| {

@@ -132,7 +132,7 @@ fn two_links() -> Instance {
         clearance_mm: None,
     };
     let volume = BuildVolume { size_mm: DVec3::new(32.0, 22.0, 22.0) };
-    Instance::new(volume, 1.0, vec![item(flat), item(on_edge)]).expect("makes sense")
+    Instance::new(volume, 1.0, vec![item(on_edge), item(flat)]).expect("makes sense")
 }
 
 #[test]

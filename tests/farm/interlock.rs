@@ -13,8 +13,10 @@ fn drop_rings(farm: &TestFarm) {
     let flat = samples::ring(21.0, 15.0, 3.0);
     let turned = |v: &DVec3| DVec3::new(v.x, -v.z, v.y);
     let on_edge = Mesh::new(flat.vertices().iter().map(turned).collect(), flat.triangles().to_vec()).unwrap();
-    farm.drop_part("flat.stl", &flat);
-    farm.drop_part("on_edge.stl", &on_edge);
+    // The one on edge comes first: around it the flat one finds its place as a link.
+    farm.drop_part("a_on_edge.stl", &on_edge);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.drop_part("b_flat.stl", &flat);
 }
 
 #[test]

@@ -42,10 +42,11 @@ pub(crate) fn is_settled(
     for &(one, other) in &pairs {
         leaving.extend(smaller(&[one, other]).filter(|part| !leaving.contains(part)));
     }
-    let fresh = pairs.iter().filter(|&&(one, other)| layout.locks.keep_apart(one, other)).count();
+    let smallest = smaller(&found.locked);
+    let fresh = pairs.iter().filter(|&&(one, other)| layout.keep_hulls_apart(one, other)).count();
     if fresh == 0 {
         // A group that no single pair locks, or a pair that is locked though it was told before.
-        leaving.extend(smaller(&found.locked).filter(|part| !leaving.contains(part)));
+        leaving.extend(smallest.filter(|part| !leaving.contains(part)));
     }
     for part in leaving {
         move_away(layout, grid, part, EFFORT, rng);

@@ -20,6 +20,7 @@ mod layout;
 mod locks;
 mod near;
 mod nester;
+mod notes;
 mod organs;
 mod orientation;
 mod outline;

@@ -67,6 +67,7 @@ fn written(
         clearance_mm: 2.0,
         height_mm: 30.0,
         density: 0.02,
+        interlock: "forbid".to_owned(),
         application: "nestd test".to_owned(),
         objects: vec![object],
         items: vec![item(1), item(2)],

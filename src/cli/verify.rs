@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 
 use super::{
     Common, Exit, Usage, asked,
-    values::{distance, margins, volume},
+    values::{distance, margins, volume, word},
 };
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
     geometry::Pose,
-    nest::{self, Body, Margins, Orientation, OrientationRule, Proof, Tilt},
+    nest::{self, Body, Interlock, Margins, Orientation, OrientationRule, Proof, TakenApart, Tilt},
 };
 
 /// Arguments of the command.
@@ -32,6 +32,10 @@ pub struct Args {
     /// Least distance between two parts, mm [default: what the file says]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance: Option<f64>,
+    /// Parts locked into each other: forbid (then they are no proof), warn or allow (nobody looks) [default: what the file
+    /// says, else warn]
+    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
+    interlock: Option<Interlock>,
     /// The clearance also holds when either of two parts is raised by up to this, mm [default: what the file says, else 0]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance_z_extra: Option<f64>,
@@ -58,6 +62,9 @@ struct Verdict {
     clearance_z_extra_mm: f64,
     bodies: Vec<Body>,
     proof: Proof,
+    interlock: Interlock,
+    /// How it comes apart; `None` when locked parts are allowed.
+    apart: Option<TakenApart>,
     /// Placements turned against the rule that they were placed under.
     turned: Vec<usize>,
     /// What a second reader says against our own reading.
@@ -68,7 +75,17 @@ struct Verdict {
 
 impl Verdict {
     fn is_proved(&self) -> bool {
-        self.proof.is_proved() && self.turned.is_empty() && self.second_reader.is_none() && self.list_faults.is_empty()
+        let locked = self.interlock == Interlock::Forbid && !self.locked().is_empty();
+        self.proof.is_proved()
+            && !locked
+            && self.turned.is_empty()
+            && self.second_reader.is_none()
+            && self.list_faults.is_empty()
+    }
+
+    /// Bodies that cannot be drawn out.
+    fn locked(&self) -> &[usize] {
+        self.apart.as_ref().map_or(&[], |apart| &apart.locked)
     }
 }
 
@@ -112,6 +129,9 @@ fn verify(args: &Args) -> Result<Verdict> {
         .collect();
     let mut proof = nest::prove_raised(&bodies, margins.room(volume_mm).size_mm, clearance_z_extra_mm);
     proof.height_mm += margins.floor_mm;
+    let said = || info.interlock.as_deref().and_then(|said| word(said).ok());
+    let interlock = args.interlock.or_else(said).unwrap_or(Interlock::Warn);
+    let apart = (interlock != Interlock::Allow).then(|| nest::take_apart(&bodies));
     Ok(Verdict {
         info,
         volume_mm,
@@ -120,6 +140,8 @@ fn verify(args: &Args) -> Result<Verdict> {
         clearance_z_extra_mm,
         bodies,
         proof,
+        interlock,
+        apart,
         turned,
         second_reader,
         list_faults,
@@ -159,10 +181,12 @@ fn faults(verdict: &Verdict) -> Vec<String> {
     let outside =
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.6} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
+    let locked = verdict.locked().iter().map(|&i| format!("{} is locked into others", name(i)));
     let turned = verdict.turned.iter().map(|&i| format!("{} is turned against its orientation rule", name(i)));
     close
         .chain(outside)
         .chain(inside)
+        .chain(locked)
         .chain(turned)
         .chain(verdict.second_reader.clone())
         .chain(verdict.list_faults.iter().cloned())
@@ -186,6 +210,12 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
     if verdict.clearance_z_extra_mm > 0.0 {
         lines.push(format!("raised parts    keep it, too, up to {} mm", verdict.clearance_z_extra_mm));
     }
+    let gap_mm = nest::drawing_gap_mm(verdict.clearance_mm);
+    lines.push(match verdict.locked().len() {
+        _ if verdict.apart.is_none() => "comes apart     not asked".to_owned(),
+        0 => format!("comes apart     part by part, {gap_mm} mm kept on the way"),
+        locked => format!("comes apart     not, {locked} parts are locked"),
+    });
     lines.extend(faults(verdict));
     lines
 }
@@ -217,6 +247,8 @@ fn as_json(verdict: &Verdict) -> Value {
         "too_close": pairs,
         "outside": outside,
         "inside": inside,
+        "interlock": verdict.interlock.word(),
+        "locked": verdict.apart.as_ref().map(|apart| apart.locked.iter().map(|&i| name(i)).collect::<Vec<_>>()),
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
         "second_reader": verdict.second_reader,
         "list": verdict.list_faults,

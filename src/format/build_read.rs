@@ -61,6 +61,7 @@ fn info(metadata: &Metadata) -> BuildInfo {
         clearance_z_extra_mm: number("clearance_z_extra_mm"),
         height_mm: number("height_mm"),
         density: number("density"),
+        interlock: metadata.nestd("interlock"),
     }
 }
 

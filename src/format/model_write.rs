@@ -91,6 +91,7 @@ fn package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
     metadata(out, "nestd:clearance_z_extra_mm", &build.clearance_z_extra_mm.to_string())?;
     metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
     metadata(out, "nestd:density", &build.density.to_string())?;
+    metadata(out, "nestd:interlock", &build.interlock)?;
     metadata(out, "nestd:arrangement", locked)
 }
 

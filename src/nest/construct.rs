@@ -1,14 +1,16 @@
 //! The start: one part after the other at its lowest place in bit columns; on top of all others where it finds none. Every
 //! placement is confirmed on the triangles before it counts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
     boxes::{Boxes, turns_of},
+    interlock::parted,
     near::Near,
     piece::{Piece, Task, lifted},
     recipe::Recipe,
     scan::Floors,
+    separable::can_leave,
     skyline::Skyline,
     voxels::{Occupancy, Raster},
 };
@@ -19,6 +21,8 @@ const GROW: f64 = 0.45;
 const MOST_FLOORS: usize = 64 << 20;
 /// Places that are tried on the triangles before a part goes on top of all others.
 const TRIES: usize = 8;
+/// Places that may turn out to lock the part before it goes on top.
+const MOST_HELD: usize = 24;
 
 /// Rasters of all items at all rotations tried, made when first needed and kept over all runs.
 pub(crate) struct Builder<'t> {
@@ -27,6 +31,8 @@ pub(crate) struct Builder<'t> {
     pitch: f64,
     turns: usize,
     rasters: BTreeMap<usize, Vec<Raster>>,
+    /// Whether a place counts only where the part can be drawn out again.
+    must_leave: bool,
     /// Placement tests made.
     pub(crate) tests: u64,
 }
@@ -48,7 +54,8 @@ impl<'t> Builder<'t> {
         let columns = if task.copies.len() > 150 { 14_000.0 } else { 20_000.0 };
         let pitch = (task.room.x * task.room.y / columns).sqrt().max(0.3 * task.reach_mm).max(0.5);
         let turns = (300 / distinct).clamp(4, 16);
-        Self { task, boxes: Boxes::new(&task.lineup), pitch, turns, rasters: BTreeMap::new(), tests: 0 }
+        let boxes = Boxes::new(&task.lineup);
+        Self { task, boxes, pitch, turns, rasters: BTreeMap::new(), must_leave: task.separable, tests: 0 }
     }
 
     /// What stands already.
@@ -74,7 +81,8 @@ impl<'t> Builder<'t> {
     }
 
     /// Places copies in the given order around what stands already; those that find no place are left out. Ends early
-    /// with `None` when the layout gets as high as `worst_mm` or `enough` says so.
+    /// with `None` when the layout gets as high as `worst_mm` or `enough` says so. Where no part may be locked, those that
+    /// are find other places in the end.
     pub(crate) fn build(
         &mut self,
         recipe: &Recipe,
@@ -82,6 +90,30 @@ impl<'t> Builder<'t> {
         standing: &[Piece],
         worst_mm: f64,
         mut enough: impl FnMut(u64) -> bool,
+    ) -> Option<Vec<Piece>> {
+        self.must_leave = false;
+        let built = self.build_once(recipe, order, standing, worst_mm, &mut enough);
+        self.must_leave = self.task.separable;
+        if !self.task.separable {
+            return built;
+        }
+        let (kept, dropped) = parted(self.task, built?);
+        if dropped.is_empty() {
+            return Some(kept);
+        }
+        let again: BTreeSet<(usize, u32)> = dropped.iter().map(|p| (p.item, p.copy)).collect();
+        let again: Vec<(usize, u32)> = order.iter().copied().filter(|copy| again.contains(copy)).collect();
+        self.build_once(recipe, &again, &kept, f64::INFINITY, &mut enough)
+    }
+
+    /// One run over copies in order, around what stands.
+    fn build_once(
+        &mut self,
+        recipe: &Recipe,
+        order: &[(usize, u32)],
+        standing: &[Piece],
+        worst_mm: f64,
+        enough: &mut impl FnMut(u64) -> bool,
     ) -> Option<Vec<Piece>> {
         let mut stack = self.stack(standing);
         for &copy in order {
@@ -123,18 +155,25 @@ impl<'t> Builder<'t> {
             turns.into_iter().map(|turn| Raster::new(shape, turn, task.reach_mm, pitch, GROW).lifted(lift)).collect()
         });
         let mut floors = stack.floors.remove(&copy.0).unwrap_or_else(|| Floors::new(&stack.occupancy, rasters));
-        let mut found = None;
-        for _ in 0..TRIES {
+        let (mut found, mut failed, mut held) = (None, 0, 0);
+        while failed < TRIES && held < MOST_HELD {
             let lowest = floors.lowest_score(recipe, &stack.occupancy, rasters, &mut self.tests);
             let Some((at, node)) = lowest else { break };
             let raster = &rasters[at];
             let piece = task.piece(copy, raster.turn, stack.occupancy.place(raster, node));
-            if task.is_inside(&piece, task.room.z) && stack.is_clear(task, &piece) {
+            if !(task.is_inside(&piece, task.room.z) && stack.is_clear(task, &piece)) {
+                floors.forbid(at, node);
+                failed += 1;
+            // When each can leave those before it, all can leave in the opposite order.
+            } else if self.must_leave && !can_leave(task, &piece, &stack.pieces) {
+                let reach = 0.25 * task.kind(copy.0).shape.radius_mm / pitch;
+                floors.forbid_around(node, reach.ceil() as usize);
+                held += 1;
+            } else {
                 stack.occupancy.fill(raster, node);
                 found = Some(piece);
                 break;
             }
-            floors.forbid(at, node);
         }
         stack.remember(copy.0, floors);
         found

@@ -12,9 +12,12 @@ mod contest;
 mod cut;
 mod field;
 mod fit;
+mod hulls;
 mod inside;
 mod instance;
+mod interlock;
 mod layout;
+mod locks;
 mod near;
 mod nester;
 mod notes;
@@ -30,6 +33,7 @@ mod relocate;
 mod report;
 mod scan;
 mod search;
+mod separable;
 mod separate;
 mod shape;
 mod skyline;
@@ -44,17 +48,20 @@ mod workshop;
 
 pub use bound::lower_bound_mm;
 pub use cache::Cache;
-pub use config::{Config, Method, PaperConfig};
+pub use config::{Config, Interlock, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, Margins, OrientationRule};
 pub use nester::{nest, nest_with};
 pub use organs::Organs;
 pub use orientation::Orientation;
-pub use proof::{Body, Pair, Proof, prove, prove_raised, rotation_obeys};
-pub use report::{Course, PlacedPart, Report, UnplacedPart};
+pub use proof::{Body, Pair, Proof, TakenApart, prove, prove_raised, rotation_obeys, take_apart};
+pub use report::{Course, DrawnCopy, NamedCopy, PlacedPart, Report, Separability, UnplacedPart};
 pub use search::{Listener, Stop};
+pub use separable::drawing_gap_mm;
 pub use solution::{Placement, Solution};
 pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
+#[cfg(test)]
+mod interlock_tests;
 #[cfg(test)]
 mod nester_tests;

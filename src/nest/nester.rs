@@ -8,11 +8,12 @@ use std::{
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Cache, Config, Instance, Listener, Method, Placement, Solution, Stop,
+    Cache, Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
     boxes::Boxes,
     construct::Builder,
     contest::contest,
     cut::is_hopeless,
+    interlock::parted,
     lower_bound_mm,
     near::Near,
     outline::Lineup,
@@ -102,7 +103,8 @@ impl Course<'_> {
             }
         }
         let begun = self.stop.spent(0);
-        let task = Task::new(Arc::new(lineup), &workshop, self.config.organs, COARSE_NODES, COARSE_POINTS);
+        let mut task = Task::new(Arc::new(lineup), &workshop, self.config.organs, COARSE_NODES, COARSE_POINTS);
+        task.separable = self.config.interlock() == Interlock::Forbid;
         let prepared = self.stop.spent(0) - begun;
         self.construct(&task, start);
         let task = self.refined(task, prepared);
@@ -313,7 +315,8 @@ impl Course<'_> {
     }
 }
 
-/// The pieces of an earlier layout that still hold: inside the walls and clear of each other. Others are placed anew.
+/// The pieces of an earlier layout that still hold: inside the walls, clear of each other and, where it is asked, not locked
+/// into each other. Others are placed anew.
 fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
     let known: BTreeSet<(usize, u32)> = task.copies.iter().copied().collect();
     let mut taken: BTreeSet<(usize, u32)> = BTreeSet::new();
@@ -336,5 +339,5 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
             pieces.push(piece);
         }
     }
-    pieces
+    if task.separable { parted(task, pieces).0 } else { pieces }
 }

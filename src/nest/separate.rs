@@ -5,6 +5,7 @@ use rand::{RngExt, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
+    interlock::is_settled,
     layout::{Layout, Stand},
     piece::Piece,
     relocate::{DepthGrid, Effort, relocate},
@@ -23,7 +24,7 @@ pub(crate) struct Patience {
 
 /// How a separation ended.
 pub(crate) enum Outcome {
-    /// Every pair is exactly clear.
+    /// Every pair is exactly clear, and where it is asked no part is locked into others.
     Clear(Vec<Piece>),
     /// The least total overlap that was reached, and where all parts stood.
     Stuck(f32, Vec<Stand>),
@@ -57,7 +58,7 @@ pub(crate) fn separate(
         }
         rounds += 1;
         if total <= 0.0 {
-            if let Some(pieces) = layout.confirm() {
+            if let Some(pieces) = layout.confirm().filter(|pieces| is_settled(layout, pieces, &mut grid, rng)) {
                 return Outcome::Clear(pieces);
             }
             repairs += 1;

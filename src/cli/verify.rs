@@ -16,7 +16,7 @@ use super::{
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
     geometry::Pose,
-    nest::{self, Body, Margins, Orientation, OrientationRule, Proof, Tilt},
+    nest::{self, Body, DEFAULT_LAYER_MM, LayerAreas, LayerCap, Margins, Orientation, OrientationRule, Proof, Tilt},
 };
 
 /// Arguments of the command.
@@ -60,6 +60,8 @@ struct Verdict {
     proof: Proof,
     /// Placements turned against the rule that they were placed under.
     turned: Vec<usize>,
+    /// What is filled in each layer, where the file has a cap on it.
+    layers: Option<LayerAreas>,
     /// What a second reader says against our own reading.
     second_reader: Option<String>,
     /// Asked, but not in the file, or in it but not asked.
@@ -68,7 +70,11 @@ struct Verdict {
 
 impl Verdict {
     fn is_proved(&self) -> bool {
-        self.proof.is_proved() && self.turned.is_empty() && self.second_reader.is_none() && self.list_faults.is_empty()
+        self.proof.is_proved()
+            && self.layers.as_ref().is_none_or(LayerAreas::keeps_cap)
+            && self.turned.is_empty()
+            && self.second_reader.is_none()
+            && self.list_faults.is_empty()
     }
 }
 
@@ -112,6 +118,13 @@ fn verify(args: &Args) -> Result<Verdict> {
         .collect();
     let mut proof = nest::prove_raised(&bodies, margins.room(volume_mm).size_mm, clearance_z_extra_mm);
     proof.height_mm += margins.floor_mm;
+    // What stands outside is told anyway, and layers without end are not counted.
+    let cap_mm2 = info.layer_area_cap_mm2.filter(|_| proof.outside.is_empty());
+    let layer_mm = info.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
+    let layers = cap_mm2.map(|area_mm2| {
+        let cap = LayerCap { layer_mm, area_mm2 };
+        LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), cap)
+    });
     Ok(Verdict {
         info,
         volume_mm,
@@ -121,6 +134,7 @@ fn verify(args: &Args) -> Result<Verdict> {
         bodies,
         proof,
         turned,
+        layers,
         second_reader,
         list_faults,
     })
@@ -164,6 +178,7 @@ fn faults(verdict: &Verdict) -> Vec<String> {
         .chain(outside)
         .chain(inside)
         .chain(turned)
+        .chain(verdict.layers.iter().filter(|layers| !layers.keeps_cap()).map(LayerAreas::in_words))
         .chain(verdict.second_reader.clone())
         .chain(verdict.list_faults.iter().cloned())
         .collect()
@@ -218,6 +233,7 @@ fn as_json(verdict: &Verdict) -> Value {
         "outside": outside,
         "inside": inside,
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
+        "layers": verdict.layers,
         "second_reader": verdict.second_reader,
         "list": verdict.list_faults,
     })

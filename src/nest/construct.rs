@@ -5,10 +5,12 @@ use std::collections::BTreeMap;
 
 use super::{
     boxes::{Boxes, turns_of},
+    layers::Filled,
     near::Near,
     piece::{Piece, Task, lifted},
     recipe::Recipe,
     scan::Floors,
+    settle::slice,
     skyline::Skyline,
     voxels::{Occupancy, Raster},
 };
@@ -19,6 +21,8 @@ const GROW: f64 = 0.45;
 const MOST_FLOORS: usize = 64 << 20;
 /// Places that are tried on the triangles before a part goes on top of all others.
 const TRIES: usize = 8;
+/// Rotations that wait for layers with room in them before a part goes on top of all others.
+const RAISES: usize = 64;
 
 /// Rasters of all items at all rotations tried, made when first needed and kept over all runs.
 pub(crate) struct Builder<'t> {
@@ -39,6 +43,7 @@ pub(crate) struct Stack {
     skyline: Skyline,
     near: Near,
     floors: BTreeMap<usize, Floors>,
+    filled: Filled,
 }
 
 impl<'t> Builder<'t> {
@@ -60,6 +65,7 @@ impl<'t> Builder<'t> {
             skyline: self.boxes.skyline(&[]),
             near: Near::new(task.room),
             floors: BTreeMap::new(),
+            filled: Filled::new(task.lineup.cap),
         };
         for piece in standing {
             self.fill(&mut stack.occupancy, piece);
@@ -102,7 +108,7 @@ impl<'t> Builder<'t> {
             stack.push(self.task, piece);
             return true;
         }
-        let Some(piece) = self.boxes.on_top(copy, &mut stack.skyline) else { return false };
+        let Some(piece) = self.boxes.on_top(copy, &mut stack.skyline, &stack.filled) else { return false };
         self.fill(&mut stack.occupancy, &piece);
         stack.push(self.task, piece);
         true
@@ -124,16 +130,24 @@ impl<'t> Builder<'t> {
         });
         let mut floors = stack.floors.remove(&copy.0).unwrap_or_else(|| Floors::new(&stack.occupancy, rasters));
         let mut found = None;
-        for _ in 0..TRIES {
+        let (mut tries, mut raises) = (0, 0);
+        while tries < TRIES && raises < RAISES {
             let lowest = floors.lowest_score(recipe, &stack.occupancy, rasters, &mut self.tests);
             let Some((at, node)) = lowest else { break };
             let raster = &rasters[at];
             let piece = task.piece(copy, raster.turn, stack.occupancy.place(raster, node));
             if task.is_inside(&piece, task.room.z) && stack.is_clear(task, &piece) {
-                stack.occupancy.fill(raster, node);
-                found = Some(piece);
-                break;
+                let Some(layers) = stack.layers_missing(task, &piece) else {
+                    stack.occupancy.fill(raster, node);
+                    found = Some(piece);
+                    break;
+                };
+                // Its layers are full wherever it stands on the base: all positions of this rotation wait for higher ones.
+                floors.raise(at, node[2], (layers / pitch).ceil().max(1.0) as usize);
+                raises += 1;
+                continue;
             }
+            tries += 1;
             floors.forbid(at, node);
         }
         stack.remember(copy.0, floors);
@@ -142,7 +156,22 @@ impl<'t> Builder<'t> {
 }
 
 impl Stack {
+    /// By how much a piece must be raised so that no layer is filled beyond the cap, mm; `None` when it need not.
+    fn layers_missing(&self, task: &Task, piece: &Piece) -> Option<f64> {
+        if !self.filled.is_capped() {
+            return None;
+        }
+        match self.filled.raise(&slice(task, piece)) {
+            Some(0) => None,
+            Some(layers) => Some(layers as f64 * task.lineup.cap.layer_mm),
+            None => Some(task.room.z),
+        }
+    }
+
     fn push(&mut self, task: &Task, piece: Piece) {
+        if self.filled.is_capped() {
+            self.filled.add(&slice(task, &piece));
+        }
         self.near.add(self.pieces.len(), &piece.bounds);
         self.skyline.add(&lifted(&piece.bounds, task.z_extra_mm));
         self.pieces.push(piece);

@@ -14,6 +14,7 @@ mod field;
 mod fit;
 mod inside;
 mod instance;
+mod layers;
 mod layout;
 mod near;
 mod nester;
@@ -30,6 +31,7 @@ mod report;
 mod scan;
 mod search;
 mod separate;
+mod settle;
 mod shape;
 mod skyline;
 mod solution;
@@ -46,6 +48,7 @@ pub use cache::Cache;
 pub use config::{Config, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, Margins, OrientationRule};
+pub use layers::{DEFAULT_LAYER_MM, LayerAreas, LayerCap};
 pub use nester::{nest, nest_with};
 pub use organs::Organs;
 pub use orientation::Orientation;
@@ -55,5 +58,7 @@ pub use search::{Listener, Stop};
 pub use solution::{Placement, Solution};
 pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
+#[cfg(test)]
+mod goals_tests;
 #[cfg(test)]
 mod nester_tests;

@@ -14,7 +14,7 @@ use super::{Args, Machine, parts::Part};
 use crate::{
     format::{self, BuildFile, BuildItem, BuildObject},
     geometry::{Mesh, Pose},
-    nest::{self, Body, Course, Instance, Placement, Proof, Report, Solution},
+    nest::{self, Body, Course, Instance, LayerAreas, Placement, Proof, Report, Solution},
 };
 
 /// Edge lengths of the thumbnail, pixels.
@@ -75,7 +75,8 @@ pub fn write(
     } else {
         eprintln!("nestd: no copy could be placed; {} is not written", args.output.display());
     }
-    let mut report = Report::new(instance, &moved, course);
+    let standing: Vec<(&Mesh, Pose)> = solution.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
+    let mut report = Report::new(instance, &moved, course).measured(&standing, machine.layer_cap());
     report.density = solution.density(instance);
     if let Some(target) = &args.stl {
         let placed = moved.placements.iter().map(|p| (&*parts[p.item].mesh, &p.pose));
@@ -126,6 +127,8 @@ fn describe(
         margins_mm: machine.margins.as_dvec3(),
         clearance_mm: machine.clearance_mm,
         clearance_z_extra_mm: machine.clearance_z_extra_mm,
+        layer_mm: machine.layer_mm,
+        layer_area_cap_mm2: machine.layer_cap().capped_mm2(),
         height_mm: moved.height_mm,
         density: solution.density(instance),
         application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
@@ -175,5 +178,7 @@ fn prove(written: &Path, machine: &Machine, parts: &[Part], placed: &[Placement]
         let fault = close.or(outside).or(inside).unwrap_or_default();
         bail!("the written build is not proved and was taken back: {fault}");
     }
+    let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), machine.layer_cap());
+    ensure!(areas.keeps_cap(), "the written build was taken back: {}", areas.in_words());
     Ok(proof)
 }

@@ -31,7 +31,7 @@ const MARGIN_MM: f32 = 1.5;
 struct Note {
     other: u32,
     weight: f32,
-    /// What the guides are wrong by where no contact can be told, mm.
+    /// What the guides are wrong by, mm: too little where no contact can be told, or too much.
     margin: f32,
     /// Exact contacts, from the failed confirmations.
     touches: Vec<Touch>,
@@ -316,7 +316,7 @@ impl<'t> Layout<'t> {
     pub(crate) fn forget(&mut self) {
         for notes in &mut self.notes {
             notes.iter_mut().for_each(|n| (n.weight, n.margin) = (1.0, 0.7 * n.margin));
-            notes.retain(|n| n.margin > 0.01 || !n.touches.is_empty());
+            notes.retain(|n| n.margin.abs() > 0.01 || !n.touches.is_empty());
         }
     }
 
@@ -346,9 +346,17 @@ impl<'t> Layout<'t> {
                 if note.clear_at == Some(now) {
                     continue;
                 }
+                self.evaluations += 1;
                 let gap = task.gap_mm(&pieces[one], &pieces[other]);
+                let guides = self.wanted(one, other);
+                let deceived = gap >= wanted
+                    && guides.reach > guides.clearance - MARGIN_MM
+                    && self.overlap(one, &self.guides[one], other, &guides, false) > 0.0;
+                let note = self.note_mut(one, other);
                 if gap >= wanted {
                     note.clear_at = Some(now);
+                    // The guides see an overlap that is none.
+                    note.margin -= if deceived { 0.1 } else { 0.0 };
                     continue;
                 }
                 clear = false;

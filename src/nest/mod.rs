@@ -18,6 +18,7 @@ mod layers;
 mod layout;
 mod near;
 mod nester;
+mod notes;
 mod organs;
 mod orientation;
 mod outline;

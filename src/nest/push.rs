@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 
 use super::{OrientationRule, body::Body, shape::Shape};
+use crate::geometry::Bounds;
 
 /// A part as the guides see it.
 #[derive(Debug, Clone)]
@@ -39,6 +40,11 @@ impl Guide {
     pub(crate) fn raised(&self, lift: f32) -> Self {
         let up = Vec3::Z * lift;
         Self { place: self.place + up, min: self.min + up, max: self.max + up, ..self.clone() }
+    }
+
+    /// Its bounds, mm.
+    pub(crate) fn bounds(&self) -> Bounds {
+        Bounds { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
     }
 
     /// Whether the bounds of two parts are nearer than `reach`.

@@ -78,6 +78,8 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
         volume_mm: DVec3::splat(400.0),
         margins_mm: DVec3::ZERO,
         clearance_z_extra_mm: 0.0,
+        layer_mm: 0.1,
+        layer_area_cap_mm2: None,
         clearance_mm: 1.0,
         height_mm: 90.0,
         density: 0.1,

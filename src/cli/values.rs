@@ -12,6 +12,12 @@ pub(super) fn volume(text: &str) -> Result<DVec3, String> {
         .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
 }
 
+/// A share of a whole: above 0, at most 1.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|share: &f64| *share > 0.0 && *share <= 1.0);
+    number.ok_or_else(|| "wants a share above 0, at most 1, e.g. 0.3".to_owned())
+}
+
 /// `2` (all around) or `2,5,3` (walls, floor, lid).
 pub(super) fn margins(text: &str) -> Result<Margins, String> {
     let wrong = || "wants one distance in mm, or those to walls, floor and lid, e.g. 2,5,3".to_owned();

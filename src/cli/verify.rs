@@ -16,7 +16,10 @@ use super::{
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
     geometry::Pose,
-    nest::{self, Body, Interlock, Margins, Orientation, OrientationRule, Proof, TakenApart, Tilt},
+    nest::{
+        self, Body, DEFAULT_LAYER_MM, Interlock, LayerAreas, LayerCap, Margins, Orientation, OrientationRule, Proof,
+        TakenApart, Tilt,
+    },
 };
 
 /// Arguments of the command.
@@ -67,6 +70,8 @@ struct Verdict {
     apart: Option<TakenApart>,
     /// Placements turned against the rule that they were placed under.
     turned: Vec<usize>,
+    /// What is filled in each layer, where the file has a cap on it.
+    layers: Option<LayerAreas>,
     /// What a second reader says against our own reading.
     second_reader: Option<String>,
     /// Asked, but not in the file, or in it but not asked.
@@ -78,6 +83,7 @@ impl Verdict {
         let locked = self.interlock == Interlock::Forbid && !self.locked().is_empty();
         self.proof.is_proved()
             && !locked
+            && self.layers.as_ref().is_none_or(LayerAreas::keeps_cap)
             && self.turned.is_empty()
             && self.second_reader.is_none()
             && self.list_faults.is_empty()
@@ -132,6 +138,13 @@ fn verify(args: &Args) -> Result<Verdict> {
     let said = || info.interlock.as_deref().and_then(|said| word(said).ok());
     let interlock = args.interlock.or_else(said).unwrap_or(Interlock::Warn);
     let apart = (interlock != Interlock::Allow).then(|| nest::take_apart(&bodies));
+    // What stands outside is told anyway, and layers without end are not counted.
+    let cap_mm2 = info.layer_area_cap_mm2.filter(|_| proof.outside.is_empty());
+    let layer_mm = info.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
+    let layers = cap_mm2.map(|area_mm2| {
+        let cap = LayerCap { layer_mm, area_mm2 };
+        LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), cap)
+    });
     Ok(Verdict {
         info,
         volume_mm,
@@ -143,6 +156,7 @@ fn verify(args: &Args) -> Result<Verdict> {
         interlock,
         apart,
         turned,
+        layers,
         second_reader,
         list_faults,
     })
@@ -188,6 +202,7 @@ fn faults(verdict: &Verdict) -> Vec<String> {
         .chain(inside)
         .chain(locked)
         .chain(turned)
+        .chain(verdict.layers.iter().filter(|layers| !layers.keeps_cap()).map(LayerAreas::in_words))
         .chain(verdict.second_reader.clone())
         .chain(verdict.list_faults.iter().cloned())
         .collect()
@@ -250,6 +265,7 @@ fn as_json(verdict: &Verdict) -> Value {
         "interlock": verdict.interlock.word(),
         "locked": verdict.apart.as_ref().map(|apart| apart.locked.iter().map(|&i| name(i)).collect::<Vec<_>>()),
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
+        "layers": verdict.layers,
         "second_reader": verdict.second_reader,
         "list": verdict.list_faults,
     })

@@ -74,7 +74,8 @@ impl Batch {
             clearance_mm: p.part.clearance_mm,
         });
         Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())?
-            .with_clearance_z_extra(profile.clearance_z_extra_mm)
+            .with_clearance_z_extra(profile.clearance_z_extra_mm)?
+            .with_layer_cap(profile.layer_cap())
     }
 
     /// An earlier layout as placements of this batch; copies that are not in the batch are left out.

@@ -15,7 +15,7 @@ use crate::{
     format::{self, BuildFile, BuildItem, BuildObject, Limits, PlacedMesh},
     geometry::{Mesh, Pose},
     ledger::{self, BuildRow, Verified},
-    nest::{self, Body, Interlock, Proof, Separability},
+    nest::{self, Body, Interlock, LayerAreas, Proof, Separability},
     queue::Queue,
     settings::Profile,
 };
@@ -159,6 +159,8 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
         margins_mm: profile.margins().as_dvec3(),
         clearance_mm: profile.clearance_mm,
         clearance_z_extra_mm: profile.clearance_z_extra_mm,
+        layer_mm: profile.layer_mm,
+        layer_area_cap_mm2: profile.layer_cap().capped_mm2(),
         height_mm: nested.layout.height_mm + profile.origin_mm().z,
         density: nested.layout.density,
         interlock: profile.nest.interlock().word().to_owned(),
@@ -206,6 +208,11 @@ fn prove_written(
     let proof = nest::prove_raised(&bodies, order.profile.build_volume().size_mm, order.profile.clearance_z_extra_mm);
     if !proof.is_proved() {
         bail!("the written build is not proved: {}", faults_of(&proof, &bodies));
+    }
+    let cap = order.profile.layer_cap();
+    if cap.capped_mm2().is_some() {
+        let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), cap);
+        ensure!(areas.keeps_cap(), "the written build fills a layer beyond its cap: {}", areas.in_words());
     }
     let name = |at: usize| {
         let source = read[at].source_name.clone().unwrap_or_else(|| read[at].name.clone());
@@ -318,6 +325,10 @@ fn report(
         density: build.density,
         lower_bound_mm: nested.lower_bound_mm,
         clearance_mm: build.clearance_mm,
+        clearance_z_extra_mm: build.clearance_z_extra_mm,
+        packed_density: 0.0,
+        mean_distance_mm: 0.0,
+        layers: LayerAreas::default(),
         clearance_proved_mm: proof.clearance_proved_mm,
         separable,
         placed: build.items.len(),
@@ -331,7 +342,10 @@ fn report(
             .map(|i| nest::PlacedPart { part: i.source_name.clone(), copy: i.copy - 1, pose: i.pose.rows() })
             .collect(),
     };
-    Ok(serde_json::to_vec_pretty(&report)?)
+    let in_room = |pose: &Pose| Pose { translation: pose.translation - order.profile.origin_mm(), ..*pose };
+    let placed: Vec<(&Mesh, Pose)> =
+        build.items.iter().map(|i| (&*build.objects[i.object].mesh, in_room(&i.pose))).collect();
+    Ok(serde_json::to_vec_pretty(&report.measured(&placed, order.profile.layer_cap()))?)
 }
 
 fn hash_of(file: &Path) -> Result<(String, u64)> {

@@ -53,6 +53,8 @@ pub(super) fn sample(instances: Instances, arrangement: Arrangement) -> BuildFil
         volume_mm: DVec3::new(380.0, 284.0, 380.0),
         margins_mm: DVec3::ZERO,
         clearance_z_extra_mm: 0.0,
+        layer_mm: 0.1,
+        layer_area_cap_mm2: None,
         clearance_mm: 3.0,
         height_mm: 61.5,
         density: 0.123,

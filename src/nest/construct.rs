@@ -6,11 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::{
     boxes::{Boxes, turns_of},
     interlock::parted,
+    layers::Filled,
     near::Near,
     piece::{Piece, Task, lifted},
     recipe::Recipe,
     scan::Floors,
     separable::can_leave,
+    settle::slice,
     skyline::Skyline,
     voxels::{Occupancy, Raster},
 };
@@ -23,6 +25,8 @@ const MOST_FLOORS: usize = 64 << 20;
 const TRIES: usize = 8;
 /// Places that may turn out to lock the part before it goes on top.
 const MOST_HELD: usize = 24;
+/// Rotations that wait for layers with room in them before a part goes on top of all others.
+const RAISES: usize = 64;
 
 /// Rasters of all items at all rotations tried, made when first needed and kept over all runs.
 pub(crate) struct Builder<'t> {
@@ -45,6 +49,7 @@ pub(crate) struct Stack {
     skyline: Skyline,
     near: Near,
     floors: BTreeMap<usize, Floors>,
+    filled: Filled,
 }
 
 impl<'t> Builder<'t> {
@@ -67,6 +72,7 @@ impl<'t> Builder<'t> {
             skyline: self.boxes.skyline(&[]),
             near: Near::new(task.room),
             floors: BTreeMap::new(),
+            filled: Filled::new(task.lineup.cap),
         };
         for piece in standing {
             self.fill(&mut stack.occupancy, piece);
@@ -134,7 +140,7 @@ impl<'t> Builder<'t> {
             stack.push(self.task, piece);
             return true;
         }
-        let Some(piece) = self.boxes.on_top(copy, &mut stack.skyline) else { return false };
+        let Some(piece) = self.boxes.on_top(copy, &mut stack.skyline, &stack.filled) else { return false };
         self.fill(&mut stack.occupancy, &piece);
         stack.push(self.task, piece);
         true
@@ -155,8 +161,9 @@ impl<'t> Builder<'t> {
             turns.into_iter().map(|turn| Raster::new(shape, turn, task.reach_mm, pitch, GROW).lifted(lift)).collect()
         });
         let mut floors = stack.floors.remove(&copy.0).unwrap_or_else(|| Floors::new(&stack.occupancy, rasters));
-        let (mut found, mut failed, mut held) = (None, 0, 0);
-        while failed < TRIES && held < MOST_HELD {
+        let mut found = None;
+        let (mut failed, mut held, mut raises) = (0, 0, 0);
+        while failed < TRIES && held < MOST_HELD && raises < RAISES {
             let lowest = floors.lowest_score(recipe, &stack.occupancy, rasters, &mut self.tests);
             let Some((at, node)) = lowest else { break };
             let raster = &rasters[at];
@@ -164,6 +171,10 @@ impl<'t> Builder<'t> {
             if !(task.is_inside(&piece, task.room.z) && stack.is_clear(task, &piece)) {
                 floors.forbid(at, node);
                 failed += 1;
+            } else if let Some(layers) = stack.layers_missing(task, &piece) {
+                // Its layers are full wherever it stands on the base: all positions of this rotation wait for higher ones.
+                floors.raise(at, node[2], (layers / pitch).ceil().max(1.0) as usize);
+                raises += 1;
             // When each can leave those before it, all can leave in the opposite order.
             } else if self.must_leave && !can_leave(task, &piece, &stack.pieces) {
                 let reach = 0.25 * task.kind(copy.0).shape.radius_mm / pitch;
@@ -181,7 +192,22 @@ impl<'t> Builder<'t> {
 }
 
 impl Stack {
+    /// By how much a piece must be raised so that no layer is filled beyond the cap, mm; `None` when it need not.
+    fn layers_missing(&self, task: &Task, piece: &Piece) -> Option<f64> {
+        if !self.filled.is_capped() {
+            return None;
+        }
+        match self.filled.raise(&slice(task, piece)) {
+            Some(0) => None,
+            Some(layers) => Some(layers as f64 * task.lineup.cap.layer_mm),
+            None => Some(task.room.z),
+        }
+    }
+
     fn push(&mut self, task: &Task, piece: Piece) {
+        if self.filled.is_capped() {
+            self.filled.add(&slice(task, &piece));
+        }
         self.near.add(self.pieces.len(), &piece.bounds);
         self.skyline.add(&lifted(&piece.bounds, task.z_extra_mm));
         self.pieces.push(piece);

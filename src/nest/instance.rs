@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::Orientation;
+use super::{LayerCap, Orientation};
 use crate::geometry::Mesh;
 
 /// Which rotations a part may have. A hard rule, checked again on the written file.
@@ -91,6 +91,9 @@ pub enum InstanceError {
     /// A clearance is negative or not a number.
     #[error("the clearance {0} mm is not a distance")]
     BadClearance(f64),
+    /// A layer has no thickness, or none of it may be filled.
+    #[error("at most {0} mm2 of layers of {1} mm is no cap")]
+    BadLayers(f64, f64),
     /// There is nothing to nest.
     #[error("there is nothing to nest")]
     Empty,
@@ -102,6 +105,7 @@ pub struct Instance {
     volume: BuildVolume,
     clearance_mm: f64,
     clearance_z_extra_mm: f64,
+    layer_cap: LayerCap,
     items: Vec<Item>,
 }
 
@@ -120,7 +124,7 @@ impl Instance {
         if items.iter().all(|i| i.copies == 0) {
             return Err(InstanceError::Empty);
         }
-        Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, items })
+        Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, layer_cap: LayerCap::default(), items })
     }
 
     /// Asks for more clearance along z: between any two parts the clearance also holds when either of them is raised by
@@ -140,6 +144,19 @@ impl Instance {
     /// Least distance between the surfaces of two placements, mm.
     pub fn clearance_mm(&self) -> f64 {
         self.clearance_mm
+    }
+
+    /// Says how thick layers are, and how much of one may be filled.
+    pub fn with_layer_cap(self, layer_cap: LayerCap) -> Result<Self, InstanceError> {
+        if !(layer_cap.layer_mm.is_finite() && layer_cap.layer_mm > 0.0 && layer_cap.area_mm2 > 0.0) {
+            return Err(InstanceError::BadLayers(layer_cap.area_mm2, layer_cap.layer_mm));
+        }
+        Ok(Self { layer_cap, ..self })
+    }
+
+    /// Layers, and how much of one may be filled.
+    pub fn layer_cap(&self) -> LayerCap {
+        self.layer_cap
     }
 
     /// By how much either of two parts may be raised without breaking their clearance, mm.

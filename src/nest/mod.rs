@@ -16,6 +16,7 @@ mod hulls;
 mod inside;
 mod instance;
 mod interlock;
+mod layers;
 mod layout;
 mod locks;
 mod near;
@@ -35,6 +36,7 @@ mod scan;
 mod search;
 mod separable;
 mod separate;
+mod settle;
 mod shape;
 mod skyline;
 mod solution;
@@ -51,6 +53,7 @@ pub use cache::Cache;
 pub use config::{Config, Interlock, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, Margins, OrientationRule};
+pub use layers::{DEFAULT_LAYER_MM, LayerAreas, LayerCap};
 pub use nester::{nest, nest_with};
 pub use organs::Organs;
 pub use orientation::Orientation;
@@ -61,6 +64,8 @@ pub use separable::drawing_gap_mm;
 pub use solution::{Placement, Solution};
 pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
+#[cfg(test)]
+mod goals_tests;
 #[cfg(test)]
 mod interlock_tests;
 #[cfg(test)]

@@ -14,12 +14,14 @@ use super::{
     contest::contest,
     cut::is_hopeless,
     interlock::parted,
+    layers::Filled,
     lower_bound_mm,
     near::Near,
     outline::Lineup,
     paper::nest_paper,
     piece::{Piece, Task, height_mm, solution},
     recipe::Recipe,
+    settle::{is_better, settle, slice},
     workshop::Workshop,
 };
 use crate::pollination::{Pollination, Setup};
@@ -60,6 +62,8 @@ pub fn nest_with(
 const START_SHARE: f64 = 0.1;
 /// Placement tests that cost about as much as one evaluation of the search.
 pub(super) const TESTS_PER_EVALUATION: u64 = 64;
+/// Share of the budget for what comes after the height.
+const SETTLE_SHARE: f64 = 0.02;
 /// Nodes of a distance grid for the first layouts.
 const COARSE_NODES: usize = 30_000;
 /// Surface points for the first layouts.
@@ -113,7 +117,8 @@ impl Course<'_> {
             self.search(&task, 0.6);
             self.insert_lacking(&task);
         }
-        self.search(&task, 1.0);
+        self.search(&task, 1.0 - SETTLE_SHARE);
+        self.settle_down(&task);
         solution(self.instance, &self.best, self.evaluations)
     }
 
@@ -303,6 +308,19 @@ impl Course<'_> {
         std::iter::once(&self.best).chain(self.starts.iter().filter(is_other)).cloned().collect()
     }
 
+    /// What comes after the height: a denser packed box, nearer to the origin, more even layers.
+    fn settle_down(&mut self, task: &Task) {
+        if self.best.is_empty() || !self.config.organs.settling || self.stop.spent(self.evaluations) >= 1.0 {
+            return;
+        }
+        let (stop, before) = (self.stop, self.evaluations);
+        let mut pieces = self.best.clone();
+        self.evaluations += settle(task, &mut pieces, |asked| stop.spent(before + asked) >= 1.0);
+        if is_better(task, &pieces, &self.best) {
+            self.best = pieces;
+        }
+    }
+
     /// Copies that found no place are tried again around the best layout, in order of precedence.
     fn insert_lacking(&mut self, task: &Task) {
         let taken: BTreeSet<(usize, u32)> = self.best.iter().map(|p| (p.item, p.copy)).collect();
@@ -321,6 +339,7 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
     let known: BTreeSet<(usize, u32)> = task.copies.iter().copied().collect();
     let mut taken: BTreeSet<(usize, u32)> = BTreeSet::new();
     let mut near = Near::new(task.room);
+    let mut filled = Filled::new(task.lineup.cap);
     let mut pieces: Vec<Piece> = Vec::new();
     for placement in start {
         let copy = (placement.item, placement.copy);
@@ -333,7 +352,11 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
         if task.is_inside(&piece, task.room.z)
             && super::rotation_obeys(&kind.orientation, &piece.pose)
             && around().into_iter().all(|other| task.is_clear(&piece, &pieces[other]))
+            && (!filled.is_capped() || filled.takes(&slice(task, &piece)))
         {
+            if filled.is_capped() {
+                filled.add(&slice(task, &piece));
+            }
             near.add(pieces.len(), &piece.bounds);
             taken.insert(copy);
             pieces.push(piece);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Instance, Orientation, fit, turns};
+use super::{Instance, LayerCap, Orientation, fit, turns};
 use crate::geometry::{Mesh, Obb};
 
 /// Directions whose farthest points decide a part's extents, all but exactly.
@@ -56,6 +56,8 @@ pub(crate) struct Lineup {
     pub(crate) reach_mm: f64,
     /// Clearances also hold when either part is raised by up to this, mm.
     pub(crate) z_extra_mm: f64,
+    /// Layers, and how much of one may be filled.
+    pub(crate) cap: LayerCap,
 }
 
 impl Lineup {
@@ -84,7 +86,7 @@ impl Lineup {
             .collect();
         let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
         let z_extra_mm = instance.clearance_z_extra_mm();
-        Self { candidates, copies, room: instance.volume().size_mm, reach_mm, z_extra_mm }
+        Self { candidates, copies, room: instance.volume().size_mm, reach_mm, z_extra_mm, cap: instance.layer_cap() }
     }
 
     /// The item of a copy that is being nested.

@@ -7,7 +7,9 @@ use glam::{DQuat, DVec3};
 use super::{
     Instance, Organs, Orientation, Placement, Solution,
     fit::WALL_SPARE_MM,
+    layers::Filled,
     outline::{Candidate, Lineup},
+    settle::slice,
     shape::{Detail, Shape},
     workshop::Workshop,
 };
@@ -91,6 +93,18 @@ impl Task {
         Piece { item, copy, turn, place, pose, bounds: shape.tree.bounds_at(&pose) }
     }
 
+    /// Whether pieces fill no layer beyond the cap.
+    pub(crate) fn keeps_cap(&self, pieces: &[Piece]) -> bool {
+        let mut filled = Filled::new(self.lineup.cap);
+        !filled.is_capped()
+            || pieces.iter().all(|piece| {
+                let slice = slice(self, piece);
+                let takes = filled.takes(&slice);
+                filled.add(&slice);
+                takes
+            })
+    }
+
     /// Bounds further apart than this are clear, mm.
     pub(crate) fn near_mm(&self) -> f64 {
         self.reach_mm + self.z_extra_mm + 2.0 * CLEARANCE_SPARE_MM
@@ -153,6 +167,16 @@ pub(crate) struct Piece {
     pub(crate) pose: Pose,
     /// Exact bounds.
     pub(crate) bounds: Bounds,
+}
+
+impl Piece {
+    /// The same elsewhere.
+    pub(crate) fn moved(mut self, shift: DVec3) -> Self {
+        self.place += shift;
+        self.pose.translation += shift;
+        self.bounds = Bounds { min: self.bounds.min + shift, max: self.bounds.max + shift };
+        self
+    }
 }
 
 /// Bounds with what is kept free above them.

@@ -58,6 +58,14 @@ impl Floors {
         }
     }
 
+    /// Layers from `layer` up to `by` above it are full for a raster, at all positions.
+    pub(crate) fn raise(&mut self, at: usize, layer: usize, by: usize) {
+        let floor = &mut self.0[at];
+        let (full, free) = (layer as u16, (layer + by).min(floor.end) as u16);
+        floor.layers.iter_mut().filter(|floor| (full..free).contains(*floor)).for_each(|floor| *floor = free);
+        (0..floor.rows.len()).for_each(|x| floor.settle(x));
+    }
+
     /// The raster and lattice position with the least score.
     pub(crate) fn lowest_score(
         &mut self,

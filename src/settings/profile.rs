@@ -82,6 +82,8 @@ pub struct Profile {
     pub clearance_z_extra_mm: f64,
     /// Layer thickness, mm; gives the number of layers of a build.
     pub layer_mm: f64,
+    /// No layer may be filled beyond this share of the base of the build volume; `None` = off.
+    pub layer_area_cap: Option<f64>,
     /// Hours that a machine needs per mm of build height, for due dates.
     pub print_hours_per_mm: f64,
     /// Unit of files that do not say theirs.
@@ -130,6 +132,11 @@ impl Profile {
     /// What is kept free of the printable box.
     pub fn margins(&self) -> nest::Margins {
         nest::Margins { wall_mm: self.wall_margin_mm, floor_mm: self.floor_margin_mm, lid_mm: self.lid_margin_mm }
+    }
+
+    /// Layers, and how much of one may be filled.
+    pub fn layer_cap(&self) -> nest::LayerCap {
+        nest::LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.build_volume())
     }
 
     /// Where the lower front left corner of [`Profile::build_volume`] stands in the machine's frame, mm.

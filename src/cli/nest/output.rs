@@ -14,7 +14,7 @@ use super::{Args, Machine, parts::Part};
 use crate::{
     format::{self, BuildFile, BuildItem, BuildObject},
     geometry::{Mesh, Pose},
-    nest::{self, Body, Course, Instance, Interlock, Placement, Proof, Report, Separability, Solution},
+    nest::{self, Body, Course, Instance, Interlock, LayerAreas, Placement, Proof, Report, Separability, Solution},
 };
 
 /// Edge lengths of the thumbnail, pixels.
@@ -76,7 +76,8 @@ pub fn write(
     } else {
         eprintln!("nestd: no copy could be placed; {} is not written", args.output.display());
     }
-    let mut report = Report::new(instance, &moved, course);
+    let standing: Vec<(&Mesh, Pose)> = solution.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
+    let mut report = Report::new(instance, &moved, course).measured(&standing, machine.layer_cap());
     report.density = solution.density(instance);
     if let Some(target) = &args.stl {
         let placed = moved.placements.iter().map(|p| (&*parts[p.item].mesh, &p.pose));
@@ -127,6 +128,8 @@ fn describe(
         margins_mm: machine.margins.as_dvec3(),
         clearance_mm: machine.clearance_mm,
         clearance_z_extra_mm: machine.clearance_z_extra_mm,
+        layer_mm: machine.layer_mm,
+        layer_area_cap_mm2: machine.layer_cap().capped_mm2(),
         height_mm: moved.height_mm,
         density: solution.density(instance),
         interlock: machine.config.interlock().word().to_owned(),
@@ -185,6 +188,8 @@ fn prove(
         let fault = close.or(outside).or(inside).unwrap_or_default();
         bail!("the written build is not proved and was taken back: {fault}");
     }
+    let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), machine.layer_cap());
+    ensure!(areas.keeps_cap(), "the written build was taken back: {}", areas.in_words());
     let name = |at: usize| (parts[keys[at].0].name.clone(), keys[at].1);
     Ok((proof, take_apart(machine, &bodies, name)?))
 }

@@ -316,7 +316,8 @@ impl Course<'_> {
         let (stop, before) = (self.stop, self.evaluations);
         let mut pieces = self.best.clone();
         self.evaluations += settle(task, &mut pieces, |asked| stop.spent(before + asked) >= 1.0);
-        if is_better(task, &pieces, &self.best) {
+        let comes_apart = !task.separable || parted(task, pieces.clone()).1.is_empty();
+        if comes_apart && is_better(task, &pieces, &self.best) {
             self.best = pieces;
         }
     }

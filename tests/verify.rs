@@ -215,7 +215,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
     };
     let upright = std::f64::consts::FRAC_PI_2;
     let build = BuildFile {
-        layer_area_cap_mm2: Option<f64>,
+        layer_area_cap_mm2: None,
         layer_mm: 0.1,
         title: "a chain".to_owned(),
         profile: "small".to_owned(),

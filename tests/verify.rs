@@ -193,3 +193,64 @@ fn what_cannot_be_read_or_understood_is_wrong_use() {
     let (code, text) = verify(&cut, &[]);
     assert!(code == 2 && text.contains("truncated"), "{text}");
 }
+
+/// Two rings linked like a chain; the file says what was to become of such.
+fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
+    let item = |copy: u32, turn: f64, at: DVec3| BuildItem {
+        object: 0,
+        pose: Pose::new(DQuat::from_rotation_x(turn), at),
+        order: None,
+        copy,
+        source_name: "ring.stl".to_owned(),
+        source_hash: "00".to_owned(),
+        clearance_mm: None,
+        orientation: None,
+        tilts: None,
+    };
+    let object = BuildObject {
+        name: "ring".to_owned(),
+        mesh: Arc::new(nestd::samples::ring(30.0, 22.0, 3.0)),
+        part_number: "1".to_owned(),
+        content_hash: "r".to_owned(),
+    };
+    let upright = std::f64::consts::FRAC_PI_2;
+    let build = BuildFile {
+        layer_area_cap_mm2: Option<f64>,
+        layer_mm: 0.1,
+        title: "a chain".to_owned(),
+        profile: "small".to_owned(),
+        build_id: "2".to_owned(),
+        created: "2026-11-20T04:49:00Z".to_owned(),
+        seed: 1,
+        volume_mm: DVec3::splat(60.0),
+        margins_mm: [0.0; 3].into(),
+        clearance_mm: 2.0,
+        clearance_z_extra_mm: 0.0,
+        height_mm: 35.0,
+        density: 0.02,
+        interlock: interlock.to_owned(),
+        application: "nestd test".to_owned(),
+        objects: vec![object],
+        items: vec![item(1, 0.0, DVec3::new(20.0, 20.0, 18.5)), item(2, upright, DVec3::new(35.0, 21.5, 20.0))],
+        instances: Instances::Shared,
+        arrangement: Arrangement::Items,
+        thumbnail_png: None,
+    };
+    let file = dir.path().join("chain.build.3mf");
+    write_build(&build, File::create(&file).unwrap()).unwrap();
+    file
+}
+
+#[test]
+fn a_chain_is_told_and_is_a_fault_where_it_was_forbidden() {
+    let dir = tempfile::tempdir().unwrap();
+    let (code, text) = verify(&chain(&dir, "forbid"), &[]);
+    assert!(code == 1 && text.contains("ring #2 (item 2) is locked into others"), "{text}");
+    let warned = chain(&dir, "warn");
+    let (code, text) = verify(&warned, &[]);
+    assert!(code == 0 && text.contains("2 parts are locked"), "{text}");
+    assert_eq!(verify(&warned, &["--interlock", "forbid"]).0, 1);
+    let (code, text) = verify(&warned, &["--interlock", "allow", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert!(code == 0 && json["locked"].is_null() && json["interlock"] == "allow", "{text}");
+}

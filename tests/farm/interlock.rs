@@ -3,7 +3,7 @@
 use glam::DVec3;
 use nestd::{format, geometry::Mesh, ledger::PartState, samples};
 
-use super::support::{TestFarm, wait_until};
+use super::support::TestFarm;
 
 /// A machine that holds a flat ring and one on edge only when they are linked.
 const NARROW: &str = "volume_mm = [32, 22, 22]\nclearance_mm = 1.0\norientation = \"fixed\"\nsettle_secs = 0.3\n\
@@ -34,23 +34,4 @@ fn links_of_a_chain_are_built_apart() {
         assert!(said.contains("part by part"), "{said}");
     }
     farm.assert_nothing_lost_or_doubled();
-}
-
-#[test]
-fn a_chain_that_may_be_built_is_told() {
-    let farm = TestFarm::running(&format!("{NARROW}[nest]\ninterlock = \"warn\"\n"));
-    drop_rings(&farm);
-    farm.wait_for_parts(PartState::Waiting, 2);
-    farm.flush();
-    let file = farm.wait_for_queued(1).remove(0);
-    farm.wait_for_parts(PartState::Built, 2);
-    assert_eq!(format::read_build(&file, &format::Limits::default()).unwrap().len(), 2);
-    wait_until("the log tells of it", 10.0, || farm.log().contains("are locked into each other"));
-    let said = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
-    assert!(said.contains("2 parts are locked"), "{said}");
-    let strict = farm.nestd(&["verify", "--interlock", "forbid", file.to_str().unwrap()]);
-    assert_eq!(strict.status.code(), Some(1));
-    let report = std::fs::read(file.to_string_lossy().replace(".build.3mf", ".report.json")).unwrap();
-    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
-    assert_eq!(report["separable"]["locked"].as_array().map(Vec::len), Some(2));
 }

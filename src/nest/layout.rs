@@ -292,8 +292,8 @@ impl<'t> Layout<'t> {
         energies.clear();
         energies.resize(self.len(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        for one in 0..self.len() {
-            energies[one] += self.excess_energy(&self.guides[one]);
+        for (energy, guide) in energies.iter_mut().zip(&self.guides) {
+            *energy += self.excess_energy(guide);
         }
         for (one, other) in self.near_pairs() {
             let energy = self.pair_energy(one, other);

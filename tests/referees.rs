@@ -83,6 +83,7 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
         clearance_mm: 1.0,
         height_mm: 90.0,
         density: 0.1,
+        interlock: "forbid".to_owned(),
         application: "nestd 0.1.0".to_owned(),
         objects: vec![object("a & b", DVec3::new(10.0, 20.0, 30.0)), object("ü", DVec3::splat(1.0 / 3.0 + 9.0))],
         items,

@@ -69,6 +69,7 @@ fn written(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: O
         clearance_mm: 2.0,
         height_mm: 30.0,
         density: 0.02,
+        interlock: "forbid".to_owned(),
         application: "nestd test".to_owned(),
         objects: vec![object],
         items: vec![item(1), item(2)],

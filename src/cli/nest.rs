@@ -15,14 +15,14 @@ use glam::DVec3;
 
 use super::{
     Common, Exit, Usage,
-    values::{distance, margins, share, volume},
+    values::{distance, margins, share, volume, word},
 };
 use crate::{
     farm::DiskCache,
     format::{Arrangement, Instances, Limits, Unit},
     nest::{
-        self, BuildVolume, Config, DEFAULT_LAYER_MM, Instance, Item, LayerCap, Margins, Method, NotDown, Orientation,
-        OrientationRule, Solution, Tilt,
+        self, BuildVolume, Config, DEFAULT_LAYER_MM, Instance, Interlock, Item, LayerCap, Margins, Method, NotDown,
+        Orientation, OrientationRule, Solution, Tilt,
     },
     settings::{self, parse_secs},
 };
@@ -87,6 +87,10 @@ pub struct Args {
     /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
     #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
     orientation: Option<OrientationRule>,
+    /// Parts locked into each other: forbid (the search keeps clear of them), warn or allow [default: the profile's, else
+    /// forbid]
+    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
+    interlock: Option<Interlock>,
     /// A direction of the parts that must stand within so many degrees of up, e.g. 0,0,1:30; may be said several times
     #[arg(long, value_name = "X,Y,Z:DEG", allow_hyphen_values = true, value_parser = str::parse::<Tilt>)]
     keep_up: Vec<Tilt>,
@@ -213,6 +217,7 @@ fn machine(common: &Common, args: &Args) -> Result<Machine> {
     machine.clearance_z_extra_mm = args.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
     machine.config.method = args.method.unwrap_or(machine.config.method);
     machine.config.threads = args.threads.unwrap_or(machine.config.threads);
+    machine.config.interlock = args.interlock.unwrap_or(machine.config.interlock);
     machine.config.seed = args.seed.unwrap_or(machine.config.seed);
     Ok(machine)
 }
@@ -267,11 +272,6 @@ fn from_profile(common: &Common, args: &Args, name: &str) -> Result<Machine> {
 
 fn budget(text: &str) -> Result<f64, String> {
     parse_secs(text).and_then(|secs| if secs > 0.0 { Ok(secs) } else { Err("wants some time, e.g. 60s".to_owned()) })
-}
-
-/// A word of one of the settings' enumerations.
-fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
-    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
 }
 
 /// Reads a file's bytes for a hash, with the name in the error.

@@ -50,3 +50,8 @@ pub(super) fn numbered(text: &str, letter: char) -> Option<i64> {
     let digits = text.strip_prefix([letter, letter.to_ascii_uppercase()]).unwrap_or(text);
     digits.parse().ok().filter(|number| *number >= 0)
 }
+
+/// A word of one of the settings' enumerations.
+pub fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
+}

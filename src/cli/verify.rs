@@ -11,12 +11,15 @@ use serde_json::{Value, json};
 
 use super::{
     Common, Exit, Usage, asked,
-    values::{distance, margins, volume},
+    values::{distance, margins, volume, word},
 };
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
     geometry::Pose,
-    nest::{self, Body, DEFAULT_LAYER_MM, LayerAreas, LayerCap, Margins, Orientation, OrientationRule, Proof, Tilt},
+    nest::{
+        self, Body, DEFAULT_LAYER_MM, Interlock, LayerAreas, LayerCap, Margins, Orientation, OrientationRule, Proof,
+        TakenApart, Tilt,
+    },
 };
 
 /// Arguments of the command.
@@ -32,6 +35,10 @@ pub struct Args {
     /// Least distance between two parts, mm [default: what the file says]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance: Option<f64>,
+    /// Parts locked into each other: forbid (then they are no proof), warn or allow (nobody looks) [default: what the file
+    /// says, else warn]
+    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
+    interlock: Option<Interlock>,
     /// The clearance also holds when either of two parts is raised by up to this, mm [default: what the file says, else 0]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance_z_extra: Option<f64>,
@@ -58,6 +65,9 @@ struct Verdict {
     clearance_z_extra_mm: f64,
     bodies: Vec<Body>,
     proof: Proof,
+    interlock: Interlock,
+    /// How it comes apart; `None` when locked parts are allowed.
+    apart: Option<TakenApart>,
     /// Placements turned against the rule that they were placed under.
     turned: Vec<usize>,
     /// What is filled in each layer, where the file has a cap on it.
@@ -70,11 +80,18 @@ struct Verdict {
 
 impl Verdict {
     fn is_proved(&self) -> bool {
+        let locked = self.interlock == Interlock::Forbid && !self.locked().is_empty();
         self.proof.is_proved()
+            && !locked
             && self.layers.as_ref().is_none_or(LayerAreas::keeps_cap)
             && self.turned.is_empty()
             && self.second_reader.is_none()
             && self.list_faults.is_empty()
+    }
+
+    /// Bodies that cannot be drawn out.
+    fn locked(&self) -> &[usize] {
+        self.apart.as_ref().map_or(&[], |apart| &apart.locked)
     }
 }
 
@@ -118,6 +135,9 @@ fn verify(args: &Args) -> Result<Verdict> {
         .collect();
     let mut proof = nest::prove_raised(&bodies, margins.room(volume_mm).size_mm, clearance_z_extra_mm);
     proof.height_mm += margins.floor_mm;
+    let said = || info.interlock.as_deref().and_then(|said| word(said).ok());
+    let interlock = args.interlock.or_else(said).unwrap_or(Interlock::Warn);
+    let apart = (interlock != Interlock::Allow).then(|| nest::take_apart(&bodies));
     // What stands outside is told anyway, and layers without end are not counted.
     let cap_mm2 = info.layer_area_cap_mm2.filter(|_| proof.outside.is_empty());
     let layer_mm = info.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
@@ -133,6 +153,8 @@ fn verify(args: &Args) -> Result<Verdict> {
         clearance_z_extra_mm,
         bodies,
         proof,
+        interlock,
+        apart,
         turned,
         layers,
         second_reader,
@@ -173,10 +195,12 @@ fn faults(verdict: &Verdict) -> Vec<String> {
     let outside =
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.6} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
+    let locked = verdict.locked().iter().map(|&i| format!("{} is locked into others", name(i)));
     let turned = verdict.turned.iter().map(|&i| format!("{} is turned against its orientation rule", name(i)));
     close
         .chain(outside)
         .chain(inside)
+        .chain(locked)
         .chain(turned)
         .chain(verdict.layers.iter().filter(|layers| !layers.keeps_cap()).map(LayerAreas::in_words))
         .chain(verdict.second_reader.clone())
@@ -201,6 +225,12 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
     if verdict.clearance_z_extra_mm > 0.0 {
         lines.push(format!("raised parts    keep it, too, up to {} mm", verdict.clearance_z_extra_mm));
     }
+    let gap_mm = nest::drawing_gap_mm(verdict.clearance_mm);
+    lines.push(match verdict.locked().len() {
+        _ if verdict.apart.is_none() => "comes apart     not asked".to_owned(),
+        0 => format!("comes apart     part by part, {gap_mm} mm kept on the way"),
+        locked => format!("comes apart     not, {locked} parts are locked"),
+    });
     lines.extend(faults(verdict));
     lines
 }
@@ -232,6 +262,8 @@ fn as_json(verdict: &Verdict) -> Value {
         "too_close": pairs,
         "outside": outside,
         "inside": inside,
+        "interlock": verdict.interlock.word(),
+        "locked": verdict.apart.as_ref().map(|apart| apart.locked.iter().map(|&i| name(i)).collect::<Vec<_>>()),
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
         "layers": verdict.layers,
         "second_reader": verdict.second_reader,

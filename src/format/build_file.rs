@@ -36,6 +36,8 @@ pub struct BuildFile {
     pub height_mm: f64,
     /// Part volume / (base area x build height).
     pub density: f64,
+    /// What was to become of parts locked into each other, as settings spell it (`forbid`, `warn`, `allow`).
+    pub interlock: String,
     /// Name and version of the program, e.g. `nestd 0.1.0`.
     pub application: String,
     /// Distinct meshes.
@@ -144,4 +146,6 @@ pub struct BuildInfo {
     pub height_mm: Option<f64>,
     /// Part volume / (base area x build height).
     pub density: Option<f64>,
+    /// What was to become of parts locked into each other.
+    pub interlock: Option<String>,
 }

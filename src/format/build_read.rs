@@ -63,6 +63,7 @@ fn info(metadata: &Metadata) -> BuildInfo {
         layer_area_cap_mm2: number("layer_area_cap_mm2"),
         height_mm: number("height_mm"),
         density: number("density"),
+        interlock: metadata.nestd("interlock"),
     }
 }
 

@@ -58,6 +58,7 @@ pub(super) fn sample(instances: Instances, arrangement: Arrangement) -> BuildFil
         clearance_mm: 3.0,
         height_mm: 61.5,
         density: 0.123,
+        interlock: "forbid".to_owned(),
         application: "nestd 0.1.0".to_owned(),
         objects: vec![
             object("plate", DVec3::new(0.1_f32.into(), 20.0, 30.7)),

@@ -95,6 +95,7 @@ fn package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
     }
     metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
     metadata(out, "nestd:density", &build.density.to_string())?;
+    metadata(out, "nestd:interlock", &build.interlock)?;
     metadata(out, "nestd:arrangement", locked)
 }
 

@@ -5,6 +5,7 @@ use glam::{DQuat, DVec3, Vec3};
 use super::{
     OrientationRule,
     fit::WALL_SPARE_MM,
+    locks::Locks,
     near::Near,
     notes::Notes,
     piece::{CLEARANCE_SPARE_MM, Piece, Task, lifted},
@@ -50,6 +51,8 @@ pub(crate) struct Layout<'t> {
     notes: Notes,
     /// How often each part has moved.
     moves: Vec<u32>,
+    /// Who was locked into whom.
+    pub(crate) locks: Locks,
     /// Where parts stand, once there are many.
     grid: Option<Near>,
     /// Height that must not be passed, mm.
@@ -78,6 +81,7 @@ impl<'t> Layout<'t> {
             lifts: task.lifts(),
             notes: Notes::new(pieces.len()),
             moves: vec![0; pieces.len()],
+            locks: Locks::default(),
             lid_mm,
             evaluations: 0,
         }
@@ -166,10 +170,11 @@ impl<'t> Layout<'t> {
             true => guide.coarse_energy(there, wanted.reach),
             false => guide.energy(there, wanted.reach),
         };
-        let energy = match self.lifts[..] {
+        let energy: f32 = match self.lifts[..] {
             [_] => once(guide),
             _ => self.lifts.iter().map(|&lift| once(&guide.raised(lift))).sum(),
         };
+        let energy = energy + self.locks.energy((part, guide), (other, there));
         if wanted.touches.is_empty() {
             return energy;
         }
@@ -227,6 +232,7 @@ impl<'t> Layout<'t> {
             let pair = if part < other { (guide, there) } else { (there, guide) };
             let aim = (wanted.clearance + TOUCH_OVERSHOOT_MM, wanted.weight);
             touch::push(wanted.touches, pair, part < other, aim, &mut push);
+            self.locks.push((part, guide), (other, there), wanted.weight, &mut push);
         }
         let rule = if self.task.organs.turning { self.rule(part) } else { OrientationRule::Fixed };
         let energy = push.energy + self.excess_energy(guide);
@@ -314,9 +320,16 @@ impl<'t> Layout<'t> {
         energies.iter().sum()
     }
 
+    /// Two parts that were locked into each other keep their hulls apart. Whether that is new.
+    pub(crate) fn keep_hulls_apart(&mut self, one: usize, other: usize) -> bool {
+        self.notes.of_mut(one, other).seen = None;
+        self.locks.keep_apart(one, other)
+    }
+
     /// Forgets weights, and a part of the margins.
     pub(crate) fn forget(&mut self) {
         self.notes.forget();
+        self.locks.forget();
     }
 
     /// The pieces, when every one is exactly inside and clear of all others; otherwise margins grow where it was not.

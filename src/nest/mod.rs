@@ -12,10 +12,13 @@ mod contest;
 mod cut;
 mod field;
 mod fit;
+mod hulls;
 mod inside;
 mod instance;
+mod interlock;
 mod layers;
 mod layout;
+mod locks;
 mod near;
 mod nester;
 mod notes;
@@ -31,6 +34,7 @@ mod relocate;
 mod report;
 mod scan;
 mod search;
+mod separable;
 mod separate;
 mod settle;
 mod shape;
@@ -46,20 +50,23 @@ mod workshop;
 
 pub use bound::lower_bound_mm;
 pub use cache::Cache;
-pub use config::{Config, Method, PaperConfig};
+pub use config::{Config, Interlock, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use instance::{BuildVolume, Instance, InstanceError, Item, Margins, OrientationRule};
 pub use layers::{DEFAULT_LAYER_MM, LayerAreas, LayerCap};
 pub use nester::{nest, nest_with};
 pub use organs::Organs;
 pub use orientation::Orientation;
-pub use proof::{Body, Pair, Proof, prove, prove_raised, rotation_obeys};
-pub use report::{Course, PlacedPart, Report, UnplacedPart};
+pub use proof::{Body, Pair, Proof, TakenApart, prove, prove_raised, rotation_obeys, take_apart};
+pub use report::{Course, DrawnCopy, NamedCopy, PlacedPart, Report, Separability, UnplacedPart};
 pub use search::{Listener, Stop};
+pub use separable::drawing_gap_mm;
 pub use solution::{Placement, Solution};
 pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
 #[cfg(test)]
 mod goals_tests;
+#[cfg(test)]
+mod interlock_tests;
 #[cfg(test)]
 mod nester_tests;

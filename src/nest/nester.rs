@@ -8,11 +8,12 @@ use std::{
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Cache, Config, Instance, Listener, Method, Placement, Solution, Stop,
+    Cache, Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
     boxes::Boxes,
     construct::Builder,
     contest::contest,
     cut::is_hopeless,
+    interlock::parted,
     layers::Filled,
     lower_bound_mm,
     near::Near,
@@ -106,7 +107,8 @@ impl Course<'_> {
             }
         }
         let begun = self.stop.spent(0);
-        let task = Task::new(Arc::new(lineup), &workshop, self.config.organs, COARSE_NODES, COARSE_POINTS);
+        let mut task = Task::new(Arc::new(lineup), &workshop, self.config.organs, COARSE_NODES, COARSE_POINTS);
+        task.separable = self.config.interlock() == Interlock::Forbid;
         let prepared = self.stop.spent(0) - begun;
         self.construct(&task, start);
         let task = self.refined(task, prepared);
@@ -314,7 +316,8 @@ impl Course<'_> {
         let (stop, before) = (self.stop, self.evaluations);
         let mut pieces = self.best.clone();
         self.evaluations += settle(task, &mut pieces, |asked| stop.spent(before + asked) >= 1.0);
-        if is_better(task, &pieces, &self.best) {
+        let comes_apart = !task.separable || parted(task, pieces.clone()).1.is_empty();
+        if comes_apart && is_better(task, &pieces, &self.best) {
             self.best = pieces;
         }
     }
@@ -331,7 +334,8 @@ impl Course<'_> {
     }
 }
 
-/// The pieces of an earlier layout that still hold: inside the walls and clear of each other. Others are placed anew.
+/// The pieces of an earlier layout that still hold: inside the walls, clear of each other and, where it is asked, not locked
+/// into each other. Others are placed anew.
 fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
     let known: BTreeSet<(usize, u32)> = task.copies.iter().copied().collect();
     let mut taken: BTreeSet<(usize, u32)> = BTreeSet::new();
@@ -359,5 +363,5 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
             pieces.push(piece);
         }
     }
-    pieces
+    if task.separable { parted(task, pieces).0 } else { pieces }
 }

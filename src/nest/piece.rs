@@ -42,10 +42,12 @@ pub(crate) struct Task {
     pub(crate) z_extra_mm: f64,
     /// Which organs of the search take part.
     pub(crate) organs: Organs,
+    /// Whether a layout counts only when no part is locked into others.
+    pub(crate) separable: bool,
 }
 
 impl Task {
-    /// Prepares every distinct mesh of a line-up.
+    /// Prepares every distinct mesh of a line-up. Locked parts are let be.
     pub(crate) fn new(
         lineup: Arc<Lineup>,
         workshop: &Workshop<'_>,
@@ -62,7 +64,7 @@ impl Task {
         };
         let kinds = lineup.candidates.iter().map(kind).collect();
         let (room, reach_mm, z_extra_mm) = (lineup.room, lineup.reach_mm, lineup.z_extra_mm);
-        Self { kinds, copies: lineup.copies.clone(), room, reach_mm, z_extra_mm, organs, lineup }
+        Self { kinds, copies: lineup.copies.clone(), room, reach_mm, z_extra_mm, organs, separable: false, lineup }
     }
 
     /// Prepares some of the items at another detail.

@@ -1,8 +1,9 @@
 //! What is told of a finished nesting, for people and programs.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Instance, LayerAreas, LayerCap, Solution, lower_bound_mm, settle::packing};
+use super::{Instance, LayerAreas, LayerCap, Solution, TakenApart, drawing_gap_mm, lower_bound_mm, settle::packing};
 use crate::geometry::{Bounds, Mesh, Pose};
 
 /// Where one copy stands.
@@ -25,11 +26,75 @@ pub struct UnplacedPart {
     pub copy: u32,
 }
 
+/// A placed copy.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedCopy {
+    /// Name of the item.
+    pub part: String,
+    /// Copy number, from 0.
+    pub copy: u32,
+}
+
+/// A copy that can be drawn out of the build, after all that are told before it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DrawnCopy {
+    /// Name of the item.
+    pub part: String,
+    /// Copy number, from 0.
+    pub copy: u32,
+    /// The straight line that it takes: a unit vector in the machine's frame.
+    pub way: [f64; 3],
+}
+
+/// Whether and how a build comes apart.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Separability {
+    /// Distance that a copy keeps at least from all that are still there while it is drawn out, mm (for parts with a
+    /// clearance of their own half of that, at most half a millimetre).
+    pub gap_mm: f64,
+    /// Copies that cannot be drawn out: locked into each other.
+    pub locked: Vec<NamedCopy>,
+    /// The others in an order in which they can be drawn out.
+    pub order: Vec<DrawnCopy>,
+}
+
+impl Separability {
+    /// What the judge found, for a build of a clearance (mm); `name` gives an index's part and copy.
+    pub fn new(apart: &TakenApart, clearance_mm: f64, name: impl Fn(usize) -> (String, u32)) -> Self {
+        let drawn = |&(body, way): &(usize, DVec3)| {
+            let (part, copy) = name(body);
+            DrawnCopy { part, copy, way: way.to_array() }
+        };
+        let locked = |&body: &usize| {
+            let (part, copy) = name(body);
+            NamedCopy { part, copy }
+        };
+        Self {
+            gap_mm: drawing_gap_mm(clearance_mm),
+            locked: apart.locked.iter().map(locked).collect(),
+            order: apart.order.iter().map(drawn).collect(),
+        }
+    }
+
+    /// The locked copies in one line, the first few by name.
+    pub fn locked_text(&self) -> String {
+        const NAMED: usize = 5;
+        let names = self.locked.iter().take(NAMED).map(|c| format!("{} #{}", c.part, c.copy + 1));
+        let more = match self.locked.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        names.collect::<Vec<_>>().join(", ") + &more
+    }
+}
+
 /// How a search went, as seen from outside; what [`Report::new`] needs beside the solution.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Course {
     /// Least distance found by the proof of the written file, mm; `None` when no two parts are near.
     pub clearance_proved_mm: Option<f64>,
+    /// Whether the written file comes apart; `None` when nobody looked.
+    pub separable: Option<Separability>,
     /// Seed of the search.
     pub seed: u64,
     /// CPU seconds of the whole process.
@@ -61,6 +126,8 @@ pub struct Report {
     pub clearance_z_extra_mm: f64,
     /// Least distance between any two parts, mm, proved on the triangles of the written file; `null` when none are near.
     pub clearance_proved_mm: Option<f64>,
+    /// Whether and how the written file comes apart; `null` when locked parts are allowed and nobody looked.
+    pub separable: Option<Separability>,
     /// Copies placed.
     pub placed: usize,
     /// Copies that found no place.
@@ -105,6 +172,7 @@ impl Report {
             clearance_mm: instance.clearance_mm(),
             clearance_z_extra_mm: instance.clearance_z_extra_mm(),
             clearance_proved_mm: course.clearance_proved_mm,
+            separable: course.separable,
             placed: solution.placements.len(),
             unplaced: (solution.unplaced.iter()).map(|&(i, copy)| UnplacedPart { part: name(i), copy }).collect(),
             seed: course.seed,

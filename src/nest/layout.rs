@@ -53,6 +53,8 @@ pub(crate) struct Layout<'t> {
     moves: Vec<u32>,
     /// Who was locked into whom.
     pub(crate) locks: Locks,
+    /// The best flowers of each part's last relocation.
+    pub(crate) flowers: Vec<Vec<Vec<f64>>>,
     /// Where parts stand, once there are many.
     grid: Option<Near>,
     /// Height that must not be passed, mm.
@@ -81,6 +83,7 @@ impl<'t> Layout<'t> {
             lifts: task.lifts(),
             notes: Notes::new(pieces.len()),
             moves: vec![0; pieces.len()],
+            flowers: vec![Vec::new(); pieces.len()],
             locks: Locks::default(),
             lid_mm,
             evaluations: 0,

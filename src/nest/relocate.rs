@@ -15,6 +15,8 @@ use crate::pollination::{Edge, Gene, Pollination, Setup};
 
 /// Cells of the occupancy grid, about.
 const CELLS: f32 = 40_000.0;
+/// Flowers of a part that are kept for its next relocation.
+const KEPT_FLOWERS: usize = 16;
 /// Depths are summed in fixed point, so that taking a part out again leaves nothing.
 const DEPTH_UNIT: f32 = 64.0;
 
@@ -179,7 +181,7 @@ fn relocate_below(
     grid.follow(layout, part);
     let turning = Turning::new(layout, part);
     let mut guide = layout.guides[part].clone();
-    let candidates = propose(layout, grid, &turning, &mut guide, effort, rng);
+    let candidates = propose(layout, part, grid, &turning, &mut guide, effort, rng);
     layout.evaluations += (effort.asked / 40) as u64;
     let mut ranked: Vec<(f32, Stand)> = Vec::with_capacity(candidates.len());
     for stand in candidates {
@@ -216,7 +218,8 @@ fn relocate_below(
 
 /// The best stands that the flowers found, by depth in the occupancy grid.
 fn propose(
-    layout: &Layout<'_>,
+    layout: &mut Layout<'_>,
+    part: usize,
     grid: &DepthGrid,
     turning: &Turning<'_>,
     guide: &mut Guide,
@@ -225,7 +228,9 @@ fn propose(
 ) -> Vec<Stand> {
     let even = !layout.task.organs.flowers_in_relocation;
     let setup = Setup { population: 40, switch_probability: 0.4, even, ..Setup::default() };
-    let mut flowers = Pollination::new(setup, turning.genes(), rng.random());
+    // The layout changes little from one relocation of a part to the next: its best flowers go on growing.
+    let before = if even { Vec::new() } else { std::mem::take(&mut layout.flowers[part]) };
+    let mut flowers = Pollination::new(setup, turning.genes(), rng.random()).starting_at(before);
     let room = layout.task.room.with_z(layout.lid_mm);
     let mut best: Vec<(f64, Stand)> = Vec::with_capacity(effort.looked_at + 1);
     for _ in 0..effort.asked {
@@ -248,6 +253,9 @@ fn propose(
             best.insert(at, (depth, Stand { turn, place }));
             best.truncate(effort.looked_at);
         }
+    }
+    if !even {
+        layout.flowers[part] = flowers.ranked().into_iter().take(KEPT_FLOWERS).map(<[f64]>::to_vec).collect();
     }
     best.into_iter().map(|(_, stand)| stand).collect()
 }

@@ -186,6 +186,14 @@ impl<F: PartialOrd + Clone> Pollination<F> {
         self.best.as_ref().map(|(genome, fitness)| (genome.as_slice(), fitness))
     }
 
+    /// The genomes of the flowers that know a fitness, the best first.
+    pub fn ranked(&self) -> Vec<&[f64]> {
+        let known = self.flowers.iter().filter_map(|flower| Some((flower.fitness.as_ref()?, flower.genome.as_slice())));
+        let mut ranked: Vec<(&F, &[f64])> = known.collect();
+        ranked.sort_by(|a, b| a.0.partial_cmp(b.0).unwrap_or(std::cmp::Ordering::Equal));
+        ranked.into_iter().map(|(_, genome)| genome).collect()
+    }
+
     /// Equation (1): x + gamma L(lambda) (g* - x), with a step of its own for every gene.
     fn global(&mut self) {
         let own = &self.flowers[self.turn].genome;

@@ -75,6 +75,7 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 1,
         volume_mm: DVec3::splat(400.0),
+        keep_out: Vec::new(),
         clearance_mm: 1.0,
         height_mm: 90.0,
         density: 0.1,

@@ -7,7 +7,7 @@ use assert_cmd::Command;
 use glam::{DQuat, DVec3};
 use nestd::{
     format::{Arrangement, BuildFile, BuildItem, BuildObject, Instances, write_build, write_stl},
-    geometry::{Mesh, Pose},
+    geometry::{Bounds, Mesh, Pose},
 };
 
 fn cube() -> Arc<Mesh> {
@@ -19,6 +19,11 @@ fn cube() -> Arc<Mesh> {
 
 /// Two cubes of 10 mm on a 50 mm volume, `gap_mm` apart, turned by `tilt` about y, with 2 mm asked.
 fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
+    build_over(dir, gap_mm, tilt, 20.0)
+}
+
+/// The same over a box that is to be kept free up to a height.
+fn build_over(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, keep_out_top_mm: f64) -> PathBuf {
     let item = |copy: u32| BuildItem {
         object: 0,
         pose: Pose::new(
@@ -45,6 +50,7 @@ fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 1,
         volume_mm: DVec3::splat(50.0),
+        keep_out: vec![Bounds { min: DVec3::new(8.0, 0.0, 0.0), max: DVec3::new(20.0, 20.0, keep_out_top_mm) }],
         clearance_mm: 2.0,
         height_mm: 30.0,
         density: 0.02,
@@ -73,6 +79,17 @@ fn a_right_build_is_proved_by_what_it_says_of_itself() {
     let (code, text) = verify(&build(&dir, 3.0, 0.0), &[]);
     assert_eq!(code, 0, "{text}");
     assert!(text.contains("30.0000 mm") && text.contains("3.000000 mm, 2 mm asked"), "{text}");
+}
+
+#[test]
+fn what_stands_in_a_keep_out_box_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let (code, text) = verify(&build_over(&dir, 3.0, 0.0, 20.01), &[]);
+    assert_eq!(code, 1, "{text}");
+    assert!(
+        text.contains("cube #1 (item 1) stands in keep-out box 1") && !text.contains("cube #2 (item 2) stands"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -20,8 +20,9 @@ use super::{
 use crate::{
     farm::DiskCache,
     format::{Arrangement, Instances, Limits, Unit},
+    geometry::Bounds,
     nest::{self, BuildVolume, Config, Instance, Item, Method, OrientationRule, Solution},
-    settings::{self, parse_secs},
+    settings::{self, KeepOut, parse_secs},
 };
 use progress::{Budget, Progress};
 
@@ -97,6 +98,8 @@ struct Machine {
     /// The box that may be filled, and where its corner stands in the machine's frame.
     room: BuildVolume,
     origin_mm: DVec3,
+    /// Boxes in which nothing may stand, in the machine's frame.
+    keep_out: Vec<Bounds>,
     clearance_mm: f64,
     orientation: OrientationRule,
     unit: Unit,
@@ -104,6 +107,14 @@ struct Machine {
     config: Config,
     instances: Instances,
     arrangement: Arrangement,
+}
+
+impl Machine {
+    /// Boxes in which nothing may stand, as the nester sees them.
+    fn keep_out_in_room(&self) -> Vec<Bounds> {
+        let moved = |zone: &Bounds| Bounds { min: zone.min - self.origin_mm, max: zone.max - self.origin_mm };
+        self.keep_out.iter().map(moved).collect()
+    }
 }
 
 /// Runs the command.
@@ -120,6 +131,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         clearance_mm: None,
     };
     let instance = Instance::new(machine.room, machine.clearance_mm, parts.iter().map(item).collect())
+        .and_then(|instance| instance.with_keep_out(&machine.keep_out_in_room()))
         .map_err(|error| Usage(error.to_string()))?;
     let cache = cache(args)?;
     let cache = cache.as_ref().map(|cache| cache as &dyn nest::Cache);
@@ -192,6 +204,7 @@ fn without_profile(size_mm: DVec3) -> Machine {
         volume_mm: size_mm,
         room: BuildVolume { size_mm },
         origin_mm: DVec3::ZERO,
+        keep_out: Vec::new(),
         clearance_mm: DEFAULT_CLEARANCE_MM,
         orientation: OrientationRule::default(),
         unit: Unit::default(),
@@ -213,6 +226,7 @@ fn from_profile(common: &Common, name: &str) -> Result<Machine> {
         volume_mm: profile.volume_mm,
         room: profile.build_volume(),
         origin_mm: profile.origin_mm(),
+        keep_out: profile.keep_out.iter().map(KeepOut::bounds).collect(),
         clearance_mm: profile.clearance_mm,
         orientation: profile.orientation,
         unit: profile.unit,

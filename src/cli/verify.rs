@@ -99,7 +99,7 @@ fn verify(args: &Args) -> Result<Verdict> {
             pose: item.pose,
         })
         .collect();
-    let proof = nest::prove(&bodies, volume_mm);
+    let proof = nest::prove_with(&bodies, volume_mm, &info.keep_out);
     Ok(Verdict { info, volume_mm, clearance_mm, bodies, proof, turned, second_reader, list_faults })
 }
 
@@ -133,10 +133,12 @@ fn faults(verdict: &Verdict) -> Vec<String> {
     let outside =
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.6} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
+    let intruding = proof.intruding.iter().map(|&(i, zone)| format!("{} stands in keep-out box {}", name(i), zone + 1));
     let turned = verdict.turned.iter().map(|&i| format!("{} is turned against its orientation rule", name(i)));
     close
         .chain(outside)
         .chain(inside)
+        .chain(intruding)
         .chain(turned)
         .chain(verdict.second_reader.clone())
         .chain(verdict.list_faults.iter().cloned())
@@ -148,6 +150,9 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
     let mut lines = vec![if verdict.is_proved() { "proved".to_owned() } else { "NOT proved".to_owned() }];
     lines.push(format!("placements      {}", verdict.bodies.len()));
     lines.push(format!("build volume    {} x {} x {} mm", size.x, size.y, size.z));
+    if !verdict.info.keep_out.is_empty() {
+        lines.push(format!("keep-out boxes  {}", verdict.info.keep_out.len()));
+    }
     lines.push(format!("build height    {:.4} mm", proof.height_mm));
     lines.push(match proof.clearance_proved_mm {
         Some(least) => format!("least distance  {least:.6} mm, {} mm asked", verdict.clearance_mm),
@@ -169,6 +174,8 @@ fn as_json(verdict: &Verdict) -> Value {
         proof.outside.iter().map(|&(i, excess)| json!({ "part": name(i), "excess_mm": excess })).collect();
     let inside: Vec<Value> =
         proof.inside.iter().map(|&(outer, inner)| json!({ "outer": name(outer), "inner": name(inner) })).collect();
+    let intruding: Vec<Value> =
+        proof.intruding.iter().map(|&(i, zone)| json!({ "part": name(i), "keep_out": zone + 1 })).collect();
     json!({
         "proved": verdict.is_proved(),
         "title": verdict.info.title,
@@ -182,6 +189,8 @@ fn as_json(verdict: &Verdict) -> Value {
         "too_close": pairs,
         "outside": outside,
         "inside": inside,
+        "keep_out": verdict.info.keep_out.len(),
+        "intruding": intruding,
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
         "second_reader": verdict.second_reader,
         "list": verdict.list_faults,

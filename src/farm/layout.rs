@@ -73,7 +73,7 @@ impl Batch {
             orientation: p.part.orientation,
             clearance_mm: p.part.clearance_mm,
         });
-        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())
+        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())?.with_keep_out(&profile.keep_out())
     }
 
     /// An earlier layout as placements of this batch; copies that are not in the batch are left out.

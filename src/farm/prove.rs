@@ -17,7 +17,7 @@ use crate::{
     ledger::{self, BuildRow, Verified},
     nest::{self, Body, Proof},
     queue::Queue,
-    settings::Profile,
+    settings::{KeepOut, Profile},
 };
 
 /// Pixels of the build's picture and thumbnail.
@@ -151,6 +151,7 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
         created: created.0.strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
         seed: order.seed,
         volume_mm: profile.volume_mm,
+        keep_out: profile.keep_out.iter().map(KeepOut::bounds).collect(),
         clearance_mm: profile.clearance_mm,
         height_mm: nested.layout.height_mm + profile.origin_mm().z,
         density: nested.layout.density,
@@ -189,7 +190,7 @@ fn prove_written(staged: &Path, order: &WriteOrder, batch: &Batch, placed: &[Pla
     let asked: BTreeSet<Copy> = placed.iter().map(|p| p.copy).collect();
     ensure!(seen == asked, "the written build holds other copies than were placed");
     format::cross_check(staged, &read, &order.limits).context("comparing with a second reader")?;
-    let proof = nest::prove(&bodies, order.profile.build_volume().size_mm);
+    let proof = nest::prove_with(&bodies, order.profile.build_volume().size_mm, &order.profile.keep_out());
     if !proof.is_proved() {
         bail!("the written build is not proved: {}", faults_of(&proof, &bodies));
     }
@@ -240,7 +241,8 @@ pub fn faults_of(proof: &Proof, bodies: &[Body]) -> String {
     let outside =
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.4} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
-    close.chain(outside).chain(inside).take(5).collect::<Vec<_>>().join("; ")
+    let intruding = proof.intruding.iter().map(|&(i, zone)| format!("{} stands in keep-out box {}", name(i), zone + 1));
+    close.chain(outside).chain(inside).chain(intruding).take(5).collect::<Vec<_>>().join("; ")
 }
 
 /// Report, pick map, picture and, where asked for, the whole build as STL; all under the build's stem.

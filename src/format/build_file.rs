@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{Arrangement, Instances};
-use crate::geometry::{Mesh, Pose};
+use crate::geometry::{Bounds, Mesh, Pose};
 
 /// A build, ready to be written.
 #[derive(Debug, Clone)]
@@ -22,6 +22,8 @@ pub struct BuildFile {
     pub seed: u64,
     /// Edge lengths of the build volume, mm.
     pub volume_mm: DVec3,
+    /// Boxes of the build volume in which nothing may stand, mm.
+    pub keep_out: Vec<Bounds>,
     /// Least distance between the surfaces of two placements, mm.
     pub clearance_mm: f64,
     /// Top of the highest placement, mm.
@@ -118,6 +120,8 @@ pub struct BuildInfo {
     pub seed: Option<u64>,
     /// Edge lengths of the build volume, mm.
     pub volume_mm: Option<DVec3>,
+    /// Boxes of the build volume in which nothing may stand, mm.
+    pub keep_out: Vec<Bounds>,
     /// Least distance between the surfaces of two placements, mm.
     pub clearance_mm: Option<f64>,
     /// Top of the highest placement, mm.

@@ -6,6 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::reserved::Reserved;
 use crate::geometry::Mesh;
 
 /// How a part may be turned. A hard rule, checked again on the written file.
@@ -54,6 +55,9 @@ pub enum InstanceError {
     /// A clearance is negative or not a number.
     #[error("the clearance {0} mm is not a distance")]
     BadClearance(f64),
+    /// A keep-out box is none.
+    #[error("the keep-out from {0} to {1} mm is not a box")]
+    BadKeepOut(DVec3, DVec3),
     /// There is nothing to nest.
     #[error("there is nothing to nest")]
     Empty,
@@ -65,6 +69,7 @@ pub struct Instance {
     volume: BuildVolume,
     clearance_mm: f64,
     items: Vec<Item>,
+    reserved: Reserved,
 }
 
 impl Instance {
@@ -82,7 +87,15 @@ impl Instance {
         if items.iter().all(|i| i.copies == 0) {
             return Err(InstanceError::Empty);
         }
-        Ok(Self { volume, clearance_mm, items })
+        Ok(Self { volume, clearance_mm, items, reserved: Reserved::default() })
+    }
+
+    pub(super) fn reserved(&self) -> &Reserved {
+        &self.reserved
+    }
+
+    pub(super) fn reserved_mut(&mut self) -> &mut Reserved {
+        &mut self.reserved
     }
 
     /// The box to fill.

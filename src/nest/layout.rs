@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3, Vec3};
 use super::{
     OrientationRule,
     fit::WALL_SPARE_MM,
-    piece::{CLEARANCE_SPARE_MM, Piece, Task},
+    piece::{CLEARANCE_SPARE_MM, Piece, Task, clearance_of_pair},
     push::{Guide, Push},
     touch::{self, Touch},
 };
@@ -55,6 +55,10 @@ pub(crate) struct Layout<'t> {
     pub(crate) guides: Vec<Guide>,
     clearances: Vec<f32>,
     notes: Vec<Vec<Note>>,
+    /// Parts that must not move: promised ones and zones, which stand after all pieces.
+    pub(crate) fixed: Vec<bool>,
+    /// Parts that are pieces.
+    pieces: usize,
     /// How often each part has moved.
     moves: Vec<u32>,
     /// Height that must not be passed, mm.
@@ -67,14 +71,17 @@ impl<'t> Layout<'t> {
     /// The layout of pieces, under a lid.
     pub(crate) fn new(task: &'t Task, pieces: &[Piece], lid_mm: f64) -> Self {
         let guide = |p: &Piece| Guide::new(task.kind(p.item).shape.clone(), p.turn, p.place);
+        let parts = || pieces.iter().chain(&task.zones);
         Self {
             task,
-            copies: pieces.iter().map(|p| (p.item, p.copy)).collect(),
-            stands: pieces.iter().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
-            guides: pieces.iter().map(guide).collect(),
-            clearances: pieces.iter().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
-            notes: vec![Vec::new(); pieces.len()],
-            moves: vec![0; pieces.len()],
+            fixed: parts().map(|p| task.is_fixed((p.item, p.copy))).collect(),
+            pieces: pieces.len(),
+            copies: parts().map(|p| (p.item, p.copy)).collect(),
+            stands: parts().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
+            guides: parts().map(guide).collect(),
+            clearances: parts().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
+            notes: vec![Vec::new(); pieces.len() + task.zones.len()],
+            moves: vec![0; pieces.len() + task.zones.len()],
             lid_mm,
             evaluations: 0,
         }
@@ -99,6 +106,9 @@ impl<'t> Layout<'t> {
 
     /// Moves a part, and then inside the walls as far as it fits.
     pub(crate) fn set(&mut self, part: usize, stand: Stand) {
+        if self.fixed[part] {
+            return;
+        }
         let mut guide = self.guides[part].clone();
         let mut stand = self.clamp(&mut guide, stand);
         let known = self.stands[part];
@@ -163,7 +173,8 @@ impl<'t> Layout<'t> {
 
     /// What holds between two parts.
     fn wanted(&self, one: usize, other: usize) -> Wanted<'_> {
-        let clearance = self.clearances[one].max(self.clearances[other]) + WANTED_SPARE_MM;
+        let (one_mm, other_mm) = (f64::from(self.clearances[one]), f64::from(self.clearances[other]));
+        let clearance = clearance_of_pair(one_mm, other_mm) as f32 + WANTED_SPARE_MM;
         match self.note(one, other) {
             Some(note) => {
                 Wanted { reach: clearance + note.margin, clearance, weight: note.weight, touches: &note.touches }
@@ -264,7 +275,9 @@ impl<'t> Layout<'t> {
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
         let reach = self.task.reach_mm as f32 + MARGIN_MM;
         for one in 0..self.len() {
-            energies[one] += self.excess_energy(&self.guides[one]);
+            if one < self.pieces {
+                energies[one] += self.excess_energy(&self.guides[one]);
+            }
             for other in one + 1..self.len() {
                 if self.guides[one].is_near(&self.guides[other], reach) {
                     let energy = self.overlap(one, &self.guides[one], other, &self.wanted(one, other), false);
@@ -302,9 +315,9 @@ impl<'t> Layout<'t> {
         let task = self.task;
         let pieces: Vec<Piece> =
             (self.copies.iter().zip(&self.stands)).map(|(&copy, s)| task.piece(copy, s.turn, s.place)).collect();
-        let inside = pieces.iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
+        let inside = pieces[..self.pieces].iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
         let clear = self.check_pairs(&pieces);
-        (inside && clear).then_some(pieces)
+        (inside && clear).then(|| pieces[..self.pieces].to_vec())
     }
 
     /// Whether all pairs are clear on the triangles; where one is not, its contacts are kept, or its margin grows.

@@ -11,6 +11,7 @@ mod construct;
 mod cut;
 mod field;
 mod fit;
+mod insert;
 mod inside;
 mod instance;
 mod layout;
@@ -24,6 +25,7 @@ mod push;
 mod recipe;
 mod relocate;
 mod report;
+mod reserved;
 mod scan;
 mod search;
 mod separate;
@@ -41,12 +43,15 @@ pub use bound::lower_bound_mm;
 pub use cache::Cache;
 pub use config::{Config, Method, PaperConfig};
 pub use fit::{Misfit, fits};
+pub use insert::insert;
 pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
 pub use nester::{nest, nest_with};
-pub use proof::{Body, Pair, Proof, prove, rotation_obeys};
+pub use proof::{Body, Pair, Proof, prove, prove_with, rotation_obeys};
 pub use report::{Course, PlacedPart, Report, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use solution::{Placement, Solution};
 
 #[cfg(test)]
 mod nester_tests;
+#[cfg(test)]
+mod open_tests;

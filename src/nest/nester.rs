@@ -13,6 +13,7 @@ use super::{
     compress::compress,
     construct::Builder,
     cut::is_hopeless,
+    insert::{are_few, lacking},
     lower_bound_mm,
     near::Near,
     outline::Lineup,
@@ -47,10 +48,7 @@ pub fn nest_with(
 ) -> Solution {
     match config.method {
         Method::Paper => nest_paper(instance, config, stop, listener),
-        Method::Nestd => {
-            let workshop = Workshop::new(cache, config.threads);
-            Course { instance, config, workshop, stop, listener, best: Vec::new(), evaluations: 0 }.run(start)
-        }
+        Method::Nestd => Course::new(instance, config, cache, stop, listener).run(start),
     }
 }
 
@@ -84,18 +82,46 @@ pub(super) struct Course<'a> {
     pub(super) evaluations: u64,
 }
 
-impl Course<'_> {
+impl<'a> Course<'a> {
+    pub(super) fn new(
+        instance: &'a Instance,
+        config: &'a Config,
+        cache: Option<&'a dyn Cache>,
+        stop: &'a dyn Stop,
+        listener: &'a mut dyn Listener,
+    ) -> Self {
+        let workshop = Workshop::new(cache, config.threads);
+        Self { instance, config, workshop, stop, listener, best: Vec::new(), evaluations: 0 }
+    }
+
+    /// Only puts in what is lacking.
+    pub(super) fn insert_only(mut self, start: &[Placement]) -> Solution {
+        let task = self.task(self.lineup());
+        let standing = standing(&task, self.instance, start);
+        self.offer(standing.clone());
+        self.insert_each(&task, &standing, &lacking(&task, &standing));
+        solution(self.instance, &self.best, self.evaluations)
+    }
+
+    fn lineup(&self) -> Lineup {
+        Lineup::new(self.instance, |meshes| self.workshop.outlines(meshes))
+    }
+
+    fn task(&self, lineup: Lineup) -> Task {
+        let pins = self.instance.reserved().pins();
+        Task::new(Arc::new(lineup), pins, &self.workshop, COARSE_NODES, COARSE_POINTS)
+    }
+
     fn run(mut self, start: &[Placement]) -> Solution {
-        let workshop = self.workshop;
-        let lineup = Lineup::new(self.instance, |meshes| workshop.outlines(meshes));
-        if start.is_empty() {
+        let lineup = self.lineup();
+        if start.is_empty() && self.instance.pinned().is_empty() {
             self.stack_boxes(&lineup);
             if self.stop.spent(0) >= 1.0 {
                 return solution(self.instance, &self.best, self.evaluations);
             }
         }
         let begun = self.stop.spent(0);
-        let task = Task::new(Arc::new(lineup), &workshop, COARSE_NODES, COARSE_POINTS);
+        let task = self.task(lineup);
         let prepared = self.stop.spent(0) - begun;
         self.construct(&task, start);
         let task = self.refined(task, prepared);
@@ -155,14 +181,19 @@ impl Course<'_> {
     /// The first layouts: what stands already, boxes, and bit columns by several recipes.
     fn construct(&mut self, task: &Task, start: &[Placement]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let standing = standing(task, start);
-        let taken: BTreeSet<(usize, u32)> = standing.iter().map(|p| (p.item, p.copy)).collect();
-        let lacking: Vec<(usize, u32)> = task.copies.iter().copied().filter(|c| !taken.contains(c)).collect();
+        let standing = standing(task, self.instance, start);
+        let lacking = lacking(task, &standing);
         if !standing.is_empty() {
             self.offer(Boxes::new(&task.lineup).stack(&standing, &lacking));
         }
         if lacking.is_empty() {
             return;
+        }
+        if are_few(&lacking, &standing) {
+            self.insert_each(task, &standing, &lacking);
+            if self.best.len() == standing.len() + lacking.len() {
+                return;
+            }
         }
         if is_hopeless(self.instance, &lacking) {
             return self.keep_precedence(task, &mut Builder::new(task), &standing, &lacking);
@@ -225,7 +256,8 @@ impl Course<'_> {
         if self.best.is_empty() || self.stop.spent(self.evaluations) >= until {
             return;
         }
-        let floor_mm = lower_bound_mm(self.instance).min(height_mm(&self.best));
+        let promised_mm = self.best.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
+        let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best));
         let (stop, seed, before, start) = (self.stop, self.config.seed, self.evaluations, self.best.clone());
         let threads = match self.config.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -275,9 +307,8 @@ impl Course<'_> {
 
     /// Copies that found no place are tried again around the best layout, in order of precedence.
     fn insert_lacking(&mut self, task: &Task) {
-        let taken: BTreeSet<(usize, u32)> = self.best.iter().map(|p| (p.item, p.copy)).collect();
-        let lacking: Vec<(usize, u32)> = task.copies.iter().copied().filter(|c| !taken.contains(c)).collect();
         let standing = self.best.clone();
+        let lacking = lacking(task, &standing);
         let mut builder = Builder::new(task);
         if let Some(pieces) = self.build(&mut builder, &Recipe::FIRST[0], &lacking, &standing, 0.9) {
             self.offer(pieces);
@@ -286,12 +317,13 @@ impl Course<'_> {
 }
 
 /// The pieces of an earlier layout that still hold: inside the walls and clear of each other. Others are placed anew.
-fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
+fn standing(task: &Task, instance: &Instance, start: &[Placement]) -> Vec<Piece> {
     let known: BTreeSet<(usize, u32)> = task.copies.iter().copied().collect();
     let mut taken: BTreeSet<(usize, u32)> = BTreeSet::new();
     let mut near = Near::new(task.room);
     let mut pieces: Vec<Piece> = Vec::new();
-    for placement in start {
+    let pinned = instance.pinned().iter();
+    for placement in pinned.chain(start.iter().filter(|p| !task.pins.contains(&(p.item, p.copy)))) {
         let copy = (placement.item, placement.copy);
         if !known.contains(&copy) || taken.contains(&copy) {
             continue;
@@ -301,6 +333,7 @@ fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
         let around = || near.around(&piece.bounds, task.reach_mm + 2.0 * CLEARANCE_SPARE_MM);
         if task.is_inside(&piece, task.room.z)
             && super::rotation_obeys(kind.rule, &piece.pose)
+            && task.zones.iter().all(|zone| task.is_clear(&piece, zone))
             && around().into_iter().all(|other| task.is_clear(&piece, &pieces[other]))
         {
             near.add(pieces.len(), &piece.bounds);

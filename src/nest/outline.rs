@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Instance, OrientationRule, fit, turns};
+use super::{Instance, OrientationRule, fit, reserved::Zone, turns};
 use crate::geometry::{Mesh, Obb};
 
 /// Directions whose farthest points decide a part's extents, all but exactly.
@@ -54,6 +54,8 @@ pub(crate) struct Lineup {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Where nothing may stand.
+    pub(crate) zones: Vec<Zone>,
 }
 
 impl Lineup {
@@ -81,7 +83,8 @@ impl Lineup {
             .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
             .collect();
         let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
-        Self { candidates, copies, room: instance.volume().size_mm, reach_mm }
+        let zones = instance.reserved().zones.clone();
+        Self { candidates, copies, room: instance.volume().size_mm, reach_mm, zones }
     }
 
     /// The item of a copy that is being nested.

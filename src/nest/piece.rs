@@ -1,6 +1,6 @@
 //! What is nested and how a layout is judged while it is built: exactly, on the triangles.
 
-use std::{ops::Range, sync::Arc};
+use std::{collections::BTreeSet, ops::Range, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
@@ -8,6 +8,7 @@ use super::{
     Instance, OrientationRule, Placement, Solution,
     fit::WALL_SPARE_MM,
     outline::{Candidate, Lineup},
+    reserved::Zone,
     shape::{Detail, Shape},
     workshop::Workshop,
 };
@@ -36,20 +37,40 @@ pub(crate) struct Task {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Where nothing may stand: pieces of kinds that come after those of the items.
+    pub(crate) zones: Vec<Piece>,
+    /// Copies that never move.
+    pub(crate) pins: BTreeSet<(usize, u32)>,
 }
 
 impl Task {
     /// Prepares every distinct mesh of a line-up.
-    pub(crate) fn new(lineup: Arc<Lineup>, workshop: &Workshop<'_>, nodes: usize, points: usize) -> Self {
+    pub(crate) fn new(
+        lineup: Arc<Lineup>,
+        pins: BTreeSet<(usize, u32)>,
+        workshop: &Workshop<'_>,
+        nodes: usize,
+        points: usize,
+    ) -> Self {
         let detail = Detail { nodes, points, reach_mm: lineup.reach_mm + 0.5 };
-        let meshes: Vec<Arc<Mesh>> = lineup.candidates.iter().flatten().map(|c| c.mesh.clone()).collect();
+        let zones = || lineup.zones.iter().map(|zone| &zone.mesh);
+        let items = lineup.candidates.iter().flatten().map(|c| &c.mesh);
+        let meshes: Vec<Arc<Mesh>> = items.chain(zones()).cloned().collect();
         let mut shapes = workshop.shapes(&meshes, detail).into_iter();
         let kind = |candidate: &Option<Candidate>| {
             let Candidate { rule, clearance_mm, .. } = *candidate.as_ref()?;
             Some(Kind { shape: shapes.next()?, rule, clearance_mm })
         };
-        let kinds = lineup.candidates.iter().map(kind).collect();
-        Self { kinds, copies: lineup.copies.clone(), room: lineup.room, reach_mm: lineup.reach_mm, lineup }
+        let mut kinds: Vec<Option<Kind>> = lineup.candidates.iter().map(kind).collect();
+        let zone = |shape| Some(Kind { shape, rule: OrientationRule::Fixed, clearance_mm: ZONE_CLEARANCE });
+        kinds.extend(shapes.map(zone));
+        let (copies, room, reach_mm) = (lineup.copies.clone(), lineup.room, lineup.reach_mm);
+        let mut task = Self { kinds, copies, room, reach_mm, zones: Vec::new(), pins, lineup };
+        let place = |zone: &Zone| zone.bounds.center();
+        let first = task.lineup.candidates.len();
+        let zones = task.lineup.zones.iter().enumerate();
+        task.zones = zones.map(|(at, zone)| task.piece((first + at, 0), DQuat::IDENTITY, place(zone))).collect();
+        task
     }
 
     /// Prepares some of the items at another detail.
@@ -68,7 +89,7 @@ impl Task {
 
     /// Clearance between two items, mm.
     pub(crate) fn clearance_mm(&self, item1: usize, item2: usize) -> f64 {
-        self.kind(item1).clearance_mm.max(self.kind(item2).clearance_mm)
+        clearance_of_pair(self.kind(item1).clearance_mm, self.kind(item2).clearance_mm)
     }
 
     /// A copy at a rotation and a place of its center.
@@ -76,6 +97,11 @@ impl Task {
         let shape = &self.kind(item).shape;
         let pose = shape.pose(turn, place);
         Piece { item, copy, turn, place, pose, bounds: shape.tree.bounds_at(&pose) }
+    }
+
+    /// Whether a copy may not be moved: it is promised, or it is a zone.
+    pub(crate) fn is_fixed(&self, copy: (usize, u32)) -> bool {
+        copy.0 >= self.lineup.candidates.len() || self.pins.contains(&copy)
     }
 
     /// Whether a piece stands inside the walls.
@@ -109,6 +135,14 @@ impl Task {
     }
 }
 
+/// Stands for the clearance of a zone: nothing keeps a distance from it.
+const ZONE_CLEARANCE: f64 = -1.0;
+
+/// Clearance between two of the given clearances, mm: the greater, and none to a zone.
+pub(crate) fn clearance_of_pair(one_mm: f64, other_mm: f64) -> f64 {
+    if one_mm.min(other_mm) < 0.0 { 0.0 } else { one_mm.max(other_mm) }
+}
+
 /// One placed copy.
 #[derive(Debug, Clone)]
 pub(crate) struct Piece {
@@ -132,6 +166,12 @@ pub(crate) fn solution(instance: &Instance, pieces: &[Piece], evaluations: u64) 
     let mut placements: Vec<Placement> =
         pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
     placements.sort_by_key(|p| (p.item, p.copy));
+    // What is promised stands where it was promised, to the last digit.
+    for pin in instance.pinned() {
+        if let Ok(at) = placements.binary_search_by_key(&(pin.item, pin.copy), |p| (p.item, p.copy)) {
+            placements[at].pose = pin.pose;
+        }
+    }
     let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
     let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
     let unplaced = all.filter(|&copy| !placed(copy)).collect();

@@ -5,13 +5,15 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
-use super::{OrientationRule, turns::axis_turns};
+use super::{OrientationRule, reserved::block, turns::axis_turns};
 use crate::geometry::{Bounds, ClearanceTree, Mesh, Pose};
 
 /// A clearance may be short by so much, mm.
 const CLEARANCE_TOLERANCE_MM: f64 = 1e-6;
 /// A body may stand out of the volume by so much, mm.
 const WALL_TOLERANCE_MM: f64 = 1e-6;
+/// A body may reach into a zone by so much, mm.
+const ZONE_TOLERANCE_MM: f64 = 1e-6;
 /// A rotation may be off its rule by so much, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
 
@@ -55,18 +57,25 @@ pub struct Proof {
     pub outside: Vec<(usize, f64)>,
     /// (outer, inner): the inner body lies inside the outer solid or inside a sealed cavity of it.
     pub inside: Vec<(usize, usize)>,
+    /// (body, zone): the body stands in the zone that is to be kept free.
+    pub intruding: Vec<(usize, usize)>,
 }
 
 impl Proof {
     /// Whether nothing is wrong.
     pub fn is_proved(&self) -> bool {
-        self.too_close.is_empty() && self.outside.is_empty() && self.inside.is_empty()
+        self.too_close.is_empty() && self.outside.is_empty() && self.inside.is_empty() && self.intruding.is_empty()
     }
 }
 
 /// Judges bodies in a box from the origin to `volume_mm`. Tolerance 1e-6 mm on clearance and on walls. A pose that is not
 /// made of finite numbers stands infinitely far outside.
 pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
+    prove_with(bodies, volume_mm, &[])
+}
+
+/// The same, with boxes in which nothing may stand. A body may reach into one by 1e-6 mm.
+pub fn prove_with(bodies: &[Body], volume_mm: DVec3, keep_out: &[Bounds]) -> Proof {
     let trees = trees(bodies);
     // The walls are judged on every vertex, not on the tree's bounds.
     let bounds: Vec<Bounds> = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
@@ -79,6 +88,7 @@ pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
         too_close: Vec::new(),
         outside,
         inside: Vec::new(),
+        intruding: intruding(bodies, &trees, &bounds, keep_out),
     };
     let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
     for (first, second) in neighbours(&bounds, cap_mm) {
@@ -105,6 +115,31 @@ pub fn rotation_obeys(rule: OrientationRule, pose: &Pose) -> bool {
         OrientationRule::Axis => axis_turns().into_iter().any(is_near),
         OrientationRule::Fixed => is_near(DQuat::IDENTITY),
     }
+}
+
+/// Bodies that stand in a zone, with the number of the zone.
+fn intruding(
+    bodies: &[Body],
+    trees: &[Arc<ClearanceTree>],
+    bounds: &[Bounds],
+    keep_out: &[Bounds],
+) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    for (number, zone) in keep_out.iter().enumerate() {
+        let zone = Bounds { min: zone.min + ZONE_TOLERANCE_MM, max: zone.max - ZONE_TOLERANCE_MM };
+        let Some(solid) = block(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
+        let stands_in = |body: usize| {
+            // NaN touches everything: it is told as outside as well.
+            let pose = &bodies[body].pose;
+            !(bounds[body].distance(&zone) > 0.0)
+                && (solid.distance_capped_mm(&trees[body], pose, 1.0) <= 0.0
+                    || solid.holds_part(&trees[body], pose)
+                    || trees[body].holds_part(&solid, &pose.inverse()))
+        };
+        found.extend((0..bodies.len()).filter(|&body| stands_in(body)).map(|body| (body, number)));
+    }
+    found.sort_unstable();
+    found
 }
 
 /// A tree per distinct mesh, in the order of the bodies.

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{format::Unit, nest};
+use super::KeepOut;
+use crate::{format::Unit, geometry::Bounds, nest};
 
 /// Where a profile's files live.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -76,6 +77,8 @@ pub struct Profile {
     pub floor_margin_mm: f64,
     /// Kept free below the lid, mm.
     pub lid_margin_mm: f64,
+    /// Boxes in which nothing may stand, in the machine's frame.
+    pub keep_out: Vec<KeepOut>,
     /// Least distance between two parts, mm.
     pub clearance_mm: f64,
     /// Layer thickness, mm; gives the number of layers of a build.
@@ -121,6 +124,13 @@ impl Profile {
         let margins =
             DVec3::new(2.0 * self.wall_margin_mm, 2.0 * self.wall_margin_mm, self.floor_margin_mm + self.lid_margin_mm);
         nest::BuildVolume { size_mm: self.volume_mm - margins }
+    }
+
+    /// Boxes in which nothing may stand, in the frame of [`Profile::build_volume`], mm.
+    pub fn keep_out(&self) -> Vec<Bounds> {
+        let origin_mm = self.origin_mm();
+        let moved = |zone: &KeepOut| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
+        self.keep_out.iter().map(moved).collect()
     }
 
     /// Where the lower front left corner of [`Profile::build_volume`] stands in the machine's frame, mm.

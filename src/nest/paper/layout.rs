@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::shape::Shape;
+use super::{shape::Shape, zones::Zones};
 use crate::{
     geometry::{Bounds, Pose},
     nest::{Instance, PaperConfig, Placement, Stop},
@@ -24,6 +24,7 @@ type Fitness = (f64, f64);
 pub(super) struct Layout<'a> {
     instance: &'a Instance,
     shapes: &'a [Shape],
+    zones: &'a Zones,
     placed: Vec<Placed>,
     top_mm: f64,
     /// The placed part that stood in the way last; it probably does again.
@@ -52,8 +53,17 @@ pub(super) struct Pace<'a> {
 
 impl<'a> Layout<'a> {
     /// An empty layout.
-    pub fn new(instance: &'a Instance, shapes: &'a [Shape]) -> Self {
-        Self { instance, shapes, placed: Vec::new(), top_mm: 0.0, obstacle: 0 }
+    pub fn new(instance: &'a Instance, shapes: &'a [Shape], zones: &'a Zones) -> Self {
+        Self { instance, shapes, zones, placed: Vec::new(), top_mm: 0.0, obstacle: 0 }
+    }
+
+    /// Puts promised copies where they were promised.
+    pub fn pin(&mut self, pinned: &[Placement]) {
+        for &placement in pinned.iter().filter(|p| p.item < self.shapes.len()) {
+            let bounds = self.shapes[placement.item].surface.bounds_at(&placement.pose);
+            self.top_mm = self.top_mm.max(bounds.max.z);
+            self.placed.push(Placed { placement, bounds });
+        }
     }
 
     /// Placed copies in the sequence of their placing.
@@ -70,7 +80,7 @@ impl<'a> Layout<'a> {
             self.candidate(item, &genome)
         });
         match fit {
-            Some(candidate) if self.placed.is_empty() => {
+            Some(candidate) if self.placed.is_empty() && !self.is_in_a_zone(item, &candidate) => {
                 self.put(item, copy, &candidate);
                 true
             }
@@ -184,7 +194,7 @@ impl<'a> Layout<'a> {
     /// The height at which nothing is in the way any more, mm. A hair above the clearance, so that rounding cannot spoil it.
     fn above_all_mm(&self, item: usize) -> f64 {
         let clear = |p: &Placed| p.bounds.max.z + self.instance.clearance_between_mm(item, p.placement.item) + 1e-6;
-        self.placed.iter().map(clear).fold(0.0, f64::max)
+        self.placed.iter().map(clear).fold(self.zones.top_mm(), f64::max)
     }
 
     /// Whether the candidate comes too near to a placed part as far as its boxes can tell (figure 9, step 4). Parts whose
@@ -199,6 +209,9 @@ impl<'a> Layout<'a> {
             let boxes = &layout.shapes[other.placement.item].boxes;
             boxes.collides(&layout.shapes[item].boxes, &other.placement.pose.seen(&candidate.pose), clearance_mm)
         };
+        if self.is_in_a_zone(item, candidate) {
+            return true;
+        }
         if self.placed.get(self.obstacle).is_some_and(|other| hit(self, other)) {
             return true;
         }
@@ -208,6 +221,10 @@ impl<'a> Layout<'a> {
             return true;
         }
         false
+    }
+
+    fn is_in_a_zone(&self, item: usize, candidate: &Candidate) -> bool {
+        self.zones.meet(&self.shapes[item].surface, &candidate.pose, &candidate.bounds)
     }
 
     /// Whether the candidate is wholly inside a placed part, or the other way round: boxes cover surfaces and do not see it.

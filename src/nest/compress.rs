@@ -36,7 +36,7 @@ pub(crate) fn compress(
         step = step.clamp(least, most);
         let lid = (height * (1.0 - step)).max(floor_mm);
         layout.forget();
-        let again = failures > 0 && !pool.is_empty() && rng.random_bool(0.5);
+        let again = task.organs.pool && failures > 0 && !pool.is_empty() && rng.random_bool(0.5);
         layout.lid_mm = lid;
         if again {
             let at = rng.random_range(0..pool.len()).min(rng.random_range(0..pool.len()));

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Organs;
+
 /// Which search nests a build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -25,11 +27,14 @@ pub struct Config {
     pub threads: usize,
     /// Parameters of the paper's method.
     pub paper: PaperConfig,
+    /// Which organs of our own search take part; for benches, not for configuration files.
+    #[serde(skip)]
+    pub organs: Organs,
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Self { method: Method::Nestd, seed: 1, threads: 1, paper: PaperConfig::default() }
+        Self { method: Method::Nestd, seed: 1, threads: 1, paper: PaperConfig::default(), organs: Organs::default() }
     }
 }
 

@@ -225,7 +225,7 @@ impl<'t> Layout<'t> {
             let aim = (wanted.clearance + TOUCH_OVERSHOOT_MM, wanted.weight);
             touch::push(wanted.touches, pair, part < other, aim, &mut push);
         }
-        let rule = self.rule(part);
+        let rule = if self.task.organs.turning { self.rule(part) } else { OrientationRule::Fixed };
         let energy = push.energy + self.excess_energy(guide);
         if energy <= 0.0 {
             return 0.0;
@@ -294,7 +294,7 @@ impl<'t> Layout<'t> {
         for notes in &mut self.notes {
             notes.iter_mut().for_each(|n| n.weight = (n.weight * 0.95).max(1.0));
         }
-        for &(one, other, energy) in &pairs {
+        for &(one, other, energy) in pairs.iter().filter(|_| self.task.organs.weights) {
             let note = self.note_mut(one, other);
             // Twice for the worst pair, 1.2 times for the least (the decay above taken back).
             note.weight = (note.weight / 0.95 * (1.2 + 0.8 * (energy / worst).sqrt())).min(1e5);

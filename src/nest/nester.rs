@@ -109,7 +109,7 @@ impl<'a> Course<'a> {
 
     fn task(&self, lineup: Lineup) -> Task {
         let pins = self.instance.reserved().pins();
-        Task::new(Arc::new(lineup), pins, &self.workshop, COARSE_NODES, COARSE_POINTS)
+        Task::new(Arc::new(lineup), pins, &self.workshop, self.config.organs, COARSE_NODES, COARSE_POINTS)
     }
 
     fn run(mut self, start: &[Placement]) -> Solution {
@@ -155,7 +155,8 @@ impl<'a> Course<'a> {
         let distinct = task.kinds.iter().flatten().count().max(1);
         let most = finer.min((MOST_NODES / distinct).clamp(50_000, 300_000));
         let nodes = FINER_NODES.into_iter().rev().find(|&nodes| nodes <= most);
-        let Some(nodes) = nodes.filter(|_| !self.best.is_empty()) else { return task };
+        let wanted = self.config.organs.fine_guides && !self.best.is_empty();
+        let Some(nodes) = nodes.filter(|_| wanted) else { return task };
         let begun = self.stop.spent(self.evaluations);
         let points = COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 };
         for first in (0..task.kinds.len()).step_by(FINER_AT_ONCE) {
@@ -218,7 +219,7 @@ impl<'a> Course<'a> {
     /// Tries other recipes by flower pollination: order, liking for low tops, pull and disorder.
     fn vary(&mut self, task: &Task, builder: &mut Builder<'_>, standing: &[Piece], lacking: &[(usize, u32)]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let setup = Setup { population: 8, ..Setup::default() };
+        let setup = Setup { population: 8, even: !self.config.organs.flowers_in_start, ..Setup::default() };
         let mut flowers: Pollination<f64> = Pollination::new(setup, Recipe::genes(), self.config.seed);
         for _ in 0..24 {
             if self.stop.spent(self.evaluations) >= START_SHARE {
@@ -253,7 +254,7 @@ impl<'a> Course<'a> {
 
     /// Lowers the lid over what has been found, until a share of the budget is used up.
     fn search(&mut self, task: &Task, until: f64) {
-        if self.best.is_empty() || self.stop.spent(self.evaluations) >= until {
+        if self.best.is_empty() || !self.config.organs.separation || self.stop.spent(self.evaluations) >= until {
             return;
         }
         let promised_mm = self.best.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use glam::{DQuat, DVec3};
 
 use super::{
-    Instance, OrientationRule, Placement, Solution,
+    Instance, Organs, OrientationRule, Placement, Solution,
     fit::WALL_SPARE_MM,
     outline::{Candidate, Lineup},
     reserved::Zone,
@@ -41,6 +41,8 @@ pub(crate) struct Task {
     pub(crate) zones: Vec<Piece>,
     /// Copies that never move.
     pub(crate) pins: BTreeSet<(usize, u32)>,
+    /// Which organs of the search take part.
+    pub(crate) organs: Organs,
 }
 
 impl Task {
@@ -49,6 +51,7 @@ impl Task {
         lineup: Arc<Lineup>,
         pins: BTreeSet<(usize, u32)>,
         workshop: &Workshop<'_>,
+        organs: Organs,
         nodes: usize,
         points: usize,
     ) -> Self {
@@ -65,7 +68,7 @@ impl Task {
         let zone = |shape| Some(Kind { shape, rule: OrientationRule::Fixed, clearance_mm: ZONE_CLEARANCE });
         kinds.extend(shapes.map(zone));
         let (copies, room, reach_mm) = (lineup.copies.clone(), lineup.room, lineup.reach_mm);
-        let mut task = Self { kinds, copies, room, reach_mm, zones: Vec::new(), pins, lineup };
+        let mut task = Self { kinds, copies, room, reach_mm, zones: Vec::new(), pins, organs, lineup };
         let place = |zone: &Zone| zone.bounds.center();
         let first = task.lineup.candidates.len();
         let zones = task.lineup.zones.iter().enumerate();

@@ -196,7 +196,8 @@ fn propose(
     effort: Effort,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Stand> {
-    let setup = Setup { population: 40, switch_probability: 0.4, ..Setup::default() };
+    let even = !layout.task.organs.flowers_in_relocation;
+    let setup = Setup { population: 40, switch_probability: 0.4, even, ..Setup::default() };
     let mut flowers = Pollination::new(setup, turning.genes(), rng.random());
     let room = layout.task.room.with_z(layout.lid_mm);
     let mut best: Vec<(f64, Stand)> = Vec::with_capacity(effort.looked_at + 1);

@@ -95,7 +95,7 @@ fn round(
                 break;
             }
         }
-        if energy > 0.0 && rng.random_bool(share) {
+        if energy > 0.0 && layout.task.organs.relocation && rng.random_bool(share) {
             let still = layout.energy_at(part, &layout.guides[part], false, f32::INFINITY);
             if still > 0.0 {
                 let effort = Effort { asked: 800, looked_at: 24, pushed: 3 };

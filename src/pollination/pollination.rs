@@ -71,11 +71,13 @@ pub struct Setup {
     pub scale: f64,
     /// Exponent lambda of the Levy flight, in (0, 2).
     pub levy_exponent: f64,
+    /// No pollination: every proposal after a start is drawn evenly, which shows what pollination is worth.
+    pub even: bool,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { population: 25, switch_probability: 0.2, scale: 0.1, levy_exponent: 1.5 }
+        Self { population: 25, switch_probability: 0.2, scale: 0.1, levy_exponent: 1.5, even: false }
     }
 }
 
@@ -141,8 +143,8 @@ impl<F: PartialOrd + Clone> Pollination<F> {
         if !flower.started {
             flower.started = true;
             self.proposal.clone_from(&flower.genome);
-        } else if flower.fitness.is_none() && self.best.is_none() {
-            // Nothing is known yet that one could move towards.
+        } else if self.setup.even || flower.fitness.is_none() && self.best.is_none() {
+            // Nothing is known (or asked for) that one could move towards.
             self.proposal = scattered(&self.genes, &mut self.rng);
         } else if unit(&mut self.rng) < self.setup.switch_probability {
             self.global();
@@ -242,7 +244,11 @@ mod tests {
     }
 
     fn best_of(function: fn(&[f64]) -> f64, evaluations: usize, seed: u64) -> f64 {
-        let mut search = Pollination::new(Setup::default(), genes(4, Edge::Reflect), seed);
+        best_by(Setup::default(), function, evaluations, seed)
+    }
+
+    fn best_by(setup: Setup, function: fn(&[f64]) -> f64, evaluations: usize, seed: u64) -> f64 {
+        let mut search = Pollination::new(setup, genes(4, Edge::Reflect), seed);
         for _ in 0..evaluations {
             let value = function(search.ask());
             search.tell(value);
@@ -251,9 +257,7 @@ mod tests {
     }
 
     fn best_even(function: fn(&[f64]) -> f64, evaluations: usize, seed: u64) -> f64 {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let genes = genes(4, Edge::Reflect);
-        (0..evaluations).map(|_| function(&scattered(&genes, &mut rng))).fold(f64::INFINITY, f64::min)
+        best_by(Setup { even: true, ..Setup::default() }, function, evaluations, seed)
     }
 
     #[test]

@@ -102,6 +102,7 @@ impl<'a> Layout<'a> {
             switch_probability: config.switch_probability,
             scale: config.scale,
             levy_exponent: config.levy_exponent,
+            even: false,
         };
         let place = Gene { lower: 0.0, upper: 1.0, edge: Edge::Clamp };
         let genes = [vec![place; POSITION], self.shapes[item].rotation_genes()].concat();

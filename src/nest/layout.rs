@@ -268,6 +268,11 @@ impl<'t> Layout<'t> {
         held
     }
 
+    /// Whether neither of two parts may move: then nothing can be wrong between them that could be helped.
+    fn are_fixed(&self, one: usize, other: usize) -> bool {
+        self.fixed[one] && self.fixed[other]
+    }
+
     /// Overlap of every part, unweighted pairs summed; pair weights grow where there is overlap and decay elsewhere.
     pub(crate) fn weigh(&mut self, energies: &mut Vec<f32>) -> f32 {
         energies.clear();
@@ -279,7 +284,7 @@ impl<'t> Layout<'t> {
                 energies[one] += self.excess_energy(&self.guides[one]);
             }
             for other in one + 1..self.len() {
-                if self.guides[one].is_near(&self.guides[other], reach) {
+                if !self.are_fixed(one, other) && self.guides[one].is_near(&self.guides[other], reach) {
                     let energy = self.overlap(one, &self.guides[one], other, &self.wanted(one, other), false);
                     if energy > 0.0 {
                         energies[one] += energy;
@@ -327,6 +332,9 @@ impl<'t> Layout<'t> {
         for one in 0..pieces.len() {
             for other in one + 1..pieces.len() {
                 let wanted = task.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
+                if self.are_fixed(one, other) {
+                    continue;
+                }
                 if pieces[one].bounds.distance(&pieces[other].bounds) >= wanted {
                     continue;
                 }

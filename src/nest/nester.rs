@@ -248,7 +248,8 @@ impl<'a> Course<'a> {
         let (stop, before) = (self.stop, self.evaluations);
         let enough = |tests| stop.spent(before + tests / TESTS_PER_EVALUATION) >= limit;
         let built = builder.build(recipe, order, standing, worst_mm, enough);
-        self.evaluations += std::mem::take(&mut builder.tests) / TESTS_PER_EVALUATION;
+        self.evaluations += builder.tests / TESTS_PER_EVALUATION;
+        builder.tests %= TESTS_PER_EVALUATION;
         built
     }
 
@@ -334,8 +335,8 @@ fn standing(task: &Task, instance: &Instance, start: &[Placement]) -> Vec<Piece>
         let around = || near.around(&piece.bounds, task.reach_mm + 2.0 * CLEARANCE_SPARE_MM);
         if task.is_inside(&piece, task.room.z)
             && super::rotation_obeys(kind.rule, &piece.pose)
-            && task.zones.iter().all(|zone| task.is_clear(&piece, zone))
-            && around().into_iter().all(|other| task.is_clear(&piece, &pieces[other]))
+            && task.zones.iter().all(|zone| task.is_still_clear(&piece, zone))
+            && around().into_iter().all(|other| task.is_still_clear(&piece, &pieces[other]))
         {
             near.add(pieces.len(), &piece.bounds);
             taken.insert(copy);

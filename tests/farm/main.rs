@@ -4,6 +4,7 @@
 mod bad_input;
 mod kill;
 mod life;
+mod open;
 mod orders;
 mod support;
 mod triggers;

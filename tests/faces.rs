@@ -5,7 +5,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use nestd::{
-    ledger::{Ledger, NewPart, SolidFacts},
+    ledger::{Ledger, NewPart, SolidFacts, Tilts},
     nest::OrientationRule,
 };
 
@@ -40,7 +40,8 @@ fn farm() -> tempfile::TempDir {
             copies: 2,
             priority: 50,
             due_at: None,
-            orientation: OrientationRule::Free,
+            orientation: OrientationRule::Free.into(),
+            tilts: Tilts::default(),
             clearance_mm: None,
             unit: None,
             note: String::new(),

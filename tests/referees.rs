@@ -62,6 +62,7 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
         source_hash: "00".to_owned(),
         clearance_mm: None,
         orientation: Some("free".to_owned()),
+        tilts: None,
     };
     let mut png = Vec::new();
     let mut encoder = png::Encoder::new(&mut png, 1, 1);
@@ -76,6 +77,8 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
         seed: 1,
         volume_mm: DVec3::splat(400.0),
         keep_out: Vec::new(),
+        margins_mm: DVec3::ZERO,
+        clearance_z_extra_mm: 0.0,
         clearance_mm: 1.0,
         height_mm: 90.0,
         density: 0.1,

@@ -19,11 +19,22 @@ fn cube() -> Arc<Mesh> {
 
 /// Two cubes of 10 mm on a 50 mm volume, `gap_mm` apart, turned by `tilt` about y, with 2 mm asked.
 fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
-    build_over(dir, gap_mm, tilt, 20.0)
+    turned(dir, gap_mm, tilt, "upright", None)
 }
 
-/// The same over a box that is to be kept free up to a height.
-fn build_over(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, keep_out_top_mm: f64) -> PathBuf {
+fn turned(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Option<&str>) -> PathBuf {
+    written(dir, gap_mm, tilt, rule, tilts, (DVec3::ZERO, 0.0))
+}
+
+/// As before, with margins and a clearance along z that the file asks for.
+fn written(
+    dir: &tempfile::TempDir,
+    gap_mm: f64,
+    tilt: f64,
+    rule: &str,
+    tilts: Option<&str>,
+    (margins_mm, clearance_z_extra_mm): (DVec3, f64),
+) -> PathBuf {
     let item = |copy: u32| BuildItem {
         object: 0,
         pose: Pose::new(
@@ -35,7 +46,8 @@ fn build_over(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, keep_out_top_mm: 
         source_name: "cube.stl".to_owned(),
         source_hash: "00".to_owned(),
         clearance_mm: None,
-        orientation: Some("upright".to_owned()),
+        orientation: Some(rule.to_owned()),
+        tilts: tilts.map(str::to_owned),
     };
     let object = BuildObject {
         name: "cube".to_owned(),
@@ -50,7 +62,9 @@ fn build_over(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, keep_out_top_mm: 
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 1,
         volume_mm: DVec3::splat(50.0),
-        keep_out: vec![Bounds { min: DVec3::new(8.0, 0.0, 0.0), max: DVec3::new(20.0, 20.0, keep_out_top_mm) }],
+        keep_out: vec![Bounds { min: DVec3::new(44.0, 0.0, 0.0), max: DVec3::new(50.0, 20.0, 50.0) }],
+        margins_mm,
+        clearance_z_extra_mm,
         clearance_mm: 2.0,
         height_mm: 30.0,
         density: 0.02,
@@ -84,12 +98,10 @@ fn a_right_build_is_proved_by_what_it_says_of_itself() {
 #[test]
 fn what_stands_in_a_keep_out_box_is_named() {
     let dir = tempfile::tempdir().unwrap();
-    let (code, text) = verify(&build_over(&dir, 3.0, 0.0, 20.01), &[]);
+    let (code, text) = verify(&build(&dir, 24.5, 0.0), &[]);
     assert_eq!(code, 1, "{text}");
-    assert!(
-        text.contains("cube #1 (item 1) stands in keep-out box 1") && !text.contains("cube #2 (item 2) stands"),
-        "{text}"
-    );
+    assert!(text.contains("cube #2 (item 2) stands in keep-out box 1"), "{text}");
+    assert!(!text.contains("cube #1 (item 1) stands"), "{text}");
 }
 
 #[test]
@@ -104,6 +116,43 @@ fn each_fault_is_named_and_the_exit_code_is_one() {
     assert_eq!(json["outside"][0]["excess_mm"].as_f64().map(|e| (e * 1e6).round() / 1e6), Some(1.5));
     let (code, text) = verify(&build(&dir, 8.0, 0.2), &[]);
     assert!(code == 1 && text.contains("orientation rule"), "{text}");
+}
+
+#[test]
+fn a_direction_that_does_not_stay_up_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let outcome = |tilts| verify(&turned(&dir, 8.0, 0.2, "free", Some(tilts)), &[]);
+    // 0.2 radians are 11.46 degrees.
+    assert_eq!(outcome("0,0,1:11.46").0, 0);
+    for broken in ["0,0,1:11.45", "0,0,1:30;0,0,-1:135", "0,0,1"] {
+        let (code, text) = outcome(broken);
+        assert!(code == 1 && text.contains("cube #1 (item 1) is turned against its orientation rule"), "{text}");
+    }
+}
+
+#[test]
+fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let outcome = |margins, extra| {
+        let file = written(&dir, 3.0, 0.0, "free", None, (DVec3::from_array(margins), extra));
+        verify(&file, &[])
+    };
+    // The cubes stand 5 mm from a wall, 20 mm above the floor and 20 mm below the lid.
+    let (code, text) = outcome([5.0, 20.0, 20.0], 4.0);
+    assert!(code == 0 && text.contains("30.0000 mm") && text.contains("5 mm at the walls"), "{text}");
+    for margins in [[5.1, 0.0, 0.0], [0.0, 20.1, 0.0], [0.0, 0.0, 20.1]] {
+        let (code, text) = outcome(margins, 0.0);
+        assert!(code == 1 && text.contains("stands 0.100000 mm out of the volume"), "{text}");
+    }
+    let file = written(&dir, 0.0, 0.0, "free", None, (DVec3::ZERO, 0.0));
+    let (code, _) = verify(&file, &["--clearance", "0"]);
+    assert_eq!(code, 1, "they touch");
+    let leaning = written(&dir, 3.0, 0.2, "free", None, (DVec3::ZERO, 0.0));
+    let least = |args: &[&str]| verify(&leaning, args);
+    assert_eq!(least(&["--clearance", "2.5"]).0, 0);
+    let (code, text) = least(&["--clearance", "2.5", "--clearance-z-extra", "20"]);
+    assert!(code == 1 && text.contains("instead of 2.5 mm"), "{text}");
+    assert_eq!(least(&["--margins", "2,20"]).0, 2);
 }
 
 #[test]

@@ -108,7 +108,7 @@ enum Command {
     /// Look into the hot folders now
     Scan,
     /// Nest parts into a build file without a daemon
-    Nest(nest::Args),
+    Nest(Box<nest::Args>),
     /// Prove a build file on its triangles
     Verify(verify::Args),
 }

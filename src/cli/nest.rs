@@ -15,13 +15,16 @@ use glam::DVec3;
 
 use super::{
     Common, Exit, Usage,
-    values::{distance, volume},
+    values::{distance, margins, volume},
 };
 use crate::{
     farm::DiskCache,
     format::{Arrangement, Instances, Limits, Unit},
     geometry::Bounds,
-    nest::{self, BuildVolume, Config, Instance, Item, Method, OrientationRule, Solution},
+    nest::{
+        self, BuildVolume, Config, Instance, Item, Margins, Method, NotDown, Orientation, OrientationRule, Solution,
+        Tilt,
+    },
     settings::{self, KeepOut, parse_secs},
 };
 use progress::{Budget, Progress};
@@ -58,6 +61,12 @@ pub struct Args {
     /// Least distance between two parts, mm [default: the profile's, else 3]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance: Option<f64>,
+    /// The clearance also holds when either of two parts is raised by up to this, mm [default: the profile's, else 0]
+    #[arg(long, value_name = "MM", value_parser = distance)]
+    clearance_z_extra: Option<f64>,
+    /// Kept free, mm: all around, or along the walls, above the floor and below the lid [default: the profile's, else 0]
+    #[arg(long, value_name = "MM|WALL,FLOOR,LID", value_parser = margins)]
+    margins: Option<Margins>,
     /// Search: our own or the published one [default: the profile's, else nestd]
     #[arg(long, value_name = "METHOD", value_parser = word::<Method>)]
     method: Option<Method>,
@@ -76,6 +85,12 @@ pub struct Args {
     /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
     #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
     orientation: Option<OrientationRule>,
+    /// A direction of the parts that must stand within so many degrees of up, e.g. 0,0,1:30; may be said several times
+    #[arg(long, value_name = "X,Y,Z:DEG", allow_hyphen_values = true, value_parser = str::parse::<Tilt>)]
+    keep_up: Vec<Tilt>,
+    /// A face of the parts, by its outward normal, that must not look down; keeps so many degrees from it, else 45
+    #[arg(long, value_name = "X,Y,Z[:DEG]", allow_hyphen_values = true, value_parser = str::parse::<NotDown>)]
+    not_down: Vec<NotDown>,
     /// Folder where work on meshes is kept from one run to the next
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
@@ -95,13 +110,12 @@ struct Machine {
     name: String,
     /// The printable box, mm.
     volume_mm: DVec3,
-    /// The box that may be filled, and where its corner stands in the machine's frame.
-    room: BuildVolume,
-    origin_mm: DVec3,
     /// Boxes in which nothing may stand, in the machine's frame.
     keep_out: Vec<Bounds>,
+    margins: Margins,
     clearance_mm: f64,
-    orientation: OrientationRule,
+    clearance_z_extra_mm: f64,
+    orientation: Orientation,
     unit: Unit,
     limits: Limits,
     config: Config,
@@ -112,8 +126,19 @@ struct Machine {
 impl Machine {
     /// Boxes in which nothing may stand, as the nester sees them.
     fn keep_out_in_room(&self) -> Vec<Bounds> {
-        let moved = |zone: &Bounds| Bounds { min: zone.min - self.origin_mm, max: zone.max - self.origin_mm };
+        let origin_mm = self.origin_mm();
+        let moved = |zone: &Bounds| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
         self.keep_out.iter().map(moved).collect()
+    }
+
+    /// The box that may be filled.
+    fn room(&self) -> BuildVolume {
+        self.margins.room(self.volume_mm)
+    }
+
+    /// Where its corner stands in the machine's frame, mm.
+    fn origin_mm(&self) -> DVec3 {
+        self.margins.origin_mm()
     }
 }
 
@@ -127,16 +152,17 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         name: part.name.clone(),
         mesh: part.mesh.clone(),
         copies: part.copies,
-        orientation: machine.orientation,
+        orientation: machine.orientation.clone(),
         clearance_mm: None,
     };
-    let instance = Instance::new(machine.room, machine.clearance_mm, parts.iter().map(item).collect())
+    let instance = Instance::new(machine.room(), machine.clearance_mm, parts.iter().map(item).collect())
+        .and_then(|instance| instance.with_clearance_z_extra(machine.clearance_z_extra_mm))
         .and_then(|instance| instance.with_keep_out(&machine.keep_out_in_room()))
         .map_err(|error| Usage(error.to_string()))?;
     let cache = cache(args)?;
     let cache = cache.as_ref().map(|cache| cache as &dyn nest::Cache);
     let budget = Budget::starting_now(args.budget, args.evaluations);
-    let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm.z);
+    let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm().z);
     let solution = nest::nest_with(&instance, &machine.config, &[], cache, &budget, &mut progress);
     let course = progress.finish(machine.config.seed);
     name_unplaced(&instance, &solution);
@@ -168,45 +194,44 @@ fn name_unplaced(instance: &Instance, solution: &Solution) {
         if left_out == 0 {
             continue;
         }
-        let room = instance.volume().size_mm;
-        match nest::fits(&item.mesh, item.orientation, &instance.volume()) {
+        match nest::fits(&item.mesh, &item.orientation, &instance.volume()) {
             Ok(_) => eprintln!("nestd: {}: {left_out} of {} copies found no place", item.name, item.copies),
-            Err(misfit) => {
-                let needs = misfit.extents_mm;
-                eprintln!(
-                    "nestd: {}: needs {:.1} x {:.1} x {:.1} mm in its best allowed orientation, there are {} x {} x {} mm",
-                    item.name, needs.x, needs.y, needs.z, room.x, room.y, room.z
-                );
-            }
+            Err(misfit) => eprintln!("nestd: {}: {}", item.name, misfit.reason(&instance.volume())),
         }
     }
 }
 
 fn machine(common: &Common, args: &Args) -> Result<Machine> {
     let mut machine = match &args.profile {
-        Some(name) => from_profile(common, name)?,
-        None => without_profile(args.volume.unwrap_or(DVec3::ZERO)),
+        Some(name) => from_profile(common, args, name)?,
+        None => without_profile(args, args.volume.unwrap_or(DVec3::ZERO)),
     };
-    if let Some(size_mm) = args.volume {
-        (machine.volume_mm, machine.room, machine.origin_mm) = (size_mm, BuildVolume { size_mm }, DVec3::ZERO);
-    }
+    machine.volume_mm = args.volume.unwrap_or(machine.volume_mm);
+    machine.margins = args.margins.unwrap_or(machine.margins);
     machine.clearance_mm = args.clearance.unwrap_or(machine.clearance_mm);
-    machine.orientation = args.orientation.unwrap_or(machine.orientation);
+    machine.clearance_z_extra_mm = args.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
     machine.config.method = args.method.unwrap_or(machine.config.method);
     machine.config.threads = args.threads.unwrap_or(machine.config.threads);
     machine.config.seed = args.seed.unwrap_or(machine.config.seed);
     Ok(machine)
 }
 
-fn without_profile(size_mm: DVec3) -> Machine {
+/// The machine's rules but for what an option says.
+fn turning(args: &Args, rule: OrientationRule, keep_up: &[Tilt], not_down: &[NotDown]) -> Orientation {
+    let keep_up = if args.keep_up.is_empty() { keep_up } else { &args.keep_up };
+    let not_down = if args.not_down.is_empty() { not_down } else { &args.not_down };
+    Orientation::new(args.orientation.unwrap_or(rule), keep_up, not_down)
+}
+
+fn without_profile(args: &Args, size_mm: DVec3) -> Machine {
     Machine {
         name: "none".to_owned(),
         volume_mm: size_mm,
-        room: BuildVolume { size_mm },
-        origin_mm: DVec3::ZERO,
         keep_out: Vec::new(),
+        margins: Margins::default(),
         clearance_mm: DEFAULT_CLEARANCE_MM,
-        orientation: OrientationRule::default(),
+        clearance_z_extra_mm: 0.0,
+        orientation: turning(args, OrientationRule::default(), &[], &[]),
         unit: Unit::default(),
         limits: Limits::default(),
         config: Config::default(),
@@ -215,7 +240,7 @@ fn without_profile(size_mm: DVec3) -> Machine {
     }
 }
 
-fn from_profile(common: &Common, name: &str) -> Result<Machine> {
+fn from_profile(common: &Common, args: &Args, name: &str) -> Result<Machine> {
     let settings = settings::load(common.config.as_deref(), common.root.as_deref())
         .map_err(|error| Usage(format!("{:#}", anyhow::Error::from(error))))?;
     let known = || settings.profiles.keys().cloned().collect::<Vec<_>>().join(", ");
@@ -224,11 +249,11 @@ fn from_profile(common: &Common, name: &str) -> Result<Machine> {
     Ok(Machine {
         name: name.to_owned(),
         volume_mm: profile.volume_mm,
-        room: profile.build_volume(),
-        origin_mm: profile.origin_mm(),
         keep_out: profile.keep_out.iter().map(KeepOut::bounds).collect(),
+        margins: profile.margins(),
         clearance_mm: profile.clearance_mm,
-        orientation: profile.orientation,
+        clearance_z_extra_mm: profile.clearance_z_extra_mm,
+        orientation: turning(args, profile.orientation, &profile.keep_up, &profile.not_down),
         unit: profile.unit,
         limits: settings.limits.clone(),
         config: profile.nest.clone(),

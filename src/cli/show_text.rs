@@ -160,7 +160,7 @@ fn part(sheet: &PartSheet) -> String {
         ("copies", format!("{}, {}", row.copies, whereabouts(&sheet.placements))),
         ("priority", row.priority.to_string()),
         ("due", zoned(row.due_at)),
-        ("orientation", format!("{:?}", row.orientation).to_lowercase()),
+        ("orientation", orientation(row)),
         ("size", or_dash(size)),
         ("volume", format!("{} cm3", number(row.volume_mm3.map(|v| v / 1000.0), 2))),
         ("content", format!("{} bytes, BLAKE3 {}", row.bytes, row.content_hash)),
@@ -174,6 +174,11 @@ fn part(sheet: &PartSheet) -> String {
     );
     lines.extend(row.warnings.lines().map(|warning| ("warning", warning.to_owned())));
     format!("Part {}, {}: {}\n{}{}", row.id, full_name(row), row.state, aligned(&lines), events(&sheet.events))
+}
+
+fn orientation(row: &PartRow) -> String {
+    let tilts = row.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words()));
+    format!("{:?}", row.orientation).to_lowercase() + &tilts.collect::<String>()
 }
 
 /// '2 in build 3 (published), 1 in build 4 (nesting)'.

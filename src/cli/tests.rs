@@ -5,7 +5,10 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 use super::{Cli, Exit, command, command::Order, history, show, show::Wanted, show_text, status};
-use crate::ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, fixtures::*};
+use crate::{
+    ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Tilts, fixtures::*},
+    nest::Tilt,
+};
 
 fn words(text: &str) -> Vec<String> {
     text.split(' ').map(str::to_owned).collect()
@@ -136,6 +139,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
         order_name: "kit 7".into(),
         warnings: vec!["odd name".into()],
         clearance_mm: Some(4.5),
+        tilts: Tilts(vec![Tilt::new(glam::DVec3::new(0.0, 1.0, 1.0), 30.0).unwrap()]),
         ..new_part("fan", 3)
     };
     let id = ledger.record_claim(&claim).await.unwrap().id;
@@ -153,6 +157,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
         "Part 1, fan.stl: waiting",
         "3, 2 in build 1 (complete)",
         "10.00 x 20.00 x 30.00 mm, 12 triangles",
+        "free, (0, 0.707, 0.707) within 30 degrees of up",
         "warning     odd name",
     ] {
         assert!(text.contains(told), "'{told}' is not told in\n{text}");

@@ -2,12 +2,25 @@
 
 use glam::DVec3;
 
+use crate::nest::Margins;
+
 /// `380x284x380`.
 pub(super) fn volume(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
     let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
     size.filter(|s| s.is_finite() && s.min_element() > 0.0)
         .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
+}
+
+/// `2` (all around) or `2,5,3` (walls, floor, lid).
+pub(super) fn margins(text: &str) -> Result<Margins, String> {
+    let wrong = || "wants one distance in mm, or those to walls, floor and lid, e.g. 2,5,3".to_owned();
+    let numbers = text.split(',').map(|n| distance(n.trim())).collect::<Result<Vec<f64>, _>>().map_err(|_| wrong())?;
+    match numbers[..] {
+        [all] => Ok(Margins { wall_mm: all, floor_mm: all, lid_mm: all }),
+        [wall_mm, floor_mm, lid_mm] => Ok(Margins { wall_mm, floor_mm, lid_mm }),
+        _ => Err(wrong()),
+    }
 }
 
 /// A distance in mm.

@@ -11,11 +11,12 @@ use serde_json::{Value, json};
 
 use super::{
     Common, Exit, Usage, asked,
-    values::{distance, volume},
+    values::{distance, margins, volume},
 };
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
-    nest::{self, Body, OrientationRule, Proof},
+    geometry::{Bounds, Pose},
+    nest::{self, Body, Margins, Orientation, OrientationRule, Proof, Tilt},
 };
 
 /// Arguments of the command.
@@ -31,6 +32,12 @@ pub struct Args {
     /// Least distance between two parts, mm [default: what the file says]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance: Option<f64>,
+    /// The clearance also holds when either of two parts is raised by up to this, mm [default: what the file says, else 0]
+    #[arg(long, value_name = "MM", value_parser = distance)]
+    clearance_z_extra: Option<f64>,
+    /// Kept free, mm: all around, or at walls, floor and lid [default: what the file says, else 0]
+    #[arg(long, value_name = "MM|WALL,FLOOR,LID", value_parser = margins)]
+    margins: Option<Margins>,
     /// Parts that must be in it, each as often as asked: CSV with the columns file and copies (or quantity)
     #[arg(long, value_name = "PARTS.csv")]
     list: Option<PathBuf>,
@@ -46,7 +53,9 @@ pub struct Args {
 struct Verdict {
     info: BuildInfo,
     volume_mm: DVec3,
+    margins: Margins,
     clearance_mm: f64,
+    clearance_z_extra_mm: f64,
     bodies: Vec<Body>,
     proof: Proof,
     /// Placements turned against the rule that they were placed under.
@@ -82,6 +91,8 @@ fn verify(args: &Args) -> Result<Verdict> {
     let missing = |what: &str| Usage(format!("the file does not say its {what}: give --{what}"));
     let volume_mm = args.volume.or(info.volume_mm).ok_or_else(|| missing("volume"))?;
     let clearance_mm = args.clearance.or(info.clearance_mm).ok_or_else(|| missing("clearance"))?;
+    let clearance_z_extra_mm = args.clearance_z_extra.or(info.clearance_z_extra_mm).unwrap_or(0.0);
+    let margins = args.margins.or(info.margins_mm.map(Margins::from)).unwrap_or_default();
     let second_reader = second_opinion(&args.build, &info, &placed, &limits);
     let list_faults = match &args.list {
         Some(list) => {
@@ -96,11 +107,26 @@ fn verify(args: &Args) -> Result<Verdict> {
             clearance_mm: item.clearance_mm.unwrap_or(0.0).max(clearance_mm),
             name: named(&item),
             mesh: item.mesh,
-            pose: item.pose,
+            pose: Pose { translation: item.pose.translation - margins.origin_mm(), ..item.pose },
         })
         .collect();
-    let proof = nest::prove_with(&bodies, volume_mm, &info.keep_out);
-    Ok(Verdict { info, volume_mm, clearance_mm, bodies, proof, turned, second_reader, list_faults })
+    let origin_mm = margins.origin_mm();
+    let moved = |zone: &Bounds| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
+    let keep_out: Vec<Bounds> = info.keep_out.iter().map(moved).collect();
+    let mut proof = nest::prove_with(&bodies, margins.room(volume_mm).size_mm, clearance_z_extra_mm, &keep_out);
+    proof.height_mm += margins.floor_mm;
+    Ok(Verdict {
+        info,
+        volume_mm,
+        margins,
+        clearance_mm,
+        clearance_z_extra_mm,
+        bodies,
+        proof,
+        turned,
+        second_reader,
+        list_faults,
+    })
 }
 
 /// Only for our own files: the other reader does not know everything that other packers write.
@@ -110,9 +136,12 @@ fn second_opinion(file: &Path, info: &BuildInfo, placed: &[PlacedMesh], limits: 
 }
 
 fn obeys(item: &PlacedMesh) -> bool {
-    let Some(rule) = &item.orientation else { return true };
-    serde_json::from_value::<OrientationRule>(Value::String(rule.clone()))
-        .is_ok_and(|rule| nest::rotation_obeys(rule, &item.pose))
+    let word = item.orientation.as_deref().unwrap_or("free");
+    let rule = serde_json::from_value::<OrientationRule>(Value::String(word.to_owned()));
+    let tilts = Tilt::parse_list(item.tilts.as_deref().unwrap_or_default());
+    // A rule that is not understood is not obeyed.
+    let (Ok(rule), Ok(tilts)) = (rule, tilts) else { return false };
+    nest::rotation_obeys(&Orientation { rule, tilts }, &item.pose)
 }
 
 fn named(item: &PlacedMesh) -> String {
@@ -158,6 +187,13 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
         Some(least) => format!("least distance  {least:.6} mm, {} mm asked", verdict.clearance_mm),
         None => format!("least distance  more than twice the {} mm asked", verdict.clearance_mm),
     });
+    if verdict.margins != Margins::default() {
+        let Margins { wall_mm, floor_mm, lid_mm } = verdict.margins;
+        lines.push(format!("kept free       {wall_mm} mm at the walls, {floor_mm} at the floor, {lid_mm} at the lid"));
+    }
+    if verdict.clearance_z_extra_mm > 0.0 {
+        lines.push(format!("raised parts    keep it, too, up to {} mm", verdict.clearance_z_extra_mm));
+    }
     lines.extend(faults(verdict));
     lines
 }
@@ -185,6 +221,8 @@ fn as_json(verdict: &Verdict) -> Value {
         "volume_mm": verdict.volume_mm.to_array(),
         "height_mm": proof.height_mm,
         "clearance_mm": verdict.clearance_mm,
+        "clearance_z_extra_mm": verdict.clearance_z_extra_mm,
+        "margins_mm": verdict.margins.as_dvec3().to_array(),
         "least_distance_mm": proof.clearance_proved_mm,
         "too_close": pairs,
         "outside": outside,

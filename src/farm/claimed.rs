@@ -15,7 +15,8 @@ use super::{
 };
 use crate::{
     intake::{self, Claim, Given, Released, Source, Stored},
-    ledger::{NewPart, NewTicket, PartId, PartRow, PartState, TicketSource},
+    ledger::{NewPart, NewTicket, PartId, PartRow, PartState, TicketSource, Tilts},
+    nest::Orientation,
     settings::{Duplicates, Profile},
 };
 
@@ -274,6 +275,11 @@ fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given: Option<&Gi
         file_name: s.file_name.clone(),
         text: s.text.clone(),
     });
+    let orientation = Orientation::new(
+        ticket.orientation.unwrap_or(profile.orientation),
+        ticket.keep_up.as_deref().unwrap_or(&profile.keep_up),
+        ticket.not_down.as_deref().unwrap_or(&profile.not_down),
+    );
     NewPart {
         claim: claim.id.clone(),
         profile: profile.name.clone(),
@@ -284,7 +290,8 @@ fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given: Option<&Gi
         copies: ticket.copies.unwrap_or(1),
         priority: ticket.priority.unwrap_or(50),
         due_at,
-        orientation: ticket.orientation.unwrap_or(profile.orientation),
+        orientation: orientation.rule,
+        tilts: Tilts(orientation.tilts),
         clearance_mm: ticket.clearance_mm,
         unit: ticket.unit,
         note: ticket.note.unwrap_or_default(),

@@ -70,10 +70,12 @@ impl Batch {
             name: format!("{} (part {})", p.part.name, p.part.id.0),
             mesh: p.mesh.clone(),
             copies: p.copies.len() as u32,
-            orientation: p.part.orientation,
+            orientation: p.part.turning(),
             clearance_mm: p.part.clearance_mm,
         });
-        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())?.with_keep_out(&profile.keep_out())
+        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())?
+            .with_clearance_z_extra(profile.clearance_z_extra_mm)?
+            .with_keep_out(&profile.keep_out())
     }
 
     /// An earlier layout as placements of this batch; copies that are not in the batch are left out.

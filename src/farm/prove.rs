@@ -141,6 +141,7 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
             source_hash: part.content_hash.clone(),
             clearance_mm: part.clearance_mm,
             orientation: Some(serde_word(&part.orientation)),
+            tilts: (!part.tilts.0.is_empty()).then(|| part.tilts.to_string()),
         })
     };
     let created = order.build.nesting_at.unwrap_or(order.build.opened_at);
@@ -152,7 +153,9 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
         seed: order.seed,
         volume_mm: profile.volume_mm,
         keep_out: profile.keep_out.iter().map(KeepOut::bounds).collect(),
+        margins_mm: profile.margins().as_dvec3(),
         clearance_mm: profile.clearance_mm,
+        clearance_z_extra_mm: profile.clearance_z_extra_mm,
         height_mm: nested.layout.height_mm + profile.origin_mm().z,
         density: nested.layout.density,
         application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
@@ -190,7 +193,8 @@ fn prove_written(staged: &Path, order: &WriteOrder, batch: &Batch, placed: &[Pla
     let asked: BTreeSet<Copy> = placed.iter().map(|p| p.copy).collect();
     ensure!(seen == asked, "the written build holds other copies than were placed");
     format::cross_check(staged, &read, &order.limits).context("comparing with a second reader")?;
-    let proof = nest::prove_with(&bodies, order.profile.build_volume().size_mm, &order.profile.keep_out());
+    let (profile, room) = (&order.profile, order.profile.build_volume().size_mm);
+    let proof = nest::prove_with(&bodies, room, profile.clearance_z_extra_mm, &profile.keep_out());
     if !proof.is_proved() {
         bail!("the written build is not proved: {}", faults_of(&proof, &bodies));
     }
@@ -210,7 +214,7 @@ fn body_of(item: &PlacedMesh, order: &WriteOrder, batch: &Batch) -> Result<(Copy
     );
     let pose = Pose { rotation: item.pose.rotation, translation: item.pose.translation - order.profile.origin_mm() };
     ensure!(
-        nest::rotation_obeys(part.part.orientation, &pose),
+        nest::rotation_obeys(&part.part.turning(), &pose),
         "part {number} ({}) is turned against its orientation rule",
         part.part.name
     );

@@ -114,15 +114,24 @@ fn defects_text(defects: &Defects) -> String {
 fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> {
     let rule = part.orientation;
     let volume = profile.build_volume();
-    let misfit = nest::fits(&solid.mesh, rule, &volume).err()?;
+    let misfit = nest::fits(&solid.mesh, &part.turning(), &volume).err()?;
+    if misfit.is_forbidden {
+        return Some(format!(
+            "{}: no rotation obeys all of its orientation rules ({}{}).",
+            solid.name,
+            rule_name(rule),
+            tilts_text(part)
+        ));
+    }
     let (needs, has) = (misfit.extents_mm, volume.size_mm);
     let mut reason = format!(
-        "{}: needs {:.1} x {:.1} x {:.1} mm in its best allowed orientation ({}); the build volume of {} is {} x {} x {} mm.",
+        "{}: needs {:.1} x {:.1} x {:.1} mm in its best allowed orientation ({}{}); the build volume of {} is {} x {} x {} mm.",
         solid.name,
         needs.x,
         needs.y,
         needs.z,
         rule_name(rule),
+        tilts_text(part),
         profile.name,
         has.x,
         has.y,
@@ -145,6 +154,11 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
         }
     }
     Some(reason)
+}
+
+/// What must stand near to straight up, as it follows the rule's name.
+fn tilts_text(part: &PartRow) -> String {
+    part.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words())).collect()
 }
 
 fn rule_name(rule: OrientationRule) -> &'static str {

@@ -24,8 +24,12 @@ pub struct BuildFile {
     pub volume_mm: DVec3,
     /// Boxes of the build volume in which nothing may stand, mm.
     pub keep_out: Vec<Bounds>,
+    /// What is kept free along the walls, above the floor and below the lid, mm.
+    pub margins_mm: DVec3,
     /// Least distance between the surfaces of two placements, mm.
     pub clearance_mm: f64,
+    /// The clearance also holds when either of two placements is raised by up to this, mm.
+    pub clearance_z_extra_mm: f64,
     /// Top of the highest placement, mm.
     pub height_mm: f64,
     /// Part volume / (base area x build height).
@@ -76,6 +80,8 @@ pub struct BuildItem {
     pub clearance_mm: Option<f64>,
     /// The orientation rule that it was placed under, as settings spell it (`free`, `upright`, ...).
     pub orientation: Option<String>,
+    /// Directions that had to stand near to straight up, as a line of text (`0,0,1:30;...`).
+    pub tilts: Option<String>,
 }
 
 /// One placed copy, as a build file says it.
@@ -101,6 +107,8 @@ pub struct PlacedMesh {
     pub clearance_mm: Option<f64>,
     /// The orientation rule that it was placed under.
     pub orientation: Option<String>,
+    /// Directions that had to stand near to straight up.
+    pub tilts: Option<String>,
 }
 
 /// What a build file says about itself; `None` where another packer wrote it.
@@ -122,8 +130,12 @@ pub struct BuildInfo {
     pub volume_mm: Option<DVec3>,
     /// Boxes of the build volume in which nothing may stand, mm.
     pub keep_out: Vec<Bounds>,
+    /// What is kept free along the walls, above the floor and below the lid, mm.
+    pub margins_mm: Option<DVec3>,
     /// Least distance between the surfaces of two placements, mm.
     pub clearance_mm: Option<f64>,
+    /// The clearance also holds when either of two placements is raised by up to this, mm.
+    pub clearance_z_extra_mm: Option<f64>,
     /// Top of the highest placement, mm.
     pub height_mm: Option<f64>,
     /// Part volume / (base area x build height).

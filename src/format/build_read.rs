@@ -57,7 +57,9 @@ fn info(metadata: &Metadata) -> BuildInfo {
         seed: metadata.nestd("seed").and_then(|text| text.parse().ok()),
         volume_mm: metadata.nestd("volume_mm").and_then(|text| three_numbers(&text)),
         keep_out: metadata.nestd("keep_out_mm").map(|text| boxes(&text)).unwrap_or_default(),
+        margins_mm: metadata.nestd("margins_mm").and_then(|text| three_numbers(&text)),
         clearance_mm: number("clearance_mm"),
+        clearance_z_extra_mm: number("clearance_z_extra_mm"),
         height_mm: number("height_mm"),
         density: number("density"),
     }
@@ -155,6 +157,7 @@ impl Reader<'_> {
             source_hash: metadata.nestd("source_hash"),
             clearance_mm: metadata.nestd("clearance_mm").and_then(|text| text.parse().ok()),
             orientation: metadata.nestd("orientation"),
+            tilts: metadata.nestd("tilts"),
         });
         Ok(())
     }

@@ -35,6 +35,7 @@ fn item(object: usize, copy: u32, pose: Pose) -> BuildItem {
         source_hash: "0123".to_owned(),
         clearance_mm: (copy == 2).then_some(2.5),
         orientation: Some("upright".to_owned()),
+        tilts: Some("0,0,1:30;".repeat(40) + "1,-0.5e-3,0:90"),
     }
 }
 
@@ -51,6 +52,8 @@ pub(super) fn sample(instances: Instances, arrangement: Arrangement) -> BuildFil
         seed: 7,
         volume_mm: DVec3::new(380.0, 284.0, 380.0),
         keep_out: vec![Bounds { min: DVec3::ZERO, max: DVec3::new(40.5, 1.0 / 3.0, 10.0) }],
+        margins_mm: DVec3::ZERO,
+        clearance_z_extra_mm: 0.0,
         clearance_mm: 3.0,
         height_mm: 61.5,
         density: 0.123,
@@ -107,6 +110,7 @@ fn what_is_written_is_read_back_exactly() {
             assert_eq!((read.name.as_str(), read.copy), (object.name.as_str(), Some(item.copy)));
             assert_eq!(read.part_number.as_deref(), Some(object.part_number.as_str()));
             assert_eq!((&read.order, &read.orientation), (&item.order, &item.orientation));
+            assert_eq!(read.tilts, item.tilts);
             assert_eq!(read.source_name.as_deref(), Some("a _ b _ü_.stl"));
             assert_eq!((read.source_hash.as_deref(), read.clearance_mm), (Some("0123"), item.clearance_mm));
         }

@@ -91,7 +91,10 @@ fn package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
             build.keep_out.iter().map(|b| format!("{} {}", corner(b.min), corner(b.max))).collect();
         metadata(out, "nestd:keep_out_mm", &boxes.join("; "))?;
     }
+    let margins = build.margins_mm;
+    metadata(out, "nestd:margins_mm", &format!("{} {} {}", margins.x, margins.y, margins.z))?;
     metadata(out, "nestd:clearance_mm", &build.clearance_mm.to_string())?;
+    metadata(out, "nestd:clearance_z_extra_mm", &build.clearance_z_extra_mm.to_string())?;
     metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
     metadata(out, "nestd:density", &build.density.to_string())?;
     metadata(out, "nestd:arrangement", locked)
@@ -110,6 +113,12 @@ fn item_metadata(item: &BuildItem, out: &mut impl Write) -> io::Result<()> {
     }
     if let Some(orientation) = &item.orientation {
         metadata(out, "nestd:orientation", orientation)?;
+    }
+    if let Some(tilts) = &item.tilts {
+        // Not cut like a name: a rule that is written in part is another rule.
+        let number = |c: &char| c.is_ascii_alphanumeric() || matches!(c, ',' | ';' | ':' | '.' | '-' | '+');
+        let text: String = tilts.chars().filter(number).collect();
+        writeln!(out, r#"<metadata name="nestd:tilts">{text}</metadata>"#)?;
     }
     writeln!(out, "</metadatagroup>")
 }

@@ -48,7 +48,7 @@ impl Triangle {
     }
 
     /// Whether the foot of `point` on the plane lies in the triangle, borders included.
-    fn covers(&self, point: DVec3) -> bool {
+    pub fn covers(&self, point: DVec3) -> bool {
         let [a, b, c] = self.corners;
         let left = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(self.normal) >= 0.0;
         left(a, b) && left(b, c) && left(c, a)

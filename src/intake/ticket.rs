@@ -5,7 +5,10 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::copies::MAX_COPIES;
-use crate::{format::Unit, nest::OrientationRule};
+use crate::{
+    format::Unit,
+    nest::{MAX_TILTS, NotDown, OrientationRule, Tilt},
+};
 
 /// More than this around a part is no clearance but a slip of the unit.
 const MAX_CLEARANCE_MM: f64 = 100.0;
@@ -47,6 +50,10 @@ pub struct Ticket {
     pub priority: Option<u8>,
     /// How the part may be turned.
     pub orientation: Option<OrientationRule>,
+    /// Directions of the mesh that must stand near to straight up.
+    pub keep_up: Option<Vec<Tilt>>,
+    /// Faces, by their outward normals, that must not look down.
+    pub not_down: Option<Vec<NotDown>>,
     /// The part's own clearance, mm.
     pub clearance_mm: Option<f64>,
     /// Unit of the file.
@@ -86,6 +93,8 @@ struct Words {
     due: Option<toml::Value>,
     priority: Option<i64>,
     orientation: Option<OrientationRule>,
+    keep_up: Option<Vec<Tilt>>,
+    not_down: Option<Vec<NotDown>>,
     clearance_mm: Option<f64>,
     unit: Option<Unit>,
     note: Option<String>,
@@ -112,6 +121,8 @@ impl Ticket {
             due: self.due.or(weaker.due),
             priority: self.priority.or(weaker.priority),
             orientation: self.orientation.or(weaker.orientation),
+            keep_up: self.keep_up.or(weaker.keep_up),
+            not_down: self.not_down.or(weaker.not_down),
             clearance_mm: self.clearance_mm.or(weaker.clearance_mm),
             unit: self.unit.or(weaker.unit),
             note: self.note.or(weaker.note),
@@ -125,6 +136,8 @@ impl Ticket {
             due: words.due.map(due_of_value).transpose()?,
             priority: words.priority.map(priority).transpose()?,
             orientation: words.orientation,
+            keep_up: words.keep_up.map(|tilts| few("keep_up", tilts)).transpose()?,
+            not_down: words.not_down.map(|faces| few("not_down", faces)).transpose()?,
             clearance_mm: words.clearance_mm.map(clearance).transpose()?,
             unit: words.unit,
             note: words.note.map(|note| text("note", note)).transpose()?,
@@ -158,6 +171,13 @@ fn clearance(clearance_mm: f64) -> Result<f64, String> {
     match (0.0..=MAX_CLEARANCE_MM).contains(&clearance_mm) {
         true => Ok(clearance_mm),
         false => Err(format!("clearance_mm = {clearance_mm}; it must be 0 to {MAX_CLEARANCE_MM}")),
+    }
+}
+
+fn few<T>(word: &str, directions: Vec<T>) -> Result<Vec<T>, String> {
+    match directions.len() <= MAX_TILTS {
+        true => Ok(directions),
+        false => Err(format!("{word} names {} directions; at most {MAX_TILTS} are taken", directions.len())),
     }
 }
 
@@ -201,8 +221,10 @@ mod tests {
     #[test]
     fn every_word_of_a_ticket_is_read_in_toml_and_json() {
         let toml = "copies = 10\norder = \"A-7\"\ndue = 2026-11-25\npriority = 100\norientation = \"upright\"\n\
-                    clearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\n";
+                    keep_up = [{ direction = [0, 0, 1], within_deg = 30 }]\nnot_down = [[1, 0, 0]]\nclearance_mm = 2\nunit = \"inch\"\nnote = \"für Jörg\"\n";
         let json = r#"{"copies":10,"order":"A-7","due":"2026-11-25","priority":100,"orientation":"upright",
+                       "keep_up":[{"direction":[0,0,1],"within_deg":30}],
+                       "not_down":[{"direction":[1,0,0],"spare_deg":45}],
                        "clearance_mm":2,"unit":"in","note":"für Jörg"}"#;
         let expected = Ticket {
             copies: Some(10),
@@ -210,6 +232,8 @@ mod tests {
             due: Some(Due::Day(civil::date(2026, 11, 25))),
             priority: Some(100),
             orientation: Some(OrientationRule::Upright),
+            keep_up: Some(vec![Tilt::new(glam::DVec3::Z, 30.0).unwrap()]),
+            not_down: Some(vec![NotDown::new(glam::DVec3::X, 45.0).unwrap()]),
             clearance_mm: Some(2.0),
             unit: Some(Unit::Inch),
             note: Some("für Jörg".into()),
@@ -230,6 +254,10 @@ mod tests {
             ("priority = 101", "0 to 100"),
             ("priority = -1", "0 to 100"),
             ("orientation = \"sideways\"", "sideways"),
+            ("keep_up = [{ direction = [0, 0, 0], within_deg = 30 }]", "not all 0"),
+            ("keep_up = [{ direction = [0, 0, 1], within_deg = 200 }]", "0 to 180"),
+            ("keep_up = [[0, 0, 1]]", "keep_up"),
+            ("not_down = [0, 0, 1]", "a direction as in"),
             ("clearance_mm = nan", "clearance_mm"),
             ("clearance_mm = -1", "clearance_mm"),
             ("unit = \"parsec\"", "parsec"),

@@ -107,8 +107,8 @@ async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<Part
     let now = change.now;
     let id = sqlx::query_scalar(
         "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
-         due_at, orientation, clearance_mm, unit, note, claimed_at, state_at) \
-         VALUES (?, ?, ?, ?, ?, ?, 'claimed', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) \
+         due_at, orientation, tilts, clearance_mm, unit, note, claimed_at, state_at) \
+         VALUES (?, ?, ?, ?, ?, ?, 'claimed', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -122,6 +122,7 @@ async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<Part
     .bind(part.priority)
     .bind(part.due_at.map(Utc))
     .bind(part.orientation)
+    .bind(part.tilts.to_string())
     .bind(part.clearance_mm)
     .bind(part.unit)
     .bind(&part.note)
@@ -158,9 +159,9 @@ async fn claimed_solid(change: &mut Change, file: &PartRow, solid: &SolidFacts) 
     let now = change.now;
     let id = sqlx::query_scalar(
         "INSERT INTO part (claim, object_index, profile, name, order_name, content_hash, bytes, state, warnings, \
-         priority, due_at, orientation, clearance_mm, unit, note, claimed_at, state_at) \
+         priority, due_at, orientation, tilts, clearance_mm, unit, note, claimed_at, state_at) \
          SELECT claim, ?, profile, name, order_name, content_hash, bytes, 'claimed', '', \
-         priority, due_at, orientation, clearance_mm, unit, note, claimed_at, ? FROM part WHERE id = ? RETURNING id",
+         priority, due_at, orientation, tilts, clearance_mm, unit, note, claimed_at, ? FROM part WHERE id = ? RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)

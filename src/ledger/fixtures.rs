@@ -42,6 +42,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPart {
         priority: 50,
         due_at: None,
         orientation: OrientationRule::Free,
+        tilts: Tilts::default(),
         clearance_mm: None,
         unit: None,
         note: String::new(),

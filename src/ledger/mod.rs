@@ -36,7 +36,7 @@ pub use history::{HistoryQuery, HistoryRow};
 pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
 pub use outcome::{Outcome, OutcomeRow};
-pub use part::{NewPart, NewTicket, PartRow, Recorded, SolidFacts, TicketSource};
+pub use part::{NewPart, NewTicket, PartRow, Recorded, SolidFacts, TicketSource, Tilts};
 pub use placement::{PlacedCopy, PlacementRow};
 pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild};

@@ -5,7 +5,10 @@ use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
 use super::{BuildId, Ledger, PartId, PartState, Utc, error::Result, word::own_word};
-use crate::{format::Unit, nest::OrientationRule};
+use crate::{
+    format::Unit,
+    nest::{Orientation, OrientationRule, Tilt, TiltError, write_tilts},
+};
 
 /// A claimed file, before it is read.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +33,8 @@ pub struct NewPart {
     pub due_at: Option<Timestamp>,
     /// How it may be turned.
     pub orientation: OrientationRule,
+    /// Which ways up it may stand.
+    pub tilts: Tilts,
     /// Its own clearance, mm; `None` = the profile's.
     pub clearance_mm: Option<f64>,
     /// Unit that the ticket says; `None` = by the file or the profile.
@@ -40,6 +45,25 @@ pub struct NewPart {
     pub warnings: Vec<String>,
     /// The ticket as received.
     pub ticket: Option<NewTicket>,
+}
+
+/// Directions of a part's mesh that must stand near to straight up, all of them; in SQL a line of text.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[serde(transparent)]
+pub struct Tilts(pub Vec<Tilt>);
+
+impl TryFrom<String> for Tilts {
+    type Error = TiltError;
+
+    fn try_from(text: String) -> Result<Self, TiltError> {
+        Tilt::parse_list(&text).map(Self)
+    }
+}
+
+impl std::fmt::Display for Tilts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&write_tilts(&self.0))
+    }
 }
 
 /// A ticket as received.
@@ -131,6 +155,9 @@ pub struct PartRow {
     pub due_at: Option<Utc>,
     /// How it may be turned.
     pub orientation: OrientationRule,
+    /// Which ways up it may stand.
+    #[sqlx(try_from = "String")]
+    pub tilts: Tilts,
     /// Its own clearance, mm; `None` = the profile's.
     pub clearance_mm: Option<f64>,
     /// Unit that the ticket said.
@@ -154,6 +181,11 @@ pub struct PartRow {
 }
 
 impl PartRow {
+    /// How it may be turned, whole.
+    pub fn turning(&self) -> Orientation {
+        Orientation { rule: self.orientation, tilts: self.tilts.0.clone() }
+    }
+
     /// Bounds as dropped, mm; `None` until read.
     pub fn size_mm(&self) -> Option<[f64; 3]> {
         Some([self.size_x_mm?, self.size_y_mm?, self.size_z_mm?])

@@ -4,7 +4,7 @@ use std::{collections::BinaryHeap, sync::Arc};
 
 use glam::DVec3;
 
-use super::{Instance, OrientationRule, turns::extreme_points};
+use super::{Instance, Orientation, OrientationRule, Tilt, tilt::nearest_up, turns::extreme_points};
 use crate::geometry::{Bounds, Mesh};
 
 /// The least width is found to within this share of the part's diameter, and the bound stays below it.
@@ -19,27 +19,34 @@ const MAX_DIRECTIONS: usize = 20_000;
 pub fn lower_bound_mm(instance: &Instance) -> f64 {
     let base = instance.volume().size_mm;
     let volume_mm3: f64 = instance.items().iter().map(|i| f64::from(i.copies) * i.mesh.volume_mm3()).sum();
-    let mut known: Vec<(&Arc<Mesh>, OrientationRule)> = Vec::new();
+    let mut known: Vec<(&Arc<Mesh>, &Orientation)> = Vec::new();
     let mut bound_mm = volume_mm3 / (base.x * base.y);
     for item in instance.items().iter().filter(|i| i.copies > 0) {
-        if known.iter().any(|(mesh, rule)| Arc::ptr_eq(mesh, &item.mesh) && *rule == item.orientation) {
+        if known.iter().any(|(mesh, rule)| Arc::ptr_eq(mesh, &item.mesh) && **rule == item.orientation) {
             continue;
         }
-        known.push((&item.mesh, item.orientation));
-        bound_mm = bound_mm.max(least_height_mm(&item.mesh, item.orientation, bound_mm));
+        known.push((&item.mesh, &item.orientation));
+        bound_mm = bound_mm.max(least_height_mm(&item.mesh, &item.orientation, bound_mm));
     }
     bound_mm
 }
 
 /// The least height of a part over all rotations that its rule allows, mm, or less. A part whose own axes show that it
 /// cannot raise the bound is not looked at any closer.
-fn least_height_mm(mesh: &Arc<Mesh>, rule: OrientationRule, bound_mm: f64) -> f64 {
+fn least_height_mm(mesh: &Arc<Mesh>, orientation: &Orientation, bound_mm: f64) -> f64 {
     let size = mesh.bounds().size();
-    match rule {
+    match orientation.rule {
         OrientationRule::Upright | OrientationRule::Fixed => size.z,
-        OrientationRule::Axis => size.min_element(),
-        OrientationRule::Free if size.min_element() <= bound_mm => 0.0,
-        OrientationRule::Free => least_width_mm(&extreme_points(mesh.vertices(), EXTREMES)),
+        OrientationRule::Axis => {
+            let lets = |axis: &DVec3| orientation.tilts.iter().all(|tilt| tilt.lets(*axis, 1e-6));
+            let may_stand = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().filter(|axis| lets(axis) || lets(&-axis));
+            // Where the rules clash the part is never placed: it bounds nothing.
+            may_stand.map(|axis| size.dot(axis)).min_by(f64::total_cmp).unwrap_or(0.0)
+        }
+        OrientationRule::Free if orientation.tilts.is_empty() && size.min_element() <= bound_mm => 0.0,
+        OrientationRule::Free => {
+            least_width_mm(&extreme_points(mesh.vertices(), EXTREMES), &orientation.tilts, bound_mm)
+        }
     }
 }
 
@@ -72,8 +79,9 @@ impl Ord for Patch {
 
 /// The least distance of two parallel planes with the part between them, mm, or a little less. Branch and bound over the
 /// directions: the width is a norm of the direction, so between directions u and v it changes by no more than
-/// diameter x |u - v|. Some of the part's points are no wider than all of them: the bound stays below the truth.
-fn least_width_mm(points: &[DVec3]) -> f64 {
+/// diameter x |u - v|. Some of the part's points are no wider than all of them: the bound stays below the truth. Directions
+/// that no tilt lets stand straight up are left out; a part that cannot raise `bound_mm` is not looked at any closer.
+fn least_width_mm(points: &[DVec3], tilts: &[Tilt], bound_mm: f64) -> f64 {
     let width = |d: DVec3| {
         let (low, high) = points
             .iter()
@@ -85,11 +93,20 @@ fn least_width_mm(points: &[DVec3]) -> f64 {
     let patch = |corners: [DVec3; 3], best: &mut f64| {
         let middle = (corners[0] + corners[1] + corners[2]).normalize();
         let found = width(middle);
-        *best = best.min(found);
         let reach = corners.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
-        Patch { least_mm: found - diameter * reach, corners }
+        let lets = |spare: f64| [middle, -middle].iter().any(|&up| tilts.iter().all(|tilt| tilt.lets(up, spare)));
+        if lets(0.0) {
+            *best = best.min(found);
+        }
+        // An arc is at most pi / 2 times its chord.
+        let least_mm = if lets(1.6 * reach) { found - diameter * reach } else { f64::INFINITY };
+        Patch { least_mm, corners }
     };
-    let mut best = [DVec3::X, DVec3::Y, DVec3::Z].map(width).into_iter().fold(f64::INFINITY, f64::min);
+    let sides = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|side| [side, -side]);
+    let mut best = sides.filter_map(|side| nearest_up(tilts, side)).map(width).fold(f64::INFINITY, f64::min);
+    if best <= bound_mm || best == f64::INFINITY {
+        return 0.0;
+    }
     // Four octants: a direction and its opposite have the same width.
     let octants = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
     let mut patches: BinaryHeap<Patch> =
@@ -120,8 +137,8 @@ mod tests {
         nest::{BuildVolume, Item},
     };
 
-    fn of(mesh: Arc<Mesh>, copies: u32, orientation: OrientationRule) -> f64 {
-        let item = Item { name: "part".into(), mesh, copies, orientation, clearance_mm: None };
+    fn of(mesh: Arc<Mesh>, copies: u32, orientation: impl Into<Orientation>) -> f64 {
+        let item = Item { name: "part".into(), mesh, copies, orientation: orientation.into(), clearance_mm: None };
         let volume = BuildVolume { size_mm: DVec3::new(100.0, 50.0, 400.0) };
         lower_bound_mm(&Instance::new(volume, 1.0, vec![item]).unwrap())
     }
@@ -145,6 +162,21 @@ mod tests {
     }
 
     #[test]
+    fn tilts_raise_the_bound() {
+        let tilted =
+            |rule, direction: DVec3, within| Orientation { rule, tilts: vec![Tilt::new(direction, within).unwrap()] };
+        let brick = || block(30.0, 8.0, 20.0);
+        let upright = of(brick(), 1, tilted(OrientationRule::Free, DVec3::X, 0.0));
+        assert!((29.9..=30.0 + 1e-9).contains(&upright), "{upright}");
+        // Leaning by 30 degrees towards its 8 mm, it is 30 cos 30 + 8 sin 30 high.
+        let leaning = of(brick(), 1, tilted(OrientationRule::Free, DVec3::X, 30.0));
+        assert!((29.8..=29.99).contains(&leaning), "{leaning}");
+        assert_eq!(of(brick(), 1, tilted(OrientationRule::Axis, DVec3::new(1.0, 0.0, 1.0), 50.0)), 20.0);
+        let clash = Orientation { rule: OrientationRule::Axis, tilts: vec![Tilt::new(DVec3::ONE, 10.0).unwrap()] };
+        assert!(of(brick(), 1, clash) < 1.0);
+    }
+
+    #[test]
     fn many_copies_are_bounded_by_their_volume() {
         assert!((of(block(10.0, 10.0, 10.0), 500, OrientationRule::Free) - 100.0).abs() < 1e-9);
     }
@@ -160,6 +192,16 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn no_way_up_that_is_allowed_is_lower(within in 0.0..120.0f64, genes in [0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64]) {
+            let mesh = star(2, |d| (DVec3::new(9.0, 5.0, 3.0) * d).length());
+            let tilts = vec![Tilt::new(DVec3::new(1.0, 0.4, -0.2), within).unwrap()];
+            let orientation = Orientation { rule: OrientationRule::Free, tilts };
+            let bound = of(mesh.clone(), 1, orientation.clone());
+            let turn = orientation.turn_of_genes(genes).unwrap();
+            prop_assert!(turned(&mesh, turn).bounds().size().z >= bound - 1e-6);
+        }
 
         #[test]
         fn no_direction_is_narrower(seed in 0.0..6.0f64, a in -3.2..3.2f64, b in -3.2..3.2f64) {

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use super::{
     fit::WALL_SPARE_MM,
     outline::{Candidate, Lineup},
-    piece::{CLEARANCE_SPARE_MM, Piece},
+    piece::{CLEARANCE_SPARE_MM, Piece, lifted},
     skyline::Skyline,
     turns,
 };
@@ -45,7 +45,7 @@ impl<'a> Boxes<'a> {
     pub(crate) fn skyline(&self, standing: &[Piece]) -> Skyline {
         let mut skyline = Skyline::new(self.lineup.room, CELLS[usize::from(self.lineup.copies.len() > MANY)]);
         self.lineup.zones.iter().for_each(|zone| skyline.keep_out(&zone.bounds));
-        standing.iter().for_each(|piece| skyline.add(&piece.bounds));
+        standing.iter().for_each(|piece| skyline.add(&lifted(&piece.bounds, self.lineup.z_extra_mm)));
         skyline
     }
 
@@ -84,7 +84,7 @@ impl<'a> Boxes<'a> {
         let (_, corner, way) = best?;
         let place = corner - way.bounds.min;
         let bounds = Bounds { min: corner, max: way.bounds.max + place };
-        skyline.add(&bounds);
+        skyline.add(&lifted(&bounds, lineup.z_extra_mm));
         let turn = way.turn;
         let pose = Pose::new(turn, place - turn * candidate.outline.obb.pose.translation);
         Some(Piece { item: copy.0, copy: copy.1, turn, place, pose, bounds })
@@ -115,7 +115,8 @@ fn ways_of(candidate: &Candidate, room: DVec3) -> Vec<Way> {
 pub(crate) fn turns_of(candidate: &Candidate, room: DVec3, most: usize) -> Vec<DQuat> {
     let outline = &candidate.outline;
     let room = room - 2.0 * WALL_SPARE_MM;
-    let mut turns = turns::first_turns(candidate.rule, outline.obb.pose.rotation, &outline.extremes, room, most);
+    let mut turns =
+        turns::first_turns(&candidate.orientation, outline.obb.pose.rotation, &outline.extremes, room, most);
     if turns.is_empty() {
         turns.push(candidate.fitting);
     }

@@ -128,7 +128,7 @@ impl<'t> Descent<'t> {
         let mut effort = (EFFORT.0 + EFFORT.1 * self.failures).min(MOST_EFFORT) * self.layout.len() as u64;
         for relents in 0..=RELENTS {
             let limit = self.layout.evaluations + effort;
-            let patience = Patience { rounds: 40, repairs: 16 };
+            let patience = Patience { rounds: 40, repairs: 16, nearly: self.nearly };
             let over = |evaluations: u64| evaluations >= limit || (clock.spent)(evaluations) >= clock.until;
             match separate(&mut self.layout, patience, &mut self.rng, over) {
                 Outcome::Clear(pieces) => return Some(pieces),

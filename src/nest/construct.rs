@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::{
     boxes::{Boxes, turns_of},
     near::Near,
-    piece::{CLEARANCE_SPARE_MM, Piece, Task},
+    piece::{Piece, Task, lifted},
     recipe::Recipe,
     scan::Floors,
     skyline::Skyline,
@@ -56,7 +56,7 @@ impl<'t> Builder<'t> {
         let task = self.task;
         let mut stack = Stack {
             pieces: Vec::with_capacity(standing.len()),
-            occupancy: Occupancy::new(task.room, task.reach_mm, self.pitch),
+            occupancy: Occupancy::new(task.room, task.reach_mm, self.pitch, self.lift()),
             skyline: self.boxes.skyline(&[]),
             near: Near::new(task.room),
             floors: BTreeMap::new(),
@@ -71,9 +71,14 @@ impl<'t> Builder<'t> {
         }
         for piece in standing {
             self.fill(&mut stack.occupancy, piece);
-            stack.push(piece.clone());
+            stack.push(task, piece.clone());
         }
         stack
+    }
+
+    /// Voxels that every part is drawn higher by, so that clearances hold when it is raised.
+    fn lift(&self) -> usize {
+        (self.task.z_extra_mm / self.pitch).ceil() as usize
     }
 
     /// Places copies in the given order around what stands already; those that find no place are left out. Ends early
@@ -102,12 +107,12 @@ impl<'t> Builder<'t> {
     /// Finds a place for one more copy. Returns whether there is one.
     pub(crate) fn put(&mut self, recipe: &Recipe, copy: (usize, u32), stack: &mut Stack) -> bool {
         if let Some(piece) = self.place(recipe, copy, stack) {
-            stack.push(piece);
+            stack.push(self.task, piece);
             return true;
         }
         let Some(piece) = self.boxes.on_top(copy, &mut stack.skyline) else { return false };
         self.fill(&mut stack.occupancy, &piece);
-        stack.push(piece);
+        stack.push(self.task, piece);
         true
     }
 
@@ -119,11 +124,11 @@ impl<'t> Builder<'t> {
 
     /// The best place on the lattice that the triangles confirm.
     fn place(&mut self, recipe: &Recipe, copy: (usize, u32), stack: &mut Stack) -> Option<Piece> {
-        let (task, pitch) = (self.task, self.pitch);
+        let (task, pitch, lift) = (self.task, self.pitch, self.lift());
         let rasters = self.rasters.entry(copy.0).or_insert_with(|| {
             let turns = turns_of(task.lineup.candidate(copy.0), task.room, self.turns);
             let shape = &task.kind(copy.0).shape;
-            turns.into_iter().map(|turn| Raster::new(shape, turn, task.reach_mm, pitch, GROW)).collect()
+            turns.into_iter().map(|turn| Raster::new(shape, turn, task.reach_mm, pitch, GROW).lifted(lift)).collect()
         });
         let mut floors = stack.floors.remove(&copy.0).unwrap_or_else(|| Floors::new(&stack.occupancy, rasters));
         let mut found = None;
@@ -145,15 +150,15 @@ impl<'t> Builder<'t> {
 }
 
 impl Stack {
-    fn push(&mut self, piece: Piece) {
+    fn push(&mut self, task: &Task, piece: Piece) {
         self.near.add(self.pieces.len(), &piece.bounds);
-        self.skyline.add(&piece.bounds);
+        self.skyline.add(&lifted(&piece.bounds, task.z_extra_mm));
         self.pieces.push(piece);
     }
 
     /// Whether a piece keeps its clearance to all others. Exact.
     fn is_clear(&self, task: &Task, piece: &Piece) -> bool {
-        let near = self.near.around(&piece.bounds, task.reach_mm + 2.0 * CLEARANCE_SPARE_MM);
+        let near = self.near.around(&piece.bounds, task.near_mm());
         near.into_iter().map(|other| &self.pieces[other]).chain(&task.zones).all(|other| task.is_clear(piece, other))
     }
 

@@ -91,7 +91,7 @@ impl DistanceField {
     }
 
     /// Signed distance at a point, mm; beyond the grid at least the distance to it.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn distance(&self, point: Vec3) -> f32 {
         let (at, part, beyond) = self.cell(point);
         let [c000, c100, c010, c110, c001, c101, c011, c111] = self.corners(at);
@@ -102,7 +102,7 @@ impl DistanceField {
     }
 
     /// Signed distance, mm, and the unit direction in which it grows.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn distance_and_way(&self, point: Vec3) -> (f32, Vec3) {
         let (at, part, beyond) = self.cell(point);
         let [c000, c100, c010, c110, c001, c101, c011, c111] = self.corners(at);
@@ -117,7 +117,7 @@ impl DistanceField {
     }
 
     /// First node of the cell that holds a point, the point's place in it, and its distance to the grid.
-    #[inline]
+    #[inline(always)]
     fn cell(&self, point: Vec3) -> (usize, Vec3, f32) {
         let raw = (point - self.origin) * self.inverse_step;
         let most = Vec3::new(self.dims[0] as f32, self.dims[1] as f32, self.dims[2] as f32) - 1.001;
@@ -128,7 +128,7 @@ impl DistanceField {
         ((z * self.dims[1] + y) * self.dims[0] + x, part, beyond)
     }
 
-    #[inline]
+    #[inline(always)]
     fn corners(&self, at: usize) -> [f32; 8] {
         let (row, layer) = (self.dims[0], self.dims[0] * self.dims[1]);
         let n = &self.nodes[at..at + layer + row + 2];

@@ -24,6 +24,8 @@ const LOOKS: u64 = 1500;
 const EFFORT: Effort = Effort { asked: 2000, looked_at: 48, pushed: 3 };
 /// Parts nearer to the copy than this share of its radius make room.
 const AROUND: f64 = 0.5;
+/// Parts no deeper in each other than this over the copy's section may be clear on the triangles, mm.
+const NEARLY_MM: f32 = 0.02;
 /// What of a height counts as no gain, mm.
 const SAME_MM: f64 = 1e-6;
 
@@ -72,7 +74,8 @@ impl Course<'_> {
     fn make_room(&mut self, task: &Task, pieces: &[Piece], lid_mm: f64, rng: &mut ChaCha8Rng) -> Option<Vec<Piece>> {
         let mut layout = Layout::new(task, pieces, lid_mm);
         let (stands, promised, last) = (layout.stands.clone(), layout.fixed.clone(), pieces.len() - 1);
-        let patience = Patience { rounds: 25, repairs: 8 };
+        let radius = layout.guides[last].shape.radius_mm as f32;
+        let patience = Patience { rounds: 25, repairs: 8, nearly: NEARLY_MM * radius * radius };
         for _ in 0..PLACES {
             let before = layout.evaluations;
             layout.fixed.clone_from(&promised);

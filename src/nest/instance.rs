@@ -6,10 +6,10 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::reserved::Reserved;
+use super::{Orientation, reserved::Reserved};
 use crate::geometry::Mesh;
 
-/// How a part may be turned. A hard rule, checked again on the written file.
+/// Which rotations a part may have. A hard rule, checked again on the written file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OrientationRule {
@@ -31,6 +31,42 @@ pub struct BuildVolume {
     pub size_mm: DVec3,
 }
 
+/// What is kept free along the walls, above the floor and below the lid of a machine, mm.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Margins {
+    /// Along the four walls.
+    pub wall_mm: f64,
+    /// Above the floor.
+    pub floor_mm: f64,
+    /// Below the lid.
+    pub lid_mm: f64,
+}
+
+impl From<DVec3> for Margins {
+    /// Wall, floor and lid in this order, mm.
+    fn from(margins: DVec3) -> Self {
+        Self { wall_mm: margins.x, floor_mm: margins.y, lid_mm: margins.z }
+    }
+}
+
+impl Margins {
+    /// The box that may be filled in a printable box, mm.
+    pub fn room(&self, volume_mm: DVec3) -> BuildVolume {
+        let taken = DVec3::new(2.0 * self.wall_mm, 2.0 * self.wall_mm, self.floor_mm + self.lid_mm);
+        BuildVolume { size_mm: volume_mm - taken }
+    }
+
+    /// Wall, floor and lid in this order, mm.
+    pub fn as_dvec3(self) -> DVec3 {
+        DVec3::new(self.wall_mm, self.floor_mm, self.lid_mm)
+    }
+
+    /// Where the lower front left corner of the room stands in the machine's frame, mm.
+    pub fn origin_mm(&self) -> DVec3 {
+        DVec3::new(self.wall_mm, self.wall_mm, self.floor_mm)
+    }
+}
+
 /// A part as the nester sees it.
 #[derive(Debug, Clone)]
 pub struct Item {
@@ -41,7 +77,7 @@ pub struct Item {
     /// How many copies to place, at least 1.
     pub copies: u32,
     /// How it may be turned.
-    pub orientation: OrientationRule,
+    pub orientation: Orientation,
     /// Clearance of its own, mm; between two parts the greater clearance holds.
     pub clearance_mm: Option<f64>,
 }
@@ -68,6 +104,7 @@ pub enum InstanceError {
 pub struct Instance {
     volume: BuildVolume,
     clearance_mm: f64,
+    clearance_z_extra_mm: f64,
     items: Vec<Item>,
     reserved: Reserved,
 }
@@ -87,7 +124,7 @@ impl Instance {
         if items.iter().all(|i| i.copies == 0) {
             return Err(InstanceError::Empty);
         }
-        Ok(Self { volume, clearance_mm, items, reserved: Reserved::default() })
+        Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, items, reserved: Reserved::default() })
     }
 
     pub(super) fn reserved(&self) -> &Reserved {
@@ -98,6 +135,15 @@ impl Instance {
         &mut self.reserved
     }
 
+    /// Asks for more clearance along z: between any two parts the clearance also holds when either of them is raised by
+    /// anything from 0 to `extra_mm`.
+    pub fn with_clearance_z_extra(self, extra_mm: f64) -> Result<Self, InstanceError> {
+        if !(extra_mm.is_finite() && extra_mm >= 0.0) {
+            return Err(InstanceError::BadClearance(extra_mm));
+        }
+        Ok(Self { clearance_z_extra_mm: extra_mm, ..self })
+    }
+
     /// The box to fill.
     pub fn volume(&self) -> BuildVolume {
         self.volume
@@ -106,6 +152,11 @@ impl Instance {
     /// Least distance between the surfaces of two placements, mm.
     pub fn clearance_mm(&self) -> f64 {
         self.clearance_mm
+    }
+
+    /// By how much either of two parts may be raised without breaking their clearance, mm.
+    pub fn clearance_z_extra_mm(&self) -> f64 {
+        self.clearance_z_extra_mm
     }
 
     /// Items in order of precedence.

@@ -5,7 +5,9 @@ use glam::{DQuat, DVec3, Vec3};
 use super::{
     OrientationRule,
     fit::WALL_SPARE_MM,
-    piece::{CLEARANCE_SPARE_MM, Piece, Task, clearance_of_pair},
+    near::Near,
+    notes::Notes,
+    piece::{CLEARANCE_SPARE_MM, Piece, Task, clearance_of_pair, lifted},
     push::{Guide, Push},
     touch::{self, Touch},
 };
@@ -18,6 +20,8 @@ const OVERSHOOT_MM: f32 = 0.03;
 
 /// The same for exact contacts.
 const TOUCH_OVERSHOOT_MM: f32 = 0.004;
+/// With no more parts than this, looking at all of them is quicker than a grid.
+const FEW: usize = 100;
 /// What is aimed at beyond the clearance, mm.
 const WANTED_SPARE_MM: f32 = 2e-3;
 /// Contacts of a failing pair are collected as far as this beyond its clearance, mm.
@@ -25,19 +29,6 @@ const TOUCH_LIMIT_MM: f64 = 0.1;
 
 /// What the guides may be wrong by at most, mm: the greatest margin of a pair.
 const MARGIN_MM: f32 = 1.5;
-
-/// What is remembered of a pair beside its being there.
-#[derive(Debug, Clone)]
-struct Note {
-    other: u32,
-    weight: f32,
-    /// What the guides are wrong by where no contact can be told, mm.
-    margin: f32,
-    /// Exact contacts, from the failed confirmations.
-    touches: Vec<Touch>,
-    /// The moves of both parts at which the triangles were last found clear.
-    clear_at: Option<(u32, u32)>,
-}
 
 /// Where one part stands; the turn is kept in full digits.
 #[derive(Debug, Clone, Copy)]
@@ -54,13 +45,17 @@ pub(crate) struct Layout<'t> {
     pub(crate) stands: Vec<Stand>,
     pub(crate) guides: Vec<Guide>,
     clearances: Vec<f32>,
-    notes: Vec<Vec<Note>>,
     /// Parts that must not move: promised ones and zones, which stand after all pieces.
     pub(crate) fixed: Vec<bool>,
     /// Parts that are pieces.
     pieces: usize,
+    /// Raisings at which overlap is looked for, mm; 0 alone where clearances hold for no more than the parts as they stand.
+    lifts: Vec<f32>,
+    notes: Notes,
     /// How often each part has moved.
     moves: Vec<u32>,
+    /// Where parts stand, once there are many.
+    grid: Option<Near>,
     /// Height that must not be passed, mm.
     pub(crate) lid_mm: f64,
     /// Looks at one part among its neighbours.
@@ -72,16 +67,24 @@ impl<'t> Layout<'t> {
     pub(crate) fn new(task: &'t Task, pieces: &[Piece], lid_mm: f64) -> Self {
         let guide = |p: &Piece| Guide::new(task.kind(p.item).shape.clone(), p.turn, p.place);
         let parts = || pieces.iter().chain(&task.zones);
+        let guides: Vec<Guide> = parts().map(guide).collect();
+        let grid = (guides.len() > FEW).then(|| {
+            let mut grid = Near::new(task.room);
+            guides.iter().enumerate().for_each(|(part, guide)| grid.add(part, &guide.bounds()));
+            grid
+        });
         Self {
             task,
+            grid,
             fixed: parts().map(|p| task.is_fixed((p.item, p.copy))).collect(),
             pieces: pieces.len(),
             copies: parts().map(|p| (p.item, p.copy)).collect(),
             stands: parts().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
-            guides: parts().map(guide).collect(),
             clearances: parts().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
-            notes: vec![Vec::new(); pieces.len() + task.zones.len()],
-            moves: vec![0; pieces.len() + task.zones.len()],
+            lifts: task.lifts(),
+            notes: Notes::new(guides.len()),
+            moves: vec![0; guides.len()],
+            guides,
             lid_mm,
             evaluations: 0,
         }
@@ -101,7 +104,7 @@ impl<'t> Layout<'t> {
 
     /// The rule of a part.
     pub(crate) fn rule(&self, part: usize) -> OrientationRule {
-        self.task.kind(self.copies[part].0).rule
+        self.task.kind(self.copies[part].0).orientation.rule
     }
 
     /// Moves a part, and then inside the walls as far as it fits.
@@ -123,7 +126,11 @@ impl<'t> Layout<'t> {
         (guide.min, guide.max) = ((exact.min + shift).as_vec3(), (exact.max + shift).as_vec3());
         self.moves[part] = self.moves[part].wrapping_add(1);
         self.stands[part] = stand;
-        self.guides[part] = guide;
+        let before = std::mem::replace(&mut self.guides[part], guide);
+        if let Some(grid) = &mut self.grid {
+            grid.remove(part, &before.bounds());
+            grid.add(part, &self.guides[part].bounds());
+        }
     }
 
     /// Sets a guide to a stand, moved inside the walls; standing out at the far end where it is too long.
@@ -151,31 +158,11 @@ impl<'t> Layout<'t> {
         if excess.max_element() > 5e-4 { excess.length() * radius * radius } else { 0.0 }
     }
 
-    fn note(&self, one: usize, other: usize) -> Option<&Note> {
-        let (first, second) = (one.min(other), one.max(other) as u32);
-        let at = self.notes[first].binary_search_by_key(&second, |n| n.other).ok()?;
-        Some(&self.notes[first][at])
-    }
-
-    fn note_mut(&mut self, one: usize, other: usize) -> &mut Note {
-        let (first, second) = (one.min(other), one.max(other) as u32);
-        let notes = &mut self.notes[first];
-        let at = match notes.binary_search_by_key(&second, |n| n.other) {
-            Ok(at) => at,
-            Err(at) => {
-                let note = Note { other: second, weight: 1.0, margin: 0.0, touches: Vec::new(), clear_at: None };
-                notes.insert(at, note);
-                at
-            }
-        };
-        &mut notes[at]
-    }
-
     /// What holds between two parts.
     fn wanted(&self, one: usize, other: usize) -> Wanted<'_> {
         let (one_mm, other_mm) = (f64::from(self.clearances[one]), f64::from(self.clearances[other]));
         let clearance = clearance_of_pair(one_mm, other_mm) as f32 + WANTED_SPARE_MM;
-        match self.note(one, other) {
+        match self.notes.of(one, other) {
             Some(note) => {
                 Wanted { reach: clearance + note.margin, clearance, weight: note.weight, touches: &note.touches }
             }
@@ -186,7 +173,14 @@ impl<'t> Layout<'t> {
     /// Overlap of a part, were it at `guide`, with another one; unweighted.
     fn overlap(&self, part: usize, guide: &Guide, other: usize, wanted: &Wanted<'_>, coarse: bool) -> f32 {
         let there = &self.guides[other];
-        let energy = if coarse { guide.coarse_energy(there, wanted.reach) } else { guide.energy(there, wanted.reach) };
+        let once = |guide: &Guide| match coarse {
+            true => guide.coarse_energy(there, wanted.reach),
+            false => guide.energy(there, wanted.reach),
+        };
+        let energy = match self.lifts[..] {
+            [_] => once(guide),
+            _ => self.lifts.iter().map(|&lift| once(&guide.raised(lift))).sum(),
+        };
         if wanted.touches.is_empty() {
             return energy;
         }
@@ -194,10 +188,28 @@ impl<'t> Layout<'t> {
         energy + touch::energy(wanted.touches, first, second, wanted.clearance)
     }
 
-    /// Parts whose bounds come nearer to a guide than any pair may be.
-    fn near<'a>(&'a self, part: usize, guide: &'a Guide) -> impl Iterator<Item = usize> + 'a {
-        let reach = self.task.reach_mm as f32 + MARGIN_MM;
-        (0..self.len()).filter(move |&other| other != part && guide.is_near(&self.guides[other], reach))
+    /// How near bounds must come for a pair to be looked at.
+    fn reach(&self) -> f32 {
+        (self.task.reach_mm + self.task.z_extra_mm) as f32 + MARGIN_MM
+    }
+
+    /// Parts whose bounds come nearer to a guide than any pair may be, in rising order.
+    fn near<'a>(&'a self, part: usize, guide: &'a Guide) -> impl Iterator<Item = usize> + use<'a, 't> {
+        let reach = self.reach();
+        let around = self.grid.as_ref().map(|grid| grid.around(&guide.bounds(), f64::from(reach)));
+        let all = if around.is_some() { 0..0 } else { 0..self.len() };
+        let candidates = around.unwrap_or_default().into_iter().chain(all);
+        candidates.filter(move |&other| other != part && guide.is_near(&self.guides[other], reach))
+    }
+
+    /// Pairs whose bounds come nearer than any pair may be, each once, in rising order.
+    fn near_pairs(&self) -> Vec<(usize, usize)> {
+        let of = |one: usize| {
+            self.near(one, &self.guides[one])
+                .filter(move |&other| other > one && !self.are_fixed(one, other))
+                .map(move |o| (one, o))
+        };
+        (0..self.len()).flat_map(of).collect()
     }
 
     /// Weighted overlap of a part, were it at `guide`; stops counting above `enough`.
@@ -220,7 +232,12 @@ impl<'t> Layout<'t> {
         let mut push = Push::new(0.7 * guide.shape.radius_mm as f32);
         for other in self.near(part, guide) {
             let (wanted, there) = (self.wanted(part, other), &self.guides[other]);
-            guide.push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push);
+            match self.lifts[..] {
+                [_] => guide.push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push),
+                _ => self.lifts.iter().for_each(|&lift| {
+                    guide.raised(lift).push_from(there, wanted.reach + OVERSHOOT_MM, wanted.weight, &mut push);
+                }),
+            }
             let pair = if part < other { (guide, there) } else { (there, guide) };
             let aim = (wanted.clearance + TOUCH_OVERSHOOT_MM, wanted.weight);
             touch::push(wanted.touches, pair, part < other, aim, &mut push);
@@ -236,7 +253,10 @@ impl<'t> Layout<'t> {
         }
         let stand = self.stands[part];
         let turn = match rule {
-            OrientationRule::Free => (DQuat::from_scaled_axis(spin.as_dvec3()) * stand.turn).normalize(),
+            OrientationRule::Free => {
+                let spun = (DQuat::from_scaled_axis(spin.as_dvec3()) * stand.turn).normalize();
+                self.task.kind(self.copies[part].0).orientation.nearest(spun).unwrap_or(stand.turn)
+            }
             OrientationRule::Upright => (DQuat::from_rotation_z(f64::from(spin.z)) * stand.turn).normalize(),
             OrientationRule::Axis | OrientationRule::Fixed => stand.turn,
         };
@@ -273,34 +293,42 @@ impl<'t> Layout<'t> {
         self.fixed[one] && self.fixed[other]
     }
 
+    /// Overlap of two parts where they stand, unweighted; known as long as neither moves.
+    fn pair_energy(&mut self, one: usize, other: usize) -> f32 {
+        let now = (self.moves[one], self.moves[other]);
+        if let Some((at, energy)) = self.notes.of(one, other).and_then(|note| note.seen)
+            && at == now
+        {
+            return energy;
+        }
+        let energy = self.overlap(one, &self.guides[one], other, &self.wanted(one, other), false);
+        self.notes.of_mut(one, other).seen = Some((now, energy));
+        energy
+    }
+
     /// Overlap of every part, unweighted pairs summed; pair weights grow where there is overlap and decay elsewhere.
     pub(crate) fn weigh(&mut self, energies: &mut Vec<f32>) -> f32 {
         energies.clear();
         energies.resize(self.len(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        let reach = self.task.reach_mm as f32 + MARGIN_MM;
         for one in 0..self.len() {
             if one < self.pieces {
                 energies[one] += self.excess_energy(&self.guides[one]);
             }
-            for other in one + 1..self.len() {
-                if !self.are_fixed(one, other) && self.guides[one].is_near(&self.guides[other], reach) {
-                    let energy = self.overlap(one, &self.guides[one], other, &self.wanted(one, other), false);
-                    if energy > 0.0 {
-                        energies[one] += energy;
-                        energies[other] += energy;
-                        pairs.push((one, other, energy));
-                    }
-                }
+        }
+        for (one, other) in self.near_pairs() {
+            let energy = self.pair_energy(one, other);
+            if energy > 0.0 {
+                energies[one] += energy;
+                energies[other] += energy;
+                pairs.push((one, other, energy));
             }
         }
         self.evaluations += self.len() as u64 / 2 + 1;
         let worst = pairs.iter().fold(1e-12_f32, |most, p| most.max(p.2));
-        for notes in &mut self.notes {
-            notes.iter_mut().for_each(|n| n.weight = (n.weight * 0.95).max(1.0));
-        }
+        self.notes.decay(0.95);
         for &(one, other, energy) in pairs.iter().filter(|_| self.task.organs.weights) {
-            let note = self.note_mut(one, other);
+            let note = self.notes.of_mut(one, other);
             // Twice for the worst pair, 1.2 times for the least (the decay above taken back).
             note.weight = (note.weight / 0.95 * (1.2 + 0.8 * (energy / worst).sqrt())).min(1e5);
         }
@@ -309,10 +337,7 @@ impl<'t> Layout<'t> {
 
     /// Forgets weights, and a part of the margins.
     pub(crate) fn forget(&mut self) {
-        for notes in &mut self.notes {
-            notes.iter_mut().for_each(|n| (n.weight, n.margin) = (1.0, 0.7 * n.margin));
-            notes.retain(|n| n.margin > 0.01 || !n.touches.is_empty());
-        }
+        self.notes.forget();
     }
 
     /// The pieces, when every one is exactly inside and clear of all others; otherwise margins grow where it was not.
@@ -329,31 +354,32 @@ impl<'t> Layout<'t> {
     fn check_pairs(&mut self, pieces: &[Piece]) -> bool {
         let task = self.task;
         let mut clear = true;
-        for one in 0..pieces.len() {
-            for other in one + 1..pieces.len() {
-                let wanted = task.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
-                if self.are_fixed(one, other) {
-                    continue;
-                }
-                if pieces[one].bounds.distance(&pieces[other].bounds) >= wanted {
-                    continue;
-                }
-                let now = (self.moves[one], self.moves[other]);
-                let note = self.note_mut(one, other);
-                if note.clear_at == Some(now) {
-                    continue;
-                }
-                let gap = task.gap_mm(&pieces[one], &pieces[other]);
-                if gap >= wanted {
-                    note.clear_at = Some(now);
-                    continue;
-                }
-                clear = false;
-                if gap > 0.0 {
-                    touch::find(task, &pieces[one], &pieces[other], wanted + TOUCH_LIMIT_MM, &mut note.touches);
-                } else {
-                    note.margin = (note.margin + 0.4).min(MARGIN_MM);
-                }
+        for (one, other) in self.near_pairs() {
+            let wanted = task.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
+            let near = lifted(&pieces[one].bounds, task.z_extra_mm);
+            if near.distance(&lifted(&pieces[other].bounds, task.z_extra_mm)) >= wanted {
+                continue;
+            }
+            let now = (self.moves[one], self.moves[other]);
+            if self.notes.of(one, other).is_some_and(|note| note.clear_at == Some(now)) {
+                continue;
+            }
+            self.evaluations += 1;
+            let gap = task.gap_mm(&pieces[one], &pieces[other]);
+            let deceived = gap >= wanted && self.pair_energy(one, other) > 0.0;
+            let note = self.notes.of_mut(one, other);
+            note.seen = None;
+            if gap >= wanted {
+                note.clear_at = Some(now);
+                // The guides see an overlap that is none.
+                note.margin = if deceived { (note.margin - 0.1).max(-MARGIN_MM) } else { note.margin };
+                continue;
+            }
+            clear = false;
+            if gap > 0.0 {
+                touch::find(task, &pieces[one], &pieces[other], wanted + TOUCH_LIMIT_MM, &mut note.touches);
+            } else {
+                note.margin = (note.margin + 0.4).min(MARGIN_MM);
             }
         }
         clear

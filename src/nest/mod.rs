@@ -18,7 +18,9 @@ mod instance;
 mod layout;
 mod near;
 mod nester;
+mod notes;
 mod organs;
+mod orientation;
 mod outline;
 mod paper;
 mod piece;
@@ -36,6 +38,7 @@ mod skyline;
 mod solution;
 #[cfg(test)]
 mod testing;
+mod tilt;
 mod touch;
 mod turns;
 mod voxels;
@@ -46,13 +49,15 @@ pub use cache::Cache;
 pub use config::{Config, Method, PaperConfig};
 pub use fit::{Misfit, fits};
 pub use insert::insert;
-pub use instance::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
+pub use instance::{BuildVolume, Instance, InstanceError, Item, Margins, OrientationRule};
 pub use nester::{nest, nest_with};
 pub use organs::Organs;
-pub use proof::{Body, Pair, Proof, prove, prove_with, rotation_obeys};
+pub use orientation::Orientation;
+pub use proof::{Body, Pair, Proof, prove, prove_raised, prove_with, rotation_obeys};
 pub use report::{Course, PlacedPart, Report, UnplacedPart};
 pub use search::{Listener, Stop};
 pub use solution::{Placement, Solution};
+pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
 
 #[cfg(test)]
 mod nester_tests;

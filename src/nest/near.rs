@@ -39,6 +39,16 @@ impl Near {
         }
     }
 
+    /// Takes a piece out that was added with the same bounds.
+    pub(crate) fn remove(&mut self, number: usize, bounds: &Bounds) {
+        for cell in self.cells_of(bounds, 0.0) {
+            let list = &mut self.lists[cell];
+            if let Some(at) = list.iter().position(|&known| known == number as u32) {
+                list.swap_remove(at);
+            }
+        }
+    }
+
     /// Numbers of the pieces that may be nearer to `bounds` than `reach_mm`, each once, in rising order.
     pub(crate) fn around(&self, bounds: &Bounds, reach_mm: f64) -> Vec<usize> {
         let mut found: Vec<usize> =
@@ -64,7 +74,14 @@ mod tests {
             let mut near = Near::new(DVec3::new(100.0, 40.0, 70.0));
             let at = |c: &[f64; 3]| { let min = DVec3::from_array(*c); Bounds { min, max: min + size } };
             let bounds: Vec<Bounds> = corners.iter().map(at).collect();
-            bounds.iter().enumerate().for_each(|(number, b)| near.add(number, b));
+            for (number, here) in bounds.iter().enumerate() {
+                // Somewhere else first, as a piece that moves.
+                let before = Bounds { min: here.min * 0.7, max: here.max * 0.7 };
+                near.add(number, &before);
+                near.remove(number, &before);
+                near.add(number, here);
+            }
+            prop_assert_eq!(near.around(&Bounds { min: DVec3::splat(-9.0), max: DVec3::splat(200.0) }, 0.0).len(), bounds.len());
             for one in &bounds {
                 let found = near.around(one, reach_mm);
                 prop_assert!(found.is_sorted_by(|a, b| a < b));

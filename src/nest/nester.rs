@@ -18,7 +18,7 @@ use super::{
     near::Near,
     outline::Lineup,
     paper::nest_paper,
-    piece::{CLEARANCE_SPARE_MM, Piece, Task, height_mm, solution},
+    piece::{Piece, Task, height_mm, solution},
     recipe::Recipe,
     workshop::Workshop,
 };
@@ -358,9 +358,9 @@ fn standing(task: &Task, instance: &Instance, start: &[Placement]) -> Vec<Piece>
         }
         let kind = task.kind(placement.item);
         let piece = task.piece(copy, placement.pose.rotation, kind.shape.place(&placement.pose));
-        let around = || near.around(&piece.bounds, task.reach_mm + 2.0 * CLEARANCE_SPARE_MM);
+        let around = || near.around(&piece.bounds, task.near_mm());
         if task.is_inside(&piece, task.room.z)
-            && super::rotation_obeys(kind.rule, &piece.pose)
+            && super::rotation_obeys(&kind.orientation, &piece.pose)
             && task.zones.iter().all(|zone| task.is_still_clear(&piece, zone))
             && around().into_iter().all(|other| task.is_still_clear(&piece, &pieces[other]))
         {

@@ -142,7 +142,7 @@ fn the_judge_sees_who_stands_in_a_zone_and_who_only_touches_it() {
         clearance_mm: 0.0,
     };
     let zone = |low: f64, high: f64| Bounds { min: DVec3::splat(low), max: DVec3::splat(high) };
-    let intruding = |x: f64, zone: Bounds| prove_with(&[body(x)], DVec3::splat(50.0), &[zone]).intruding;
+    let intruding = |x: f64, zone: Bounds| prove_with(&[body(x)], DVec3::splat(50.0), 0.0, &[zone]).intruding;
     assert_eq!(intruding(20.0, zone(-1.0, 20.0)), []);
     assert_eq!(intruding(19.999, zone(-1.0, 20.0)), [(0, 0)]);
     assert_eq!(intruding(2.0, zone(4.0, 5.0)), [(0, 0)], "the zone is inside the part");

@@ -82,7 +82,7 @@ mod tests {
             name: name.to_owned(),
             mesh,
             copies,
-            orientation: OrientationRule::Free,
+            orientation: OrientationRule::Free.into(),
             clearance_mm: None,
         };
         let corner = tetrahedron([DVec3::ZERO, DVec3::X * 30.0, DVec3::Y * 26.0, DVec3::Z * 22.0]);

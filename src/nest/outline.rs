@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Instance, OrientationRule, fit, reserved::Zone, turns};
+use super::{Instance, Orientation, fit, reserved::Zone, turns};
 use crate::geometry::{Mesh, Obb};
 
 /// Directions whose farthest points decide a part's extents, all but exactly.
@@ -38,7 +38,7 @@ impl Outline {
 pub(crate) struct Candidate {
     pub(crate) mesh: Arc<Mesh>,
     pub(crate) outline: Arc<Outline>,
-    pub(crate) rule: OrientationRule,
+    pub(crate) orientation: Orientation,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
     /// A rotation in which it stands in the volume.
@@ -56,13 +56,15 @@ pub(crate) struct Lineup {
     pub(crate) reach_mm: f64,
     /// Where nothing may stand.
     pub(crate) zones: Vec<Zone>,
+    /// Clearances also hold when either part is raised by up to this, mm.
+    pub(crate) z_extra_mm: f64,
 }
 
 impl Lineup {
     /// Looks at every item; `outlines` gives the outlines of meshes, in their order.
     pub(crate) fn new(instance: &Instance, outlines: impl Fn(&[Arc<Mesh>]) -> Vec<Arc<Outline>>) -> Self {
         let own = |item: &super::Item| item.clearance_mm.unwrap_or(0.0).max(instance.clearance_mm());
-        let fitting = |item: &super::Item| fit::fits(&item.mesh, item.orientation, &instance.volume()).ok();
+        let fitting = |item: &super::Item| fit::fits(&item.mesh, &item.orientation, &instance.volume()).ok();
         let fittings: Vec<Option<DQuat>> = instance.items().iter().map(fitting).collect();
         let standing =
             || instance.items().iter().zip(&fittings).filter_map(|(item, fitting)| Some((item, (*fitting)?)));
@@ -73,7 +75,7 @@ impl Lineup {
                 fitting: (*fitting)?,
                 mesh: item.mesh.clone(),
                 outline: outlines.next()?,
-                rule: item.orientation,
+                orientation: item.orientation.clone(),
                 clearance_mm: own(item),
             })
         };
@@ -84,7 +86,8 @@ impl Lineup {
             .collect();
         let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
         let zones = instance.reserved().zones.clone();
-        Self { candidates, copies, room: instance.volume().size_mm, reach_mm, zones }
+        let z_extra_mm = instance.clearance_z_extra_mm();
+        Self { candidates, copies, room: instance.volume().size_mm, reach_mm, z_extra_mm, zones }
     }
 
     /// The item of a copy that is being nested.

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, ops::Range, sync::Arc};
 use glam::{DQuat, DVec3};
 
 use super::{
-    Instance, Organs, OrientationRule, Placement, Solution,
+    Instance, Organs, Orientation, OrientationRule, Placement, Solution,
     fit::WALL_SPARE_MM,
     outline::{Candidate, Lineup},
     reserved::Zone,
@@ -21,7 +21,7 @@ pub(crate) const CLEARANCE_SPARE_MM: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub(crate) struct Kind {
     pub(crate) shape: Arc<Shape>,
-    pub(crate) rule: OrientationRule,
+    pub(crate) orientation: Orientation,
     /// Clearance asked for it, mm; between two parts the greater holds.
     pub(crate) clearance_mm: f64,
 }
@@ -41,6 +41,8 @@ pub(crate) struct Task {
     pub(crate) zones: Vec<Piece>,
     /// Copies that never move.
     pub(crate) pins: BTreeSet<(usize, u32)>,
+    /// Clearances also hold when either part is raised by up to this, mm.
+    pub(crate) z_extra_mm: f64,
     /// Which organs of the search take part.
     pub(crate) organs: Organs,
 }
@@ -61,14 +63,16 @@ impl Task {
         let meshes: Vec<Arc<Mesh>> = items.chain(zones()).cloned().collect();
         let mut shapes = workshop.shapes(&meshes, detail).into_iter();
         let kind = |candidate: &Option<Candidate>| {
-            let Candidate { rule, clearance_mm, .. } = *candidate.as_ref()?;
-            Some(Kind { shape: shapes.next()?, rule, clearance_mm })
+            let Candidate { orientation, clearance_mm, .. } = candidate.as_ref()?;
+            Some(Kind { shape: shapes.next()?, orientation: orientation.clone(), clearance_mm: *clearance_mm })
         };
         let mut kinds: Vec<Option<Kind>> = lineup.candidates.iter().map(kind).collect();
-        let zone = |shape| Some(Kind { shape, rule: OrientationRule::Fixed, clearance_mm: ZONE_CLEARANCE });
+        let zone =
+            |shape| Some(Kind { shape, orientation: OrientationRule::Fixed.into(), clearance_mm: ZONE_CLEARANCE });
         kinds.extend(shapes.map(zone));
-        let (copies, room, reach_mm) = (lineup.copies.clone(), lineup.room, lineup.reach_mm);
-        let mut task = Self { kinds, copies, room, reach_mm, zones: Vec::new(), pins, organs, lineup };
+        let (copies, room) = (lineup.copies.clone(), lineup.room);
+        let (reach_mm, z_extra_mm) = (lineup.reach_mm, lineup.z_extra_mm);
+        let mut task = Self { kinds, copies, room, reach_mm, z_extra_mm, zones: Vec::new(), pins, organs, lineup };
         let place = |zone: &Zone| zone.bounds.center();
         let first = task.lineup.candidates.len();
         let zones = task.lineup.zones.iter().enumerate();
@@ -107,6 +111,21 @@ impl Task {
         copy.0 >= self.lineup.candidates.len() || self.pins.contains(&copy)
     }
 
+    /// Bounds further apart than this are clear, mm.
+    pub(crate) fn near_mm(&self) -> f64 {
+        self.reach_mm + self.z_extra_mm + 2.0 * CLEARANCE_SPARE_MM
+    }
+
+    /// Raisings at which guides look for overlap, mm: what may be raised by more than a clearance is looked at in between,
+    /// too.
+    pub(crate) fn lifts(&self) -> Vec<f32> {
+        if self.z_extra_mm <= 0.0 {
+            return vec![0.0];
+        }
+        let steps = (self.z_extra_mm / self.reach_mm.max(1.0)).ceil().min(4.0) as i32;
+        (-steps..=steps).map(|step| (self.z_extra_mm * f64::from(step) / f64::from(steps)) as f32).collect()
+    }
+
     /// Whether a piece stands inside the walls.
     pub(crate) fn is_inside(&self, piece: &Piece, lid_mm: f64) -> bool {
         let room = Bounds { min: DVec3::ZERO, max: self.room.with_z(lid_mm.min(self.room.z)) };
@@ -123,15 +142,21 @@ impl Task {
         self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + 0.5 * CLEARANCE_SPARE_MM
     }
 
-    /// Distance between two pieces, exact up to a little more than their clearance; negative when one is inside the other.
+    /// Distance between two pieces while either is raised as far as it may be, exact up to a little more than their clearance; negative when one is inside the other.
     pub(crate) fn gap_mm(&self, one: &Piece, other: &Piece) -> f64 {
         let cap = self.clearance_mm(one.item, other.item) + 2.0 * CLEARANCE_SPARE_MM;
-        if one.bounds.distance(&other.bounds) >= cap {
+        // Nothing is raised against a zone.
+        let zones = self.lineup.candidates.len();
+        let extra_mm = if one.item.max(other.item) >= zones { 0.0 } else { self.z_extra_mm };
+        if lifted(&one.bounds, extra_mm).distance(&lifted(&other.bounds, extra_mm)) >= cap {
             return cap;
         }
         let (tree1, tree2) = (&self.kind(one.item).shape.tree, &self.kind(other.item).shape.tree);
         let pose12 = one.pose.seen(&other.pose);
-        let gap = tree1.distance_capped_mm(tree2, &pose12, cap);
+        let gap = match extra_mm > 0.0 {
+            true => tree1.distance_sliding_mm(tree2, &pose12, one.pose.inverse().direction(DVec3::Z * extra_mm), cap),
+            false => tree1.distance_capped_mm(tree2, &pose12, cap),
+        };
         if gap > 0.0 && one.bounds.holds(&other.bounds, 0.0) && tree1.holds_part(tree2, &pose12) {
             return -1.0;
         }
@@ -162,6 +187,11 @@ pub(crate) struct Piece {
     pub(crate) pose: Pose,
     /// Exact bounds.
     pub(crate) bounds: Bounds,
+}
+
+/// Bounds with what is kept free above them.
+pub(crate) fn lifted(bounds: &Bounds, extra_mm: f64) -> Bounds {
+    Bounds { min: bounds.min, max: bounds.max + DVec3::Z * extra_mm }
 }
 
 /// Top of the highest piece, mm.

@@ -5,7 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
-use super::{OrientationRule, reserved::block, turns::axis_turns};
+use super::{Orientation, OrientationRule, Tilt, reserved::block, turns::axis_turns};
 use crate::geometry::{Bounds, ClearanceTree, Mesh, Pose};
 
 /// A clearance may be short by so much, mm.
@@ -37,7 +37,7 @@ pub struct Pair {
     pub first: usize,
     /// Index of the other body, greater than `first`.
     pub second: usize,
-    /// Distance between their surfaces, mm; 0 when they meet.
+    /// Distance between their surfaces, mm, while either is raised as far as it may be; 0 when they meet.
     pub distance_mm: f64,
     /// Distance that was asked for, mm.
     pub wanted_mm: f64,
@@ -71,11 +71,16 @@ impl Proof {
 /// Judges bodies in a box from the origin to `volume_mm`. Tolerance 1e-6 mm on clearance and on walls. A pose that is not
 /// made of finite numbers stands infinitely far outside.
 pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
-    prove_with(bodies, volume_mm, &[])
+    prove_raised(bodies, volume_mm, 0.0)
 }
 
-/// The same, with boxes in which nothing may stand. A body may reach into one by 1e-6 mm.
-pub fn prove_with(bodies: &[Body], volume_mm: DVec3, keep_out: &[Bounds]) -> Proof {
+/// As [`prove`]; between any two bodies the clearance must also hold when either is raised by anything from 0 to `extra_mm`.
+pub fn prove_raised(bodies: &[Body], volume_mm: DVec3, extra_mm: f64) -> Proof {
+    prove_with(bodies, volume_mm, extra_mm, &[])
+}
+
+/// As [`prove_raised`], with boxes in which nothing may stand. A body may reach into one by 1e-6 mm.
+pub fn prove_with(bodies: &[Body], volume_mm: DVec3, extra_mm: f64, keep_out: &[Bounds]) -> Proof {
     let trees = trees(bodies);
     // The walls are judged on every vertex, not on the tree's bounds.
     let bounds: Vec<Bounds> = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
@@ -91,8 +96,8 @@ pub fn prove_with(bodies: &[Body], volume_mm: DVec3, keep_out: &[Bounds]) -> Pro
         intruding: intruding(bodies, &trees, &bounds, keep_out),
     };
     let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
-    for (first, second) in neighbours(&bounds, cap_mm) {
-        judge(bodies, &trees, &bounds, (first, second), cap_mm, &mut proof);
+    for (first, second) in neighbours(&bounds, cap_mm + extra_mm) {
+        judge(bodies, &trees, &bounds, (first, second), (cap_mm, extra_mm), &mut proof);
     }
     proof.too_close.sort_by_key(|p| (p.first, p.second));
     proof.inside.sort_unstable();
@@ -100,13 +105,17 @@ pub fn prove_with(bodies: &[Body], volume_mm: DVec3, keep_out: &[Bounds]) -> Pro
 }
 
 /// Whether a pose turns a part only as its rule allows (within 1e-6 of a radian).
-pub fn rotation_obeys(rule: OrientationRule, pose: &Pose) -> bool {
+pub fn rotation_obeys(orientation: &Orientation, pose: &Pose) -> bool {
+    let stands = |tilt: &Tilt| {
+        let (stands, up) = (pose.direction(tilt.direction()), DVec3::Z);
+        stands.cross(up).length().atan2(stands.dot(up)) <= tilt.within_deg().to_radians() + ANGLE_TOLERANCE
+    };
     // |sin| of half the angle between two rotations is the length of their quotient's vector part.
     let is_near = |to: DQuat| {
         let apart = (to.conjugate() * pose.rotation.normalize()).xyz().length();
         2.0 * apart.min(1.0).asin() <= ANGLE_TOLERANCE
     };
-    match rule {
+    let obeys = match orientation.rule {
         OrientationRule::Free => pose.rotation.is_finite(),
         OrientationRule::Upright => {
             let up = pose.direction(DVec3::Z);
@@ -114,7 +123,8 @@ pub fn rotation_obeys(rule: OrientationRule, pose: &Pose) -> bool {
         }
         OrientationRule::Axis => axis_turns().into_iter().any(is_near),
         OrientationRule::Fixed => is_near(DQuat::IDENTITY),
-    }
+    };
+    obeys && orientation.tilts.iter().all(stands)
 }
 
 /// Bodies that stand in a zone, with the number of the zone.
@@ -178,7 +188,7 @@ fn judge(
     trees: &[Arc<ClearanceTree>],
     bounds: &[Bounds],
     (first, second): (usize, usize),
-    cap_mm: f64,
+    (cap_mm, extra_mm): (f64, f64),
     proof: &mut Proof,
 ) {
     let pose12 = bodies[first].pose.seen(&bodies[second].pose);
@@ -187,6 +197,13 @@ fn judge(
         proof.clearance_proved_mm = Some(proof.clearance_proved_mm.map_or(distance_mm, |least| least.min(distance_mm)));
     }
     let wanted_mm = bodies[first].clearance_mm.max(bodies[second].clearance_mm);
+    if extra_mm > 0.0 && distance_mm > 0.0 {
+        let slide1 = bodies[first].pose.inverse().direction(DVec3::Z * extra_mm);
+        let raised_mm = trees[first].distance_sliding_mm(&trees[second], &pose12, slide1, cap_mm);
+        if raised_mm <= 0.0 || raised_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
+            return proof.too_close.push(Pair { first, second, distance_mm: raised_mm, wanted_mm });
+        }
+    }
     if distance_mm <= 0.0 || distance_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
         proof.too_close.push(Pair { first, second, distance_mm, wanted_mm });
     }

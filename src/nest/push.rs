@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
 
 use super::{OrientationRule, body::Body, shape::Shape};
+use crate::geometry::Bounds;
 
 /// A part as the guides see it.
 #[derive(Debug, Clone)]
@@ -33,6 +34,17 @@ impl Guide {
         let (min, max) = turned.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
         self.min = self.place + min;
         self.max = self.place + max;
+    }
+
+    /// The same part higher by `lift` mm.
+    pub(crate) fn raised(&self, lift: f32) -> Self {
+        let up = Vec3::Z * lift;
+        Self { place: self.place + up, min: self.min + up, max: self.max + up, ..self.clone() }
+    }
+
+    /// Its bounds, mm.
+    pub(crate) fn bounds(&self) -> Bounds {
+        Bounds { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
     }
 
     /// Whether the bounds of two parts are nearer than `reach`.

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    OrientationRule,
+    Orientation, OrientationRule,
     layout::{Layout, Stand},
     push::Guide,
     turns,
@@ -95,21 +95,21 @@ impl DepthGrid {
 }
 
 /// How a genome stands for a rotation of a part.
-struct Turning {
-    rule: OrientationRule,
+struct Turning<'t> {
+    orientation: &'t Orientation,
     bases: Vec<DQuat>,
 }
 
-impl Turning {
-    fn new(layout: &Layout<'_>, part: usize) -> Self {
+impl<'t> Turning<'t> {
+    fn new(layout: &Layout<'t>, part: usize) -> Self {
         let kind = layout.task.kind(layout.copies[part].0);
         let room = layout.task.room.with_z(layout.lid_mm);
-        let mut bases = match kind.rule {
+        let mut bases = match kind.orientation.rule {
             OrientationRule::Fixed => vec![DQuat::IDENTITY],
-            rule => turns::first_turns(rule, kind.shape.frame, &kind.shape.extremes, room, 24),
+            _ => turns::first_turns(&kind.orientation, kind.shape.frame, &kind.shape.extremes, room, 24),
         };
         bases.push(layout.stands[part].turn);
-        Self { rule: kind.rule, bases }
+        Self { orientation: &kind.orientation, bases }
     }
 
     fn genes(&self) -> Vec<Gene> {
@@ -121,9 +121,12 @@ impl Turning {
     /// The first gene below 1 picks one of the bases; above, the other three turn freely as far as the rule allows.
     fn turn(&self, genome: &[f64]) -> DQuat {
         let base = |share: f64| self.bases[((share * self.bases.len() as f64) as usize).min(self.bases.len() - 1)];
-        match self.rule {
+        match self.orientation.rule {
             _ if genome[0] < 1.0 => base(genome[0]),
-            OrientationRule::Free => turns::turn_of_genes([genome[1], genome[2], genome[3]]),
+            OrientationRule::Free => {
+                let genes = [genome[1], genome[2], genome[3]];
+                self.orientation.turn_of_genes(genes).unwrap_or_else(|| base(genome[0] - 1.0))
+            }
             OrientationRule::Upright => DQuat::from_rotation_z(genome[2] * std::f64::consts::TAU),
             OrientationRule::Axis | OrientationRule::Fixed => base(genome[0] - 1.0),
         }
@@ -191,7 +194,7 @@ pub(crate) fn relocate(
 fn propose(
     layout: &Layout<'_>,
     grid: &DepthGrid,
-    turning: &Turning,
+    turning: &Turning<'_>,
     guide: &mut Guide,
     effort: Effort,
     rng: &mut ChaCha8Rng,

@@ -17,6 +17,8 @@ pub(crate) struct Patience {
     pub(crate) rounds: usize,
     /// Failed confirmations.
     pub(crate) repairs: usize,
+    /// Overlap below which the triangles are asked now and then, though the guides are not content yet.
+    pub(crate) nearly: f32,
 }
 
 /// How a separation ended.
@@ -29,6 +31,8 @@ pub(crate) enum Outcome {
 
 /// Share of an overlapping part's rounds in which it looks for another place.
 const RELOCATE_SHARE: f64 = 0.5;
+/// Rounds between two looks at the triangles while little overlaps.
+const LOOK_ROUNDS: usize = 6;
 /// Gauss-Newton steps per part and round.
 const STEPS: usize = 3;
 
@@ -43,8 +47,15 @@ pub(crate) fn separate(
     let mut energies = Vec::new();
     let mut total = layout.weigh(&mut energies);
     let mut least = (f32::INFINITY, Vec::new());
-    let (mut idle, mut repairs) = (0, 0);
+    let (mut idle, mut repairs, mut rounds) = (0, 0, 0);
     loop {
+        if total > 0.0 && total < patience.nearly && rounds % LOOK_ROUNDS == 0 {
+            if let Some(pieces) = layout.confirm() {
+                return Outcome::Clear(pieces);
+            }
+            total = layout.weigh(&mut energies);
+        }
+        rounds += 1;
         if total <= 0.0 {
             if let Some(pieces) = layout.confirm() {
                 return Outcome::Clear(pieces);

@@ -6,7 +6,7 @@ use glam::{DMat3, DQuat, DVec3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::OrientationRule;
+use super::{Orientation, OrientationRule};
 use crate::geometry::{Bounds, Extremes};
 
 /// The 24 rotations that map axes onto axes; the identity comes first.
@@ -26,12 +26,6 @@ fn snap(turn: DQuat) -> DQuat {
     let exact = [0.0, 0.5, 0.5_f64.sqrt(), 1.0];
     let nearest = |v: f64| exact.into_iter().find(|e| (e - v.abs()).abs() < 1e-6).unwrap_or(v.abs()).copysign(v);
     DQuat::from_array(turn.to_array().map(nearest))
-}
-
-/// A rotation drawn evenly from all rotations (Shoemake's method).
-pub(crate) fn random_turn(rng: &mut ChaCha8Rng) -> DQuat {
-    let genes: [f64; 3] = [rng.random(), rng.random(), rng.random()];
-    turn_of_genes(genes)
 }
 
 /// The rotation that three numbers in 0..1 stand for (Shoemake's method: even numbers give even rotations).
@@ -95,13 +89,13 @@ fn dominant(matrix: DMat3, start: DVec3) -> DVec3 {
 /// Rotations worth trying when a part is first placed, lowest first: axes onto axes of the mesh's frame and of its
 /// smallest box (`frame`), as far as the rule allows them and the room holds them.
 pub(crate) fn first_turns(
-    rule: OrientationRule,
+    orientation: &Orientation,
     frame: DQuat,
     points: &[DVec3],
     room: DVec3,
     most: usize,
 ) -> Vec<DQuat> {
-    let candidates: Vec<DQuat> = match rule {
+    let candidates: Vec<DQuat> = match orientation.rule {
         OrientationRule::Fixed => vec![DQuat::IDENTITY],
         OrientationRule::Axis => axis_turns().to_vec(),
         OrientationRule::Upright => upright_turns(points),
@@ -111,6 +105,7 @@ pub(crate) fn first_turns(
             if skew < 1e-3 { axis_turns().to_vec() } else { along.into_iter().chain(axis_turns()).collect() }
         }
     };
+    let candidates = if orientation.tilts.is_empty() { candidates } else { tilted(orientation, candidates, points) };
     let size = |turn: DQuat| Bounds::around(points.iter().map(|&p| turn * p)).size();
     let mut ranked: Vec<(f64, DQuat)> = (candidates.into_iter().map(|turn| (size(turn), turn)))
         .filter(|(size, _)| size.cmple(room).all())
@@ -123,6 +118,23 @@ pub(crate) fn first_turns(
     let wanted = others.min(most - lowest);
     let spread = (0..wanted).map(|at| lowest + at * others / wanted.max(1));
     (0..lowest).chain(spread).map(|at| ranked[at].1).collect()
+}
+
+/// Rotations brought to what the tilts let be, each once; where they may turn freely, also the least rectangle seen from
+/// above of the way up nearest to the mesh's own.
+fn tilted(orientation: &Orientation, candidates: Vec<DQuat>, points: &[DVec3]) -> Vec<DQuat> {
+    let mut turns: Vec<DQuat> = Vec::with_capacity(candidates.len());
+    let mut own: Vec<DQuat> = Vec::new();
+    if let (OrientationRule::Free, Some(way)) = (orientation.rule, orientation.nearest(DQuat::IDENTITY)) {
+        let stood: Vec<DVec3> = points.iter().map(|&p| way * p).collect();
+        own = upright_turns(&stood).into_iter().map(|about| (about * way).normalize()).collect();
+    }
+    for turn in candidates.into_iter().chain(own).filter_map(|turn| orientation.nearest(turn)) {
+        if turns.iter().all(|known| known.angle_between(turn) > 1e-3) {
+            turns.push(turn);
+        }
+    }
+    turns
 }
 
 /// Quarter turns about z of the mesh as it is and of its least rectangle seen from above.

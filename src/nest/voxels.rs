@@ -80,6 +80,25 @@ impl Raster {
         raster
     }
 
+    /// The same with every column drawn up by `lift` voxels.
+    pub(crate) fn lifted(mut self, lift: usize) -> Self {
+        if lift == 0 {
+            return self;
+        }
+        let columns = std::mem::take(&mut self.columns);
+        let words = std::mem::take(&mut self.words);
+        self.layers += lift;
+        for part in columns {
+            let own = &words[part.first as usize..(part.first + part.count) as usize];
+            let mut bits = vec![0_u64; self.layers.div_ceil(64) + 1];
+            for layer in (0..own.len() * 64).filter(|at| own[at / 64] >> (at % 64) & 1 == 1) {
+                set(&mut bits, part.low as usize + layer, lift);
+            }
+            self.push(part.x, part.y, &bits);
+        }
+        self
+    }
+
     fn push(&mut self, x: u32, y: u32, bits: &[u64]) {
         let Some(low) = bits.iter().position(|&w| w != 0) else { return };
         let low = low * 64 + bits[low].trailing_zeros() as usize;
@@ -97,6 +116,15 @@ impl Raster {
     }
 }
 
+/// Sets a bit and `lift` bits above it, as far as there are any.
+fn set(bits: &mut [u64], layer: usize, lift: usize) {
+    for at in layer..=layer + lift {
+        if let Some(word) = bits.get_mut(at / 64) {
+            *word |= 1 << (at % 64);
+        }
+    }
+}
+
 /// The build volume in bit columns; its lattice starts half a clearance outside the walls.
 #[derive(Debug, Clone)]
 pub(crate) struct Occupancy {
@@ -106,17 +134,19 @@ pub(crate) struct Occupancy {
     cells_y: usize,
     words: usize,
     bits: Vec<u64>,
+    /// Voxels that solids are drawn higher by.
+    lift: usize,
     /// Layers below this one hold something.
     pub(crate) top: usize,
 }
 
 impl Occupancy {
     /// An empty volume; `clearance_mm` is the greatest there is.
-    pub(crate) fn new(room: DVec3, clearance_mm: f64, pitch: f64) -> Self {
+    pub(crate) fn new(room: DVec3, clearance_mm: f64, pitch: f64, lift: usize) -> Self {
         let cells = ((room + clearance_mm) / pitch).ceil().as_ivec3() + 2;
         let words = (cells.z as usize).div_ceil(64) + 1;
         let bits = vec![0; cells.x as usize * cells.y as usize * words];
-        Self { room, pitch, cells_y: cells.y as usize, words, bits, top: 0 }
+        Self { room, pitch, cells_y: cells.y as usize, words, bits, lift, top: 0 }
     }
 
     /// Lattice positions at which a raster is inside the walls.
@@ -200,8 +230,9 @@ impl Occupancy {
                 for z in least.z..most.z.min(self.words * 64) {
                     let middle = DVec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5) * self.pitch - half_mm;
                     if f64::from(shape.field.distance((back.point(middle) - shape.center).as_vec3())) < reach_mm {
-                        self.bits[(x * self.cells_y + y) * self.words + z / 64] |= 1 << (z % 64);
-                        self.top = self.top.max(z + 1);
+                        let column = (x * self.cells_y + y) * self.words;
+                        set(&mut self.bits[column..column + self.words], z, self.lift);
+                        self.top = self.top.max(z + 1 + self.lift);
                     }
                 }
             }

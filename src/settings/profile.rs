@@ -81,6 +81,8 @@ pub struct Profile {
     pub keep_out: Vec<KeepOut>,
     /// Least distance between two parts, mm.
     pub clearance_mm: f64,
+    /// The clearance also holds when either of two parts is raised by up to this, mm.
+    pub clearance_z_extra_mm: f64,
     /// Layer thickness, mm; gives the number of layers of a build.
     pub layer_mm: f64,
     /// Hours that a machine needs per mm of build height, for due dates.
@@ -89,6 +91,10 @@ pub struct Profile {
     pub unit: Unit,
     /// Orientation rule of parts without a ticket.
     pub orientation: nest::OrientationRule,
+    /// Directions of the mesh that must stand near to straight up, of parts whose ticket names none.
+    pub keep_up: Vec<nest::Tilt>,
+    /// Faces, by their outward normals, that must not look down, of parts whose ticket names none.
+    pub not_down: Vec<nest::NotDown>,
     /// A file must stand still so long before it is taken, seconds.
     pub settle_secs: f64,
     /// A file whose end is missing (a copy that stalled, a torn upload) is taken, to be refused with a reason, after it
@@ -121,9 +127,12 @@ pub struct Profile {
 impl Profile {
     /// The box that may be filled: the printable box less the margins.
     pub fn build_volume(&self) -> nest::BuildVolume {
-        let margins =
-            DVec3::new(2.0 * self.wall_margin_mm, 2.0 * self.wall_margin_mm, self.floor_margin_mm + self.lid_margin_mm);
-        nest::BuildVolume { size_mm: self.volume_mm - margins }
+        self.margins().room(self.volume_mm)
+    }
+
+    /// What is kept free of the printable box.
+    pub fn margins(&self) -> nest::Margins {
+        nest::Margins { wall_mm: self.wall_margin_mm, floor_mm: self.floor_margin_mm, lid_mm: self.lid_margin_mm }
     }
 
     /// Boxes in which nothing may stand, in the frame of [`Profile::build_volume`], mm.
@@ -135,6 +144,6 @@ impl Profile {
 
     /// Where the lower front left corner of [`Profile::build_volume`] stands in the machine's frame, mm.
     pub fn origin_mm(&self) -> DVec3 {
-        DVec3::new(self.wall_margin_mm, self.wall_margin_mm, self.floor_margin_mm)
+        self.margins().origin_mm()
     }
 }

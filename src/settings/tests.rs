@@ -185,11 +185,26 @@ fn lines_begin(lines: &[String], beginnings: &[&str]) {
 }
 
 #[test]
+fn directions_that_are_none_are_refused_with_their_line() {
+    let machine = format!(
+        "{CUBE}keep_up = [{{ direction = [0, 0, 0], within_deg = 30 }}]\nnot_down = [[0, 0, 1], {{ direction = [1, 0, 0] }}]\n"
+    );
+    let config = Config::new("", &[("a.toml", &machine)]);
+    let problems = config.problems();
+    assert!(problems[0].starts_with("profiles/a.toml:2: keep_up: the direction is none"), "{problems:?}");
+    assert!(problems[1].starts_with("profiles/a.toml:3: not_down: a direction as in"), "{problems:?}");
+    let many = format!("{CUBE}not_down = [{}]\n", "[0, 0, 1],".repeat(17));
+    let problems = Config::new("", &[("a.toml", &many)]).problems();
+    assert_eq!(problems, ["profiles/a.toml:2: not_down names 17 directions; name 16 at most"]);
+}
+
+#[test]
 fn values_out_of_range_are_refused_each_by_itself() {
     for (text, key) in [
         ("clearance_mm = nan", "clearance_mm"),
         ("clearance_mm = inf", "clearance_mm"),
         ("layer_mm = 0", "layer_mm"),
+        ("clearance_z_extra_mm = -0.1", "clearance_z_extra_mm"),
         ("wall_margin_mm = 100", "wall margins"),
         ("floor_margin_mm = 150\nlid_margin_mm = 60", "margins of 150 and 60"),
         ("lid_margin_mm = -1", "lid_margin_mm"),

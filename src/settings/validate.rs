@@ -80,10 +80,13 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
         lid_margin_mm: inputs.lid_margin_mm,
         keep_out: inputs.keep_out,
         clearance_mm: inputs.clearance_mm,
+        clearance_z_extra_mm: inputs.clearance_z_extra_mm,
         layer_mm: inputs.layer_mm,
         print_hours_per_mm: inputs.print_hours_per_mm,
         unit: inputs.unit,
         orientation: inputs.orientation,
+        keep_up: inputs.keep_up,
+        not_down: inputs.not_down,
         settle_secs: inputs.settle_secs.0,
         unfinished_secs: inputs.unfinished_secs.0,
         duplicates: inputs.duplicates,
@@ -116,8 +119,14 @@ fn values(inputs: &ProfileInputs, judge: &mut Judge) {
     judge.within("floor_margin_mm", inputs.floor_margin_mm, 0.0..=MAX_EDGE_MM);
     judge.within("lid_margin_mm", inputs.lid_margin_mm, 0.0..=MAX_EDGE_MM);
     judge.within("clearance_mm", inputs.clearance_mm, 0.0..=100.0);
+    judge.within("clearance_z_extra_mm", inputs.clearance_z_extra_mm, 0.0..=100.0);
     judge.within("layer_mm", inputs.layer_mm, 0.001..=10.0);
     judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
+    for (key, count) in [("keep_up", inputs.keep_up.len()), ("not_down", inputs.not_down.len())] {
+        if count > nest::MAX_TILTS {
+            judge.object(key, format!("{key} names {count} directions"), format!("name {} at most", nest::MAX_TILTS));
+        }
+    }
     judge.within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
     judge.within("unfinished_secs", inputs.unfinished_secs.0, 0.0..=604_800.0);
     judge.within("final_secs", inputs.final_secs.0, 0.0..=MAX_SEARCH_SECS);

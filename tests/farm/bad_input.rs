@@ -73,11 +73,15 @@ fn a_refused_twin_can_be_taken_back_after_the_other_was_built() {
 #[test]
 fn a_ticket_says_copies_order_and_rule() {
     let farm = TestFarm::running(QUICK);
-    farm.drop_bytes("cube_x9.stl.toml", b"copies = 3\norder = \"A-17\"\npriority = 80\norientation = \"upright\"");
+    farm.drop_bytes(
+        "cube_x9.stl.toml",
+        b"copies = 3\norder = \"A-17\"\npriority = 80\norientation = \"upright\"\nnot_down = [[1, 0, 0]]",
+    );
     farm.drop_part("cube_x9.stl", &block(10.0, 10.0, 10.0));
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     assert_eq!((part.copies, part.order_name.as_str(), part.priority), (3, "A-17", 80));
     assert_eq!(part.orientation, nestd::nest::OrientationRule::Upright);
+    assert_eq!(part.tilts.to_string(), "1,0,0:135");
 }
 
 #[test]

@@ -28,7 +28,7 @@ fn a_reserved_zone_stays_free_in_the_published_file() {
     let body = |p: format::PlacedMesh| Body { name: p.name, mesh: p.mesh, pose: p.pose, clearance_mm: 2.0 };
     let bodies: Vec<Body> = placed.into_iter().map(body).collect();
     assert_eq!(bodies.len(), 7);
-    assert!(prove_with(&bodies, DVec3::splat(120.0), &[zone]).is_proved());
+    assert!(prove_with(&bodies, DVec3::splat(120.0), 0.0, &[zone]).is_proved());
     let told = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
     assert!(told.contains("proved") && told.contains("keep-out boxes  1"), "{told}");
 }

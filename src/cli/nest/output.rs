@@ -64,9 +64,9 @@ pub fn write(
     mut course: Course,
 ) -> Result<Report> {
     let mut moved = solution.clone();
-    moved.placements.iter_mut().for_each(|p| p.pose.translation += machine.origin_mm);
+    moved.placements.iter_mut().for_each(|p| p.pose.translation += machine.origin_mm());
     if !moved.placements.is_empty() {
-        moved.height_mm += machine.origin_mm.z;
+        moved.height_mm += machine.origin_mm().z;
         let build = describe(machine, parts, instance, solution, &moved);
         let draft = Draft::fill(&args.output, |file| Ok(format::write_build(&build, file)?))?;
         let proof = prove(&draft.hidden, machine, parts, &moved.placements)?;
@@ -97,7 +97,7 @@ fn describe(
 ) -> BuildFile {
     let used: BTreeSet<usize> = moved.placements.iter().map(|p| p.item).collect();
     let used: Vec<usize> = used.into_iter().collect();
-    let rule = serde_json::to_value(machine.orientation).ok().and_then(|v| v.as_str().map(str::to_owned));
+    let rule = serde_json::to_value(machine.orientation.rule).ok().and_then(|v| v.as_str().map(str::to_owned));
     let object = |&at: &usize| BuildObject {
         name: parts[at].name.clone(),
         mesh: parts[at].mesh.clone(),
@@ -113,6 +113,7 @@ fn describe(
         source_hash: parts[placement.item].source_hash.clone(),
         clearance_mm: None,
         orientation: rule.clone(),
+        tilts: (!machine.orientation.tilts.is_empty()).then(|| nest::write_tilts(&machine.orientation.tilts)),
     };
     let bodies: Vec<(&Mesh, Pose)> = moved.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
     BuildFile {
@@ -123,7 +124,9 @@ fn describe(
         seed: machine.config.seed,
         volume_mm: machine.volume_mm,
         keep_out: machine.keep_out.clone(),
+        margins_mm: machine.margins.as_dvec3(),
         clearance_mm: machine.clearance_mm,
+        clearance_z_extra_mm: machine.clearance_z_extra_mm,
         height_mm: moved.height_mm,
         density: solution.density(instance),
         application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
@@ -151,12 +154,13 @@ fn prove(written: &Path, machine: &Machine, parts: &[Part], placed: &[Placement]
         let same = item.mesh.triangles().len() == mesh.triangles().len()
             && (item.mesh.volume_mm3() - mesh.volume_mm3()).abs() <= 1e-6 * (1.0 + mesh.volume_mm3());
         ensure!(same, "{} came back from the written build with another mesh", item.name);
-        let pose = Pose { translation: item.pose.translation - machine.origin_mm, ..item.pose };
-        ensure!(nest::rotation_obeys(machine.orientation, &pose), "{} is turned against its rule", item.name);
+        let pose = Pose { translation: item.pose.translation - machine.origin_mm(), ..item.pose };
+        ensure!(nest::rotation_obeys(&machine.orientation, &pose), "{} is turned against its rule", item.name);
         bodies.push(Body { name: item.name, mesh: item.mesh, pose, clearance_mm: machine.clearance_mm });
     }
     ensure!(found == asked, "the written build lacks {} placements", asked.len() - found.len());
-    let proof = nest::prove_with(&bodies, machine.room.size_mm, &machine.keep_out_in_room());
+    let (room, extra_mm) = (machine.room().size_mm, machine.clearance_z_extra_mm);
+    let proof = nest::prove_with(&bodies, room, extra_mm, &machine.keep_out_in_room());
     if !proof.is_proved() {
         let name = |at: usize| &bodies[at].name;
         let close = proof.too_close.first().map(|p| {

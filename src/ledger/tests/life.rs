@@ -26,6 +26,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         priority: 100,
         due_at: Some(at("2026-12-01T12:00:00Z")),
         orientation: OrientationRule::Upright,
+        tilts: Tilts(vec![Tilt::new(glam::DVec3::new(1.0, 2.0, 3.0), 12.5).unwrap()]),
         clearance_mm: Some(4.5),
         unit: Some(crate::format::Unit::Inch),
         note: "handle with care".into(),
@@ -35,7 +36,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
     let row = ledger.part(id).await.unwrap().unwrap();
     assert_eq!((row.order_name.as_str(), row.priority, row.bytes), ("kit 7", 100, 684));
     assert_eq!(row.due_at.map(|t| t.0), part.due_at);
-    assert_eq!((row.orientation, row.unit), (part.orientation, part.unit));
+    assert_eq!((row.orientation, &row.tilts, row.unit), (part.orientation, &part.tilts, part.unit));
     assert_eq!((row.clearance_mm, row.note.as_str()), (Some(4.5), "handle with care"));
     assert_eq!((row.size_mm(), row.triangles), (None, None), "not read yet");
     assert_eq!(ledger.order("kit 7").await.unwrap().len(), 1);

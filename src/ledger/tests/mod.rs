@@ -8,4 +8,4 @@ mod walk;
 use jiff::Timestamp;
 
 use super::{fixtures::*, *};
-use crate::nest::OrientationRule;
+use crate::nest::{OrientationRule, Tilt};

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{shape::Shape, zones::Zones};
+use super::{keeps_apart, shape::Shape, zones::Zones};
 use crate::{
     geometry::{Bounds, Pose},
     nest::{Instance, PaperConfig, Placement, Stop},
@@ -142,7 +142,7 @@ impl<'a> Layout<'a> {
                 continue;
             }
             let is_best = search.best().is_none_or(|(_, best)| candidate.fitness < *best);
-            if is_best && self.is_nested(item, &candidate) {
+            if is_best && (self.is_nested(item, &candidate) || self.is_near_when_raised(item, &candidate)) {
                 continue;
             }
             return search.tell(candidate.fitness).then_some(candidate);
@@ -177,6 +177,9 @@ impl<'a> Layout<'a> {
     fn candidate(&self, item: usize, genome: &[f64]) -> Option<Candidate> {
         let shape = &self.shapes[item];
         let rotation = shape.rotation(&genome[POSITION..]);
+        if !shape.obeys(rotation) {
+            return None;
+        }
         let bounds = shape.surface.bounds_at(&Pose { rotation, translation: DVec3::ZERO });
         let mut free = self.instance.volume().size_mm - bounds.size();
         // A part exactly as large as the container fits, whatever rounding says.
@@ -194,7 +197,9 @@ impl<'a> Layout<'a> {
 
     /// The height at which nothing is in the way any more, mm. A hair above the clearance, so that rounding cannot spoil it.
     fn above_all_mm(&self, item: usize) -> f64 {
-        let clear = |p: &Placed| p.bounds.max.z + self.instance.clearance_between_mm(item, p.placement.item) + 1e-6;
+        let extra_mm = self.instance.clearance_z_extra_mm();
+        let clear =
+            |p: &Placed| p.bounds.max.z + self.instance.clearance_between_mm(item, p.placement.item) + extra_mm + 1e-6;
         self.placed.iter().map(clear).fold(self.zones.top_mm(), f64::max)
     }
 
@@ -236,6 +241,19 @@ impl<'a> Layout<'a> {
             let pose12 = p.placement.pose.seen(&candidate.pose);
             other.holds_part(surface, &pose12) || surface.holds_part(other, &pose12.inverse())
         })
+    }
+
+    /// Whether the candidate or a placed part could be raised against the other: boxes do not look at that.
+    fn is_near_when_raised(&self, item: usize, candidate: &Candidate) -> bool {
+        if self.instance.clearance_z_extra_mm() <= 0.0 {
+            return false;
+        }
+        let clear = |p: &Placed| {
+            let (one, two) =
+                ((item, &candidate.pose, &candidate.bounds), (p.placement.item, &p.placement.pose, &p.bounds));
+            keeps_apart(self.instance, self.shapes, one, two)
+        };
+        !self.placed.iter().all(clear)
     }
 
     fn put(&mut self, item: usize, copy: u32, candidate: &Candidate) {

@@ -9,7 +9,7 @@ use glam::{DMat3, DQuat, EulerRot};
 
 use crate::{
     geometry::{ClearanceTree, Mesh, Obb, ObbTree, Pose},
-    nest::{Instance, OrientationRule, turns::axis_turns},
+    nest::{Instance, Orientation, OrientationRule, turns::axis_turns},
     pollination::{Edge, Gene},
 };
 
@@ -23,8 +23,9 @@ pub(super) struct Shape {
     pub print_area_mm2: f64,
     /// The orientation that the search starts from: the smallest extent upright, as far as the rule allows.
     pub initial: DQuat,
-    rule: OrientationRule,
-    axis_turns: [DQuat; 24],
+    orientation: Orientation,
+    /// Those of the 24 that the tilts let be.
+    axis_turns: Vec<DQuat>,
 }
 
 /// Prepares all items of an instance; items with the same mesh share their trees.
@@ -40,9 +41,9 @@ pub(super) fn shapes(instance: &Instance, reduce_tree: bool) -> Vec<Shape> {
         let boxes = boxes.unwrap_or_else(|| Arc::new(ObbTree::new(&item.mesh, stop_height_mm)));
         let shape = Shape {
             print_area_mm2: print_area_mm2(boxes.root()),
-            initial: initial(item.orientation, &boxes, &surface),
-            rule: item.orientation,
-            axis_turns: axis_turns(),
+            initial: initial(&item.orientation, &boxes, &surface),
+            axis_turns: axis_turns().into_iter().filter(|&turn| item.orientation.lets(turn)).collect(),
+            orientation: item.orientation.clone(),
             surface,
             boxes,
         };
@@ -56,20 +57,30 @@ impl Shape {
     /// or none.
     pub fn rotation_genes(&self) -> Vec<Gene> {
         let angle = Gene { lower: -PI, upper: PI, edge: Edge::Wrap };
-        match self.rule {
+        match self.orientation.rule {
             OrientationRule::Free => vec![angle; 3],
             OrientationRule::Upright => vec![angle],
-            OrientationRule::Axis => vec![Gene { lower: 0.0, upper: 24.0, edge: Edge::Wrap }],
+            OrientationRule::Axis => {
+                vec![Gene { lower: 0.0, upper: self.axis_turns.len().max(1) as f64, edge: Edge::Wrap }]
+            }
             OrientationRule::Fixed => Vec::new(),
         }
     }
 
-    /// The rotation that genes stand for; always one that the rule allows.
+    /// Whether a rotation that genes stand for obeys the item's rules; it does unless they clash.
+    pub fn obeys(&self, turn: DQuat) -> bool {
+        self.orientation.lets(turn)
+    }
+
+    /// The rotation that genes stand for; one that the rules allow unless they clash.
     pub fn rotation(&self, genes: &[f64]) -> DQuat {
-        match (self.rule, genes) {
-            (OrientationRule::Free, &[z, y, x]) => DQuat::from_euler(EulerRot::ZYX, z, y, x) * self.initial,
+        match (self.orientation.rule, genes) {
+            (OrientationRule::Free, &[z, y, x]) => {
+                let turn = DQuat::from_euler(EulerRot::ZYX, z, y, x) * self.initial;
+                self.orientation.nearest(turn).unwrap_or(self.initial)
+            }
             (OrientationRule::Upright, &[z]) => DQuat::from_rotation_z(z) * self.initial,
-            (OrientationRule::Axis, &[number]) => self.axis_turns[(number as usize).min(23)],
+            (OrientationRule::Axis, &[number]) => self.axis_turns.get(number as usize).copied().unwrap_or(self.initial),
             _ => self.initial,
         }
     }
@@ -78,13 +89,13 @@ impl Shape {
     pub fn initial_genes(&self, quarters: u32) -> Vec<f64> {
         let turn = f64::from(quarters % 4) * FRAC_PI_2;
         let angle = if turn > PI { turn - 2.0 * PI } else { turn };
-        match self.rule {
+        match self.orientation.rule {
             OrientationRule::Free => vec![angle, 0.0, 0.0],
             OrientationRule::Upright => vec![angle],
             OrientationRule::Axis => {
                 let wanted = DQuat::from_rotation_z(turn) * self.initial;
                 let near = |i: usize| self.axis_turns[i].dot(wanted).abs();
-                let number = (0..24).max_by(|&i, &j| near(i).total_cmp(&near(j))).unwrap_or(0);
+                let number = (0..self.axis_turns.len()).max_by(|&i, &j| near(i).total_cmp(&near(j))).unwrap_or(0);
                 vec![number as f64 + 0.5]
             }
             OrientationRule::Fixed => Vec::new(),
@@ -97,18 +108,23 @@ fn print_area_mm2(obb: &Obb) -> f64 {
     size.element_product() / size.min_element()
 }
 
-fn initial(rule: OrientationRule, boxes: &ObbTree, surface: &ClearanceTree) -> DQuat {
+fn initial(orientation: &Orientation, boxes: &ObbTree, surface: &ClearanceTree) -> DQuat {
     let size_at = |rotation: DQuat| surface.bounds_at(&Pose::new(rotation, glam::DVec3::ZERO)).size();
     let by = |value: &dyn Fn(DQuat) -> f64, rotations: Vec<DQuat>| {
         rotations.into_iter().min_by(|&a, &b| value(a).total_cmp(&value(b))).unwrap_or(DQuat::IDENTITY)
     };
-    match rule {
-        OrientationRule::Free => smallest_extent_upright(boxes.root()),
+    match orientation.rule {
+        OrientationRule::Free => {
+            let lying = smallest_extent_upright(boxes.root());
+            orientation.nearest(lying).unwrap_or(lying)
+        }
         OrientationRule::Upright => {
             let turns = (0..90).map(|degrees| DQuat::from_rotation_z(f64::from(degrees).to_radians()));
             by(&|q| size_at(q).x * size_at(q).y, turns.collect())
         }
-        OrientationRule::Axis => by(&|q| size_at(q).z, axis_turns().to_vec()),
+        OrientationRule::Axis => {
+            by(&|q| size_at(q).z, axis_turns().into_iter().filter(|&turn| orientation.lets(turn)).collect())
+        }
         OrientationRule::Fixed => DQuat::IDENTITY,
     }
 }

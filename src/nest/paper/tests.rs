@@ -37,7 +37,7 @@ impl Stop for CpuSecs {
 }
 
 fn item(mesh: Arc<Mesh>, copies: u32, orientation: OrientationRule) -> Item {
-    Item { name: "part".into(), mesh, copies, orientation, clearance_mm: None }
+    Item { name: "part".into(), mesh, copies, orientation: orientation.into(), clearance_mm: None }
 }
 
 fn instance(size: [f64; 3], clearance_mm: f64, items: Vec<Item>) -> Instance {
@@ -93,7 +93,7 @@ fn every_copy_gets_a_place_that_keeps_clearance_walls_and_rules() {
     assert!(solution.height_mm > 5.0 && solution.height_mm <= 100.0);
     for placement in &solution.placements {
         let (up, east) = (placement.pose.direction(DVec3::Z), placement.pose.direction(DVec3::X));
-        match instance.items()[placement.item].orientation {
+        match instance.items()[placement.item].orientation.rule {
             OrientationRule::Free => {}
             OrientationRule::Upright => assert!(up.z > 1.0 - 1e-9),
             OrientationRule::Axis => {

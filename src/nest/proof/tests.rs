@@ -120,7 +120,7 @@ fn a_rotation_obeys_its_rule_or_not() {
     let spin = DQuat::from_rotation_z(1.234);
     let obeyed = |pose: &Pose| {
         use OrientationRule::{Axis, Fixed, Free, Upright};
-        [Free, Upright, Axis, Fixed].map(|rule| rotation_obeys(rule, pose))
+        [Free, Upright, Axis, Fixed].map(|rule| rotation_obeys(&rule.into(), pose))
     };
     assert_eq!(obeyed(&of(DQuat::IDENTITY)), [true; 4]);
     assert_eq!(obeyed(&of(-DQuat::IDENTITY)), [true; 4], "a quaternion and its opposite are one rotation");

@@ -1,0 +1,87 @@
+//! `docs/benchmark.md` and its drawings, out of the record.
+
+use std::collections::BTreeSet;
+
+use anyhow::{Context, Result};
+
+use super::{
+    book::{Book, Origin, Record},
+    cases::{COMPARED, LISTED},
+    plot, repository, tables,
+    trial::Budget,
+};
+
+const PAGE: &str = "docs/benchmark.md";
+
+const HEAD: &str = "\
+# How low, how fast
+
+Written by `cargo bench --bench heights` out of [benchmark.json](benchmark.json), where every search stands with its seed,
+its commit and its curve. Anybody can measure again:
+
+    cargo bench --bench heights                                        # everything, about 25 minutes on two cores
+    cargo bench --bench heights -- --only heights --secs 10,60,160     # a part of it, with longer searches
+    cargo bench --bench heights -- --only heights --cases engine30 --seeds 10
+    cargo bench --bench heights -- --resume                            # what is missing at this commit
+    cargo bench --bench heights -- --page                              # only this page
+
+A search is a process of its own; its time is its CPU time, so that other work on the machine counts little. Heights are mm,
+means over the seeds with the least and the greatest in brackets. Every layout is proved on its triangles after the search.
+The published method is `--method paper`; both search in one thread. No layout can be lower than the lower bound, but
+perhaps none can be as low.
+";
+
+/// Writes page and drawings.
+pub fn write(book: &Book) -> Result<()> {
+    let mut page = HEAD.to_owned();
+    let own = |r: &&Record| COMPARED.contains(&r.finding.trial.case.as_str());
+    let compared: Vec<&Record> = book.records.iter().filter(own).collect();
+    section(&mut page, "Height at the same CPU seconds", &compared, tables::heights);
+    page.push_str(&drawings(&compared)?);
+    let listed: Vec<&Record> = book.records.iter().filter(|r| r.finding.trial.case.starts_with(LISTED)).collect();
+    section(&mut page, "Other people's parts", &listed, tables::listed);
+    page.push_str(&drawings(&listed)?);
+    let all: Vec<&Record> = book.records.iter().collect();
+    section(&mut page, "What each organ is worth", &all, tables::ablation);
+    section(&mut page, "From 20 to 1,000 copies", &all, tables::scale);
+    section(&mut page, "The first layout", &all, tables::first_layouts);
+    if !book.kernel.is_empty() {
+        page.push_str(&format!("\n## Distance queries beside parry3d\n\n{}", tables::kernel(&book.kernel)));
+        page.push_str(&origins(book.kernel.iter().map(|record| &record.origin)));
+    }
+    std::fs::write(repository(PAGE), page).with_context(|| format!("writing {PAGE}"))
+}
+
+/// A table with its title and where it was measured; nothing without rows.
+fn section(page: &mut String, title: &str, records: &[&Record], table: fn(&[&Record]) -> (String, Vec<Origin>)) {
+    let (text, measured) = table(records);
+    if !measured.is_empty() {
+        page.push_str(&format!("\n## {title}\n\n{text}{}", origins(measured.iter())));
+    }
+}
+
+fn origins<'a>(measured: impl Iterator<Item = &'a Origin>) -> String {
+    let told: BTreeSet<String> = measured.map(|o| format!("{} on {}, {}", o.date, o.machine, o.commit)).collect();
+    format!("\nMeasured {}.\n", told.into_iter().collect::<Vec<_>>().join("; "))
+}
+
+/// A drawing for each workload, of its longest searches.
+fn drawings(records: &[&Record]) -> Result<String> {
+    let cases: BTreeSet<&str> = records.iter().map(|r| r.finding.trial.case.as_str()).collect();
+    let mut links = String::new();
+    for case in cases {
+        let secs = |r: &Record| match r.finding.trial.budget {
+            Budget::CpuSecs(secs) => Some(secs),
+            Budget::Evaluations(_) => None,
+        };
+        let of_case = || records.iter().filter(|r| r.finding.trial.case == case && r.finding.trial.without.is_none());
+        let Some(longest) = of_case().filter_map(|r| secs(r)).max() else { continue };
+        let drawn: Vec<&Record> = of_case().filter(|r| secs(r) == Some(longest)).copied().collect();
+        let name = case.replace('/', "-");
+        let file = format!("docs/heights-{name}.svg");
+        let drawing = plot::drawing(&format!("{name}: build height over time"), &drawn, longest as f64);
+        std::fs::write(repository(&file), drawing).with_context(|| format!("writing {file}"))?;
+        links.push_str(&format!("\n![Height over time, {name}](heights-{name}.svg)\n"));
+    }
+    Ok(links)
+}

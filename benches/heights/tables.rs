@@ -1,0 +1,268 @@
+//! The tables of the page.
+
+use std::collections::BTreeMap;
+
+use nestd::nest::{Method, Organs};
+
+use super::{
+    book::{KernelRecord, Origin, Record},
+    cases,
+    plan::{self, ABLATED, FIRST, FIRST_BUDGET},
+    repository,
+    trial::{Budget, Finding},
+};
+
+/// Values of the same search with different seeds.
+struct Sample(Vec<f64>);
+
+impl Sample {
+    fn of(findings: &[&Finding], value: impl Fn(&Finding) -> f64) -> Self {
+        Self(findings.iter().map(|f| value(f)).collect())
+    }
+
+    fn mean(&self) -> f64 {
+        self.0.iter().sum::<f64>() / self.0.len() as f64
+    }
+
+    /// `mean (least - greatest)`; only the mean where there is one value.
+    fn told(&self) -> String {
+        let (least, most) = self.0.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &v| (l.min(v), m.max(v)));
+        if self.0.len() < 2 {
+            return format!("{:.1}", self.mean());
+        }
+        format!("{:.1} ({least:.1} - {most:.1})", self.mean())
+    }
+}
+
+/// Heights of whole layouts; tells where copies found no place.
+fn height(findings: &[&Finding]) -> String {
+    let whole: Vec<&Finding> = findings.iter().copied().filter(|f| f.unplaced == 0).collect();
+    match (whole.len(), findings.len()) {
+        (_, 0) => "-".to_owned(),
+        (0, _) => "no whole layout".to_owned(),
+        (some, all) if some < all => format!("{}, {} of {all} whole", Sample::of(&whole, |f| f.height_mm).told(), some),
+        _ => Sample::of(&whole, |f| f.height_mm).told(),
+    }
+}
+
+fn first(findings: &[&Finding]) -> String {
+    let known: Vec<&Finding> = findings.iter().copied().filter(|f| f.first_secs().is_some()).collect();
+    if known.is_empty() {
+        "-".to_owned()
+    } else {
+        format!("{:.2}", Sample::of(&known, |f| f.first_secs().unwrap_or(0.0)).mean())
+    }
+}
+
+fn thousands(number: f64) -> String {
+    let digits = format!("{number:.0}");
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().map(|g| std::str::from_utf8(g).unwrap_or("")).collect();
+    groups.join(",")
+}
+
+fn machine(case: &str) -> String {
+    cases::instance(case).map_or_else(|_| "-".to_owned(), |instance| cases::machine(&instance))
+}
+
+/// What others reached on a list, out of `benches/references.toml`.
+fn others(case: &str) -> String {
+    let Some(list) = case.strip_prefix(cases::LISTED) else { return String::new() };
+    let text = std::fs::read_to_string(repository("benches/references.toml")).unwrap_or_default();
+    let known: BTreeMap<String, BTreeMap<String, f64>> = toml::from_str(&text).unwrap_or_default();
+    let told = known.get(list).into_iter().flatten().map(|(who, mm)| format!("{mm:.1} ({who})"));
+    format!(" {} |", told.collect::<Vec<_>>().join("; "))
+}
+
+/// As [`heights`], with what others reached.
+pub fn listed(records: &[&Record]) -> (String, Vec<Origin>) {
+    let (text, origins) = heights(records);
+    let head = text.replacen("| evaluations |\n|", "| evaluations | others |\n|---|", 1);
+    (head, origins)
+}
+
+/// Our own method beside the published one.
+pub fn heights(records: &[&Record]) -> (String, Vec<Origin>) {
+    let mut rows: BTreeMap<(usize, &str, Budget, usize), [Vec<&Finding>; 2]> = BTreeMap::new();
+    let mut origins = Vec::new();
+    let threads = |f: &Finding| if f.trial.method == Method::Paper { 1 } else { f.trial.threads };
+    for record in records.iter().filter(|r| r.finding.trial.without.is_none()) {
+        let (f, trial) = (&record.finding, &record.finding.trial);
+        if matches!(trial.budget, Budget::CpuSecs(_)) {
+            let known = cases::COMPARED.iter().position(|c| *c == trial.case).unwrap_or(usize::MAX);
+            let row = rows.entry((known, &trial.case, trial.budget, threads(f))).or_default();
+            row[usize::from(trial.method == Method::Paper)].push(f);
+            origins.push(record.origin.clone());
+        }
+    }
+    let mut text =
+        "| workload | copies (meshes) | base, clearance | CPU s | published method | nestd | ratio | lower bound \
+                    | first layout, s | evaluations |\n|---|---|---|---|---|---|---|---|---|---|\n"
+            .to_owned();
+    let paper: BTreeMap<(&str, Budget), Vec<&Finding>> =
+        rows.iter().filter(|(key, _)| key.3 == 1).map(|(key, row)| ((key.1, key.2), row[1].clone())).collect();
+    for ((_, case, budget, threads), [ours, _]) in &rows {
+        let Some(any) = ours.first().or(paper.get(&(case, *budget)).and_then(|p| p.first())) else { continue };
+        let (Budget::CpuSecs(secs) | Budget::Evaluations(secs)) = budget;
+        let threads = if *threads > 1 { format!(", {threads} threads") } else { String::new() };
+        let none = Vec::new();
+        let theirs = paper.get(&(case, *budget)).unwrap_or(&none);
+        let evaluations =
+            if ours.is_empty() { "-".to_owned() } else { thousands(Sample::of(ours, |f| f.evaluations as f64).mean()) };
+        text.push_str(&format!(
+            "| {case} | {} ({}) | {} | {secs}{threads} | {} | **{}** | {} | {:.1} | {} | {evaluations} |{}\n",
+            any.copies,
+            any.meshes,
+            machine(case),
+            height(theirs),
+            height(ours),
+            ratio(ours, theirs),
+            any.lower_bound_mm,
+            first(ours),
+            others(case),
+        ));
+    }
+    (text, origins)
+}
+
+/// Mean height of ours over theirs, when all layouts are whole.
+fn ratio(ours: &[&Finding], theirs: &[&Finding]) -> String {
+    let whole = |findings: &[&Finding]| !findings.is_empty() && findings.iter().all(|f| f.unplaced == 0);
+    if !whole(ours) || !whole(theirs) {
+        return "-".to_owned();
+    }
+    let mean = |findings: &[&Finding]| Sample::of(findings, |f| f.height_mm).mean();
+    format!("{:.3}", mean(ours) / mean(theirs))
+}
+
+/// Each organ taken out.
+pub fn ablation(records: &[&Record]) -> (String, Vec<Origin>) {
+    let counts = records.iter().filter(|r| r.finding.trial.without.is_some());
+    let Some(budget) = counts.map(|r| r.finding.trial.budget).max() else { return Default::default() };
+    let (Budget::CpuSecs(evaluations) | Budget::Evaluations(evaluations)) = budget;
+    let mut origins = Vec::new();
+    let mut mean = |case: &str, organ: Option<&str>| {
+        let of = records.iter().filter(|r| {
+            let trial = &r.finding.trial;
+            trial.case == case
+                && trial.without.as_deref() == organ
+                && trial.budget == budget
+                && trial.method == Method::Nestd
+        });
+        let found: Vec<&Record> = of.copied().collect();
+        origins.extend(found.iter().map(|r| r.origin.clone()));
+        let findings: Vec<&Finding> = found.iter().map(|r| &r.finding).collect();
+        let mean = |value: fn(&Finding) -> f64| Sample::of(&findings, value).mean();
+        (!findings.is_empty()).then(|| (mean(|f| f.height_mm), mean(|f| f.cpu_secs)))
+    };
+    let mut text = format!(
+        "Mean height at {} evaluations, and the change against the whole search; CPU seconds in brackets. Changes below 3 %\n\
+         may be chance.\n\n| without | {} | mean |\n|---|{}---|\n",
+        thousands(evaluations as f64),
+        ABLATED.join(" | "),
+        "---|".repeat(ABLATED.len())
+    );
+    let organs = Organs::each_taken_out().map(|(organ, _)| Some(organ));
+    for organ in [None].into_iter().chain(organs) {
+        let mut cells = String::new();
+        let mut changes = Vec::new();
+        for case in ABLATED {
+            let (Some((mm, secs)), Some((whole_mm, _))) = (mean(case, organ), mean(case, None)) else {
+                cells.push_str(" - |");
+                continue;
+            };
+            let change = 100.0 * (mm / whole_mm - 1.0);
+            changes.push(change);
+            let told = if organ.is_some() { format!(" {change:+.1} %") } else { String::new() };
+            cells.push_str(&format!(" {mm:.1}{told} ({secs:.1}) |"));
+        }
+        let mean = if changes.is_empty() { String::new() } else { format!("{:+.1} %", Sample(changes).mean()) };
+        text.push_str(&format!("| {} |{cells} {mean} |\n", organ.unwrap_or("nothing")));
+    }
+    (text, origins)
+}
+
+/// Growing piles on one machine.
+pub fn scale(records: &[&Record]) -> (String, Vec<Origin>) {
+    let mut text = format!(
+        "Small parts of the project's own on a base of {}, {} evaluations per copy.\n\n| copies (meshes) | triangles \
+         | first layout, s | s per copy | first height | height | lower bound | CPU s | CPU s per copy | evaluations per s \
+         | memory, MB |\n|---|---|---|---|---|---|---|---|---|---|---|\n",
+        machine("scale-20"),
+        plan::SCALE_EVALUATIONS
+    );
+    let mut origins = Vec::new();
+    for copies in cases::SCALE {
+        let of = |r: &&&Record| {
+            let trial = &r.finding.trial;
+            trial.case == format!("scale-{copies}") && trial.budget == plan::scale_budget(copies)
+        };
+        let Some(record) = records.iter().find(of) else { continue };
+        let f = &record.finding;
+        let (first_secs, first_mm) = f.curve.first().map_or((f64::NAN, f64::NAN), |step| (step.0, step.2));
+        let per_copy = |secs: f64| secs / f.copies as f64;
+        text.push_str(&format!(
+            "| {} ({}) | {} | {first_secs:.2} | {:.4} | {first_mm:.1} | {} | {:.1} | {:.1} | {:.4} | {} | {:.0} |\n",
+            f.copies,
+            f.meshes,
+            thousands(f.triangles as f64),
+            per_copy(first_secs),
+            height(&[f]),
+            f.lower_bound_mm,
+            f.cpu_secs,
+            per_copy(f.cpu_secs),
+            thousands(f.evaluations as f64 / f.cpu_secs.max(1e-9)),
+            f.peak_mb
+        ));
+        origins.push(record.origin.clone());
+    }
+    (text, origins)
+}
+
+/// How soon a first layout stands.
+pub fn first_layouts(records: &[&Record]) -> (String, Vec<Origin>) {
+    let mut text = "CPU seconds of one core from the meshes in memory to the first layout of all copies, nothing prepared before.\n\n\
+                    | workload | copies (meshes) | first layout, s | its height | height at the end | lower bound | memory, MB |\n\
+                    |---|---|---|---|---|---|---|\n"
+        .to_owned();
+    let mut origins = Vec::new();
+    for record in records.iter().filter(|r| r.finding.trial.budget == FIRST_BUDGET) {
+        let f = &record.finding;
+        if FIRST.contains(&f.trial.case.as_str()) {
+            let (secs, mm) = f.curve.first().map_or((f64::NAN, f64::NAN), |step| (step.0, step.2));
+            text.push_str(&format!(
+                "| {} | {} ({}) | {secs:.2} | {mm:.1} | {} | {:.1} | {:.0} |\n",
+                f.trial.case,
+                f.copies,
+                f.meshes,
+                height(&[f]),
+                f.lower_bound_mm,
+                f.peak_mb
+            ));
+            origins.push(record.origin.clone());
+        }
+    }
+    (text, origins)
+}
+
+/// Both kernels.
+pub fn kernel(records: &[KernelRecord]) -> String {
+    let mut text = "Queries per CPU second on the same pairs of parts in random turns: *just clear* pairs stand at most 0.05 mm \
+                    further apart than the\nclearance, *too close* ones half of it on average. Capped = up to the clearance.\n\n\
+                    | pairs | triangles | nestd, capped | nestd, yes or no | parry3d, capped | parry3d, distance | ratio, capped \
+                    | greatest difference, mm |\n|---|---|---|---|---|---|---|---|\n"
+        .to_owned();
+    for r in records {
+        text.push_str(&format!(
+            "| {} | {} | {} | {} | {} | {} | {:.1} | {:.0e} |\n",
+            r.pairs,
+            thousands(r.triangles as f64),
+            thousands(r.distances_per_sec),
+            thousands(r.answers_per_sec),
+            thousands(r.parry_capped_per_sec),
+            thousands(r.parry_distances_per_sec),
+            r.distances_per_sec / r.parry_capped_per_sec,
+            r.difference_mm
+        ));
+    }
+    text
+}

@@ -40,7 +40,7 @@ fn farm() -> tempfile::TempDir {
             copies: 2,
             priority: 50,
             due_at: None,
-            orientation: OrientationRule::Free.into(),
+            orientation: OrientationRule::Free,
             tilts: Tilts::default(),
             clearance_mm: None,
             unit: None,

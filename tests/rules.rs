@@ -74,6 +74,25 @@ fn margins_and_clearances_hold_in_the_written_file() {
 }
 
 #[test]
+fn no_layer_of_the_written_file_is_filled_beyond_its_cap() {
+    let dir = tempfile::tempdir().unwrap();
+    let report = dir.path().join("report.json");
+    let plain = nested(dir.path(), &["--clearance", "1", "--report", report.to_str().unwrap()]);
+    let said = |file: &Path| format::read_build_and_info(file, &Limits::default()).unwrap().0.layer_area_cap_mm2;
+    assert_eq!(said(&plain), None);
+    let largest = |json: &serde_json::Value| json["layers"]["largest_area_mm2"].as_f64().unwrap();
+    let free: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
+    assert!(free["layers"]["cap_mm2"].is_null() && free["packed_density"].as_f64().unwrap() > 0.05);
+    let share = 0.7 * largest(&free) / 3600.0;
+    let options = ["--clearance", "1", "--layer-area-cap", &share.to_string(), "--report", report.to_str().unwrap()];
+    let file = nested(dir.path(), &options);
+    let capped: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
+    assert!(largest(&capped) <= 0.7 * largest(&free) * (1.0 + 1e-5), "{capped}");
+    assert_eq!(said(&file), Some(share * 3600.0));
+    assert_eq!(nestd(&["verify", file.to_str().unwrap()]).0, 0);
+}
+
+#[test]
 fn directions_stay_up_in_the_written_file() {
     let dir = tempfile::tempdir().unwrap();
     for method in ["nestd", "paper"] {

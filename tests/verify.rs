@@ -23,18 +23,18 @@ fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
 }
 
 fn turned(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Option<&str>) -> PathBuf {
-    written(dir, gap_mm, tilt, rule, tilts, (DVec3::ZERO, 0.0))
+    written(dir, gap_mm, tilt, rule, tilts, Asked::default())
 }
 
-/// As before, with margins and a clearance along z that the file asks for.
-fn written(
-    dir: &tempfile::TempDir,
-    gap_mm: f64,
-    tilt: f64,
-    rule: &str,
-    tilts: Option<&str>,
-    (margins_mm, clearance_z_extra_mm): (DVec3, f64),
-) -> PathBuf {
+/// What the file asks for beside clearance and volume.
+#[derive(Default)]
+struct Asked {
+    margins_mm: [f64; 3],
+    clearance_z_extra_mm: f64,
+    layer_area_cap_mm2: Option<f64>,
+}
+
+fn written(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Option<&str>, asked: Asked) -> PathBuf {
     let item = |copy: u32| BuildItem {
         object: 0,
         pose: Pose::new(
@@ -63,11 +63,14 @@ fn written(
         seed: 1,
         volume_mm: DVec3::splat(50.0),
         keep_out: vec![Bounds { min: DVec3::new(44.0, 0.0, 0.0), max: DVec3::new(50.0, 20.0, 50.0) }],
-        margins_mm,
-        clearance_z_extra_mm,
+        margins_mm: DVec3::from_array(asked.margins_mm),
+        clearance_z_extra_mm: asked.clearance_z_extra_mm,
+        layer_mm: 0.1,
+        layer_area_cap_mm2: asked.layer_area_cap_mm2,
         clearance_mm: 2.0,
         height_mm: 30.0,
         density: 0.02,
+        interlock: "forbid".to_owned(),
         application: "nestd test".to_owned(),
         objects: vec![object],
         items: vec![item(1), item(2)],
@@ -133,8 +136,9 @@ fn a_direction_that_does_not_stay_up_is_told() {
 #[test]
 fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
     let dir = tempfile::tempdir().unwrap();
-    let outcome = |margins, extra| {
-        let file = written(&dir, 3.0, 0.0, "free", None, (DVec3::from_array(margins), extra));
+    let outcome = |margins_mm, clearance_z_extra_mm| {
+        let asked = Asked { margins_mm, clearance_z_extra_mm, ..Asked::default() };
+        let file = written(&dir, 3.0, 0.0, "free", None, asked);
         verify(&file, &[])
     };
     // The cubes stand 5 mm from a wall, 20 mm above the floor and 20 mm below the lid.
@@ -144,15 +148,28 @@ fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
         let (code, text) = outcome(margins, 0.0);
         assert!(code == 1 && text.contains("stands 0.100000 mm out of the volume"), "{text}");
     }
-    let file = written(&dir, 0.0, 0.0, "free", None, (DVec3::ZERO, 0.0));
+    let file = turned(&dir, 0.0, 0.0, "free", None);
     let (code, _) = verify(&file, &["--clearance", "0"]);
     assert_eq!(code, 1, "they touch");
-    let leaning = written(&dir, 3.0, 0.2, "free", None, (DVec3::ZERO, 0.0));
+    let leaning = turned(&dir, 3.0, 0.2, "free", None);
     let least = |args: &[&str]| verify(&leaning, args);
     assert_eq!(least(&["--clearance", "2.5"]).0, 0);
     let (code, text) = least(&["--clearance", "2.5", "--clearance-z-extra", "20"]);
     assert!(code == 1 && text.contains("instead of 2.5 mm"), "{text}");
     assert_eq!(least(&["--margins", "2,20"]).0, 2);
+}
+
+#[test]
+fn a_layer_that_is_filled_beyond_its_cap_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    // Two cubes of 10 mm stand on one level, 20 mm above the floor.
+    let outcome = |cap| {
+        let asked = Asked { layer_area_cap_mm2: Some(cap), ..Asked::default() };
+        verify(&written(&dir, 3.0, 0.0, "free", None, asked), &[])
+    };
+    assert_eq!(outcome(200.0).0, 0);
+    let (code, text) = outcome(199.9);
+    assert!(code == 1 && text.contains("is filled with 200.0 mm2, 199.9 mm2 are allowed"), "{text}");
 }
 
 #[test]
@@ -185,4 +202,66 @@ fn what_cannot_be_read_or_understood_is_wrong_use() {
     std::fs::write(&cut, &bytes[..bytes.len() - 30]).unwrap();
     let (code, text) = verify(&cut, &[]);
     assert!(code == 2 && text.contains("truncated"), "{text}");
+}
+
+/// Two rings linked like a chain; the file says what was to become of such.
+fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
+    let item = |copy: u32, turn: f64, at: DVec3| BuildItem {
+        object: 0,
+        pose: Pose::new(DQuat::from_rotation_x(turn), at),
+        order: None,
+        copy,
+        source_name: "ring.stl".to_owned(),
+        source_hash: "00".to_owned(),
+        clearance_mm: None,
+        orientation: None,
+        tilts: None,
+    };
+    let object = BuildObject {
+        name: "ring".to_owned(),
+        mesh: Arc::new(nestd::samples::ring(30.0, 22.0, 3.0)),
+        part_number: "1".to_owned(),
+        content_hash: "r".to_owned(),
+    };
+    let upright = std::f64::consts::FRAC_PI_2;
+    let build = BuildFile {
+        layer_area_cap_mm2: None,
+        keep_out: Vec::new(),
+        layer_mm: 0.1,
+        title: "a chain".to_owned(),
+        profile: "small".to_owned(),
+        build_id: "2".to_owned(),
+        created: "2026-11-20T04:49:00Z".to_owned(),
+        seed: 1,
+        volume_mm: DVec3::splat(60.0),
+        margins_mm: [0.0; 3].into(),
+        clearance_mm: 2.0,
+        clearance_z_extra_mm: 0.0,
+        height_mm: 35.0,
+        density: 0.02,
+        interlock: interlock.to_owned(),
+        application: "nestd test".to_owned(),
+        objects: vec![object],
+        items: vec![item(1, 0.0, DVec3::new(20.0, 20.0, 18.5)), item(2, upright, DVec3::new(35.0, 21.5, 20.0))],
+        instances: Instances::Shared,
+        arrangement: Arrangement::Items,
+        thumbnail_png: None,
+    };
+    let file = dir.path().join("chain.build.3mf");
+    write_build(&build, File::create(&file).unwrap()).unwrap();
+    file
+}
+
+#[test]
+fn a_chain_is_told_and_is_a_fault_where_it_was_forbidden() {
+    let dir = tempfile::tempdir().unwrap();
+    let (code, text) = verify(&chain(&dir, "forbid"), &[]);
+    assert!(code == 1 && text.contains("ring #2 (item 2) is locked into others"), "{text}");
+    let warned = chain(&dir, "warn");
+    let (code, text) = verify(&warned, &[]);
+    assert!(code == 0 && text.contains("2 parts are locked"), "{text}");
+    assert_eq!(verify(&warned, &["--interlock", "forbid"]).0, 1);
+    let (code, text) = verify(&warned, &["--interlock", "allow", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert!(code == 0 && json["locked"].is_null() && json["interlock"] == "allow", "{text}");
 }

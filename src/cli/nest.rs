@@ -15,15 +15,15 @@ use glam::DVec3;
 
 use super::{
     Common, Exit, Usage,
-    values::{distance, margins, volume},
+    values::{distance, margins, share, volume, word},
 };
 use crate::{
     farm::DiskCache,
     format::{Arrangement, Instances, Limits, Unit},
     geometry::Bounds,
     nest::{
-        self, BuildVolume, Config, Instance, Item, Margins, Method, NotDown, Orientation, OrientationRule, Solution,
-        Tilt,
+        self, BuildVolume, Config, DEFAULT_LAYER_MM, Instance, Interlock, Item, LayerCap, Margins, Method, NotDown,
+        Orientation, OrientationRule, Solution, Tilt,
     },
     settings::{self, KeepOut, parse_secs},
 };
@@ -67,6 +67,9 @@ pub struct Args {
     /// Kept free, mm: all around, or along the walls, above the floor and below the lid [default: the profile's, else 0]
     #[arg(long, value_name = "MM|WALL,FLOOR,LID", value_parser = margins)]
     margins: Option<Margins>,
+    /// No layer is filled beyond this share of the base, e.g. 0.3 [default: the profile's, else any]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    layer_area_cap: Option<f64>,
     /// Search: our own or the published one [default: the profile's, else nestd]
     #[arg(long, value_name = "METHOD", value_parser = word::<Method>)]
     method: Option<Method>,
@@ -85,6 +88,10 @@ pub struct Args {
     /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
     #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
     orientation: Option<OrientationRule>,
+    /// Parts locked into each other: forbid (the search keeps clear of them), warn or allow [default: the profile's, else
+    /// forbid]
+    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
+    interlock: Option<Interlock>,
     /// A direction of the parts that must stand within so many degrees of up, e.g. 0,0,1:30; may be said several times
     #[arg(long, value_name = "X,Y,Z:DEG", allow_hyphen_values = true, value_parser = str::parse::<Tilt>)]
     keep_up: Vec<Tilt>,
@@ -115,6 +122,8 @@ struct Machine {
     margins: Margins,
     clearance_mm: f64,
     clearance_z_extra_mm: f64,
+    layer_mm: f64,
+    layer_area_cap: Option<f64>,
     orientation: Orientation,
     unit: Unit,
     limits: Limits,
@@ -134,6 +143,11 @@ impl Machine {
     /// The box that may be filled.
     fn room(&self) -> BuildVolume {
         self.margins.room(self.volume_mm)
+    }
+
+    /// Its layers, and how much of one may be filled.
+    fn layer_cap(&self) -> LayerCap {
+        LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.room())
     }
 
     /// Where its corner stands in the machine's frame, mm.
@@ -158,6 +172,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let instance = Instance::new(machine.room(), machine.clearance_mm, parts.iter().map(item).collect())
         .and_then(|instance| instance.with_clearance_z_extra(machine.clearance_z_extra_mm))
         .and_then(|instance| instance.with_keep_out(&machine.keep_out_in_room()))
+        .and_then(|instance| instance.with_layer_cap(machine.layer_cap()))
         .map_err(|error| Usage(error.to_string()))?;
     let cache = cache(args)?;
     let cache = cache.as_ref().map(|cache| cache as &dyn nest::Cache);
@@ -209,9 +224,11 @@ fn machine(common: &Common, args: &Args) -> Result<Machine> {
     machine.volume_mm = args.volume.unwrap_or(machine.volume_mm);
     machine.margins = args.margins.unwrap_or(machine.margins);
     machine.clearance_mm = args.clearance.unwrap_or(machine.clearance_mm);
+    machine.layer_area_cap = args.layer_area_cap.or(machine.layer_area_cap);
     machine.clearance_z_extra_mm = args.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
     machine.config.method = args.method.unwrap_or(machine.config.method);
     machine.config.threads = args.threads.unwrap_or(machine.config.threads);
+    machine.config.interlock = args.interlock.unwrap_or(machine.config.interlock);
     machine.config.seed = args.seed.unwrap_or(machine.config.seed);
     Ok(machine)
 }
@@ -231,6 +248,8 @@ fn without_profile(args: &Args, size_mm: DVec3) -> Machine {
         margins: Margins::default(),
         clearance_mm: DEFAULT_CLEARANCE_MM,
         clearance_z_extra_mm: 0.0,
+        layer_mm: DEFAULT_LAYER_MM,
+        layer_area_cap: None,
         orientation: turning(args, OrientationRule::default(), &[], &[]),
         unit: Unit::default(),
         limits: Limits::default(),
@@ -253,6 +272,8 @@ fn from_profile(common: &Common, args: &Args, name: &str) -> Result<Machine> {
         margins: profile.margins(),
         clearance_mm: profile.clearance_mm,
         clearance_z_extra_mm: profile.clearance_z_extra_mm,
+        layer_mm: profile.layer_mm,
+        layer_area_cap: profile.layer_area_cap,
         orientation: turning(args, profile.orientation, &profile.keep_up, &profile.not_down),
         unit: profile.unit,
         limits: settings.limits.clone(),
@@ -264,11 +285,6 @@ fn from_profile(common: &Common, args: &Args, name: &str) -> Result<Machine> {
 
 fn budget(text: &str) -> Result<f64, String> {
     parse_secs(text).and_then(|secs| if secs > 0.0 { Ok(secs) } else { Err("wants some time, e.g. 60s".to_owned()) })
-}
-
-/// A word of one of the settings' enumerations.
-fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
-    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
 }
 
 /// Reads a file's bytes for a hash, with the name in the error.

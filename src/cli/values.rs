@@ -12,6 +12,12 @@ pub(super) fn volume(text: &str) -> Result<DVec3, String> {
         .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
 }
 
+/// A share of a whole: above 0, at most 1.
+pub(super) fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|share: &f64| *share > 0.0 && *share <= 1.0);
+    number.ok_or_else(|| "wants a share above 0, at most 1, e.g. 0.3".to_owned())
+}
+
 /// `2` (all around) or `2,5,3` (walls, floor, lid).
 pub(super) fn margins(text: &str) -> Result<Margins, String> {
     let wrong = || "wants one distance in mm, or those to walls, floor and lid, e.g. 2,5,3".to_owned();
@@ -43,4 +49,9 @@ pub(super) fn part_number(text: &str) -> Result<i64, String> {
 pub(super) fn numbered(text: &str, letter: char) -> Option<i64> {
     let digits = text.strip_prefix([letter, letter.to_ascii_uppercase()]).unwrap_or(text);
     digits.parse().ok().filter(|number| *number >= 0)
+}
+
+/// A word of one of the settings' enumerations.
+pub fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
+    serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
 }

@@ -11,12 +11,15 @@ use serde_json::{Value, json};
 
 use super::{
     Common, Exit, Usage, asked,
-    values::{distance, margins, volume},
+    values::{distance, margins, volume, word},
 };
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
     geometry::{Bounds, Pose},
-    nest::{self, Body, Margins, Orientation, OrientationRule, Proof, Tilt},
+    nest::{
+        self, Body, DEFAULT_LAYER_MM, Interlock, LayerAreas, LayerCap, Margins, Orientation, OrientationRule, Proof,
+        TakenApart, Tilt,
+    },
 };
 
 /// Arguments of the command.
@@ -32,6 +35,10 @@ pub struct Args {
     /// Least distance between two parts, mm [default: what the file says]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance: Option<f64>,
+    /// Parts locked into each other: forbid (then they are no proof), warn or allow (nobody looks) [default: what the file
+    /// says, else warn]
+    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
+    interlock: Option<Interlock>,
     /// The clearance also holds when either of two parts is raised by up to this, mm [default: what the file says, else 0]
     #[arg(long, value_name = "MM", value_parser = distance)]
     clearance_z_extra: Option<f64>,
@@ -58,8 +65,13 @@ struct Verdict {
     clearance_z_extra_mm: f64,
     bodies: Vec<Body>,
     proof: Proof,
+    interlock: Interlock,
+    /// How it comes apart; `None` when locked parts are allowed.
+    apart: Option<TakenApart>,
     /// Placements turned against the rule that they were placed under.
     turned: Vec<usize>,
+    /// What is filled in each layer, where the file has a cap on it.
+    layers: Option<LayerAreas>,
     /// What a second reader says against our own reading.
     second_reader: Option<String>,
     /// Asked, but not in the file, or in it but not asked.
@@ -68,7 +80,18 @@ struct Verdict {
 
 impl Verdict {
     fn is_proved(&self) -> bool {
-        self.proof.is_proved() && self.turned.is_empty() && self.second_reader.is_none() && self.list_faults.is_empty()
+        let locked = self.interlock == Interlock::Forbid && !self.locked().is_empty();
+        self.proof.is_proved()
+            && !locked
+            && self.layers.as_ref().is_none_or(LayerAreas::keeps_cap)
+            && self.turned.is_empty()
+            && self.second_reader.is_none()
+            && self.list_faults.is_empty()
+    }
+
+    /// Bodies that cannot be drawn out.
+    fn locked(&self) -> &[usize] {
+        self.apart.as_ref().map_or(&[], |apart| &apart.locked)
     }
 }
 
@@ -115,6 +138,16 @@ fn verify(args: &Args) -> Result<Verdict> {
     let keep_out: Vec<Bounds> = info.keep_out.iter().map(moved).collect();
     let mut proof = nest::prove_with(&bodies, margins.room(volume_mm).size_mm, clearance_z_extra_mm, &keep_out);
     proof.height_mm += margins.floor_mm;
+    let said = || info.interlock.as_deref().and_then(|said| word(said).ok());
+    let interlock = args.interlock.or_else(said).unwrap_or(Interlock::Warn);
+    let apart = (interlock != Interlock::Allow).then(|| nest::take_apart(&bodies));
+    // What stands outside is told anyway, and layers without end are not counted.
+    let cap_mm2 = info.layer_area_cap_mm2.filter(|_| proof.outside.is_empty());
+    let layer_mm = info.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
+    let layers = cap_mm2.map(|area_mm2| {
+        let cap = LayerCap { layer_mm, area_mm2 };
+        LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), cap)
+    });
     Ok(Verdict {
         info,
         volume_mm,
@@ -123,7 +156,10 @@ fn verify(args: &Args) -> Result<Verdict> {
         clearance_z_extra_mm,
         bodies,
         proof,
+        interlock,
+        apart,
         turned,
+        layers,
         second_reader,
         list_faults,
     })
@@ -163,12 +199,15 @@ fn faults(verdict: &Verdict) -> Vec<String> {
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.6} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
     let intruding = proof.intruding.iter().map(|&(i, zone)| format!("{} stands in keep-out box {}", name(i), zone + 1));
+    let locked = verdict.locked().iter().map(|&i| format!("{} is locked into others", name(i)));
     let turned = verdict.turned.iter().map(|&i| format!("{} is turned against its orientation rule", name(i)));
     close
         .chain(outside)
         .chain(inside)
         .chain(intruding)
+        .chain(locked)
         .chain(turned)
+        .chain(verdict.layers.iter().filter(|layers| !layers.keeps_cap()).map(LayerAreas::in_words))
         .chain(verdict.second_reader.clone())
         .chain(verdict.list_faults.iter().cloned())
         .collect()
@@ -194,6 +233,12 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
     if verdict.clearance_z_extra_mm > 0.0 {
         lines.push(format!("raised parts    keep it, too, up to {} mm", verdict.clearance_z_extra_mm));
     }
+    let gap_mm = nest::drawing_gap_mm(verdict.clearance_mm);
+    lines.push(match verdict.locked().len() {
+        _ if verdict.apart.is_none() => "comes apart     not asked".to_owned(),
+        0 => format!("comes apart     part by part, {gap_mm} mm kept on the way"),
+        locked => format!("comes apart     not, {locked} parts are locked"),
+    });
     lines.extend(faults(verdict));
     lines
 }
@@ -229,7 +274,10 @@ fn as_json(verdict: &Verdict) -> Value {
         "inside": inside,
         "keep_out": verdict.info.keep_out.len(),
         "intruding": intruding,
+        "interlock": verdict.interlock.word(),
+        "locked": verdict.apart.as_ref().map(|apart| apart.locked.iter().map(|&i| name(i)).collect::<Vec<_>>()),
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),
+        "layers": verdict.layers,
         "second_reader": verdict.second_reader,
         "list": verdict.list_faults,
     })

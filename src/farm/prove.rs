@@ -15,7 +15,7 @@ use crate::{
     format::{self, BuildFile, BuildItem, BuildObject, Limits, PlacedMesh},
     geometry::{Mesh, Pose},
     ledger::{self, BuildRow, Verified},
-    nest::{self, Body, Proof},
+    nest::{self, Body, Interlock, LayerAreas, Proof, Separability},
     queue::Queue,
     settings::{KeepOut, Profile},
 };
@@ -35,6 +35,8 @@ pub struct Written {
     pub placed: Vec<ledger::PlacedCopy>,
     /// Copies that were tried and found no place.
     pub unplaced: Vec<Copy>,
+    /// Who is locked into whom, in one line; "" when nobody is, or when that is allowed.
+    pub locked: String,
 }
 
 /// What a build is written with.
@@ -63,14 +65,15 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
     let name = file_name(&order.profile.name, &order.build);
     let description = describe(order, nested);
     let staged = order.queue.stage(&name, |file| format::write_build(&description, file))?;
-    let proof = match prove_written(&staged, order, &nested.batch, &nested.layout.placed) {
-        Ok(proof) => proof,
+    let (proof, separable) = match prove_written(&staged, order, &nested.batch, &nested.layout.placed) {
+        Ok(proved) => proved,
         Err(error) => {
             order.queue.discard(&name).context("taking back a build that could not be proved")?;
             return Err(error);
         }
     };
-    write_sidecars(order, nested, &description, &proof, &name)?;
+    let locked = separable.as_ref().map(Separability::locked_text).unwrap_or_default();
+    write_sidecars(order, nested, &description, (&proof, separable), &name)?;
     let (file_hash, file_bytes) = hash_of(&staged)?;
     let height_mm = nested.layout.height_mm + order.profile.origin_mm().z;
     Ok(Written {
@@ -97,6 +100,7 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
         },
         placed: (nested.layout.placed.iter()).map(|p| in_machine_frame(&order.profile, p)).collect(),
         unplaced: nested.layout.unplaced.clone(),
+        locked,
     })
 }
 
@@ -156,8 +160,11 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
         margins_mm: profile.margins().as_dvec3(),
         clearance_mm: profile.clearance_mm,
         clearance_z_extra_mm: profile.clearance_z_extra_mm,
+        layer_mm: profile.layer_mm,
+        layer_area_cap_mm2: profile.layer_cap().capped_mm2(),
         height_mm: nested.layout.height_mm + profile.origin_mm().z,
         density: nested.layout.density,
+        interlock: profile.nest.interlock().word().to_owned(),
         application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
         objects: used.iter().map(object).collect(),
         items: nested.layout.placed.iter().filter_map(item).collect(),
@@ -174,8 +181,14 @@ fn picture(build: &BuildFile, (width, height): (u32, u32)) -> Vec<u8> {
     format::picture(&bodies, build.volume_mm, width, height)
 }
 
-/// Reads the written file back and proves it: walls, clearance, containment, orientation, and every copy exactly once.
-fn prove_written(staged: &Path, order: &WriteOrder, batch: &Batch, placed: &[PlacedCopy]) -> Result<Proof> {
+/// Reads the written file back and proves it: walls, clearance, containment, orientation, every copy exactly once, and that
+/// it comes apart.
+fn prove_written(
+    staged: &Path,
+    order: &WriteOrder,
+    batch: &Batch,
+    placed: &[PlacedCopy],
+) -> Result<(Proof, Option<Separability>)> {
     let read = format::read_build(staged, &order.limits).context("reading the written build back")?;
     ensure!(
         read.len() == placed.len(),
@@ -198,7 +211,36 @@ fn prove_written(staged: &Path, order: &WriteOrder, batch: &Batch, placed: &[Pla
     if !proof.is_proved() {
         bail!("the written build is not proved: {}", faults_of(&proof, &bodies));
     }
-    Ok(proof)
+    let cap = order.profile.layer_cap();
+    if cap.capped_mm2().is_some() {
+        let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), cap);
+        ensure!(areas.keeps_cap(), "the written build fills a layer beyond its cap: {}", areas.in_words());
+    }
+    let name = |at: usize| {
+        let source = read[at].source_name.clone().unwrap_or_else(|| read[at].name.clone());
+        (source, read[at].copy.unwrap_or(1) - 1)
+    };
+    Ok((proof, take_apart(&order.profile, &bodies, name)?))
+}
+
+/// Whether the build comes apart, as far as the profile asks; a locked part where none may be is an error.
+fn take_apart(
+    profile: &Profile,
+    bodies: &[Body],
+    name: impl Fn(usize) -> (String, u32),
+) -> Result<Option<Separability>> {
+    let rule = profile.nest.interlock();
+    if rule == Interlock::Allow {
+        return Ok(None);
+    }
+    let separable = Separability::new(&nest::take_apart(bodies), profile.clearance_mm, name);
+    ensure!(
+        rule == Interlock::Warn || separable.locked.is_empty(),
+        "the written build is not proved: {} parts are locked into each other: {}",
+        separable.locked.len(),
+        separable.locked_text()
+    );
+    Ok(Some(separable))
 }
 
 /// The read-back item as the judge wants it, in the build volume's frame, compared with the part that it should be.
@@ -250,14 +292,20 @@ pub fn faults_of(proof: &Proof, bodies: &[Body]) -> String {
 }
 
 /// Report, pick map, picture and, where asked for, the whole build as STL; all under the build's stem.
-fn write_sidecars(order: &WriteOrder, nested: &Nested, build: &BuildFile, proof: &Proof, name: &str) -> Result<()> {
+fn write_sidecars(
+    order: &WriteOrder,
+    nested: &Nested,
+    build: &BuildFile,
+    proved: (&Proof, Option<Separability>),
+    name: &str,
+) -> Result<()> {
     let stem = name.strip_suffix(".build.3mf").unwrap_or(name);
     let stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
         use std::io::Write;
         order.queue.stage(&format!("{stem}{suffix}"), |file| file.write_all(bytes))?;
         Ok(())
     };
-    stage(".report.json", &report(order, nested, build, proof)?)?;
+    stage(".report.json", &report(order, nested, build, proved)?)?;
     let mut pick_map = Vec::new();
     format::write_pick_map(format::pick_rows(build), &mut pick_map)?;
     stage(".parts.csv", &pick_map)?;
@@ -269,13 +317,23 @@ fn write_sidecars(order: &WriteOrder, nested: &Nested, build: &BuildFile, proof:
     Ok(())
 }
 
-fn report(order: &WriteOrder, nested: &Nested, build: &BuildFile, proof: &Proof) -> Result<Vec<u8>> {
+fn report(
+    order: &WriteOrder,
+    nested: &Nested,
+    build: &BuildFile,
+    (proof, separable): (&Proof, Option<Separability>),
+) -> Result<Vec<u8>> {
     let report = nest::Report {
         height_mm: build.height_mm,
         density: build.density,
         lower_bound_mm: nested.lower_bound_mm,
         clearance_mm: build.clearance_mm,
+        clearance_z_extra_mm: build.clearance_z_extra_mm,
+        packed_density: 0.0,
+        mean_distance_mm: 0.0,
+        layers: LayerAreas::default(),
         clearance_proved_mm: proof.clearance_proved_mm,
+        separable,
         placed: build.items.len(),
         unplaced: Vec::new(),
         seed: order.seed,
@@ -287,7 +345,10 @@ fn report(order: &WriteOrder, nested: &Nested, build: &BuildFile, proof: &Proof)
             .map(|i| nest::PlacedPart { part: i.source_name.clone(), copy: i.copy - 1, pose: i.pose.rows() })
             .collect(),
     };
-    Ok(serde_json::to_vec_pretty(&report)?)
+    let in_room = |pose: &Pose| Pose { translation: pose.translation - order.profile.origin_mm(), ..*pose };
+    let placed: Vec<(&Mesh, Pose)> =
+        build.items.iter().map(|i| (&*build.objects[i.object].mesh, in_room(&i.pose))).collect();
+    Ok(serde_json::to_vec_pretty(&report.measured(&placed, order.profile.layer_cap()))?)
 }
 
 fn hash_of(file: &Path) -> Result<(String, u64)> {

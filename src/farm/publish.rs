@@ -141,6 +141,11 @@ impl Farm {
             self.ledger.release_copies(build, &written.unplaced).await?;
         }
         self.ledger.verify_build(build, &written.verified, &written.placed).await?;
+        if !written.locked.is_empty() {
+            warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
+            let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+            self.ledger.event("locked", &profile, None, Some(build), &written.locked).await?;
+        }
         self.publish().await
     }
 

@@ -30,10 +30,16 @@ pub struct BuildFile {
     pub clearance_mm: f64,
     /// The clearance also holds when either of two placements is raised by up to this, mm.
     pub clearance_z_extra_mm: f64,
+    /// Thickness of a layer, mm; layers are counted from where the floor's margin ends.
+    pub layer_mm: f64,
+    /// No layer may be filled beyond this, mm2.
+    pub layer_area_cap_mm2: Option<f64>,
     /// Top of the highest placement, mm.
     pub height_mm: f64,
     /// Part volume / (base area x build height).
     pub density: f64,
+    /// What was to become of parts locked into each other, as settings spell it (`forbid`, `warn`, `allow`).
+    pub interlock: String,
     /// Name and version of the program, e.g. `nestd 0.1.0`.
     pub application: String,
     /// Distinct meshes.
@@ -136,8 +142,14 @@ pub struct BuildInfo {
     pub clearance_mm: Option<f64>,
     /// The clearance also holds when either of two placements is raised by up to this, mm.
     pub clearance_z_extra_mm: Option<f64>,
+    /// Thickness of a layer, mm; layers are counted from where the floor's margin ends.
+    pub layer_mm: Option<f64>,
+    /// No layer may be filled beyond this, mm2.
+    pub layer_area_cap_mm2: Option<f64>,
     /// Top of the highest placement, mm.
     pub height_mm: Option<f64>,
     /// Part volume / (base area x build height).
     pub density: Option<f64>,
+    /// What was to become of parts locked into each other.
+    pub interlock: Option<String>,
 }

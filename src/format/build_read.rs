@@ -60,8 +60,11 @@ fn info(metadata: &Metadata) -> BuildInfo {
         margins_mm: metadata.nestd("margins_mm").and_then(|text| three_numbers(&text)),
         clearance_mm: number("clearance_mm"),
         clearance_z_extra_mm: number("clearance_z_extra_mm"),
+        layer_mm: number("layer_mm"),
+        layer_area_cap_mm2: number("layer_area_cap_mm2"),
         height_mm: number("height_mm"),
         density: number("density"),
+        interlock: metadata.nestd("interlock"),
     }
 }
 

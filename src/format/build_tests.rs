@@ -54,9 +54,12 @@ pub(super) fn sample(instances: Instances, arrangement: Arrangement) -> BuildFil
         keep_out: vec![Bounds { min: DVec3::ZERO, max: DVec3::new(40.5, 1.0 / 3.0, 10.0) }],
         margins_mm: DVec3::ZERO,
         clearance_z_extra_mm: 0.0,
+        layer_mm: 0.1,
+        layer_area_cap_mm2: None,
         clearance_mm: 3.0,
         height_mm: 61.5,
         density: 0.123,
+        interlock: "forbid".to_owned(),
         application: "nestd 0.1.0".to_owned(),
         objects: vec![
             object("plate", DVec3::new(0.1_f32.into(), 20.0, 30.7)),

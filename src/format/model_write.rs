@@ -95,8 +95,13 @@ fn package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
     metadata(out, "nestd:margins_mm", &format!("{} {} {}", margins.x, margins.y, margins.z))?;
     metadata(out, "nestd:clearance_mm", &build.clearance_mm.to_string())?;
     metadata(out, "nestd:clearance_z_extra_mm", &build.clearance_z_extra_mm.to_string())?;
+    metadata(out, "nestd:layer_mm", &build.layer_mm.to_string())?;
+    if let Some(cap_mm2) = build.layer_area_cap_mm2 {
+        metadata(out, "nestd:layer_area_cap_mm2", &cap_mm2.to_string())?;
+    }
     metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
     metadata(out, "nestd:density", &build.density.to_string())?;
+    metadata(out, "nestd:interlock", &build.interlock)?;
     metadata(out, "nestd:arrangement", locked)
 }
 

@@ -1,11 +1,11 @@
 //! A binary tree of boxes over triangles, all boxes along one frame.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::{Bounds, Mesh, Pose, triangle::Triangle};
 
 /// Most triangles in a leaf: below that, walking boxes costs more than it saves.
-const LEAF: usize = 4;
+pub(super) const LEAF: usize = 4;
 /// Places at which a split is tried along an axis.
 const BINS: usize = 16;
 /// Where there are more triangles, some of them stand for all when a split is chosen.
@@ -43,6 +43,8 @@ impl Node {
 pub(super) struct BoxTree {
     pub nodes: Vec<Node>,
     pub triangles: Vec<Triangle>,
+    /// Which ways the triangles of each node face.
+    pub facings: Vec<Facing>,
     /// Which connected piece of the surface a triangle belongs to.
     pub shell_of: Vec<u32>,
     /// A corner of each connected piece.
@@ -67,8 +69,10 @@ impl BoxTree {
             Triangle { corners: mesh.triangles()[index].map(|v| places[v as usize]), normal }
         };
         let shell = |piece: &Piece| shell_of_vertex[mesh.triangles()[piece.index as usize][0] as usize];
+        let triangles: Vec<Triangle> = pieces.iter().map(triangle).collect();
         Self {
-            triangles: pieces.iter().map(triangle).collect(),
+            facings: facings(&nodes, &triangles),
+            triangles,
             shell_of: pieces.iter().map(shell).collect(),
             shells: shells.into_iter().map(|v| places[v]).collect(),
             nodes,
@@ -112,6 +116,43 @@ impl BoxTree {
             }
         }
     }
+}
+
+/// Bounds of unit normals; single precision, grown by more than its rounding.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Facing {
+    middle: Vec3,
+    half: Vec3,
+}
+
+impl Facing {
+    /// The least and the greatest dot product that a normal may have with `direction`, whose absolute values are `spread`.
+    #[inline]
+    pub fn along(&self, direction: Vec3, spread: Vec3) -> (f32, f32) {
+        let (middle, half) = (self.middle.dot(direction), self.half.dot(spread));
+        (middle - half, middle + half)
+    }
+}
+
+/// The bounds of the normals below every node; children stand after their parents.
+fn facings(nodes: &[Node], triangles: &[Triangle]) -> Vec<Facing> {
+    const GROWN: f32 = 1e-6;
+    let mut limits = vec![(Vec3::INFINITY, Vec3::NEG_INFINITY); nodes.len()];
+    for (at, node) in nodes.iter().enumerate().rev() {
+        let join = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+        limits[at] = if node.is_leaf() {
+            let own = |triangle: &Triangle| match triangle.normal {
+                // What has no normal may face anywhere.
+                DVec3::ZERO => (Vec3::NEG_ONE, Vec3::ONE),
+                normal => (normal.as_vec3(), normal.as_vec3()),
+            };
+            triangles[node.range()].iter().map(own).fold(limits[at], join)
+        } else {
+            join(limits[node.first as usize], limits[node.first as usize + 1])
+        };
+    }
+    let facing = |(min, max): (Vec3, Vec3)| Facing { middle: (min + max) * 0.5, half: (max - min) * 0.5 + GROWN };
+    limits.into_iter().map(facing).collect()
 }
 
 /// A triangle while the tree is being built.

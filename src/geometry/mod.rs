@@ -13,6 +13,7 @@ mod obb_tree;
 mod pose;
 mod separating_axis;
 mod slide;
+mod sweep;
 mod triangle;
 mod walk;
 mod weld;
@@ -23,6 +24,8 @@ mod clearance_tests;
 pub(crate) mod solids;
 #[cfg(test)]
 mod speed_tests;
+#[cfg(test)]
+mod sweep_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;

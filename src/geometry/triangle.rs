@@ -55,7 +55,7 @@ impl Triangle {
     }
 
     /// Least and greatest corner of the triangle's box.
-    fn span(&self) -> (DVec3, DVec3) {
+    pub fn span(&self) -> (DVec3, DVec3) {
         let [a, b, c] = self.corners;
         (a.min(b).min(c), a.max(b).max(c))
     }

@@ -20,7 +20,8 @@ pub fn lower_bound_mm(instance: &Instance) -> f64 {
     let base = instance.volume().size_mm;
     let volume_mm3: f64 = instance.items().iter().map(|i| f64::from(i.copies) * i.mesh.volume_mm3()).sum();
     let mut known: Vec<(&Arc<Mesh>, &Orientation)> = Vec::new();
-    let mut bound_mm = volume_mm3 / (base.x * base.y);
+    // No layer is filled beyond the base, nor beyond a cap.
+    let mut bound_mm = volume_mm3 / (base.x * base.y).min(instance.layer_cap().area_mm2);
     for item in instance.items().iter().filter(|i| i.copies > 0) {
         if known.iter().any(|(mesh, rule)| Arc::ptr_eq(mesh, &item.mesh) && **rule == item.orientation) {
             continue;

@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3};
 
 use super::{
     fit::WALL_SPARE_MM,
+    layers::{Filled, Slice},
     outline::{Candidate, Lineup},
     piece::{CLEARANCE_SPARE_MM, Piece, lifted},
     skyline::Skyline,
@@ -52,23 +53,36 @@ impl<'a> Boxes<'a> {
     /// What stands, and copies where boxes alone put them, in the given order; those that find no place are left out.
     pub(crate) fn stack(&mut self, standing: &[Piece], copies: &[(usize, u32)]) -> Vec<Piece> {
         let mut skyline = self.skyline(standing);
+        let mut filled = Filled::new(self.lineup.cap);
         let mut full: BTreeSet<usize> = BTreeSet::new();
         let mut pieces = standing.to_vec();
+        standing.iter().for_each(|piece| self.fill(&mut filled, piece));
         for &copy in copies {
             // What found no place finds none on higher boxes.
             if full.contains(&copy.0) {
                 continue;
             }
-            match self.on_top(copy, &mut skyline) {
-                Some(piece) => pieces.push(piece),
+            match self.on_top(copy, &mut skyline, &filled) {
+                Some(piece) => {
+                    self.fill(&mut filled, &piece);
+                    pieces.push(piece);
+                }
                 None => drop(full.insert(copy.0)),
             }
         }
         pieces
     }
 
-    /// Stands a copy on whatever boxes are below it.
-    pub(crate) fn on_top(&mut self, copy: (usize, u32), skyline: &mut Skyline) -> Option<Piece> {
+    /// Counts a piece where layers have a cap.
+    fn fill(&self, filled: &mut Filled, piece: &Piece) {
+        if filled.is_capped() {
+            let mesh = &self.lineup.candidate(piece.item).mesh;
+            filled.add(&Slice::of(mesh, &piece.pose, self.lineup.cap.layer_mm));
+        }
+    }
+
+    /// Stands a copy on whatever boxes are below it, higher where its layers are full.
+    pub(crate) fn on_top(&mut self, copy: (usize, u32), skyline: &mut Skyline, filled: &Filled) -> Option<Piece> {
         let lineup = self.lineup;
         let candidate = lineup.candidate(copy.0);
         let ways = self.ways.entry(copy.0).or_insert_with(|| ways_of(candidate, lineup.room));
@@ -84,10 +98,12 @@ impl<'a> Boxes<'a> {
         let (_, corner, way) = best?;
         let place = corner - way.bounds.min;
         let bounds = Bounds { min: corner, max: way.bounds.max + place };
-        skyline.add(&lifted(&bounds, lineup.z_extra_mm));
         let turn = way.turn;
         let pose = Pose::new(turn, place - turn * candidate.outline.obb.pose.translation);
-        Some(Piece { item: copy.0, copy: copy.1, turn, place, pose, bounds })
+        let piece = Piece { item: copy.0, copy: copy.1, turn, place, pose, bounds };
+        let piece = filled.admit(&candidate.mesh, piece, lineup.room.z - WALL_SPARE_MM)?;
+        skyline.add(&lifted(&piece.bounds, lineup.z_extra_mm));
+        Some(piece)
     }
 }
 

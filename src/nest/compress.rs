@@ -131,7 +131,13 @@ impl<'t> Descent<'t> {
             let patience = Patience { rounds: 40, repairs: 16, nearly: self.nearly };
             let over = |evaluations: u64| evaluations >= limit || (clock.spent)(evaluations) >= clock.until;
             match separate(&mut self.layout, patience, &mut self.rng, over) {
-                Outcome::Clear(pieces) => return Some(pieces),
+                Outcome::Clear(pieces) if self.layout.task.keeps_cap(&pieces) => return Some(pieces),
+                Outcome::Clear(_) => {
+                    // Too much in one layer: worth to go on from, but for two parts that change places.
+                    self.pool.insert(0, (0.0, self.layout.stands.clone()));
+                    self.pool.truncate(POOL);
+                    return None;
+                }
                 Outcome::Stuck(overlap, stands) => {
                     if stands.is_empty() || (clock.spent)(self.layout.evaluations) >= clock.until {
                         return None;

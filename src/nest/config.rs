@@ -15,6 +15,32 @@ pub enum Method {
     Paper,
 }
 
+/// What becomes of parts that are locked into each other: that cannot be drawn out of the finished build one after the other
+/// along straight lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interlock {
+    /// No layout with a locked part counts; the search keeps clear of them. The published method knows nothing of it and
+    /// only warns.
+    #[default]
+    Forbid,
+    /// Locked parts are told.
+    Warn,
+    /// Nobody looks.
+    Allow,
+}
+
+impl Interlock {
+    /// As settings and build files spell it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Forbid => "forbid",
+            Self::Warn => "warn",
+            Self::Allow => "allow",
+        }
+    }
+}
+
 /// Everything that steers the search but the instance and the budget.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -25,6 +51,8 @@ pub struct Config {
     pub seed: u64,
     /// Threads to search with; part of what makes a build repeatable. 0 = one per core.
     pub threads: usize,
+    /// What becomes of parts that are locked into each other.
+    pub interlock: Interlock,
     /// Parameters of the paper's method.
     pub paper: PaperConfig,
     /// Which organs of our own search take part; for benches, not for configuration files.
@@ -34,7 +62,24 @@ pub struct Config {
 
 impl Default for Config {
     fn default() -> Self {
-        Self { method: Method::Nestd, seed: 1, threads: 1, paper: PaperConfig::default(), organs: Organs::default() }
+        Self {
+            method: Method::Nestd,
+            seed: 1,
+            threads: 1,
+            interlock: Interlock::default(),
+            paper: PaperConfig::default(),
+            organs: Organs::default(),
+        }
+    }
+}
+
+impl Config {
+    /// What becomes of locked parts when all is said: the published method cannot forbid them, so there they are told.
+    pub fn interlock(&self) -> Interlock {
+        match (self.method, self.interlock) {
+            (Method::Paper, Interlock::Forbid) => Interlock::Warn,
+            (_, interlock) => interlock,
+        }
     }
 }
 

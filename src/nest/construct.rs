@@ -1,14 +1,18 @@
 //! The start: one part after the other at its lowest place in bit columns; on top of all others where it finds none. Every
 //! placement is confirmed on the triangles before it counts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
     boxes::{Boxes, turns_of},
+    interlock::parted,
+    layers::Filled,
     near::Near,
     piece::{Piece, Task, lifted},
     recipe::Recipe,
     scan::Floors,
+    separable::can_leave,
+    settle::slice,
     skyline::Skyline,
     voxels::{Occupancy, Raster},
 };
@@ -19,6 +23,10 @@ const GROW: f64 = 0.45;
 const MOST_FLOORS: usize = 64 << 20;
 /// Places that are tried on the triangles before a part goes on top of all others.
 const TRIES: usize = 8;
+/// Places that may turn out to lock the part before it goes on top.
+const MOST_HELD: usize = 24;
+/// Rotations that wait for layers with room in them before a part goes on top of all others.
+const RAISES: usize = 64;
 
 /// Rasters of all items at all rotations tried, made when first needed and kept over all runs.
 pub(crate) struct Builder<'t> {
@@ -27,6 +35,8 @@ pub(crate) struct Builder<'t> {
     pitch: f64,
     turns: usize,
     rasters: BTreeMap<usize, Vec<Raster>>,
+    /// Whether a place counts only where the part can be drawn out again.
+    must_leave: bool,
     /// Placement tests made.
     pub(crate) tests: u64,
 }
@@ -39,6 +49,7 @@ pub(crate) struct Stack {
     skyline: Skyline,
     near: Near,
     floors: BTreeMap<usize, Floors>,
+    filled: Filled,
 }
 
 impl<'t> Builder<'t> {
@@ -48,7 +59,8 @@ impl<'t> Builder<'t> {
         let columns = if task.copies.len() > 150 { 14_000.0 } else { 20_000.0 };
         let pitch = (task.room.x * task.room.y / columns).sqrt().max(0.3 * task.reach_mm).max(0.5);
         let turns = (300 / distinct).clamp(4, 16);
-        Self { task, boxes: Boxes::new(&task.lineup), pitch, turns, rasters: BTreeMap::new(), tests: 0 }
+        let boxes = Boxes::new(&task.lineup);
+        Self { task, boxes, pitch, turns, rasters: BTreeMap::new(), must_leave: task.separable, tests: 0 }
     }
 
     /// What stands already.
@@ -60,6 +72,7 @@ impl<'t> Builder<'t> {
             skyline: self.boxes.skyline(&[]),
             near: Near::new(task.room),
             floors: BTreeMap::new(),
+            filled: Filled::new(task.lineup.cap),
         };
         for zone in &task.zones {
             let half_mm = 0.5 * task.reach_mm;
@@ -82,7 +95,8 @@ impl<'t> Builder<'t> {
     }
 
     /// Places copies in the given order around what stands already; those that find no place are left out. Ends early
-    /// with `None` when the layout gets as high as `worst_mm` or `enough` says so.
+    /// with `None` when the layout gets as high as `worst_mm` or `enough` says so. Where no part may be locked, those that
+    /// are find other places in the end.
     pub(crate) fn build(
         &mut self,
         recipe: &Recipe,
@@ -90,6 +104,30 @@ impl<'t> Builder<'t> {
         standing: &[Piece],
         worst_mm: f64,
         mut enough: impl FnMut(u64) -> bool,
+    ) -> Option<Vec<Piece>> {
+        self.must_leave = false;
+        let built = self.build_once(recipe, order, standing, worst_mm, &mut enough);
+        self.must_leave = self.task.separable;
+        if !self.task.separable {
+            return built;
+        }
+        let (kept, dropped) = parted(self.task, built?);
+        if dropped.is_empty() {
+            return Some(kept);
+        }
+        let again: BTreeSet<(usize, u32)> = dropped.iter().map(|p| (p.item, p.copy)).collect();
+        let again: Vec<(usize, u32)> = order.iter().copied().filter(|copy| again.contains(copy)).collect();
+        self.build_once(recipe, &again, &kept, f64::INFINITY, &mut enough)
+    }
+
+    /// One run over copies in order, around what stands.
+    fn build_once(
+        &mut self,
+        recipe: &Recipe,
+        order: &[(usize, u32)],
+        standing: &[Piece],
+        worst_mm: f64,
+        enough: &mut impl FnMut(u64) -> bool,
     ) -> Option<Vec<Piece>> {
         let mut stack = self.stack(standing);
         for &copy in order {
@@ -110,7 +148,7 @@ impl<'t> Builder<'t> {
             stack.push(self.task, piece);
             return true;
         }
-        let Some(piece) = self.boxes.on_top(copy, &mut stack.skyline) else { return false };
+        let Some(piece) = self.boxes.on_top(copy, &mut stack.skyline, &stack.filled) else { return false };
         self.fill(&mut stack.occupancy, &piece);
         stack.push(self.task, piece);
         true
@@ -132,17 +170,29 @@ impl<'t> Builder<'t> {
         });
         let mut floors = stack.floors.remove(&copy.0).unwrap_or_else(|| Floors::new(&stack.occupancy, rasters));
         let mut found = None;
-        for _ in 0..TRIES {
+        let (mut failed, mut held, mut raises) = (0, 0, 0);
+        while failed < TRIES && held < MOST_HELD && raises < RAISES {
             let lowest = floors.lowest_score(recipe, &stack.occupancy, rasters, &mut self.tests);
             let Some((at, node)) = lowest else { break };
             let raster = &rasters[at];
             let piece = task.piece(copy, raster.turn, stack.occupancy.place(raster, node));
-            if task.is_inside(&piece, task.room.z) && stack.is_clear(task, &piece) {
+            if !(task.is_inside(&piece, task.room.z) && stack.is_clear(task, &piece)) {
+                floors.forbid(at, node);
+                failed += 1;
+            } else if let Some(layers) = stack.layers_missing(task, &piece) {
+                // Its layers are full wherever it stands on the base: all positions of this rotation wait for higher ones.
+                floors.raise(at, node[2], (layers / pitch).ceil().max(1.0) as usize);
+                raises += 1;
+            // When each can leave those before it, all can leave in the opposite order.
+            } else if self.must_leave && !can_leave(task, &piece, &stack.pieces) {
+                let reach = 0.25 * task.kind(copy.0).shape.radius_mm / pitch;
+                floors.forbid_around(node, reach.ceil() as usize);
+                held += 1;
+            } else {
                 stack.occupancy.fill(raster, node);
                 found = Some(piece);
                 break;
             }
-            floors.forbid(at, node);
         }
         stack.remember(copy.0, floors);
         found
@@ -150,7 +200,22 @@ impl<'t> Builder<'t> {
 }
 
 impl Stack {
+    /// By how much a piece must be raised so that no layer is filled beyond the cap, mm; `None` when it need not.
+    fn layers_missing(&self, task: &Task, piece: &Piece) -> Option<f64> {
+        if !self.filled.is_capped() {
+            return None;
+        }
+        match self.filled.raise(&slice(task, piece)) {
+            Some(0) => None,
+            Some(layers) => Some(layers as f64 * task.lineup.cap.layer_mm),
+            None => Some(task.room.z),
+        }
+    }
+
     fn push(&mut self, task: &Task, piece: Piece) {
+        if self.filled.is_capped() {
+            self.filled.add(&slice(task, &piece));
+        }
         self.near.add(self.pieces.len(), &piece.bounds);
         self.skyline.add(&lifted(&piece.bounds, task.z_extra_mm));
         self.pieces.push(piece);

@@ -7,7 +7,9 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
     Cache, Config, Instance, Listener, Placement, Solution, Stop,
+    boxes::Boxes,
     construct::Builder,
+    interlock::parted,
     layout::Layout,
     nester::Course,
     piece::{Piece, Task, height_mm},
@@ -67,7 +69,10 @@ impl Course<'_> {
                 stack = builder.stack(&pieces);
             }
         }
-        self.offer(stack.pieces);
+        // What would be locked in goes on top, from where it can always be lifted.
+        let (free, locked) = if task.separable { parted(task, stack.pieces) } else { (stack.pieces, Vec::new()) };
+        let locked: Vec<(usize, u32)> = locked.iter().map(|piece| (piece.item, piece.copy)).collect();
+        self.offer(Boxes::new(&task.lineup).stack(&free, &locked));
     }
 
     /// Looks for a place of the last piece under a lid at which the parts around it can make room for it.

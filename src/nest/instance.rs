@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{Orientation, reserved::Reserved};
+use super::{LayerCap, Orientation, reserved::Reserved};
 use crate::geometry::Mesh;
 
 /// Which rotations a part may have. A hard rule, checked again on the written file.
@@ -94,6 +94,9 @@ pub enum InstanceError {
     /// A keep-out box is none.
     #[error("the keep-out from {0} to {1} mm is not a box")]
     BadKeepOut(DVec3, DVec3),
+    /// A layer has no thickness, or none of it may be filled.
+    #[error("at most {0} mm2 of layers of {1} mm is no cap")]
+    BadLayers(f64, f64),
     /// There is nothing to nest.
     #[error("there is nothing to nest")]
     Empty,
@@ -105,6 +108,7 @@ pub struct Instance {
     volume: BuildVolume,
     clearance_mm: f64,
     clearance_z_extra_mm: f64,
+    layer_cap: LayerCap,
     items: Vec<Item>,
     reserved: Reserved,
 }
@@ -124,7 +128,8 @@ impl Instance {
         if items.iter().all(|i| i.copies == 0) {
             return Err(InstanceError::Empty);
         }
-        Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, items, reserved: Reserved::default() })
+        let (layer_cap, reserved) = (LayerCap::default(), Reserved::default());
+        Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, layer_cap, items, reserved })
     }
 
     pub(super) fn reserved(&self) -> &Reserved {
@@ -152,6 +157,19 @@ impl Instance {
     /// Least distance between the surfaces of two placements, mm.
     pub fn clearance_mm(&self) -> f64 {
         self.clearance_mm
+    }
+
+    /// Says how thick layers are, and how much of one may be filled.
+    pub fn with_layer_cap(self, layer_cap: LayerCap) -> Result<Self, InstanceError> {
+        if !(layer_cap.layer_mm.is_finite() && layer_cap.layer_mm > 0.0 && layer_cap.area_mm2 > 0.0) {
+            return Err(InstanceError::BadLayers(layer_cap.area_mm2, layer_cap.layer_mm));
+        }
+        Ok(Self { layer_cap, ..self })
+    }
+
+    /// Layers, and how much of one may be filled.
+    pub fn layer_cap(&self) -> LayerCap {
+        self.layer_cap
     }
 
     /// By how much either of two parts may be raised without breaking their clearance, mm.

@@ -4,14 +4,14 @@ use glam::{DQuat, DVec3, Vec3};
 
 use super::{
     OrientationRule,
-    fit::WALL_SPARE_MM,
+    fit::shift_inside,
+    locks::Locks,
     near::Near,
-    notes::Notes,
+    notes::{Notes, Wanted},
     piece::{CLEARANCE_SPARE_MM, Piece, Task, clearance_of_pair, lifted},
     push::{Guide, Push},
-    touch::{self, Touch},
+    touch,
 };
-use crate::geometry::Bounds;
 
 /// What guides keep from the walls, mm: their bounds are of single precision.
 const GUIDE_SPARE_MM: f32 = 2e-4;
@@ -54,6 +54,8 @@ pub(crate) struct Layout<'t> {
     notes: Notes,
     /// How often each part has moved.
     moves: Vec<u32>,
+    /// Who was locked into whom.
+    pub(crate) locks: Locks,
     /// Where parts stand, once there are many.
     grid: Option<Near>,
     /// Height that must not be passed, mm.
@@ -85,6 +87,7 @@ impl<'t> Layout<'t> {
             notes: Notes::new(guides.len()),
             moves: vec![0; guides.len()],
             guides,
+            locks: Locks::default(),
             lid_mm,
             evaluations: 0,
         }
@@ -177,10 +180,11 @@ impl<'t> Layout<'t> {
             true => guide.coarse_energy(there, wanted.reach),
             false => guide.energy(there, wanted.reach),
         };
-        let energy = match self.lifts[..] {
+        let energy: f32 = match self.lifts[..] {
             [_] => once(guide),
             _ => self.lifts.iter().map(|&lift| once(&guide.raised(lift))).sum(),
         };
+        let energy = energy + self.locks.energy((part, guide), (other, there));
         if wanted.touches.is_empty() {
             return energy;
         }
@@ -241,6 +245,7 @@ impl<'t> Layout<'t> {
             let pair = if part < other { (guide, there) } else { (there, guide) };
             let aim = (wanted.clearance + TOUCH_OVERSHOOT_MM, wanted.weight);
             touch::push(wanted.touches, pair, part < other, aim, &mut push);
+            self.locks.push((part, guide), (other, there), wanted.weight, &mut push);
         }
         let rule = if self.task.organs.turning { self.rule(part) } else { OrientationRule::Fixed };
         let energy = push.energy + self.excess_energy(guide);
@@ -311,10 +316,8 @@ impl<'t> Layout<'t> {
         energies.clear();
         energies.resize(self.len(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        for one in 0..self.len() {
-            if one < self.pieces {
-                energies[one] += self.excess_energy(&self.guides[one]);
-            }
+        for (energy, guide) in energies.iter_mut().zip(&self.guides[..self.pieces]) {
+            *energy += self.excess_energy(guide);
         }
         for (one, other) in self.near_pairs() {
             let energy = self.pair_energy(one, other);
@@ -335,9 +338,16 @@ impl<'t> Layout<'t> {
         energies.iter().sum()
     }
 
+    /// Two parts that were locked into each other keep their hulls apart. Whether that is new.
+    pub(crate) fn keep_hulls_apart(&mut self, one: usize, other: usize) -> bool {
+        self.notes.of_mut(one, other).seen = None;
+        self.locks.keep_apart(one, other)
+    }
+
     /// Forgets weights, and a part of the margins.
     pub(crate) fn forget(&mut self) {
         self.notes.forget();
+        self.locks.forget();
     }
 
     /// The pieces, when every one is exactly inside and clear of all others; otherwise margins grow where it was not.
@@ -384,20 +394,4 @@ impl<'t> Layout<'t> {
         }
         clear
     }
-}
-
-/// What holds between two parts.
-struct Wanted<'a> {
-    /// What the guides keep, mm.
-    reach: f32,
-    /// What the triangles are to keep, mm.
-    clearance: f32,
-    weight: f32,
-    touches: &'a [Touch],
-}
-
-/// What brings bounds inside the walls, mm; standing out at the far end where they are too long.
-fn shift_inside(bounds: &Bounds, room: DVec3) -> DVec3 {
-    let shift = (room - WALL_SPARE_MM - bounds.max).min(DVec3::ZERO);
-    shift + (WALL_SPARE_MM - (bounds.min + shift)).max(DVec3::ZERO)
 }

@@ -1,25 +1,24 @@
 //! The door: Instance -> Solution.
 
-use std::{
-    collections::BTreeSet,
-    sync::{Arc, mpsc},
-};
+use std::sync::{Arc, mpsc};
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Cache, Config, Instance, Listener, Method, Placement, Solution, Stop,
+    Cache, Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
     boxes::Boxes,
     construct::Builder,
     contest::contest,
     cut::is_hopeless,
     insert::{are_few, lacking},
+    interlock::parted,
     lower_bound_mm,
-    near::Near,
     outline::Lineup,
     paper::nest_paper,
     piece::{Piece, Task, height_mm, solution},
     recipe::Recipe,
+    settle::{is_better, settle},
+    standing::standing,
     workshop::Workshop,
 };
 use crate::pollination::{Pollination, Setup};
@@ -56,6 +55,8 @@ pub fn nest_with(
 const START_SHARE: f64 = 0.1;
 /// Placement tests that cost about as much as one evaluation of the search.
 pub(super) const TESTS_PER_EVALUATION: u64 = 64;
+/// Share of the budget for what comes after the height.
+const SETTLE_SHARE: f64 = 0.02;
 /// Nodes of a distance grid for the first layouts.
 const COARSE_NODES: usize = 30_000;
 /// Surface points for the first layouts.
@@ -115,7 +116,10 @@ impl<'a> Course<'a> {
 
     fn task(&self, lineup: Lineup) -> Task {
         let pins = self.instance.reserved().pins();
-        Task::new(Arc::new(lineup), pins, &self.workshop, self.config.organs, COARSE_NODES, COARSE_POINTS)
+        let (organs, workshop) = (self.config.organs, &self.workshop);
+        let mut task = Task::new(Arc::new(lineup), pins, workshop, organs, COARSE_NODES, COARSE_POINTS);
+        task.separable = self.config.interlock() == Interlock::Forbid;
+        task
     }
 
     fn run(mut self, start: &[Placement]) -> Solution {
@@ -136,7 +140,8 @@ impl<'a> Course<'a> {
             self.search(&task, 0.6);
             self.insert_lacking(&task);
         }
-        self.search(&task, 1.0);
+        self.search(&task, 1.0 - SETTLE_SHARE);
+        self.settle_down(&task);
         solution(self.instance, &self.best, self.evaluations)
     }
 
@@ -333,6 +338,20 @@ impl<'a> Course<'a> {
         std::iter::once(&self.best).chain(self.starts.iter().filter(is_other)).cloned().collect()
     }
 
+    /// What comes after the height: a denser packed box, nearer to the origin, more even layers.
+    fn settle_down(&mut self, task: &Task) {
+        if self.best.is_empty() || !self.config.organs.settling || self.stop.spent(self.evaluations) >= 1.0 {
+            return;
+        }
+        let (stop, before) = (self.stop, self.evaluations);
+        let mut pieces = self.best.clone();
+        self.evaluations += settle(task, &mut pieces, |asked| stop.spent(before + asked) >= 1.0);
+        let comes_apart = !task.separable || parted(task, pieces.clone()).1.is_empty();
+        if comes_apart && is_better(task, &pieces, &self.best) {
+            self.best = pieces;
+        }
+    }
+
     /// Copies that found no place are tried again around the best layout, in order of precedence.
     fn insert_lacking(&mut self, task: &Task) {
         let standing = self.best.clone();
@@ -342,32 +361,4 @@ impl<'a> Course<'a> {
             self.offer(pieces);
         }
     }
-}
-
-/// The pieces of an earlier layout that still hold: inside the walls and clear of each other. Others are placed anew.
-fn standing(task: &Task, instance: &Instance, start: &[Placement]) -> Vec<Piece> {
-    let known: BTreeSet<(usize, u32)> = task.copies.iter().copied().collect();
-    let mut taken: BTreeSet<(usize, u32)> = BTreeSet::new();
-    let mut near = Near::new(task.room);
-    let mut pieces: Vec<Piece> = Vec::new();
-    let pinned = instance.pinned().iter();
-    for placement in pinned.chain(start.iter().filter(|p| !task.pins.contains(&(p.item, p.copy)))) {
-        let copy = (placement.item, placement.copy);
-        if !known.contains(&copy) || taken.contains(&copy) {
-            continue;
-        }
-        let kind = task.kind(placement.item);
-        let piece = task.piece(copy, placement.pose.rotation, kind.shape.place(&placement.pose));
-        let around = || near.around(&piece.bounds, task.near_mm());
-        if task.is_inside(&piece, task.room.z)
-            && super::rotation_obeys(&kind.orientation, &piece.pose)
-            && task.zones.iter().all(|zone| task.is_still_clear(&piece, zone))
-            && around().into_iter().all(|other| task.is_still_clear(&piece, &pieces[other]))
-        {
-            near.add(pieces.len(), &piece.bounds);
-            taken.insert(copy);
-            pieces.push(piece);
-        }
-    }
-    pieces
 }

@@ -6,8 +6,8 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use super::{
-    Body, BuildVolume, Config, Instance, Item, Method, Orientation, OrientationRule, PaperConfig, Placement, Solution,
-    Stop, Tilt, nest, prove_with, rotation_obeys,
+    Body, BuildVolume, Config, Instance, Item, LayerAreas, LayerCap, Method, Orientation, OrientationRule, PaperConfig,
+    Placement, Solution, Stop, Tilt, nest, prove_with, rotation_obeys,
     testing::{block, hollow, tetrahedron},
 };
 use crate::geometry::{Mesh, Pose};
@@ -47,6 +47,8 @@ pub(super) fn assert_good(instance: &Instance, solution: &Solution) {
     let proof = prove_with(&bodies, room, extra_mm, &instance.keep_out());
     assert!(proof.is_proved(), "{proof:?}");
     assert!((proof.height_mm - solution.height_mm).abs() < 1e-6);
+    let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), instance.layer_cap());
+    assert!(areas.keeps_cap(), "{areas:?}");
     for p in &solution.placements {
         assert!(rotation_obeys(&instance.items()[p.item].orientation, &p.pose), "{p:?}");
     }
@@ -196,10 +198,13 @@ proptest! {
         size in (30.0..80.0_f64, 30.0..80.0_f64, 30.0..90.0_f64),
         clearance_mm in 0.0..4.0_f64,
         extra_mm in prop_oneof![Just(0.0), 0.0..4.0_f64],
+        share in prop_oneof![Just(None), (0.1..1.0_f64).prop_map(Some)],
         seed in 0..1000_u64,
     ) {
         let items = parts.into_iter().map(|(mesh, copies, rule)| item(mesh, copies, rule)).collect();
         let instance = asked(size.into(), clearance_mm, items).with_clearance_z_extra(extra_mm).expect("is a distance");
+        let cap = LayerCap::of_share(0.2, share, &instance.volume());
+        let instance = instance.with_layer_cap(cap).expect("is a cap");
         let solution = nested(&instance, &Config { seed, ..Config::default() }, &[], 2500);
         assert_good(&instance, &solution);
         let paper = PaperConfig { population: 10, iterations: 5, max_layouts: 2, ..PaperConfig::default() };

@@ -19,6 +19,8 @@ pub struct Organs {
     pub separation: bool,
     /// Distance grids as fine as the budget allows; without it, those of the first layouts.
     pub fine_guides: bool,
+    /// Parts move down and towards the origin in the end.
+    pub settling: bool,
 }
 
 impl Default for Organs {
@@ -32,13 +34,14 @@ impl Default for Organs {
             turning: true,
             separation: true,
             fine_guides: true,
+            settling: true,
         }
     }
 }
 
 impl Organs {
     /// Each organ's name and the search without it.
-    pub fn each_taken_out() -> [(&'static str, Self); 8] {
+    pub fn each_taken_out() -> [(&'static str, Self); 9] {
         let all = Self::default();
         [
             ("flowers in relocation (even sampling instead)", Self { flowers_in_relocation: false, ..all }),
@@ -49,6 +52,7 @@ impl Organs {
             ("turning while pushed", Self { turning: false, ..all }),
             ("separation (first layouts only)", Self { separation: false, ..all }),
             ("fine guides", Self { fine_guides: false, ..all }),
+            ("settling in the end", Self { settling: false, ..all }),
         ]
     }
 }
@@ -67,7 +71,7 @@ mod tests {
 
     impl Stop for Evaluations {
         fn spent(&self, evaluations: u64) -> f64 {
-            evaluations as f64 / 12_000.0
+            evaluations as f64 / 20_000.0
         }
     }
 

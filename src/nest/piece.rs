@@ -7,8 +7,10 @@ use glam::{DQuat, DVec3};
 use super::{
     Instance, Organs, Orientation, OrientationRule, Placement, Solution,
     fit::WALL_SPARE_MM,
+    layers::Filled,
     outline::{Candidate, Lineup},
     reserved::Zone,
+    settle::slice,
     shape::{Detail, Shape},
     workshop::Workshop,
 };
@@ -45,10 +47,12 @@ pub(crate) struct Task {
     pub(crate) z_extra_mm: f64,
     /// Which organs of the search take part.
     pub(crate) organs: Organs,
+    /// Whether a layout counts only when no part is locked into others.
+    pub(crate) separable: bool,
 }
 
 impl Task {
-    /// Prepares every distinct mesh of a line-up.
+    /// Prepares every distinct mesh of a line-up. Locked parts are let be.
     pub(crate) fn new(
         lineup: Arc<Lineup>,
         pins: BTreeSet<(usize, u32)>,
@@ -72,7 +76,18 @@ impl Task {
         kinds.extend(shapes.map(zone));
         let (copies, room) = (lineup.copies.clone(), lineup.room);
         let (reach_mm, z_extra_mm) = (lineup.reach_mm, lineup.z_extra_mm);
-        let mut task = Self { kinds, copies, room, reach_mm, z_extra_mm, zones: Vec::new(), pins, organs, lineup };
+        let mut task = Self {
+            kinds,
+            copies,
+            room,
+            reach_mm,
+            z_extra_mm,
+            zones: Vec::new(),
+            pins,
+            organs,
+            separable: false,
+            lineup,
+        };
         let place = |zone: &Zone| zone.bounds.center();
         let first = task.lineup.candidates.len();
         let zones = task.lineup.zones.iter().enumerate();
@@ -109,6 +124,18 @@ impl Task {
     /// Whether a copy may not be moved: it is promised, or it is a zone.
     pub(crate) fn is_fixed(&self, copy: (usize, u32)) -> bool {
         copy.0 >= self.lineup.candidates.len() || self.pins.contains(&copy)
+    }
+
+    /// Whether pieces fill no layer beyond the cap.
+    pub(crate) fn keeps_cap(&self, pieces: &[Piece]) -> bool {
+        let mut filled = Filled::new(self.lineup.cap);
+        !filled.is_capped()
+            || pieces.iter().all(|piece| {
+                let slice = slice(self, piece);
+                let takes = filled.takes(&slice);
+                filled.add(&slice);
+                takes
+            })
     }
 
     /// Bounds further apart than this are clear, mm.
@@ -187,6 +214,16 @@ pub(crate) struct Piece {
     pub(crate) pose: Pose,
     /// Exact bounds.
     pub(crate) bounds: Bounds,
+}
+
+impl Piece {
+    /// The same elsewhere.
+    pub(crate) fn moved(mut self, shift: DVec3) -> Self {
+        self.place += shift;
+        self.pose.translation += shift;
+        self.bounds = Bounds { min: self.bounds.min + shift, max: self.bounds.max + shift };
+        self
+    }
 }
 
 /// Bounds with what is kept free above them.

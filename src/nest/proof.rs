@@ -8,6 +8,8 @@ use glam::{DQuat, DVec3};
 use super::{Orientation, OrientationRule, Tilt, reserved::block, turns::axis_turns};
 use crate::geometry::{Bounds, ClearanceTree, Mesh, Pose};
 
+pub use apart::{TakenApart, take_apart};
+
 /// A clearance may be short by so much, mm.
 const CLEARANCE_TOLERANCE_MM: f64 = 1e-6;
 /// A body may stand out of the volume by so much, mm.
@@ -218,5 +220,6 @@ fn judge(
     }
 }
 
+mod apart;
 #[cfg(test)]
 mod tests;

@@ -152,6 +152,30 @@ pub(crate) fn relocate(
     effort: Effort,
     rng: &mut ChaCha8Rng,
 ) -> bool {
+    let here = layout.energy_at(part, &layout.guides[part], false, f32::INFINITY);
+    relocate_below(layout, grid, part, effort, here, rng)
+}
+
+/// Moves a part to the best other place that is found, better or not.
+pub(crate) fn move_away(
+    layout: &mut Layout<'_>,
+    grid: &mut DepthGrid,
+    part: usize,
+    effort: Effort,
+    rng: &mut ChaCha8Rng,
+) {
+    relocate_below(layout, grid, part, effort, f32::INFINITY, rng);
+}
+
+/// Moves a part to the best place that is found where it has less weighted overlap than `energy`.
+fn relocate_below(
+    layout: &mut Layout<'_>,
+    grid: &mut DepthGrid,
+    part: usize,
+    effort: Effort,
+    energy: f32,
+    rng: &mut ChaCha8Rng,
+) -> bool {
     grid.follow(layout, part);
     let turning = Turning::new(layout, part);
     let mut guide = layout.guides[part].clone();
@@ -170,7 +194,7 @@ pub(crate) fn relocate(
         }
     }
     let here = layout.stands[part];
-    let mut best = (layout.energy_at(part, &layout.guides[part], false, f32::INFINITY), here);
+    let mut best = (energy, here);
     for (_, stand) in ranked {
         layout.set(part, stand);
         for _ in 0..5 {

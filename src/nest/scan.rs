@@ -42,6 +42,30 @@ impl Floors {
         floor.settle(x);
     }
 
+    /// A part would be locked here, and so near, whatever its rotation.
+    pub(crate) fn forbid_around(&mut self, [x, y, z]: [usize; 3], reach: usize) {
+        let low = z.saturating_sub(reach);
+        for floor in self.0.iter_mut().filter(|floor| !floor.layers.is_empty()) {
+            for x in x.saturating_sub(reach)..(x + reach + 1).min(floor.rows.len()) {
+                for y in y.saturating_sub(reach)..(y + reach + 1).min(floor.count) {
+                    let layer = &mut floor.layers[x * floor.count + y];
+                    if usize::from(*layer) >= low {
+                        *layer = (*layer).max((z + reach + 1) as u16);
+                    }
+                }
+                floor.settle(x);
+            }
+        }
+    }
+
+    /// Layers from `layer` up to `by` above it are full for a raster, at all positions.
+    pub(crate) fn raise(&mut self, at: usize, layer: usize, by: usize) {
+        let floor = &mut self.0[at];
+        let (full, free) = (layer as u16, (layer + by).min(floor.end) as u16);
+        floor.layers.iter_mut().filter(|floor| (full..free).contains(*floor)).for_each(|floor| *floor = free);
+        (0..floor.rows.len()).for_each(|x| floor.settle(x));
+    }
+
     /// The raster and lattice position with the least score.
     pub(crate) fn lowest_score(
         &mut self,

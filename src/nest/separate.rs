@@ -5,6 +5,7 @@ use rand::{RngExt, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
+    interlock::is_settled,
     layout::{Layout, Stand},
     piece::Piece,
     relocate::{DepthGrid, Effort, relocate},
@@ -23,7 +24,7 @@ pub(crate) struct Patience {
 
 /// How a separation ended.
 pub(crate) enum Outcome {
-    /// Every pair is exactly clear.
+    /// Every pair is exactly clear, and where it is asked no part is locked into others.
     Clear(Vec<Piece>),
     /// The least total overlap that was reached, and where all parts stood.
     Stuck(f32, Vec<Stand>),
@@ -49,19 +50,16 @@ pub(crate) fn separate(
     let mut least = (f32::INFINITY, Vec::new());
     let (mut idle, mut repairs, mut rounds) = (0, 0, 0);
     loop {
-        if total > 0.0 && total < patience.nearly && rounds % LOOK_ROUNDS == 0 {
-            if let Some(pieces) = layout.confirm() {
+        let content = total <= 0.0;
+        if content || (total < patience.nearly && rounds % LOOK_ROUNDS == 0) {
+            if let Some(pieces) = layout.confirm().filter(|pieces| is_settled(layout, pieces, &mut grid, rng)) {
                 return Outcome::Clear(pieces);
             }
             total = layout.weigh(&mut energies);
         }
         rounds += 1;
-        if total <= 0.0 {
-            if let Some(pieces) = layout.confirm() {
-                return Outcome::Clear(pieces);
-            }
+        if content {
             repairs += 1;
-            total = layout.weigh(&mut energies);
             if repairs > patience.repairs {
                 return Outcome::Stuck(total, layout.stands.clone());
             }

@@ -85,6 +85,8 @@ pub struct Profile {
     pub clearance_z_extra_mm: f64,
     /// Layer thickness, mm; gives the number of layers of a build.
     pub layer_mm: f64,
+    /// No layer may be filled beyond this share of the base of the build volume; `None` = off.
+    pub layer_area_cap: Option<f64>,
     /// Hours that a machine needs per mm of build height, for due dates.
     pub print_hours_per_mm: f64,
     /// Unit of files that do not say theirs.
@@ -140,6 +142,11 @@ impl Profile {
         let origin_mm = self.origin_mm();
         let moved = |zone: &KeepOut| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
         self.keep_out.iter().map(moved).collect()
+    }
+
+    /// Layers, and how much of one may be filled.
+    pub fn layer_cap(&self) -> nest::LayerCap {
+        nest::LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.build_volume())
     }
 
     /// Where the lower front left corner of [`Profile::build_volume`] stands in the machine's frame, mm.

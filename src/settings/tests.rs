@@ -204,6 +204,8 @@ fn values_out_of_range_are_refused_each_by_itself() {
         ("clearance_mm = nan", "clearance_mm"),
         ("clearance_mm = inf", "clearance_mm"),
         ("layer_mm = 0", "layer_mm"),
+        ("layer_area_cap = 0", "layer_area_cap"),
+        ("layer_area_cap = 1.1", "layer_area_cap"),
         ("clearance_z_extra_mm = -0.1", "clearance_z_extra_mm"),
         ("wall_margin_mm = 100", "wall margins"),
         ("floor_margin_mm = 150\nlid_margin_mm = 60", "margins of 150 and 60"),

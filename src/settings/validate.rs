@@ -82,6 +82,7 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
         clearance_mm: inputs.clearance_mm,
         clearance_z_extra_mm: inputs.clearance_z_extra_mm,
         layer_mm: inputs.layer_mm,
+        layer_area_cap: inputs.layer_area_cap.0,
         print_hours_per_mm: inputs.print_hours_per_mm,
         unit: inputs.unit,
         orientation: inputs.orientation,
@@ -121,6 +122,10 @@ fn values(inputs: &ProfileInputs, judge: &mut Judge) {
     judge.within("clearance_mm", inputs.clearance_mm, 0.0..=100.0);
     judge.within("clearance_z_extra_mm", inputs.clearance_z_extra_mm, 0.0..=100.0);
     judge.within("layer_mm", inputs.layer_mm, 0.001..=10.0);
+    if inputs.layer_area_cap.0.is_some_and(|share| !(share > 0.0 && share <= 1.0)) {
+        let remedy = "give a number above 0, at most 1, or \"off\"";
+        judge.object("layer_area_cap", "layer_area_cap is not a share of the base".into(), remedy);
+    }
     judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
     for (key, count) in [("keep_up", inputs.keep_up.len()), ("not_down", inputs.not_down.len())] {
         if count > nest::MAX_TILTS {

@@ -14,7 +14,7 @@ use super::{Args, Machine, parts::Part};
 use crate::{
     format::{self, BuildFile, BuildItem, BuildObject},
     geometry::{Mesh, Pose},
-    nest::{self, Body, Course, Instance, Placement, Proof, Report, Solution},
+    nest::{self, Body, Course, Instance, Interlock, LayerAreas, Placement, Proof, Report, Separability, Solution},
 };
 
 /// Edge lengths of the thumbnail, pixels.
@@ -69,13 +69,15 @@ pub fn write(
         moved.height_mm += machine.origin_mm().z;
         let build = describe(machine, parts, instance, solution, &moved);
         let draft = Draft::fill(&args.output, |file| Ok(format::write_build(&build, file)?))?;
-        let proof = prove(&draft.hidden, machine, parts, &moved.placements)?;
+        let (proof, separable) = prove(&draft.hidden, machine, parts, &moved.placements)?;
         course.clearance_proved_mm = proof.clearance_proved_mm;
+        course.separable = separable;
         draft.publish()?;
     } else {
         eprintln!("nestd: no copy could be placed; {} is not written", args.output.display());
     }
-    let mut report = Report::new(instance, &moved, course);
+    let standing: Vec<(&Mesh, Pose)> = solution.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
+    let mut report = Report::new(instance, &moved, course).measured(&standing, machine.layer_cap());
     report.density = solution.density(instance);
     if let Some(target) = &args.stl {
         let placed = moved.placements.iter().map(|p| (&*parts[p.item].mesh, &p.pose));
@@ -127,8 +129,11 @@ fn describe(
         margins_mm: machine.margins.as_dvec3(),
         clearance_mm: machine.clearance_mm,
         clearance_z_extra_mm: machine.clearance_z_extra_mm,
+        layer_mm: machine.layer_mm,
+        layer_area_cap_mm2: machine.layer_cap().capped_mm2(),
         height_mm: moved.height_mm,
         density: solution.density(instance),
+        interlock: machine.config.interlock().word().to_owned(),
         application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
         objects: used.iter().map(object).collect(),
         items: moved.placements.iter().map(item).collect(),
@@ -138,12 +143,19 @@ fn describe(
     }
 }
 
-/// Reads the written file back and proves it: every copy once, walls, clearance, containment, orientation.
-fn prove(written: &Path, machine: &Machine, parts: &[Part], placed: &[Placement]) -> Result<Proof> {
+/// Reads the written file back and proves it: every copy once, walls, clearance, containment, orientation, and that it comes
+/// apart.
+fn prove(
+    written: &Path,
+    machine: &Machine,
+    parts: &[Part],
+    placed: &[Placement],
+) -> Result<(Proof, Option<Separability>)> {
     let read = format::read_build(written, &machine.limits).context("reading the written build back")?;
     let asked: BTreeSet<(usize, u32)> = placed.iter().map(|p| (p.item, p.copy)).collect();
     let mut found = BTreeSet::new();
     let mut bodies = Vec::with_capacity(read.len());
+    let mut keys = Vec::with_capacity(read.len());
     for item in read {
         let number = item.part_number.as_deref().and_then(|n| n.parse::<usize>().ok()).unwrap_or(0);
         let copy = item.copy.unwrap_or(0);
@@ -156,6 +168,7 @@ fn prove(written: &Path, machine: &Machine, parts: &[Part], placed: &[Placement]
         ensure!(same, "{} came back from the written build with another mesh", item.name);
         let pose = Pose { translation: item.pose.translation - machine.origin_mm(), ..item.pose };
         ensure!(nest::rotation_obeys(&machine.orientation, &pose), "{} is turned against its rule", item.name);
+        keys.push(key);
         bodies.push(Body { name: item.name, mesh: item.mesh, pose, clearance_mm: machine.clearance_mm });
     }
     ensure!(found == asked, "the written build lacks {} placements", asked.len() - found.len());
@@ -178,5 +191,31 @@ fn prove(written: &Path, machine: &Machine, parts: &[Part], placed: &[Placement]
         let fault = close.or(outside).or(inside).or(intruding).unwrap_or_default();
         bail!("the written build is not proved and was taken back: {fault}");
     }
-    Ok(proof)
+    let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), machine.layer_cap());
+    ensure!(areas.keeps_cap(), "the written build was taken back: {}", areas.in_words());
+    let name = |at: usize| (parts[keys[at].0].name.clone(), keys[at].1);
+    Ok((proof, take_apart(machine, &bodies, name)?))
+}
+
+/// Whether the build comes apart, as far as it is asked; a locked part where none may be is an error.
+fn take_apart(
+    machine: &Machine,
+    bodies: &[Body],
+    name: impl Fn(usize) -> (String, u32),
+) -> Result<Option<Separability>> {
+    let rule = machine.config.interlock();
+    if rule == Interlock::Allow {
+        return Ok(None);
+    }
+    let separable = Separability::new(&nest::take_apart(bodies), machine.clearance_mm, name);
+    let locked = separable.locked.len();
+    ensure!(
+        rule == Interlock::Warn || locked == 0,
+        "the written build was taken back: {locked} parts are locked into each other: {}",
+        separable.locked_text()
+    );
+    if locked > 0 {
+        eprintln!("nestd: {locked} parts are locked into each other: {}", separable.locked_text());
+    }
+    Ok(Some(separable))
 }

@@ -89,6 +89,7 @@ impl Progress {
         }
         Course {
             clearance_proved_mm: None,
+            separable: None,
             seed,
             cpu_secs: cpu_secs() - self.cpu_before_secs,
             wall_secs: self.budget.began.elapsed().as_secs_f64(),

@@ -5,7 +5,10 @@ use glam::DVec3;
 use super::{keeps_apart, shape::Shape, zones::Zones};
 use crate::{
     geometry::{Bounds, Pose},
-    nest::{Instance, PaperConfig, Placement, Stop},
+    nest::{
+        Instance, PaperConfig, Placement, Stop,
+        layers::{Filled, Slice},
+    },
     pollination::{Edge, Gene, Pollination, Setup},
 };
 
@@ -27,6 +30,7 @@ pub(super) struct Layout<'a> {
     zones: &'a Zones,
     placed: Vec<Placed>,
     top_mm: f64,
+    filled: Filled,
     /// The placed part that stood in the way last; it probably does again.
     obstacle: usize,
 }
@@ -54,7 +58,8 @@ pub(super) struct Pace<'a> {
 impl<'a> Layout<'a> {
     /// An empty layout.
     pub fn new(instance: &'a Instance, shapes: &'a [Shape], zones: &'a Zones) -> Self {
-        Self { instance, shapes, zones, placed: Vec::new(), top_mm: 0.0, obstacle: 0 }
+        let filled = Filled::new(instance.layer_cap());
+        Self { instance, shapes, zones, placed: Vec::new(), top_mm: 0.0, filled, obstacle: 0 }
     }
 
     /// Puts promised copies where they were promised.
@@ -80,7 +85,11 @@ impl<'a> Layout<'a> {
             self.candidate(item, &genome)
         });
         match fit {
-            Some(candidate) if self.placed.is_empty() && !self.is_in_a_zone(item, &candidate) => {
+            Some(candidate)
+                if self.placed.is_empty()
+                    && !self.is_in_a_zone(item, &candidate)
+                    && self.filled.takes(&self.slice(item, &candidate)) =>
+            {
                 self.put(item, copy, &candidate);
                 true
             }
@@ -142,7 +151,12 @@ impl<'a> Layout<'a> {
                 continue;
             }
             let is_best = search.best().is_none_or(|(_, best)| candidate.fitness < *best);
-            if is_best && (self.is_nested(item, &candidate) || self.is_near_when_raised(item, &candidate)) {
+            let is_barred = || {
+                self.is_nested(item, &candidate)
+                    || self.is_near_when_raised(item, &candidate)
+                    || self.filled.is_capped() && !self.filled.takes(&self.slice(item, &candidate))
+            };
+            if is_best && is_barred() {
                 continue;
             }
             return search.tell(candidate.fitness).then_some(candidate);
@@ -256,7 +270,15 @@ impl<'a> Layout<'a> {
         !self.placed.iter().all(clear)
     }
 
+    /// What the candidate fills in each layer.
+    fn slice(&self, item: usize, candidate: &Candidate) -> Slice {
+        Slice::of(&self.instance.items()[item].mesh, &candidate.pose, self.instance.layer_cap().layer_mm)
+    }
+
     fn put(&mut self, item: usize, copy: u32, candidate: &Candidate) {
+        if self.filled.is_capped() {
+            self.filled.add(&self.slice(item, candidate));
+        }
         let placement = Placement { item, copy, pose: candidate.pose };
         self.top_mm = self.top_mm.max(candidate.bounds.max.z);
         self.placed.push(Placed { placement, bounds: candidate.bounds });

@@ -1,0 +1,171 @@
+//! Things that hold each other, and things that only look so.
+
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+
+use super::{super::Body, TakenApart, take_apart};
+use crate::{
+    geometry::{Mesh, Pose},
+    nest::testing::{block, cells, hollow, range},
+};
+
+const NOBODY: [usize; 0] = [];
+/// Edge of the cells that the solids below are made of, mm.
+const CELL: f64 = 4.0;
+
+fn body(mesh: &Arc<Mesh>, at: [f64; 3]) -> Body {
+    let pose = Pose::new(DQuat::IDENTITY, DVec3::from_array(at));
+    Body { name: "body".to_owned(), mesh: mesh.clone(), pose, clearance_mm: 1.0 }
+}
+
+fn turned(body: Body, turn: DQuat) -> Body {
+    Body { pose: Pose::new(turn, DVec3::ZERO).after(&body.pose), ..body }
+}
+
+/// A square frame of `size` cells, one cell thick, lying flat.
+fn frame(size: i32) -> Arc<Mesh> {
+    let inner = 1..size - 1;
+    cells(CELL, range([0, 0, 0], [size, size, 1]).filter(|c| !(inner.contains(&c[0]) && inner.contains(&c[1]))))
+}
+
+/// A cube of 7 cells, hollow, with a window of 3 x 3 cells in every wall.
+fn cage() -> Arc<Mesh> {
+    let window = |c: &[i32; 3]| (0..3).filter(|&axis| (2..5).contains(&c[axis])).count() >= 2;
+    let inside = |c: &[i32; 3]| c.iter().all(|v| (1..6).contains(v));
+    cells(CELL, range([0, 0, 0], [7, 7, 7]).filter(|c| !inside(c) && !window(c)))
+}
+
+/// A rod of 12 cells along z, with a plate of 5 x 5 cells at either end where asked.
+fn rod(lower_head: bool, upper_head: bool) -> Arc<Mesh> {
+    let head = |z| range([-2, -2, z], [3, 3, z + 1]);
+    let lower = lower_head.then(|| head(0)).into_iter().flatten();
+    let upper = upper_head.then(|| head(11)).into_iter().flatten();
+    cells(CELL, range([0, 0, 0], [1, 1, 12]).chain(lower).chain(upper))
+}
+
+/// A pot of 7 x 7 x 6 cells whose mouth a flange narrows to 3 x 3 cells.
+fn pot() -> Arc<Mesh> {
+    let inside = |c: &[i32; 3]| (1..6).contains(&c[0]) && (1..6).contains(&c[1]) && (1..5).contains(&c[2]);
+    let mouth = |c: &[i32; 3]| (2..5).contains(&c[0]) && (2..5).contains(&c[1]) && c[2] == 5;
+    cells(CELL, range([0, 0, 0], [7, 7, 6]).filter(|c| !inside(c) && !mouth(c)))
+}
+
+fn locked(bodies: &[Body]) -> Vec<usize> {
+    // However a group is turned as a whole: the ways are those of a cube.
+    let quarter = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
+    let about: Vec<Body> = bodies.iter().map(|b| turned(b.clone(), quarter)).collect();
+    let found = take_apart(bodies).locked;
+    assert_eq!(take_apart(&about).locked, found);
+    found
+}
+
+#[test]
+fn linked_rings_are_locked() {
+    let ring = frame(7);
+    let upright = turned(body(&ring, [0.0; 3]), DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2));
+    let through = Body { pose: Pose { translation: DVec3::new(12.0, 14.0, -12.0), ..upright.pose }, ..upright.clone() };
+    assert_eq!(locked(&[body(&ring, [0.0; 3]), through.clone()]), [0, 1]);
+    let beside = Body { pose: Pose { translation: DVec3::new(40.0, 14.0, -12.0), ..through.pose }, ..through };
+    assert_eq!(locked(&[body(&ring, [0.0; 3]), beside]), NOBODY);
+}
+
+#[test]
+fn a_ball_stays_in_a_cage_whose_windows_are_too_small() {
+    let cage = body(&cage(), [0.0; 3]);
+    let ball = |size: f64| body(&block(DVec3::splat(size)), [14.0 - 0.5 * size; 3]);
+    assert_eq!(locked(&[cage.clone(), ball(14.0)]), [0, 1]);
+    assert_eq!(locked(&[cage, ball(10.0)]), NOBODY);
+}
+
+#[test]
+fn a_window_must_leave_the_drawing_gap() {
+    let cage = body(&cage(), [0.0; 3]);
+    let ball = |size: f64| body(&block(DVec3::splat(size)), [14.0 - 0.5 * size; 3]);
+    // The windows are 12 mm wide; at 1 mm clearance half a millimetre is kept on both sides.
+    assert_eq!(locked(&[cage.clone(), ball(10.999)]), NOBODY);
+    assert_eq!(locked(&[cage, ball(11.001)]), [0, 1]);
+}
+
+#[test]
+fn a_rod_leaves_two_rings_unless_heads_hold_it() {
+    let ring = frame(5);
+    let rings = [[-8.0, -8.0, 12.0], [-8.0, -8.0, 28.0]].map(|at| body(&ring, at));
+    for (lower, upper) in [(false, false), (true, false), (false, true)] {
+        let rod = body(&rod(lower, upper), [0.0; 3]);
+        assert_eq!(locked(&[rings[0].clone(), rings[1].clone(), rod]), NOBODY, "{lower} {upper}");
+    }
+    let rod = body(&rod(true, true), [0.0; 3]);
+    assert_eq!(locked(&[rings[0].clone(), rings[1].clone(), rod]), [0, 1, 2]);
+}
+
+#[test]
+fn a_lid_under_a_flange_is_locked_and_locks_what_is_below_it() {
+    let pot = body(&pot(), [0.0; 3]);
+    let lid = body(&block(DVec3::new(18.0, 18.0, 2.0)), [5.0, 5.0, 16.0]);
+    let below = body(&block(DVec3::new(8.0, 8.0, 8.0)), [10.0, 10.0, 5.0]);
+    assert_eq!(locked(&[pot.clone(), below.clone()]), NOBODY);
+    assert_eq!(locked(&[pot.clone(), lid.clone(), below]), [0, 1, 2]);
+    assert_eq!(locked(&[pot, body(&block(DVec3::new(18.0, 18.0, 2.0)), [5.0, 5.0, 26.0])]), NOBODY);
+}
+
+#[test]
+fn what_is_in_a_sealed_cavity_is_locked() {
+    let inner = body(&block(DVec3::splat(8.0)), [11.0; 3]);
+    assert_eq!(locked(&[body(&hollow(30.0, 2.0), [0.0; 3]), inner]), [0, 1]);
+}
+
+#[test]
+fn a_part_inside_another_ones_solid_is_locked() {
+    let outer = body(&block(DVec3::splat(30.0)), [0.0; 3]);
+    assert_eq!(locked(&[outer, body(&block(DVec3::splat(8.0)), [11.0; 3])]), [0, 1]);
+}
+
+#[test]
+fn the_order_is_one_in_which_all_can_leave() {
+    let (pot, plug) = (body(&pot(), [0.0; 3]), body(&block(DVec3::splat(10.0)), [9.0, 9.0, 6.0]));
+    let above = body(&block(DVec3::new(28.0, 28.0, 4.0)), [0.0, 0.0, 26.0]);
+    let found = take_apart(&[plug.clone(), pot.clone(), above]);
+    assert_eq!(found.order.iter().map(|&(body, _)| body).collect::<Vec<_>>(), [2, 0, 1]);
+    assert!(found.order.iter().all(|&(_, way)| way == DVec3::Z));
+    assert_eq!(take_apart(&[]), TakenApart { order: Vec::new(), locked: Vec::new() });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Every step of the order is walked in small steps, past all that come later.
+    #[test]
+    fn a_told_order_can_be_walked(
+        places in proptest::collection::vec((0.0..40.0f64, 0.0..40.0f64, 0.0..40.0f64, 0usize..4, 0usize..24), 4..9)
+    ) {
+        let meshes = [frame(5), frame(4), rod(true, false), cells(CELL, range([0, 0, 0], [3, 1, 1]))];
+        let turns = crate::nest::turns::axis_turns();
+        let mut bodies: Vec<Body> = Vec::new();
+        for (x, y, z, kind, turn) in places {
+            let next = Body { pose: Pose::new(turns[turn], DVec3::new(x, y, z)), ..body(&meshes[kind], [0.0; 3]) };
+            bodies.push(next);
+            let good = super::super::prove(&bodies, DVec3::splat(1e4));
+            if !good.too_close.is_empty() || !good.inside.is_empty() {
+                bodies.pop();
+            }
+        }
+        let found = take_apart(&bodies);
+        prop_assert_eq!(found.order.len() + found.locked.len(), bodies.len());
+        let mut left = bodies.clone();
+        let mut names: Vec<usize> = (0..bodies.len()).collect();
+        for (leaver, way) in found.order {
+            let at = names.iter().position(|&n| n == leaver).unwrap();
+            for step in 0..200 {
+                let mut moved = left.clone();
+                moved[at].pose.translation += way * (0.5 * f64::from(step));
+                moved.iter_mut().for_each(|b| b.clearance_mm = 0.4);
+                let proof = super::super::prove(&moved, DVec3::splat(1e4));
+                prop_assert!(!proof.too_close.iter().any(|p| p.first == at || p.second == at), "step {step}");
+            }
+            left.remove(at);
+            names.remove(at);
+        }
+    }
+}

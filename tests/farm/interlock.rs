@@ -1,0 +1,37 @@
+//! Parts that fit together only as links of a chain.
+
+use glam::DVec3;
+use nestd::{format, geometry::Mesh, ledger::PartState, samples};
+
+use super::support::TestFarm;
+
+/// A machine that holds a flat ring and one on edge only when they are linked.
+const NARROW: &str = "volume_mm = [32, 22, 22]\nclearance_mm = 1.0\norientation = \"fixed\"\nsettle_secs = 0.3\n\
+                      unfinished_secs = 2\nfinal_secs = 2\narrival_secs = 2\n";
+
+fn drop_rings(farm: &TestFarm) {
+    let flat = samples::ring(21.0, 15.0, 3.0);
+    let turned = |v: &DVec3| DVec3::new(v.x, -v.z, v.y);
+    let on_edge = Mesh::new(flat.vertices().iter().map(turned).collect(), flat.triangles().to_vec()).unwrap();
+    // The one on edge comes first: around it the flat one finds its place as a link.
+    farm.drop_part("a_on_edge.stl", &on_edge);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.drop_part("b_flat.stl", &flat);
+}
+
+#[test]
+fn links_of_a_chain_are_built_apart() {
+    let farm = TestFarm::running(NARROW);
+    drop_rings(&farm);
+    // The second ring does not fit into the build of the first, which fires; the second is flushed.
+    farm.wait_for_queued(1);
+    farm.flush();
+    let files = farm.wait_for_queued(2);
+    farm.wait_for_parts(PartState::Built, 2);
+    for file in files {
+        assert_eq!(format::read_build(&file, &format::Limits::default()).unwrap().len(), 1);
+        let said = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
+        assert!(said.contains("part by part"), "{said}");
+    }
+    farm.assert_nothing_lost_or_doubled();
+}

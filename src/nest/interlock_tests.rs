@@ -138,7 +138,7 @@ fn two_links() -> Instance {
 #[test]
 fn where_two_links_fit_only_as_a_chain_one_stays_out() {
     let instance = two_links();
-    let start = [placed(0, 0, DQuat::IDENTITY, [10.5, 9.5, 0.5])];
+    let start = [placed(0, 0, DQuat::IDENTITY, [10.5, 9.5, 0.5]), placed(1, 0, DQuat::IDENTITY, [0.2, 0.5, 8.0])];
     for (interlock, count) in [(Interlock::Forbid, 1), (Interlock::Warn, 2), (Interlock::Allow, 2)] {
         let solution = run(&instance, interlock, &start, 2000);
         assert_eq!(solution.placements.len(), count, "{interlock:?}");

@@ -71,7 +71,7 @@ mod tests {
 
     impl Stop for Evaluations {
         fn spent(&self, evaluations: u64) -> f64 {
-            evaluations as f64 / 20_000.0
+            evaluations as f64 / 12_000.0
         }
     }
 

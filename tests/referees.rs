@@ -76,6 +76,7 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 1,
         volume_mm: DVec3::splat(400.0),
+        keep_out: Vec::new(),
         margins_mm: DVec3::ZERO,
         clearance_z_extra_mm: 0.0,
         layer_mm: 0.1,

@@ -7,7 +7,7 @@ use assert_cmd::Command;
 use glam::{DQuat, DVec3};
 use nestd::{
     format::{Arrangement, BuildFile, BuildItem, BuildObject, Instances, write_build, write_stl},
-    geometry::{Mesh, Pose},
+    geometry::{Bounds, Mesh, Pose},
 };
 
 fn cube() -> Arc<Mesh> {
@@ -62,6 +62,7 @@ fn written(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: O
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 1,
         volume_mm: DVec3::splat(50.0),
+        keep_out: vec![Bounds { min: DVec3::new(44.0, 0.0, 0.0), max: DVec3::new(50.0, 20.0, 50.0) }],
         margins_mm: DVec3::from_array(asked.margins_mm),
         clearance_z_extra_mm: asked.clearance_z_extra_mm,
         layer_mm: 0.1,
@@ -95,6 +96,15 @@ fn a_right_build_is_proved_by_what_it_says_of_itself() {
     let (code, text) = verify(&build(&dir, 3.0, 0.0), &[]);
     assert_eq!(code, 0, "{text}");
     assert!(text.contains("30.0000 mm") && text.contains("3.000000 mm, 2 mm asked"), "{text}");
+}
+
+#[test]
+fn what_stands_in_a_keep_out_box_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let (code, text) = verify(&build(&dir, 24.5, 0.0), &[]);
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("cube #2 (item 2) stands in keep-out box 1"), "{text}");
+    assert!(!text.contains("cube #1 (item 1) stands"), "{text}");
 }
 
 #[test]
@@ -216,6 +226,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
     let upright = std::f64::consts::FRAC_PI_2;
     let build = BuildFile {
         layer_area_cap_mm2: None,
+        keep_out: Vec::new(),
         layer_mm: 0.1,
         title: "a chain".to_owned(),
         profile: "small".to_owned(),

@@ -20,11 +20,12 @@ use super::{
 use crate::{
     farm::DiskCache,
     format::{Arrangement, Instances, Limits, Unit},
+    geometry::Bounds,
     nest::{
         self, BuildVolume, Config, DEFAULT_LAYER_MM, Instance, Interlock, Item, LayerCap, Margins, Method, NotDown,
         Orientation, OrientationRule, Solution, Tilt,
     },
-    settings::{self, parse_secs},
+    settings::{self, KeepOut, parse_secs},
 };
 use progress::{Budget, Progress};
 
@@ -116,6 +117,8 @@ struct Machine {
     name: String,
     /// The printable box, mm.
     volume_mm: DVec3,
+    /// Boxes in which nothing may stand, in the machine's frame.
+    keep_out: Vec<Bounds>,
     margins: Margins,
     clearance_mm: f64,
     clearance_z_extra_mm: f64,
@@ -130,6 +133,13 @@ struct Machine {
 }
 
 impl Machine {
+    /// Boxes in which nothing may stand, as the nester sees them.
+    fn keep_out_in_room(&self) -> Vec<Bounds> {
+        let origin_mm = self.origin_mm();
+        let moved = |zone: &Bounds| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
+        self.keep_out.iter().map(moved).collect()
+    }
+
     /// The box that may be filled.
     fn room(&self) -> BuildVolume {
         self.margins.room(self.volume_mm)
@@ -161,6 +171,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     };
     let instance = Instance::new(machine.room(), machine.clearance_mm, parts.iter().map(item).collect())
         .and_then(|instance| instance.with_clearance_z_extra(machine.clearance_z_extra_mm))
+        .and_then(|instance| instance.with_keep_out(&machine.keep_out_in_room()))
         .and_then(|instance| instance.with_layer_cap(machine.layer_cap()))
         .map_err(|error| Usage(error.to_string()))?;
     let cache = cache(args)?;
@@ -233,6 +244,7 @@ fn without_profile(args: &Args, size_mm: DVec3) -> Machine {
     Machine {
         name: "none".to_owned(),
         volume_mm: size_mm,
+        keep_out: Vec::new(),
         margins: Margins::default(),
         clearance_mm: DEFAULT_CLEARANCE_MM,
         clearance_z_extra_mm: 0.0,
@@ -256,6 +268,7 @@ fn from_profile(common: &Common, args: &Args, name: &str) -> Result<Machine> {
     Ok(Machine {
         name: name.to_owned(),
         volume_mm: profile.volume_mm,
+        keep_out: profile.keep_out.iter().map(KeepOut::bounds).collect(),
         margins: profile.margins(),
         clearance_mm: profile.clearance_mm,
         clearance_z_extra_mm: profile.clearance_z_extra_mm,

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     format::{self, BuildInfo, Limits, PlacedMesh},
-    geometry::Pose,
+    geometry::{Bounds, Pose},
     nest::{
         self, Body, DEFAULT_LAYER_MM, Interlock, LayerAreas, LayerCap, Margins, Orientation, OrientationRule, Proof,
         TakenApart, Tilt,
@@ -133,7 +133,10 @@ fn verify(args: &Args) -> Result<Verdict> {
             pose: Pose { translation: item.pose.translation - margins.origin_mm(), ..item.pose },
         })
         .collect();
-    let mut proof = nest::prove_raised(&bodies, margins.room(volume_mm).size_mm, clearance_z_extra_mm);
+    let origin_mm = margins.origin_mm();
+    let moved = |zone: &Bounds| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
+    let keep_out: Vec<Bounds> = info.keep_out.iter().map(moved).collect();
+    let mut proof = nest::prove_with(&bodies, margins.room(volume_mm).size_mm, clearance_z_extra_mm, &keep_out);
     proof.height_mm += margins.floor_mm;
     let said = || info.interlock.as_deref().and_then(|said| word(said).ok());
     let interlock = args.interlock.or_else(said).unwrap_or(Interlock::Warn);
@@ -195,11 +198,13 @@ fn faults(verdict: &Verdict) -> Vec<String> {
     let outside =
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.6} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
+    let intruding = proof.intruding.iter().map(|&(i, zone)| format!("{} stands in keep-out box {}", name(i), zone + 1));
     let locked = verdict.locked().iter().map(|&i| format!("{} is locked into others", name(i)));
     let turned = verdict.turned.iter().map(|&i| format!("{} is turned against its orientation rule", name(i)));
     close
         .chain(outside)
         .chain(inside)
+        .chain(intruding)
         .chain(locked)
         .chain(turned)
         .chain(verdict.layers.iter().filter(|layers| !layers.keeps_cap()).map(LayerAreas::in_words))
@@ -213,6 +218,9 @@ fn as_text(verdict: &Verdict) -> Vec<String> {
     let mut lines = vec![if verdict.is_proved() { "proved".to_owned() } else { "NOT proved".to_owned() }];
     lines.push(format!("placements      {}", verdict.bodies.len()));
     lines.push(format!("build volume    {} x {} x {} mm", size.x, size.y, size.z));
+    if !verdict.info.keep_out.is_empty() {
+        lines.push(format!("keep-out boxes  {}", verdict.info.keep_out.len()));
+    }
     lines.push(format!("build height    {:.4} mm", proof.height_mm));
     lines.push(match proof.clearance_proved_mm {
         Some(least) => format!("least distance  {least:.6} mm, {} mm asked", verdict.clearance_mm),
@@ -247,6 +255,8 @@ fn as_json(verdict: &Verdict) -> Value {
         proof.outside.iter().map(|&(i, excess)| json!({ "part": name(i), "excess_mm": excess })).collect();
     let inside: Vec<Value> =
         proof.inside.iter().map(|&(outer, inner)| json!({ "outer": name(outer), "inner": name(inner) })).collect();
+    let intruding: Vec<Value> =
+        proof.intruding.iter().map(|&(i, zone)| json!({ "part": name(i), "keep_out": zone + 1 })).collect();
     json!({
         "proved": verdict.is_proved(),
         "title": verdict.info.title,
@@ -262,6 +272,8 @@ fn as_json(verdict: &Verdict) -> Value {
         "too_close": pairs,
         "outside": outside,
         "inside": inside,
+        "keep_out": verdict.info.keep_out.len(),
+        "intruding": intruding,
         "interlock": verdict.interlock.word(),
         "locked": verdict.apart.as_ref().map(|apart| apart.locked.iter().map(|&i| name(i)).collect::<Vec<_>>()),
         "turned": verdict.turned.iter().map(|&i| name(i)).collect::<Vec<_>>(),

@@ -13,6 +13,7 @@ use super::{
     jobs::JobKey,
     layout::{Copy, Layout, copies_of},
     nest::{Best, NestOrder, Nested},
+    priority::give_way,
     station::Search,
     trigger::{Facts, FiredBy, fired_by},
 };
@@ -31,6 +32,7 @@ impl Farm {
         let flush = self.stations.get(name).is_some_and(|s| !s.flush.is_empty());
         let being_read = flush && self.is_being_read(name).await?;
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
+        station.is_settled = waiting.is_empty();
         if waiting.is_empty() {
             station.open.clear();
             if !being_read {
@@ -41,6 +43,7 @@ impl Farm {
         }
         let cut = station.open.cut(&waiting, &station.profile);
         let wanted: BTreeSet<Copy> = copies_of(&cut).into_iter().collect();
+        station.is_settled = station.open.covers(&wanted);
         if !station.paused {
             let copies = waiting.iter().map(|w| w.copies.len()).sum();
             let beyond = wanted.len() < copies;
@@ -96,7 +99,10 @@ impl Farm {
         };
         open.search = Some(Search { round, budget, best, copies: wanted });
         let profile = name.to_owned();
-        self.jobs.start(key, move || Event::Improved { profile, round, nested: order.run(&meshes) });
+        self.jobs.start(key, move || {
+            give_way();
+            Event::Improved { profile, round, nested: order.run(&meshes) }
+        });
     }
 
     /// Takes in what a search for an open build found.

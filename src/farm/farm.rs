@@ -19,6 +19,7 @@ use super::{
     jobs::{JobKey, Jobs},
     lock::Lock,
     nest::{Best, Meshes},
+    quiet::Quiet,
     sd,
     shelf::Shelf,
     signals::{Signal, Signals},
@@ -69,6 +70,7 @@ pub struct Farm {
     /// Builds that failed are not touched before this time.
     pub(super) rest_until: HashMap<BuildId, Instant>,
     pub(super) stopping: bool,
+    pub(super) quiet: Quiet,
     pub(super) started_at: Timestamp,
     pub(super) status_line: String,
     pub(super) shown_at: Option<Instant>,
@@ -118,6 +120,7 @@ impl Farm {
             failures: HashMap::new(),
             rest_until: HashMap::new(),
             stopping: false,
+            quiet: Quiet::default(),
             started_at: Timestamp::now(),
             status_line: "opening".to_owned(),
             shown_at: None,
@@ -219,19 +222,10 @@ impl Farm {
     /// One beat: every step does what there is to do. A step that fails is logged and tried again at the next beat.
     pub(super) async fn beat(&mut self) {
         sd::alive();
-        let names: Vec<String> = self.stations.keys().cloned().collect();
         self.receive();
-        self.tell("orders", Self::orders).await;
-        self.tell("reading", Self::read).await;
-        // Fired builds come before open ones: they take the free slots first.
-        self.tell("nesting", Self::nest).await;
-        for name in names {
-            if let Err(failure) = self.batch(&name).await {
-                self.complain(&format!("batching {name}"), &format!("Batching for {name} failed: {failure:#}"));
-            }
+        if self.may_have_work() {
+            self.work().await;
         }
-        self.tell("publishing", Self::publish).await;
-        self.tell("status", Self::show_status).await;
         if self.sign_of_life.is_none_or(|at| at.elapsed() >= SIGN_OF_LIFE) {
             self.sign_of_life = Some(Instant::now());
             self.tell("sign of life", Self::sign_of_life).await;
@@ -248,6 +242,22 @@ impl Farm {
             self.tidy_at = Instant::now() + super::tidy::TIDY_EVERY;
             self.tell("tidying", Self::tidy).await;
         }
+    }
+
+    /// Every step that looks into the ledger.
+    async fn work(&mut self) {
+        let names: Vec<String> = self.stations.keys().cloned().collect();
+        self.tell("orders", Self::orders).await;
+        self.tell("reading", Self::read).await;
+        // Fired builds come before open ones: they take the free slots first.
+        self.tell("nesting", Self::nest).await;
+        for name in names {
+            if let Err(failure) = self.batch(&name).await {
+                self.complain(&format!("batching {name}"), &format!("Batching for {name} failed: {failure:#}"));
+            }
+        }
+        self.tell("publishing", Self::publish).await;
+        self.tell("status", Self::show_status).await;
     }
 
     async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {

@@ -75,6 +75,7 @@ impl Batch {
         });
         Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())?
             .with_clearance_z_extra(profile.clearance_z_extra_mm)?
+            .with_keep_out(&profile.keep_out())?
             .with_layer_cap(profile.layer_cap())
     }
 

@@ -17,7 +17,7 @@ use crate::{
     ledger::{self, BuildRow, Verified},
     nest::{self, Body, Interlock, LayerAreas, Proof, Separability},
     queue::Queue,
-    settings::Profile,
+    settings::{KeepOut, Profile},
 };
 
 /// Pixels of the build's picture and thumbnail.
@@ -156,6 +156,7 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
         created: created.0.strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
         seed: order.seed,
         volume_mm: profile.volume_mm,
+        keep_out: profile.keep_out.iter().map(KeepOut::bounds).collect(),
         margins_mm: profile.margins().as_dvec3(),
         clearance_mm: profile.clearance_mm,
         clearance_z_extra_mm: profile.clearance_z_extra_mm,
@@ -205,7 +206,8 @@ fn prove_written(
     let asked: BTreeSet<Copy> = placed.iter().map(|p| p.copy).collect();
     ensure!(seen == asked, "the written build holds other copies than were placed");
     format::cross_check(staged, &read, &order.limits).context("comparing with a second reader")?;
-    let proof = nest::prove_raised(&bodies, order.profile.build_volume().size_mm, order.profile.clearance_z_extra_mm);
+    let (profile, room) = (&order.profile, order.profile.build_volume().size_mm);
+    let proof = nest::prove_with(&bodies, room, profile.clearance_z_extra_mm, &profile.keep_out());
     if !proof.is_proved() {
         bail!("the written build is not proved: {}", faults_of(&proof, &bodies));
     }
@@ -285,7 +287,8 @@ pub fn faults_of(proof: &Proof, bodies: &[Body]) -> String {
     let outside =
         proof.outside.iter().map(|&(i, excess)| format!("{} stands {excess:.4} mm out of the volume", name(i)));
     let inside = proof.inside.iter().map(|&(outer, inner)| format!("{} lies inside {}", name(inner), name(outer)));
-    close.chain(outside).chain(inside).take(5).collect::<Vec<_>>().join("; ")
+    let intruding = proof.intruding.iter().map(|&(i, zone)| format!("{} stands in keep-out box {}", name(i), zone + 1));
+    close.chain(outside).chain(inside).chain(intruding).take(5).collect::<Vec<_>>().join("; ")
 }
 
 /// Report, pick map, picture and, where asked for, the whole build as STL; all under the build's stem.

@@ -40,6 +40,8 @@ pub struct Station {
     pub open: OpenBuild,
     /// Orders to publish now that have not been carried out.
     pub flush: Vec<CommandId>,
+    /// Whether all that waits is nested as far as it will be: only news from the ledger or the clock bring work.
+    pub is_settled: bool,
     /// Whether an operator has paused it.
     pub paused: bool,
     /// What `STATUS.txt` and `status.json` say.
@@ -90,6 +92,7 @@ impl Station {
             queue: None,
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
             flush: Vec::new(),
+            is_settled: false,
             paused: false,
             status: Default::default(),
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{Arrangement, Instances};
-use crate::geometry::{Mesh, Pose};
+use crate::geometry::{Bounds, Mesh, Pose};
 
 /// A build, ready to be written.
 #[derive(Debug, Clone)]
@@ -22,6 +22,8 @@ pub struct BuildFile {
     pub seed: u64,
     /// Edge lengths of the build volume, mm.
     pub volume_mm: DVec3,
+    /// Boxes of the build volume in which nothing may stand, mm.
+    pub keep_out: Vec<Bounds>,
     /// What is kept free along the walls, above the floor and below the lid, mm.
     pub margins_mm: DVec3,
     /// Least distance between the surfaces of two placements, mm.
@@ -132,6 +134,8 @@ pub struct BuildInfo {
     pub seed: Option<u64>,
     /// Edge lengths of the build volume, mm.
     pub volume_mm: Option<DVec3>,
+    /// Boxes of the build volume in which nothing may stand, mm.
+    pub keep_out: Vec<Bounds>,
     /// What is kept free along the walls, above the floor and below the lid, mm.
     pub margins_mm: Option<DVec3>,
     /// Least distance between the surfaces of two placements, mm.

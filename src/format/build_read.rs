@@ -10,7 +10,7 @@ use super::{
     model::{Body, Document, Item, Metadata, ObjectKey, Reference},
     solid::checked_mesh,
 };
-use crate::geometry::{Mesh, Pose};
+use crate::geometry::{Bounds, Mesh, Pose};
 
 /// How far a written rotation may be from one: files print 6 digits and more.
 const RIGID: f64 = 1e-5;
@@ -56,6 +56,7 @@ fn info(metadata: &Metadata) -> BuildInfo {
         build_id: metadata.nestd("build"),
         seed: metadata.nestd("seed").and_then(|text| text.parse().ok()),
         volume_mm: metadata.nestd("volume_mm").and_then(|text| three_numbers(&text)),
+        keep_out: metadata.nestd("keep_out_mm").map(|text| boxes(&text)).unwrap_or_default(),
         margins_mm: metadata.nestd("margins_mm").and_then(|text| three_numbers(&text)),
         clearance_mm: number("clearance_mm"),
         clearance_z_extra_mm: number("clearance_z_extra_mm"),
@@ -70,6 +71,17 @@ fn info(metadata: &Metadata) -> BuildInfo {
 fn three_numbers(text: &str) -> Option<DVec3> {
     let numbers: Vec<f64> = text.split_whitespace().map(|n| n.parse().ok()).collect::<Option<_>>()?;
     <[f64; 3]>::try_from(numbers).ok().map(DVec3::from_array)
+}
+
+/// Six numbers a box; one that cannot be read is everywhere, so that it is never taken for kept free.
+fn boxes(text: &str) -> Vec<Bounds> {
+    let everywhere = Bounds { min: DVec3::splat(-1e6), max: DVec3::splat(1e6) };
+    let corners = |text: &str| -> Option<Bounds> {
+        let numbers: Vec<f64> = text.split_whitespace().map(|n| n.parse().ok()).collect::<Option<_>>()?;
+        let [a, b, c, d, e, f] = <[f64; 6]>::try_from(numbers).ok()?;
+        Some(Bounds { min: DVec3::new(a, b, c), max: DVec3::new(d, e, f) })
+    };
+    text.split(';').map(|text| corners(text).unwrap_or(everywhere)).collect()
 }
 
 struct Reader<'a> {

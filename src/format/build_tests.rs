@@ -5,7 +5,7 @@ use std::{io::Cursor, path::Path, sync::Arc};
 use glam::{DQuat, DVec3};
 
 use super::*;
-use crate::geometry::{Mesh, Pose};
+use crate::geometry::{Bounds, Mesh, Pose};
 
 /// A box with its lower corner at the origin.
 fn cuboid(size: DVec3) -> Mesh {
@@ -51,6 +51,7 @@ pub(super) fn sample(instances: Instances, arrangement: Arrangement) -> BuildFil
         created: "2026-11-20T04:49:00Z".to_owned(),
         seed: 7,
         volume_mm: DVec3::new(380.0, 284.0, 380.0),
+        keep_out: vec![Bounds { min: DVec3::ZERO, max: DVec3::new(40.5, 1.0 / 3.0, 10.0) }],
         margins_mm: DVec3::ZERO,
         clearance_z_extra_mm: 0.0,
         layer_mm: 0.1,
@@ -121,6 +122,7 @@ fn what_is_written_is_read_back_exactly() {
         assert_eq!(info.profile.as_deref(), Some("mjf-5200"));
         assert_eq!((info.seed, info.clearance_mm, info.height_mm), (Some(7), Some(3.0), Some(61.5)));
         assert_eq!((info.volume_mm, info.density), (Some(build.volume_mm), Some(0.123)));
+        assert_eq!(info.keep_out, build.keep_out);
         assert_eq!(info.created.as_deref(), Some("2026-11-20T04:49:00Z"));
     }
 }

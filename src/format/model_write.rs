@@ -85,6 +85,12 @@ fn package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
     metadata(out, "nestd:build", &build.build_id)?;
     metadata(out, "nestd:seed", &build.seed.to_string())?;
     metadata(out, "nestd:volume_mm", &format!("{} {} {}", volume.x, volume.y, volume.z))?;
+    if !build.keep_out.is_empty() {
+        let corner = |c: DVec3| format!("{} {} {}", c.x, c.y, c.z);
+        let boxes: Vec<String> =
+            build.keep_out.iter().map(|b| format!("{} {}", corner(b.min), corner(b.max))).collect();
+        metadata(out, "nestd:keep_out_mm", &boxes.join("; "))?;
+    }
     let margins = build.margins_mm;
     metadata(out, "nestd:margins_mm", &format!("{} {} {}", margins.x, margins.y, margins.z))?;
     metadata(out, "nestd:clearance_mm", &build.clearance_mm.to_string())?;

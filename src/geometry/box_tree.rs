@@ -8,6 +8,8 @@ use super::{Bounds, Mesh, Pose, triangle::Triangle};
 pub(super) const LEAF: usize = 4;
 /// Places at which a split is tried along an axis.
 const BINS: usize = 16;
+/// Where there are more triangles, some of them stand for all when a split is chosen.
+const ENOUGH: usize = 2048;
 /// Below this depth nodes are halved by count, so that a walk is never deeper than twice about 40.
 const MAX_UNEVEN_DEPTH: usize = 24;
 
@@ -218,12 +220,13 @@ fn bin(value: f64, centers: &Bounds, axis: usize) -> usize {
 /// The axis and bin border with the least surface area heuristic; `None` when all centres coincide.
 fn cheapest_plane(pieces: &[Piece], centers: &Bounds) -> Option<(usize, usize)> {
     let mut best: Option<(f64, usize, usize)> = None;
+    let step = (pieces.len() / ENOUGH).max(1);
     for axis in 0..3 {
         if centers.size()[axis] <= 0.0 {
             continue;
         }
         let mut bins = [(Bounds::EMPTY, 0usize); BINS];
-        for piece in pieces {
+        for piece in pieces.iter().step_by(step) {
             let bin = &mut bins[bin(piece.center[axis], centers, axis)];
             *bin = (join(bin.0, &piece.bounds), bin.1 + 1);
         }

@@ -45,6 +45,7 @@ impl<'a> Boxes<'a> {
     /// A base with what stands on it.
     pub(crate) fn skyline(&self, standing: &[Piece]) -> Skyline {
         let mut skyline = Skyline::new(self.lineup.room, CELLS[usize::from(self.lineup.copies.len() > MANY)]);
+        self.lineup.zones.iter().for_each(|zone| skyline.keep_out(&zone.bounds));
         standing.iter().for_each(|piece| skyline.add(&lifted(&piece.bounds, self.lineup.z_extra_mm)));
         skyline
     }

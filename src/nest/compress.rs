@@ -168,13 +168,14 @@ fn squeezed(layout: &Layout<'_>, stands: &[Stand], gain_mm: f64, rng: &mut ChaCh
 
 /// Lets two parts of about the same size change places, keeping their turns.
 fn disturb(layout: &mut Layout<'_>, rng: &mut ChaCha8Rng) {
-    if layout.len() < 2 {
+    let movable: Vec<usize> = (0..layout.len()).filter(|&part| !layout.fixed[part]).collect();
+    if movable.len() < 2 {
         return;
     }
-    let one = rng.random_range(0..layout.len());
+    let one = movable[rng.random_range(0..movable.len())];
     let radius = |part: usize| layout.guides[part].shape.radius_mm;
     let mut others: Vec<usize> =
-        (0..layout.len()).filter(|&part| layout.copies[part].0 != layout.copies[one].0).collect();
+        movable.into_iter().filter(|&part| layout.copies[part].0 != layout.copies[one].0).collect();
     others.sort_by(|&a, &b| (radius(a) - radius(one)).abs().total_cmp(&(radius(b) - radius(one)).abs()));
     others.truncate(5);
     if others.is_empty() {

@@ -74,6 +74,14 @@ impl<'t> Builder<'t> {
             floors: BTreeMap::new(),
             filled: Filled::new(task.lineup.cap),
         };
+        for zone in &task.zones {
+            let half_mm = 0.5 * task.reach_mm;
+            // Parts are grown by half a clearance that a zone does not ask for; of a thin one the middle stays.
+            let thin_mm = 0.3 * self.pitch - 0.5 * zone.bounds.size().min_element();
+            let reach_mm = (GROW * self.pitch - half_mm).max(thin_mm);
+            let shape = &task.kind(zone.item).shape;
+            stack.occupancy.fill_solid(shape, &zone.pose, &zone.bounds, reach_mm, half_mm);
+        }
         for piece in standing {
             self.fill(&mut stack.occupancy, piece);
             stack.push(task, piece.clone());
@@ -216,7 +224,7 @@ impl Stack {
     /// Whether a piece keeps its clearance to all others. Exact.
     fn is_clear(&self, task: &Task, piece: &Piece) -> bool {
         let near = self.near.around(&piece.bounds, task.near_mm());
-        near.into_iter().all(|other| task.is_clear(piece, &self.pieces[other]))
+        near.into_iter().map(|other| &self.pieces[other]).chain(&task.zones).all(|other| task.is_clear(piece, other))
     }
 
     fn remember(&mut self, item: usize, floors: Floors) {

@@ -156,12 +156,16 @@ fn distances(lattice: &Lattice, triangles: &[[DVec3; 3]]) -> Vec<f32> {
         let min = triangle[0].min(triangle[1]).min(triangle[2]) - band;
         let max = triangle[0].max(triangle[1]).max(triangle[2]) + band;
         let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or(DVec3::ZERO);
+        // Of many small triangles in a cell, most are farther than one that was looked at before.
+        let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+        let radius = triangle.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
         let [xs, ys, zs] = lattice.range(min, max);
         for z in zs.0..=zs.1 {
             for y in ys.0..=ys.1 {
                 for x in xs.0..=xs.1 {
                     let place = lattice.place([x, y, z]);
-                    if normal.dot(place - triangle[0]).abs() > band {
+                    let known = f64::from(nearest[lattice.at([x, y, z])].1);
+                    if normal.dot(place - triangle[0]).abs() > band || place.distance(middle) - radius > known + 1e-6 {
                         continue;
                     }
                     let closest = closest_point(place, triangle);

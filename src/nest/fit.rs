@@ -151,6 +151,12 @@ fn descend(probe: &Probe, start: DQuat, excess: f64, orientation: &Orientation) 
     (least, if about_z { about_z_exactly(turn) } else { turn })
 }
 
+/// What brings bounds inside the walls, mm; standing out at the far end where they are too long.
+pub(crate) fn shift_inside(bounds: &Bounds, room: DVec3) -> DVec3 {
+    let shift = (room - WALL_SPARE_MM - bounds.max).min(DVec3::ZERO);
+    shift + (WALL_SPARE_MM - (bounds.min + shift)).max(DVec3::ZERO)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

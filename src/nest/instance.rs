@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{LayerCap, Orientation};
+use super::{LayerCap, Orientation, reserved::Reserved};
 use crate::geometry::Mesh;
 
 /// Which rotations a part may have. A hard rule, checked again on the written file.
@@ -91,6 +91,9 @@ pub enum InstanceError {
     /// A clearance is negative or not a number.
     #[error("the clearance {0} mm is not a distance")]
     BadClearance(f64),
+    /// A keep-out box is none.
+    #[error("the keep-out from {0} to {1} mm is not a box")]
+    BadKeepOut(DVec3, DVec3),
     /// A layer has no thickness, or none of it may be filled.
     #[error("at most {0} mm2 of layers of {1} mm is no cap")]
     BadLayers(f64, f64),
@@ -107,6 +110,7 @@ pub struct Instance {
     clearance_z_extra_mm: f64,
     layer_cap: LayerCap,
     items: Vec<Item>,
+    reserved: Reserved,
 }
 
 impl Instance {
@@ -124,7 +128,16 @@ impl Instance {
         if items.iter().all(|i| i.copies == 0) {
             return Err(InstanceError::Empty);
         }
-        Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, layer_cap: LayerCap::default(), items })
+        let (layer_cap, reserved) = (LayerCap::default(), Reserved::default());
+        Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, layer_cap, items, reserved })
+    }
+
+    pub(super) fn reserved(&self) -> &Reserved {
+        &self.reserved
+    }
+
+    pub(super) fn reserved_mut(&mut self) -> &mut Reserved {
+        &mut self.reserved
     }
 
     /// Asks for more clearance along z: between any two parts the clearance also holds when either of them is raised by

@@ -1,6 +1,6 @@
 //! The search where parts may not be locked into each other: what it hands out can always be taken apart.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -149,7 +149,7 @@ fn where_two_links_fit_only_as_a_chain_one_stays_out() {
 fn task(instance: &Instance) -> Task {
     let workshop = Workshop::new(None, 1);
     let lineup = Lineup::new(instance, |meshes| workshop.outlines(meshes));
-    Task::new(Arc::new(lineup), &workshop, Organs::default(), 2000, 100)
+    Task::new(Arc::new(lineup), BTreeSet::new(), &workshop, Organs::default(), 2000, 100)
 }
 
 fn pieces(task: &Task, placements: &[Placement]) -> Vec<Piece> {

@@ -4,15 +4,14 @@ use glam::{DQuat, DVec3, Vec3};
 
 use super::{
     OrientationRule,
-    fit::WALL_SPARE_MM,
+    fit::shift_inside,
     locks::Locks,
     near::Near,
-    notes::Notes,
-    piece::{CLEARANCE_SPARE_MM, Piece, Task, lifted},
+    notes::{Notes, Wanted},
+    piece::{CLEARANCE_SPARE_MM, Piece, Task, clearance_of_pair, lifted},
     push::{Guide, Push},
-    touch::{self, Touch},
+    touch,
 };
-use crate::geometry::Bounds;
 
 /// What guides keep from the walls, mm: their bounds are of single precision.
 const GUIDE_SPARE_MM: f32 = 2e-4;
@@ -46,6 +45,10 @@ pub(crate) struct Layout<'t> {
     pub(crate) stands: Vec<Stand>,
     pub(crate) guides: Vec<Guide>,
     clearances: Vec<f32>,
+    /// Parts that must not move: promised ones and zones, which stand after all pieces.
+    pub(crate) fixed: Vec<bool>,
+    /// Parts that are pieces.
+    pieces: usize,
     /// Raisings at which overlap is looked for, mm; 0 alone where clearances hold for no more than the parts as they stand.
     lifts: Vec<f32>,
     notes: Notes,
@@ -67,8 +70,9 @@ impl<'t> Layout<'t> {
     /// The layout of pieces, under a lid.
     pub(crate) fn new(task: &'t Task, pieces: &[Piece], lid_mm: f64) -> Self {
         let guide = |p: &Piece| Guide::new(task.kind(p.item).shape.clone(), p.turn, p.place);
-        let guides: Vec<Guide> = pieces.iter().map(guide).collect();
-        let grid = (pieces.len() > FEW).then(|| {
+        let parts = || pieces.iter().chain(&task.zones);
+        let guides: Vec<Guide> = parts().map(guide).collect();
+        let grid = (guides.len() > FEW).then(|| {
             let mut grid = Near::new(task.room);
             guides.iter().enumerate().for_each(|(part, guide)| grid.add(part, &guide.bounds()));
             grid
@@ -76,14 +80,16 @@ impl<'t> Layout<'t> {
         Self {
             task,
             grid,
-            copies: pieces.iter().map(|p| (p.item, p.copy)).collect(),
-            stands: pieces.iter().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
-            guides,
-            clearances: pieces.iter().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
+            fixed: parts().map(|p| task.is_fixed((p.item, p.copy))).collect(),
+            pieces: pieces.len(),
+            copies: parts().map(|p| (p.item, p.copy)).collect(),
+            stands: parts().map(|p| Stand { turn: p.turn, place: p.place }).collect(),
+            clearances: parts().map(|p| task.kind(p.item).clearance_mm as f32).collect(),
             lifts: task.lifts(),
-            notes: Notes::new(pieces.len()),
-            moves: vec![0; pieces.len()],
-            flowers: vec![Vec::new(); pieces.len()],
+            notes: Notes::new(guides.len()),
+            moves: vec![0; guides.len()],
+            flowers: vec![Vec::new(); guides.len()],
+            guides,
             locks: Locks::default(),
             lid_mm,
             evaluations: 0,
@@ -109,6 +115,9 @@ impl<'t> Layout<'t> {
 
     /// Moves a part, and then inside the walls as far as it fits.
     pub(crate) fn set(&mut self, part: usize, stand: Stand) {
+        if self.fixed[part] {
+            return;
+        }
         let mut guide = self.guides[part].clone();
         let mut stand = self.clamp(&mut guide, stand);
         let known = self.stands[part];
@@ -157,7 +166,8 @@ impl<'t> Layout<'t> {
 
     /// What holds between two parts.
     fn wanted(&self, one: usize, other: usize) -> Wanted<'_> {
-        let clearance = self.clearances[one].max(self.clearances[other]) + WANTED_SPARE_MM;
+        let (one_mm, other_mm) = (f64::from(self.clearances[one]), f64::from(self.clearances[other]));
+        let clearance = clearance_of_pair(one_mm, other_mm) as f32 + WANTED_SPARE_MM;
         match self.notes.of(one, other) {
             Some(note) => {
                 Wanted { reach: clearance + note.margin, clearance, weight: note.weight, touches: &note.touches }
@@ -201,8 +211,11 @@ impl<'t> Layout<'t> {
 
     /// Pairs whose bounds come nearer than any pair may be, each once, in rising order.
     fn near_pairs(&self) -> Vec<(usize, usize)> {
-        let of =
-            |one: usize| self.near(one, &self.guides[one]).filter(move |&other| other > one).map(move |o| (one, o));
+        let of = |one: usize| {
+            self.near(one, &self.guides[one])
+                .filter(move |&other| other > one && !self.are_fixed(one, other))
+                .map(move |o| (one, o))
+        };
         (0..self.len()).flat_map(of).collect()
     }
 
@@ -283,6 +296,11 @@ impl<'t> Layout<'t> {
         held
     }
 
+    /// Whether neither of two parts may move: then nothing can be wrong between them that could be helped.
+    fn are_fixed(&self, one: usize, other: usize) -> bool {
+        self.fixed[one] && self.fixed[other]
+    }
+
     /// Overlap of two parts where they stand, unweighted; known as long as neither moves.
     fn pair_energy(&mut self, one: usize, other: usize) -> f32 {
         let now = (self.moves[one], self.moves[other]);
@@ -301,7 +319,7 @@ impl<'t> Layout<'t> {
         energies.clear();
         energies.resize(self.len(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        for (energy, guide) in energies.iter_mut().zip(&self.guides) {
+        for (energy, guide) in energies.iter_mut().zip(&self.guides[..self.pieces]) {
             *energy += self.excess_energy(guide);
         }
         for (one, other) in self.near_pairs() {
@@ -340,9 +358,9 @@ impl<'t> Layout<'t> {
         let task = self.task;
         let pieces: Vec<Piece> =
             (self.copies.iter().zip(&self.stands)).map(|(&copy, s)| task.piece(copy, s.turn, s.place)).collect();
-        let inside = pieces.iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
+        let inside = pieces[..self.pieces].iter().all(|piece| task.is_inside(piece, self.lid_mm + 1e-9));
         let clear = self.check_pairs(&pieces);
-        (inside && clear).then_some(pieces)
+        (inside && clear).then(|| pieces[..self.pieces].to_vec())
     }
 
     /// Whether all pairs are clear on the triangles; where one is not, its contacts are kept, or its margin grows.
@@ -379,20 +397,4 @@ impl<'t> Layout<'t> {
         }
         clear
     }
-}
-
-/// What holds between two parts.
-struct Wanted<'a> {
-    /// What the guides keep, mm.
-    reach: f32,
-    /// What the triangles are to keep, mm.
-    clearance: f32,
-    weight: f32,
-    touches: &'a [Touch],
-}
-
-/// What brings bounds inside the walls, mm; standing out at the far end where they are too long.
-fn shift_inside(bounds: &Bounds, room: DVec3) -> DVec3 {
-    let shift = (room - WALL_SPARE_MM - bounds.max).min(DVec3::ZERO);
-    shift + (WALL_SPARE_MM - (bounds.min + shift)).max(DVec3::ZERO)
 }

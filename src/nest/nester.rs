@@ -1,9 +1,6 @@
 //! The door: Instance -> Solution.
 
-use std::{
-    collections::BTreeSet,
-    sync::{Arc, mpsc},
-};
+use std::sync::{Arc, mpsc};
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
@@ -13,15 +10,15 @@ use super::{
     construct::Builder,
     contest::contest,
     cut::is_hopeless,
+    insert::{are_few, lacking},
     interlock::parted,
-    layers::Filled,
     lower_bound_mm,
-    near::Near,
     outline::Lineup,
     paper::nest_paper,
     piece::{Piece, Task, height_mm, solution},
     recipe::Recipe,
-    settle::{is_better, settle, slice},
+    settle::{is_better, settle},
+    standing::standing,
     workshop::Workshop,
 };
 use crate::pollination::{Pollination, Setup};
@@ -50,11 +47,7 @@ pub fn nest_with(
 ) -> Solution {
     match config.method {
         Method::Paper => nest_paper(instance, config, stop, listener),
-        Method::Nestd => {
-            let workshop = Workshop::new(cache, config.threads);
-            Course { instance, config, workshop, stop, listener, best: Vec::new(), starts: Vec::new(), evaluations: 0 }
-                .run(start)
-        }
+        Method::Nestd => Course::new(instance, config, cache, stop, listener).run(start),
     }
 }
 
@@ -96,19 +89,49 @@ pub(super) struct Course<'a> {
     pub(super) evaluations: u64,
 }
 
-impl Course<'_> {
+impl<'a> Course<'a> {
+    pub(super) fn new(
+        instance: &'a Instance,
+        config: &'a Config,
+        cache: Option<&'a dyn Cache>,
+        stop: &'a dyn Stop,
+        listener: &'a mut dyn Listener,
+    ) -> Self {
+        let workshop = Workshop::new(cache, config.threads);
+        Self { instance, config, workshop, stop, listener, best: Vec::new(), starts: Vec::new(), evaluations: 0 }
+    }
+
+    /// Only puts in what is lacking.
+    pub(super) fn insert_only(mut self, start: &[Placement]) -> Solution {
+        let task = self.task(self.lineup());
+        let standing = standing(&task, self.instance, start);
+        self.offer(standing.clone());
+        self.insert_each(&task, &standing, &lacking(&task, &standing));
+        solution(self.instance, &self.best, self.evaluations)
+    }
+
+    fn lineup(&self) -> Lineup {
+        Lineup::new(self.instance, |meshes| self.workshop.outlines(meshes))
+    }
+
+    fn task(&self, lineup: Lineup) -> Task {
+        let pins = self.instance.reserved().pins();
+        let (organs, workshop) = (self.config.organs, &self.workshop);
+        let mut task = Task::new(Arc::new(lineup), pins, workshop, organs, COARSE_NODES, COARSE_POINTS);
+        task.separable = self.config.interlock() == Interlock::Forbid;
+        task
+    }
+
     fn run(mut self, start: &[Placement]) -> Solution {
-        let workshop = self.workshop;
-        let lineup = Lineup::new(self.instance, |meshes| workshop.outlines(meshes));
-        if start.is_empty() {
+        let lineup = self.lineup();
+        if start.is_empty() && self.instance.pinned().is_empty() {
             self.stack_boxes(&lineup);
             if self.stop.spent(0) >= 1.0 {
                 return solution(self.instance, &self.best, self.evaluations);
             }
         }
         let begun = self.stop.spent(0);
-        let mut task = Task::new(Arc::new(lineup), &workshop, self.config.organs, COARSE_NODES, COARSE_POINTS);
-        task.separable = self.config.interlock() == Interlock::Forbid;
+        let task = self.task(lineup);
         let prepared = self.stop.spent(0) - begun;
         self.construct(&task, start);
         let task = self.refined(task, prepared);
@@ -181,14 +204,19 @@ impl Course<'_> {
     /// The first layouts: what stands already, boxes, and bit columns by several recipes.
     fn construct(&mut self, task: &Task, start: &[Placement]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let standing = standing(task, start);
-        let taken: BTreeSet<(usize, u32)> = standing.iter().map(|p| (p.item, p.copy)).collect();
-        let lacking: Vec<(usize, u32)> = task.copies.iter().copied().filter(|c| !taken.contains(c)).collect();
+        let standing = standing(task, self.instance, start);
+        let lacking = lacking(task, &standing);
         if !standing.is_empty() {
             self.offer(Boxes::new(&task.lineup).stack(&standing, &lacking));
         }
         if lacking.is_empty() {
             return;
+        }
+        if are_few(&lacking, &standing) {
+            self.insert_each(task, &standing, &lacking);
+            if self.best.len() == standing.len() + lacking.len() {
+                return;
+            }
         }
         if is_hopeless(self.instance, &lacking) {
             return self.keep_precedence(task, &mut Builder::new(task), &standing, &lacking);
@@ -242,7 +270,8 @@ impl Course<'_> {
         let (stop, before) = (self.stop, self.evaluations);
         let enough = |tests| stop.spent(before + tests / TESTS_PER_EVALUATION) >= limit;
         let built = builder.build(recipe, order, standing, worst_mm, enough);
-        self.evaluations += std::mem::take(&mut builder.tests) / TESTS_PER_EVALUATION;
+        self.evaluations += builder.tests / TESTS_PER_EVALUATION;
+        builder.tests %= TESTS_PER_EVALUATION;
         built
     }
 
@@ -251,7 +280,8 @@ impl Course<'_> {
         if self.best.is_empty() || !self.config.organs.separation || self.stop.spent(self.evaluations) >= until {
             return;
         }
-        let floor_mm = lower_bound_mm(self.instance).min(height_mm(&self.best));
+        let promised_mm = self.best.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
+        let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best));
         let (stop, seed, before, starts) = (self.stop, self.config.seed, self.evaluations, self.places_to_begin());
         let threads = match self.config.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -324,44 +354,11 @@ impl Course<'_> {
 
     /// Copies that found no place are tried again around the best layout, in order of precedence.
     fn insert_lacking(&mut self, task: &Task) {
-        let taken: BTreeSet<(usize, u32)> = self.best.iter().map(|p| (p.item, p.copy)).collect();
-        let lacking: Vec<(usize, u32)> = task.copies.iter().copied().filter(|c| !taken.contains(c)).collect();
         let standing = self.best.clone();
+        let lacking = lacking(task, &standing);
         let mut builder = Builder::new(task);
         if let Some(pieces) = self.build(&mut builder, &Recipe::FIRST[0], &lacking, &standing, 0.9) {
             self.offer(pieces);
         }
     }
-}
-
-/// The pieces of an earlier layout that still hold: inside the walls, clear of each other and, where it is asked, not locked
-/// into each other. Others are placed anew.
-fn standing(task: &Task, start: &[Placement]) -> Vec<Piece> {
-    let known: BTreeSet<(usize, u32)> = task.copies.iter().copied().collect();
-    let mut taken: BTreeSet<(usize, u32)> = BTreeSet::new();
-    let mut near = Near::new(task.room);
-    let mut filled = Filled::new(task.lineup.cap);
-    let mut pieces: Vec<Piece> = Vec::new();
-    for placement in start {
-        let copy = (placement.item, placement.copy);
-        if !known.contains(&copy) || taken.contains(&copy) {
-            continue;
-        }
-        let kind = task.kind(placement.item);
-        let piece = task.piece(copy, placement.pose.rotation, kind.shape.place(&placement.pose));
-        let around = || near.around(&piece.bounds, task.near_mm());
-        if task.is_inside(&piece, task.room.z)
-            && super::rotation_obeys(&kind.orientation, &piece.pose)
-            && around().into_iter().all(|other| task.is_clear(&piece, &pieces[other]))
-            && (!filled.is_capped() || filled.takes(&slice(task, &piece)))
-        {
-            if filled.is_capped() {
-                filled.add(&slice(task, &piece));
-            }
-            near.add(pieces.len(), &piece.bounds);
-            taken.insert(copy);
-            pieces.push(piece);
-        }
-    }
-    if task.separable { parted(task, pieces).0 } else { pieces }
 }

@@ -7,13 +7,13 @@ use proptest::prelude::*;
 
 use super::{
     Body, BuildVolume, Config, Instance, Item, LayerAreas, LayerCap, Method, Orientation, OrientationRule, PaperConfig,
-    Placement, Solution, Stop, Tilt, nest, prove_raised, rotation_obeys,
+    Placement, Solution, Stop, Tilt, nest, prove_with, rotation_obeys,
     testing::{block, hollow, tetrahedron},
 };
 use crate::geometry::{Mesh, Pose};
 
 /// So many evaluations and no clock: tests do not depend on the machine.
-struct Evaluations(u64);
+pub(super) struct Evaluations(pub(super) u64);
 
 impl Stop for Evaluations {
     fn spent(&self, evaluations: u64) -> f64 {
@@ -21,20 +21,20 @@ impl Stop for Evaluations {
     }
 }
 
-fn item(mesh: Arc<Mesh>, copies: u32, orientation: impl Into<Orientation>) -> Item {
+pub(super) fn item(mesh: Arc<Mesh>, copies: u32, orientation: impl Into<Orientation>) -> Item {
     Item { name: "part".to_owned(), mesh, copies, orientation: orientation.into(), clearance_mm: None }
 }
 
-fn asked(size: DVec3, clearance_mm: f64, items: Vec<Item>) -> Instance {
+pub(super) fn asked(size: DVec3, clearance_mm: f64, items: Vec<Item>) -> Instance {
     Instance::new(BuildVolume { size_mm: size }, clearance_mm, items).expect("makes sense")
 }
 
-fn nested(instance: &Instance, config: &Config, start: &[Placement], evaluations: u64) -> Solution {
+pub(super) fn nested(instance: &Instance, config: &Config, start: &[Placement], evaluations: u64) -> Solution {
     nest(instance, config, start, &Evaluations(evaluations), &mut |_: &Solution, _: u64| {})
 }
 
 /// The independent judge finds nothing, rules hold, and every copy is either placed or told as unplaced, once.
-fn assert_good(instance: &Instance, solution: &Solution) {
+pub(super) fn assert_good(instance: &Instance, solution: &Solution) {
     let bodies: Vec<Body> = (solution.placements.iter())
         .map(|p| Body {
             name: format!("{} #{}", p.item, p.copy),
@@ -43,7 +43,8 @@ fn assert_good(instance: &Instance, solution: &Solution) {
             clearance_mm: instance.clearance_between_mm(p.item, p.item),
         })
         .collect();
-    let proof = prove_raised(&bodies, instance.volume().size_mm, instance.clearance_z_extra_mm());
+    let (room, extra_mm) = (instance.volume().size_mm, instance.clearance_z_extra_mm());
+    let proof = prove_with(&bodies, room, extra_mm, &instance.keep_out());
     assert!(proof.is_proved(), "{proof:?}");
     assert!((proof.height_mm - solution.height_mm).abs() < 1e-6);
     let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), instance.layer_cap());

@@ -18,6 +18,16 @@ pub(crate) struct Note {
     pub(crate) seen: Option<((u32, u32), f32)>,
 }
 
+/// What holds between two parts.
+pub(crate) struct Wanted<'a> {
+    /// What the guides keep, mm.
+    pub(crate) reach: f32,
+    /// What the triangles are to keep, mm.
+    pub(crate) clearance: f32,
+    pub(crate) weight: f32,
+    pub(crate) touches: &'a [Touch],
+}
+
 /// Notes of all pairs: of every part those with later parts, in rising order.
 #[derive(Debug, Clone)]
 pub(crate) struct Notes {

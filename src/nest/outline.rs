@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::{Instance, LayerCap, Orientation, fit, turns};
+use super::{Instance, LayerCap, Orientation, fit, reserved::Zone, turns};
 use crate::geometry::{Mesh, Obb};
 
 /// Directions whose farthest points decide a part's extents, all but exactly.
@@ -54,6 +54,8 @@ pub(crate) struct Lineup {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Where nothing may stand.
+    pub(crate) zones: Vec<Zone>,
     /// Clearances also hold when either part is raised by up to this, mm.
     pub(crate) z_extra_mm: f64,
     /// Layers, and how much of one may be filled.
@@ -85,8 +87,10 @@ impl Lineup {
             .flat_map(|(at, item)| (0..item.copies).map(move |copy| (at, copy)))
             .collect();
         let reach_mm = instance.items().iter().map(own).fold(0.0, f64::max);
+        let zones = instance.reserved().zones.clone();
         let z_extra_mm = instance.clearance_z_extra_mm();
-        Self { candidates, copies, room: instance.volume().size_mm, reach_mm, z_extra_mm, cap: instance.layer_cap() }
+        let (room, cap) = (instance.volume().size_mm, instance.layer_cap());
+        Self { candidates, copies, room, reach_mm, z_extra_mm, zones, cap }
     }
 
     /// The item of a copy that is being nested.

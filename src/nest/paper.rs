@@ -20,13 +20,17 @@
 
 mod layout;
 mod shape;
+mod zones;
 
 use layout::{Layout, Pace};
 use shape::{Shape, shapes};
+use zones::Zones;
 
 use super::{Config, Instance, Listener, Placement, Solution, Stop, piece::lifted};
 use crate::geometry::{Bounds, Pose};
 
+/// What a placement may stand out of the walls, mm: within the judge's tolerance, and what a promised one may.
+const WALL_SLACK_MM: f64 = 8e-7;
 /// The share of the budget that a first layout may take.
 const FIRST_LAYOUT_SHARE: f64 = 0.9;
 
@@ -39,14 +43,15 @@ pub(crate) fn nest_paper(
 ) -> Solution {
     let shapes = shapes(instance, config.paper.reduce_tree);
     let sequence = sequence(instance, &shapes);
+    let zones = Zones::new(instance);
     let mut evaluations = 0;
     let mut best: Option<Solution> = None;
     let mut previous_mm: Option<f64> = None;
     for number in 0.. {
         let first = best.is_none();
-        let run = Run { instance, config, shapes: &shapes, sequence: &sequence, stop };
+        let run = Run { instance, config, shapes: &shapes, sequence: &sequence, zones: &zones, stop };
         let Some(placements) = run.layout(number, first, &mut evaluations) else { break };
-        let found = solution(instance, &shapes, placements, evaluations);
+        let found = solution(instance, &shapes, &zones, placements, evaluations);
         let height_mm = found.height_mm;
         let complete = found.unplaced.is_empty();
         if best.as_ref().is_none_or(|best| is_better(&found, best)) {
@@ -58,7 +63,7 @@ pub(crate) fn nest_paper(
         }
         previous_mm = complete.then_some(height_mm);
     }
-    best.unwrap_or_else(|| solution(instance, &shapes, Vec::new(), evaluations))
+    best.unwrap_or_else(|| solution(instance, &shapes, &zones, Vec::new(), evaluations))
 }
 
 /// Steps 1 and 6 of section 2.3.1; the computation time is the caller's `Stop`.
@@ -83,7 +88,8 @@ fn is_better(one: &Solution, two: &Solution) -> bool {
 /// All copies by the area of their boxes, the largest first (step 3).
 fn sequence(instance: &Instance, shapes: &[Shape]) -> Vec<(usize, u32)> {
     let copies = instance.items().iter().enumerate().flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
-    let mut sequence: Vec<(usize, u32)> = copies.collect();
+    let pins = instance.reserved().pins();
+    let mut sequence: Vec<(usize, u32)> = copies.filter(|copy| !pins.contains(copy)).collect();
     sequence.sort_by(|a, b| shapes[b.0].print_area_mm2.total_cmp(&shapes[a.0].print_area_mm2));
     sequence
 }
@@ -94,13 +100,15 @@ struct Run<'a> {
     config: &'a Config,
     shapes: &'a [Shape],
     sequence: &'a [(usize, u32)],
+    zones: &'a Zones,
     stop: &'a dyn Stop,
 }
 
 impl Run<'_> {
     /// One layout (steps 4 and 5); `None` when the budget ended on the way and there is an earlier one.
     fn layout(&self, number: u64, first: bool, evaluations: &mut u64) -> Option<Vec<Placement>> {
-        let mut layout = Layout::new(self.instance, self.shapes);
+        let mut layout = Layout::new(self.instance, self.shapes, self.zones);
+        layout.pin(self.instance.pinned());
         let start = self.stop.spent(*evaluations);
         for (index, &(item, copy)) in self.sequence.iter().enumerate() {
             let done = (index + 1) as f64 / self.sequence.len() as f64;
@@ -130,12 +138,19 @@ fn seed(seed: u64, layout: u64, part: u64) -> u64 {
 }
 
 /// Freezes a layout after proving it on its triangles: a placement that breaks a rule is left out.
-fn solution(instance: &Instance, shapes: &[Shape], placements: Vec<Placement>, evaluations: u64) -> Solution {
+fn solution(
+    instance: &Instance,
+    shapes: &[Shape],
+    zones: &Zones,
+    placements: Vec<Placement>,
+    evaluations: u64,
+) -> Solution {
     let mut kept: Vec<(Placement, Bounds)> = Vec::with_capacity(placements.len());
     for placement in placements {
         let bounds = shapes[placement.item].surface.bounds_at(&placement.pose);
-        let inside = Bounds { min: glam::DVec3::ZERO, max: instance.volume().size_mm }.holds(&bounds, -1e-7);
+        let inside = Bounds { min: glam::DVec3::ZERO, max: instance.volume().size_mm }.holds(&bounds, -WALL_SLACK_MM);
         if inside
+            && !zones.meet(&shapes[placement.item].surface, &placement.pose, &bounds)
             && super::rotation_obeys(&instance.items()[placement.item].orientation, &placement.pose)
             && kept.iter().all(|(other, near)| keeps_clear(instance, shapes, (&placement, &bounds), (other, near)))
         {

@@ -1,14 +1,15 @@
 //! What is nested and how a layout is judged while it is built: exactly, on the triangles.
 
-use std::{ops::Range, sync::Arc};
+use std::{collections::BTreeSet, ops::Range, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
 use super::{
-    Instance, Organs, Orientation, Placement, Solution,
+    Instance, Organs, Orientation, OrientationRule, Placement, Solution,
     fit::WALL_SPARE_MM,
     layers::Filled,
     outline::{Candidate, Lineup},
+    reserved::Zone,
     settle::slice,
     shape::{Detail, Shape},
     workshop::Workshop,
@@ -38,6 +39,10 @@ pub(crate) struct Task {
     pub(crate) room: DVec3,
     /// The greatest clearance of any item, mm.
     pub(crate) reach_mm: f64,
+    /// Where nothing may stand: pieces of kinds that come after those of the items.
+    pub(crate) zones: Vec<Piece>,
+    /// Copies that never move.
+    pub(crate) pins: BTreeSet<(usize, u32)>,
     /// Clearances also hold when either part is raised by up to this, mm.
     pub(crate) z_extra_mm: f64,
     /// Which organs of the search take part.
@@ -50,21 +55,44 @@ impl Task {
     /// Prepares every distinct mesh of a line-up. Locked parts are let be.
     pub(crate) fn new(
         lineup: Arc<Lineup>,
+        pins: BTreeSet<(usize, u32)>,
         workshop: &Workshop<'_>,
         organs: Organs,
         nodes: usize,
         points: usize,
     ) -> Self {
         let detail = Detail { nodes, points, reach_mm: lineup.reach_mm + 0.5 };
-        let meshes: Vec<Arc<Mesh>> = lineup.candidates.iter().flatten().map(|c| c.mesh.clone()).collect();
+        let zones = || lineup.zones.iter().map(|zone| &zone.mesh);
+        let items = lineup.candidates.iter().flatten().map(|c| &c.mesh);
+        let meshes: Vec<Arc<Mesh>> = items.chain(zones()).cloned().collect();
         let mut shapes = workshop.shapes(&meshes, detail).into_iter();
         let kind = |candidate: &Option<Candidate>| {
             let Candidate { orientation, clearance_mm, .. } = candidate.as_ref()?;
             Some(Kind { shape: shapes.next()?, orientation: orientation.clone(), clearance_mm: *clearance_mm })
         };
-        let kinds = lineup.candidates.iter().map(kind).collect();
-        let (room, reach_mm, z_extra_mm) = (lineup.room, lineup.reach_mm, lineup.z_extra_mm);
-        Self { kinds, copies: lineup.copies.clone(), room, reach_mm, z_extra_mm, organs, separable: false, lineup }
+        let mut kinds: Vec<Option<Kind>> = lineup.candidates.iter().map(kind).collect();
+        let zone =
+            |shape| Some(Kind { shape, orientation: OrientationRule::Fixed.into(), clearance_mm: ZONE_CLEARANCE });
+        kinds.extend(shapes.map(zone));
+        let (copies, room) = (lineup.copies.clone(), lineup.room);
+        let (reach_mm, z_extra_mm) = (lineup.reach_mm, lineup.z_extra_mm);
+        let mut task = Self {
+            kinds,
+            copies,
+            room,
+            reach_mm,
+            z_extra_mm,
+            zones: Vec::new(),
+            pins,
+            organs,
+            separable: false,
+            lineup,
+        };
+        let place = |zone: &Zone| zone.bounds.center();
+        let first = task.lineup.candidates.len();
+        let zones = task.lineup.zones.iter().enumerate();
+        task.zones = zones.map(|(at, zone)| task.piece((first + at, 0), DQuat::IDENTITY, place(zone))).collect();
+        task
     }
 
     /// Prepares some of the items at another detail.
@@ -83,7 +111,7 @@ impl Task {
 
     /// Clearance between two items, mm.
     pub(crate) fn clearance_mm(&self, item1: usize, item2: usize) -> f64 {
-        self.kind(item1).clearance_mm.max(self.kind(item2).clearance_mm)
+        clearance_of_pair(self.kind(item1).clearance_mm, self.kind(item2).clearance_mm)
     }
 
     /// A copy at a rotation and a place of its center.
@@ -91,6 +119,11 @@ impl Task {
         let shape = &self.kind(item).shape;
         let pose = shape.pose(turn, place);
         Piece { item, copy, turn, place, pose, bounds: shape.tree.bounds_at(&pose) }
+    }
+
+    /// Whether a copy may not be moved: it is promised, or it is a zone.
+    pub(crate) fn is_fixed(&self, copy: (usize, u32)) -> bool {
+        copy.0 >= self.lineup.candidates.len() || self.pins.contains(&copy)
     }
 
     /// Whether pieces fill no layer beyond the cap.
@@ -131,18 +164,24 @@ impl Task {
         self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + CLEARANCE_SPARE_MM
     }
 
+    /// The same for pieces that were found clear before: rounding on the way through a file or a ledger moves nobody.
+    pub(crate) fn is_still_clear(&self, one: &Piece, other: &Piece) -> bool {
+        self.gap_mm(one, other) >= self.clearance_mm(one.item, other.item) + 0.5 * CLEARANCE_SPARE_MM
+    }
+
     /// Distance between two pieces while either is raised as far as it may be, exact up to a little more than their clearance; negative when one is inside the other.
     pub(crate) fn gap_mm(&self, one: &Piece, other: &Piece) -> f64 {
         let cap = self.clearance_mm(one.item, other.item) + 2.0 * CLEARANCE_SPARE_MM;
-        if lifted(&one.bounds, self.z_extra_mm).distance(&lifted(&other.bounds, self.z_extra_mm)) >= cap {
+        // Nothing is raised against a zone.
+        let zones = self.lineup.candidates.len();
+        let extra_mm = if one.item.max(other.item) >= zones { 0.0 } else { self.z_extra_mm };
+        if lifted(&one.bounds, extra_mm).distance(&lifted(&other.bounds, extra_mm)) >= cap {
             return cap;
         }
         let (tree1, tree2) = (&self.kind(one.item).shape.tree, &self.kind(other.item).shape.tree);
         let pose12 = one.pose.seen(&other.pose);
-        let gap = match self.z_extra_mm > 0.0 {
-            true => {
-                tree1.distance_sliding_mm(tree2, &pose12, one.pose.inverse().direction(DVec3::Z * self.z_extra_mm), cap)
-            }
+        let gap = match extra_mm > 0.0 {
+            true => tree1.distance_sliding_mm(tree2, &pose12, one.pose.inverse().direction(DVec3::Z * extra_mm), cap),
             false => tree1.distance_capped_mm(tree2, &pose12, cap),
         };
         if gap > 0.0 && one.bounds.holds(&other.bounds, 0.0) && tree1.holds_part(tree2, &pose12) {
@@ -154,6 +193,14 @@ impl Task {
         }
         gap
     }
+}
+
+/// Stands for the clearance of a zone: nothing keeps a distance from it.
+const ZONE_CLEARANCE: f64 = -1.0;
+
+/// Clearance between two of the given clearances, mm: the greater, and none to a zone.
+pub(crate) fn clearance_of_pair(one_mm: f64, other_mm: f64) -> f64 {
+    if one_mm.min(other_mm) < 0.0 { 0.0 } else { one_mm.max(other_mm) }
 }
 
 /// One placed copy.
@@ -194,6 +241,12 @@ pub(crate) fn solution(instance: &Instance, pieces: &[Piece], evaluations: u64) 
     let mut placements: Vec<Placement> =
         pieces.iter().map(|p| Placement { item: p.item, copy: p.copy, pose: p.pose }).collect();
     placements.sort_by_key(|p| (p.item, p.copy));
+    // What is promised stands where it was promised, to the last digit.
+    for pin in instance.pinned() {
+        if let Ok(at) = placements.binary_search_by_key(&(pin.item, pin.copy), |p| (p.item, p.copy)) {
+            placements[at].pose = pin.pose;
+        }
+    }
     let placed = |copy: (usize, u32)| placements.binary_search_by_key(&copy, |p| (p.item, p.copy)).is_ok();
     let all = (instance.items().iter().enumerate()).flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c)));
     let unplaced = all.filter(|&copy| !placed(copy)).collect();

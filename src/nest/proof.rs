@@ -5,7 +5,7 @@ use std::{collections::HashMap, sync::Arc};
 
 use glam::{DQuat, DVec3};
 
-use super::{Orientation, OrientationRule, Tilt, turns::axis_turns};
+use super::{Orientation, OrientationRule, Tilt, reserved::block, turns::axis_turns};
 use crate::geometry::{Bounds, ClearanceTree, Mesh, Pose};
 
 pub use apart::{TakenApart, take_apart};
@@ -14,6 +14,8 @@ pub use apart::{TakenApart, take_apart};
 const CLEARANCE_TOLERANCE_MM: f64 = 1e-6;
 /// A body may stand out of the volume by so much, mm.
 const WALL_TOLERANCE_MM: f64 = 1e-6;
+/// A body may reach into a zone by so much, mm.
+const ZONE_TOLERANCE_MM: f64 = 1e-6;
 /// A rotation may be off its rule by so much, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
 
@@ -57,12 +59,14 @@ pub struct Proof {
     pub outside: Vec<(usize, f64)>,
     /// (outer, inner): the inner body lies inside the outer solid or inside a sealed cavity of it.
     pub inside: Vec<(usize, usize)>,
+    /// (body, zone): the body stands in the zone that is to be kept free.
+    pub intruding: Vec<(usize, usize)>,
 }
 
 impl Proof {
     /// Whether nothing is wrong.
     pub fn is_proved(&self) -> bool {
-        self.too_close.is_empty() && self.outside.is_empty() && self.inside.is_empty()
+        self.too_close.is_empty() && self.outside.is_empty() && self.inside.is_empty() && self.intruding.is_empty()
     }
 }
 
@@ -74,6 +78,11 @@ pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
 
 /// As [`prove`]; between any two bodies the clearance must also hold when either is raised by anything from 0 to `extra_mm`.
 pub fn prove_raised(bodies: &[Body], volume_mm: DVec3, extra_mm: f64) -> Proof {
+    prove_with(bodies, volume_mm, extra_mm, &[])
+}
+
+/// As [`prove_raised`], with boxes in which nothing may stand. A body may reach into one by 1e-6 mm.
+pub fn prove_with(bodies: &[Body], volume_mm: DVec3, extra_mm: f64, keep_out: &[Bounds]) -> Proof {
     let trees = trees(bodies);
     // The walls are judged on every vertex, not on the tree's bounds.
     let bounds: Vec<Bounds> = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
@@ -86,6 +95,7 @@ pub fn prove_raised(bodies: &[Body], volume_mm: DVec3, extra_mm: f64) -> Proof {
         too_close: Vec::new(),
         outside,
         inside: Vec::new(),
+        intruding: intruding(bodies, &trees, &bounds, keep_out),
     };
     let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
     for (first, second) in neighbours(&bounds, cap_mm + extra_mm) {
@@ -117,6 +127,30 @@ pub fn rotation_obeys(orientation: &Orientation, pose: &Pose) -> bool {
         OrientationRule::Fixed => is_near(DQuat::IDENTITY),
     };
     obeys && orientation.tilts.iter().all(stands)
+}
+
+/// Bodies that stand in a zone, with the number of the zone.
+fn intruding(
+    bodies: &[Body],
+    trees: &[Arc<ClearanceTree>],
+    bounds: &[Bounds],
+    keep_out: &[Bounds],
+) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    for (number, zone) in keep_out.iter().enumerate() {
+        let zone = Bounds { min: zone.min + ZONE_TOLERANCE_MM, max: zone.max - ZONE_TOLERANCE_MM };
+        let Some(solid) = block(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
+        let stands_in = |body: usize| {
+            let pose = &bodies[body].pose;
+            bounds[body].distance(&zone) <= 0.0
+                && (solid.distance_capped_mm(&trees[body], pose, 1.0) <= 0.0
+                    || solid.holds_part(&trees[body], pose)
+                    || trees[body].holds_part(&solid, &pose.inverse()))
+        };
+        found.extend((0..bodies.len()).filter(|&body| stands_in(body)).map(|body| (body, number)));
+    }
+    found.sort_unstable();
+    found
 }
 
 /// A tree per distinct mesh, in the order of the bodies.

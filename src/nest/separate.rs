@@ -93,7 +93,7 @@ fn round(
     rng: &mut ChaCha8Rng,
     over: &mut impl FnMut(u64) -> bool,
 ) -> bool {
-    let mut parts: Vec<usize> = (0..layout.len()).filter(|&part| energies[part] > 0.0).collect();
+    let mut parts: Vec<usize> = (0..layout.len()).filter(|&part| energies[part] > 0.0 && !layout.fixed[part]).collect();
     parts.shuffle(rng);
     let share = RELOCATE_SHARE.min(15.0 / parts.len().max(1) as f64).max(0.1);
     for part in parts {

@@ -115,6 +115,10 @@ struct Settling<'t> {
 impl Settling<'_> {
     /// Moves a part against `way` as far as steps that halve can take it. Returns whether it moved.
     fn draw(&mut self, pieces: &mut [Piece], part: usize, way: DVec3) -> bool {
+        let here = &pieces[part];
+        if self.task.is_fixed((here.item, here.copy)) {
+            return false;
+        }
         let free_mm = |piece: &Piece| piece.bounds.min.dot(way) - WALL_SPARE_MM;
         // Most parts cannot move at all.
         if free_mm(&pieces[part]) < LEAST_MOVE_MM || !self.step(pieces, part, -way * LEAST_MOVE_MM) {
@@ -137,6 +141,9 @@ impl Settling<'_> {
         let moved = task.piece((piece.item, piece.copy), piece.turn, piece.place + shift);
         let others = pieces.iter().enumerate().filter(|&(other, _)| other != part);
         if !task.is_inside(&moved, task.room.z) || !others.clone().all(|(_, other)| task.is_clear(&moved, other)) {
+            return false;
+        }
+        if !task.zones.iter().all(|zone| task.is_clear(&moved, zone)) {
             return false;
         }
         if self.filled.is_capped() && shift.z != 0.0 {

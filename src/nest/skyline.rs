@@ -5,6 +5,11 @@ use glam::{DVec3, IVec2};
 use super::fit::WALL_SPARE_MM;
 use crate::geometry::Bounds;
 
+/// A zone that begins no higher stands on the floor, mm.
+const ON_FLOOR_MM: f64 = 1.0;
+/// What boxes keep from a zone above them, mm.
+const ZONE_SPARE_MM: f64 = 1e-3;
+
 /// Tops of what stands below each cell of the base.
 #[derive(Debug, Clone)]
 pub(crate) struct Skyline {
@@ -12,6 +17,8 @@ pub(crate) struct Skyline {
     cells: IVec2,
     pitch: DVec3,
     tops: Vec<f64>,
+    /// How low zones hang over each cell, negative, so that the greatest is the lowest; empty without any.
+    ceilings: Vec<f64>,
 }
 
 impl Skyline {
@@ -20,7 +27,7 @@ impl Skyline {
         let pitch = (room.x * room.y / most_cells).sqrt();
         let cells = IVec2::new((room.x / pitch).ceil() as i32, (room.y / pitch).ceil() as i32).max(IVec2::ONE);
         let pitch = DVec3::new(room.x / f64::from(cells.x), room.y / f64::from(cells.y), 0.0);
-        Self { room, cells, pitch, tops: vec![0.0; (cells.x * cells.y) as usize] }
+        Self { room, cells, pitch, tops: vec![0.0; (cells.x * cells.y) as usize], ceilings: Vec::new() }
     }
 
     /// Cells that a range along one axis touches.
@@ -48,15 +55,19 @@ impl Skyline {
             xs.iter().map(|&x| self.touched(x - clearance_mm, x + size.x + clearance_mm, 0)).collect();
         let deep: Vec<(i32, i32)> =
             ys.iter().map(|&y| self.touched(y - clearance_mm, y + size.y + clearance_mm, 1)).collect();
-        let rows = self.row_maxima(&wide);
+        let rows = self.row_maxima(&self.tops, &wide);
+        let ceilings = self.row_maxima(&self.ceilings, &wide);
         let mut best: Option<(f64, DVec3)> = None;
         for (at_x, &x) in xs.iter().enumerate() {
             let column = &rows[at_x * self.cells.y as usize..(at_x + 1) * self.cells.y as usize];
-            let mut window = Window::default();
+            let ceiling = ceilings.get(at_x * self.cells.y as usize..(at_x + 1) * self.cells.y as usize);
+            let (mut window, mut above) = (Window::default(), Window::default());
             for (at_y, &y) in ys.iter().enumerate() {
                 let top = window.greatest(column, deep[at_y].0 as usize, deep[at_y].1 as usize);
                 let z = if top > 0.0 { top + clearance_mm } else { 0.0 };
-                if best.is_none_or(|(least, _)| z < least) {
+                let lowest = ceiling.map(|line| -above.greatest(line, deep[at_y].0 as usize, deep[at_y].1 as usize));
+                let fits_below = lowest.is_none_or(|lowest| z + size.z + ZONE_SPARE_MM <= lowest);
+                if fits_below && best.is_none_or(|(least, _)| z < least) {
                     best = Some((z, DVec3::new(x, y, z)));
                 }
             }
@@ -65,17 +76,38 @@ impl Skyline {
     }
 
     /// For every x range the greatest top in every row: index range * rows + row.
-    fn row_maxima(&self, ranges: &[(i32, i32)]) -> Vec<f64> {
+    fn row_maxima(&self, values: &[f64], ranges: &[(i32, i32)]) -> Vec<f64> {
+        if values.is_empty() {
+            return Vec::new();
+        }
         let (nx, ny) = (self.cells.x as usize, self.cells.y as usize);
         let mut maxima = vec![0.0; ranges.len() * ny];
         for row in 0..ny {
-            let line = &self.tops[row * nx..(row + 1) * nx];
+            let line = &values[row * nx..(row + 1) * nx];
             let mut window = Window::default();
             for (at, &(first, last)) in ranges.iter().enumerate() {
                 maxima[at * ny + row] = window.greatest(line, first as usize, last as usize);
             }
         }
         maxima
+    }
+
+    /// Keeps boxes out of a zone: none stands in it, and none above it unless the zone stands on the floor.
+    pub(crate) fn keep_out(&mut self, zone: &Bounds) {
+        if zone.min.z <= ON_FLOOR_MM {
+            return self.add(zone);
+        }
+        if self.ceilings.is_empty() {
+            self.ceilings = vec![f64::NEG_INFINITY; self.tops.len()];
+        }
+        let (x0, x1) = self.touched(zone.min.x, zone.max.x, 0);
+        let (y0, y1) = self.touched(zone.min.y, zone.max.y, 1);
+        for y in y0..=y1 {
+            for x in x0..=x1 {
+                let ceiling = &mut self.ceilings[(y * self.cells.x + x) as usize];
+                *ceiling = ceiling.max(-zone.min.z);
+            }
+        }
     }
 
     /// Puts something into the picture.

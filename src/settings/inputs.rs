@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Duplicates, LogFormat, MeshErrors, duration::Secs, off::OrOff};
+use super::{Duplicates, KeepOut, LogFormat, MeshErrors, duration::Secs, off::OrOff};
 use crate::{format, nest};
 
 /// The farm file, `nestd.toml`.
@@ -89,6 +89,7 @@ pub(super) struct ProfileInputs {
     pub wall_margin_mm: f64,
     pub floor_margin_mm: f64,
     pub lid_margin_mm: f64,
+    pub keep_out: Vec<KeepOut>,
     pub clearance_mm: f64,
     pub clearance_z_extra_mm: f64,
     pub layer_mm: f64,
@@ -121,6 +122,7 @@ impl Default for ProfileInputs {
             wall_margin_mm: 0.0,
             floor_margin_mm: 0.0,
             lid_margin_mm: 0.0,
+            keep_out: Vec::new(),
             clearance_mm: 3.0,
             clearance_z_extra_mm: 0.0,
             layer_mm: nest::DEFAULT_LAYER_MM,

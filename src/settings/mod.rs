@@ -7,6 +7,7 @@ mod folders;
 mod fragment;
 mod inputs;
 mod judge;
+mod keep_out;
 mod load;
 mod logging;
 mod off;
@@ -17,6 +18,7 @@ mod validate;
 mod wording;
 
 pub use duration::parse_secs;
+pub use keep_out::KeepOut;
 pub use load::{SettingsError, load, load_to_look};
 pub use logging::{LogFormat, Logging};
 pub use problem::Problem;

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{format::Unit, nest};
+use super::KeepOut;
+use crate::{format::Unit, geometry::Bounds, nest};
 
 /// Where a profile's files live.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -76,6 +77,8 @@ pub struct Profile {
     pub floor_margin_mm: f64,
     /// Kept free below the lid, mm.
     pub lid_margin_mm: f64,
+    /// Boxes in which nothing may stand, in the machine's frame.
+    pub keep_out: Vec<KeepOut>,
     /// Least distance between two parts, mm.
     pub clearance_mm: f64,
     /// The clearance also holds when either of two parts is raised by up to this, mm.
@@ -132,6 +135,13 @@ impl Profile {
     /// What is kept free of the printable box.
     pub fn margins(&self) -> nest::Margins {
         nest::Margins { wall_mm: self.wall_margin_mm, floor_mm: self.floor_margin_mm, lid_mm: self.lid_margin_mm }
+    }
+
+    /// Boxes in which nothing may stand, in the frame of [`Profile::build_volume`], mm.
+    pub fn keep_out(&self) -> Vec<Bounds> {
+        let origin_mm = self.origin_mm();
+        let moved = |zone: &KeepOut| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
+        self.keep_out.iter().map(moved).collect()
     }
 
     /// Layers, and how much of one may be filled.

@@ -78,6 +78,7 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
         wall_margin_mm: inputs.wall_margin_mm,
         floor_margin_mm: inputs.floor_margin_mm,
         lid_margin_mm: inputs.lid_margin_mm,
+        keep_out: inputs.keep_out,
         clearance_mm: inputs.clearance_mm,
         clearance_z_extra_mm: inputs.clearance_z_extra_mm,
         layer_mm: inputs.layer_mm,
@@ -137,6 +138,7 @@ fn values(inputs: &ProfileInputs, judge: &mut Judge) {
     judge.within("arrival_secs", inputs.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
     judge.within("max_attempts", inputs.max_attempts, 1..=100);
     judge.within("archive_days", inputs.archive_days, 0..=36_500);
+    super::keep_out::judge(&inputs.keep_out, inputs.volume_mm, judge);
     search(&inputs.nest, judge);
 }
 

@@ -5,6 +5,7 @@ mod bad_input;
 mod interlock;
 mod kill;
 mod life;
+mod open;
 mod orders;
 mod support;
 mod triggers;

@@ -125,6 +125,7 @@ fn describe(
         created: Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
         seed: machine.config.seed,
         volume_mm: machine.volume_mm,
+        keep_out: machine.keep_out.clone(),
         margins_mm: machine.margins.as_dvec3(),
         clearance_mm: machine.clearance_mm,
         clearance_z_extra_mm: machine.clearance_z_extra_mm,
@@ -171,7 +172,8 @@ fn prove(
         bodies.push(Body { name: item.name, mesh: item.mesh, pose, clearance_mm: machine.clearance_mm });
     }
     ensure!(found == asked, "the written build lacks {} placements", asked.len() - found.len());
-    let proof = nest::prove_raised(&bodies, machine.room().size_mm, machine.clearance_z_extra_mm);
+    let (room, extra_mm) = (machine.room().size_mm, machine.clearance_z_extra_mm);
+    let proof = nest::prove_with(&bodies, room, extra_mm, &machine.keep_out_in_room());
     if !proof.is_proved() {
         let name = |at: usize| &bodies[at].name;
         let close = proof.too_close.first().map(|p| {
@@ -185,7 +187,8 @@ fn prove(
         });
         let outside = proof.outside.first().map(|&(at, by)| format!("{} stands out by {by:.6} mm", name(at)));
         let inside = proof.inside.first().map(|&(outer, inner)| format!("{} is inside {}", name(inner), name(outer)));
-        let fault = close.or(outside).or(inside).unwrap_or_default();
+        let intruding = proof.intruding.first().map(|&(at, _)| format!("{} stands in a keep-out box", name(at)));
+        let fault = close.or(outside).or(inside).or(intruding).unwrap_or_default();
         bail!("the written build is not proved and was taken back: {fault}");
     }
     let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), machine.layer_cap());

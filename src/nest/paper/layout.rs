@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{keeps_apart, shape::Shape};
+use super::{keeps_apart, shape::Shape, zones::Zones};
 use crate::{
     geometry::{Bounds, Pose},
     nest::{
@@ -27,6 +27,7 @@ type Fitness = (f64, f64);
 pub(super) struct Layout<'a> {
     instance: &'a Instance,
     shapes: &'a [Shape],
+    zones: &'a Zones,
     placed: Vec<Placed>,
     top_mm: f64,
     filled: Filled,
@@ -56,9 +57,18 @@ pub(super) struct Pace<'a> {
 
 impl<'a> Layout<'a> {
     /// An empty layout.
-    pub fn new(instance: &'a Instance, shapes: &'a [Shape]) -> Self {
+    pub fn new(instance: &'a Instance, shapes: &'a [Shape], zones: &'a Zones) -> Self {
         let filled = Filled::new(instance.layer_cap());
-        Self { instance, shapes, placed: Vec::new(), top_mm: 0.0, filled, obstacle: 0 }
+        Self { instance, shapes, zones, placed: Vec::new(), top_mm: 0.0, filled, obstacle: 0 }
+    }
+
+    /// Puts promised copies where they were promised.
+    pub fn pin(&mut self, pinned: &[Placement]) {
+        for &placement in pinned.iter().filter(|p| p.item < self.shapes.len()) {
+            let bounds = self.shapes[placement.item].surface.bounds_at(&placement.pose);
+            self.top_mm = self.top_mm.max(bounds.max.z);
+            self.placed.push(Placed { placement, bounds });
+        }
     }
 
     /// Placed copies in the sequence of their placing.
@@ -75,7 +85,11 @@ impl<'a> Layout<'a> {
             self.candidate(item, &genome)
         });
         match fit {
-            Some(candidate) if self.placed.is_empty() && self.filled.takes(&self.slice(item, &candidate)) => {
+            Some(candidate)
+                if self.placed.is_empty()
+                    && !self.is_in_a_zone(item, &candidate)
+                    && self.filled.takes(&self.slice(item, &candidate)) =>
+            {
                 self.put(item, copy, &candidate);
                 true
             }
@@ -200,7 +214,7 @@ impl<'a> Layout<'a> {
         let extra_mm = self.instance.clearance_z_extra_mm();
         let clear =
             |p: &Placed| p.bounds.max.z + self.instance.clearance_between_mm(item, p.placement.item) + extra_mm + 1e-6;
-        self.placed.iter().map(clear).fold(0.0, f64::max)
+        self.placed.iter().map(clear).fold(self.zones.top_mm(), f64::max)
     }
 
     /// Whether the candidate comes too near to a placed part as far as its boxes can tell (figure 9, step 4). Parts whose
@@ -215,6 +229,9 @@ impl<'a> Layout<'a> {
             let boxes = &layout.shapes[other.placement.item].boxes;
             boxes.collides(&layout.shapes[item].boxes, &other.placement.pose.seen(&candidate.pose), clearance_mm)
         };
+        if self.is_in_a_zone(item, candidate) {
+            return true;
+        }
         if self.placed.get(self.obstacle).is_some_and(|other| hit(self, other)) {
             return true;
         }
@@ -224,6 +241,10 @@ impl<'a> Layout<'a> {
             return true;
         }
         false
+    }
+
+    fn is_in_a_zone(&self, item: usize, candidate: &Candidate) -> bool {
+        self.zones.meet(&self.shapes[item].surface, &candidate.pose, &candidate.bounds)
     }
 
     /// Whether the candidate is wholly inside a placed part, or the other way round: boxes cover surfaces and do not see it.

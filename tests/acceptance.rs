@@ -373,6 +373,9 @@ fn random_builds_of_other_peoples_parts_are_proved_by_two_judges() {
                 keep(&file(order));
             }
             all_faults.extend(found);
+            if stuck > 0 {
+                all_faults.push(format!("build {}: the other judge finds locked parts: {of_other:?}", order.number));
+            }
             let _ = std::fs::remove_file(file(order));
         }
         println!(

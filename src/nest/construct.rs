@@ -24,7 +24,7 @@ const MOST_FLOORS: usize = 64 << 20;
 /// Places that are tried on the triangles before a part goes on top of all others.
 const TRIES: usize = 8;
 /// Places that may turn out to lock the part before it goes on top.
-const MOST_HELD: usize = 24;
+const MOST_HELD: usize = 6;
 /// Rotations that wait for layers with room in them before a part goes on top of all others.
 const RAISES: usize = 64;
 

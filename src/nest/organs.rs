@@ -71,7 +71,7 @@ mod tests {
 
     impl Stop for Evaluations {
         fn spent(&self, evaluations: u64) -> f64 {
-            evaluations as f64 / 12_000.0
+            evaluations as f64 / 24_000.0
         }
     }
 
@@ -89,9 +89,9 @@ mod tests {
             orientation: OrientationRule::Free.into(),
             clearance_mm: None,
         };
-        let corner = tetrahedron([DVec3::ZERO, DVec3::X * 30.0, DVec3::Y * 26.0, DVec3::Z * 22.0]);
-        let items = vec![item("corner", corner, 8), item("bar", block(DVec3::new(6.0, 28.0, 9.0)), 5)];
-        let volume = BuildVolume { size_mm: DVec3::new(45.0, 45.0, 150.0) };
+        let corner = tetrahedron([DVec3::ZERO, DVec3::X * 7.5, DVec3::Y * 6.5, DVec3::Z * 5.5]);
+        let items = vec![item("corner", corner, 4), item("bar", block(DVec3::new(1.5, 7.0, 2.25)), 3)];
+        let volume = BuildVolume { size_mm: DVec3::new(9.5, 9.5, 60.0) };
         let instance = Instance::new(volume, 1.0, items).expect("makes sense");
         let whole = nested(&instance, Organs::default());
         for (organ, organs) in Organs::each_taken_out() {

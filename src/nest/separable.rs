@@ -17,6 +17,9 @@ const GAP_SPARE_MM: f64 = 2e-5;
 /// Number of ways that a part may take.
 pub(crate) const WAYS: usize = 26;
 
+/// Of them those up and along the axes, which come first.
+const AXIS_WAYS: usize = 6;
+
 /// The ways that a part may take, unit vectors: up first, then along the axes, the edges and the corners of a cube.
 pub(crate) fn ways() -> [DVec3; WAYS] {
     let mut ways = [DVec3::Z; WAYS];
@@ -82,15 +85,17 @@ impl<'a> Solid<'a> {
     }
 }
 
-/// Whether a piece that is not among `others` can be drawn out from between them.
+/// Whether a piece that is not among `others` can be drawn out from between them along an axis; slanted ways cost more to
+/// ask than they find.
 pub(crate) fn can_leave(task: &Task, piece: &Piece, others: &[Piece]) -> bool {
     let solid = Solid::new(task, piece);
-    ways().into_iter().any(|way| {
-        others.iter().all(|other| {
-            let other = Solid::new(task, other);
-            !solid.may_meet(&other, way) || solid.is_free(&other, way)
-        })
-    })
+    // Who stands nearest is the likeliest to bar a way.
+    let mut nearest: Vec<(f64, Solid<'_>)> =
+        others.iter().map(|other| (piece.bounds.distance(&other.bounds), Solid::new(task, other))).collect();
+    nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let is_free =
+        |way: DVec3| nearest.iter().all(|(_, other)| !solid.may_meet(other, way) || solid.is_free(other, way));
+    ways().into_iter().take(AXIS_WAYS).any(is_free)
 }
 
 /// One part leaves along one way.

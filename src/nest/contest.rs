@@ -17,8 +17,9 @@ const WORTH: [f64; 3] = [8e3, 25e3, 60e3];
 
 /// The seed of one descent of one thread.
 fn rng(seed: u64, thread: usize, number: usize) -> ChaCha8Rng {
-    let mixed =
-        seed.wrapping_add(thread as u64 * 0x9e37_79b9_7f4a_7c15).wrapping_add(number as u64 * 0xd1b5_4a32_d192_ed03);
+    let (thread, number) = (thread as u64, number as u64);
+    let apart = thread.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number.wrapping_mul(0xd1b5_4a32_d192_ed03));
+    let mixed = seed.wrapping_add(apart);
     ChaCha8Rng::seed_from_u64(mixed)
 }
 
@@ -62,4 +63,18 @@ pub(crate) fn contest(
     }
     run(&mut descents[0], 1.0);
     made
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_descent_of_every_thread_has_a_seed_of_its_own() {
+        let seeds = (0..16).flat_map(|thread| (0..8).map(move |number| rng(u64::MAX, thread, number).get_seed()));
+        let mut seeds: Vec<[u8; 32]> = seeds.collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), 128);
+    }
 }

@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{
     layout::{Layout, Stand},
     piece::{Piece, Task, height_mm},
+    relocate::anywhere,
     separate::{Outcome, Patience, separate},
 };
 
@@ -19,6 +20,11 @@ const MOST_EFFORT: u64 = 900;
 const RELENTS: usize = 2;
 /// A lid that leaves all parts together no deeper in each other than this nearly came down, mm over one part's section.
 const NEARLY_MM: f64 = 0.3;
+
+/// Builds of no more parts than this are now and then begun from nowhere,
+const FEW_PARTS: usize = 60;
+/// after so many failures.
+const SCATTER_AFTER: u64 = 3;
 
 /// How far the whole search is.
 pub(crate) struct Clock<'a> {
@@ -103,12 +109,18 @@ impl<'t> Descent<'t> {
         self.failures = 0;
     }
 
-    /// Brings the parts under a lid: from the best layout, or from a failed one disturbed. Returns whether the latter.
+    /// Brings the parts under a lid: from the best layout, or from a failed one disturbed, or from nowhere. Returns
+    /// whether it was not the best.
     fn begin(&mut self, lid_mm: f64) -> bool {
         self.layout.forget();
         self.layout.lid_mm = lid_mm;
         let failed = self.layout.task.organs.pool && self.failures > 0 && !self.pool.is_empty();
+        let few = self.layout.len() <= FEW_PARTS && self.failures >= SCATTER_AFTER;
         let again = failed && self.rng.random_bool(0.5);
+        if !again && failed && few && self.rng.random_bool(0.3) {
+            scatter(&mut self.layout, &mut self.rng);
+            return true;
+        }
         if again {
             let count = self.pool.len();
             let at = self.rng.random_range(0..count).min(self.rng.random_range(0..count));
@@ -164,6 +176,14 @@ fn squeezed(layout: &Layout<'_>, stands: &[Stand], gain_mm: f64, rng: &mut ChaCh
     let cut = rng.random_range(0.2..1.0) * layout.lid_mm;
     let lower = |stand: &Stand| Stand { place: stand.place.with_z(stand.place.z - gain_mm), ..*stand };
     stands.iter().map(|stand| if stand.place.z > cut { lower(stand) } else { *stand }).collect()
+}
+
+/// Puts every part anywhere: what finds no way out of the old order may find one from nowhere. Fixed parts stay.
+fn scatter(layout: &mut Layout<'_>, rng: &mut ChaCha8Rng) {
+    for part in 0..layout.len() {
+        let stand = anywhere(layout, part, rng);
+        layout.set(part, stand);
+    }
 }
 
 /// Lets two parts of about the same size change places, keeping their turns.

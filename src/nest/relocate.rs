@@ -135,6 +135,21 @@ impl<'t> Turning<'t> {
     }
 }
 
+/// A stand of a part anywhere in the room, at any rotation that its rule allows; its own where that one finds no room.
+pub(crate) fn anywhere(layout: &Layout<'_>, part: usize, rng: &mut ChaCha8Rng) -> Stand {
+    let turning = Turning::new(layout, part);
+    let genome: Vec<f64> = turning.genes().iter().map(|gene| rng.random_range(gene.lower..gene.upper)).collect();
+    let turn = turning.turn(&genome);
+    let mut guide = layout.guides[part].clone();
+    guide.set(turn, DVec3::ZERO);
+    let (min, max) = (guide.min.as_dvec3(), guide.max.as_dvec3());
+    let free = layout.task.room.with_z(layout.lid_mm) - (max - min);
+    if free.min_element() < 0.0 {
+        return layout.stands[part];
+    }
+    Stand { turn, place: DVec3::new(genome[4], genome[5], genome[6]) * free - min }
+}
+
 /// How much work a relocation may cost.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Effort {

@@ -98,9 +98,9 @@ impl Course<'_> {
             let outcome = separate(&mut layout, patience, rng, over);
             self.evaluations += layout.evaluations - before;
             match outcome {
-                Outcome::Clear(pieces) => return Some(pieces),
-                Outcome::Stuck(..) if self.stop.spent(self.evaluations) >= 1.0 => return None,
-                Outcome::Stuck(..) => {}
+                Outcome::Clear(pieces) if task.keeps_cap(&pieces) => return Some(pieces),
+                _ if self.stop.spent(self.evaluations) >= 1.0 => return None,
+                _ => {}
             }
         }
         None

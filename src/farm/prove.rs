@@ -15,7 +15,7 @@ use crate::{
     format::{self, BuildFile, BuildItem, BuildObject, Limits, PlacedMesh},
     geometry::{Mesh, Pose},
     ledger::{self, BuildRow, Verified},
-    nest::{self, Body, Interlock, LayerAreas, Proof, Separability},
+    nest::{self, Body, LayerAreas, Proof, Separability},
     queue::Queue,
     settings::{KeepOut, Profile},
 };
@@ -220,27 +220,12 @@ fn prove_written(
         let source = read[at].source_name.clone().unwrap_or_else(|| read[at].name.clone());
         (source, read[at].copy.unwrap_or(1) - 1)
     };
-    Ok((proof, take_apart(&order.profile, &bodies, name)?))
-}
-
-/// Whether the build comes apart, as far as the profile asks; a locked part where none may be is an error.
-fn take_apart(
-    profile: &Profile,
-    bodies: &[Body],
-    name: impl Fn(usize) -> (String, u32),
-) -> Result<Option<Separability>> {
     let rule = profile.nest.interlock();
-    if rule == Interlock::Allow {
-        return Ok(None);
+    let separable = Separability::look(rule, &bodies, profile.clearance_mm, name);
+    if let Some(found) = separable.as_ref().filter(|found| !found.obeys(rule)) {
+        bail!("the written build is not proved: {}", found.in_words());
     }
-    let separable = Separability::new(&nest::take_apart(bodies), profile.clearance_mm, name);
-    ensure!(
-        rule == Interlock::Warn || separable.locked.is_empty(),
-        "the written build is not proved: {} parts are locked into each other: {}",
-        separable.locked.len(),
-        separable.locked_text()
-    );
-    Ok(Some(separable))
+    Ok((proof, separable))
 }
 
 /// The read-back item as the judge wants it, in the build volume's frame, compared with the part that it should be.

@@ -26,6 +26,8 @@ pub(crate) mod solids;
 mod speed_tests;
 #[cfg(test)]
 mod sweep_tests;
+#[cfg(test)]
+mod tight;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;

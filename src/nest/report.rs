@@ -3,7 +3,10 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Instance, LayerAreas, LayerCap, Solution, TakenApart, drawing_gap_mm, lower_bound_mm, settle::packing};
+use super::{
+    Body, Instance, Interlock, LayerAreas, LayerCap, Solution, TakenApart, drawing_gap_mm, lower_bound_mm,
+    settle::packing, take_apart,
+};
 use crate::geometry::{Bounds, Mesh, Pose};
 
 /// Where one copy stands.
@@ -74,6 +77,26 @@ impl Separability {
             locked: apart.locked.iter().map(locked).collect(),
             order: apart.order.iter().map(drawn).collect(),
         }
+    }
+
+    /// Takes bodies apart as far as a rule asks for it: `None` where nobody looks.
+    pub fn look(
+        rule: Interlock,
+        bodies: &[Body],
+        clearance_mm: f64,
+        name: impl Fn(usize) -> (String, u32),
+    ) -> Option<Self> {
+        (rule != Interlock::Allow).then(|| Self::new(&take_apart(bodies), clearance_mm, name))
+    }
+
+    /// Whether a rule lets pass what was found.
+    pub fn obeys(&self, rule: Interlock) -> bool {
+        rule != Interlock::Forbid || self.locked.is_empty()
+    }
+
+    /// How many are locked, and who.
+    pub fn in_words(&self) -> String {
+        format!("{} parts are locked into each other: {}", self.locked.len(), self.locked_text())
     }
 
     /// The locked copies in one line, the first few by name.

@@ -14,7 +14,7 @@ use super::{Args, Machine, parts::Part};
 use crate::{
     format::{self, BuildFile, BuildItem, BuildObject},
     geometry::{Mesh, Pose},
-    nest::{self, Body, Course, Instance, Interlock, LayerAreas, Placement, Proof, Report, Separability, Solution},
+    nest::{self, Body, Course, Instance, LayerAreas, Placement, Proof, Report, Separability, Solution},
 };
 
 /// Edge lengths of the thumbnail, pixels.
@@ -194,28 +194,11 @@ fn prove(
     let areas = LayerAreas::of(bodies.iter().map(|b| (&*b.mesh, b.pose)), machine.layer_cap());
     ensure!(areas.keeps_cap(), "the written build was taken back: {}", areas.in_words());
     let name = |at: usize| (parts[keys[at].0].name.clone(), keys[at].1);
-    Ok((proof, take_apart(machine, &bodies, name)?))
-}
-
-/// Whether the build comes apart, as far as it is asked; a locked part where none may be is an error.
-fn take_apart(
-    machine: &Machine,
-    bodies: &[Body],
-    name: impl Fn(usize) -> (String, u32),
-) -> Result<Option<Separability>> {
     let rule = machine.config.interlock();
-    if rule == Interlock::Allow {
-        return Ok(None);
+    let separable = Separability::look(rule, &bodies, machine.clearance_mm, name);
+    if let Some(found) = separable.as_ref().filter(|found| !found.locked.is_empty()) {
+        ensure!(found.obeys(rule), "the written build was taken back: {}", found.in_words());
+        eprintln!("nestd: {}", found.in_words());
     }
-    let separable = Separability::new(&nest::take_apart(bodies), machine.clearance_mm, name);
-    let locked = separable.locked.len();
-    ensure!(
-        rule == Interlock::Warn || locked == 0,
-        "the written build was taken back: {locked} parts are locked into each other: {}",
-        separable.locked_text()
-    );
-    if locked > 0 {
-        eprintln!("nestd: {locked} parts are locked into each other: {}", separable.locked_text());
-    }
-    Ok(Some(separable))
+    Ok((proof, separable))
 }

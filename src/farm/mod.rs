@@ -31,4 +31,8 @@ mod trigger;
 pub use budget::Budget;
 pub use cache::DiskCache;
 pub use farm::{Load, run};
+pub use layout::placed_from_json;
+pub use nest::Meshes;
 pub use prove::faults_of;
+pub use shelf::Shelf;
+pub use status::fires_at;

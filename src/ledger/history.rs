@@ -1,5 +1,7 @@
 //! The history: builds with their heights, newest first.
 
+use std::collections::HashSet;
+
 use jiff::Timestamp;
 use serde::Serialize;
 use sqlx::FromRow;
@@ -72,7 +74,60 @@ pub struct HistoryRow {
     pub note: String,
 }
 
+impl HistoryRow {
+    /// Columns of the CSV, in its order.
+    pub const COLUMNS: [&str; 24] = [
+        "build",
+        "profile",
+        "state",
+        "at",
+        "published_at",
+        "height_mm",
+        "density",
+        "lower_bound_mm",
+        "layers",
+        "parts",
+        "copies",
+        "part_volume_mm3",
+        "clearance_mm",
+        "clearance_proved_mm",
+        "cpu_secs",
+        "wall_secs",
+        "evaluations",
+        "seed",
+        "method",
+        "version",
+        "fired_by",
+        "file_name",
+        "reason",
+        "note",
+    ];
+
+    /// Rows as CSV for spreadsheets, every column, with a heading.
+    ///
+    /// # Errors
+    /// When a value cannot be written as a cell, which none of them is.
+    pub fn csv(rows: &[Self]) -> std::result::Result<String, csv::Error> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        writer.write_record(Self::COLUMNS)?;
+        for row in rows {
+            writer.serialize(row)?;
+        }
+        let bytes = writer.into_inner().map_err(|error| error.into_error())?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}
+
 impl Ledger {
+    /// The builds that hold a copy of a part of that file name or order.
+    pub async fn builds_with(&self, name: &str) -> Result<HashSet<BuildId>> {
+        let query = sqlx::query_scalar(
+            "SELECT DISTINCT l.build_id FROM placement l JOIN part p ON p.id = l.part_id \
+             WHERE p.name = ?1 OR p.order_name = ?1",
+        );
+        Ok(query.bind(name).fetch_all(self.reader()).await?.into_iter().collect())
+    }
+
     /// Builds that are past nesting with their heights, newest first.
     pub async fn history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
         let rows = sqlx::query_as(

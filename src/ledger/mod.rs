@@ -23,6 +23,7 @@ mod schema;
 mod state;
 mod status;
 mod time;
+mod totals;
 mod truth;
 mod waiting;
 mod word;
@@ -41,6 +42,7 @@ pub use placement::{PlacedCopy, PlacementRow};
 pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild};
 pub use time::Utc;
+pub use totals::{Measured, Totals};
 pub use waiting::WaitingPart;
 
 #[cfg(test)]

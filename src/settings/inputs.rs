@@ -19,6 +19,7 @@ pub(super) struct FarmInputs {
     pub cache_bytes: u64,
     pub folders: FarmFolders,
     pub log: LogInputs,
+    pub web: WebInputs,
     pub limits: format::Limits,
     pub defaults: ProfileInputs,
 }
@@ -33,6 +34,7 @@ impl Default for FarmInputs {
             cache_bytes: 1 << 30,
             folders: FarmFolders::default(),
             log: LogInputs::default(),
+            web: WebInputs::default(),
             limits: format::Limits::default(),
             defaults: ProfileInputs::default(),
         }
@@ -76,6 +78,22 @@ impl Default for LogInputs {
     fn default() -> Self {
         // The watch crate warns each time a claim takes a folder away under it; scanning makes up for what it misses.
         Self { filter: "info,notify=error".into(), format: LogFormat::Auto }
+    }
+}
+
+/// `[web]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct WebInputs {
+    pub listen: String,
+    pub token_file: OrOff<PathBuf>,
+    pub hosts: Vec<String>,
+    pub orders: bool,
+}
+
+impl Default for WebInputs {
+    fn default() -> Self {
+        Self { listen: "off".to_owned(), token_file: OrOff::OFF, hosts: Vec::new(), orders: true }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use super::{Folders, Logging, Profile};
+use super::{Folders, Logging, Profile, Web};
 
 /// Everything the daemon needs to know, checked. Made only by reading a configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +29,8 @@ pub struct Settings {
     pub limits: crate::format::Limits,
     /// What the log holds and what it looks like.
     pub log: Logging,
+    /// The dashboard; `None` = no port is opened.
+    pub web: Option<Web>,
     /// Machines by profile name.
     pub profiles: BTreeMap<String, Profile>,
 }

@@ -71,7 +71,7 @@ impl Farm {
     /// being read.
     async fn is_being_read(&self, name: &str) -> Result<bool> {
         let claimed = self.ledger.parts_in_state(PartState::Claimed).await?;
-        Ok(claimed.iter().any(|part| part.profile == name && !self.read_again.contains_key(&part.id)))
+        Ok(claimed.iter().any(|part| part.profile == name && !self.read_again.is_failing(&part.id)))
     }
 
     /// Begins a search for the open build where one is wanted and a slot is free.
@@ -137,7 +137,14 @@ impl Farm {
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
         error!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-        self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere")
+        let refused = self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere");
+        if refused.is_err()
+            && let Some(station) = self.stations.get_mut(name)
+        {
+            // Tried once more, so that it is refused when that can be done.
+            station.open.forget_tried();
+        }
+        refused
     }
 
     /// A part on which the search panics must not keep the others from being built: half of the line is tried next, and

@@ -85,9 +85,20 @@ impl Farm {
         }
         let mut closed = Vec::new();
         for (name, station) in self.stations.iter_mut().filter(|(_, s)| s.queue.is_none()) {
+            // An empty mount point is not marked as a queue.
+            if let Err(error) = station.holds.queue.check() {
+                closed.push((name.clone(), error.to_string()));
+                continue;
+            }
             match Queue::open(&station.profile.folders.queue) {
                 Ok(queue) => {
-                    let swept = queue.sweep(&staged)?;
+                    let swept = match queue.sweep(&staged) {
+                        Ok(swept) => swept,
+                        Err(error) => {
+                            closed.push((name.clone(), super::receive::chain(&error)));
+                            continue;
+                        }
+                    };
                     if !swept.is_empty() {
                         info!(profile = %name, files = swept.len(), "Removed half-written files of an earlier run.");
                     }
@@ -96,8 +107,12 @@ impl Farm {
                 Err(error) => closed.push((name.clone(), super::receive::chain(&error))),
             }
         }
-        for (name, why) in closed {
-            self.complain(&format!("queue {name}"), &format!("The queue folder of {name} cannot be used: {why}"));
+        for name in self.stations.keys().cloned().collect::<Vec<_>>() {
+            let about = format!("queue {name}");
+            match closed.iter().find(|(of, _)| *of == name) {
+                Some((_, why)) => self.complain(&about, &format!("The queue folder of {name} cannot be used: {why}")),
+                None => self.complaints.settled(&about),
+            }
         }
         Ok(())
     }

@@ -13,7 +13,9 @@ use std::{
 use thiserror::Error;
 
 use super::{
-    Claim, Seen, disk, display_name,
+    Claim, Seen,
+    claim::claiming,
+    disk, display_name,
     name::{numbered, raw_name, with_suffix},
     recover::{follower_name, remove_claim_dir},
 };
@@ -47,6 +49,7 @@ pub(super) fn refuse_stepwise(
     reason: &str,
     step: &mut dyn FnMut(),
 ) -> Result<PathBuf, RefuseError> {
+    let _only_one = claiming();
     let folder = error_dir.join(&claim.order_path);
     let refusal =
         Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };

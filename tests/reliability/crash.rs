@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use super::{
     budget::Budget,
     life::{End, Life},
-    pool::{in_parallel, spread},
+    pool::{caught, in_parallel, spread},
     row::Row,
     trace::{Call, Kind, Traced, Verdict, Watch, is_allowed},
 };
@@ -19,7 +19,8 @@ pub fn run(budget: &Budget) -> Row {
     row.broken.iter_mut().for_each(|text| *text = format!("without any crash: {text}"));
     let points = spread(whole);
     let all = points.len();
-    let rows = in_parallel(points, budget, |point| one_life(point).1);
+    let rows =
+        in_parallel(points, budget, |point| caught(&format!("killed after change {point}"), || one_life(point).1));
     row.points = rows.iter().map(|r| r.points).sum();
     row.faults = row.points;
     row.files += rows.iter().map(|r| r.files).sum::<u64>();
@@ -36,7 +37,7 @@ fn one_life(point: u64) -> (u64, Row) {
     let watch = KillAfter { point, count: Arc::default() };
     let count = watch.count.clone();
     let mut traced = Traced::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
-    let end = life.play(&mut || traced.has_ended());
+    let end = life.play(traced.pid(), &mut || traced.has_ended());
     let mut row = Row { files: 5, ..Row::default() };
     match end {
         End::DaemonEnded => {

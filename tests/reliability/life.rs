@@ -88,8 +88,8 @@ impl Life {
         }
     }
 
-    /// Goes on with the script while the daemon runs.
-    pub fn play(&mut self, has_ended: &mut dyn FnMut() -> bool) -> End {
+    /// Goes on with the script while the daemon of this process id runs.
+    pub fn play(&mut self, pid: i32, has_ended: &mut dyn FnMut() -> bool) -> End {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let began = Instant::now();
@@ -104,8 +104,8 @@ impl Life {
                 if ledger.is_none() {
                     ledger = Ledger::open_existing(&self.farm.root().join("state/nestd.db")).await.ok();
                 }
-                let is_ready = self.farm.folder("archive").is_dir();
-                if let Some(ledger) = ledger.as_ref().filter(|_| is_ready)
+                if let Some(ledger) = &ledger
+                    && self.serves(ledger, pid).await
                     && self.step(ledger).await.unwrap_or(false)
                 {
                     self.at += 1;
@@ -122,6 +122,12 @@ impl Life {
             }
             end
         })
+    }
+
+    /// Whether the daemon is past its start.
+    async fn serves(&self, ledger: &Ledger, pid: i32) -> bool {
+        let is_it = |daemon: Option<nestd::ledger::DaemonRow>| daemon.is_some_and(|row| row.pid == pid as u32);
+        self.farm.folder("archive").is_dir() && ledger.daemon().await.is_ok_and(is_it)
     }
 
     /// Whether the step is done.
@@ -221,6 +227,11 @@ impl Life {
         }
     }
 
+    /// Where the script is.
+    pub fn step_name(&self) -> String {
+        format!("{:?}", STEPS[self.at])
+    }
+
     /// What is broken now, while things may be under way.
     pub fn look_after_a_crash(&mut self) {
         if self.farm.root().join("state/nestd.db").exists() && self.at > 0 {
@@ -279,7 +290,7 @@ impl Life {
     /// Ordinary runs of the daemon until the script is done, then a look at rest.
     pub fn run_to_the_end(&mut self) {
         self.farm.start();
-        let end = self.play(&mut || false);
+        let end = self.play(self.farm.pid(), &mut || false);
         if end != End::Done {
             let log: String = self.farm.log();
             let tail: Vec<&str> = log.lines().rev().take(15).collect();

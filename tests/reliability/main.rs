@@ -6,6 +6,7 @@
 mod asked;
 mod budget;
 mod crash;
+mod faults;
 mod kill;
 mod life;
 mod pool;
@@ -17,11 +18,7 @@ mod trace;
 #[path = "../farm/support.rs"]
 mod support;
 
-use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
-    process::ExitCode,
-    time::Instant,
-};
+use std::{process::ExitCode, time::Instant};
 
 use asked::Asked;
 use budget::Budget;
@@ -35,8 +32,12 @@ struct Section {
 }
 
 /// All sections, in the order of the table.
-const SECTIONS: [Section; 2] =
-    [Section { name: "crash", weight: 4.0, run: crash::run }, Section { name: "kill", weight: 3.0, run: kill::run }];
+#[rustfmt::skip]
+const SECTIONS: [Section; 3] = [
+    Section { name: "crash", weight: 4.0, run: crash::run },
+    Section { name: "faults", weight: 5.0, run: faults::run },
+    Section { name: "kill", weight: 3.0, run: kill::run },
+];
 
 /// Wall seconds of a section in a short run.
 const SHORT_SECS: f64 = 6.0;
@@ -67,11 +68,7 @@ fn main() -> ExitCode {
 /// A section that panics has broken something, and keeps no other from its turn.
 fn run(section: &Section, budget: &Budget) -> Row {
     let began = Instant::now();
-    let row = catch_unwind(AssertUnwindSafe(|| (section.run)(budget))).unwrap_or_else(|panic| {
-        let message = panic.downcast_ref::<String>().cloned();
-        let message = message.or_else(|| panic.downcast_ref::<&str>().map(|m| (*m).to_owned())).unwrap_or_default();
-        Row { broken: vec![format!("the section ended with a panic: {message}")], ..Row::default() }
-    });
+    let row = pool::caught("the section ended with a panic", || (section.run)(budget));
     Row { section: section.name, seconds: began.elapsed().as_secs_f64(), ..row }
 }
 

@@ -10,6 +10,7 @@ mod faults;
 mod kill;
 mod life;
 mod pool;
+mod power;
 mod row;
 mod table;
 mod trace;
@@ -33,9 +34,10 @@ struct Section {
 
 /// All sections, in the order of the table.
 #[rustfmt::skip]
-const SECTIONS: [Section; 3] = [
+const SECTIONS: [Section; 4] = [
     Section { name: "crash", weight: 4.0, run: crash::run },
     Section { name: "faults", weight: 5.0, run: faults::run },
+    Section { name: "power", weight: 3.0, run: power::run },
     Section { name: "kill", weight: 3.0, run: kill::run },
 ];
 
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         };
         let row = run(section, &budget);
         println!("section {} ... {}", section.name, if row.broken.is_empty() { "ok" } else { "BROKEN" });
+        row.broken.iter().for_each(|sentence| println!("{}: {sentence}", row.section));
         rows.push(row);
     }
     let table = table::table(&rows);
@@ -73,11 +76,6 @@ fn run(section: &Section, budget: &Budget) -> Row {
 }
 
 fn finish(rows: &[Row]) -> ExitCode {
-    for row in rows {
-        for sentence in &row.broken {
-            println!("{}: {sentence}", row.section);
-        }
-    }
     let failed = rows.iter().filter(|row| !row.broken.is_empty()).count();
     let word = if failed == 0 { "ok" } else { "FAILED" };
     println!(

@@ -3,8 +3,8 @@
 
 mod bad_input;
 mod deep;
+mod full_disk;
 mod interlock;
-mod kill;
 mod life;
 mod open;
 mod orders;

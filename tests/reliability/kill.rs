@@ -26,13 +26,15 @@ use super::{
 
 /// A long run kills at least so often, and as often as its time allows; a short one about a hundred times.
 const KILLS: (u64, u64) = (100, 20_000);
+/// A short run takes so long for them at most.
+const SHORT_SECS: f64 = 14.0;
 /// Kills of one farm.
 const KILLS_PER_FARM: u64 = 25;
 const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 
 pub fn run(budget: &Budget) -> Row {
-    let kills = AtomicU64::new(0);
+    let (kills, budget) = (AtomicU64::new(0), &budget.at_least(SHORT_SECS));
     let most = budget.pick(KILLS.0, KILLS.1);
     let farms: Vec<u64> = (0..most.div_ceil(KILLS_PER_FARM)).collect();
     let per_farm = budget.pick(most.div_ceil(4), KILLS_PER_FARM);
@@ -91,7 +93,7 @@ impl Killed {
 
     fn kill_often(&mut self, kills: u64, budget: &Budget, all: &AtomicU64) {
         for _ in 0..kills {
-            if budget.left_secs() < 0.3 * budget.secs.min(20.0) {
+            if budget.left_secs() < 0.25 * budget.secs.min(20.0) {
                 return;
             }
             self.farm.start();

@@ -53,7 +53,12 @@ pub(super) fn refuse_stepwise(
     let folder = error_dir.join(&claim.order_path);
     let refusal =
         Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
-    let to = refusal.write_and_move(&claim.order, reason, step, |to| disk::move_noreplace(&claim.part, to))?;
+    let to = match fs::symlink_metadata(&claim.part) {
+        Ok(_) => refusal.write_and_move(&claim.order, reason, step, |to| disk::move_noreplace(&claim.part, to))?,
+        // An earlier try moved it and failed after that.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => refusal.place_of_ours()?,
+        Err(error) => return Err(io_error("look at", &claim.part, error)),
+    };
     for ticket in &claim.tickets {
         let name = follower_name(to.file_name().unwrap_or_default(), ticket);
         if disk::is_there(ticket) {
@@ -127,7 +132,7 @@ impl Refusal<'_> {
         disk::create_dirs(self.folder).map_err(|e| io_error("create", self.folder, e))?;
         step();
         let (to, reason_file) = self.free_place()?;
-        if !self.is_ours(&reason_file) {
+        if !self.is_ours(&reason_file)? {
             let text = self.reason_text(order, reason);
             disk::write_by_rename(&reason_file, text.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
         }
@@ -145,10 +150,8 @@ impl Refusal<'_> {
     /// The first number whose names are free, or ours from an earlier try.
     fn free_place(&self) -> Result<(PathBuf, PathBuf), RefuseError> {
         for n in 1..=disk::MAX_NUMBER {
-            let number = if n == 1 { String::new() } else { format!(" ({n})") };
-            let to = self.folder.join(numbered(self.name, n));
-            let reason_file = self.folder.join(with_suffix(self.name, &number, ".reason.txt"));
-            let is_free = match self.is_ours(&reason_file) {
+            let (to, reason_file) = self.place(n);
+            let is_free = match self.is_ours(&reason_file)? {
                 true => !disk::is_there(&to) || disk::same_bytes(self.source, &to),
                 false => !disk::is_there(&to) && !disk::is_there(&reason_file),
             };
@@ -159,8 +162,33 @@ impl Refusal<'_> {
         Err(io_error("find a free name in", self.folder, io::ErrorKind::AlreadyExists.into()))
     }
 
-    fn is_ours(&self, reason_file: &Path) -> bool {
-        fs::read(reason_file).is_ok_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes()))
+    fn place(&self, n: u32) -> (PathBuf, PathBuf) {
+        let number = if n == 1 { String::new() } else { format!(" ({n})") };
+        (self.folder.join(numbered(self.name, n)), self.folder.join(with_suffix(self.name, &number, ".reason.txt")))
+    }
+
+    /// Where an earlier try moved it to; somebody may have taken it away since.
+    fn place_of_ours(&self) -> Result<PathBuf, RefuseError> {
+        for n in 1..=disk::MAX_NUMBER {
+            let (to, reason_file) = self.place(n);
+            if self.is_ours(&reason_file)? {
+                return Ok(to);
+            }
+            if !disk::is_there(&to) && !disk::is_there(&reason_file) {
+                break;
+            }
+        }
+        Err(io_error("refuse", self.source, io::ErrorKind::NotFound.into()))
+    }
+
+    fn is_ours(&self, reason_file: &Path) -> Result<bool, RefuseError> {
+        match fs::read(reason_file) {
+            Ok(text) => Ok(text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes())),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+            // A folder of that name is nobody's reason.
+            Err(error) if error.kind() == io::ErrorKind::IsADirectory => Ok(false),
+            Err(error) => Err(io_error("read", reason_file, error)),
+        }
     }
 
     fn reason_text(&self, order: &str, reason: &str) -> String {

@@ -38,6 +38,7 @@ pub use ignore::is_ignored;
 pub use left_folders::LeftFolders;
 pub use list_end::{ListEnd, end_list};
 pub use name::{display_name, raw_name};
+pub use order_list::{OrderList, Row};
 
 pub use recover::claims;
 pub use refuse::{RefuseError, refuse, refuse_path};

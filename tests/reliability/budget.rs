@@ -1,0 +1,41 @@
+//! How long a section may run.
+
+use std::time::Instant;
+
+/// The time of one section.
+#[derive(Debug)]
+pub struct Budget {
+    /// Wall seconds for the section; it may end earlier, and should not end much later.
+    pub secs: f64,
+    /// A long run tries everything that it has the time for; a short one shows in seconds that it would.
+    pub is_long: bool,
+    began: Instant,
+}
+
+#[allow(dead_code)] // not every section asks everything
+impl Budget {
+    /// A budget of a run inside `cargo test`.
+    pub fn short(secs: f64) -> Self {
+        Self { secs, is_long: false, began: Instant::now() }
+    }
+
+    /// A budget of a run of its own.
+    pub fn long(secs: f64) -> Self {
+        Self { secs, is_long: true, began: Instant::now() }
+    }
+
+    /// Seconds that are left; never below zero.
+    pub fn left_secs(&self) -> f64 {
+        (self.secs - self.began.elapsed().as_secs_f64()).max(0.0)
+    }
+
+    /// Whether the time is over.
+    pub fn is_spent(&self) -> bool {
+        self.left_secs() <= 0.0
+    }
+
+    /// `short` in a short run, `long` in a long one.
+    pub fn pick<T>(&self, short: T, long: T) -> T {
+        if self.is_long { long } else { short }
+    }
+}

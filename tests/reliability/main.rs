@@ -1,0 +1,86 @@
+//! The reliability run: what a farm must survive, in the time that it is given, as one table. `cargo test` runs a few
+//! seconds of each section; `cargo test --release --test reliability -- --minutes 60` runs all of it and writes
+//! `docs/reliability.md`; `--only crash,kill` runs some.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot go on fails; this one is its own harness
+
+mod asked;
+mod budget;
+mod kill;
+mod row;
+mod table;
+
+#[allow(dead_code)] // shared with other tests, not all of it is used here
+#[path = "../farm/support.rs"]
+mod support;
+
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    process::ExitCode,
+    time::Instant,
+};
+
+use asked::Asked;
+use budget::Budget;
+use row::Row;
+
+/// A section: its name, its share of a long run, and what it does.
+struct Section {
+    name: &'static str,
+    weight: f64,
+    run: fn(&Budget) -> Row,
+}
+
+/// All sections, in the order of the table.
+const SECTIONS: [Section; 1] = [Section { name: "kill", weight: 3.0, run: kill::run }];
+
+/// Wall seconds of a section in a short run.
+const SHORT_SECS: f64 = 6.0;
+
+fn main() -> ExitCode {
+    let asked = Asked::from_args();
+    let sections: Vec<&Section> = SECTIONS.iter().filter(|section| asked.wants(section.name)).collect();
+    println!("\nrunning {} sections of the reliability run", sections.len());
+    let all: f64 = sections.iter().map(|section| section.weight).sum();
+    let mut rows = Vec::new();
+    for section in sections {
+        let budget = match asked.minutes {
+            Some(minutes) => Budget::long(minutes * 60.0 * section.weight / all),
+            None => Budget::short(SHORT_SECS),
+        };
+        let row = run(section, &budget);
+        println!("section {} ... {}", section.name, if row.broken.is_empty() { "ok" } else { "BROKEN" });
+        rows.push(row);
+    }
+    let table = table::table(&rows);
+    println!("\n{table}");
+    if asked.is_whole() {
+        table::write_document(&rows, asked.minutes.unwrap_or_default());
+    }
+    finish(&rows)
+}
+
+/// A section that panics has broken something, and keeps no other from its turn.
+fn run(section: &Section, budget: &Budget) -> Row {
+    let began = Instant::now();
+    let row = catch_unwind(AssertUnwindSafe(|| (section.run)(budget))).unwrap_or_else(|panic| {
+        let message = panic.downcast_ref::<String>().cloned();
+        let message = message.or_else(|| panic.downcast_ref::<&str>().map(|m| (*m).to_owned())).unwrap_or_default();
+        Row { broken: vec![format!("the section ended with a panic: {message}")], ..Row::default() }
+    });
+    Row { section: section.name, seconds: began.elapsed().as_secs_f64(), ..row }
+}
+
+fn finish(rows: &[Row]) -> ExitCode {
+    for row in rows {
+        for sentence in &row.broken {
+            println!("{}: {sentence}", row.section);
+        }
+    }
+    let failed = rows.iter().filter(|row| !row.broken.is_empty()).count();
+    let word = if failed == 0 { "ok" } else { "FAILED" };
+    println!(
+        "test result: {word}. {} passed; {failed} failed; 0 ignored; 0 measured; 0 filtered out",
+        rows.len() - failed
+    );
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

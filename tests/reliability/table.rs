@@ -1,0 +1,81 @@
+//! The table of a run, as text and as `docs/reliability.md`.
+
+use std::{fs, path::Path};
+
+use super::row::Row;
+
+const HEAD: [&str; 8] = ["section", "points tried", "faults injected", "files", "builds", "broken", "seconds", "note"];
+
+/// The table, in Markdown.
+pub fn table(rows: &[Row]) -> String {
+    let mut cells: Vec<Vec<String>> = vec![HEAD.map(str::to_owned).to_vec()];
+    cells.extend(rows.iter().map(cells_of));
+    cells.push(cells_of(&total(rows)));
+    let width = |at: usize| cells.iter().map(|row| row[at].chars().count()).max().unwrap_or_default();
+    let widths: Vec<usize> = (0..HEAD.len()).map(width).collect();
+    let mut lines: Vec<String> = cells.iter().map(|row| line(row, &widths)).collect();
+    let rule: Vec<String> = (0..HEAD.len()).map(|at| rule(at, widths[at])).collect();
+    lines.insert(1, format!("|{}|", rule.join("|")));
+    lines.join("\n") + "\n"
+}
+
+fn is_number(at: usize) -> bool {
+    (1..=6).contains(&at)
+}
+
+fn rule(at: usize, width: usize) -> String {
+    if is_number(at) { format!("{}:", "-".repeat(width + 1)) } else { "-".repeat(width + 2) }
+}
+
+fn line(row: &[String], widths: &[usize]) -> String {
+    let cell = |(at, text): (usize, &String)| {
+        let width = widths[at];
+        if is_number(at) { format!(" {text:>width$} ") } else { format!(" {text:<width$} ") }
+    };
+    format!("|{}|", row.iter().enumerate().map(cell).collect::<Vec<_>>().join("|"))
+}
+
+fn cells_of(row: &Row) -> Vec<String> {
+    let numbers = [row.points, row.faults, row.files, row.builds, row.broken.len() as u64].map(|n| n.to_string());
+    let mut cells = vec![row.section.to_owned()];
+    cells.extend(numbers);
+    cells.push(format!("{:.0}", row.seconds));
+    cells.push(row.note.replace('|', "/").replace('\n', " "));
+    cells
+}
+
+fn total(rows: &[Row]) -> Row {
+    Row {
+        section: "all",
+        points: rows.iter().map(|row| row.points).sum(),
+        faults: rows.iter().map(|row| row.faults).sum(),
+        files: rows.iter().map(|row| row.files).sum(),
+        builds: rows.iter().map(|row| row.builds).sum(),
+        broken: rows.iter().flat_map(|row| row.broken.clone()).collect(),
+        seconds: rows.iter().map(|row| row.seconds).sum(),
+        note: String::new(),
+    }
+}
+
+/// Writes `docs/reliability.md`; only a long run of every section does.
+pub fn write_document(rows: &[Row], minutes: f64) {
+    let profile = if cfg!(debug_assertions) { "test" } else { "release" };
+    let host = rustix::system::uname();
+    let threads = std::thread::available_parallelism().map_or(0, usize::from);
+    let text = format!(
+        "# Reliability\n\n\
+         Written by `cargo test --release --test reliability -- --minutes {minutes}`; do not edit. A budget of {minutes} minutes, \
+         {profile} profile, nestd {}, {} {}, {threads} threads, on {}.\n\n\
+         \"Broken\" counts violations of the invariants I1-I4 (ARCHITECTURE.md) and of what a section demands besides; it must \
+         be 0.\n\n{}",
+        env!("CARGO_PKG_VERSION"),
+        host.sysname().to_string_lossy(),
+        host.release().to_string_lossy(),
+        jiff::Zoned::now().strftime("%Y-%m-%d"),
+        table(rows)
+    );
+    let broken: Vec<String> =
+        rows.iter().flat_map(|row| row.broken.iter().map(|b| format!("- {}: {b}\n", row.section))).collect();
+    let broken = if broken.is_empty() { String::new() } else { format!("\nBroken:\n\n{}", broken.concat()) };
+    fs::write(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/reliability.md"), text + &broken).unwrap();
+}

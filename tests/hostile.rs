@@ -42,7 +42,7 @@ impl Scratch {
         let _ = self.read(bytes, name);
         let file = self.file(bytes);
         let _ = read_build(&file, &Limits::for_testing());
-        let _ = has_end(&file, name);
+        let _ = has_end(&mut fs::File::open(&file).unwrap(), name);
     }
 
     fn refusal(&self, bytes: &[u8]) -> String {

@@ -102,7 +102,7 @@ impl Farm {
         let recorded = self.ledger.record_claim(&row).await?;
         // Between the copy and the row, the end of an earlier part of the same content may have taken the copy away.
         if !self.meshes.store.path(&stored.hash)?.exists() {
-            self.meshes.store.put(&claim.part)?;
+            self.meshes.store.put_claimed(claim)?;
         }
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
         if part.content_hash != stored.hash {

@@ -74,7 +74,9 @@ impl Gate {
                     .troubles
                     .extend(listing.troubles.iter().map(|(path, why)| format!("{}: {why}", path.display())));
                 let now_secs = self.began.elapsed().as_secs_f64();
-                let ready = self.settler.observe(&listing.seen, now_secs, format::has_end);
+                let ready = self.settler.observe(&listing.seen, now_secs, |file, name| {
+                    format::has_end(&mut intake::open_dropped(self.inbox.path(), file)?, name)
+                });
                 received.next_secs = self.settler.next_secs(now_secs);
                 for ready in ready {
                     if claims.len() >= MAX_CLAIMS_PER_LOOK {
@@ -93,7 +95,7 @@ impl Gate {
                 continue;
             }
             self.left.note(&claim);
-            match store.put(&claim.part) {
+            match store.put_claimed(&claim) {
                 Ok(stored) => received.drops.push((claim, stored)),
                 // Somebody still writes into it: it goes back and settles anew.
                 Err(StoreError::Changed(_)) => match intake::give_back(&claim) {

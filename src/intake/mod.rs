@@ -10,6 +10,7 @@ mod beside;
 mod claim;
 mod copies;
 mod disk;
+mod dropped;
 mod given;
 mod ignore;
 mod left_folders;
@@ -28,11 +29,14 @@ mod test_inbox;
 #[cfg(test)]
 mod tests;
 mod ticket;
+#[cfg(test)]
+mod tricks_tests;
 mod watch;
 
 pub use archive::{archive, purge};
 pub use claim::{Claim, ClaimError, Released, claim, give_back, release};
 pub use copies::copies_in_name;
+pub use dropped::open_dropped;
 pub use given::{Given, Source, TicketSource};
 pub use ignore::is_ignored;
 pub use left_folders::LeftFolders;

@@ -18,6 +18,9 @@ use super::{
     recover::{follower_name, remove_claim_dir},
 };
 
+/// No reason of ours is longer.
+const MAX_REASON_BYTES: u64 = 1 << 20;
+
 /// Why something could not be refused; it stays where it is.
 #[derive(Debug, Error)]
 #[error("cannot {what} {}", .path.display())]
@@ -47,10 +50,11 @@ pub(super) fn refuse_stepwise(
     reason: &str,
     step: &mut dyn FnMut(),
 ) -> Result<PathBuf, RefuseError> {
-    let folder = error_dir.join(&claim.order_path);
+    let folder = open_folder(error_dir, &claim.order_path)?;
     let refusal =
         Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
-    let to = refusal.write_and_move(&claim.order, reason, step, |to| disk::move_noreplace(&claim.part, to))?;
+    let relative = claim.part.strip_prefix(&claim.inbox).unwrap_or(&claim.part);
+    let to = refusal.write_and_move(&claim.order, reason, step, |to| disk::move_out(&claim.inbox, relative, to))?;
     for ticket in &claim.tickets {
         let name = follower_name(to.file_name().unwrap_or_default(), ticket);
         if disk::is_there(ticket) {
@@ -70,14 +74,20 @@ pub fn refuse_path(inbox: &Path, seen: &Seen, error_dir: &Path, reason: &str) ->
     if (meta.dev(), meta.ino()) != (seen.dev, seen.inode) {
         return Err(gone());
     }
-    let folder = error_dir.join(relative.parent().unwrap_or(Path::new("")));
+    let folder = open_folder(error_dir, relative.parent().unwrap_or(Path::new("")))?;
     let name = seen.path.file_name().unwrap_or_default();
     let refusal =
         Refusal { source: &seen.path, folder: &folder, name, key: format!("Inode: {}-{}", seen.inode, seen.mtime_ns) };
-    refusal.write_and_move(&seen.order, reason, &mut || {}, |to| match disk::rename_out(inbox, relative, to) {
-        Err(error) if error.kind() == io::ErrorKind::CrossesDevices => disk::move_noreplace(&seen.path, to),
-        other => other.and_then(|()| disk::fsync_dir(&folder)),
-    })
+    refusal.write_and_move(&seen.order, reason, &mut || {}, |to| disk::move_out(inbox, relative, to))
+}
+
+/// Makes `error_dir/order`. An order folder in there that somebody made a link is no place for refused files.
+fn open_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
+    let folder = error_dir.join(order);
+    match disk::create_dirs_beneath(error_dir, order) {
+        Ok(_) => Ok(folder),
+        Err(error) => Err(io_error("use the folder", &folder, error)),
+    }
 }
 
 struct Refusal<'a> {
@@ -96,7 +106,6 @@ impl Refusal<'_> {
         step: &mut dyn FnMut(),
         move_to: impl FnOnce(&Path) -> io::Result<()>,
     ) -> Result<PathBuf, RefuseError> {
-        disk::create_dirs(self.folder).map_err(|e| io_error("create", self.folder, e))?;
         step();
         let (to, reason_file) = self.free_place()?;
         if !self.is_ours(&reason_file) {
@@ -132,7 +141,8 @@ impl Refusal<'_> {
     }
 
     fn is_ours(&self, reason_file: &Path) -> bool {
-        fs::read(reason_file).is_ok_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes()))
+        disk::read_start(reason_file, MAX_REASON_BYTES)
+            .is_ok_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes()))
     }
 
     fn reason_text(&self, order: &str, reason: &str) -> String {

@@ -66,7 +66,7 @@ fn with_file<T>(bytes: &[u8], use_it: impl FnOnce(&Path) -> T) -> T {
 /// Reads as the farm does; what it lets in keeps the limits and is made of finite numbers.
 fn read_part(file: &Path, name: &str) -> Result<Contents, ReadError> {
     let limits = Limits::for_testing();
-    let _ = has_end(file, name).unwrap();
+    let _ = has_end(&mut File::open(file).unwrap(), name).unwrap();
     let result = read(file, name, None, Unit::Millimeter, &limits);
     match &result {
         Ok(contents) => {

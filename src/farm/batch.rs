@@ -164,11 +164,8 @@ impl Farm {
     pub(super) fn copy_into_error(&self, row: &PartRow, reason: &str) -> Result<()> {
         let Some(station) = self.stations.get(&row.profile) else { return Ok(()) };
         let stored = self.meshes.store.path(&row.content_hash)?;
-        let copy = intake::archive(&stored, &station.profile.folders.error, &format!("part-{}", row.id), &row.name)
-            .with_context(|| format!("copying {} into the error folder", row.name))?;
-        let mut beside = copy.into_os_string();
-        beside.push(".reason.txt");
-        Ok(std::fs::write(beside, format!("{reason}\n"))?)
+        let (error_dir, folder) = (&station.profile.folders.error, format!("part-{}", row.id));
+        Ok(intake::refuse_stored(&stored, error_dir, &folder, &row.name, reason)?)
     }
 
     /// Keeps a layout in the ledger, so that a restart goes on from it.

@@ -250,8 +250,9 @@ impl Farm {
         if self.claims.contains_key(&part.claim) {
             return;
         }
-        if let Err(failure) = super::tidy::remove_refused(&station.profile.folders.error, part) {
-            warn!(part.id = %part.id, "Its refused file could not be removed: {failure:#}.");
+        let error_dir = &station.profile.folders.error;
+        if let Err(failure) = intake::remove_refused(error_dir, &part.order_name, &part.name, &part.content_hash) {
+            warn!(part.id = %part.id, "Its refused file could not be removed: {failure}.");
         }
     }
 }

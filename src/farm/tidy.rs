@@ -2,7 +2,6 @@
 
 use std::{
     collections::HashSet,
-    fs,
     path::{Path, PathBuf},
     time::{Duration, SystemTime},
 };
@@ -13,8 +12,8 @@ use tracing::{info, warn};
 
 use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name, trigger::secs_between};
 use crate::{
-    intake::{self, raw_name},
-    ledger::{BuildState, PartRow, PartState},
+    intake,
+    ledger::{BuildState, PartState},
     queue::Queue,
 };
 
@@ -110,23 +109,4 @@ fn purge(archive: &Path, days: u32) {
         Ok(files) => info!("Removed {files} old originals from {}.", archive.display()),
         Err(error) => warn!("The archive {} could not be purged: {error}.", archive.display()),
     }
-}
-
-/// Removes a refused file from the error folder, if it is still the same file, with its reason.
-pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
-    let Some(name) = raw_name(&part.name) else { return Ok(()) };
-    for folder in [error_dir.join(&part.order_name), error_dir.to_owned()] {
-        let file = folder.join(&name);
-        let Ok(bytes) = fs::read(&file) else { continue };
-        if blake3::hash(&bytes).to_hex().as_str() == part.content_hash {
-            fs::remove_file(&file).with_context(|| format!("removing {}", file.display()))?;
-            let mut reason = name.clone();
-            reason.push(".reason.txt");
-            match fs::remove_file(folder.join(reason)) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
-                _ => return Ok(()),
-            }
-        }
-    }
-    Ok(())
 }

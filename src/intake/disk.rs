@@ -99,7 +99,8 @@ pub(super) fn open_beneath(base: &Path, relative: &Path) -> io::Result<File> {
     regular(openat(&folder, relative.file_name().ok_or(io::ErrorKind::InvalidInput)?, READ, Mode::empty())?)
 }
 
-fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
+/// Opens the folder `base/relative`; a link in `relative` is an error.
+pub(super) fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
     let flags = OFlags::PATH | OFlags::DIRECTORY | OFlags::CLOEXEC;
     let mut folder = openat(CWD, base, flags, Mode::empty())?;
     for part in relative.components() {

@@ -19,6 +19,7 @@ mod name;
 mod order_list;
 mod recover;
 mod refuse;
+mod refused;
 mod scan;
 mod settle;
 mod status;
@@ -46,6 +47,7 @@ pub use order_list::{OrderList, Row};
 
 pub use recover::claims;
 pub use refuse::{RefuseError, refuse, refuse_path};
+pub use refused::{refuse_stored, remove_refused};
 pub use scan::{Inbox, Kind, Listing, ScanError, ScanLimits, Seen, scan};
 pub use settle::{Ready, SettleRules, Settler};
 pub use status::write_status;

@@ -16,6 +16,7 @@ use super::{
     Claim, Seen, disk, display_name,
     name::{numbered, with_suffix},
     recover::{follower_name, remove_claim_dir},
+    refused::REASON,
 };
 
 /// No reason of ours is longer.
@@ -128,7 +129,7 @@ impl Refusal<'_> {
         for n in 1..=disk::MAX_NUMBER {
             let number = if n == 1 { String::new() } else { format!(" ({n})") };
             let to = self.folder.join(numbered(self.name, n));
-            let reason_file = self.folder.join(with_suffix(self.name, &number, ".reason.txt"));
+            let reason_file = self.folder.join(with_suffix(self.name, &number, REASON));
             let is_free = match self.is_ours(&reason_file) {
                 true => !disk::is_there(&to) || disk::same_bytes(self.source, &to),
                 false => !disk::is_there(&to) && !disk::is_there(&reason_file),

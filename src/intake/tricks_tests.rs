@@ -22,9 +22,9 @@ fn in_time<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
     wait.recv_timeout(Duration::from_secs(10)).expect("it must not wait")
 }
 
-fn pipe(path: &Path) {
+fn pipe(path: &Path) -> std::io::Result<()> {
     let mode = rustix::fs::Mode::from_raw_mode(0o600);
-    rustix::fs::mknodat(rustix::fs::CWD, path, rustix::fs::FileType::Fifo, mode, 0).unwrap();
+    Ok(rustix::fs::mknodat(rustix::fs::CWD, path, rustix::fs::FileType::Fifo, mode, 0)?)
 }
 
 /// A folder with a file that is none of nestd's business.
@@ -46,7 +46,7 @@ fn a_pipe_under_the_name_of_a_reason_does_not_stop_a_refusal() {
     let farm = TestInbox::new();
     farm.drop_file("a.stl", "solid");
     fs::create_dir(&farm.error).unwrap();
-    pipe(&farm.error.join("a.stl.reason.txt"));
+    pipe(&farm.error.join("a.stl.reason.txt")).unwrap();
     let (claim, error) = (farm.claim(), farm.error.clone());
     in_time(move || refuse(&claim, &error, "No.").unwrap());
     assert_eq!(files(&farm.error), ["a (2).stl", "a (2).stl.reason.txt", "a.stl.reason.txt"]);
@@ -140,7 +140,7 @@ fn a_given_back_part_does_not_go_through_a_link() {
 fn the_end_of_a_file_is_looked_for_in_regular_files_of_the_hot_folder_only() {
     let farm = TestInbox::new();
     let (folder, file) = precious(&farm);
-    pipe(&farm.inbox.join("pipe.stl"));
+    pipe(&farm.inbox.join("pipe.stl")).unwrap();
     symlink(&file, farm.inbox.join("link.stl")).unwrap();
     symlink(&folder, farm.inbox.join("kit")).unwrap();
     fs::create_dir(farm.inbox.join("folder.stl")).unwrap();
@@ -232,17 +232,12 @@ fn swap(inbox: &Path, folder: &Path, file: &Path, round: u64) {
         0 => fs::write(&part, "theirs"),
         1 => symlink(file, &part),
         2 => fs::hard_link(file, &part),
-        _ => Ok(pipe_if_free(&part)),
+        _ => pipe(&part),
     };
     let _ = match round % 2 {
         0 => symlink(folder, &kit),
         _ => fs::create_dir(&kit).and_then(|()| fs::write(kit.join("a.stl"), "theirs")),
     };
-}
-
-fn pipe_if_free(path: &Path) {
-    let mode = rustix::fs::Mode::from_raw_mode(0o600);
-    let _ = rustix::fs::mknodat(rustix::fs::CWD, path, rustix::fs::FileType::Fifo, mode, 0);
 }
 
 /// Looks as the daemon does, but takes everything at once, settled or not. Returns the looks and what was stored.

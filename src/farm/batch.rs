@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{BuildId, OpenLayout, PartId, PartRow, PartState, WaitingPart},
+    ledger::{BuildId, OpenLayout, PartId, PartRow, WaitingPart},
 };
 
 /// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
@@ -69,8 +69,8 @@ impl Farm {
     /// Whether a part of the profile is claimed but not read: an order by hand waits for it, unless the disk keeps it from
     /// being read.
     async fn is_being_read(&self, name: &str) -> Result<bool> {
-        let claimed = self.ledger.parts_in_state(PartState::Claimed).await?;
-        Ok(claimed.iter().any(|part| part.profile == name && !self.read_again.contains_key(&part.id)))
+        let claimed = self.ledger.claimed_parts(name, self.read_again.len() + 1).await?;
+        Ok(claimed.iter().any(|part| !self.read_again.contains_key(&part.id)))
     }
 
     /// Begins a search for the open build where one is wanted and a slot is free.

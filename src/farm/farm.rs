@@ -39,6 +39,10 @@ const SIGN_OF_LIFE: Duration = Duration::from_secs(4);
 const STOP_WITHIN: Duration = Duration::from_secs(8);
 /// Claims whose end failed are tried again after so long.
 const CLAIMS_AGAIN: Duration = Duration::from_secs(20);
+/// Events between two beats at most, so that orders and signals are heard in between.
+const EVENTS_PER_BEAT: usize = 64;
+/// A profile is batched again after so many times what it took: a line of very many parts must not take up the farm.
+const BATCH_REST: u32 = 9;
 /// Different complaints remembered at most.
 const MAX_COMPLAINTS: usize = 1000;
 /// The same complaint is logged again after so long.
@@ -61,6 +65,8 @@ pub struct Farm {
     pub(super) claims: HashMap<String, Claim>,
     /// Parts whose reading failed for the disk's sake, and when to try again.
     pub(super) read_again: HashMap<PartId, Instant>,
+    /// Times that parts were looked for to read.
+    pub(super) reads_begun: usize,
     /// Builds fired by this process that have not been begun.
     pub(super) fresh_builds: HashSet<BuildId>,
     /// Final searches that run.
@@ -115,6 +121,7 @@ impl Farm {
             nest_slots: 1,
             claims: HashMap::new(),
             read_again: HashMap::new(),
+            reads_begun: 0,
             fresh_builds: HashSet::new(),
             finals: HashMap::new(),
             failures: HashMap::new(),
@@ -212,7 +219,7 @@ impl Farm {
                     Signal::Stop => return Ok(()),
                     Signal::Reload => self.reload().await,
                 },
-                Some(event) = self.events.recv() => self.on_event(event).await,
+                Some(event) = self.events.recv() => self.on_events(event).await,
                 _ = beat.tick() => {}
             }
             self.beat().await;
@@ -252,12 +259,25 @@ impl Farm {
         // Fired builds come before open ones: they take the free slots first.
         self.tell("nesting", Self::nest).await;
         for name in names {
-            if let Err(failure) = self.batch(&name).await {
-                self.complain(&format!("batching {name}"), &format!("Batching for {name} failed: {failure:#}"));
-            }
+            self.batch_when_rested(&name).await;
         }
         self.tell("publishing", Self::publish).await;
         self.tell("status", Self::show_status).await;
+    }
+
+    async fn batch_when_rested(&mut self, name: &str) {
+        let Some(station) = self.stations.get_mut(name) else { return };
+        let began = Instant::now();
+        if began < station.batch_at {
+            station.is_settled = false;
+            return;
+        }
+        if let Err(failure) = self.batch(name).await {
+            self.complain(&format!("batching {name}"), &format!("Batching for {name} failed: {failure:#}"));
+        }
+        if let Some(station) = self.stations.get_mut(name) {
+            station.batch_at = Instant::now() + BATCH_REST * began.elapsed();
+        }
     }
 
     async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
@@ -278,6 +298,17 @@ impl Farm {
             self.complaints.clear();
         }
         self.complaints.insert(about.to_owned(), (text.to_owned(), Instant::now()));
+    }
+
+    /// Takes in an event and those that wait behind it: one beat serves them all.
+    async fn on_events(&mut self, first: Event) {
+        self.on_event(first).await;
+        for _ in 0..EVENTS_PER_BEAT {
+            match self.events.try_recv() {
+                Ok(event) => self.on_event(event).await,
+                Err(_) => return,
+            }
+        }
     }
 
     async fn on_event(&mut self, event: Event) {

@@ -6,11 +6,11 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name, trigger::secs_between};
+use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
     intake,
     ledger::{BuildState, PartState},
@@ -48,17 +48,16 @@ impl Farm {
     async fn sweep_store(&mut self) -> Result<()> {
         let now = Timestamp::now();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
-            for part in self.ledger.parts_in_state(state).await? {
-                let age_secs = secs_between(part.state_at.0, now);
-                let due = age_secs >= keep_secs && age_secs <= keep_secs + SWEEP_WITHIN_SECS;
-                if due && !self.is_needed(&part.content_hash).await? {
-                    self.meshes.store.remove(&part.content_hash)?;
+            let (from, to) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
+            for hash in self.ledger.hashes_in_state(state, from, to).await? {
+                if !self.is_needed(&hash).await? {
+                    self.meshes.store.remove(&hash)?;
                 }
             }
         }
         let mut live = HashSet::new();
         for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
-            live.extend(self.ledger.parts_in_state(state).await?.into_iter().map(|part| part.content_hash));
+            live.extend(self.ledger.hashes_in_state(state, Timestamp::UNIX_EPOCH, now).await?);
         }
         self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
         Ok(())
@@ -66,9 +65,7 @@ impl Farm {
 
     /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
     pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
-        let keep = SignedDuration::try_from_secs_f64(KEEP_REFUSED_SECS).context("a wrong constant")?;
-        let since = Timestamp::now().checked_sub(keep).unwrap_or(Timestamp::MIN);
-        Ok(self.ledger.hash_in_use(content_hash, since).await?)
+        Ok(self.ledger.hash_in_use(content_hash, ago(Timestamp::now(), KEEP_REFUSED_SECS)).await?)
     }
 
     /// Opens the queue folders that are not open and sweeps what a crash left half written in them.
@@ -98,6 +95,10 @@ impl Farm {
         }
         Ok(())
     }
+}
+
+fn ago(now: Timestamp, secs: f64) -> Timestamp {
+    now.checked_sub(SignedDuration::from_secs_f64(secs)).unwrap_or(Timestamp::UNIX_EPOCH)
 }
 
 /// Removes originals that are older than the profile keeps them.

@@ -122,26 +122,35 @@ impl Settler {
         &mut self,
         seen: &[Seen],
         now_secs: f64,
-        mut has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
+        has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
     ) -> Vec<Ready> {
+        self.ready(seen, now_secs, has_end).collect()
+    }
+
+    /// As [`Settler::observe`], one after the other: files behind those that are asked for are not opened.
+    pub fn ready<'a>(
+        &'a mut self,
+        seen: &'a [Seen],
+        now_secs: f64,
+        mut has_end: impl FnMut(&Path, &str) -> io::Result<bool> + 'a,
+    ) -> impl Iterator<Item = Ready> + 'a {
         self.remember(seen, now_secs);
         let beside = Beside::of(seen, |ticket| !self.is_unclear(ticket));
         for ticket in beside.unclear() {
             self.watched.entry(ticket.to_owned()).and_modify(|watched| watched.is_unclear = true);
         }
-        let mut ready = Vec::new();
-        for one in seen.iter().filter(|one| self.is_settled(one, now_secs)) {
-            let still_secs = now_secs - self.watched[&one.path].since_secs;
-            let said = match (one.kind, role(&one.path)) {
+        let this = &*self;
+        let settled = seen.iter().filter(move |one| this.is_settled(one, now_secs));
+        settled.filter_map(move |one| {
+            let still_secs = now_secs - this.watched[&one.path].since_secs;
+            match (one.kind, role(&one.path)) {
                 (Kind::File, _) if one.is_secret => Some(Ready::Refuse { seen: one.clone(), reason: of_secret(one) }),
-                (Kind::File, Role::Part) => self.part(one, &beside, now_secs, &mut has_end),
-                (Kind::File, Role::Ticket { part }) => self.orphan(one, &part, &beside, still_secs),
+                (Kind::File, Role::Part) => this.part(one, &beside, now_secs, &mut has_end),
+                (Kind::File, Role::Ticket { part }) => this.orphan(one, &part, &beside, still_secs),
                 (Kind::File, Role::List) => list(one, &beside, still_secs),
                 (kind, _) => Some(Ready::Refuse { seen: one.clone(), reason: no_file(kind).to_owned() }),
-            };
-            ready.extend(said);
-        }
-        ready
+            }
+        })
     }
 
     /// Seconds until something may be ready that is not yet, if anything is on its way: when to scan next.

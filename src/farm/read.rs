@@ -31,8 +31,10 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
         Ok(file) => file,
         Err(error) => return ReadOutcome::Later(chain(&error)),
     };
-    if !file.exists() {
-        return ReadOutcome::Refused("Its file is no longer kept. Drop it again.".to_owned());
+    match file.try_exists() {
+        Ok(true) => {}
+        Ok(false) => return ReadOutcome::Refused("Its file is no longer kept. Drop it again.".to_owned()),
+        Err(error) => return ReadOutcome::Later(format!("{}: {error}", file.display())),
     }
     let contents = match format::read(&file, &part.name, part.unit, profile.unit, &meshes.limits) {
         Ok(contents) => contents,

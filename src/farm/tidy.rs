@@ -2,18 +2,19 @@
 
 use std::{
     collections::HashSet,
+    fs,
     path::{Path, PathBuf},
     time::{Duration, SystemTime},
 };
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
 use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
     intake,
-    ledger::{BuildState, PartState},
+    ledger::{BuildState, PartRow, PartState},
     queue::Queue,
 };
 
@@ -22,7 +23,9 @@ pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 /// How often the house is tidied.
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Refused files stay in the store so long, so that `nestd retry` finds them.
-const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+pub const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+/// Ends the name of the file beside a refused one.
+const REASON: &str = ".reason.txt";
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
@@ -79,9 +82,20 @@ impl Farm {
         }
         let mut closed = Vec::new();
         for (name, station) in self.stations.iter_mut().filter(|(_, s)| s.queue.is_none()) {
+            // An empty mount point is not marked as a queue.
+            if let Err(error) = station.holds.queue.check() {
+                closed.push((name.clone(), error.to_string()));
+                continue;
+            }
             match Queue::open(&station.profile.folders.queue) {
                 Ok(queue) => {
-                    let swept = queue.sweep(&staged)?;
+                    let swept = match queue.sweep(&staged) {
+                        Ok(swept) => swept,
+                        Err(error) => {
+                            closed.push((name.clone(), super::receive::chain(&error)));
+                            continue;
+                        }
+                    };
                     if !swept.is_empty() {
                         info!(profile = %name, files = swept.len(), "Removed half-written files of an earlier run.");
                     }
@@ -90,8 +104,12 @@ impl Farm {
                 Err(error) => closed.push((name.clone(), super::receive::chain(&error))),
             }
         }
-        for (name, why) in closed {
-            self.complain(&format!("queue {name}"), &format!("The queue folder of {name} cannot be used: {why}"));
+        for name in self.stations.keys().cloned().collect::<Vec<_>>() {
+            let about = format!("queue {name}");
+            match closed.iter().find(|(of, _)| *of == name) {
+                Some((_, why)) => self.complain(&about, &format!("The queue folder of {name} cannot be used: {why}")),
+                None => self.complaints.settled(&about),
+            }
         }
         Ok(())
     }
@@ -110,4 +128,50 @@ fn purge(archive: &Path, days: u32) {
         Ok(files) => info!("Removed {files} old originals from {}.", archive.display()),
         Err(error) => warn!("The archive {} could not be purged: {error}.", archive.display()),
     }
+}
+
+/// Where a refused part's file and its reason lie in the error folder: the reason that names the part tells which of
+/// several of the same content it is.
+pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
+    let line = part_line(part);
+    let files = match intake::files_below(error_dir) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.with_context(|| format!("listing {}", error_dir.display()))?,
+    };
+    let mut found = Vec::new();
+    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
+        if !intake::read_reason(reason).is_ok_and(|text| text.lines().any(|said| said.starts_with(&line))) {
+            continue;
+        }
+        let is_it = |file: &&PathBuf| {
+            file.parent() == reason.parent()
+                && *file != reason
+                && intake::hash_file(file).is_ok_and(|hash| hash == part.content_hash)
+        };
+        // Its name without the suffix, except where that was too long.
+        let named = reason.with_extension("").with_extension("");
+        if let Some(file) = Some(&named).filter(is_it).or_else(|| files.iter().find(is_it)) {
+            found.push((file.clone(), reason.clone()));
+        }
+    }
+    Ok(found)
+}
+
+/// Removes a refused file from the error folder, if it is still the same file, with its reason.
+pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
+    for (file, reason) in refused_files(error_dir, part)? {
+        for gone in [&file, &reason] {
+            fs::remove_file(gone).with_context(|| format!("removing {}", gone.display()))?;
+        }
+        if let Some(folder) = file.parent().filter(|folder| *folder != error_dir) {
+            // Only an empty one goes.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+    Ok(())
+}
+
+/// How the reason of a refused part opens the line that names it.
+pub fn part_line(part: &PartRow) -> String {
+    format!("Part {} of the profile {}.", part.id, part.profile)
 }

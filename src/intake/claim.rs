@@ -134,6 +134,11 @@ pub enum Released {
     GivenBack(PathBuf),
 }
 
+/// Where a claim lies, or would lie.
+pub fn claim_dir(inbox: &Path, id: &str) -> PathBuf {
+    inbox.join(CLAIMED_DIR).join(id)
+}
+
 /// Claims a [`Ready::Part`] out of `inbox`.
 pub fn claim(inbox: &Path, ready: &Ready) -> Result<Claim, ClaimError> {
     claim_stepwise(inbox, ready, &mut || {})
@@ -150,7 +155,7 @@ pub(super) fn claim_stepwise(inbox: &Path, ready: &Ready, step: &mut dyn FnMut()
     let whole = take(inbox, &new, part, tickets, list, step).and_then(|()| finish(inbox, &new, &id, step));
     if let Err(error) = whole {
         if let Err(error) = give_back_files(inbox, &new) {
-            error!(claim = %new.display(), %error, "Could not give back a half made claim; the next start does it.");
+            error!(claim = %new.display(), %error, "Could not give back a half made claim; the next look does it.");
         }
         return Err(error);
     }
@@ -283,6 +288,7 @@ pub(super) fn release_stepwise(claim: &Claim, step: &mut dyn FnMut()) -> Result<
         return give_back(claim).map(Released::GivenBack);
     }
     step();
+    let _only_one = claiming();
     remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))?;
     Ok(Released::Removed)
 }

@@ -234,12 +234,14 @@ pub(super) fn move_to_free_name(from: &Path, folder: &Path, name: &OsStr) -> io:
 
 /// Whether two regular files hold the same bytes; an unreadable one holds none.
 pub(super) fn same_bytes(one: &Path, other: &Path) -> bool {
-    let hash = |path: &Path| -> io::Result<blake3::Hash> {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(open_regular(path)?)?;
-        Ok(hasher.finalize())
-    };
-    matches!((hash(one), hash(other)), (Ok(a), Ok(b)) if a == b)
+    matches!((hash_file(one), hash_file(other)), (Ok(a), Ok(b)) if a == b)
+}
+
+/// BLAKE3 of a regular file, 64 hex digits; no link is followed.
+pub fn hash_file(path: &Path) -> io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(open_regular(path)?)?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// Whether something stands under this name, a dangling link too.
@@ -270,7 +272,7 @@ pub(super) fn as_time(ns: i128) -> SystemTime {
 }
 
 /// All files below a folder, sorted; links are not followed, also where `dir` is one.
-pub(super) fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
+pub fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     if !fs::symlink_metadata(dir)?.is_dir() {
         return Err(io::ErrorKind::NotADirectory.into());

@@ -13,14 +13,17 @@ use std::{
 use thiserror::Error;
 
 use super::{
-    Claim, Seen, disk, display_name,
-    name::{numbered, with_suffix},
+    Claim, Seen,
+    claim::claiming,
+    disk, display_name,
+    name::{numbered, raw_name, with_suffix},
     recover::{follower_name, remove_claim_dir},
-    refused::REASON,
 };
 
 /// No reason of ours is longer.
-const MAX_REASON_BYTES: u64 = 1 << 20;
+pub(super) const MAX_REASON_BYTES: u64 = 1 << 20;
+/// How the name of a reason ends.
+const REASON: &str = ".reason.txt";
 
 /// Why something could not be refused; it stays where it is.
 #[derive(Debug, Error)]
@@ -51,6 +54,7 @@ pub(super) fn refuse_stepwise(
     reason: &str,
     step: &mut dyn FnMut(),
 ) -> Result<PathBuf, RefuseError> {
+    let _only_one = claiming();
     let folder = open_folder(error_dir, &claim.order_path)?;
     let refusal =
         Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
@@ -89,6 +93,30 @@ fn open_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
         Ok(_) => Ok(folder),
         Err(error) => Err(io_error("use the folder", &folder, error)),
     }
+}
+
+/// Copies a stored file to `error_dir/<folder>/<name>`, after its reason; the same copy again changes nothing. For a part
+/// whose claim has ended.
+pub fn refuse_copy(
+    stored: &Path,
+    error_dir: &Path,
+    folder: &str,
+    display_name: &str,
+    reason: &str,
+) -> Result<(), RefuseError> {
+    let folder = open_folder(error_dir, Path::new(folder))?;
+    let name = raw_name(display_name).unwrap_or_else(|| display_name.into());
+    let (to, reason_file) = (folder.join(&name), folder.join(with_suffix(&name, "", REASON)));
+    disk::write_by_rename(&reason_file, reason.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
+    match disk::is_there(&to) && disk::same_bytes(stored, &to) {
+        true => Ok(()),
+        false => disk::copy_noreplace(stored, &to).map_err(|e| io_error("copy to the error folder", stored, e)),
+    }
+}
+
+/// Another reason for a file that is in the error folder already.
+pub fn rewrite_reason(reason_file: &Path, reason: &str) -> Result<(), RefuseError> {
+    disk::write_by_rename(reason_file, reason.as_bytes()).map_err(|e| io_error("write", reason_file, e))
 }
 
 struct Refusal<'a> {

@@ -83,6 +83,14 @@ pub enum TicketError {
         /// In plain words.
         why: String,
     },
+    /// The disk failed or denied it, not the ticket.
+    #[error("the ticket {file} cannot be read: {}", std::io::Error::from_raw_os_error(*.errno))]
+    Unreadable {
+        /// Its name, escaped.
+        file: String,
+        /// The error of the system.
+        errno: i32,
+    },
     /// Two sidecars for one part.
     #[error("there are two tickets for one part, {first} and {second}; leave one")]
     Two {

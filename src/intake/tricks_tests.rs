@@ -59,7 +59,7 @@ fn a_link_among_the_claims_is_not_taken_for_one() {
         let (folder, file) = precious(&farm);
         fs::create_dir(farm.inbox.join(".claimed")).unwrap();
         symlink(&folder, farm.inbox.join(".claimed").join(name)).unwrap();
-        assert!(claims(&farm.inbox).unwrap().is_empty());
+        assert!(claims(&farm.inbox).unwrap().0.is_empty());
         assert_eq!(fs::read_to_string(&file).unwrap(), "mine", "{name}");
         assert!(farm.dropped().is_empty(), "{name}: {:?}", farm.dropped());
     }

@@ -8,7 +8,10 @@ use super::{
     reach::{brief, look_at_ledger, time_argument},
     table::{Table, number, or_dash, percent, say, say_json, text},
 };
-use crate::ledger::{HistoryQuery, HistoryRow};
+use crate::{
+    format::cell,
+    ledger::{HistoryQuery, HistoryRow},
+};
 
 /// Columns of the CSV, as the rows are named in the ledger; a test compares.
 const CSV_COLUMNS: [&str; 24] = [
@@ -130,11 +133,26 @@ pub fn table(rows: &[HistoryRow]) -> Table {
     table
 }
 
+/// A row whose texts are no formulas; numbers stay numbers.
+fn as_cells(row: &HistoryRow) -> HistoryRow {
+    let some = |text: &Option<String>| text.as_deref().map(cell);
+    HistoryRow {
+        profile: cell(&row.profile),
+        method: some(&row.method),
+        version: some(&row.version),
+        fired_by: cell(&row.fired_by),
+        file_name: some(&row.file_name),
+        reason: cell(&row.reason),
+        note: cell(&row.note),
+        ..row.clone()
+    }
+}
+
 pub fn csv_text(rows: &[HistoryRow]) -> Result<String> {
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     writer.write_record(CSV_COLUMNS)?;
     for row in rows {
-        writer.serialize(row)?;
+        writer.serialize(as_cells(row))?;
     }
     Ok(String::from_utf8(writer.into_inner()?)?)
 }

@@ -40,6 +40,11 @@ impl<K: Eq + Hash> BackOff<K> {
         self.waits.insert(what, (Instant::now() + wait, wait));
     }
 
+    /// How many failed when they were last tried.
+    pub fn len(&self) -> usize {
+        self.waits.len()
+    }
+
     /// It was done.
     pub fn done(&mut self, what: &K) {
         self.waits.remove(what);

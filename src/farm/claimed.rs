@@ -1,6 +1,9 @@
 //! The event loop's side of "claimed" and "read": rows for what was claimed, and what becomes of it once it is read.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result};
 use jiff::tz::TimeZone;
@@ -106,7 +109,7 @@ impl Farm {
         let recorded = self.ledger.record_claim(&row).await?;
         // Between the copy and the row, the end of an earlier part of the same content may have taken the copy away.
         if !self.meshes.store.path(&stored.hash)?.exists() {
-            self.meshes.store.put(&claim.part)?;
+            self.meshes.store.put_claimed(claim)?;
         }
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
         if part.content_hash != stored.hash {
@@ -149,22 +152,32 @@ impl Farm {
 
     /// Starts reading claimed parts.
     pub(super) async fn read(&mut self) -> Result<()> {
-        for part in self.ledger.parts_in_state(PartState::Claimed).await? {
-            if self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS {
+        let profiles: Vec<Arc<Profile>> = self.stations.values().map(|s| s.profile.clone()).collect();
+        // Each time another machine comes first, so that none waits for the end of another one's line.
+        self.reads_begun = self.reads_begun.wrapping_add(1);
+        for at in 0..profiles.len() {
+            let profile = &profiles[(self.reads_begun + at) % profiles.len()];
+            let reading = self.jobs.count(|key| matches!(key, JobKey::Read(_)));
+            if reading >= READERS {
                 break;
             }
-            let waits = self.read_again.rests(&part.id);
-            let Some(station) = self.stations.get(&part.profile) else { continue };
-            if waits || self.jobs.runs(&JobKey::Read(part.id)) {
-                continue;
-            }
-            let (profile, meshes) = (station.profile.clone(), self.meshes.clone());
-            self.jobs.start(JobKey::Read(part.id), move || Event::Read {
-                part: part.id,
-                outcome: read_part(&part, &profile, &meshes),
-            });
+            let parts = self.ledger.claimed_parts(&profile.name, READERS + reading + self.read_again.len()).await?;
+            parts.into_iter().for_each(|part| self.begin_read(part, profile));
         }
         Ok(())
+    }
+
+    fn begin_read(&mut self, part: PartRow, profile: &Arc<Profile>) {
+        let waits = self.read_again.rests(&part.id);
+        let is_full = self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS;
+        if waits || is_full || self.jobs.runs(&JobKey::Read(part.id)) {
+            return;
+        }
+        let (profile, meshes) = (profile.clone(), self.meshes.clone());
+        self.jobs.start(JobKey::Read(part.id), move || Event::Read {
+            part: part.id,
+            outcome: read_part(&part, &profile, &meshes),
+        });
     }
 
     /// Takes in what a reader found.

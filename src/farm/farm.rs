@@ -40,6 +40,8 @@ const SIGN_OF_LIFE: Duration = Duration::from_secs(4);
 const STOP_WITHIN: Duration = Duration::from_secs(8);
 /// Claims whose end failed are tried again after so long.
 const CLAIMS_AGAIN: Duration = Duration::from_secs(20);
+/// Events between two beats at most, so that orders and signals are heard in between.
+const EVENTS_PER_BEAT: usize = 64;
 
 /// Reads the configuration, at start and at each reload.
 pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
@@ -60,6 +62,8 @@ pub struct Farm {
     pub(super) claims: HashMap<String, Claim>,
     /// Parts whose reading failed for the disk's sake.
     pub(super) read_again: BackOff<PartId>,
+    /// Times that parts were looked for to read.
+    pub(super) reads_begun: usize,
     /// Builds fired by this process that have not been begun.
     pub(super) fresh_builds: HashSet<BuildId>,
     /// Final searches that run.
@@ -170,6 +174,7 @@ impl Farm {
             nest_slots: 1,
             claims: HashMap::new(),
             read_again: BackOff::default(),
+            reads_begun: 0,
             fresh_builds: HashSet::new(),
             finals: HashMap::new(),
             failures: HashMap::new(),
@@ -202,7 +207,7 @@ impl Farm {
                     Signal::Stop => return Ok(()),
                     Signal::Reload => self.reload().await,
                 },
-                Some(event) = self.events.recv() => self.on_event(event).await,
+                Some(event) = self.events.recv() => self.on_events(event).await,
                 _ = beat.tick() => {}
             }
             self.beat().await;
@@ -247,7 +252,7 @@ impl Farm {
         // Fired builds come before open ones: they take the free slots first.
         self.tell("nesting", Self::nest).await;
         for name in names {
-            self.tell(&format!("batching {name}"), async |farm| farm.batch(&name).await).await;
+            self.tell(&format!("batching {name}"), async |farm| farm.batch_when_rested(&name).await).await;
         }
         self.tell("publishing", Self::publish).await;
         self.tell("status", Self::show_status).await;
@@ -272,6 +277,15 @@ impl Farm {
     /// Logs an error once, and again only when it changes or lasts.
     pub(super) fn complain(&mut self, about: &str, text: &str) {
         self.complaints.note(about, text);
+    }
+
+    /// Takes in an event and those that wait behind it: one beat serves them all.
+    async fn on_events(&mut self, first: Event) {
+        self.on_event(first).await;
+        for _ in 0..EVENTS_PER_BEAT {
+            let Ok(event) = self.events.try_recv() else { return };
+            self.on_event(event).await;
+        }
     }
 
     async fn on_event(&mut self, event: Event) {

@@ -4,6 +4,7 @@
 use std::{
     collections::HashMap,
     io,
+    path::Path,
     time::{Duration, Instant},
 };
 
@@ -17,8 +18,10 @@ use crate::{
     settings::Profile,
 };
 
-/// Parts claimed in one look, so that the first of very many are being read while the rest is claimed.
-const MAX_CLAIMS_PER_LOOK: usize = 100;
+/// Parts claimed in one look, so that the first of very many are being read while the rest is claimed: so many, or this share
+/// of what stands there, so that the looks at very many files do not cost more than the files.
+const CLAIMS_PER_LOOK: usize = 100;
+const SHARE_PER_LOOK: usize = 20;
 /// A file that nestd may not read is refused when that lasts so long.
 const DENIED_FOR: Duration = Duration::from_secs(5);
 
@@ -111,15 +114,18 @@ impl Gate {
                     .troubles
                     .extend(listing.troubles.iter().map(|(path, why)| format!("{}: {why}", path.display())));
                 let now_secs = self.began.elapsed().as_secs_f64();
-                let ready = self.settler.observe(&listing.seen, now_secs, format::has_end);
-                received.next_secs = self.settler.next_secs(now_secs);
-                for ready in ready {
-                    if claims.len() >= MAX_CLAIMS_PER_LOOK {
-                        received.next_secs = Some(0.0);
+                let most = CLAIMS_PER_LOOK.max(listing.seen.len() / SHARE_PER_LOOK);
+                let mut is_cut = false;
+                let inbox = self.inbox.path();
+                let has_end = |file: &Path, name: &str| format::has_end(&mut intake::open_dropped(inbox, file)?, name);
+                for ready in self.settler.ready(&listing.seen, now_secs, has_end) {
+                    if claims.len() >= most {
+                        is_cut = true;
                         break;
                     }
-                    claims.extend(self.take(profile, &ready, orphan_secs, &mut received));
+                    claims.extend(take(inbox, profile, &ready, orphan_secs, &mut received));
                 }
+                received.next_secs = if is_cut { Some(0.0) } else { self.settler.next_secs(now_secs) };
             }
             Err(error) => received.unavailable = Some(error.to_string()),
         }
@@ -139,7 +145,7 @@ impl Gate {
 
     /// Copies a claimed part into the store. What fails stays claimed, and is tried at the next look.
     fn store(&mut self, profile: &Profile, claim: Claim, store: &Store, received: &mut Received) {
-        match store.put(&claim.part) {
+        match store.put_claimed(&claim) {
             Ok(stored) => match claim.given() {
                 Err(error @ TicketError::Unreadable { errno, .. })
                     if !self.is_lasting(&claim, &io::Error::from_raw_os_error(errno)) =>
@@ -203,31 +209,31 @@ impl Gate {
             }
         }
     }
+}
 
-    fn take(&self, profile: &Profile, ready: &Ready, orphan_secs: f64, received: &mut Received) -> Option<Claim> {
-        let inbox = self.inbox.path();
-        match ready {
-            Ready::Part { .. } => match intake::claim(inbox, ready) {
-                Ok(claim) => return Some(claim),
-                // It is still being written to or was taken away: the next look tells.
-                Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
+/// Does with one thing what is to be done; a part becomes a claim.
+fn take(inbox: &Path, profile: &Profile, ready: &Ready, orphan_secs: f64, received: &mut Received) -> Option<Claim> {
+    match ready {
+        Ready::Part { .. } => match intake::claim(inbox, ready) {
+            Ok(claim) => return Some(claim),
+            // It is still being written to or was taken away: the next look tells.
+            Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
+            Err(error) => received.troubles.push(chain(&error)),
+        },
+        Ready::List { list, .. } => {
+            let folders = &profile.folders;
+            match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
+                Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
+                Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
                 Err(error) => received.troubles.push(chain(&error)),
-            },
-            Ready::List { list, .. } => {
-                let folders = &profile.folders;
-                match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
-                    Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
-                    Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
-                    Err(error) => received.troubles.push(chain(&error)),
-                }
             }
-            Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {
-                Ok(_) => received.refused.push((name_of(&seen.path), reason.clone())),
-                Err(error) => received.troubles.push(chain(&error)),
-            },
         }
-        None
+        Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {
+            Ok(_) => received.refused.push((name_of(&seen.path), reason.clone())),
+            Err(error) => received.troubles.push(chain(&error)),
+        },
     }
+    None
 }
 
 /// A file that nestd may not read has no hash and so no row: it goes straight to the error folder. Returns whether it did.

@@ -46,6 +46,8 @@ pub struct Station {
     pub flush: Vec<CommandId>,
     /// Whether all that waits is nested as far as it will be: only news from the ledger or the clock bring work.
     pub is_settled: bool,
+    /// Not batched again before this.
+    pub batch_at: Instant,
     /// Whether an operator has paused it.
     pub paused: bool,
     /// What `STATUS.txt` and `status.json` say.
@@ -98,6 +100,7 @@ impl Station {
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
             flush: Vec::new(),
             is_settled: false,
+            batch_at: Instant::now(),
             paused: false,
             status: Default::default(),
         }

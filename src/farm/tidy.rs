@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name, trigger::secs_between};
+use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
     intake,
     ledger::{BuildState, PartRow, PartState},
@@ -51,17 +51,16 @@ impl Farm {
     async fn sweep_store(&mut self) -> Result<()> {
         let now = Timestamp::now();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
-            for part in self.ledger.parts_in_state(state).await? {
-                let age_secs = secs_between(part.state_at.0, now);
-                let due = age_secs >= keep_secs && age_secs <= keep_secs + SWEEP_WITHIN_SECS;
-                if due && !self.is_needed(&part.content_hash).await? {
-                    self.meshes.store.remove(&part.content_hash)?;
+            let (from, to) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
+            for hash in self.ledger.hashes_in_state(state, from, to).await? {
+                if !self.is_needed(&hash).await? {
+                    self.meshes.store.remove(&hash)?;
                 }
             }
         }
         let mut live = HashSet::new();
         for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
-            live.extend(self.ledger.parts_in_state(state).await?.into_iter().map(|part| part.content_hash));
+            live.extend(self.ledger.hashes_in_state(state, Timestamp::UNIX_EPOCH, now).await?);
         }
         self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
         Ok(())
@@ -69,9 +68,7 @@ impl Farm {
 
     /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
     pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
-        let keep = SignedDuration::try_from_secs_f64(KEEP_REFUSED_SECS).context("a wrong constant")?;
-        let since = Timestamp::now().checked_sub(keep).unwrap_or(Timestamp::MIN);
-        Ok(self.ledger.hash_in_use(content_hash, since).await?)
+        Ok(self.ledger.hash_in_use(content_hash, ago(Timestamp::now(), KEEP_REFUSED_SECS)).await?)
     }
 
     /// Opens the queue folders that are not open and sweeps what a crash left half written in them.
@@ -118,6 +115,10 @@ impl Farm {
     }
 }
 
+fn ago(now: Timestamp, secs: f64) -> Timestamp {
+    now.checked_sub(SignedDuration::from_secs_f64(secs)).unwrap_or(Timestamp::UNIX_EPOCH)
+}
+
 /// Removes originals that are older than the profile keeps them.
 fn purge(archive: &Path, days: u32) {
     let keep = Duration::from_secs(u64::from(days) * 86_400);
@@ -139,8 +140,8 @@ pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, P
     };
     let mut found = Vec::new();
     for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
-        let text = fs::read(reason).with_context(|| format!("reading {}", reason.display()))?;
-        if !String::from_utf8_lossy(&text).lines().any(|said| said.starts_with(&line)) {
+        let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
+        if !text.is_some_and(|text| text.lines().any(|said| said.starts_with(&line))) {
             continue;
         }
         // Its name without the suffix, except where that was too long.

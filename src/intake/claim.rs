@@ -173,7 +173,7 @@ pub(super) fn claiming() -> MutexGuard<'static, ()> {
 
 fn begin(inbox: &Path) -> Result<(String, PathBuf), ClaimError> {
     let claimed = inbox.join(CLAIMED_DIR);
-    disk::create_dirs(&claimed).map_err(|e| io_error("create", &claimed, e))?;
+    disk::create_dirs_beneath(inbox, Path::new(CLAIMED_DIR)).map_err(|e| io_error("create", &claimed, e))?;
     let id = new_id();
     let new = claimed.join(format!("{NEW}{id}"));
     // Its name is on disk before anything is moved into it: what power loss took it from under would be lost.
@@ -258,6 +258,7 @@ fn is_same(seen: &Seen, now_at: &Path) -> bool {
         meta.is_file()
             && (meta.len(), meta.ino(), meta.dev()) == (seen.size, seen.inode, seen.dev)
             && disk::mtime_ns(&meta) == seen.mtime_ns
+            && !disk::is_second_name_of_a_secret(&meta)
     })
 }
 
@@ -267,7 +268,8 @@ fn copy_list(list: &Seen, to: &Path) -> io::Result<()> {
     let mut bytes = Vec::new();
     (&file).take(list.size + 1).read_to_end(&mut bytes)?;
     let meta = file.metadata()?;
-    if (meta.ino(), disk::ctime_ns(&meta), bytes.len() as u64) != (list.inode, list.ctime_ns, list.size) {
+    let print = (meta.ino(), disk::ctime_ns(&meta), bytes.len() as u64, disk::is_second_name_of_a_secret(&meta));
+    if print != (list.inode, list.ctime_ns, list.size, false) {
         return Err(io::ErrorKind::InvalidData.into());
     }
     let mut copy = disk::create_anew(to)?;

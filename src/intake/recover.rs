@@ -21,6 +21,9 @@ use super::{
 pub fn claims(inbox: &Path) -> Result<(Vec<Claim>, Vec<String>), ClaimError> {
     let _only_one = claiming();
     let claimed = inbox.join(CLAIMED_DIR);
+    if fs::symlink_metadata(&claimed).is_ok_and(|meta| !meta.is_dir()) {
+        return Err(io_error("use as the folder of the claims", &claimed, io::ErrorKind::NotADirectory.into()));
+    }
     let entries = match fs::read_dir(&claimed) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Default::default()),
         other => other.map_err(|e| io_error("list", &claimed, e))?,
@@ -79,6 +82,10 @@ pub fn work(inbox: &Path) -> io::Result<Work> {
 }
 
 fn recover(inbox: &Path, dir: &Path) -> io::Result<Option<Claim>> {
+    // Claims are folders that nestd made; anything else was put there by somebody else and is left alone.
+    if !fs::symlink_metadata(dir)?.is_dir() {
+        return Ok(None);
+    }
     let name = dir.file_name().unwrap_or_default();
     let starts = |with: &str| name.as_encoded_bytes().starts_with(with.as_bytes());
     if starts(NEW) {

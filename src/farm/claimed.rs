@@ -1,6 +1,9 @@
 //! The event loop's side of "claimed" and "read": rows for what was claimed, and what becomes of it once it is read.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result};
 use jiff::tz::TimeZone;
@@ -11,7 +14,7 @@ use super::{
     farm::Farm,
     jobs::JobKey,
     read::{ReadOutcome, read_part},
-    receive::{Gate, Received},
+    receive::{Drop, Gate, Received},
 };
 use crate::{
     intake::{self, Claim, Given, Released, Source, Stored},
@@ -22,8 +25,6 @@ use crate::{
 
 /// Files that are read at once.
 const READERS: usize = 2;
-/// After the disk failed, a file is read again after so long.
-const READ_AGAIN: Duration = Duration::from_secs(10);
 /// A look that follows a file-system event waits this long, so that a burst of events is one look.
 const LOOK_AFTER_EVENT: Duration = Duration::from_millis(200);
 
@@ -46,10 +47,11 @@ impl Farm {
             }
             let Some(mut gate) = station.gate.take() else { continue };
             let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
+            let mut hold = station.holds.inbox.clone();
             let (name, status) = (name.clone(), station.status.clone());
             self.jobs.start(JobKey::Receive(name.clone()), move || {
-                let mut received = gate.look(&profile, &store, orphan_secs);
-                if status.1.is_empty() {
+                let mut received = gate.look(&profile, &mut hold, &store, orphan_secs);
+                if status.1.is_empty() || received.unavailable.is_some() {
                     return Event::Received { profile: name, gate, received };
                 }
                 if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
@@ -63,10 +65,10 @@ impl Farm {
     /// Takes in a look: each claimed part gets its row, and is read. What cannot be recorded now is tried at the next look.
     pub(super) async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, received: Received) -> Result<()> {
         self.jobs.ended(&JobKey::Receive(name.to_owned()));
-        for (claim, stored) in received.drops {
-            if let Err(failure) = self.record(name, &claim, &stored).await {
+        for drop in received.drops {
+            if let Err(failure) = self.record(name, &drop).await {
                 self.complain(&format!("recording {name}"), &format!("A drop cannot be recorded now: {failure:#}"));
-                gate.take_back(claim);
+                gate.take_back(drop.claim);
             }
         }
         let scan_secs = self.settings.scan_secs;
@@ -76,12 +78,17 @@ impl Farm {
             }
             let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
             station.look_at = Instant::now() + Duration::from_secs_f64(next_secs);
-            if station.unavailable != received.unavailable {
-                match &received.unavailable {
-                    Some(why) => warn!(profile = %name, "The hot folder of {name} is unavailable: {why}."),
-                    None => info!(profile = %name, "The hot folder of {name} is available again."),
+            let was_away = station.unavailable.is_some();
+            station.unavailable = received.unavailable.clone();
+            let about = format!("looking into {name}");
+            match &received.unavailable {
+                Some(why) => self.complain(&about, &format!("The hot folder of {name} is unavailable: {why}")),
+                None => {
+                    self.complaints.settled(&about);
+                    if was_away {
+                        info!(profile = %name, "The hot folder of {name} is available again.");
+                    }
                 }
-                station.unavailable = received.unavailable;
             }
         }
         for trouble in &received.troubles {
@@ -95,14 +102,14 @@ impl Farm {
     }
 
     /// The row of a claimed part; an earlier run may have written it already.
-    async fn record(&mut self, name: &str, claim: &Claim, stored: &Stored) -> Result<()> {
+    async fn record(&mut self, name: &str, drop: &Drop) -> Result<()> {
         let Some(profile) = self.stations.get(name).map(|s| s.profile.clone()) else { return Ok(()) };
-        let given = claim.given();
+        let Drop { claim, stored, given } = drop;
         let row = new_part(&profile, claim, stored, given.as_ref().ok());
         let recorded = self.ledger.record_claim(&row).await?;
         // Between the copy and the row, the end of an earlier part of the same content may have taken the copy away.
         if !self.meshes.store.path(&stored.hash)?.exists() {
-            self.meshes.store.put(&claim.part)?;
+            self.meshes.store.put_claimed(claim)?;
         }
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
         if part.content_hash != stored.hash {
@@ -145,22 +152,32 @@ impl Farm {
 
     /// Starts reading claimed parts.
     pub(super) async fn read(&mut self) -> Result<()> {
-        for part in self.ledger.parts_in_state(PartState::Claimed).await? {
-            if self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS {
+        let profiles: Vec<Arc<Profile>> = self.stations.values().map(|s| s.profile.clone()).collect();
+        // Each time another machine comes first, so that none waits for the end of another one's line.
+        self.reads_begun = self.reads_begun.wrapping_add(1);
+        for at in 0..profiles.len() {
+            let profile = &profiles[(self.reads_begun + at) % profiles.len()];
+            let reading = self.jobs.count(|key| matches!(key, JobKey::Read(_)));
+            if reading >= READERS {
                 break;
             }
-            let waits = self.read_again.get(&part.id).is_some_and(|at| Instant::now() < *at);
-            let Some(station) = self.stations.get(&part.profile) else { continue };
-            if waits || self.jobs.runs(&JobKey::Read(part.id)) {
-                continue;
-            }
-            let (profile, meshes) = (station.profile.clone(), self.meshes.clone());
-            self.jobs.start(JobKey::Read(part.id), move || Event::Read {
-                part: part.id,
-                outcome: read_part(&part, &profile, &meshes),
-            });
+            let parts = self.ledger.claimed_parts(&profile.name, READERS + reading + self.read_again.len()).await?;
+            parts.into_iter().for_each(|part| self.begin_read(part, profile));
         }
         Ok(())
+    }
+
+    fn begin_read(&mut self, part: PartRow, profile: &Arc<Profile>) {
+        let waits = self.read_again.rests(&part.id);
+        let is_full = self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS;
+        if waits || is_full || self.jobs.runs(&JobKey::Read(part.id)) {
+            return;
+        }
+        let (profile, meshes) = (profile.clone(), self.meshes.clone());
+        self.jobs.start(JobKey::Read(part.id), move || Event::Read {
+            part: part.id,
+            outcome: read_part(&part, &profile, &meshes),
+        });
     }
 
     /// Takes in what a reader found.
@@ -185,16 +202,22 @@ impl Farm {
                 } {
                     solids[0].warnings.push(warning);
                 }
+                // Before it waits: a crash after must not leave its file in two places.
+                if let Err(failure) = self.tidy_error_folder(&part).await {
+                    self.read_again.failed(id);
+                    return Err(
+                        failure.context(format!("removing what was refused of part {id} from the error folder"))
+                    );
+                }
                 let ids = self.ledger.accept(id, &solids).await?;
                 let copies: u32 = solids.iter().map(|s| s.copies).sum();
                 let parts = ids.len();
                 info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts} parts, {copies} copies.", part.name, part.profile);
-                self.tidy_error_folder(&part);
                 self.let_go(&part)
             }
             ReadOutcome::Refused(reason) => self.refuse(&part, &reason).await,
             ReadOutcome::Later(why) => {
-                self.read_again.insert(id, Instant::now() + READ_AGAIN);
+                self.read_again.failed(id);
                 self.complain(
                     &format!("reading part {id}"),
                     &format!("Part {id} ({}) cannot be read now: {why}", part.name),
@@ -218,23 +241,22 @@ impl Farm {
     }
 
     fn put_into_error(&mut self, part: &PartRow, reason: &str) -> Result<()> {
-        self.read_again.remove(&part.id);
-        let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
+        self.read_again.done(&part.id);
         let Some(station) = self.stations.get(&part.profile) else { return Ok(()) };
-        let error_dir = station.profile.folders.error.clone();
-        let again = match reason.contains(COPIES_UNKNOWN) {
-            true => String::new(),
-            false => format!(" To take it back: nestd retry {}", part.id),
+        let folders = &station.profile.folders;
+        let Some(claim) = self.claims.get(&part.claim) else {
+            // One that was taken back and is refused again; a claim that is still to be found brings its original itself.
+            let is_in_work = intake::claim_dir(&folders.inbox, &part.claim).exists();
+            return if is_in_work { Ok(()) } else { self.copy_into_error(part, reason) };
         };
-        let text = format!("{}\n\nPart {} of the profile {}.{again}\n", reason.trim_end(), part.id, part.profile);
-        intake::refuse(claim, &error_dir, &text)?;
+        intake::refuse(claim, &folders.error, &reason_text(part, reason))?;
         self.claims.remove(&part.claim);
         Ok(())
     }
 
     /// Lets the claimed original go: the store has it, and its row is committed.
     fn let_go(&mut self, part: &PartRow) -> Result<()> {
-        self.read_again.remove(&part.id);
+        self.read_again.done(&part.id);
         let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
         if let Released::GivenBack(path) = intake::release(claim)? {
             let file = path.display();
@@ -245,15 +267,23 @@ impl Farm {
     }
 
     /// After a successful retry the refused file and its reason have no business in the error folder any more.
-    fn tidy_error_folder(&self, part: &PartRow) {
-        let Some(station) = self.stations.get(&part.profile) else { return };
-        if self.claims.contains_key(&part.claim) {
-            return;
-        }
-        if let Err(failure) = super::tidy::remove_refused(&station.profile.folders.error, part) {
-            warn!(part.id = %part.id, "Its refused file could not be removed: {failure:#}.");
+    async fn tidy_error_folder(&self, part: &PartRow) -> Result<()> {
+        match self.stations.get(&part.profile) {
+            Some(station) if self.ledger.was_rejected(part.id).await? => {
+                super::tidy::remove_refused(&station.profile.folders.error, part)
+            }
+            _ => Ok(()),
         }
     }
+}
+
+/// What a refused part's reason says below the reason itself.
+pub(super) fn reason_text(part: &PartRow, reason: &str) -> String {
+    let again = match reason.contains(COPIES_UNKNOWN) {
+        true => String::new(),
+        false => format!(" To take it back: nestd retry {}", part.id),
+    };
+    format!("{}\n\n{}{again}\n", reason.trim_end(), super::tidy::part_line(part))
 }
 
 fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given: Option<&Given>) -> NewPart {

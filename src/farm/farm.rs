@@ -3,7 +3,6 @@
 
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
-    sync::Arc,
     time::{Duration, Instant},
 };
 
@@ -13,12 +12,14 @@ use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 use tracing::{error, info, warn};
 
 use super::{
+    back_off::{BackOff, is_of_the_disk},
     budget::Budget,
-    cache::DiskCache,
+    complaints::Complaints,
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
     nest::{Best, Meshes},
+    owner::Owner,
     quiet::Quiet,
     sd,
     shelf::Shelf,
@@ -27,7 +28,7 @@ use super::{
 };
 use crate::{
     intake::{Claim, Store, Watcher},
-    ledger::{BuildId, Ledger, PartId},
+    ledger::{BuildId, Ledger, LedgerError, PartId},
     settings::{Settings, SettingsError},
 };
 
@@ -39,10 +40,8 @@ const SIGN_OF_LIFE: Duration = Duration::from_secs(4);
 const STOP_WITHIN: Duration = Duration::from_secs(8);
 /// Claims whose end failed are tried again after so long.
 const CLAIMS_AGAIN: Duration = Duration::from_secs(20);
-/// Different complaints remembered at most.
-const MAX_COMPLAINTS: usize = 1000;
-/// The same complaint is logged again after so long.
-const COMPLAIN_AGAIN: Duration = Duration::from_secs(600);
+/// Events between two beats at most, so that orders and signals are heard in between.
+const EVENTS_PER_BEAT: usize = 64;
 
 /// Reads the configuration, at start and at each reload.
 pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
@@ -51,6 +50,8 @@ pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
 pub struct Farm {
     pub(super) load: Load,
     pub(super) settings: Settings,
+    /// This daemon, as the folders that it serves name it.
+    pub(super) owner: Owner,
     pub(super) ledger: Ledger,
     pub(super) meshes: Meshes,
     pub(super) stations: BTreeMap<String, Station>,
@@ -59,27 +60,32 @@ pub struct Farm {
     pub(super) nest_slots: usize,
     /// Claims whose originals still lie in the hot folder's `.claimed`, by claim id.
     pub(super) claims: HashMap<String, Claim>,
-    /// Parts whose reading failed for the disk's sake, and when to try again.
-    pub(super) read_again: HashMap<PartId, Instant>,
+    /// Parts whose reading failed for the disk's sake.
+    pub(super) read_again: BackOff<PartId>,
+    /// Times that parts were looked for to read.
+    pub(super) reads_begun: usize,
     /// Builds fired by this process that have not been begun.
     pub(super) fresh_builds: HashSet<BuildId>,
     /// Final searches that run.
     pub(super) finals: HashMap<BuildId, (Budget, Best)>,
     /// How often the making of builds has failed in this run, and why last.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
-    /// Builds that failed are not touched before this time.
-    pub(super) rest_until: HashMap<BuildId, Instant>,
+    /// Builds that failed and rest.
+    pub(super) resting: BackOff<BuildId>,
+    /// Steps that failed and rest, by name.
+    pub(super) steps: BackOff<String>,
     pub(super) stopping: bool,
     pub(super) quiet: Quiet,
     pub(super) started_at: Timestamp,
     pub(super) status_line: String,
     pub(super) shown_at: Option<Instant>,
-    watcher: Option<Watcher>,
+    pub(super) watcher: Option<Watcher>,
     sign_of_life: Option<Instant>,
     tidy_at: Instant,
     last_watch_check: Instant,
     last_claims: Instant,
-    complaints: HashMap<String, (String, Instant)>,
+    last_hold: Instant,
+    pub(super) complaints: Complaints,
     events: UnboundedReceiver<Event>,
     _lock: Lock,
 }
@@ -88,7 +94,7 @@ pub struct Farm {
 pub async fn run(load: Load) -> Result<()> {
     let settings = load()?;
     let mut signals = Signals::listen()?;
-    let mut farm = Farm::open(load, settings).await?;
+    let Some(mut farm) = Farm::open_when_possible(load, settings, &mut signals).await? else { return Ok(()) };
     farm.beat().await;
     sd::ready(&farm.status_line);
     info!(profiles = farm.stations.len(), ledger = %farm.settings.ledger.display(), "The farm is open.");
@@ -99,29 +105,84 @@ pub async fn run(load: Load) -> Result<()> {
 }
 
 impl Farm {
-    async fn open(load: Load, settings: Settings) -> Result<Self> {
-        std::fs::create_dir_all(&settings.state_dir)
-            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
-        let lock = Lock::take(&settings.state_dir)?;
-        let ledger = Ledger::open(&settings.ledger).await?;
-        let store = Store::open(settings.state_dir.join("store"))?;
+    /// Opens the farm; while the disk of the state folder is full or away, waits for it instead of ending again and again.
+    /// `None` = told to stop meanwhile.
+    async fn open_when_possible(load: Load, settings: Settings, signals: &mut Signals) -> Result<Option<Self>> {
+        let (mut load, mut settings, mut waits, mut complaints) =
+            (load, settings, BackOff::default(), Complaints::default());
+        loop {
+            let failure = match Self::open(load, settings).await {
+                Ok(farm) => return Ok(Some(farm)),
+                Err((back, known, failure)) => {
+                    (load, settings) = (back, known);
+                    failure
+                }
+            };
+            if !may_pass(&failure) {
+                return Err(failure);
+            }
+            let text = format!("The farm cannot be opened now and is tried again: {failure:#}");
+            complaints.note("opening", &text);
+            sd::waiting(&text);
+            waits.failed(());
+            while waits.rests(&()) {
+                tokio::select! {
+                    signal = signals.next() => if matches!(signal, Signal::Stop) { return Ok(None) },
+                    () = tokio::time::sleep(BEAT) => {}
+                }
+            }
+        }
+    }
+
+    /// On failure, what is needed for another try comes back.
+    async fn open(load: Load, settings: Settings) -> Result<Self, (Load, Settings, anyhow::Error)> {
+        let since = Timestamp::now();
+        match Parts::open(&settings, since).await {
+            Ok(parts) => {
+                let mut farm = Self::new(load, settings, parts, since);
+                match farm.open_stations().await {
+                    Ok(()) => Ok(farm),
+                    Err(failure) => {
+                        farm.ledger.close().await;
+                        Err((farm.load, farm.settings, failure))
+                    }
+                }
+            }
+            Err(failure) => Err((load, settings, failure)),
+        }
+    }
+
+    async fn open_stations(&mut self) -> Result<()> {
+        self.set_up_stations().await?;
+        self.hold_folders_at_start()
+    }
+
+    fn new(load: Load, settings: Settings, parts: Parts, since: Timestamp) -> Self {
         let (sender, events) = unbounded_channel();
-        let mut farm = Self {
+        Self {
             load,
-            ledger,
-            meshes: Meshes { shelf: Shelf::default(), store, limits: settings.limits.clone(), cache: None },
+            owner: parts.owner,
+            ledger: parts.ledger,
+            meshes: Meshes {
+                shelf: Shelf::default(),
+                store: parts.store,
+                limits: settings.limits.clone(),
+                cache: None,
+            },
             stations: BTreeMap::new(),
             jobs: Jobs::new(sender),
             nest_slots: 1,
             claims: HashMap::new(),
-            read_again: HashMap::new(),
+            read_again: BackOff::default(),
+            reads_begun: 0,
             fresh_builds: HashSet::new(),
             finals: HashMap::new(),
             failures: HashMap::new(),
-            rest_until: HashMap::new(),
+            resting: BackOff::default(),
+            steps: BackOff::default(),
             stopping: false,
             quiet: Quiet::default(),
-            started_at: Timestamp::now(),
+            started_at: since,
             status_line: "opening".to_owned(),
             shown_at: None,
             watcher: None,
@@ -129,77 +190,11 @@ impl Farm {
             tidy_at: Instant::now() + super::tidy::FIRST_TIDY_AFTER,
             last_watch_check: Instant::now(),
             last_claims: Instant::now(),
-            complaints: HashMap::new(),
+            complaints: Complaints::default(),
             events,
-            _lock: lock,
+            _lock: parts.lock,
+            last_hold: Instant::now(),
             settings,
-        };
-        farm.set_up_stations().await?;
-        Ok(farm)
-    }
-
-    /// Makes stations and the watcher agree with the settings.
-    pub(super) async fn set_up_stations(&mut self) -> Result<()> {
-        self.meshes.limits = self.settings.limits.clone();
-        self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
-        self.nest_slots = nest_slots(&self.settings);
-        let gone: Vec<String> =
-            self.stations.keys().filter(|name| !self.settings.profiles.contains_key(*name)).cloned().collect();
-        for name in gone {
-            if let Some(mut station) = self.stations.remove(&name) {
-                station.open.clear();
-                info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
-            }
-        }
-        for (name, profile) in self.settings.profiles.clone() {
-            // A share that is away must not keep the other machines from working.
-            if let Err(failure) = make_folders(&profile) {
-                self.complain(
-                    &format!("folders of {name}"),
-                    &format!("The folders of {name} cannot be made: {failure:#}"),
-                );
-            }
-            match self.stations.get_mut(&name) {
-                Some(station) if *station.profile == profile => {}
-                Some(station) => {
-                    // Another volume or clearance makes the layout worthless; another hot folder needs another gate.
-                    let row = self.ledger.open_build(&name).await?;
-                    let mut fresh = Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &row);
-                    fresh.open.layout = Default::default();
-                    station.open.clear();
-                    fresh.paused = station.paused;
-                    fresh.flush = std::mem::take(&mut station.flush);
-                    *station = fresh;
-                    info!(profile = %name, "The profile has changed.");
-                }
-                None => {
-                    let row = self.ledger.open_build(&name).await?;
-                    let station = Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &row);
-                    self.stations.insert(name, station);
-                }
-            }
-        }
-        self.watch();
-        Ok(())
-    }
-
-    fn watch(&mut self) {
-        let inboxes = self.stations.values().map(|s| s.profile.folders.inbox.clone()).collect();
-        let events = self.jobs.events();
-        self.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::Look))) {
-            Ok(watcher) => Some(watcher),
-            Err(failure) => {
-                warn!("No file-system events; the periodic scan goes on without them: {failure}.");
-                None
-            }
-        };
-    }
-
-    /// Watches hot folders that were made anew; where that cannot be, the periodic scan serves.
-    fn check_watch(&mut self) {
-        let unwatched = self.watcher.as_mut().map(Watcher::check).unwrap_or_default();
-        for (path, why) in unwatched {
-            tracing::debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
         }
     }
 
@@ -212,7 +207,7 @@ impl Farm {
                     Signal::Stop => return Ok(()),
                     Signal::Reload => self.reload().await,
                 },
-                Some(event) = self.events.recv() => self.on_event(event).await,
+                Some(event) = self.events.recv() => self.on_events(event).await,
                 _ = beat.tick() => {}
             }
             self.beat().await;
@@ -232,7 +227,12 @@ impl Farm {
         }
         if self.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
             self.last_watch_check = Instant::now();
+            self.make_missing_folders();
             self.check_watch();
+        }
+        if self.last_hold.elapsed() >= super::owner::BEAT_EVERY {
+            self.last_hold = Instant::now();
+            self.keep_holds();
         }
         if self.last_claims.elapsed() >= CLAIMS_AGAIN {
             self.last_claims = Instant::now();
@@ -252,32 +252,40 @@ impl Farm {
         // Fired builds come before open ones: they take the free slots first.
         self.tell("nesting", Self::nest).await;
         for name in names {
-            if let Err(failure) = self.batch(&name).await {
-                self.complain(&format!("batching {name}"), &format!("Batching for {name} failed: {failure:#}"));
-            }
+            self.tell(&format!("batching {name}"), async |farm| farm.batch_when_rested(&name).await).await;
         }
         self.tell("publishing", Self::publish).await;
         self.tell("status", Self::show_status).await;
     }
 
     async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
+        if self.steps.rests(&what.to_owned()) {
+            return;
+        }
         match step(self).await {
-            Ok(()) => drop(self.complaints.remove(what)),
-            Err(failure) => self.complain(what, &format!("The step {what} failed and is tried again: {failure:#}")),
+            Ok(()) => {
+                self.steps.done(&what.to_owned());
+                self.complaints.settled(what);
+            }
+            Err(failure) => {
+                self.steps.failed(what.to_owned());
+                self.complain(what, &format!("The step {what} failed and is tried again: {failure:#}"));
+            }
         }
     }
 
     /// Logs an error once, and again only when it changes or lasts.
     pub(super) fn complain(&mut self, about: &str, text: &str) {
-        let known = self.complaints.get(about);
-        if known.is_some_and(|(said, at)| said == text && at.elapsed() < COMPLAIN_AGAIN) {
-            return;
+        self.complaints.note(about, text);
+    }
+
+    /// Takes in an event and those that wait behind it: one beat serves them all.
+    async fn on_events(&mut self, first: Event) {
+        self.on_event(first).await;
+        for _ in 0..EVENTS_PER_BEAT {
+            let Ok(event) = self.events.try_recv() else { return };
+            self.on_event(event).await;
         }
-        error!("{}.", text.trim_end_matches('.'));
-        if self.complaints.len() >= MAX_COMPLAINTS {
-            self.complaints.clear();
-        }
-        self.complaints.insert(about.to_owned(), (text.to_owned(), Instant::now()));
     }
 
     async fn on_event(&mut self, event: Event) {
@@ -291,6 +299,14 @@ impl Farm {
             Event::Improved { profile, round, nested } => self.on_improved(&profile, round, nested).await,
             Event::Written { build, written } => self.on_written(build, written).await,
             Event::Published { build, published } => self.on_published(build, published).await,
+            Event::Held { profile, holds } => {
+                self.on_held(&profile, *holds);
+                Ok(())
+            }
+            Event::NotStarted { key, why } => {
+                self.on_not_started(key, &why);
+                Ok(())
+            }
             Event::Purged => {
                 self.jobs.ended(&JobKey::Purge);
                 Ok(())
@@ -307,11 +323,7 @@ impl Farm {
         self.jobs.ended(&key);
         match key {
             JobKey::Receive(name) => {
-                if let Some(station) = self.stations.get_mut(&name) {
-                    let gate = super::receive::Gate::new(&station.profile, self.settings.orphan_ticket_secs);
-                    station.gate = Some(Box::new(gate));
-                    station.look_at = Instant::now() + Duration::from_secs_f64(self.settings.scan_secs);
-                }
+                self.new_gate(&name);
                 Ok(())
             }
             JobKey::Read(part) => {
@@ -321,30 +333,8 @@ impl Farm {
             JobKey::Improve(name) => self.on_search_panicked(&name, message).await,
             JobKey::Final(build) => self.on_final_panicked(build, message).await,
             JobKey::Publish(build) => self.on_published(build, Err(anyhow::anyhow!("panicked: {message}"))).await,
-            JobKey::Purge => Ok(()),
+            JobKey::Purge | JobKey::Hold(_) => Ok(()),
         }
-    }
-
-    async fn reload(&mut self) {
-        sd::reloading();
-        match (self.load)() {
-            Ok(settings)
-                if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir =>
-            {
-                error!(
-                    "The state directory and the ledger cannot change while the daemon runs; the old configuration stays."
-                );
-            }
-            Ok(settings) => {
-                self.settings = settings;
-                match self.set_up_stations().await {
-                    Ok(()) => info!(profiles = self.stations.len(), "The configuration was read again."),
-                    Err(failure) => error!("The new configuration could not be set up: {failure:#}."),
-                }
-            }
-            Err(failure) => error!("The new configuration is wrong; the old one stays: {failure:#}."),
-        }
-        sd::ready(&self.status_line);
     }
 
     /// Ends searches with what they have found, waits for jobs a little, and keeps the open layouts.
@@ -363,6 +353,7 @@ impl Farm {
             sd::alive();
         }
         self.keep_layouts().await;
+        self.end_holds();
         if let Err(failure) = self.ledger.farewell().await {
             warn!("The ledger could not be told of the stop: {failure}.");
         }
@@ -383,18 +374,29 @@ impl Farm {
     }
 }
 
-/// Searches that may run at once: the threads of the farm over those of the greediest profile.
-fn nest_slots(settings: &Settings) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let all = if settings.threads == 0 { cores } else { settings.threads };
-    let each = settings.profiles.values().map(|p| if p.nest.threads == 0 { all } else { p.nest.threads }).max();
-    (all / each.unwrap_or(1).max(1)).max(1)
+/// What is opened in the state directory.
+struct Parts {
+    lock: Lock,
+    owner: Owner,
+    ledger: Ledger,
+    store: Store,
 }
 
-fn make_folders(profile: &crate::settings::Profile) -> Result<()> {
-    let folders = &profile.folders;
-    for folder in [&folders.inbox, &folders.queue, &folders.error, &folders.archive] {
-        std::fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+impl Parts {
+    async fn open(settings: &Settings, since: Timestamp) -> Result<Self> {
+        std::fs::create_dir_all(&settings.state_dir)
+            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
+        let lock = Lock::take(&settings.state_dir, since)?;
+        let owner = Owner::of_this_process(&settings.state_dir, since)
+            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
+        let ledger = Ledger::open(&settings.ledger).await?;
+        let store = Store::open(settings.state_dir.join("store"))?;
+        Ok(Self { lock, owner, ledger, store })
     }
-    Ok(())
+}
+
+/// Whether what hinders the start may pass by itself: a full disk, a share that hangs.
+fn may_pass(failure: &anyhow::Error) -> bool {
+    is_of_the_disk(failure)
+        || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_of_the_disk))
 }

@@ -3,17 +3,22 @@
 //! `receive` claims what was dropped, `read` checks it, `batch` keeps the open build and fires it, `nest` searches, `prove`
 //! writes and judges, `publish` publishes. `farm` holds the state and the loop, `orders` what operators ask for.
 
+mod back_off;
 mod batch;
 mod budget;
 mod cache;
 mod claimed;
+mod complaints;
 mod event;
 mod farm;
+mod holds;
+mod invariants;
 mod jobs;
 mod layout;
 mod lock;
 mod nest;
 mod orders;
+mod owner;
 mod priority;
 mod prove;
 mod publish;
@@ -24,6 +29,7 @@ mod sd;
 mod shelf;
 mod signals;
 mod station;
+mod stations;
 mod status;
 mod tidy;
 mod trigger;
@@ -31,6 +37,7 @@ mod trigger;
 pub use budget::Budget;
 pub use cache::DiskCache;
 pub use farm::{Load, run};
+pub use invariants::{Invariant, Looked, Violation, Witness, invariants};
 pub use layout::placed_from_json;
 pub use nest::Meshes;
 pub use prove::faults_of;

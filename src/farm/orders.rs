@@ -4,7 +4,7 @@ use anyhow::Result;
 use tracing::info;
 
 use super::{claimed::COPIES_UNKNOWN, farm::Farm};
-use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartState};
+use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
 
 impl Farm {
     /// Carries out what was asked; an order to publish is answered when its build has been fired.
@@ -14,10 +14,26 @@ impl Farm {
             station.paused = paused.contains(name);
         }
         for command in self.ledger.asked().await? {
-            match self.order(&command).await? {
-                Some(Ok(done)) => self.ledger.answer(command.id, true, &done).await?,
-                Some(Err(refused)) => self.ledger.answer(command.id, false, &refused).await?,
-                None => {}
+            // An order that the disk hinders stays open and keeps no other from being carried out.
+            let about = format!("order {}", command.id);
+            if self.steps.rests(&about) {
+                continue;
+            }
+            match self.order(&command).await {
+                Ok(answer) => {
+                    self.steps.done(&about);
+                    self.complaints.settled(&about);
+                    match answer {
+                        Some(Ok(done)) => self.ledger.answer(command.id, true, &done).await?,
+                        Some(Err(refused)) => self.ledger.answer(command.id, false, &refused).await?,
+                        None => {}
+                    }
+                }
+                Err(failure) => {
+                    let text = format!("The order {} cannot be carried out now: {failure:#}", command.kind);
+                    self.complain(&about, &text);
+                    self.steps.failed(about);
+                }
             }
         }
         if self.stations.values().any(|s| s.queue.is_none()) {
@@ -74,11 +90,7 @@ impl Farm {
             CommandKind::Retry => self.ledger.retry(part).await.map(|()| format!("part {part} is read again")),
             _ => {
                 let reason = format!("Cancelled by {}.", command.asked_by);
-                let done = self.ledger.cancel(part, &reason).await;
-                if done.is_ok() && row.state == PartState::Waiting {
-                    self.copy_into_error(&row, &reason)?;
-                }
-                done.map(|()| format!("part {part} is cancelled"))
+                self.cancel(&row, &reason).await?.map(|()| format!("part {part} is cancelled"))
             }
         };
         match done {
@@ -87,9 +99,20 @@ impl Farm {
                 Ok(Ok(done))
             }
             // The disk or the database failed: the order stays open and is tried again.
-            Err(error @ LedgerError::Sql(_)) => Err(error.into()),
+            Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => Err(error.into()),
             Err(refused) => Ok(Err(refused.to_string())),
         }
+    }
+
+    /// The copy is in the error folder before the ledger says so: after a crash between, the order is carried out again.
+    async fn cancel(&self, row: &PartRow, reason: &str) -> Result<Result<(), LedgerError>> {
+        if let Err(refused) = self.ledger.demand_cancellable(row.id).await {
+            return Ok(Err(refused));
+        }
+        if row.state == PartState::Waiting {
+            self.copy_into_error(row, reason)?;
+        }
+        Ok(self.ledger.cancel(row.id, reason).await)
     }
 
     /// Answers orders that were waiting for something.

@@ -8,8 +8,10 @@ use std::{
 
 use super::{
     budget::Budget,
+    holds::Holds,
     layout::{Copy, Layout, PlacedCopy, placed_from_json},
     nest::Best,
+    owner::Owner,
     receive::Gate,
 };
 use crate::{
@@ -32,6 +34,8 @@ pub struct Station {
     pub gate: Option<Box<Gate>>,
     /// When to look next.
     pub look_at: Instant,
+    /// That this daemon serves its folders.
+    pub holds: Holds,
     /// Why its hot folder cannot be looked at, if so.
     pub unavailable: Option<String>,
     /// Its printer queue folder, once it could be opened.
@@ -42,6 +46,8 @@ pub struct Station {
     pub flush: Vec<CommandId>,
     /// Whether all that waits is nested as far as it will be: only news from the ledger or the clock bring work.
     pub is_settled: bool,
+    /// Not batched again before this.
+    pub batch_at: Instant,
     /// Whether an operator has paused it.
     pub paused: bool,
     /// What `STATUS.txt` and `status.json` say.
@@ -82,10 +88,11 @@ pub struct OpenBuild {
 
 impl Station {
     /// A station that has looked at nothing yet; `row` is its open build, whose layout is gone on from.
-    pub fn new(profile: Arc<Profile>, orphan_secs: f64, row: &BuildRow) -> Self {
+    pub fn new(profile: Arc<Profile>, orphan_secs: f64, owner: &Owner, row: &BuildRow) -> Self {
         let placed = row.layout.as_deref().map(placed_from_json).unwrap_or_default();
         Self {
             gate: Some(Box::new(Gate::new(&profile, orphan_secs))),
+            holds: Holds::new(owner, &profile),
             profile,
             look_at: Instant::now(),
             unavailable: None,
@@ -93,6 +100,7 @@ impl Station {
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
             flush: Vec::new(),
             is_settled: false,
+            batch_at: Instant::now(),
             paused: false,
             status: Default::default(),
         }
@@ -123,6 +131,12 @@ impl OpenBuild {
         }
         let rested = self.retry_at.is_none_or(|at| now >= at);
         self.tried != *wanted && rested && now.duration_since(since) >= ARRIVALS_SETTLE
+    }
+
+    /// What was tried is searched once more, after a while.
+    pub fn forget_tried(&mut self) {
+        self.tried.clear();
+        self.retry_at = Some(Instant::now() + RETRY_AFTER);
     }
 
     /// Takes in what a search found.

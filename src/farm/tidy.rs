@@ -11,9 +11,9 @@ use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name, trigger::secs_between};
+use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
-    intake::{self, raw_name},
+    intake,
     ledger::{BuildState, PartRow, PartState},
     queue::Queue,
 };
@@ -23,7 +23,9 @@ pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 /// How often the house is tidied.
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Refused files stay in the store so long, so that `nestd retry` finds them.
-const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+pub const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+/// Ends the name of the file beside a refused one.
+const REASON: &str = ".reason.txt";
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
@@ -49,17 +51,16 @@ impl Farm {
     async fn sweep_store(&mut self) -> Result<()> {
         let now = Timestamp::now();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
-            for part in self.ledger.parts_in_state(state).await? {
-                let age_secs = secs_between(part.state_at.0, now);
-                let due = age_secs >= keep_secs && age_secs <= keep_secs + SWEEP_WITHIN_SECS;
-                if due && !self.is_needed(&part.content_hash).await? {
-                    self.meshes.store.remove(&part.content_hash)?;
+            let (from, to) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
+            for hash in self.ledger.hashes_in_state(state, from, to).await? {
+                if !self.is_needed(&hash).await? {
+                    self.meshes.store.remove(&hash)?;
                 }
             }
         }
         let mut live = HashSet::new();
         for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
-            live.extend(self.ledger.parts_in_state(state).await?.into_iter().map(|part| part.content_hash));
+            live.extend(self.ledger.hashes_in_state(state, Timestamp::UNIX_EPOCH, now).await?);
         }
         self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
         Ok(())
@@ -67,9 +68,7 @@ impl Farm {
 
     /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
     pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
-        let keep = SignedDuration::try_from_secs_f64(KEEP_REFUSED_SECS).context("a wrong constant")?;
-        let since = Timestamp::now().checked_sub(keep).unwrap_or(Timestamp::MIN);
-        Ok(self.ledger.hash_in_use(content_hash, since).await?)
+        Ok(self.ledger.hash_in_use(content_hash, ago(Timestamp::now(), KEEP_REFUSED_SECS)).await?)
     }
 
     /// Opens the queue folders that are not open and sweeps what a crash left half written in them.
@@ -83,9 +82,20 @@ impl Farm {
         }
         let mut closed = Vec::new();
         for (name, station) in self.stations.iter_mut().filter(|(_, s)| s.queue.is_none()) {
+            // An empty mount point is not marked as a queue.
+            if let Err(error) = station.holds.queue.check() {
+                closed.push((name.clone(), error.to_string()));
+                continue;
+            }
             match Queue::open(&station.profile.folders.queue) {
                 Ok(queue) => {
-                    let swept = queue.sweep(&staged)?;
+                    let swept = match queue.sweep(&staged) {
+                        Ok(swept) => swept,
+                        Err(error) => {
+                            closed.push((name.clone(), super::receive::chain(&error)));
+                            continue;
+                        }
+                    };
                     if !swept.is_empty() {
                         info!(profile = %name, files = swept.len(), "Removed half-written files of an earlier run.");
                     }
@@ -94,11 +104,19 @@ impl Farm {
                 Err(error) => closed.push((name.clone(), super::receive::chain(&error))),
             }
         }
-        for (name, why) in closed {
-            self.complain(&format!("queue {name}"), &format!("The queue folder of {name} cannot be used: {why}"));
+        for name in self.stations.keys().cloned().collect::<Vec<_>>() {
+            let about = format!("queue {name}");
+            match closed.iter().find(|(of, _)| *of == name) {
+                Some((_, why)) => self.complain(&about, &format!("The queue folder of {name} cannot be used: {why}")),
+                None => self.complaints.settled(&about),
+            }
         }
         Ok(())
     }
+}
+
+fn ago(now: Timestamp, secs: f64) -> Timestamp {
+    now.checked_sub(SignedDuration::from_secs_f64(secs)).unwrap_or(Timestamp::UNIX_EPOCH)
 }
 
 /// Removes originals that are older than the profile keeps them.
@@ -112,21 +130,60 @@ fn purge(archive: &Path, days: u32) {
     }
 }
 
-/// Removes a refused file from the error folder, if it is still the same file, with its reason.
-pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
-    let Some(name) = raw_name(&part.name) else { return Ok(()) };
-    for folder in [error_dir.join(&part.order_name), error_dir.to_owned()] {
-        let file = folder.join(&name);
-        let Ok(bytes) = fs::read(&file) else { continue };
-        if blake3::hash(&bytes).to_hex().as_str() == part.content_hash {
-            fs::remove_file(&file).with_context(|| format!("removing {}", file.display()))?;
-            let mut reason = name.clone();
-            reason.push(".reason.txt");
-            match fs::remove_file(folder.join(reason)) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
-                _ => return Ok(()),
+/// Where a refused part's file and its reason lie in the error folder: the reason that names the part tells which of
+/// several of the same content it is.
+pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
+    let line = part_line(part);
+    let files = match intake::files_below(error_dir) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.with_context(|| format!("listing {}", error_dir.display()))?,
+    };
+    let mut found = Vec::new();
+    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
+        let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
+        if !text.is_some_and(|text| text.lines().any(|said| said.starts_with(&line))) {
+            continue;
+        }
+        // Its name without the suffix, except where that was too long.
+        let named = reason.with_extension("").with_extension("");
+        let beside = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
+        for file in [&named].into_iter().chain(beside) {
+            if has_content(file, part)? {
+                found.push((file.clone(), reason.clone()));
+                break;
             }
         }
     }
+    Ok(found)
+}
+
+fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
+    match fs::symlink_metadata(file) {
+        Ok(meta) if !meta.is_file() || meta.len() != part.bytes => Ok(false),
+        Ok(_) => {
+            let hash = intake::hash_file(file).with_context(|| format!("reading {}", file.display()))?;
+            Ok(hash == part.content_hash)
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error).with_context(|| format!("looking at {}", file.display())),
+    }
+}
+
+/// Removes a refused file from the error folder, if it is still the same file, with its reason.
+pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
+    for (file, reason) in refused_files(error_dir, part)? {
+        for gone in [&file, &reason] {
+            fs::remove_file(gone).with_context(|| format!("removing {}", gone.display()))?;
+        }
+        if let Some(folder) = file.parent().filter(|folder| *folder != error_dir) {
+            // Only an empty one goes.
+            let _ = fs::remove_dir(folder);
+        }
+    }
     Ok(())
+}
+
+/// How the reason of a refused part opens the line that names it.
+pub fn part_line(part: &PartRow) -> String {
+    format!("Part {} of the profile {}.", part.id, part.profile)
 }

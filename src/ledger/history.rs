@@ -7,6 +7,7 @@ use serde::Serialize;
 use sqlx::FromRow;
 
 use super::{BuildId, BuildState, Ledger, Utc, error::Result};
+use crate::format::cell;
 
 /// Which builds to list. A build's time is when it was published, else when it entered its state.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -103,6 +104,21 @@ impl HistoryRow {
         "note",
     ];
 
+    /// The row with texts that are no formulas; numbers stay numbers.
+    fn as_cells(&self) -> Self {
+        let some = |text: &Option<String>| text.as_deref().map(cell);
+        Self {
+            profile: cell(&self.profile),
+            method: some(&self.method),
+            version: some(&self.version),
+            fired_by: cell(&self.fired_by),
+            file_name: some(&self.file_name),
+            reason: cell(&self.reason),
+            note: cell(&self.note),
+            ..self.clone()
+        }
+    }
+
     /// Rows as CSV for spreadsheets, every column, with a heading.
     ///
     /// # Errors
@@ -111,7 +127,7 @@ impl HistoryRow {
         let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
         writer.write_record(Self::COLUMNS)?;
         for row in rows {
-            writer.serialize(row)?;
+            writer.serialize(row.as_cells())?;
         }
         let bytes = writer.into_inner().map_err(|error| error.into_error())?;
         Ok(String::from_utf8_lossy(&bytes).into_owned())

@@ -8,10 +8,11 @@ use std::{
 };
 
 use nestd::{
+    farm::{self, Witness},
     format,
     geometry::{Mesh, Pose},
     ledger::{Ledger, PartRow, PartState},
-    samples,
+    samples, settings,
 };
 use tempfile::TempDir;
 
@@ -105,7 +106,9 @@ impl TestFarm {
     }
 
     pub fn command(&self, args: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_nestd"));
+        // NESTD_BIN names an installed binary to be tested instead.
+        let binary = std::env::var_os("NESTD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_nestd").into());
+        let mut command = Command::new(binary);
         command.args(args).arg("-c").arg(self.config()).arg("--root").arg(self.root()).current_dir(self.root());
         command
     }
@@ -142,6 +145,11 @@ impl TestFarm {
         self.drop_bytes(name, &stl(mesh));
     }
 
+    /// Drops a file into a hot folder that is another file system.
+    pub fn drop_across(&self, name: &str, mesh: &Mesh) {
+        fs::write(self.folder("inbox").join(name), stl(mesh)).unwrap();
+    }
+
     /// Asks the ledger.
     pub fn ask<T>(&self, question: impl AsyncFnOnce(&Ledger) -> T) -> T {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
@@ -158,6 +166,13 @@ impl TestFarm {
             ledger.close().await;
             answer
         })
+    }
+
+    /// What breaks the invariants.
+    pub fn broken(&self, witness: &Witness) -> Vec<String> {
+        let settings = settings::load(Some(&self.config()), Some(self.root())).unwrap();
+        let looked = self.ask(async |ledger| farm::invariants(&settings, ledger, witness).await.unwrap());
+        looked.violations.iter().map(ToString::to_string).collect()
     }
 
     pub fn parts(&self, state: PartState) -> Vec<PartRow> {

@@ -5,19 +5,21 @@
 
 mod asked;
 mod budget;
+mod crash;
+mod faults;
 mod kill;
+mod life;
+mod pool;
+mod power;
 mod row;
 mod table;
+mod trace;
 
 #[allow(dead_code)] // shared with other tests, not all of it is used here
 #[path = "../farm/support.rs"]
 mod support;
 
-use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
-    process::ExitCode,
-    time::Instant,
-};
+use std::{process::ExitCode, time::Instant};
 
 use asked::Asked;
 use budget::Budget;
@@ -31,7 +33,13 @@ struct Section {
 }
 
 /// All sections, in the order of the table.
-const SECTIONS: [Section; 1] = [Section { name: "kill", weight: 3.0, run: kill::run }];
+#[rustfmt::skip]
+const SECTIONS: [Section; 4] = [
+    Section { name: "crash", weight: 4.0, run: crash::run },
+    Section { name: "faults", weight: 5.0, run: faults::run },
+    Section { name: "power", weight: 3.0, run: power::run },
+    Section { name: "kill", weight: 3.0, run: kill::run },
+];
 
 /// Wall seconds of a section in a short run.
 const SHORT_SECS: f64 = 6.0;
@@ -49,6 +57,7 @@ fn main() -> ExitCode {
         };
         let row = run(section, &budget);
         println!("section {} ... {}", section.name, if row.broken.is_empty() { "ok" } else { "BROKEN" });
+        row.broken.iter().for_each(|sentence| println!("{}: {sentence}", row.section));
         rows.push(row);
     }
     let table = table::table(&rows);
@@ -62,20 +71,11 @@ fn main() -> ExitCode {
 /// A section that panics has broken something, and keeps no other from its turn.
 fn run(section: &Section, budget: &Budget) -> Row {
     let began = Instant::now();
-    let row = catch_unwind(AssertUnwindSafe(|| (section.run)(budget))).unwrap_or_else(|panic| {
-        let message = panic.downcast_ref::<String>().cloned();
-        let message = message.or_else(|| panic.downcast_ref::<&str>().map(|m| (*m).to_owned())).unwrap_or_default();
-        Row { broken: vec![format!("the section ended with a panic: {message}")], ..Row::default() }
-    });
+    let row = pool::caught("the section ended with a panic", || (section.run)(budget));
     Row { section: section.name, seconds: began.elapsed().as_secs_f64(), ..row }
 }
 
 fn finish(rows: &[Row]) -> ExitCode {
-    for row in rows {
-        for sentence in &row.broken {
-            println!("{}: {sentence}", row.section);
-        }
-    }
     let failed = rows.iter().filter(|row| !row.broken.is_empty()).count();
     let word = if failed == 0 { "ok" } else { "FAILED" };
     println!(

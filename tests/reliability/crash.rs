@@ -1,0 +1,124 @@
+//! Every crash: the daemon is killed after its n-th call that changes a file, for every n of the reference life-cycle; it is
+//! started again, the life-cycle goes on to its end, and the invariants are looked at both times.
+
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex},
+};
+
+use super::{
+    budget::Budget,
+    life::{End, Life},
+    pool::{caught, in_parallel, spread},
+    row::Row,
+    trace::{Call, Kind, Traced, Verdict, Watch, is_allowed},
+};
+
+pub fn run(budget: &Budget) -> Row {
+    if !is_allowed() {
+        return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
+    }
+    let (whole, mut row) = one_life(u64::MAX);
+    row.broken.iter_mut().for_each(|text| *text = format!("without any crash: {text}"));
+    let points = spread(whole);
+    let all = points.len();
+    let rows =
+        in_parallel(points, budget, |point| caught(&format!("killed after change {point}"), || one_life(point).1));
+    row.points = rows.iter().map(|r| r.points).sum();
+    row.faults = row.points;
+    row.files += rows.iter().map(|r| r.files).sum::<u64>();
+    row.builds += rows.iter().map(|r| r.builds).sum::<u64>();
+    let tried = rows.len();
+    row.broken.extend(rows.into_iter().flat_map(|r| r.broken));
+    row.note = format!("killed after the n-th changing call; {tried} of {all} points of the life-cycle");
+    row
+}
+
+/// A whole life with a kill after the n-th change; how many changes there were before, and what came out.
+fn one_life(point: u64) -> (u64, Row) {
+    let mut life = Life::new();
+    let root = life.farm.root().to_owned();
+    let watch = KillAfter { root, point, count: Arc::default(), foreign: Arc::default() };
+    let (count, foreign) = (watch.count.clone(), watch.foreign.clone());
+    let mut traced = Traced::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
+    let end = life.play(traced.pid(), &mut || traced.has_ended());
+    let mut row = Row { files: 5, ..Row::default() };
+    match end {
+        End::DaemonEnded => {
+            drop(traced.kill());
+            row.points = 1;
+            life.look_after_a_crash();
+            life.take_as_a_printer_does();
+            life.run_to_the_end();
+        }
+        End::Done => {
+            let (_, in_time) = traced.stop();
+            if !in_time {
+                life.broken.push("the daemon did not stop in time".to_owned());
+            }
+            // The point may be in the orderly stop.
+            row.points = u64::from(count.lock().unwrap().0 >= point);
+            life.look_at_rest();
+        }
+        End::Stuck => {
+            drop(traced.kill());
+            life.broken.push(format!("the script is stuck under the tracer\n{}", life.farm.log()));
+        }
+    }
+    life.broken.append(&mut foreign.lock().unwrap());
+    let (changes, last) = count.lock().unwrap().clone();
+    row.builds = life.taken.len() as u64;
+    row.broken = life.broken.iter().map(|text| format!("killed after change {changes} ({last}): {text}")).collect();
+    (changes, row)
+}
+
+/// The daemon's own temporary files, and what its part's state says is elsewhere now.
+fn may_be_deleted(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let is_hidden = |prefix: &str, suffix: &str| name.starts_with(prefix) && name.ends_with(suffix);
+    let is_below = |folder: &str| path.starts_with(folder);
+    is_below("inbox/test/.claimed")
+        || path == Path::new("inbox/test/kit")
+        || is_below("state/store")
+        || is_below("state/cache")
+        || name.starts_with("nestd.db-")
+        || is_hidden(".nestd-", ".tmp")
+        || (is_below("queue/test") && (is_hidden(".", ".part") || is_hidden(".", ".half")))
+        // Of the part that was cancelled and taken back.
+        || is_below("error/test/part-2")
+        || is_below("error/test/part-1")
+        || is_below("error/test/part-3")
+        || is_below("error/test/part-4")
+}
+
+/// Changes so far, and the last one in words.
+type Count = Arc<Mutex<(u64, String)>>;
+
+struct KillAfter {
+    root: PathBuf,
+    point: u64,
+    count: Count,
+    /// Deletions of what is not the daemon's own.
+    foreign: Arc<Mutex<Vec<String>>>,
+}
+
+impl Watch for KillAfter {
+    fn before(&mut self, call: &Call) -> Verdict {
+        if matches!(call.name, "unlink" | "rmdir") && !may_be_deleted(call.path.strip_prefix(&self.root).unwrap()) {
+            self.foreign.lock().unwrap().push(format!("I4: the daemon deleted {}", call.path.display()));
+        }
+        Verdict::Let
+    }
+
+    fn after(&mut self, call: &Call, _: i64) -> bool {
+        let mut count = self.count.lock().unwrap();
+        if call.kind == Kind::Look || count.0 >= self.point {
+            return true;
+        }
+        count.0 += 1;
+        if count.0 == self.point || self.point == u64::MAX {
+            count.1 = format!("{} {}", call.name, call.path.display());
+        }
+        count.0 < self.point
+    }
+}

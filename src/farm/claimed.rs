@@ -203,7 +203,12 @@ impl Farm {
                     solids[0].warnings.push(warning);
                 }
                 // Before it waits: a crash after must not leave its file in two places.
-                self.tidy_error_folder(&part);
+                if let Err(failure) = self.tidy_error_folder(&part).await {
+                    self.read_again.failed(id);
+                    return Err(
+                        failure.context(format!("removing what was refused of part {id} from the error folder"))
+                    );
+                }
                 let ids = self.ledger.accept(id, &solids).await?;
                 let copies: u32 = solids.iter().map(|s| s.copies).sum();
                 let parts = ids.len();
@@ -262,13 +267,12 @@ impl Farm {
     }
 
     /// After a successful retry the refused file and its reason have no business in the error folder any more.
-    fn tidy_error_folder(&self, part: &PartRow) {
-        let Some(station) = self.stations.get(&part.profile) else { return };
-        if self.claims.contains_key(&part.claim) {
-            return;
-        }
-        if let Err(failure) = super::tidy::remove_refused(&station.profile.folders.error, part) {
-            warn!(part.id = %part.id, "Its refused file could not be removed: {failure:#}.");
+    async fn tidy_error_folder(&self, part: &PartRow) -> Result<()> {
+        match self.stations.get(&part.profile) {
+            Some(station) if self.ledger.was_rejected(part.id).await? => {
+                super::tidy::remove_refused(&station.profile.folders.error, part)
+            }
+            _ => Ok(()),
         }
     }
 }

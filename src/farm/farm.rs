@@ -161,7 +161,7 @@ impl Farm {
         let (sender, events) = unbounded_channel();
         Self {
             load,
-            owner: Owner::of_this_process(&settings.state_dir, since),
+            owner: parts.owner,
             ledger: parts.ledger,
             meshes: Meshes {
                 shelf: Shelf::default(),
@@ -377,6 +377,7 @@ impl Farm {
 /// What is opened in the state directory.
 struct Parts {
     lock: Lock,
+    owner: Owner,
     ledger: Ledger,
     store: Store,
 }
@@ -386,9 +387,11 @@ impl Parts {
         std::fs::create_dir_all(&settings.state_dir)
             .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
         let lock = Lock::take(&settings.state_dir, since)?;
+        let owner = Owner::of_this_process(&settings.state_dir, since)
+            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
         let ledger = Ledger::open(&settings.ledger).await?;
         let store = Store::open(settings.state_dir.join("store"))?;
-        Ok(Self { lock, ledger, store })
+        Ok(Self { lock, owner, ledger, store })
     }
 }
 

@@ -7,7 +7,7 @@
 
 use std::{
     fs::{self, File, OpenOptions},
-    io::{self, Read},
+    io::{self, Read, Write},
     os::unix::fs::{FileExt, MetadataExt, OpenOptionsExt},
     path::{Path, PathBuf},
     time::{Duration, Instant},
@@ -22,6 +22,8 @@ use super::lock;
 
 /// In each hot folder and each queue folder; a dot-file, which no scan and no printer takes.
 const NAME: &str = ".nestd-owner";
+/// In the state directory.
+const FARM: &str = "nestd.farm";
 /// The file is always this long, so that a beat is one write and never makes it shorter.
 const BYTES: usize = 1024;
 /// Between two beats.
@@ -32,9 +34,11 @@ const DEAD_AFTER: Duration = Duration::from_secs(15);
 /// A daemon, as its marker names it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Owner {
+    /// Its farm: a random number in its state directory.
+    farm: String,
     /// Its server.
     host: String,
-    /// Its state directory; together with the server it is the farm.
+    /// Its state directory.
     state_dir: PathBuf,
     /// Its process.
     pid: u32,
@@ -99,19 +103,22 @@ pub struct Hold {
 
 impl Owner {
     /// The daemon of this process.
-    pub fn of_this_process(state_dir: &Path, since: Timestamp) -> Self {
-        let state_dir = fs::canonicalize(state_dir).unwrap_or_else(|_| state_dir.to_owned());
-        Self { host: lock::host_name(), state_dir, pid: std::process::id(), since, beat: 0, stopped: false }
+    pub fn of_this_process(state_dir: &Path, since: Timestamp) -> io::Result<Self> {
+        let farm = farm_number(state_dir)?;
+        let state_dir = fs::canonicalize(state_dir)?;
+        Ok(Self { farm, host: lock::host_name(), state_dir, pid: std::process::id(), since, beat: 0, stopped: false })
     }
 
-    /// The same farm: its state directory is locked by this process, so that an earlier daemon of it is dead.
+    /// The same farm: its state directory is locked by this process, so that an earlier daemon of it is dead. A copy of a
+    /// state directory, or one that was moved to another server, is another farm.
     fn is_same_farm(&self, other: &Self) -> bool {
-        (&self.host, &self.state_dir) == (&other.host, &other.state_dir)
+        (&self.farm, &self.host, &self.state_dir) == (&other.farm, &other.host, &other.state_dir)
     }
 
-    /// On its own server a daemon holds the lock of its state directory; `None` = nobody can tell from here.
-    fn holds_its_lock(&self) -> Option<bool> {
-        if self.host != lock::host_name() {
+    /// On its own server a daemon holds the lock of its state directory; `None` = nobody can tell from here. (Containers
+    /// may have the name of their server, and each its own folder under the same path.)
+    fn holds_its_lock(&self, asks: &Self) -> Option<bool> {
+        if self.host != asks.host || self.state_dir == asks.state_dir {
             return None;
         }
         let nofollow = (rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK).bits();
@@ -167,7 +174,7 @@ impl Hold {
             return Ok(());
         }
         let (folder, boxed) = (self.folder.clone(), Box::new(owner.clone()));
-        match owner.holds_its_lock() {
+        match owner.holds_its_lock(&self.me) {
             Some(true) => return Err(OwnerError::Other { folder, owner: boxed }),
             Some(false) => return Ok(()),
             None => {}
@@ -188,9 +195,16 @@ impl Hold {
 
     /// As [`Hold::keep`], and waits until it is clear whether another daemon that is named there lives.
     pub fn keep_at_start(&mut self) -> Result<(), OwnerError> {
+        let mut is_told = false;
         loop {
             match self.keep() {
-                Err(OwnerError::Unclear { .. }) => std::thread::sleep(Duration::from_secs(1)),
+                Err(unclear @ OwnerError::Unclear { .. }) => {
+                    if !is_told {
+                        tracing::info!("{unclear}; that takes up to {} s.", DEAD_AFTER.as_secs());
+                    }
+                    is_told = true;
+                    std::thread::sleep(Duration::from_secs(1));
+                }
                 other => return other,
             }
         }
@@ -209,6 +223,23 @@ impl Hold {
     fn io(&self, source: io::Error) -> OwnerError {
         OwnerError::Io { folder: self.folder.clone(), source }
     }
+}
+
+/// The number of a farm, made at its first start.
+fn farm_number(state_dir: &Path) -> io::Result<String> {
+    let path = state_dir.join(FARM);
+    match fs::read_to_string(&path) {
+        Ok(number) if !number.trim().is_empty() => return Ok(number.trim().to_owned()),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    let number = format!("{:032x}", rand::random::<u128>());
+    let mut file = tempfile::Builder::new().prefix(".nestd-farm-").tempfile_in(state_dir)?;
+    writeln!(file, "{number}")?;
+    file.as_file().sync_all()?;
+    file.persist(&path)?;
+    File::open(state_dir)?.sync_all()?;
+    Ok(number)
 }
 
 fn identity(folder: &Path) -> io::Result<(u64, u64)> {
@@ -254,14 +285,16 @@ mod tests {
     use super::*;
 
     fn owner(host: &str, state_dir: &Path) -> Owner {
-        Owner { host: host.to_owned(), ..Owner::of_this_process(state_dir, Timestamp::UNIX_EPOCH) }
+        Owner { host: host.to_owned(), ..Owner::of_this_process(state_dir, Timestamp::UNIX_EPOCH).unwrap() }
     }
 
     #[test]
     fn a_folder_has_one_owner_at_a_time_and_the_refusal_names_it() {
         let dir = tempfile::tempdir().unwrap();
         let (a, b, folder) = (dir.path().join("a"), dir.path().join("b"), dir.path().join("inbox"));
-        [&a, &b, &folder].map(|dir| fs::create_dir(dir).unwrap());
+        for made in [&a, &b, &folder] {
+            fs::create_dir(made).unwrap();
+        }
         let lock = lock::Lock::take(&a, Timestamp::UNIX_EPOCH).unwrap();
         let mut first = Hold::new(owner(&lock::host_name(), &a), &folder);
         first.keep().unwrap();

@@ -103,7 +103,7 @@ impl Farm {
         let (inbox, queue) = (is_new(holds.map(|h| &h.inbox)), is_new(holds.map(|h| &h.queue)));
         let folders = &profile.folders;
         let wanted =
-            [(&folders.inbox, inbox), (&folders.queue, queue), (&folders.error, inbox), (&folders.archive, queue)];
+            [(&folders.inbox, inbox), (&folders.queue, queue), (&folders.error, true), (&folders.archive, true)];
         let about = format!("folders of {}", profile.name);
         for (folder, _) in wanted.into_iter().filter(|(_, is_new)| *is_new) {
             if let Err(error) = std::fs::create_dir_all(folder) {

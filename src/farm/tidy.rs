@@ -140,21 +140,33 @@ pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, P
     };
     let mut found = Vec::new();
     for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
-        if !intake::read_reason(reason).is_ok_and(|text| text.lines().any(|said| said.starts_with(&line))) {
+        let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
+        if !text.is_some_and(|text| text.lines().any(|said| said.starts_with(&line))) {
             continue;
         }
-        let is_it = |file: &&PathBuf| {
-            file.parent() == reason.parent()
-                && *file != reason
-                && intake::hash_file(file).is_ok_and(|hash| hash == part.content_hash)
-        };
         // Its name without the suffix, except where that was too long.
         let named = reason.with_extension("").with_extension("");
-        if let Some(file) = Some(&named).filter(is_it).or_else(|| files.iter().find(is_it)) {
-            found.push((file.clone(), reason.clone()));
+        let beside = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
+        for file in [&named].into_iter().chain(beside) {
+            if has_content(file, part)? {
+                found.push((file.clone(), reason.clone()));
+                break;
+            }
         }
     }
     Ok(found)
+}
+
+fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
+    match fs::symlink_metadata(file) {
+        Ok(meta) if !meta.is_file() || meta.len() != part.bytes => Ok(false),
+        Ok(_) => {
+            let hash = intake::hash_file(file).with_context(|| format!("reading {}", file.display()))?;
+            Ok(hash == part.content_hash)
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error).with_context(|| format!("looking at {}", file.display())),
+    }
 }
 
 /// Removes a refused file from the error folder, if it is still the same file, with its reason.

@@ -176,7 +176,8 @@ fn begin(inbox: &Path) -> Result<(String, PathBuf), ClaimError> {
     disk::create_dirs_beneath(inbox, Path::new(CLAIMED_DIR)).map_err(|e| io_error("create", &claimed, e))?;
     let id = new_id();
     let new = claimed.join(format!("{NEW}{id}"));
-    fs::create_dir(&new).map_err(|e| io_error("create", &new, e))?;
+    // Its name is on disk before anything is moved into it: what power loss took it from under would be lost.
+    disk::create_dirs(&new).map_err(|e| io_error("create", &new, e))?;
     Ok((id, new))
 }
 
@@ -282,10 +283,14 @@ pub fn release(claim: &Claim) -> Result<Released, ClaimError> {
 }
 
 pub(super) fn release_stepwise(claim: &Claim, step: &mut dyn FnMut()) -> Result<Released, ClaimError> {
-    let is_changed = fs::symlink_metadata(&claim.part)
-        .is_ok_and(|meta| (meta.len(), disk::mtime_ns(&meta)) != (claim.size, claim.mtime_ns));
-    if is_changed {
-        return give_back(claim).map(Released::GivenBack);
+    match fs::symlink_metadata(&claim.part) {
+        Ok(meta) if (meta.len(), disk::mtime_ns(&meta)) != (claim.size, claim.mtime_ns) => {
+            return give_back(claim).map(Released::GivenBack);
+        }
+        // An earlier try went further.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(io_error("look at", &claim.part, error)),
+        Ok(_) => {}
     }
     step();
     let _only_one = claiming();

@@ -11,7 +11,8 @@ pub fn open_dropped(inbox: &Path, file: &Path) -> io::Result<File> {
     disk::open_beneath(inbox, relative)
 }
 
-/// What a reason in the error folder says. Somebody may have put something else in its place.
-pub fn read_reason(file: &Path) -> io::Result<String> {
-    Ok(String::from_utf8_lossy(&disk::read_start(file, MAX_REASON_BYTES)?).into_owned())
+/// What a reason in the error folder says; `None` where somebody has put something else in its place.
+pub fn read_reason(file: &Path) -> io::Result<Option<String>> {
+    let bytes = disk::read_start(file, MAX_REASON_BYTES)?;
+    Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
 }

@@ -49,6 +49,8 @@ pub struct Work {
     pub claims: Vec<Claim>,
     /// Claims that are being put together or taken apart, or that a crash left so.
     pub unfinished: Vec<PathBuf>,
+    /// The files in those that are being put together.
+    pub half_made: Vec<PathBuf>,
 }
 
 /// What lies in `.claimed/`, without touching it.
@@ -66,7 +68,12 @@ pub fn work(inbox: &Path) -> io::Result<Work> {
                 Some(claim) => work.claims.push(claim),
                 None => work.unfinished.push(path),
             },
-            None if is_unfinished => work.unfinished.push(path),
+            None if is_unfinished => {
+                if name.as_encoded_bytes().starts_with(NEW.as_bytes()) {
+                    work.half_made.extend(disk::files_below(&path)?);
+                }
+                work.unfinished.push(path);
+            }
             None => {}
         }
     }

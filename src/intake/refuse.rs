@@ -59,7 +59,12 @@ pub(super) fn refuse_stepwise(
     let refusal =
         Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
     let relative = claim.part.strip_prefix(&claim.inbox).unwrap_or(&claim.part);
-    let to = refusal.write_and_move(&claim.order, reason, step, |to| disk::move_out(&claim.inbox, relative, to))?;
+    let to = match fs::symlink_metadata(&claim.part) {
+        Ok(_) => refusal.write_and_move(&claim.order, reason, step, |to| disk::move_out(&claim.inbox, relative, to))?,
+        // An earlier try moved it and failed after that.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => refusal.place_of_ours()?,
+        Err(error) => return Err(io_error("look at", &claim.part, error)),
+    };
     for ticket in &claim.tickets {
         let name = follower_name(to.file_name().unwrap_or_default(), ticket);
         if disk::is_there(ticket) {
@@ -137,7 +142,7 @@ impl Refusal<'_> {
     ) -> Result<PathBuf, RefuseError> {
         step();
         let (to, reason_file) = self.free_place()?;
-        if !self.is_ours(&reason_file) {
+        if !self.is_ours(&reason_file)? {
             let text = self.reason_text(order, reason);
             disk::write_by_rename(&reason_file, text.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
         }
@@ -155,10 +160,8 @@ impl Refusal<'_> {
     /// The first number whose names are free, or ours from an earlier try.
     fn free_place(&self) -> Result<(PathBuf, PathBuf), RefuseError> {
         for n in 1..=disk::MAX_NUMBER {
-            let number = if n == 1 { String::new() } else { format!(" ({n})") };
-            let to = self.folder.join(numbered(self.name, n));
-            let reason_file = self.folder.join(with_suffix(self.name, &number, REASON));
-            let is_free = match self.is_ours(&reason_file) {
+            let (to, reason_file) = self.place(n);
+            let is_free = match self.is_ours(&reason_file)? {
                 true => !disk::is_there(&to) || disk::same_bytes(self.source, &to),
                 false => !disk::is_there(&to) && !disk::is_there(&reason_file),
             };
@@ -169,9 +172,29 @@ impl Refusal<'_> {
         Err(io_error("find a free name in", self.folder, io::ErrorKind::AlreadyExists.into()))
     }
 
-    fn is_ours(&self, reason_file: &Path) -> bool {
-        disk::read_start(reason_file, MAX_REASON_BYTES)
-            .is_ok_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes()))
+    fn place(&self, n: u32) -> (PathBuf, PathBuf) {
+        let number = if n == 1 { String::new() } else { format!(" ({n})") };
+        (self.folder.join(numbered(self.name, n)), self.folder.join(with_suffix(self.name, &number, REASON)))
+    }
+
+    /// Where an earlier try moved it to; somebody may have taken it away since.
+    fn place_of_ours(&self) -> Result<PathBuf, RefuseError> {
+        for n in 1..=disk::MAX_NUMBER {
+            let (to, reason_file) = self.place(n);
+            if self.is_ours(&reason_file)? {
+                return Ok(to);
+            }
+            if !disk::is_there(&to) && !disk::is_there(&reason_file) {
+                break;
+            }
+        }
+        Err(io_error("refuse", self.source, io::ErrorKind::NotFound.into()))
+    }
+
+    fn is_ours(&self, reason_file: &Path) -> Result<bool, RefuseError> {
+        // A folder, pipe or link of that name is nobody's reason.
+        let text = disk::read_start(reason_file, MAX_REASON_BYTES).map_err(|e| io_error("read", reason_file, e))?;
+        Ok(text.is_some_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes())))
     }
 
     fn reason_text(&self, order: &str, reason: &str) -> String {

@@ -202,3 +202,19 @@ fn what_was_replaced_since_it_was_seen_is_not_refused_in_its_stead() {
     assert!(refuse_path(&farm.inbox, seen, &farm.error, "No.").is_err());
     assert_eq!(farm.dropped(), ["a.stl"]);
 }
+
+#[test]
+fn a_refusal_that_was_done_is_found_done_by_the_next_try() {
+    let farm = TestInbox::new();
+    farm.drop_file("a.stl", "solid");
+    let error_dir = farm.dir.path().join("error");
+    let claim = farm.claim();
+    let first = refuse(&claim, &error_dir, "No.").unwrap();
+    // The end of the first try may have failed after the part was moved.
+    assert_eq!(refuse(&claim, &error_dir, "No.").unwrap(), first);
+    assert_eq!(fs::read_dir(&error_dir).unwrap().count(), 2);
+    fs::remove_file(&first).unwrap();
+    assert_eq!(refuse(&claim, &error_dir, "No.").unwrap(), first);
+    fs::remove_file(error_dir.join("a.stl.reason.txt")).unwrap();
+    assert!(refuse(&claim, &error_dir, "No.").is_err());
+}

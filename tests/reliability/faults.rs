@@ -45,8 +45,7 @@ pub fn run(budget: &Budget) -> Row {
         return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
     }
     let sites = sites();
-    let mut points: Vec<Point> = sites.iter().flat_map(points_of).collect();
-    points.shuffle(&mut rand_chacha::ChaCha8Rng::seed_from_u64(5));
+    let points = in_turn(sites.iter().map(points_of).collect());
     let all = points.len();
     let rows = in_parallel(points, budget, |point| caught(&format!("{point:?}"), || one_life(&point)));
     Row {
@@ -63,6 +62,20 @@ pub fn run(budget: &Budget) -> Row {
         broken: rows.into_iter().flat_map(|row| row.broken).collect(),
         ..Row::default()
     }
+}
+
+/// One fault at each site, then another one at each, ...: a run that is cut short has been everywhere.
+fn in_turn(mut sites: Vec<Vec<Point>>) -> Vec<Point> {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+    sites.iter_mut().for_each(|points| points.shuffle(&mut rng));
+    let rounds = sites.iter().map(Vec::len).max().unwrap_or_default();
+    let mut all = Vec::new();
+    for round in 0..rounds {
+        let mut points: Vec<Point> = sites.iter().filter_map(|points| points.get(round)).cloned().collect();
+        points.shuffle(&mut rng);
+        all.extend(points);
+    }
+    all
 }
 
 const ENDED: &str = "ended at its start";

@@ -11,9 +11,6 @@ use crate::{
     settings::{MeshErrors, Profile},
 };
 
-/// Copies that one dropped file may ask for, all its solids together.
-const MAX_COPIES: u64 = 20_000;
-
 /// What came out of reading a part's file.
 #[derive(Debug)]
 pub enum ReadOutcome {
@@ -43,9 +40,10 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
         Err(error) => return ReadOutcome::Refused(format!("{}: {}.", part.name, format::visible(&chain(&error)))),
     };
     let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
-    if copies > MAX_COPIES {
+    if copies > meshes.limits.max_copies {
         return ReadOutcome::Refused(format!(
-            "It asks for {copies} copies; one file may ask for {MAX_COPIES} at most."
+            "It asks for {copies} copies; one file may ask for {} at most (limits.max_copies).",
+            meshes.limits.max_copies
         ));
     }
     let faults: Vec<String> = contents.solids.iter().filter_map(|solid| fault_of(solid, part, profile)).collect();

@@ -118,11 +118,19 @@ pub(super) fn open_regular(path: &Path) -> io::Result<File> {
     regular(rustix::fs::open(path, READ, Mode::empty())?)
 }
 
-/// The first bytes of a regular file, `max_bytes` at most.
-pub(super) fn read_start(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+/// The first bytes of a regular file, `max_bytes` at most; `None` where there is none, or something else.
+pub(super) fn read_start(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
+    use io::ErrorKind::{InvalidInput, IsADirectory, NotFound};
     let mut bytes = Vec::new();
-    open_regular(path)?.take(max_bytes).read_to_end(&mut bytes)?;
-    Ok(bytes)
+    match open_regular(path) {
+        Ok(file) => file.take(max_bytes).read_to_end(&mut bytes).map(|_| Some(bytes)),
+        Err(error) if matches!(error.kind(), NotFound | IsADirectory | InvalidInput) => Ok(None),
+        // How a link and a socket are told.
+        Err(error) if [Errno::LOOP, Errno::NXIO].iter().any(|e| error.raw_os_error() == Some(e.raw_os_error())) => {
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
 }
 
 fn regular(opened: OwnedFd) -> io::Result<File> {

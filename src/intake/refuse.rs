@@ -16,11 +16,12 @@ use super::{
     Claim, Seen,
     claim::claiming,
     disk, display_name,
-    dropped::read_reason,
     name::{numbered, raw_name, with_suffix},
     recover::{follower_name, remove_claim_dir},
 };
 
+/// No reason of ours is longer.
+pub(super) const MAX_REASON_BYTES: u64 = 1 << 20;
 /// How the name of a reason ends.
 const REASON: &str = ".reason.txt";
 
@@ -191,8 +192,9 @@ impl Refusal<'_> {
     }
 
     fn is_ours(&self, reason_file: &Path) -> Result<bool, RefuseError> {
-        let text = read_reason(reason_file).map_err(|e| io_error("read", reason_file, e))?;
-        Ok(text.is_some_and(|text| text.lines().any(|line| line == self.key)))
+        // A folder, pipe or link of that name is nobody's reason.
+        let text = disk::read_start(reason_file, MAX_REASON_BYTES).map_err(|e| io_error("read", reason_file, e))?;
+        Ok(text.is_some_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes())))
     }
 
     fn reason_text(&self, order: &str, reason: &str) -> String {

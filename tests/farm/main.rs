@@ -6,6 +6,7 @@ mod deep;
 mod full_disk;
 mod interlock;
 mod life;
+mod names;
 mod open;
 mod orders;
 mod share;

@@ -7,12 +7,16 @@ mod asked;
 mod budget;
 mod crash;
 mod faults;
+mod flood;
+mod heavy;
+mod hostile;
 mod kill;
 mod life;
 mod pool;
 mod power;
 mod row;
 mod table;
+mod torture;
 mod trace;
 
 #[allow(dead_code)] // shared with other tests, not all of it is used here
@@ -34,11 +38,15 @@ struct Section {
 
 /// All sections, in the order of the table.
 #[rustfmt::skip]
-const SECTIONS: [Section; 4] = [
+const SECTIONS: [Section; 8] = [
     Section { name: "crash", weight: 4.0, run: crash::run },
     Section { name: "faults", weight: 5.0, run: faults::run },
     Section { name: "power", weight: 3.0, run: power::run },
     Section { name: "kill", weight: 3.0, run: kill::run },
+    Section { name: "hostile", weight: 2.0, run: hostile::run },
+    Section { name: "torture", weight: 1.0, run: torture::run },
+    Section { name: "heavy", weight: 2.0, run: heavy::run },
+    Section { name: "flood", weight: 4.0, run: flood::run },
 ];
 
 /// Wall seconds of a section in a short run.

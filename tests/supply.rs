@@ -34,9 +34,9 @@ fn packages(target: &str) -> Vec<Value> {
     packages.iter().filter(|package| used.contains(package["id"].as_str().unwrap())).cloned().collect()
 }
 
-/// Whether an SPDX expression can be satisfied by licences that are allowed. `/` is an older way to write OR.
+/// Whether an SPDX expression can be satisfied by licences that are allowed. `/` and `or` are older ways to write OR.
 fn is_allowed(expression: &str, allowed: &[&str]) -> bool {
-    let spaced = expression.replace('(', " ( ").replace(')', " ) ").replace('/', " OR ");
+    let spaced = expression.replace('(', " ( ").replace(')', " ) ").replace('/', " OR ").replace(" or ", " OR ");
     let tokens: Vec<&str> = spaced.split_whitespace().collect();
     let (holds, rest) = either(&tokens, allowed);
     assert!(rest.is_empty(), "{expression} is no SPDX expression");

@@ -66,6 +66,9 @@ pub struct Received {
     pub refused: Vec<(String, String)>,
     /// What went wrong and will be tried again.
     pub troubles: Vec<String>,
+    /// A part may stand in a claim that nobody knows: claims are listed anew, and no order list is ended for its seeming to
+    /// be served.
+    in_doubt: bool,
 }
 
 impl Gate {
@@ -129,8 +132,8 @@ impl Gate {
             }
             Err(error) => received.unavailable = Some(error.to_string()),
         }
-        // What went wrong may have left a claim that nobody knows: the next look lists them all.
-        self.pending = received.troubles.is_empty().then(Vec::new);
+        // A claim that went wrong may be there and nobody knows it: the next look lists them all.
+        self.pending = (!received.in_doubt).then(Vec::new);
         for claim in claims {
             // A claim that was listed while the loop ended it is no claim any more.
             if matches!(claim.dir.try_exists(), Ok(false)) {
@@ -200,10 +203,12 @@ impl Gate {
         }
         match intake::claims(self.inbox.path()) {
             Ok((claims, troubles)) => {
+                received.in_doubt = !troubles.is_empty();
                 received.troubles.extend(troubles);
                 claims
             }
             Err(error) => {
+                received.in_doubt = true;
                 received.troubles.push(chain(&error));
                 Vec::new()
             }
@@ -218,8 +223,12 @@ fn take(inbox: &Path, profile: &Profile, ready: &Ready, orphan_secs: f64, receiv
             Ok(claim) => return Some(claim),
             // It is still being written to or was taken away: the next look tells.
             Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
-            Err(error) => received.troubles.push(chain(&error)),
+            Err(error) => {
+                received.in_doubt = true;
+                received.troubles.push(chain(&error));
+            }
         },
+        Ready::List { .. } if received.in_doubt => {}
         Ready::List { list, .. } => {
             let folders = &profile.folders;
             match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {

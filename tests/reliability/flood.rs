@@ -39,7 +39,8 @@ pub fn run(budget: &Budget) -> Row {
     let mut waves = 1;
     let began = (Instant::now(), row.files);
     while budget.is_long && row.files < SOAK_FILES && budget.left_secs() > 0.25 * budget.secs {
-        wave(&farm, &mut row, 500.min(SOAK_FILES - row.files), &mut status);
+        let count = 500.min(SOAK_FILES - row.files);
+        wave(&farm, &mut row, count, &mut status);
         waves += 1;
     }
     let soaked = (row.files - began.1) as f64 / began.0.elapsed().as_secs_f64().max(1e-9);

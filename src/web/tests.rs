@@ -227,7 +227,7 @@ fn unlike(
         serde_json::Value::Array(_) => "array",
         serde_json::Value::Object(_) => "object",
     };
-    if !kinds.contains(&kind) && !(kind == "integer" && kinds.contains(&"number")) {
+    if !(kinds.contains(&kind) || kind == "integer" && kinds.contains(&"number")) {
         return faults.push(format!("{path}: {kind} is none of {kinds:?}"));
     }
     if let Some(list) = value.as_array() {

@@ -31,9 +31,12 @@ struct Cost {
     peak_mib: u64,
 }
 
+/// Writes a part of a size.
+type Writer = fn(&Path, u64);
+
 pub fn run(budget: &Budget) -> Row {
     let mut row = Row::default();
-    let cases: [(&str, &str, fn(&Path, u64), u64); 3] = [
+    let cases: [(&str, &str, Writer, u64); 3] = [
         ("triangles", "ball.stl", ball, budget.pick(100_000, 10_000_000)),
         ("shells", "crowd.stl", crowd, budget.pick(200, 2000)),
         ("copies", "block.stl", block, budget.pick(100, 5000)),

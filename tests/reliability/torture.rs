@@ -62,7 +62,7 @@ fn all_taken(farm: &TestFarm, secs: f64) -> bool {
         let in_inbox = nestd::intake::files_below(&farm.folder("inbox")).unwrap();
         let is_left = |file: &PathBuf| {
             let relative = file.strip_prefix(farm.folder("inbox")).unwrap();
-            !relative.iter().any(|part| nestd::intake::is_ignored(part)) && relative.components().count() > 1
+            !relative.iter().any(nestd::intake::is_ignored) && relative.components().count() > 1
         };
         if !in_inbox.iter().any(is_left) && farm.parts(PartState::Claimed).is_empty() {
             return true;

@@ -68,7 +68,7 @@ fn drop_all(farm: &TestFarm) -> usize {
         put(&[name, ".toml".as_bytes()].concat(), TICKET.as_bytes());
         put(name, &stl(&block(10.0, 10.0, 10.0 + at as f64)));
     }
-    put(&[&b"x"[..].repeat(251), b".stl"].concat(), &stl(&block(11.0, 11.0, 11.0)));
+    put(&[b"x".repeat(251).as_slice(), b".stl"].concat(), &stl(&block(11.0, 11.0, 11.0)));
     put(b"named.3mf", &named_package("=1+1&#27;[31m&#10;&#x9b;x&#x202e;"));
     NAMES.len() + 2
 }

@@ -111,13 +111,11 @@ impl Farm {
         let (mut load, mut settings, mut waits, mut complaints) =
             (load, settings, BackOff::default(), Complaints::default());
         loop {
-            let failure = match Self::open(load, settings).await {
+            let (back, known, failure) = match Self::open(load, settings).await {
                 Ok(farm) => return Ok(Some(farm)),
-                Err((back, known, failure)) => {
-                    (load, settings) = (back, known);
-                    failure
-                }
+                Err(kept) => kept,
             };
+            (load, settings) = (back, known);
             if !may_pass(&failure) {
                 return Err(failure);
             }

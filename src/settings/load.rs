@@ -114,12 +114,14 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     for (name, own) in machines {
         let Some(own) = own else { continue };
         let judge = &mut Judge::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
-        let Some(profile) = machine(name, &own, &farm, &root, &inputs, judge) else { continue };
-        claims.extend(folder_claims(name, &profile.folders, judge));
+        let profile = machine(name, &own, &farm, &root, &inputs, judge);
+        if let Some(profile) = profile {
+            claims.extend(folder_claims(name, &profile.folders, judge));
+            profiles.insert(name.to_owned(), profile);
+        }
         // A wrong default is wrong in every profile, but is told once.
         judge.problems.retain(|problem| !problems.contains(problem));
         problems.append(&mut judge.problems);
-        profiles.insert(name.to_owned(), profile);
     }
     problems.extend(clash::objections(&claims, &state));
     let log = Logging { filter: inputs.log.filter, format: inputs.log.format };

@@ -87,6 +87,13 @@ fn the_shipped_machine_file_shows_the_options_that_have_no_default() {
 }
 
 #[test]
+fn a_volume_of_four_lengths_is_told_and_no_machine_goes_missing_in_silence() {
+    let config = Config::new("", &[("cube.toml", "volume_mm = [380, 284, 384, 380]\n")]);
+    let problems = config.problems();
+    assert!(problems.len() == 1 && problems[0].contains("cube.toml"), "{problems:?}");
+}
+
+#[test]
 fn a_configuration_without_options_has_the_defaults() {
     let config = Config::new("", &[("cube.toml", CUBE)]);
     let settings = config.load().unwrap();

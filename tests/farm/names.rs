@@ -47,7 +47,7 @@ fn named_package(object: &str) -> Vec<u8> {
 }
 
 const NAMES: [&[u8]; 8] = [
-    b"=HYPERLINK(\"http://x\").stl",
+    b"=HYPERLINK(\"x\").stl",
     b"@SUM(1)\tx.stl",
     b"a\n2026-11-20T00:00:00Z ERROR forged.stl",
     b"\x1b]0;title\x07\x1b[2J.stl",

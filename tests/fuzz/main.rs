@@ -26,7 +26,7 @@ fn corpus(target: &str) -> Vec<PathBuf> {
 fn every_file_of_the_corpus_is_read_or_refused_in_time() {
     for (target, entry) in TARGETS {
         let files = corpus(target);
-        assert!(files.len() >= 4, "{target} has {} files", files.len());
+        assert!(files.len() >= 2, "{target} has {} files", files.len());
         for file in files {
             let bytes = fs::read(&file).unwrap();
             assert!(bytes.len() as u64 <= MAX_BYTES, "{} is {} bytes long", file.display(), bytes.len());

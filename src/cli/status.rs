@@ -12,7 +12,7 @@ use super::{
 use crate::ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus};
 
 /// So many rejected parts are listed; `show` finds the older ones.
-const REJECTED_LISTED: usize = 20;
+const REJECTED_LISTED: u32 = 20;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -79,9 +79,7 @@ async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
     for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
         parts.extend(ledger.parts_in_state(state).await?);
     }
-    let mut rejected = ledger.parts_in_state(PartState::Rejected).await?;
-    rejected.sort_by_key(|part| std::cmp::Reverse(part.state_at));
-    parts.extend(rejected.into_iter().take(REJECTED_LISTED));
+    parts.extend(ledger.parts_since(PartState::Rejected, Timestamp::MIN, Timestamp::MAX, REJECTED_LISTED).await?);
     Ok(parts)
 }
 

@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name, trigger::secs_between};
+use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
     intake::{self, raw_name},
     ledger::{BuildState, PartRow, PartState},
@@ -49,10 +49,9 @@ impl Farm {
     async fn sweep_store(&mut self) -> Result<()> {
         let now = Timestamp::now();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
-            for part in self.ledger.parts_in_state(state).await? {
-                let age_secs = secs_between(part.state_at.0, now);
-                let due = age_secs >= keep_secs && age_secs <= keep_secs + SWEEP_WITHIN_SECS;
-                if due && !self.is_needed(&part.content_hash).await? {
+            let (from, until) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
+            for part in self.ledger.parts_since(state, from, until, u32::MAX).await? {
+                if !self.is_needed(&part.content_hash).await? {
                     self.meshes.store.remove(&part.content_hash)?;
                 }
             }
@@ -67,9 +66,7 @@ impl Farm {
 
     /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
     pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
-        let keep = SignedDuration::try_from_secs_f64(KEEP_REFUSED_SECS).context("a wrong constant")?;
-        let since = Timestamp::now().checked_sub(keep).unwrap_or(Timestamp::MIN);
-        Ok(self.ledger.hash_in_use(content_hash, since).await?)
+        Ok(self.ledger.hash_in_use(content_hash, ago(Timestamp::now(), KEEP_REFUSED_SECS)).await?)
     }
 
     /// Opens the queue folders that are not open and sweeps what a crash left half written in them.
@@ -99,6 +96,12 @@ impl Farm {
         }
         Ok(())
     }
+}
+
+/// The time that lies so many seconds before another.
+fn ago(now: Timestamp, secs: f64) -> Timestamp {
+    let span = SignedDuration::try_from_secs_f64(secs).unwrap_or(SignedDuration::MAX);
+    now.checked_sub(span).unwrap_or(Timestamp::MIN)
 }
 
 /// Removes originals that are older than the profile keeps them.

@@ -2,6 +2,7 @@
 
 mod life;
 mod opening;
+mod plans;
 mod questions;
 mod walk;
 

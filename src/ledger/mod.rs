@@ -3,6 +3,7 @@
 //! Each change of state is one function here: a short `BEGIN IMMEDIATE` transaction that checks the move against the
 //! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. Nothing else knows SQL.
 
+mod backup;
 mod build;
 mod change;
 mod claim;
@@ -10,6 +11,7 @@ mod command;
 mod daemon;
 mod error;
 mod event;
+mod health;
 mod history;
 mod id;
 mod ledger;
@@ -27,6 +29,7 @@ mod truth;
 mod waiting;
 mod word;
 
+pub use backup::prove as prove_backup;
 pub use build::{BuildRow, OpenLayout, Verified};
 pub use command::{CommandKind, CommandRow, CommandState, NewCommand};
 pub use daemon::{BEAT_LASTS_SECS, Beat, DaemonRow};

@@ -1,6 +1,8 @@
 //! Tests of the ledger, on real SQLite files.
 
+mod backup;
 mod life;
+mod migrations;
 mod opening;
 mod plans;
 mod questions;

@@ -18,7 +18,7 @@ use super::{
     trigger::{Facts, FiredBy, fired_by},
 };
 use crate::{
-    intake,
+    access, intake,
     ledger::{BuildId, OpenLayout, PartId, PartRow, PartState, WaitingPart},
 };
 
@@ -168,7 +168,8 @@ impl Farm {
             .with_context(|| format!("copying {} into the error folder", row.name))?;
         let mut beside = copy.into_os_string();
         beside.push(".reason.txt");
-        Ok(std::fs::write(beside, format!("{reason}\n"))?)
+        std::fs::write(&beside, format!("{reason}\n"))?;
+        Ok(access::of_file(&std::fs::File::open(beside)?)?)
     }
 
     /// Keeps a layout in the ledger, so that a restart goes on from it.

@@ -26,6 +26,7 @@ use super::{
     station::Station,
 };
 use crate::{
+    access,
     intake::{Claim, Store, Watcher},
     ledger::{BuildId, Ledger, PartId},
     settings::{Settings, SettingsError},
@@ -100,10 +101,11 @@ pub async fn run(load: Load) -> Result<()> {
 
 impl Farm {
     async fn open(load: Load, settings: Settings) -> Result<Self> {
-        std::fs::create_dir_all(&settings.state_dir)
+        settings.files.set();
+        access::create_private_folders(&settings.state_dir)
             .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
         let lock = Lock::take(&settings.state_dir)?;
-        let ledger = Ledger::open(&settings.ledger).await?;
+        let ledger = Ledger::open_whole(&settings.ledger).await?;
         let store = Store::open(settings.state_dir.join("store"))?;
         let (sender, events) = unbounded_channel();
         let mut farm = Self {
@@ -336,6 +338,7 @@ impl Farm {
                 );
             }
             Ok(settings) => {
+                settings.files.set();
                 self.settings = settings;
                 match self.set_up_stations().await {
                     Ok(()) => info!(profiles = self.stations.len(), "The configuration was read again."),
@@ -366,7 +369,11 @@ impl Farm {
         if let Err(failure) = self.ledger.farewell().await {
             warn!("The ledger could not be told of the stop: {failure}.");
         }
-        self.ledger.close().await;
+        match self.ledger.close_sealed().await {
+            Ok(true) => {}
+            Ok(false) => info!("The ledger has no seal; the next start looks through all of it."),
+            Err(failure) => warn!("The ledger could not be closed in order: {failure}."),
+        }
         info!("The farm is closed.");
     }
 
@@ -394,7 +401,7 @@ fn nest_slots(settings: &Settings) -> usize {
 fn make_folders(profile: &crate::settings::Profile) -> Result<()> {
     let folders = &profile.folders;
     for folder in [&folders.inbox, &folders.queue, &folders.error, &folders.archive] {
-        std::fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+        access::create_folders(folder).with_context(|| format!("creating {}", folder.display()))?;
     }
     Ok(())
 }

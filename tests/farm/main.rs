@@ -7,5 +7,6 @@ mod kill;
 mod life;
 mod open;
 mod orders;
+mod privilege;
 mod support;
 mod triggers;

@@ -106,6 +106,7 @@ impl TestFarm {
 
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_nestd"));
+        command.env("NESTD_ALLOW_ROOT", "1"); // the tests of a container run as root
         command.args(args).arg("-c").arg(self.config()).arg("--root").arg(self.root()).current_dir(self.root());
         command
     }

@@ -1,6 +1,7 @@
 //! `nestd check`: everything that can be known to be wrong before the daemon runs, each with its remedy. Leaves nothing
 //! behind.
 
+mod deep;
 mod folders;
 mod ledger;
 mod report;
@@ -18,6 +19,9 @@ pub struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Also read every file in store, error, archive and queue folders and hold it against the ledger
+    #[arg(long)]
+    deep: bool,
 }
 
 /// Runs the command: exit code 0 when all is well, 1 when something around the daemon is wrong, 2 when the configuration is.
@@ -33,6 +37,9 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         Err(error) => return Err(Usage(error.to_string()).into()),
     };
     look(&settings, &mut report)?;
+    if args.deep {
+        deep::look(&settings, &mut report)?;
+    }
     report.print(args.json)?;
     Ok(if report.problems() == 0 { Exit::Success } else { Exit::Failure })
 }

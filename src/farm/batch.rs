@@ -8,6 +8,7 @@ use tracing::{error, info};
 
 use super::{
     budget::Budget,
+    claimed::reason_text,
     event::Event,
     farm::Farm,
     jobs::JobKey,
@@ -18,7 +19,7 @@ use super::{
     trigger::{Facts, FiredBy, fired_by},
 };
 use crate::{
-    access, intake,
+    intake,
     ledger::{BuildId, OpenLayout, PartId, PartRow, PartState, WaitingPart},
 };
 
@@ -160,16 +161,17 @@ impl Farm {
         Ok(self.ledger.cancel(part, reason).await?)
     }
 
-    /// The original was let go when the part began to wait: a copy from the store goes into the error folder.
+    /// The original was let go when the part began to wait: a copy from the store goes into the error folder. The same
+    /// copy again changes nothing.
     pub(super) fn copy_into_error(&self, row: &PartRow, reason: &str) -> Result<()> {
         let Some(station) = self.stations.get(&row.profile) else { return Ok(()) };
-        let stored = self.meshes.store.path(&row.content_hash)?;
-        let copy = intake::archive(&stored, &station.profile.folders.error, &format!("part-{}", row.id), &row.name)
-            .with_context(|| format!("copying {} into the error folder", row.name))?;
-        let mut beside = copy.into_os_string();
-        beside.push(".reason.txt");
-        std::fs::write(&beside, format!("{reason}\n"))?;
-        Ok(access::of_file(&std::fs::File::open(beside)?)?)
+        let (stored, error_dir) = (self.meshes.store.path(&row.content_hash)?, &station.profile.folders.error);
+        let text = reason_text(row, reason);
+        match super::tidy::refused_files(error_dir, row)?.first() {
+            Some((_, known)) => intake::rewrite_reason(known, &text),
+            None => intake::refuse_copy(&stored, error_dir, &format!("part-{}", row.id), &row.name, &text),
+        }
+        .with_context(|| format!("copying {} into the error folder", row.name))
     }
 
     /// Keeps a layout in the ledger, so that a restart goes on from it.

@@ -185,11 +185,12 @@ impl Farm {
                 } {
                     solids[0].warnings.push(warning);
                 }
+                // Before it waits: a crash after must not leave its file in two places.
+                self.tidy_error_folder(&part);
                 let ids = self.ledger.accept(id, &solids).await?;
                 let copies: u32 = solids.iter().map(|s| s.copies).sum();
                 let parts = ids.len();
                 info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts} parts, {copies} copies.", part.name, part.profile);
-                self.tidy_error_folder(&part);
                 self.let_go(&part)
             }
             ReadOutcome::Refused(reason) => self.refuse(&part, &reason).await,
@@ -219,15 +220,14 @@ impl Farm {
 
     fn put_into_error(&mut self, part: &PartRow, reason: &str) -> Result<()> {
         self.read_again.remove(&part.id);
-        let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
         let Some(station) = self.stations.get(&part.profile) else { return Ok(()) };
-        let error_dir = station.profile.folders.error.clone();
-        let again = match reason.contains(COPIES_UNKNOWN) {
-            true => String::new(),
-            false => format!(" To take it back: nestd retry {}", part.id),
+        let folders = &station.profile.folders;
+        let Some(claim) = self.claims.get(&part.claim) else {
+            // One that was taken back and is refused again; a claim that is still to be found brings its original itself.
+            let is_in_work = intake::claim_dir(&folders.inbox, &part.claim).exists();
+            return if is_in_work { Ok(()) } else { self.copy_into_error(part, reason) };
         };
-        let text = format!("{}\n\nPart {} of the profile {}.{again}\n", reason.trim_end(), part.id, part.profile);
-        intake::refuse(claim, &error_dir, &text)?;
+        intake::refuse(claim, &folders.error, &reason_text(part, reason))?;
         self.claims.remove(&part.claim);
         Ok(())
     }
@@ -254,6 +254,15 @@ impl Farm {
             warn!(part.id = %part.id, "Its refused file could not be removed: {failure:#}.");
         }
     }
+}
+
+/// What a refused part's reason says below the reason itself.
+pub(super) fn reason_text(part: &PartRow, reason: &str) -> String {
+    let again = match reason.contains(COPIES_UNKNOWN) {
+        true => String::new(),
+        false => format!(" To take it back: nestd retry {}", part.id),
+    };
+    format!("{}\n\n{}{again}\n", reason.trim_end(), super::tidy::part_line(part))
 }
 
 fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given: Option<&Given>) -> NewPart {

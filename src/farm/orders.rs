@@ -4,7 +4,7 @@ use anyhow::Result;
 use tracing::info;
 
 use super::{claimed::COPIES_UNKNOWN, farm::Farm};
-use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartState};
+use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
 
 impl Farm {
     /// Carries out what was asked; an order to publish is answered when its build has been fired.
@@ -74,11 +74,7 @@ impl Farm {
             CommandKind::Retry => self.ledger.retry(part).await.map(|()| format!("part {part} is read again")),
             _ => {
                 let reason = format!("Cancelled by {}.", command.asked_by);
-                let done = self.ledger.cancel(part, &reason).await;
-                if done.is_ok() && row.state == PartState::Waiting {
-                    self.copy_into_error(&row, &reason)?;
-                }
-                done.map(|()| format!("part {part} is cancelled"))
+                self.cancel(&row, &reason).await?.map(|()| format!("part {part} is cancelled"))
             }
         };
         match done {
@@ -90,6 +86,17 @@ impl Farm {
             Err(error @ LedgerError::Sql(_)) => Err(error.into()),
             Err(refused) => Ok(Err(refused.to_string())),
         }
+    }
+
+    /// The copy is in the error folder before the ledger says so: after a crash between, the order is carried out again.
+    async fn cancel(&self, row: &PartRow, reason: &str) -> Result<Result<(), LedgerError>> {
+        if let Err(refused) = self.ledger.demand_cancellable(row.id).await {
+            return Ok(Err(refused));
+        }
+        if row.state == PartState::Waiting {
+            self.copy_into_error(row, reason)?;
+        }
+        Ok(self.ledger.cancel(row.id, reason).await)
     }
 
     /// Answers orders that were waiting for something.

@@ -13,7 +13,7 @@ use tracing::{info, warn};
 
 use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
-    intake::{self, raw_name},
+    intake,
     ledger::{BuildState, PartRow, PartState},
     queue::Queue,
 };
@@ -23,7 +23,9 @@ pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 /// How often the house is tidied.
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Refused files stay in the store so long, so that `nestd retry` finds them.
-const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+pub const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+/// Ends the name of the file beside a refused one.
+const REASON: &str = ".reason.txt";
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
@@ -115,21 +117,48 @@ fn purge(archive: &Path, days: u32) {
     }
 }
 
+/// Where a refused part's file and its reason lie in the error folder: the reason that names the part tells which of
+/// several of the same content it is.
+pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
+    let line = part_line(part);
+    let files = match intake::files_below(error_dir) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        other => other.with_context(|| format!("listing {}", error_dir.display()))?,
+    };
+    let mut found = Vec::new();
+    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
+        if !fs::read_to_string(reason).is_ok_and(|text| text.lines().any(|said| said.starts_with(&line))) {
+            continue;
+        }
+        let is_it = |file: &&PathBuf| {
+            file.parent() == reason.parent()
+                && *file != reason
+                && intake::hash_file(file).is_ok_and(|hash| hash == part.content_hash)
+        };
+        // Its name without the suffix, except where that was too long.
+        let named = reason.with_extension("").with_extension("");
+        if let Some(file) = Some(&named).filter(is_it).or_else(|| files.iter().find(is_it)) {
+            found.push((file.clone(), reason.clone()));
+        }
+    }
+    Ok(found)
+}
+
 /// Removes a refused file from the error folder, if it is still the same file, with its reason.
 pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
-    let Some(name) = raw_name(&part.name) else { return Ok(()) };
-    for folder in [error_dir.join(&part.order_name), error_dir.to_owned()] {
-        let file = folder.join(&name);
-        let Ok(bytes) = fs::read(&file) else { continue };
-        if blake3::hash(&bytes).to_hex().as_str() == part.content_hash {
-            fs::remove_file(&file).with_context(|| format!("removing {}", file.display()))?;
-            let mut reason = name.clone();
-            reason.push(".reason.txt");
-            match fs::remove_file(folder.join(reason)) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error.into()),
-                _ => return Ok(()),
-            }
+    for (file, reason) in refused_files(error_dir, part)? {
+        for gone in [&file, &reason] {
+            fs::remove_file(gone).with_context(|| format!("removing {}", gone.display()))?;
+        }
+        if let Some(folder) = file.parent().filter(|folder| *folder != error_dir) {
+            // Only an empty one goes.
+            let _ = fs::remove_dir(folder);
         }
     }
     Ok(())
+}
+
+/// How the reason of a refused part opens the line that names it.
+pub fn part_line(part: &PartRow) -> String {
+    format!("Part {} of the profile {}.", part.id, part.profile)
 }

@@ -134,6 +134,11 @@ pub enum Released {
     GivenBack(PathBuf),
 }
 
+/// Where a claim lies, or would lie.
+pub fn claim_dir(inbox: &Path, id: &str) -> PathBuf {
+    inbox.join(CLAIMED_DIR).join(id)
+}
+
 /// Claims a [`Ready::Part`] out of `inbox`.
 pub fn claim(inbox: &Path, ready: &Ready) -> Result<Claim, ClaimError> {
     claim_stepwise(inbox, ready, &mut || {})

@@ -192,12 +192,14 @@ pub(super) fn move_to_free_name(from: &Path, folder: &Path, name: &OsStr) -> io:
 
 /// Whether two regular files hold the same bytes; an unreadable one holds none.
 pub(super) fn same_bytes(one: &Path, other: &Path) -> bool {
-    let hash = |path: &Path| -> io::Result<blake3::Hash> {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(open_regular(path)?)?;
-        Ok(hasher.finalize())
-    };
-    matches!((hash(one), hash(other)), (Ok(a), Ok(b)) if a == b)
+    matches!((hash_file(one), hash_file(other)), (Ok(a), Ok(b)) if a == b)
+}
+
+/// BLAKE3 of a regular file, 64 hex digits; no link is followed.
+pub fn hash_file(path: &Path) -> io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(open_regular(path)?)?;
+    Ok(hasher.finalize().to_hex().to_string())
 }
 
 /// Whether something stands under this name, a dangling link too.
@@ -220,8 +222,8 @@ pub(super) fn as_time(ns: i128) -> SystemTime {
     UNIX_EPOCH + std::time::Duration::from_nanos(u64::try_from(ns).unwrap_or(0))
 }
 
-/// All regular files below a folder, sorted; links are not followed.
-pub(super) fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
+/// All files below a folder, sorted; links are not followed.
+pub fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(dir)? {
         let entry = entry?;

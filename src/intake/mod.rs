@@ -31,16 +31,17 @@ mod ticket;
 mod watch;
 
 pub use archive::{archive, purge};
-pub use claim::{Claim, ClaimError, Released, claim, give_back, release};
+pub use claim::{Claim, ClaimError, Released, claim, claim_dir, give_back, release};
 pub use copies::copies_in_name;
+pub use disk::{files_below, hash_file};
 pub use given::{Given, Source, TicketSource};
 pub use ignore::is_ignored;
 pub use left_folders::LeftFolders;
 pub use list_end::{ListEnd, end_list};
 pub use name::{display_name, raw_name};
 
-pub use recover::claims;
-pub use refuse::{RefuseError, refuse, refuse_path};
+pub use recover::{Work, claims, work};
+pub use refuse::{RefuseError, refuse, refuse_copy, refuse_path, rewrite_reason};
 pub use scan::{Inbox, Kind, Listing, ScanError, ScanLimits, Seen, scan};
 pub use settle::{Ready, SettleRules, Settler};
 pub use status::write_status;

@@ -40,6 +40,38 @@ pub fn claims(inbox: &Path) -> Result<Vec<Claim>, ClaimError> {
     Ok(claims)
 }
 
+/// What lies in `.claimed/`.
+#[derive(Debug, Default)]
+pub struct Work {
+    /// Whole claims, oldest first.
+    pub claims: Vec<Claim>,
+    /// Claims that are being put together or taken apart, or that a crash left so.
+    pub unfinished: Vec<PathBuf>,
+}
+
+/// What lies in `.claimed/`, without touching it.
+pub fn work(inbox: &Path) -> io::Result<Work> {
+    let mut work = Work::default();
+    let entries = match fs::read_dir(inbox.join(CLAIMED_DIR)) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(work),
+        other => other?,
+    };
+    for entry in entries {
+        let (name, path) = entry.map(|e| (e.file_name(), e.path()))?;
+        let is_unfinished = [NEW, DONE].iter().any(|with| name.as_encoded_bytes().starts_with(with.as_bytes()));
+        match name.to_str().filter(|name| !name.starts_with('.')).map(|id| Claim::load(inbox, id)) {
+            Some(claim) => match claim? {
+                Some(claim) => work.claims.push(claim),
+                None => work.unfinished.push(path),
+            },
+            None if is_unfinished => work.unfinished.push(path),
+            None => {}
+        }
+    }
+    work.claims.sort_by(|a, b| a.id.cmp(&b.id));
+    Ok(work)
+}
+
 fn recover(inbox: &Path, dir: &Path) -> io::Result<Option<Claim>> {
     let name = dir.file_name().unwrap_or_default();
     let starts = |with: &str| name.as_encoded_bytes().starts_with(with.as_bytes());

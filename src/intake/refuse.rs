@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use super::{
     Claim, Seen, disk, display_name,
-    name::{numbered, with_suffix},
+    name::{numbered, raw_name, with_suffix},
     recover::{follower_name, remove_claim_dir},
 };
 
@@ -78,6 +78,31 @@ pub fn refuse_path(inbox: &Path, seen: &Seen, error_dir: &Path, reason: &str) ->
         Err(error) if error.kind() == io::ErrorKind::CrossesDevices => disk::move_noreplace(&seen.path, to),
         other => other.and_then(|()| disk::fsync_dir(&folder)),
     })
+}
+
+/// Copies a stored file to `error_dir/<folder>/<name>`, after its reason; the same copy again changes nothing. For a part
+/// whose claim has ended.
+pub fn refuse_copy(
+    stored: &Path,
+    error_dir: &Path,
+    folder: &str,
+    display_name: &str,
+    reason: &str,
+) -> Result<(), RefuseError> {
+    let folder = error_dir.join(folder);
+    disk::create_dirs(&folder).map_err(|e| io_error("create", &folder, e))?;
+    let name = raw_name(display_name).unwrap_or_else(|| display_name.into());
+    let (to, reason_file) = (folder.join(&name), folder.join(with_suffix(&name, "", ".reason.txt")));
+    disk::write_by_rename(&reason_file, reason.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
+    match disk::is_there(&to) && disk::same_bytes(stored, &to) {
+        true => Ok(()),
+        false => disk::copy_noreplace(stored, &to).map_err(|e| io_error("copy to the error folder", stored, e)),
+    }
+}
+
+/// Another reason for a file that is in the error folder already.
+pub fn rewrite_reason(reason_file: &Path, reason: &str) -> Result<(), RefuseError> {
+    disk::write_by_rename(reason_file, reason.as_bytes()).map_err(|e| io_error("write", reason_file, e))
 }
 
 struct Refusal<'a> {

@@ -97,6 +97,11 @@ impl Store {
         Ok(Self { dir })
     }
 
+    /// Names the store at `dir` without touching it, for whoever only looks.
+    pub fn at(dir: impl Into<PathBuf>) -> Self {
+        Self { dir: dir.into() }
+    }
+
     /// Copies a regular file in, hashing; on disk when it returns. Putting the same bytes again changes nothing.
     pub fn put(&self, file: &Path) -> Result<Stored, StoreError> {
         self.put_stepwise(file, &mut || {})

@@ -67,25 +67,17 @@ impl Ledger {
         change.commit().await
     }
 
+    /// Whether [`Ledger::cancel`] would do it now.
+    pub async fn demand_cancellable(&self, id: PartId) -> Result<()> {
+        let mut change = self.change().await?;
+        demand_cancellable(&mut change, id).await
+    }
+
     /// waiting -> rejected: by an operator, or because the profile changed. Published copies stay published; refused
     /// while a copy is being nested.
     pub async fn cancel(&self, id: PartId, reason: &str) -> Result<()> {
         let mut change = self.change().await?;
-        let nested: Option<(BuildId, BuildState)> = sqlx::query_as(
-            "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
-             WHERE l.part_id = ? AND b.published_at IS NULL LIMIT 1",
-        )
-        .bind(id)
-        .fetch_optional(change.db())
-        .await?;
-        if let Some((build, state)) = nested {
-            return Err(LedgerError::BeingBuilt { part: id, build, state });
-        }
-        match change.part(id).await?.state {
-            PartState::Rejected => return Err(LedgerError::IsOut(id)),
-            PartState::Built => return Err(LedgerError::IsBuilt(id)),
-            _ => {}
-        }
+        demand_cancellable(&mut change, id).await?;
         change.move_part(id, PartState::Rejected, None, reason).await?;
         change.commit().await
     }
@@ -99,6 +91,24 @@ impl Ledger {
         }
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
         change.commit().await
+    }
+}
+
+async fn demand_cancellable(change: &mut Change, id: PartId) -> Result<()> {
+    let nested: Option<(BuildId, BuildState)> = sqlx::query_as(
+        "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
+         WHERE l.part_id = ? AND b.published_at IS NULL LIMIT 1",
+    )
+    .bind(id)
+    .fetch_optional(change.db())
+    .await?;
+    if let Some((build, state)) = nested {
+        return Err(LedgerError::BeingBuilt { part: id, build, state });
+    }
+    match change.part(id).await?.state {
+        PartState::Rejected => Err(LedgerError::IsOut(id)),
+        PartState::Built => Err(LedgerError::IsBuilt(id)),
+        _ => Ok(()),
     }
 }
 

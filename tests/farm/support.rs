@@ -8,10 +8,11 @@ use std::{
 };
 
 use nestd::{
+    farm::{self, Witness},
     format,
     geometry::{Mesh, Pose},
     ledger::{Ledger, PartRow, PartState},
-    samples,
+    samples, settings,
 };
 use tempfile::TempDir;
 
@@ -159,6 +160,13 @@ impl TestFarm {
             ledger.close().await;
             answer
         })
+    }
+
+    /// What breaks the invariants.
+    pub fn broken(&self, witness: &Witness) -> Vec<String> {
+        let settings = settings::load(Some(&self.config()), Some(self.root())).unwrap();
+        let looked = self.ask(async |ledger| farm::invariants(&settings, ledger, witness).await.unwrap());
+        looked.violations.iter().map(ToString::to_string).collect()
     }
 
     pub fn parts(&self, state: PartState) -> Vec<PartRow> {

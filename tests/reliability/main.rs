@@ -5,9 +5,13 @@
 
 mod asked;
 mod budget;
+mod crash;
 mod kill;
+mod life;
+mod pool;
 mod row;
 mod table;
+mod trace;
 
 #[allow(dead_code)] // shared with other tests, not all of it is used here
 #[path = "../farm/support.rs"]
@@ -31,7 +35,8 @@ struct Section {
 }
 
 /// All sections, in the order of the table.
-const SECTIONS: [Section; 1] = [Section { name: "kill", weight: 3.0, run: kill::run }];
+const SECTIONS: [Section; 2] =
+    [Section { name: "crash", weight: 4.0, run: crash::run }, Section { name: "kill", weight: 3.0, run: kill::run }];
 
 /// Wall seconds of a section in a short run.
 const SHORT_SECS: f64 = 6.0;

@@ -1,0 +1,115 @@
+//! I2 and I3: every build file in a queue folder is the one that its row says, with the copies that its row says.
+
+use std::{collections::BTreeSet, fs, path::Path};
+
+use anyhow::Result;
+
+use super::{
+    Invariant::{I2, I3},
+    Looked, Witness,
+};
+use crate::{
+    format, intake,
+    ledger::{BuildRow, BuildState, Ledger},
+    settings::{Profile, Settings},
+};
+
+/// Looks through every queue folder.
+pub async fn visible(settings: &Settings, ledger: &Ledger, witness: &Witness, looked: &mut Looked) -> Result<()> {
+    for profile in settings.profiles.values() {
+        let Ok(entries) = fs::read_dir(&profile.folders.queue) else { continue };
+        let mut names: Vec<String> = entries.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
+        names.sort();
+        for name in names {
+            if name.starts_with('.') && (name.ends_with(".part") || name.ends_with(".half")) {
+                left_over(profile, &name, witness, looked);
+            } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
+                let row = ledger.build_named(&profile.name, &name).await?;
+                build_file(profile, &name, row, settings, ledger, witness, looked).await?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn left_over(profile: &Profile, name: &str, witness: &Witness, looked: &mut Looked) {
+    if witness.at_rest {
+        let text = format!("{} was left behind", profile.folders.queue.join(name).display());
+        looked.found(I3, text, "restart the daemon: it removes what no build names");
+    }
+}
+
+async fn build_file(
+    profile: &Profile,
+    name: &str,
+    row: Option<BuildRow>,
+    settings: &Settings,
+    ledger: &Ledger,
+    witness: &Witness,
+    looked: &mut Looked,
+) -> Result<()> {
+    let file = profile.folders.queue.join(name);
+    let shown = file.display();
+    let Some(row) = row else {
+        let text = format!("{shown} is in the queue and no build of the ledger has that name");
+        let remedy = "somebody copied it there, or the ledger is older than it: do not print it before that is clear";
+        looked.found_by_people(I3, text, remedy);
+        return Ok(());
+    };
+    looked.builds += 1;
+    let may_be_visible = row.published_at.is_some() || (!witness.at_rest && row.state == BuildState::Verified);
+    if !may_be_visible {
+        let text = format!("{shown} is in the queue and build {} is {}", row.id, row.state);
+        looked.found(I3, text, "take it out of the queue, and restart the daemon");
+    }
+    match intake::hash_file(&file) {
+        // The printer took it meanwhile.
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => {
+            let text = format!("{shown} cannot be read: {error}");
+            looked.found(I3, text, "check the disk; `nestd show` names the parts, which can be dropped again");
+            return Ok(());
+        }
+        Ok(hash) if Some(&hash) != row.file_hash.as_ref() => {
+            let text = format!("{shown} is not the file that was proved as build {}", row.id);
+            looked.found(I3, text, "do not print it: somebody changed it or the disk damaged it");
+        }
+        Ok(_) => looked.files += 1,
+    }
+    same_copies(&file, &row, settings, ledger, looked).await
+}
+
+/// The copies in the file are those of the row.
+async fn same_copies(
+    file: &Path,
+    row: &BuildRow,
+    settings: &Settings,
+    ledger: &Ledger,
+    looked: &mut Looked,
+) -> Result<()> {
+    let placed = match format::read_build(file, &settings.limits) {
+        Ok(placed) => placed,
+        Err(error) => {
+            let text = format!("{} cannot be read as a build: {error}", file.display());
+            looked.found(I3, text, "do not print it: somebody changed it or the disk damaged it");
+            return Ok(());
+        }
+    };
+    let rows: BTreeSet<(String, u32)> =
+        ledger.copies_of_build(row.id).await?.into_iter().map(|(part, copy)| (part.to_string(), copy + 1)).collect();
+    let held: Vec<(String, u32)> =
+        placed.into_iter().map(|p| (p.part_number.unwrap_or_default(), p.copy.unwrap_or_default())).collect();
+    let distinct: BTreeSet<(String, u32)> = held.iter().cloned().collect();
+    if distinct.len() != held.len() || distinct != rows {
+        let text = format!(
+            "{} holds {} placements of {} copies and the ledger says {} copies of build {}",
+            file.display(),
+            held.len(),
+            distinct.len(),
+            rows.len(),
+            row.id
+        );
+        looked.found(I2, text, "do not print it, and report it to nestd's makers");
+    }
+    Ok(())
+}

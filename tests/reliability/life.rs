@@ -1,0 +1,298 @@
+//! The reference life-cycle: parts with a ticket, an order list and an order folder are dropped; one is cancelled and taken
+//! back, one is refused; the batch is flushed, nested, written, published, archived and taken by the printer. The script
+//! goes on where it was when the daemon was killed between.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    time::{Duration, Instant},
+};
+
+use nestd::{
+    farm::Witness,
+    intake,
+    ledger::{BuildState, CommandId, CommandKind, CommandState, Ledger, NewCommand, PartRow, PartState},
+};
+
+use super::support::{PROFILE, TestFarm, block, stl};
+
+/// How a part of the script ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// The whole script is done.
+    Done,
+    /// The daemon is gone.
+    DaemonEnded,
+    /// It took too long.
+    Stuck,
+}
+
+/// Everything is as short as the configuration allows.
+pub const FARM: &str = "scan_secs = 0.2\ncache_bytes = 0\nthreads = 1\n[log]\nfilter = \"info\"\n";
+const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+    final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n";
+/// The parts that are printed, with their copies.
+const PRINTED: [(&str, u32); 3] = [("ring.stl", 2), ("plate.stl", 3), ("lid.stl", 1)];
+const FOREIGN: &str = "a colleague's notes.tmp";
+
+/// The steps of the script.
+const STEPS: [Step; 7] = [
+    Step::Drop,
+    Step::AwaitReading,
+    Step::Cancel("lid.stl"),
+    Step::Retry("lid.stl", PartState::Waiting),
+    Step::Retry("bad.stl", PartState::Rejected),
+    Step::Flush,
+    Step::AwaitQuiet,
+];
+
+#[derive(Debug, Clone, Copy)]
+enum Step {
+    Drop,
+    AwaitReading,
+    Cancel(&'static str),
+    Retry(&'static str, PartState),
+    Flush,
+    AwaitQuiet,
+}
+
+/// A farm on which the script is played.
+pub struct Life {
+    pub farm: TestFarm,
+    /// What is known beside the ledger.
+    pub witness: Witness,
+    /// What was found broken.
+    pub broken: Vec<String>,
+    /// Build files that the printer has taken.
+    pub taken: BTreeSet<String>,
+    at: usize,
+    command: Option<CommandId>,
+    asked_at: Instant,
+    /// The script goes on without asking when the daemon refuses for a fault's sake.
+    pub patience: Duration,
+}
+
+impl Life {
+    pub fn new() -> Self {
+        let farm = TestFarm::new(MACHINE);
+        fs::write(farm.config(), FARM).unwrap();
+        Self {
+            farm,
+            witness: Witness::default(),
+            broken: Vec::new(),
+            taken: BTreeSet::new(),
+            at: 0,
+            command: None,
+            asked_at: Instant::now(),
+            patience: Duration::from_secs(60),
+        }
+    }
+
+    /// Goes on with the script while the daemon runs.
+    pub fn play(&mut self, has_ended: &mut dyn FnMut() -> bool) -> End {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let began = Instant::now();
+            let mut ledger = None;
+            let end = loop {
+                if has_ended() {
+                    break End::DaemonEnded;
+                }
+                if began.elapsed() > self.patience {
+                    break End::Stuck;
+                }
+                if ledger.is_none() {
+                    ledger = Ledger::open_existing(&self.farm.root().join("state/nestd.db")).await.ok();
+                }
+                let is_ready = self.farm.folder("archive").is_dir();
+                if let Some(ledger) = ledger.as_ref().filter(|_| is_ready)
+                    && self.step(ledger).await.unwrap_or(false)
+                {
+                    self.at += 1;
+                    self.command = None;
+                    if self.at == STEPS.len() {
+                        break End::Done;
+                    }
+                    continue;
+                }
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            };
+            if let Some(ledger) = ledger {
+                ledger.close().await;
+            }
+            end
+        })
+    }
+
+    /// Whether the step is done.
+    async fn step(&mut self, ledger: &Ledger) -> Result<bool, nestd::ledger::LedgerError> {
+        match STEPS[self.at] {
+            Step::Drop => {
+                self.drop_all();
+                Ok(true)
+            }
+            Step::AwaitReading => {
+                let waiting = ledger.parts_in_state(PartState::Waiting).await?.len();
+                Ok(waiting == PRINTED.len() && !ledger.parts_in_state(PartState::Rejected).await?.is_empty())
+            }
+            Step::Cancel(name) => {
+                self.order(ledger, CommandKind::Cancel, name).await?;
+                Ok(part(ledger, name).await?.state == PartState::Rejected)
+            }
+            Step::Retry(name, then) => {
+                let answered = self.order(ledger, CommandKind::Retry, name).await?;
+                Ok(answered && part(ledger, name).await?.state == then)
+            }
+            Step::Flush => self.flush(ledger).await,
+            Step::AwaitQuiet => Ok(self.is_quiet()),
+        }
+    }
+
+    fn drop_all(&mut self) {
+        let files: [(&str, Vec<u8>); 4] = [
+            ("ring.stl", stl(&block(10.0, 12.0, 5.0))),
+            ("plate.stl", stl(&block(20.0, 5.0, 3.0))),
+            ("kit/lid.stl", stl(&block(6.0, 6.0, 6.0))),
+            ("bad.stl", b"solid nonsense\nendsolid\n".to_vec()),
+        ];
+        self.farm.drop_bytes("ring.stl.toml", b"copies = 2\norder = \"K-17\"\n");
+        self.farm.drop_bytes("order.csv", b"file,copies\nplate.stl,3\n");
+        self.farm.drop_bytes(FOREIGN, b"not nestd's");
+        let foreign = self.farm.folder("inbox").join(FOREIGN);
+        self.witness.untouched.push((foreign.clone(), intake::hash_file(&foreign).unwrap()));
+        for (name, bytes) in files {
+            *self.witness.dropped.entry(blake3::hash(&bytes).to_hex().to_string()).or_default() += 1;
+            self.farm.drop_bytes(name, &bytes);
+        }
+    }
+
+    /// Gives an order once; whether it was answered.
+    async fn order(
+        &mut self,
+        ledger: &Ledger,
+        kind: CommandKind,
+        about: &str,
+    ) -> Result<bool, nestd::ledger::LedgerError> {
+        let Some(id) = self.command else {
+            let (profile, part) = match kind {
+                CommandKind::Flush => (about.to_owned(), None),
+                _ => (String::new(), Some(part(ledger, about).await?.id)),
+            };
+            let command = NewCommand { kind, profile, part, asked_by: "test".to_owned() };
+            self.command = Some(ledger.ask(&command).await?);
+            self.asked_at = Instant::now();
+            return Ok(false);
+        };
+        Ok(ledger.command(id).await?.is_some_and(|row| row.state != CommandState::Asked))
+    }
+
+    /// Orders until all is built: copies that found no place need another build.
+    async fn flush(&mut self, ledger: &Ledger) -> Result<bool, nestd::ledger::LedgerError> {
+        let answered = self.order(ledger, CommandKind::Flush, PROFILE).await?;
+        self.take_as_a_printer_does();
+        if ledger.parts_in_state(PartState::Built).await?.len() == PRINTED.len() {
+            return Ok(true);
+        }
+        let nesting = ledger.builds_in_state(BuildState::Nesting).await?.len();
+        if answered && nesting == 0 && self.asked_at.elapsed() > Duration::from_secs(2) {
+            self.command = None;
+        }
+        Ok(false)
+    }
+
+    /// Whether nothing is under way any more; what is left over is named by the look at rest.
+    fn is_quiet(&mut self) -> bool {
+        self.take_as_a_printer_does();
+        let inbox = self.farm.folder("inbox");
+        let work = intake::work(&inbox).unwrap_or_default();
+        work.claims.is_empty() && work.unfinished.is_empty() && !inbox.join("order.csv").exists()
+    }
+
+    /// The printer takes what it sees, as soon as it sees it; it must never see a name again.
+    pub fn take_as_a_printer_does(&mut self) {
+        for file in self.farm.queued() {
+            let name = file.file_name().unwrap().to_string_lossy().into_owned();
+            let to = self.farm.root().join("taken").join(&name);
+            fs::create_dir_all(to.parent().unwrap()).unwrap();
+            if !self.taken.insert(name.clone()) {
+                self.broken.push(format!("I3: {name} appeared in the queue again after the printer had taken it"));
+            }
+            let _ = fs::rename(file, to);
+        }
+    }
+
+    /// What is broken now, while things may be under way.
+    pub fn look_after_a_crash(&mut self) {
+        if self.farm.root().join("state/nestd.db").exists() && self.at > 0 {
+            let found = self.try_broken(&self.witness.clone());
+            self.broken.extend(found);
+        }
+    }
+
+    /// The ledger may be without its schema yet when the crash was early.
+    fn try_broken(&self, witness: &Witness) -> Vec<String> {
+        let settings = nestd::settings::load(Some(&self.farm.config()), Some(self.farm.root())).unwrap();
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let Ok(ledger) = Ledger::open_existing(&settings.ledger).await else { return Vec::new() };
+            let looked = nestd::farm::invariants(&settings, &ledger, witness).await.unwrap();
+            ledger.close().await;
+            looked.violations.iter().map(ToString::to_string).collect()
+        })
+    }
+
+    /// After the script has ended and the daemon was stopped: what is broken, and whether all that was asked was done.
+    pub fn look_at_rest(&mut self) {
+        self.take_as_a_printer_does();
+        let witness = Witness { at_rest: true, ..self.witness.clone() };
+        self.broken.extend(self.farm.broken(&witness));
+        let built: BTreeMap<String, u32> =
+            self.farm.parts(PartState::Built).into_iter().map(|part| (part.name, part.copies)).collect();
+        let asked: BTreeMap<String, u32> = PRINTED.iter().map(|&(name, copies)| (name.to_owned(), copies)).collect();
+        if built != asked {
+            self.broken.push(format!("I2: built are {built:?}, asked were {asked:?}"));
+        }
+        self.same_copies_taken();
+        let lists = self.farm.folder("archive").join("order-lists/order.csv");
+        if !lists.exists() {
+            self.broken.push(format!("I1: the order list is not at {}", lists.display()));
+        }
+    }
+
+    /// The files that the printer took hold each copy exactly once.
+    fn same_copies_taken(&mut self) {
+        let mut copies = Vec::new();
+        for name in &self.taken {
+            let file = self.farm.root().join("taken").join(name);
+            match nestd::format::read_build(&file, &Default::default()) {
+                Ok(placed) => copies.extend(placed.into_iter().map(|p| (p.part_number, p.copy))),
+                Err(error) => self.broken.push(format!("I3: {name} was published and cannot be read: {error}")),
+            }
+        }
+        let distinct: BTreeSet<_> = copies.iter().cloned().collect();
+        let asked: u32 = PRINTED.iter().map(|(_, copies)| copies).sum();
+        if distinct.len() != copies.len() || copies.len() as u32 != asked {
+            self.broken.push(format!("I2: the printer got {} copies of {asked}: {copies:?}", copies.len()));
+        }
+    }
+
+    /// Ordinary runs of the daemon until the script is done, then a look at rest.
+    pub fn run_to_the_end(&mut self) {
+        self.farm.start();
+        let end = self.play(&mut || false);
+        if end != End::Done {
+            let log: String = self.farm.log();
+            let tail: Vec<&str> = log.lines().rev().take(15).collect();
+            let (step, tail) = (STEPS[self.at], tail.into_iter().rev().collect::<Vec<_>>().join("\n"));
+            self.broken.push(format!("the script ended as {end:?} at the step {step:?}; the log ends with\n{tail}"));
+            self.farm.kill();
+            return;
+        }
+        self.farm.stop();
+        self.look_at_rest();
+    }
+}
+
+async fn part(ledger: &Ledger, name: &str) -> Result<PartRow, nestd::ledger::LedgerError> {
+    Ok(ledger.parts_named(name).await?.pop().expect("a part of this name was recorded before"))
+}

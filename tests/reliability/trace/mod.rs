@@ -1,0 +1,248 @@
+//! Runs the daemon under ptrace: every system call that touches the farm's folders is counted, can be made to fail, and the
+//! process can be killed between any two of them. All threads are followed. The binary under test is the ordinary one.
+
+mod call;
+
+use std::{
+    collections::HashMap,
+    os::unix::process::CommandExt,
+    path::{Path, PathBuf},
+    process::Command,
+    sync::mpsc::{Receiver, channel},
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
+
+use nix::{
+    libc,
+    sys::{
+        ptrace::{self, Options},
+        signal::{Signal, kill},
+        wait::{WaitPidFlag, WaitStatus, waitpid},
+    },
+    unistd::Pid,
+};
+
+pub use call::{Call, Kind};
+
+/// What to do with a call that is about to be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// The kernel does it.
+    Let,
+    /// It is not done and returns this error.
+    Fail(i32),
+    /// It writes so many bytes at most.
+    Shorten(u64),
+}
+
+/// Looks at the calls of a traced daemon; lives on the tracer's thread.
+pub trait Watch: Send {
+    /// A call is about to be made.
+    fn before(&mut self, call: &Call) -> Verdict;
+    /// A call was made, with this result. `false` = kill the daemon now.
+    fn after(&mut self, call: &Call, result: i64) -> bool;
+}
+
+/// A daemon under the tracer; killed when dropped.
+pub struct Traced<W> {
+    pid: Pid,
+    ended: Receiver<()>,
+    has_ended: bool,
+    thread: Option<JoinHandle<W>>,
+}
+
+/// Whether processes may be traced here; some containers forbid it.
+pub fn is_allowed() -> bool {
+    struct Nothing;
+    impl Watch for Nothing {
+        fn before(&mut self, _: &Call) -> Verdict {
+            Verdict::Let
+        }
+        fn after(&mut self, _: &Call, _: i64) -> bool {
+            true
+        }
+    }
+    Traced::start(Command::new("true"), Path::new("/nowhere"), Nothing).is_ok()
+}
+
+impl<W: Watch + 'static> Traced<W> {
+    /// Starts `command`; calls on paths below `root` are shown to `watch`.
+    pub fn start(command: Command, root: &Path, watch: W) -> Result<Self, String> {
+        let (tell_pid, pid) = channel();
+        let (tell_end, ended) = channel();
+        let root = root.to_owned();
+        let thread = std::thread::spawn(move || {
+            let pid = match seize(command) {
+                Ok(pid) => pid,
+                Err(error) => {
+                    let _ = tell_pid.send(Err(error));
+                    return watch;
+                }
+            };
+            let _ = tell_pid.send(Ok(pid));
+            let watch = Tracer { pid, root, watch, inside: HashMap::new() }.run();
+            let _ = tell_end.send(());
+            watch
+        });
+        let pid = pid.recv().map_err(|e| e.to_string())??;
+        Ok(Self { pid, ended, has_ended: false, thread: Some(thread) })
+    }
+
+    /// Whether the daemon has ended.
+    pub fn has_ended(&mut self) -> bool {
+        self.has_ended = self.has_ended || self.ended.try_recv().is_ok();
+        self.has_ended
+    }
+
+    /// SIGTERM, and kill -9 after some time. Returns what was watched, and whether it went in time.
+    pub fn stop(mut self) -> (W, bool) {
+        let _ = kill(self.pid, Signal::SIGTERM);
+        let began = Instant::now();
+        while !self.has_ended() && began.elapsed() < Duration::from_secs(15) {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let in_time = self.has_ended;
+        (self.kill(), in_time)
+    }
+
+    /// kill -9.
+    pub fn kill(mut self) -> W {
+        let _ = kill(self.pid, Signal::SIGKILL);
+        self.thread.take().unwrap().join().unwrap()
+    }
+}
+
+impl<W> Drop for Traced<W> {
+    fn drop(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            let _ = kill(self.pid, Signal::SIGKILL);
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Starts a shell that stops itself, takes hold of it, and lets it become the command.
+fn seize(command: Command) -> Result<Pid, String> {
+    let mut shell = Command::new("/bin/sh");
+    shell.args(["-c", "kill -STOP $$; exec \"$0\" \"$@\""]).arg(command.get_program()).args(command.get_args());
+    if let Some(dir) = command.get_current_dir() {
+        shell.current_dir(dir);
+    }
+    for (key, value) in command.get_envs() {
+        match value {
+            Some(value) => shell.env(key, value),
+            None => shell.env_remove(key),
+        };
+    }
+    let log = command.get_current_dir().map(|dir| dir.join("log"));
+    shell.stdin(std::process::Stdio::null()).stdout(std::process::Stdio::null()).process_group(0);
+    match log.and_then(|log| std::fs::File::options().create(true).append(true).open(log).ok()) {
+        Some(log) => shell.stderr(log),
+        None => shell.stderr(std::process::Stdio::null()),
+    };
+    let child = shell.spawn().map_err(|e| e.to_string())?;
+    let pid = Pid::from_raw(child.id() as i32);
+    waitpid(pid, Some(WaitPidFlag::WUNTRACED)).map_err(|e| e.to_string())?;
+    let options = Options::PTRACE_O_TRACESYSGOOD
+        | Options::PTRACE_O_TRACECLONE
+        | Options::PTRACE_O_TRACEFORK
+        | Options::PTRACE_O_TRACEVFORK
+        | Options::PTRACE_O_TRACEEXEC
+        | Options::PTRACE_O_EXITKILL;
+    if let Err(error) = ptrace::seize(pid, options) {
+        let _ = kill(pid, Signal::SIGKILL);
+        let _ = waitpid(pid, None);
+        return Err(error.to_string());
+    }
+    kill(pid, Signal::SIGCONT).map_err(|e| e.to_string())?;
+    Ok(pid)
+}
+
+struct Tracer<W> {
+    pid: Pid,
+    root: PathBuf,
+    watch: W,
+    /// Threads inside a call, with the call when it is one of ours, what is to be returned instead and the registers to
+    /// be put back.
+    inside: HashMap<Pid, Option<Pending>>,
+}
+
+struct Pending {
+    call: Call,
+    verdict: Verdict,
+    regs: libc::user_regs_struct,
+}
+
+impl<W: Watch> Tracer<W> {
+    /// Follows all threads until the process is gone.
+    fn run(mut self) -> W {
+        let group = Pid::from_raw(-self.pid.as_raw());
+        loop {
+            match waitpid(group, Some(WaitPidFlag::__WALL)) {
+                Ok(WaitStatus::PtraceSyscall(thread)) => self.at_call(thread),
+                Ok(WaitStatus::PtraceEvent(thread, ..)) => resume(thread, None),
+                Ok(WaitStatus::Stopped(thread, signal)) => {
+                    let held = matches!(signal, Signal::SIGSTOP | Signal::SIGTRAP | Signal::SIGCONT);
+                    resume(thread, (!held).then_some(signal));
+                }
+                Ok(WaitStatus::Exited(thread, _) | WaitStatus::Signaled(thread, ..)) => {
+                    self.inside.remove(&thread);
+                    if thread == self.pid {
+                        return self.watch;
+                    }
+                }
+                Err(nix::errno::Errno::EINTR) | Ok(_) => {}
+                Err(_) => return self.watch,
+            }
+        }
+    }
+
+    fn at_call(&mut self, thread: Pid) {
+        match self.inside.remove(&thread) {
+            None => {
+                let pending = self.enter(thread);
+                self.inside.insert(thread, pending);
+            }
+            Some(Some(pending)) => self.leave(thread, pending),
+            Some(None) => {}
+        }
+        resume(thread, None);
+    }
+
+    fn enter(&mut self, thread: Pid) -> Option<Pending> {
+        let regs = ptrace::getregs(thread).ok()?;
+        let call = Call::decode(self.pid, &regs, &self.root)?;
+        let verdict = self.watch.before(&call);
+        let mut changed = regs;
+        match verdict {
+            Verdict::Let => {}
+            Verdict::Fail(_) => changed.orig_rax = u64::MAX,
+            Verdict::Shorten(bytes) => changed.rdx = bytes,
+        }
+        if verdict != Verdict::Let {
+            let _ = ptrace::setregs(thread, changed);
+        }
+        Some(Pending { call, verdict, regs })
+    }
+
+    fn leave(&mut self, thread: Pid, pending: Pending) {
+        let Ok(mut regs) = ptrace::getregs(thread) else { return };
+        match pending.verdict {
+            Verdict::Let => {}
+            Verdict::Fail(errno) => regs.rax = i64::from(-errno) as u64,
+            Verdict::Shorten(_) => regs.rdx = pending.regs.rdx,
+        }
+        if pending.verdict != Verdict::Let {
+            let _ = ptrace::setregs(thread, regs);
+        }
+        if !self.watch.after(&pending.call, regs.rax as i64) {
+            let _ = kill(self.pid, Signal::SIGKILL);
+        }
+    }
+}
+
+fn resume(thread: Pid, signal: Option<Signal>) {
+    // A thread that was killed meanwhile is told of by waitpid.
+    let _ = ptrace::syscall(thread, signal);
+}

@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, time::Instant};
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
-use tracing::{error, info};
+use tracing::{info, warn};
 
 use super::{
     budget::Budget,
@@ -116,7 +116,7 @@ impl Farm {
         let nested = match nested {
             Ok(nested) => nested,
             Err(failure) => {
-                error!(profile = %name, "The open build could not be nested: {failure:#}.");
+                warn!(profile = %name, "The open build could not be nested: {failure:#}.");
                 station.open.ended(round, None);
                 return Ok(());
             }
@@ -136,7 +136,7 @@ impl Farm {
             return Ok(());
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
-        error!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
+        warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
         self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere")
     }
 

@@ -7,6 +7,7 @@ use jiff::tz::TimeZone;
 use tracing::{info, warn};
 
 use super::{
+    attention::Attention,
     event::Event,
     farm::Farm,
     jobs::JobKey,
@@ -46,13 +47,11 @@ impl Farm {
             }
             let Some(mut gate) = station.gate.take() else { continue };
             let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
-            let (name, status) = (name.clone(), station.status.clone());
+            let (name, status) = (name.clone(), station.told(&self.notices));
             self.jobs.start(JobKey::Receive(name.clone()), move || {
                 let mut received = gate.look(&profile, &store, orphan_secs);
-                if status.1.is_empty() {
-                    return Event::Received { profile: name, gate, received };
-                }
-                if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
+                let is_told = received.unavailable.is_some() || status.1.is_empty();
+                if !is_told && let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
                     received.troubles.push(format!("writing STATUS.txt: {failure}"));
                 }
                 Event::Received { profile: name, gate, received }
@@ -65,7 +64,7 @@ impl Farm {
         self.jobs.ended(&JobKey::Receive(name.to_owned()));
         for (claim, stored) in received.drops {
             if let Err(failure) = self.record(name, &claim, &stored).await {
-                self.complain(&format!("recording {name}"), &format!("A drop cannot be recorded now: {failure:#}"));
+                self.trouble(Attention::TakingFails, name, "recording a drop", &failure);
                 gate.take_back(claim);
             }
         }
@@ -76,16 +75,22 @@ impl Farm {
             }
             let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
             station.look_at = Instant::now() + Duration::from_secs_f64(next_secs);
-            if station.unavailable != received.unavailable {
-                match &received.unavailable {
-                    Some(why) => warn!(profile = %name, "The hot folder of {name} is unavailable: {why}."),
-                    None => info!(profile = %name, "The hot folder of {name} is available again."),
-                }
-                station.unavailable = received.unavailable;
+            station.refused_kept = received.refused_kept.unwrap_or(station.refused_kept);
+            let error_dir = station.profile.folders.error.display();
+            match station.refused_kept {
+                0 => self.notices.clear(Attention::Refused, name, ""),
+                1 => self.notices.raise(Attention::Refused, name, "", &format!("1 file in {error_dir}")),
+                files => self.notices.raise(Attention::Refused, name, "", &format!("{files} files in {error_dir}")),
             }
         }
-        for trouble in &received.troubles {
-            self.complain(&format!("{name}: {trouble}"), trouble);
+        match &received.unavailable {
+            Some(why) => self.notices.raise(Attention::HotFolderAway, name, "", why),
+            None => self.notices.clear(Attention::HotFolderAway, name, ""),
+        }
+        if let Some(trouble) = received.troubles.first() {
+            let more = received.troubles.len() - 1;
+            let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+            self.notices.trouble(Attention::TakingFails, name, "", &format!("{trouble}{more}"));
         }
         for (file, reason) in &received.refused {
             warn!(profile = %name, "Refused {file} in {name}: {reason}");
@@ -127,8 +132,8 @@ impl Farm {
             let parts = self.ledger.parts_of_claim(&claim).await?;
             let Some(part) = parts.first() else { continue };
             if let Err(failure) = self.settle_claim(part) {
-                let why = format!("The claim of {} cannot be ended now: {failure:#}", part.name);
-                self.complain(&format!("claim {claim}"), &why);
+                let (part, profile) = (part.name.clone(), part.profile.clone());
+                self.trouble(Attention::EndingFails, &profile, &part, &failure);
             }
         }
         Ok(())
@@ -196,10 +201,8 @@ impl Farm {
             ReadOutcome::Refused(reason) => self.refuse(&part, &reason).await,
             ReadOutcome::Later(why) => {
                 self.read_again.insert(id, Instant::now() + READ_AGAIN);
-                self.complain(
-                    &format!("reading part {id}"),
-                    &format!("Part {id} ({}) cannot be read now: {why}", part.name),
-                );
+                let about = format!("part {id} ({})", part.name);
+                self.notices.trouble(Attention::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
                 Ok(())
             }
         }

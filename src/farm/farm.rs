@@ -3,32 +3,30 @@
 
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
-    sync::Arc,
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use jiff::Timestamp;
-use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
-use tracing::{error, info, warn};
+use tokio::sync::mpsc::UnboundedReceiver;
+use tracing::{info, warn};
 
 use super::{
+    attention::Attention,
     budget::Budget,
-    cache::DiskCache,
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
     nest::{Best, Meshes},
+    notices::Notices,
     quiet::Quiet,
     sd,
-    shelf::Shelf,
     signals::{Signal, Signals},
     station::Station,
 };
 use crate::{
-    access,
-    intake::{Claim, Store, Watcher},
-    ledger::{BuildId, Ledger, PartId},
+    intake::{Claim, Watcher},
+    ledger::{BuildId, Ledger, LedgerError, PartId},
     settings::{Settings, SettingsError},
 };
 
@@ -40,10 +38,6 @@ const SIGN_OF_LIFE: Duration = Duration::from_secs(4);
 const STOP_WITHIN: Duration = Duration::from_secs(8);
 /// Claims whose end failed are tried again after so long.
 const CLAIMS_AGAIN: Duration = Duration::from_secs(20);
-/// Different complaints remembered at most.
-const MAX_COMPLAINTS: usize = 1000;
-/// The same complaint is logged again after so long.
-const COMPLAIN_AGAIN: Duration = Duration::from_secs(600);
 
 /// Reads the configuration, at start and at each reload.
 pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
@@ -75,14 +69,17 @@ pub struct Farm {
     pub(super) started_at: Timestamp,
     pub(super) status_line: String,
     pub(super) shown_at: Option<Instant>,
-    watcher: Option<Watcher>,
-    sign_of_life: Option<Instant>,
-    tidy_at: Instant,
-    last_watch_check: Instant,
-    last_claims: Instant,
-    complaints: HashMap<String, (String, Instant)>,
-    events: UnboundedReceiver<Event>,
-    _lock: Lock,
+    pub(super) watcher: Option<Watcher>,
+    pub(super) sign_of_life: Option<Instant>,
+    pub(super) tidy_at: Instant,
+    pub(super) last_watch_check: Instant,
+    pub(super) last_claims: Instant,
+    /// What a person must see to.
+    pub(super) notices: Notices,
+    /// The ledger is damaged: nothing is done any more but telling so.
+    pub(super) is_halted: bool,
+    pub(super) events: UnboundedReceiver<Event>,
+    pub(super) _lock: Lock,
 }
 
 /// Runs the daemon until it is told to stop.
@@ -100,111 +97,6 @@ pub async fn run(load: Load) -> Result<()> {
 }
 
 impl Farm {
-    async fn open(load: Load, settings: Settings) -> Result<Self> {
-        settings.files.set();
-        access::create_private_folders(&settings.state_dir)
-            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
-        let lock = Lock::take(&settings.state_dir)?;
-        let ledger = Ledger::open_whole(&settings.ledger).await?;
-        let store = Store::open(settings.state_dir.join("store"))?;
-        let (sender, events) = unbounded_channel();
-        let mut farm = Self {
-            load,
-            ledger,
-            meshes: Meshes { shelf: Shelf::default(), store, limits: settings.limits.clone(), cache: None },
-            stations: BTreeMap::new(),
-            jobs: Jobs::new(sender),
-            nest_slots: 1,
-            claims: HashMap::new(),
-            read_again: HashMap::new(),
-            fresh_builds: HashSet::new(),
-            finals: HashMap::new(),
-            failures: HashMap::new(),
-            rest_until: HashMap::new(),
-            stopping: false,
-            quiet: Quiet::default(),
-            started_at: Timestamp::now(),
-            status_line: "opening".to_owned(),
-            shown_at: None,
-            watcher: None,
-            sign_of_life: None,
-            tidy_at: Instant::now() + super::tidy::FIRST_TIDY_AFTER,
-            last_watch_check: Instant::now(),
-            last_claims: Instant::now(),
-            complaints: HashMap::new(),
-            events,
-            _lock: lock,
-            settings,
-        };
-        farm.set_up_stations().await?;
-        Ok(farm)
-    }
-
-    /// Makes stations and the watcher agree with the settings.
-    pub(super) async fn set_up_stations(&mut self) -> Result<()> {
-        self.meshes.limits = self.settings.limits.clone();
-        self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
-        self.nest_slots = nest_slots(&self.settings);
-        let gone: Vec<String> =
-            self.stations.keys().filter(|name| !self.settings.profiles.contains_key(*name)).cloned().collect();
-        for name in gone {
-            if let Some(mut station) = self.stations.remove(&name) {
-                station.open.clear();
-                info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
-            }
-        }
-        for (name, profile) in self.settings.profiles.clone() {
-            // A share that is away must not keep the other machines from working.
-            if let Err(failure) = make_folders(&profile) {
-                self.complain(
-                    &format!("folders of {name}"),
-                    &format!("The folders of {name} cannot be made: {failure:#}"),
-                );
-            }
-            match self.stations.get_mut(&name) {
-                Some(station) if *station.profile == profile => {}
-                Some(station) => {
-                    // Another volume or clearance makes the layout worthless; another hot folder needs another gate.
-                    let row = self.ledger.open_build(&name).await?;
-                    let mut fresh = Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &row);
-                    fresh.open.layout = Default::default();
-                    station.open.clear();
-                    fresh.paused = station.paused;
-                    fresh.flush = std::mem::take(&mut station.flush);
-                    *station = fresh;
-                    info!(profile = %name, "The profile has changed.");
-                }
-                None => {
-                    let row = self.ledger.open_build(&name).await?;
-                    let station = Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &row);
-                    self.stations.insert(name, station);
-                }
-            }
-        }
-        self.watch();
-        Ok(())
-    }
-
-    fn watch(&mut self) {
-        let inboxes = self.stations.values().map(|s| s.profile.folders.inbox.clone()).collect();
-        let events = self.jobs.events();
-        self.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::Look))) {
-            Ok(watcher) => Some(watcher),
-            Err(failure) => {
-                warn!("No file-system events; the periodic scan goes on without them: {failure}.");
-                None
-            }
-        };
-    }
-
-    /// Watches hot folders that were made anew; where that cannot be, the periodic scan serves.
-    fn check_watch(&mut self) {
-        let unwatched = self.watcher.as_mut().map(Watcher::check).unwrap_or_default();
-        for (path, why) in unwatched {
-            tracing::debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
-        }
-    }
-
     async fn serve(&mut self, signals: &mut Signals) -> Result<()> {
         let mut beat = tokio::time::interval(BEAT);
         beat.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -224,6 +116,10 @@ impl Farm {
     /// One beat: every step does what there is to do. A step that fails is logged and tried again at the next beat.
     pub(super) async fn beat(&mut self) {
         sd::alive();
+        self.tell_people();
+        if self.is_halted {
+            return;
+        }
         self.receive();
         if self.may_have_work() {
             self.work().await;
@@ -235,6 +131,7 @@ impl Farm {
         if self.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
             self.last_watch_check = Instant::now();
             self.check_watch();
+            self.look_for_stray_files();
         }
         if self.last_claims.elapsed() >= CLAIMS_AGAIN {
             self.last_claims = Instant::now();
@@ -255,7 +152,7 @@ impl Farm {
         self.tell("nesting", Self::nest).await;
         for name in names {
             if let Err(failure) = self.batch(&name).await {
-                self.complain(&format!("batching {name}"), &format!("Batching for {name} failed: {failure:#}"));
+                self.trouble(Attention::StepFails, &name, "batching", &failure);
             }
         }
         self.tell("publishing", Self::publish).await;
@@ -264,25 +161,27 @@ impl Farm {
 
     async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
         match step(self).await {
-            Ok(()) => drop(self.complaints.remove(what)),
-            Err(failure) => self.complain(what, &format!("The step {what} failed and is tried again: {failure:#}")),
+            Ok(()) => self.notices.clear(Attention::StepFails, "", what),
+            Err(failure) => self.trouble(Attention::StepFails, "", what, &failure),
         }
     }
 
-    /// Logs an error once, and again only when it changes or lasts.
-    pub(super) fn complain(&mut self, about: &str, text: &str) {
-        let known = self.complaints.get(about);
-        if known.is_some_and(|(said, at)| said == text && at.elapsed() < COMPLAIN_AGAIN) {
-            return;
+    /// Something failed and is tried again, unless the ledger is damaged: then nothing is.
+    pub(super) fn trouble(&mut self, kind: Attention, profile: &str, about: &str, failure: &anyhow::Error) {
+        let is_damage = |error: &LedgerError| error.is_damage();
+        match failure.chain().any(|error| error.downcast_ref().is_some_and(is_damage)) {
+            true => self.halt(&format!("{failure:#}")),
+            false => self.notices.trouble(kind, profile, about, &format!("{about}: {failure:#}")),
         }
-        error!("{}.", text.trim_end_matches('.'));
-        if self.complaints.len() >= MAX_COMPLAINTS {
-            self.complaints.clear();
-        }
-        self.complaints.insert(about.to_owned(), (text.to_owned(), Instant::now()));
     }
 
     async fn on_event(&mut self, event: Event) {
+        if self.is_halted {
+            if let Event::Told { profile } = event {
+                self.jobs.ended(&JobKey::Tell(profile));
+            }
+            return;
+        }
         let result = match event {
             Event::Look => {
                 self.look_soon();
@@ -297,15 +196,24 @@ impl Farm {
                 self.jobs.ended(&JobKey::Purge);
                 Ok(())
             }
+            Event::Stray(found) => {
+                self.on_stray(&found);
+                Ok(())
+            }
+            Event::Told { profile } => {
+                self.jobs.ended(&JobKey::Tell(profile));
+                Ok(())
+            }
             Event::Panicked { key, message } => self.on_panicked(key, &message).await,
         };
-        if let Err(failure) = result {
-            error!("An event could not be taken in; its step finds the work again: {failure:#}.");
+        match result {
+            Ok(()) => {}
+            Err(failure) => self.trouble(Attention::StepFails, "", "taking in what a job has done", &failure),
         }
     }
 
     async fn on_panicked(&mut self, key: JobKey, message: &str) -> Result<()> {
-        error!("A job panicked ({key:?}): {message}.");
+        warn!("A job panicked ({key:?}): {message}.");
         self.jobs.ended(&key);
         match key {
             JobKey::Receive(name) => {
@@ -323,31 +231,34 @@ impl Farm {
             JobKey::Improve(name) => self.on_search_panicked(&name, message).await,
             JobKey::Final(build) => self.on_final_panicked(build, message).await,
             JobKey::Publish(build) => self.on_published(build, Err(anyhow::anyhow!("panicked: {message}"))).await,
-            JobKey::Purge => Ok(()),
+            JobKey::Purge | JobKey::Stray | JobKey::Tell(_) => Ok(()),
         }
     }
 
     async fn reload(&mut self) {
         sd::reloading();
-        match (self.load)() {
-            Ok(settings)
-                if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir =>
-            {
-                error!(
-                    "The state directory and the ledger cannot change while the daemon runs; the old configuration stays."
-                );
+        match self.take_configuration().await {
+            Ok(()) => {
+                self.notices.clear(Attention::ConfigurationWrong, "", "");
+                info!(profiles = self.stations.len(), "The configuration was read again.");
             }
-            Ok(settings) => {
-                settings.files.set();
-                self.settings = settings;
-                match self.set_up_stations().await {
-                    Ok(()) => info!(profiles = self.stations.len(), "The configuration was read again."),
-                    Err(failure) => error!("The new configuration could not be set up: {failure:#}."),
-                }
+            Err(failure) => {
+                let detail = format!("{failure:#}").replace('\n', " ");
+                self.notices.clear(Attention::ConfigurationWrong, "", "");
+                self.notices.raise(Attention::ConfigurationWrong, "", "", &detail);
             }
-            Err(failure) => error!("The new configuration is wrong; the old one stays: {failure:#}."),
         }
         sd::ready(&self.status_line);
+    }
+
+    async fn take_configuration(&mut self) -> Result<()> {
+        let settings = (self.load)()?;
+        if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir {
+            anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
+        }
+        settings.files.set();
+        self.settings = settings;
+        self.set_up_stations().await
     }
 
     /// Ends searches with what they have found, waits for jobs a little, and keeps the open layouts.
@@ -364,6 +275,10 @@ impl Farm {
                 _ => break,
             }
             sd::alive();
+        }
+        if self.is_halted {
+            // Nothing is written into a damaged ledger, and no seal vouches for it.
+            return self.ledger.close().await;
         }
         self.keep_layouts().await;
         if let Err(failure) = self.ledger.farewell().await {
@@ -388,20 +303,4 @@ impl Farm {
             }
         }
     }
-}
-
-/// Searches that may run at once: the threads of the farm over those of the greediest profile.
-fn nest_slots(settings: &Settings) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let all = if settings.threads == 0 { cores } else { settings.threads };
-    let each = settings.profiles.values().map(|p| if p.nest.threads == 0 { all } else { p.nest.threads }).max();
-    (all / each.unwrap_or(1).max(1)).max(1)
-}
-
-fn make_folders(profile: &crate::settings::Profile) -> Result<()> {
-    let folders = &profile.folders;
-    for folder in [&folders.inbox, &folders.queue, &folders.error, &folders.archive] {
-        access::create_folders(folder).with_context(|| format!("creating {}", folder.display()))?;
-    }
-    Ok(())
 }

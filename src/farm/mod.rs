@@ -3,6 +3,7 @@
 //! `receive` claims what was dropped, `read` checks it, `batch` keeps the open build and fires it, `nest` searches, `prove`
 //! writes and judges, `publish` publishes. `farm` holds the state and the loop, `orders` what operators ask for.
 
+mod attention;
 mod batch;
 mod budget;
 mod cache;
@@ -14,6 +15,8 @@ mod jobs;
 mod layout;
 mod lock;
 mod nest;
+mod notices;
+mod open;
 mod orders;
 mod priority;
 mod prove;
@@ -29,8 +32,10 @@ mod status;
 mod tidy;
 mod trigger;
 
+pub use attention::{Attention, Notice};
 pub use budget::Budget;
 pub use cache::DiskCache;
 pub use farm::{Load, run};
 pub use invariants::{Invariant, Looked, Violation, Witness, invariants};
+pub use notices::{in_json as notice_in_json, kept_notices};
 pub use prove::faults_of;

@@ -7,10 +7,11 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result, bail, ensure};
-use tracing::{error, info, warn};
+use anyhow::{Context, Result, ensure};
+use tracing::{info, warn};
 
 use super::{
+    attention::Attention,
     budget::Budget,
     event::Event,
     farm::Farm,
@@ -26,6 +27,8 @@ use crate::{
     settings::Profile,
 };
 
+/// Who pauses a profile whose build was given up.
+pub const GAVE_UP: &str = "nestd";
 /// After a build could not be made or published, it rests so long.
 const REST: Duration = Duration::from_secs(10);
 /// A build whose making was begun so often without an end is given up, whatever ended the daemon each time.
@@ -39,9 +42,9 @@ impl Farm {
         // One that ends the daemon each time must not keep the others from their turn.
         builds.sort_by_key(|build| (build.attempts, build.id));
         for build in builds {
-            let id = build.id;
+            let (id, profile) = (build.id, build.profile.clone());
             if let Err(failure) = self.nest_build(build).await {
-                self.complain(&format!("nest {id}"), &format!("Build {id} cannot be begun now: {failure:#}"));
+                self.trouble(Attention::NestingFails, &profile, &format!("build {id}"), &failure);
             }
         }
         Ok(())
@@ -129,7 +132,7 @@ impl Farm {
                 return Ok(());
             }
             Err(failure) => {
-                error!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
+                warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
                 return self.note_failure(build, &format!("{failure:#}")).await;
             }
         };
@@ -171,8 +174,7 @@ impl Farm {
             }
             let id = build.id;
             let Some(station) = self.stations.get(&build.profile) else {
-                let why = format!("Build {id} cannot be published: its profile {} is not configured", build.profile);
-                self.complain(&format!("publish {id}"), &why);
+                // The notice of a machine that is gone tells it.
                 continue;
             };
             let Some(queue) = station.queue.clone() else { continue };
@@ -189,13 +191,22 @@ impl Farm {
             Ok(published) => published,
             Err(failure) => {
                 self.rest_until.insert(id, Instant::now() + REST);
-                self.complain(&format!("publish {id}"), &format!("Build {id} cannot be published: {failure:#}"));
+                let profile = self.ledger.build(id).await?.map(|b| b.profile).unwrap_or_default();
+                let about = format!("build {id}");
+                match failure.downcast_ref::<Replaced>() {
+                    Some(replaced) => {
+                        let detail = format!("{about}: {replaced}");
+                        self.notices.raise(Attention::QueueReplaced, &profile, &about, &detail);
+                    }
+                    None => self.trouble(Attention::PublishingFails, &profile, &about, &failure),
+                }
                 return Ok(());
             }
         };
         self.ledger.publish_build(id).await?;
         self.rest_until.remove(&id);
         let Some(build) = self.ledger.build(id).await? else { return Ok(()) };
+        self.notices.clear(Attention::QueueReplaced, &build.profile, &format!("build {id}"));
         let height_mm = (build.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
             Published::Now => {
@@ -223,7 +234,7 @@ impl Farm {
     async fn give_up(&mut self, build: &BuildRow, attempts: u32) -> Result<()> {
         let (_, last) = self.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
         let reason = format!("gave up after {attempts} attempts: {last}");
-        error!(build.id = %build.id, profile = %build.profile, "A build failed, and its profile is paused: {reason}.");
+        warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
         if let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.as_ref()) {
             // What cannot be removed now is swept when the folder is opened next.
             if let Err(failure) = queue.discard(&file_name(&build.profile, build)) {
@@ -231,7 +242,7 @@ impl Farm {
             }
         }
         self.ledger.fail_build(build.id, &reason).await?;
-        self.ledger.pause(&build.profile, "nestd").await?;
+        self.ledger.pause(&build.profile, GAVE_UP).await?;
         Ok(())
     }
 
@@ -250,12 +261,20 @@ impl Farm {
     }
 }
 
+/// The queue folder is another one than the build was staged in, and the file is not in it.
+#[derive(Debug, thiserror::Error)]
+#[error("{name} was staged in the queue folder whose .nestd-queue says {was}, and is not in the one that is there now")]
+struct Replaced {
+    name: String,
+    was: String,
+}
+
 /// The one rename that publishes.
 fn rename(queue: &Queue, build: &BuildRow) -> Result<Published> {
     let name = build.file_name.as_deref().context("its row names no file")?;
     // In another folder than it was staged in, "gone" does not mean published: a person must look.
     if build.queue_id.as_deref() != Some(queue.id()) && queue.state(name)? == StagedState::Gone {
-        bail!("the queue folder was replaced after {name} was staged in it, and the file is not there");
+        return Err(Replaced { name: name.to_owned(), was: build.queue_id.clone().unwrap_or_default() }.into());
     }
     Ok(queue.publish(name)?)
 }

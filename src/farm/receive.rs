@@ -1,7 +1,7 @@
 //! The steps "dropped" and "claimed": what has settled in a hot folder is claimed and copied into the store. The scan is the
 //! truth; an event only says "look". The row in the ledger follows in the event loop.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::{
     format,
@@ -14,6 +14,9 @@ use crate::{
 /// Parts claimed in one look, so that the first of very many are being read while the rest is claimed.
 const MAX_CLAIMS_PER_LOOK: usize = 100;
 
+/// Refused files are counted again after so long.
+const COUNT_AGAIN: Duration = Duration::from_secs(2);
+
 /// The gate of a hot folder: what it remembers between two looks.
 #[derive(Debug)]
 pub struct Gate {
@@ -24,6 +27,8 @@ pub struct Gate {
     left: LeftFolders,
     /// Claims that are not in the store yet; `None` = those of an earlier run have not been looked for.
     pending: Option<Vec<Claim>>,
+    /// When the refused files were counted last.
+    counted: Option<Instant>,
 }
 
 /// What one look found.
@@ -39,6 +44,8 @@ pub struct Received {
     pub refused: Vec<(String, String)>,
     /// What went wrong and will be tried again.
     pub troubles: Vec<String>,
+    /// Refused files that lie in the error folder; `None` = not counted this time.
+    pub refused_kept: Option<usize>,
 }
 
 impl Gate {
@@ -50,6 +57,7 @@ impl Gate {
             began: Instant::now(),
             left: LeftFolders::default(),
             pending: None,
+            counted: None,
         }
     }
 
@@ -115,6 +123,10 @@ impl Gate {
             }
         }
         self.left.sweep(self.inbox.path(), LeftFolders::MIN_AGE);
+        if self.counted.is_none_or(|at| at.elapsed() >= COUNT_AGAIN) || !received.refused.is_empty() {
+            self.counted = Some(Instant::now());
+            received.refused_kept = Some(refused_kept(&profile.folders.error));
+        }
         received
     }
 
@@ -156,6 +168,12 @@ impl Gate {
         }
         None
     }
+}
+
+/// The reasons that lie in an error folder: one for each file that somebody must see to.
+fn refused_kept(error_dir: &std::path::Path) -> usize {
+    let is_reason = |file: &&std::path::PathBuf| file.as_os_str().as_encoded_bytes().ends_with(b".reason.txt");
+    intake::files_below(error_dir).map_or(0, |files| files.iter().filter(is_reason).count())
 }
 
 /// A file that nestd may not read has no hash and so no row: it goes straight to the error folder. Returns whether it did.

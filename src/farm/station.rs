@@ -10,6 +10,7 @@ use super::{
     budget::Budget,
     layout::{Copy, Layout, PlacedCopy, placed_from_json},
     nest::Best,
+    notices::Notices,
     receive::Gate,
 };
 use crate::{
@@ -32,8 +33,8 @@ pub struct Station {
     pub gate: Option<Box<Gate>>,
     /// When to look next.
     pub look_at: Instant,
-    /// Why its hot folder cannot be looked at, if so.
-    pub unavailable: Option<String>,
+    /// Refused files that lie in its error folder.
+    pub refused_kept: usize,
     /// Its printer queue folder, once it could be opened.
     pub queue: Option<Queue>,
     /// The build that is being gathered.
@@ -45,7 +46,7 @@ pub struct Station {
     /// Whether an operator has paused it.
     pub paused: bool,
     /// What `STATUS.txt` and `status.json` say.
-    pub status: (String, String),
+    pub status: (String, serde_json::Value),
 }
 
 /// A search that runs for the open build.
@@ -88,7 +89,7 @@ impl Station {
             gate: Some(Box::new(Gate::new(&profile, orphan_secs))),
             profile,
             look_at: Instant::now(),
-            unavailable: None,
+            refused_kept: 0,
             queue: None,
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
             flush: Vec::new(),
@@ -96,6 +97,19 @@ impl Station {
             paused: false,
             status: Default::default(),
         }
+    }
+}
+
+impl Station {
+    /// What is written into its hot folder, with what a person must see to; empty before the ledger was asked.
+    pub fn told(&self, notices: &Notices) -> (String, String) {
+        let (text, json) = &self.status;
+        if json.is_null() {
+            return Default::default();
+        }
+        let mut json = json.clone();
+        json["attention"] = notices.json_for(&self.profile.name);
+        (notices.text_for(&self.profile.name) + text, format!("{json:#}\n"))
     }
 }
 

@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
+use super::{attention::Attention, event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
     intake,
     ledger::{BuildState, PartRow, PartState},
@@ -36,15 +36,29 @@ impl Farm {
             .map(|s| (s.profile.folders.archive.clone(), s.profile.archive_days))
             .filter(|(_, days)| *days > 0)
             .collect();
-        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.folders());
         self.jobs.start(JobKey::Purge, move || {
-            for stray in intake::stray(&base, &folders).unwrap_or_default() {
-                warn!("{} lies beside the hot folders and belongs to no machine: nobody prints it.", stray.display());
-            }
             archives.iter().for_each(|(archive, days)| purge(archive, *days));
             Event::Purged
         });
         self.sweep_store().await
+    }
+
+    /// Starts to look for what was dropped beside the hot folders.
+    pub(super) fn look_for_stray_files(&mut self) {
+        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.folders());
+        self.jobs.start(JobKey::Stray, move || {
+            let stray = intake::stray(&base, &folders).unwrap_or_default();
+            Event::Stray(stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect())
+        });
+    }
+
+    /// Tells what lies beside the hot folders.
+    pub(super) fn on_stray(&mut self, found: &[String]) {
+        self.jobs.ended(&JobKey::Stray);
+        let Some(first) = found.first() else { return self.notices.clear(Attention::Stray, "", "") };
+        let more = if found.len() > 1 { format!(" and {} more", found.len() - 1) } else { String::new() };
+        let detail = format!("{first}{more} in {}", self.settings.inbox_base.display());
+        self.notices.raise(Attention::Stray, "", "", &detail);
     }
 
     /// Removes stored files of built and long refused parts that no live part needs.
@@ -89,12 +103,13 @@ impl Farm {
                         info!(profile = %name, files = swept.len(), "Removed half-written files of an earlier run.");
                     }
                     station.queue = Some(queue);
+                    self.notices.clear(Attention::QueueAway, name, "");
                 }
                 Err(error) => closed.push((name.clone(), super::receive::chain(&error))),
             }
         }
         for (name, why) in closed {
-            self.complain(&format!("queue {name}"), &format!("The queue folder of {name} cannot be used: {why}"));
+            self.notices.raise(Attention::QueueAway, &name, "", &why);
         }
         Ok(())
     }

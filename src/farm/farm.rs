@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     intake::{Claim, Watcher},
-    ledger::{BuildId, Ledger, LedgerError, PartId},
+    ledger::{BuildId, Ledger, PartId},
     settings::{Settings, SettingsError},
 };
 
@@ -168,10 +168,9 @@ impl Farm {
 
     /// Something failed and is tried again, unless the ledger is damaged: then nothing is.
     pub(super) fn trouble(&mut self, kind: Attention, profile: &str, about: &str, failure: &anyhow::Error) {
-        let is_damage = |error: &LedgerError| error.is_damage();
-        match failure.chain().any(|error| error.downcast_ref().is_some_and(is_damage)) {
-            true => self.halt(&format!("{failure:#}")),
-            false => self.notices.trouble(kind, profile, about, &format!("{about}: {failure:#}")),
+        match super::open::of_the_ledger(failure) {
+            Some((_, detail)) => self.halt(&detail),
+            None => self.notices.trouble(kind, profile, about, &format!("{about}: {failure:#}")),
         }
     }
 

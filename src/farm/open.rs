@@ -21,6 +21,7 @@ use super::{
     nest::Meshes,
     notices::Notices,
     quiet::Quiet,
+    reconcile::{Behind, demand_current},
     sd,
     shelf::Shelf,
     station::Station,
@@ -28,7 +29,7 @@ use super::{
 use crate::{
     access,
     intake::{self, Store, Watcher},
-    ledger::Ledger,
+    ledger::{Ledger, LedgerError},
     settings::{Profile, Settings},
 };
 
@@ -43,8 +44,10 @@ impl Farm {
         sd::status("looking through the ledger");
         let ledger = match open_ledger(&settings).await {
             Ok(ledger) => ledger,
-            Err((failure, kind)) => {
-                kind.into_iter().for_each(|kind| tell_that_it_does_not_run(&settings, kind, &failure));
+            Err(failure) => {
+                if let Some((kind, detail)) = of_the_ledger(&failure) {
+                    tell_that_it_does_not_run(&settings, kind, &detail);
+                }
                 return Err(failure);
             }
         };
@@ -164,20 +167,41 @@ fn make_folders(profile: &Profile) -> Result<()> {
     Ok(())
 }
 
-/// The ledger, when it is whole and is this farm's; else why not, and what that is to people.
-async fn open_ledger(settings: &Settings) -> Result<Ledger, (anyhow::Error, Option<Attention>)> {
+/// The ledger is gone, and its farm is not.
+#[derive(Debug, thiserror::Error)]
+#[error("{detail}. {}", Attention::LedgerLost.remedy())]
+struct Lost {
+    detail: String,
+}
+
+/// The ledger, when it is whole and is this farm's.
+async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     let path = &settings.ledger;
     if !std::fs::metadata(path).is_ok_and(|meta| meta.len() > 0) && holds_files(&settings.state_dir.join("store")) {
-        let what = format!("there is no ledger at {}, but files that were taken are in the store", path.display());
-        return Err((anyhow::anyhow!("{what}. {}", Attention::LedgerLost.remedy()), Some(Attention::LedgerLost)));
+        let detail = format!("there is no ledger at {}, but files that were taken are in the store", path.display());
+        return Err(Lost { detail }.into());
     }
-    match Ledger::open_whole(path).await {
-        Ok(ledger) => Ok(ledger),
-        Err(error) => {
-            let kind = error.is_damage().then_some(Attention::LedgerDamaged);
-            Err((error.into(), kind))
-        }
+    let ledger = Ledger::open_whole(path).await?;
+    if let Err(failure) = demand_current(settings, &ledger).await {
+        ledger.close().await;
+        return Err(failure);
     }
+    Ok(ledger)
+}
+
+/// What a failure is to people, if it is the ledger's: the kind of notice, and what was found.
+pub fn of_the_ledger(failure: &anyhow::Error) -> Option<(Attention, String)> {
+    if let Some(Lost { detail }) = failure.downcast_ref() {
+        return Some((Attention::LedgerLost, detail.clone()));
+    }
+    if let Some(Behind { detail }) = failure.downcast_ref() {
+        return Some((Attention::LedgerBehind, detail.clone()));
+    }
+    failure.chain().find_map(|error| match error.downcast_ref()? {
+        LedgerError::Damaged { path, what } => Some((Attention::LedgerDamaged, format!("{}: {what}", path.display()))),
+        LedgerError::Corrupt(what) => Some((Attention::LedgerDamaged, what.clone())),
+        _ => None,
+    })
 }
 
 fn holds_files(folder: &std::path::Path) -> bool {
@@ -185,9 +209,9 @@ fn holds_files(folder: &std::path::Path) -> bool {
 }
 
 /// Tells in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.
-fn tell_that_it_does_not_run(settings: &Settings, kind: Attention, failure: &anyhow::Error) {
+fn tell_that_it_does_not_run(settings: &Settings, kind: Attention, detail: &str) {
     let mut notices = Notices::default();
-    notices.raise(kind, "", "", &format!("{failure:#}"));
+    notices.raise(kind, "", "", detail);
     notices.keep(&settings.state_dir);
     for (name, profile) in &settings.profiles {
         let text = format!("{name}: nestd does not run; what is dropped here waits.\n{}", notices.text_for(name));

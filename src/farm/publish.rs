@@ -19,6 +19,7 @@ use super::{
     layout::placed_from_json,
     nest::{Best, NestOrder},
     prove::{WriteOrder, Written, file_name, write_and_prove},
+    record,
 };
 use crate::{
     intake,
@@ -178,8 +179,14 @@ impl Farm {
                 continue;
             };
             let Some(queue) = station.queue.clone() else { continue };
-            self.jobs
-                .start(JobKey::Publish(id), move || Event::Published { build: id, published: rename(&queue, &build) });
+            if self.jobs.runs(&JobKey::Publish(id)) {
+                continue;
+            }
+            let (archive, record) = (station.profile.folders.archive.clone(), self.ledger.record_of_build(id).await?);
+            self.jobs.start(JobKey::Publish(id), move || {
+                let published = record::keep(&archive, &build, &record).and_then(|()| rename(&queue, &build));
+                Event::Published { build: id, published }
+            });
         }
         Ok(())
     }

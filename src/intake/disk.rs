@@ -127,7 +127,7 @@ pub(super) fn create_anew(path: &Path) -> io::Result<File> {
 }
 
 /// Writes a whole file under a dot-name, fsyncs and renames it, replacing what stood there.
-pub(super) fn write_by_rename(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub fn write_by_rename(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let part = unfinished(path);
     let mut file = create_anew(&part)?;
     file.write_all(bytes)?;

@@ -92,6 +92,9 @@ pub enum LedgerError {
         /// What went wrong.
         what: String,
     },
+    /// The record of a build is none.
+    #[error("it is no record of a build: {0}")]
+    Record(String),
     /// A query failed: the disk, the database or a fault in nestd.
     #[error("a query of the ledger failed: {0}")]
     Sql(sqlx::Error),

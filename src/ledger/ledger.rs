@@ -69,6 +69,14 @@ impl Ledger {
         Self::open(path).await
     }
 
+    /// Looks at the files of a ledger that no daemon serves; `true` = its seal vouches for every byte.
+    ///
+    /// # Errors
+    /// `Damaged` when they are not as they were left.
+    pub fn look_at_files(path: &Path) -> Result<bool> {
+        health::look_at_files(path)
+    }
+
     /// Whether the ledger is whole, as [`Ledger::open_whole`] sees it; for one that is open. Reads the whole file.
     ///
     /// # Errors

@@ -11,6 +11,7 @@ use super::{
 };
 use crate::{
     farm::{self, Notice},
+    intake,
     ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
 };
 
@@ -195,7 +196,8 @@ impl Machine {
 
 /// What a person must see to, each with what to do; "" when there is nothing.
 fn attention_text(notices: &[Notice]) -> String {
-    let lines = notices.iter().map(|n| format!("  {}\n    -> {}\n", text(&n.sentence()), n.kind.remedy()));
+    let sentence = |notice: &Notice| intake::display_name(notice.sentence().as_ref()).replace("\\\\", "\\");
+    let lines = notices.iter().map(|n| format!("  {}\n    -> {}\n", sentence(n), n.kind.remedy()));
     match notices {
         [] => String::new(),
         [_] => format!("1 thing needs a person:\n{}", lines.collect::<String>()),

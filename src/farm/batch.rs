@@ -58,6 +58,7 @@ impl Farm {
                     && !station.open.layout.placed.is_empty()
                     && (beyond || !station.open.layout.unplaced.is_empty()),
                 flush: !station.flush.is_empty() && !being_read,
+                knows_the_date: self.clock.knows_the_date(),
             };
             if let Some(by) = fired_by(&station.profile, &facts, Timestamp::now()) {
                 return self.fire(name, by, &wanted).await;

@@ -14,6 +14,7 @@ use tracing::{info, warn};
 use super::{
     attention::Attention,
     budget::Budget,
+    clock::Clock,
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
@@ -66,6 +67,7 @@ pub struct Farm {
     pub(super) rest_until: HashMap<BuildId, Instant>,
     pub(super) stopping: bool,
     pub(super) quiet: Quiet,
+    pub(super) clock: Clock,
     pub(super) started_at: Timestamp,
     pub(super) status_line: String,
     pub(super) shown_at: Option<Instant>,
@@ -120,6 +122,7 @@ impl Farm {
         if self.is_halted {
             return;
         }
+        self.tell("looking at the clock", Self::look_at_clock).await;
         self.receive();
         if self.may_have_work() {
             self.work().await;

@@ -8,6 +8,7 @@ mod batch;
 mod budget;
 mod cache;
 mod claimed;
+mod clock;
 mod event;
 mod farm;
 mod invariants;

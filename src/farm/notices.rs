@@ -13,6 +13,7 @@ use jiff::Timestamp;
 use tracing::{debug, error, info, warn};
 
 use super::attention::{Attention, Notice};
+use crate::intake;
 
 /// The file in the state folder.
 const FILE: &str = "attention.json";
@@ -51,13 +52,15 @@ pub struct Notices {
 impl Notices {
     /// A person must see to it from now on, until it is cleared.
     pub fn raise(&mut self, kind: Attention, profile: &str, about: &str, detail: &str) {
+        // A name may hold what moves a terminal.
+        let detail = &intake::display_name(detail.as_ref()).replace("\\\\", "\\");
         let key = (kind, profile.to_owned(), about.to_owned());
         let known = self.standing.get(&key);
-        if known.is_some_and(|(known, _)| known.detail == detail) {
+        if known.is_some_and(|(known, _)| known.detail == *detail) {
             return;
         }
         let since = known.map_or_else(Timestamp::now, |(known, _)| known.since);
-        let notice = Notice { kind, profile: profile.to_owned(), detail: detail.to_owned(), since };
+        let notice = Notice { kind, profile: profile.to_owned(), detail: detail.clone(), since };
         let logged = match known {
             Some((_, logged)) if logged.elapsed() < CHANGES_AGAIN => *logged,
             _ => {

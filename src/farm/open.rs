@@ -14,6 +14,7 @@ use tracing::{info, warn};
 use super::{
     attention::Attention,
     cache::DiskCache,
+    clock::Clock,
     event::Event,
     farm::{Farm, Load},
     jobs::Jobs,
@@ -68,6 +69,7 @@ impl Farm {
             rest_until: HashMap::new(),
             stopping: false,
             quiet: Quiet::default(),
+            clock: Clock::of_this_machine(),
             started_at: Timestamp::now(),
             status_line: "opening".to_owned(),
             shown_at: None,
@@ -82,6 +84,7 @@ impl Farm {
             _lock: lock,
             settings,
         };
+        farm.compare_clock_with_ledger().await?;
         farm.set_up_stations().await?;
         Ok(farm)
     }

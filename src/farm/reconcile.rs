@@ -16,6 +16,9 @@ use crate::{
     settings::{Profile, Settings},
 };
 
+/// Numbers of parts and builds that are skipped: those given out since the backup stand on reasons and build files.
+const GAP: u32 = 1000;
+
 /// What was done, in sentences.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Reconciled {
@@ -71,6 +74,9 @@ pub async fn reconcile(settings: &Settings, ledger: &Ledger) -> Result<Reconcile
         take_out_what_was_refused(ledger, settings, profile, &mut found).await?;
     }
     tell_unknown_files(ledger, settings, &mut found).await?;
+    if found != Reconciled::default() {
+        ledger.leave_gap_in_numbers(GAP).await?;
+    }
     Ok(found)
 }
 

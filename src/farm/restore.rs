@@ -21,8 +21,6 @@ use crate::{
 
 /// What SQLite and nestd keep beside a ledger.
 const BESIDE: [&str; 4] = ["", "-wal", "-shm", ".b3"];
-/// Numbers of parts and builds that are skipped: those given out since the backup stand on reasons and build files.
-const GAP: u32 = 1000;
 
 /// What restoring did.
 #[derive(Debug)]
@@ -53,9 +51,6 @@ pub async fn restore(settings: &Settings, backup: Option<&Path>) -> Result<Resto
     File::open(folder).and_then(|folder| folder.sync_all()).context("making it last")?;
     let ledger = Ledger::open(&settings.ledger).await?;
     let reconciled = reconcile(settings, &ledger).await;
-    if reconciled.is_ok() {
-        ledger.leave_gap_in_numbers(GAP).await?;
-    }
     ledger.close_sealed().await?;
     Ok(Restored { aside, reconciled: reconciled? })
 }

@@ -4,9 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot go on fails; this one is its own harness
 
 mod asked;
+mod big;
 mod budget;
 mod crash;
 mod kill;
+mod ledger;
 mod life;
 mod pool;
 mod row;
@@ -35,8 +37,11 @@ struct Section {
 }
 
 /// All sections, in the order of the table.
-const SECTIONS: [Section; 2] =
-    [Section { name: "crash", weight: 4.0, run: crash::run }, Section { name: "kill", weight: 3.0, run: kill::run }];
+const SECTIONS: [Section; 3] = [
+    Section { name: "crash", weight: 4.0, run: crash::run },
+    Section { name: "kill", weight: 3.0, run: kill::run },
+    Section { name: "ledger", weight: 2.0, run: ledger::run },
+];
 
 /// Wall seconds of a section in a short run.
 const SHORT_SECS: f64 = 6.0;

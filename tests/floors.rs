@@ -7,7 +7,7 @@ use std::{
 };
 
 /// Rooms and their floors, as in `ARCHITECTURE.md`.
-const FLOORS: [(&str, u32); 12] = [
+const FLOORS: [(&str, u32); 13] = [
     ("geometry", 0),
     ("pollination", 0),
     ("nest", 1),
@@ -19,7 +19,8 @@ const FLOORS: [(&str, u32); 12] = [
     ("queue", 3),
     ("settings", 4),
     ("farm", 5),
-    ("cli", 6),
+    ("web", 6),
+    ("cli", 7),
 ];
 
 fn rust_files(dir: &Path) -> Vec<PathBuf> {

@@ -1,82 +1,21 @@
 //! Files made to break readers: none may panic, hang, or take memory that the file only claims to need.
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // helpers of tests, too
 
-use std::{
-    fs,
-    io::{Cursor, Write},
-    path::PathBuf,
-};
+use std::{fs, path::PathBuf};
 
 use nestd::format::{Contents, Limits, ReadError, Unit, has_end, read, read_build};
 use proptest::prelude::*;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
+use samples::{MESH, RELATIONSHIPS, binary_stl, honest, model, mutated, package, text_stl, threemf};
+use zip::CompressionMethod;
+
+#[path = "fuzz/samples.rs"]
+mod samples;
 
 /// All tests of this binary together stay below this, MiB: limits for testing allow files of 4 MiB.
 const MAX_MEMORY_MIB: u64 = 400;
 const ROUNDS: usize = 400;
-
-const TYPES: &str = r#"<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>"#;
-const RELATIONSHIPS: &str = r#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
-const MESH: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="9" y="0" z="0"/><vertex x="0" y="9" z="0"/><vertex x="0" y="0" z="9"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/><triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/></triangles></mesh>"#;
-
-fn model(resources: &str, build: &str) -> String {
-    format!(
-        r#"<?xml version="1.0" encoding="UTF-8"?><model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><metadata name="Title">T</metadata><resources>{resources}</resources><build>{build}</build></model>"#
-    )
-}
-
-fn honest() -> String {
-    model(
-        &format!(
-            r#"<object id="1" name="a" p:UUID="6b0a9b54-58a1-4a38-8d5d-1f2f4ef0b0aa">{MESH}</object><object id="2"><components><component objectid="1"/><component objectid="1" transform="1 0 0 0 1 0 0 0 1 20 0 0"/></components></object>"#
-        ),
-        r#"<item objectid="1"/><item objectid="2" transform="0 1 0 -1 0 0 0 0 1 5 5 5"/>"#,
-    )
-}
-
-fn package(entries: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> {
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for (name, bytes) in entries {
-        zip.start_file(*name, SimpleFileOptions::default().compression_method(method)).unwrap();
-        zip.write_all(bytes).unwrap();
-    }
-    zip.finish().unwrap().into_inner()
-}
-
-fn threemf(model: &[u8]) -> Vec<u8> {
-    let entries: [(&str, &[u8]); 3] = [
-        ("[Content_Types].xml", TYPES.as_bytes()),
-        ("_rels/.rels", RELATIONSHIPS.as_bytes()),
-        ("3D/3dmodel.model", model),
-    ];
-    package(&entries, CompressionMethod::Deflated)
-}
-
-fn binary_stl() -> Vec<u8> {
-    let corners: [[f32; 3]; 4] = [[0.0; 3], [9.0, 0.0, 0.0], [0.0, 9.0, 0.0], [0.0, 0.0, 9.0]];
-    let mut bytes = b"solid binary".to_vec();
-    bytes.resize(80, b' ');
-    bytes.extend(4_u32.to_le_bytes());
-    for triangle in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
-        bytes.extend([0; 12]);
-        bytes.extend(triangle.iter().flat_map(|&i: &usize| corners[i]).flat_map(f32::to_le_bytes));
-        bytes.extend([0; 2]);
-    }
-    bytes
-}
-
-fn text_stl() -> Vec<u8> {
-    let corners = ["0 0 0", "9 0 0", "0 9.5e0 0", "0 0 9"];
-    let mut text = "solid text\n".to_owned();
-    for triangle in [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] {
-        text += "facet normal 0 0 0\n outer loop\n";
-        triangle.iter().for_each(|&i: &usize| text += &format!("  vertex {}\n", corners[i]));
-        text += " endloop\nendfacet\n";
-    }
-    (text + "endsolid text\n").into_bytes()
-}
 
 /// A scratch file that all readers are tried on.
 struct Scratch(tempfile::TempDir);
@@ -103,7 +42,7 @@ impl Scratch {
         let _ = self.read(bytes, name);
         let file = self.file(bytes);
         let _ = read_build(&file, &Limits::for_testing());
-        let _ = has_end(&file, name);
+        let _ = has_end(&mut fs::File::open(&file).unwrap(), name);
     }
 
     fn refusal(&self, bytes: &[u8]) -> String {
@@ -118,28 +57,6 @@ fn peak_memory_mib() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find(|l| l.starts_with("VmHWM:")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() / 1024
-}
-
-/// Changes a few bytes, cuts, doubles or drops a piece.
-fn mutated(bytes: &[u8], rng: &mut ChaCha8Rng) -> Vec<u8> {
-    let mut out = bytes.to_vec();
-    for _ in 0..rng.random_range(1..4) {
-        let at = rng.random_range(0..=out.len());
-        let end = (at + rng.random_range(0..24)).min(out.len());
-        let piece = out[at..end].to_vec();
-        match rng.random_range(0..6) {
-            0 => out.truncate(at),
-            1 => drop(out.drain(at..end)),
-            2 => drop(out.splice(at..at, piece)),
-            3 => out[at..end].fill(*[0, 0xff, b'9', b'-', b'<', b'"'].get(rng.random_range(0..6)).unwrap()),
-            4 => out[at..end].iter_mut().for_each(|b| *b ^= 1 << rng.random_range(0..8)),
-            _ => out[at..end].iter_mut().for_each(|b| *b = rng.random()),
-        }
-        if out.is_empty() {
-            break;
-        }
-    }
-    out
 }
 
 #[test]

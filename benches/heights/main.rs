@@ -41,6 +41,9 @@ struct Args {
     /// Seeds of each search, from 1
     #[arg(long, default_value_t = 3)]
     seeds: u64,
+    /// Leave out the published method
+    #[arg(long)]
+    ours: bool,
     /// Evaluations of each search in the ablation
     #[arg(long, default_value_t = 300_000)]
     evaluations: u64,

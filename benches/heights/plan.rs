@@ -83,9 +83,9 @@ fn trial(args: &Args, case: &str, method: Method, budget: Budget, seed: u64) -> 
 }
 
 fn compared(args: &Args, case: &str) -> Vec<Trial> {
-    let methods = [Method::Nestd, Method::Paper];
+    let methods = if args.ours { vec![Method::Nestd] } else { vec![Method::Nestd, Method::Paper] };
     let budgets = args.secs.iter().map(|&secs| Budget::CpuSecs(secs));
-    let both = budgets.flat_map(|budget| methods.map(|method| (budget, method)));
+    let both = budgets.flat_map(|budget| methods.iter().map(move |&method| (budget, method)));
     both.flat_map(|(budget, method)| (1..=args.seeds).map(move |seed| trial(args, case, method, budget, seed)))
         .collect()
 }

@@ -10,34 +10,6 @@ use super::{
 };
 use crate::ledger::{HistoryQuery, HistoryRow};
 
-/// Columns of the CSV, as the rows are named in the ledger; a test compares.
-const CSV_COLUMNS: [&str; 24] = [
-    "build",
-    "profile",
-    "state",
-    "at",
-    "published_at",
-    "height_mm",
-    "density",
-    "lower_bound_mm",
-    "layers",
-    "parts",
-    "copies",
-    "part_volume_mm3",
-    "clearance_mm",
-    "clearance_proved_mm",
-    "cpu_secs",
-    "wall_secs",
-    "evaluations",
-    "seed",
-    "method",
-    "version",
-    "fired_by",
-    "file_name",
-    "reason",
-    "note",
-];
-
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 pub struct Args {
@@ -89,7 +61,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         Format::Table if rows.is_empty() => say("No builds.")?,
         Format::Table => say(&table(&rows).to_string())?,
         Format::Json => say_json(&rows)?,
-        Format::Csv => say(&csv_text(&rows)?)?,
+        Format::Csv => say(&HistoryRow::csv(&rows)?)?,
     }
     Ok(Exit::Success)
 }
@@ -128,13 +100,4 @@ pub fn table(rows: &[HistoryRow]) -> Table {
         ]);
     }
     table
-}
-
-pub fn csv_text(rows: &[HistoryRow]) -> Result<String> {
-    let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    writer.write_record(CSV_COLUMNS)?;
-    for row in rows {
-        writer.serialize(row)?;
-    }
-    Ok(String::from_utf8(writer.into_inner()?)?)
 }

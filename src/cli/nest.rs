@@ -15,6 +15,7 @@ use glam::DVec3;
 
 use super::{
     Common, Exit, Usage,
+    table::tell,
     values::{distance, margins, share, volume, word},
 };
 use crate::{
@@ -210,8 +211,8 @@ fn name_unplaced(instance: &Instance, solution: &Solution) {
             continue;
         }
         match nest::fits(&item.mesh, &item.orientation, &instance.volume()) {
-            Ok(_) => eprintln!("nestd: {}: {left_out} of {} copies found no place", item.name, item.copies),
-            Err(misfit) => eprintln!("nestd: {}: {}", item.name, misfit.reason(&instance.volume())),
+            Ok(_) => tell(&format!("{}: {left_out} of {} copies found no place", item.name, item.copies)),
+            Err(misfit) => tell(&format!("{}: {}", item.name, misfit.reason(&instance.volume()))),
         }
     }
 }

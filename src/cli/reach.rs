@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use jiff::{Span, SpanRound, Timestamp, Unit, civil::Date, tz::TimeZone};
 
-use super::{Common, Usage};
+use super::{Common, Usage, table::tell};
 use crate::{
     ledger::{Ledger, Utc},
     settings::{self, Settings},
@@ -22,7 +22,7 @@ pub fn settings_to_look(common: &Common) -> Result<Settings> {
     let loaded = settings::load_to_look(common.config.as_deref(), common.root.as_deref());
     let (settings, problems) = loaded.map_err(|error| Usage(format!("{:#}", anyhow::Error::from(error))))?;
     for problem in &problems {
-        eprintln!("nestd: warning: the configuration is wrong: {problem}");
+        tell(&format!("warning: the configuration is wrong: {problem}"));
     }
     Ok(settings)
 }

@@ -1,11 +1,14 @@
 //! `nestd run`: the daemon in the foreground.
 
+use std::sync::{Arc, PoisonError, RwLock};
+
 use anyhow::{Context, Result};
 
 use super::{Common, Exit, Usage, logging};
 use crate::{
     access, farm,
     settings::{self, Settings},
+    web::{self, Shared},
 };
 
 /// Arguments of the command.
@@ -26,7 +29,25 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     logging::start(&settings.log)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
     let runtime = runtime.context("starting the runtime")?;
-    let result = runtime.block_on(farm::run(Box::new(load)));
+    let web = settings.web.clone();
+    let shared: Shared = Arc::new(RwLock::new(Arc::new(settings)));
+    let told = shared.clone();
+    let load = move || {
+        let settings = load()?;
+        *told.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
+        Ok(settings)
+    };
+    let outside = farm::Outside::default();
+    if let Some(web) = web {
+        // A dashboard that cannot be served is told; the farm works without it.
+        let outside = outside.clone();
+        runtime.spawn(async move {
+            if let Err(failure) = web::serve(shared, web).await {
+                outside.fails(&format!("{failure:#}"));
+            }
+        });
+    }
+    let result = runtime.block_on(farm::run(Box::new(load), outside));
     // Jobs run on threads of their own; what has not ended by now finds its work again at the next start.
     runtime.shutdown_background();
     result.map(|()| Exit::Success)

@@ -7,7 +7,7 @@ use super::{
     Common, Exit,
     reach::look_at_ledger,
     show_text,
-    table::{say, say_json},
+    table::{say, say_json, tell},
     values::numbered,
 };
 use crate::ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow};
@@ -108,7 +108,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         // Whoever asks for JSON gets JSON; the exit code says that there is nothing.
         match args.json {
             true => say_json(&found)?,
-            false => eprintln!("nestd: there is no build, part or order '{}'", args.what.join(" ")),
+            false => tell(&format!("there is no build, part or order '{}'", args.what.join(" "))),
         }
         return Ok(Exit::Failure);
     }

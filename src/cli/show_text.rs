@@ -5,9 +5,12 @@ use std::collections::BTreeMap;
 use super::{
     reach::{brief, zoned},
     show::{BuildSheet, Found, PartSheet, Waits},
-    table::{Table, number, one_line, or_dash, percent, text},
+    table::{Table, number, or_dash, percent, text},
 };
-use crate::ledger::{BuildId, BuildRow, BuildState, EventRow, PartRow, PlacementRow};
+use crate::{
+    format::visible,
+    ledger::{BuildId, BuildRow, BuildState, EventRow, PartRow, PlacementRow},
+};
 
 /// Everything that was found.
 pub fn found(found: &Found) -> String {
@@ -220,5 +223,5 @@ fn events(events: &[EventRow]) -> String {
 }
 
 fn aligned(lines: &[(&str, String)]) -> String {
-    lines.iter().map(|(name, value)| format!("  {name:<12}{}\n", one_line(value))).collect()
+    lines.iter().map(|(name, value)| format!("  {name:<12}{}\n", visible(value))).collect()
 }

@@ -7,6 +7,8 @@ use std::{
 
 use anyhow::{Context, Result};
 
+use crate::format::{is_invisible, visible, visible_lines};
+
 /// A table; the columns of a heading that starts with '>' stand to the right.
 #[derive(Debug, Clone)]
 pub struct Table {
@@ -23,7 +25,7 @@ impl Table {
     /// Adds a row, one cell per heading.
     pub fn row(&mut self, cells: Vec<String>) {
         debug_assert_eq!(cells.len(), self.heads.len());
-        self.rows.push(cells.iter().map(|cell| one_line(cell)).collect());
+        self.rows.push(cells.iter().map(|cell| visible(cell)).collect());
     }
 
     /// Whether there is no row.
@@ -53,13 +55,10 @@ impl fmt::Display for Table {
     }
 }
 
-/// The text on one line: what a customer wrote must not move the cursor of an operator's terminal.
-pub fn one_line(text: &str) -> String {
-    text.replace(char::is_control, " ")
-}
-
-/// Prints; a reader that has seen enough (`| head`) is no fault.
+/// Prints; a reader that has seen enough (`| head`) is no fault. What a customer wrote does not move the cursor of an
+/// operator's terminal.
 pub fn say(text: &str) -> Result<()> {
+    let text = visible_lines(text);
     let mut out = io::stdout().lock();
     let written = out.write_all(text.as_bytes()).and_then(|()| match text.ends_with('\n') {
         true => out.flush(),
@@ -73,7 +72,27 @@ pub fn say(text: &str) -> Result<()> {
 
 /// Prints as JSON.
 pub fn say_json(value: &impl serde::Serialize) -> Result<()> {
-    say(&serde_json::to_string_pretty(value)?)
+    say(&escaped_json(&serde_json::to_string_pretty(value)?))
+}
+
+/// Tells on standard error.
+pub fn tell(text: &str) {
+    eprintln!("nestd: {}", visible_lines(text));
+}
+
+/// JSON escapes the oldest controls only; the others, and what turns text around, stand in strings alone.
+fn escaped_json(json: &str) -> String {
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '\n' => out.push(c),
+            c if is_invisible(c) => {
+                c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| out.push_str(&format!("\\u{unit:04x}")));
+            }
+            c => out.push(c),
+        }
+    }
+    out
 }
 
 /// A number with so many decimals, "-" when there is none.
@@ -114,7 +133,7 @@ mod tests {
         let mut table = Table::new(&["NAME", ">COPIES", "STATE"]);
         table.row(vec!["größe.stl".into(), "3".into(), "waiting".into()]);
         table.row(vec!["a\u{1b}".into(), "12".into(), String::new()]);
-        assert_eq!(table.to_string(), "NAME       COPIES  STATE\ngröße.stl       3  waiting\na              12\n");
+        assert_eq!(table.to_string(), "NAME       COPIES  STATE\ngröße.stl       3  waiting\na\\u{1b}        12\n");
     }
 
     #[test]

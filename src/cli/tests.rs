@@ -99,7 +99,7 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
     let rows = ledger.history(&HistoryQuery::default()).await.unwrap();
     let table = history::table(&rows).to_string();
     assert!(table.lines().nth(1).unwrap().contains("87.50"), "{table}");
-    let csv = history::csv_text(&rows).unwrap();
+    let csv = crate::ledger::HistoryRow::csv(&rows).unwrap();
     let json = serde_json::to_value(&rows).unwrap();
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let heads = reader.headers().unwrap().clone();
@@ -113,7 +113,7 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
             number => assert_eq!(cell.parse::<f64>().unwrap(), number.as_f64().unwrap(), "{head}"),
         }
     }
-    assert_eq!(history::csv_text(&[]).unwrap().lines().count(), 1, "headings even when there is no build");
+    assert_eq!(crate::ledger::HistoryRow::csv(&[]).unwrap().lines().count(), 1, "headings even when there is no build");
 }
 
 #[test]

@@ -42,13 +42,15 @@ pub enum Attention {
     Refused,
     /// Files lie beside the hot folders.
     Stray,
+    /// The dashboard is not served.
+    DashboardDown,
     /// Some other step fails time and again.
     StepFails,
 }
 
 impl Attention {
     /// Every kind.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -66,6 +68,7 @@ impl Attention {
         Self::MachineGone,
         Self::Refused,
         Self::Stray,
+        Self::DashboardDown,
         Self::StepFails,
     ];
 
@@ -84,13 +87,14 @@ impl Attention {
             Self::TakingFails => "Files cannot be taken out of the hot folder",
             Self::ReadingFails => "A file that was taken cannot be read",
             Self::EndingFails => "A file that was taken cannot be put where it belongs",
-            Self::NestingFails => "A build cannot be begun",
+            Self::NestingFails => "A build cannot be made now",
             Self::BuildFailed => "A build failed, and its profile is paused",
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
             Self::MachineGone => "Parts wait for a machine that is not configured",
             Self::Refused => "Refused files lie in the error folder",
             Self::Stray => "Files lie beside the hot folders, where nobody prints them",
+            Self::DashboardDown => "The dashboard is not served; the farm works without it",
             Self::StepFails => "A step fails time and again",
         }
     }
@@ -145,6 +149,7 @@ impl Attention {
                  remove both from there."
             }
             Self::Stray => "Move them into the folder of the machine that they are for.",
+            Self::DashboardDown => "Mend what the reason names (`[web]` in the configuration), and restart nestd.",
             Self::StepFails => "See the reason; `nestd check` looks for its cause.",
         }
     }

@@ -20,13 +20,31 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{BuildId, OpenLayout, PartId, PartRow, PartState, WaitingPart},
+    ledger::{BuildId, OpenLayout, PartId, PartRow, WaitingPart},
 };
 
 /// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
 const SECS_PER_COPY: f64 = 0.02;
 
+/// A profile is batched again after so many times what it took: a line of very many parts must not take up the farm.
+const BATCH_REST: u32 = 9;
+
 impl Farm {
+    /// As [`Farm::batch`], unless the last time took long and is not long ago.
+    pub(super) async fn batch_when_rested(&mut self, name: &str) -> Result<()> {
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
+        let began = Instant::now();
+        if began < station.batch_at {
+            station.is_settled = false;
+            return Ok(());
+        }
+        let result = self.batch(name).await;
+        if let Some(station) = self.stations.get_mut(name) {
+            station.batch_at = Instant::now() + BATCH_REST * began.elapsed();
+        }
+        result
+    }
+
     /// Keeps a profile's open build current and fires it when it is time.
     pub(super) async fn batch(&mut self, name: &str) -> Result<()> {
         let waiting = self.ledger.waiting_copies(name).await?;
@@ -71,8 +89,8 @@ impl Farm {
     /// Whether a part of the profile is claimed but not read: an order by hand waits for it, unless the disk keeps it from
     /// being read.
     async fn is_being_read(&self, name: &str) -> Result<bool> {
-        let claimed = self.ledger.parts_in_state(PartState::Claimed).await?;
-        Ok(claimed.iter().any(|part| part.profile == name && !self.read_again.contains_key(&part.id)))
+        let claimed = self.ledger.claimed_parts(name, self.read_again.len() + 1).await?;
+        Ok(claimed.iter().any(|part| !self.read_again.is_failing(&part.id)))
     }
 
     /// Begins a search for the open build where one is wanted and a slot is free.
@@ -138,7 +156,14 @@ impl Farm {
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
         warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-        self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere")
+        let refused = self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere");
+        if refused.is_err()
+            && let Some(station) = self.stations.get_mut(name)
+        {
+            // Tried once more, so that it is refused when that can be done.
+            station.open.forget_tried();
+        }
+        refused
     }
 
     /// A part on which the search panics must not keep the others from being built: half of the line is tried next, and

@@ -1,6 +1,9 @@
 //! The event loop's side of "claimed" and "read": rows for what was claimed, and what becomes of it once it is read.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use anyhow::{Context, Result};
 use jiff::tz::TimeZone;
@@ -12,7 +15,7 @@ use super::{
     farm::Farm,
     jobs::JobKey,
     read::{ReadOutcome, read_part},
-    receive::{Gate, Received},
+    receive::{Drop, Gate, Received},
 };
 use crate::{
     intake::{self, Claim, Given, Released, Source, Stored},
@@ -23,8 +26,6 @@ use crate::{
 
 /// Files that are read at once.
 const READERS: usize = 2;
-/// After the disk failed, a file is read again after so long.
-const READ_AGAIN: Duration = Duration::from_secs(10);
 /// A look that follows a file-system event waits this long, so that a burst of events is one look.
 const LOOK_AFTER_EVENT: Duration = Duration::from_millis(200);
 
@@ -47,11 +48,14 @@ impl Farm {
             }
             let Some(mut gate) = station.gate.take() else { continue };
             let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
+            let mut hold = station.holds.inbox.clone();
             let (name, status) = (name.clone(), station.told(&self.notices));
             self.jobs.start(JobKey::Receive(name.clone()), move || {
-                let mut received = gate.look(&profile, &store, orphan_secs);
-                let is_told = received.unavailable.is_some() || status.1.is_empty();
-                if !is_told && let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
+                let mut received = gate.look(&profile, &mut hold, &store, orphan_secs);
+                if status.1.is_empty() || received.unavailable.is_some() {
+                    return Event::Received { profile: name, gate, received };
+                }
+                if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
                     received.troubles.push(format!("writing STATUS.txt: {failure}"));
                 }
                 Event::Received { profile: name, gate, received }
@@ -62,10 +66,10 @@ impl Farm {
     /// Takes in a look: each claimed part gets its row, and is read. What cannot be recorded now is tried at the next look.
     pub(super) async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, received: Received) -> Result<()> {
         self.jobs.ended(&JobKey::Receive(name.to_owned()));
-        for (claim, stored) in received.drops {
-            if let Err(failure) = self.record(name, &claim, &stored).await {
+        for drop in received.drops {
+            if let Err(failure) = self.record(name, &drop).await {
                 self.trouble(Attention::TakingFails, name, "recording a drop", &failure);
-                gate.take_back(claim);
+                gate.take_back(drop.claim);
             }
         }
         let scan_secs = self.settings.scan_secs;
@@ -100,14 +104,14 @@ impl Farm {
     }
 
     /// The row of a claimed part; an earlier run may have written it already.
-    async fn record(&mut self, name: &str, claim: &Claim, stored: &Stored) -> Result<()> {
+    async fn record(&mut self, name: &str, drop: &Drop) -> Result<()> {
         let Some(profile) = self.stations.get(name).map(|s| s.profile.clone()) else { return Ok(()) };
-        let given = claim.given();
+        let Drop { claim, stored, given } = drop;
         let row = new_part(&profile, claim, stored, given.as_ref().ok());
         let recorded = self.ledger.record_claim(&row).await?;
         // Between the copy and the row, the end of an earlier part of the same content may have taken the copy away.
         if !self.meshes.store.path(&stored.hash)?.exists() {
-            self.meshes.store.put(&claim.part)?;
+            self.meshes.store.put_claimed(claim)?;
         }
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
         if part.content_hash != stored.hash {
@@ -150,22 +154,32 @@ impl Farm {
 
     /// Starts reading claimed parts.
     pub(super) async fn read(&mut self) -> Result<()> {
-        for part in self.ledger.parts_in_state(PartState::Claimed).await? {
-            if self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS {
+        let profiles: Vec<Arc<Profile>> = self.stations.values().map(|s| s.profile.clone()).collect();
+        // Each time another machine comes first, so that none waits for the end of another one's line.
+        self.reads_begun = self.reads_begun.wrapping_add(1);
+        for at in 0..profiles.len() {
+            let profile = &profiles[(self.reads_begun + at) % profiles.len()];
+            let reading = self.jobs.count(|key| matches!(key, JobKey::Read(_)));
+            if reading >= READERS {
                 break;
             }
-            let waits = self.read_again.get(&part.id).is_some_and(|at| Instant::now() < *at);
-            let Some(station) = self.stations.get(&part.profile) else { continue };
-            if waits || self.jobs.runs(&JobKey::Read(part.id)) {
-                continue;
-            }
-            let (profile, meshes) = (station.profile.clone(), self.meshes.clone());
-            self.jobs.start(JobKey::Read(part.id), move || Event::Read {
-                part: part.id,
-                outcome: read_part(&part, &profile, &meshes),
-            });
+            let parts = self.ledger.claimed_parts(&profile.name, READERS + reading + self.read_again.len()).await?;
+            parts.into_iter().for_each(|part| self.begin_read(part, profile));
         }
         Ok(())
+    }
+
+    fn begin_read(&mut self, part: PartRow, profile: &Arc<Profile>) {
+        let waits = self.read_again.rests(&part.id);
+        let is_full = self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS;
+        if waits || is_full || self.jobs.runs(&JobKey::Read(part.id)) {
+            return;
+        }
+        let (profile, meshes) = (profile.clone(), self.meshes.clone());
+        self.jobs.start(JobKey::Read(part.id), move || Event::Read {
+            part: part.id,
+            outcome: read_part(&part, &profile, &meshes),
+        });
     }
 
     /// Takes in what a reader found.
@@ -191,7 +205,12 @@ impl Farm {
                     solids[0].warnings.push(warning);
                 }
                 // Before it waits: a crash after must not leave its file in two places.
-                self.tidy_error_folder(&part);
+                if let Err(failure) = self.tidy_error_folder(&part).await {
+                    self.read_again.failed(id);
+                    return Err(
+                        failure.context(format!("removing what was refused of part {id} from the error folder"))
+                    );
+                }
                 let ids = self.ledger.accept(id, &solids).await?;
                 let copies: u32 = solids.iter().map(|s| s.copies).sum();
                 let parts = ids.len();
@@ -200,7 +219,7 @@ impl Farm {
             }
             ReadOutcome::Refused(reason) => self.refuse(&part, &reason).await,
             ReadOutcome::Later(why) => {
-                self.read_again.insert(id, Instant::now() + READ_AGAIN);
+                self.read_again.failed(id);
                 let about = format!("part {id} ({})", part.name);
                 self.notices.trouble(Attention::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
                 Ok(())
@@ -222,7 +241,7 @@ impl Farm {
     }
 
     fn put_into_error(&mut self, part: &PartRow, reason: &str) -> Result<()> {
-        self.read_again.remove(&part.id);
+        self.read_again.done(&part.id);
         let Some(station) = self.stations.get(&part.profile) else { return Ok(()) };
         let folders = &station.profile.folders;
         let Some(claim) = self.claims.get(&part.claim) else {
@@ -237,7 +256,7 @@ impl Farm {
 
     /// Lets the claimed original go: the store has it, and its row is committed.
     fn let_go(&mut self, part: &PartRow) -> Result<()> {
-        self.read_again.remove(&part.id);
+        self.read_again.done(&part.id);
         let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
         if let Released::GivenBack(path) = intake::release(claim)? {
             let file = path.display();
@@ -248,13 +267,12 @@ impl Farm {
     }
 
     /// After a successful retry the refused file and its reason have no business in the error folder any more.
-    fn tidy_error_folder(&self, part: &PartRow) {
-        let Some(station) = self.stations.get(&part.profile) else { return };
-        if self.claims.contains_key(&part.claim) {
-            return;
-        }
-        if let Err(failure) = super::tidy::remove_refused(&station.profile.folders.error, part) {
-            warn!(part.id = %part.id, "Its refused file could not be removed: {failure:#}.");
+    async fn tidy_error_folder(&self, part: &PartRow) -> Result<()> {
+        match self.stations.get(&part.profile) {
+            Some(station) if self.ledger.was_rejected(part.id).await? => {
+                super::tidy::remove_refused(&station.profile.folders.error, part)
+            }
+            _ => Ok(()),
         }
     }
 }

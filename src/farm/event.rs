@@ -1,6 +1,7 @@
 //! Everything that can happen to the farm.
 
 use super::{
+    holds::Holds,
     jobs::JobKey,
     nest::Nested,
     prove::Written,
@@ -52,6 +53,20 @@ pub enum Event {
         build: BuildId,
         /// What the queue folder said.
         published: anyhow::Result<crate::queue::Published>,
+    },
+    /// It was shown that a profile's folders are served, or somebody else serves them.
+    Held {
+        /// Which profile.
+        profile: String,
+        /// The holds, with what is wrong with each.
+        holds: Box<Holds>,
+    },
+    /// There was no thread for a job: nothing was done.
+    NotStarted {
+        /// Which.
+        key: JobKey,
+        /// Why.
+        why: String,
     },
     /// The archives have been gone through.
     Purged,

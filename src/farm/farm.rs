@@ -13,13 +13,15 @@ use tracing::{info, warn};
 
 use super::{
     attention::Attention,
+    back_off::BackOff,
     budget::Budget,
     clock::Clock,
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
     nest::{Best, Meshes},
-    notices::Notices,
+    notices::{Notices, Outside},
+    owner::Owner,
     quiet::Quiet,
     sd,
     signals::{Signal, Signals},
@@ -32,13 +34,15 @@ use crate::{
 };
 
 /// Between two beats of the farm when nothing happens.
-const BEAT: Duration = Duration::from_millis(500);
+pub(super) const BEAT: Duration = Duration::from_millis(500);
 /// Between two signs of life in the ledger.
 const SIGN_OF_LIFE: Duration = Duration::from_secs(4);
 /// How long an orderly stop waits for jobs; the service manager gives 10 s.
 const STOP_WITHIN: Duration = Duration::from_secs(8);
 /// Claims whose end failed are tried again after so long.
 const CLAIMS_AGAIN: Duration = Duration::from_secs(20);
+/// Events between two beats at most, so that orders and signals are heard in between.
+const EVENTS_PER_BEAT: usize = 64;
 
 /// Reads the configuration, at start and at each reload.
 pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
@@ -47,6 +51,8 @@ pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
 pub struct Farm {
     pub(super) load: Load,
     pub(super) settings: Settings,
+    /// This daemon, as the folders that it serves name it.
+    pub(super) owner: Owner,
     pub(super) ledger: Ledger,
     pub(super) meshes: Meshes,
     pub(super) stations: BTreeMap<String, Station>,
@@ -55,16 +61,20 @@ pub struct Farm {
     pub(super) nest_slots: usize,
     /// Claims whose originals still lie in the hot folder's `.claimed`, by claim id.
     pub(super) claims: HashMap<String, Claim>,
-    /// Parts whose reading failed for the disk's sake, and when to try again.
-    pub(super) read_again: HashMap<PartId, Instant>,
+    /// Parts whose reading failed for the disk's sake.
+    pub(super) read_again: BackOff<PartId>,
+    /// Times that parts were looked for to read.
+    pub(super) reads_begun: usize,
     /// Builds fired by this process that have not been begun.
     pub(super) fresh_builds: HashSet<BuildId>,
     /// Final searches that run.
     pub(super) finals: HashMap<BuildId, (Budget, Best)>,
     /// How often the making of builds has failed in this run, and why last.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
-    /// Builds that failed are not touched before this time.
-    pub(super) rest_until: HashMap<BuildId, Instant>,
+    /// Builds that failed and rest.
+    pub(super) resting: BackOff<BuildId>,
+    /// Steps that failed and rest, by name.
+    pub(super) steps: BackOff<String>,
     pub(super) stopping: bool,
     pub(super) quiet: Quiet,
     pub(super) clock: Clock,
@@ -76,8 +86,11 @@ pub struct Farm {
     pub(super) tidy_at: Instant,
     pub(super) last_watch_check: Instant,
     pub(super) last_claims: Instant,
+    pub(super) last_hold: Instant,
     /// What a person must see to.
     pub(super) notices: Notices,
+    /// What others of this process tell.
+    pub(super) outside: Outside,
     /// The ledger is damaged: nothing is done any more but telling so.
     pub(super) is_halted: bool,
     pub(super) events: UnboundedReceiver<Event>,
@@ -85,10 +98,11 @@ pub struct Farm {
 }
 
 /// Runs the daemon until it is told to stop.
-pub async fn run(load: Load) -> Result<()> {
+pub async fn run(load: Load, outside: Outside) -> Result<()> {
     let settings = load()?;
     let mut signals = Signals::listen()?;
-    let mut farm = Farm::open(load, settings).await?;
+    let Some(mut farm) = Farm::open_when_possible(load, settings, &mut signals).await? else { return Ok(()) };
+    farm.outside = outside;
     farm.beat().await;
     sd::ready(&farm.status_line);
     info!(profiles = farm.stations.len(), ledger = %farm.settings.ledger.display(), "The farm is open.");
@@ -108,7 +122,7 @@ impl Farm {
                     Signal::Stop => return Ok(()),
                     Signal::Reload => self.reload().await,
                 },
-                Some(event) = self.events.recv() => self.on_event(event).await,
+                Some(event) = self.events.recv() => self.on_events(event).await,
                 _ = beat.tick() => {}
             }
             self.beat().await;
@@ -133,8 +147,13 @@ impl Farm {
         }
         if self.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
             self.last_watch_check = Instant::now();
+            self.make_missing_folders();
             self.check_watch();
             self.look_for_stray_files();
+        }
+        if self.last_hold.elapsed() >= super::owner::BEAT_EVERY {
+            self.last_hold = Instant::now();
+            self.keep_holds();
         }
         if self.last_claims.elapsed() >= CLAIMS_AGAIN {
             self.last_claims = Instant::now();
@@ -154,18 +173,25 @@ impl Farm {
         // Fired builds come before open ones: they take the free slots first.
         self.tell("nesting", Self::nest).await;
         for name in names {
-            if let Err(failure) = self.batch(&name).await {
-                self.trouble(Attention::StepFails, &name, "batching", &failure);
-            }
+            self.tell(&format!("batching {name}"), async |farm| farm.batch_when_rested(&name).await).await;
         }
         self.tell("publishing", Self::publish).await;
         self.tell("status", Self::show_status).await;
     }
 
     async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
+        if self.steps.rests(&what.to_owned()) {
+            return;
+        }
         match step(self).await {
-            Ok(()) => self.notices.clear(Attention::StepFails, "", what),
-            Err(failure) => self.trouble(Attention::StepFails, "", what, &failure),
+            Ok(()) => {
+                self.steps.done(&what.to_owned());
+                self.notices.clear(Attention::StepFails, "", what);
+            }
+            Err(failure) => {
+                self.steps.failed(what.to_owned());
+                self.trouble(Attention::StepFails, "", what, &failure);
+            }
         }
     }
 
@@ -174,6 +200,15 @@ impl Farm {
         match super::open::of_the_ledger(failure) {
             Some((_, detail)) => self.halt(&detail),
             None => self.notices.trouble(kind, profile, about, &format!("{about}: {failure:#}")),
+        }
+    }
+
+    /// Takes in an event and those that wait behind it: one beat serves them all.
+    async fn on_events(&mut self, first: Event) {
+        self.on_event(first).await;
+        for _ in 0..EVENTS_PER_BEAT {
+            let Ok(event) = self.events.try_recv() else { return };
+            self.on_event(event).await;
         }
     }
 
@@ -194,6 +229,14 @@ impl Farm {
             Event::Improved { profile, round, nested } => self.on_improved(&profile, round, nested).await,
             Event::Written { build, written } => self.on_written(build, written).await,
             Event::Published { build, published } => self.on_published(build, published).await,
+            Event::Held { profile, holds } => {
+                self.on_held(&profile, *holds);
+                Ok(())
+            }
+            Event::NotStarted { key, why } => {
+                self.on_not_started(key, &why);
+                Ok(())
+            }
             Event::Purged => {
                 self.jobs.ended(&JobKey::Purge);
                 Ok(())
@@ -208,9 +251,8 @@ impl Farm {
             }
             Event::Panicked { key, message } => self.on_panicked(key, &message).await,
         };
-        match result {
-            Ok(()) => {}
-            Err(failure) => self.trouble(Attention::StepFails, "", "taking in what a job has done", &failure),
+        if let Err(failure) = result {
+            self.trouble(Attention::StepFails, "", "taking in what a job has done", &failure);
         }
     }
 
@@ -219,11 +261,7 @@ impl Farm {
         self.jobs.ended(&key);
         match key {
             JobKey::Receive(name) => {
-                if let Some(station) = self.stations.get_mut(&name) {
-                    let gate = super::receive::Gate::new(&station.profile, self.settings.orphan_ticket_secs);
-                    station.gate = Some(Box::new(gate));
-                    station.look_at = Instant::now() + Duration::from_secs_f64(self.settings.scan_secs);
-                }
+                self.new_gate(&name);
                 Ok(())
             }
             JobKey::Read(part) => {
@@ -233,34 +271,8 @@ impl Farm {
             JobKey::Improve(name) => self.on_search_panicked(&name, message).await,
             JobKey::Final(build) => self.on_final_panicked(build, message).await,
             JobKey::Publish(build) => self.on_published(build, Err(anyhow::anyhow!("panicked: {message}"))).await,
-            JobKey::Purge | JobKey::Stray | JobKey::Tell(_) => Ok(()),
+            JobKey::Purge | JobKey::Hold(_) | JobKey::Stray | JobKey::Tell(_) => Ok(()),
         }
-    }
-
-    async fn reload(&mut self) {
-        sd::reloading();
-        match self.take_configuration().await {
-            Ok(()) => {
-                self.notices.clear(Attention::ConfigurationWrong, "", "");
-                info!(profiles = self.stations.len(), "The configuration was read again.");
-            }
-            Err(failure) => {
-                let detail = format!("{failure:#}").replace('\n', " ");
-                self.notices.clear(Attention::ConfigurationWrong, "", "");
-                self.notices.raise(Attention::ConfigurationWrong, "", "", &detail);
-            }
-        }
-        sd::ready(&self.status_line);
-    }
-
-    async fn take_configuration(&mut self) -> Result<()> {
-        let settings = (self.load)()?;
-        if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir {
-            anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
-        }
-        settings.files.set();
-        self.settings = settings;
-        self.set_up_stations().await
     }
 
     /// Ends searches with what they have found, waits for jobs a little, and keeps the open layouts.
@@ -280,9 +292,11 @@ impl Farm {
         }
         if self.is_halted {
             // Nothing is written into a damaged ledger, and no seal vouches for it.
+            self.end_holds();
             return self.ledger.close().await;
         }
         self.keep_layouts().await;
+        self.end_holds();
         if let Err(failure) = self.ledger.farewell().await {
             warn!("The ledger could not be told of the stop: {failure}.");
         }

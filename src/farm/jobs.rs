@@ -26,6 +26,8 @@ pub enum JobKey {
     Final(BuildId),
     /// Publishing a build.
     Publish(BuildId),
+    /// Showing that a profile's folders are served.
+    Hold(String),
     /// Going through the archives.
     Purge,
     /// Looking for files beside the hot folders.
@@ -85,7 +87,7 @@ impl Jobs {
             }
         });
         if let Err(error) = spawned {
-            let _ = self.events.send(Event::Panicked { key, message: format!("no thread: {error}") });
+            let _ = self.events.send(Event::NotStarted { key, why: format!("no thread: {error}") });
         }
     }
 

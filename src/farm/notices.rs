@@ -6,6 +6,7 @@ use std::{
     fs, io,
     io::Write,
     path::Path,
+    sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
 };
 
@@ -25,6 +26,22 @@ const AGAIN: Duration = Duration::from_secs(600);
 const MAX_TROUBLES: usize = 1000;
 /// The notices of a farm with more than these are only counted in `STATUS.txt`.
 const MAX_TOLD: usize = 8;
+
+/// What other rooms of the daemon have to tell; any thread may.
+#[derive(Debug, Clone, Default)]
+pub struct Outside(Arc<Mutex<Option<String>>>);
+
+impl Outside {
+    /// The dashboard is not served, and why.
+    pub fn fails(&self, why: &str) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.to_owned());
+    }
+
+    /// Why the dashboard is not served.
+    pub fn dashboard(&self) -> Option<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
 
 /// What a notice is about: kind, profile, and a word of its own.
 type Key = (Attention, String, String);

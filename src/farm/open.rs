@@ -1,76 +1,124 @@
-//! Opening the farm: what must be there and whole before anything is taken, and stations for the machines.
+//! Opening the farm: what must be there and whole before anything is taken.
 
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
-    sync::Arc,
     time::Instant,
 };
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
 use tokio::sync::mpsc::unbounded_channel;
-use tracing::{info, warn};
+use tracing::warn;
 
 use super::{
     attention::Attention,
-    cache::DiskCache,
+    back_off::{BackOff, is_of_the_disk},
     clock::Clock,
-    event::Event,
-    farm::{Farm, Load},
+    farm::{BEAT, Farm, Load},
     jobs::Jobs,
     lock::Lock,
     nest::Meshes,
-    notices::Notices,
+    notices::{Notices, Outside},
+    owner::Owner,
     quiet::Quiet,
     reconcile::{Behind, demand_current},
     sd,
     shelf::Shelf,
-    station::Station,
+    signals::{Signal, Signals},
 };
 use crate::{
     access,
-    intake::{self, Store, Watcher},
+    intake::{self, Store},
     ledger::{Ledger, LedgerError},
-    settings::{Profile, Settings},
+    settings::Settings,
 };
 
 impl Farm {
-    /// Opens the farm: lock, ledger, store, stations. A farm that cannot be opened for its ledger's sake says so where
-    /// people look.
-    pub(super) async fn open(load: Load, settings: Settings) -> Result<Self> {
-        settings.files.set();
-        access::create_private_folders(&settings.state_dir)
-            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
-        let lock = Lock::take(&settings.state_dir)?;
-        sd::status("looking through the ledger");
-        let ledger = match open_ledger(&settings).await {
-            Ok(ledger) => ledger,
-            Err(failure) => {
-                if let Some((kind, detail)) = of_the_ledger(&failure) {
-                    tell_that_it_does_not_run(&settings, kind, &detail);
-                }
+    /// Opens the farm; while the disk of the state folder is full or away, waits for it instead of ending again and again.
+    /// `None` = told to stop meanwhile.
+    pub(super) async fn open_when_possible(
+        load: Load,
+        settings: Settings,
+        signals: &mut Signals,
+    ) -> Result<Option<Self>> {
+        let (mut load, mut settings, mut waits, mut notices) = (load, settings, BackOff::default(), Notices::default());
+        loop {
+            let (back, known, failure) = match Self::open(load, settings).await {
+                Ok(farm) => return Ok(Some(farm)),
+                Err(kept) => kept,
+            };
+            (load, settings) = (back, known);
+            if let Some((kind, detail)) = of_the_ledger(&failure) {
+                tell_that_it_does_not_run(&settings, kind, &detail);
+            }
+            if !may_pass(&failure) {
                 return Err(failure);
             }
-        };
-        let store = Store::open(settings.state_dir.join("store"))?;
+            let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
+            notices.trouble(Attention::StepFails, "", "opening", &text);
+            notices.keep(&settings.state_dir);
+            sd::waiting(&text);
+            waits.failed(());
+            while waits.rests(&()) {
+                tokio::select! {
+                    signal = signals.next() => if matches!(signal, Signal::Stop) { return Ok(None) },
+                    () = tokio::time::sleep(BEAT) => {}
+                }
+            }
+        }
+    }
+
+    /// On failure, what is needed for another try comes back.
+    async fn open(load: Load, settings: Settings) -> Result<Self, (Load, Settings, anyhow::Error)> {
+        let since = Timestamp::now();
+        match Parts::open(&settings, since).await {
+            Ok(parts) => {
+                let mut farm = Self::new(load, settings, parts, since);
+                match farm.open_stations().await {
+                    Ok(()) => Ok(farm),
+                    Err(failure) => {
+                        farm.ledger.close().await;
+                        Err((farm.load, farm.settings, failure))
+                    }
+                }
+            }
+            Err(failure) => Err((load, settings, failure)),
+        }
+    }
+
+    async fn open_stations(&mut self) -> Result<()> {
+        self.compare_clock_with_ledger().await?;
+        self.set_up_stations().await?;
+        self.hold_folders_at_start()
+    }
+
+    fn new(load: Load, settings: Settings, parts: Parts, since: Timestamp) -> Self {
         let (sender, events) = unbounded_channel();
-        let mut farm = Self {
+        Self {
             load,
-            ledger,
-            meshes: Meshes { shelf: Shelf::default(), store, limits: settings.limits.clone(), cache: None },
+            owner: parts.owner,
+            ledger: parts.ledger,
+            meshes: Meshes {
+                shelf: Shelf::default(),
+                store: parts.store,
+                limits: settings.limits.clone(),
+                cache: None,
+            },
             stations: BTreeMap::new(),
             jobs: Jobs::new(sender),
             nest_slots: 1,
             claims: HashMap::new(),
-            read_again: HashMap::new(),
+            read_again: BackOff::default(),
+            reads_begun: 0,
             fresh_builds: HashSet::new(),
             finals: HashMap::new(),
             failures: HashMap::new(),
-            rest_until: HashMap::new(),
+            resting: BackOff::default(),
+            steps: BackOff::default(),
             stopping: false,
             quiet: Quiet::default(),
             clock: Clock::of_this_machine(),
-            started_at: Timestamp::now(),
+            started_at: since,
             status_line: "opening".to_owned(),
             shown_at: None,
             watcher: None,
@@ -79,95 +127,43 @@ impl Farm {
             last_watch_check: Instant::now(),
             last_claims: Instant::now(),
             notices: Notices::default(),
+            outside: Outside::default(),
             is_halted: false,
             events,
-            _lock: lock,
+            _lock: parts.lock,
+            last_hold: Instant::now(),
             settings,
-        };
-        farm.compare_clock_with_ledger().await?;
-        farm.set_up_stations().await?;
-        Ok(farm)
-    }
-
-    /// Makes stations and the watcher agree with the settings.
-    pub(super) async fn set_up_stations(&mut self) -> Result<()> {
-        self.meshes.limits = self.settings.limits.clone();
-        self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
-        self.nest_slots = nest_slots(&self.settings);
-        let gone: Vec<String> =
-            self.stations.keys().filter(|name| !self.settings.profiles.contains_key(*name)).cloned().collect();
-        for name in gone {
-            if let Some(mut station) = self.stations.remove(&name) {
-                station.open.clear();
-                self.notices.forget_machine(&name);
-                info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
-            }
-        }
-        for (name, profile) in self.settings.profiles.clone() {
-            // A share that is away must not keep the other machines from working.
-            match make_folders(&profile) {
-                Ok(()) => self.notices.clear(Attention::FoldersMissing, &name, ""),
-                Err(failure) => self.notices.raise(Attention::FoldersMissing, &name, "", &format!("{failure:#}")),
-            }
-            match self.stations.get_mut(&name) {
-                Some(station) if *station.profile == profile => {}
-                Some(station) => {
-                    // Another volume or clearance makes the layout worthless; another hot folder needs another gate.
-                    let row = self.ledger.open_build(&name).await?;
-                    let mut fresh = Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &row);
-                    fresh.open.layout = Default::default();
-                    station.open.clear();
-                    fresh.paused = station.paused;
-                    fresh.flush = std::mem::take(&mut station.flush);
-                    *station = fresh;
-                    info!(profile = %name, "The profile has changed.");
-                }
-                None => {
-                    let row = self.ledger.open_build(&name).await?;
-                    let station = Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &row);
-                    self.stations.insert(name, station);
-                }
-            }
-        }
-        self.watch();
-        Ok(())
-    }
-
-    fn watch(&mut self) {
-        let inboxes = self.stations.values().map(|s| s.profile.folders.inbox.clone()).collect();
-        let events = self.jobs.events();
-        self.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::Look))) {
-            Ok(watcher) => Some(watcher),
-            Err(failure) => {
-                warn!("No file-system events; the periodic scan goes on without them: {failure}.");
-                None
-            }
-        };
-    }
-
-    /// Watches hot folders that were made anew; where that cannot be, the periodic scan serves.
-    pub(super) fn check_watch(&mut self) {
-        let unwatched = self.watcher.as_mut().map(Watcher::check).unwrap_or_default();
-        for (path, why) in unwatched {
-            tracing::debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
         }
     }
 }
 
-/// Searches that may run at once: the threads of the farm over those of the greediest profile.
-fn nest_slots(settings: &Settings) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let all = if settings.threads == 0 { cores } else { settings.threads };
-    let each = settings.profiles.values().map(|p| if p.nest.threads == 0 { all } else { p.nest.threads }).max();
-    (all / each.unwrap_or(1).max(1)).max(1)
+/// What is opened in the state directory.
+struct Parts {
+    lock: Lock,
+    owner: Owner,
+    ledger: Ledger,
+    store: Store,
 }
 
-fn make_folders(profile: &Profile) -> Result<()> {
-    let folders = &profile.folders;
-    for folder in [&folders.inbox, &folders.queue, &folders.error, &folders.archive] {
-        access::create_folders(folder).with_context(|| format!("creating {}", folder.display()))?;
+impl Parts {
+    async fn open(settings: &Settings, since: Timestamp) -> Result<Self> {
+        settings.files.set();
+        access::create_private_folders(&settings.state_dir)
+            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
+        let lock = Lock::take(&settings.state_dir, since)?;
+        let owner = Owner::of_this_process(&settings.state_dir, since)
+            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
+        sd::status("looking through the ledger");
+        let ledger = open_ledger(settings).await?;
+        let store = Store::open(settings.state_dir.join("store"))?;
+        Ok(Self { lock, owner, ledger, store })
     }
-    Ok(())
+}
+
+/// Whether what hinders the start may pass by itself: a full disk, a share that hangs.
+fn may_pass(failure: &anyhow::Error) -> bool {
+    is_of_the_disk(failure)
+        || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_of_the_disk))
 }
 
 /// The ledger is gone, and its farm is not.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use tracing::info;
 
-use super::{claimed::COPIES_UNKNOWN, farm::Farm};
+use super::{attention::Attention, claimed::COPIES_UNKNOWN, farm::Farm};
 use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
 
 impl Farm {
@@ -14,10 +14,25 @@ impl Farm {
             station.paused = paused.contains(name);
         }
         for command in self.ledger.asked().await? {
-            match self.order(&command).await? {
-                Some(Ok(done)) => self.ledger.answer(command.id, true, &done).await?,
-                Some(Err(refused)) => self.ledger.answer(command.id, false, &refused).await?,
-                None => {}
+            // An order that the disk hinders stays open and keeps no other from being carried out.
+            let about = format!("order {}", command.id);
+            if self.steps.rests(&about) {
+                continue;
+            }
+            match self.order(&command).await {
+                Ok(answer) => {
+                    self.steps.done(&about);
+                    self.notices.clear(Attention::StepFails, &command.profile, &about);
+                    match answer {
+                        Some(Ok(done)) => self.ledger.answer(command.id, true, &done).await?,
+                        Some(Err(refused)) => self.ledger.answer(command.id, false, &refused).await?,
+                        None => {}
+                    }
+                }
+                Err(failure) => {
+                    self.trouble(Attention::StepFails, &command.profile, &about, &failure);
+                    self.steps.failed(about);
+                }
             }
         }
         if self.stations.values().any(|s| s.queue.is_none()) {
@@ -83,7 +98,7 @@ impl Farm {
                 Ok(Ok(done))
             }
             // The disk or the database failed: the order stays open and is tried again.
-            Err(error @ LedgerError::Sql(_)) => Err(error.into()),
+            Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => Err(error.into()),
             Err(refused) => Ok(Err(refused.to_string())),
         }
     }

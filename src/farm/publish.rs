@@ -1,17 +1,14 @@
 //! The steps "nested", "verified" and "published" of a fired build: each looks into the ledger for its work, so that a crash
 //! anywhere is taken up where it was.
 
-use std::{
-    collections::HashMap,
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{collections::HashMap, sync::Arc};
 
 use anyhow::{Context, Result, ensure};
 use tracing::{info, warn};
 
 use super::{
     attention::Attention,
+    back_off::is_of_the_disk,
     budget::Budget,
     event::Event,
     farm::Farm,
@@ -30,8 +27,6 @@ use crate::{
 
 /// Who pauses a profile whose build was given up.
 pub const GAVE_UP: &str = "nestd";
-/// After a build could not be made or published, it rests so long.
-const REST: Duration = Duration::from_secs(10);
 /// A build whose making was begun so often without an end is given up, whatever ended the daemon each time.
 const MAX_STARTS: u32 = 200;
 
@@ -69,13 +64,14 @@ impl Farm {
 
     /// Whether a build failed a moment ago and is left alone for now.
     fn rests(&self, build: BuildId) -> bool {
-        self.rest_until.get(&build).is_some_and(|at| Instant::now() < *at)
+        self.resting.rests(&build)
     }
 
     /// Whether the queue folder of a profile is there; one that went away is opened anew, and its absence costs no attempt.
     fn has_queue(&mut self, profile: &str) -> bool {
         let Some(station) = self.stations.get_mut(profile) else { return false };
-        if station.queue.as_ref().is_some_and(|queue| queue.check().is_err()) {
+        let is_held = station.holds.queue.check().is_ok();
+        if station.queue.as_ref().is_some_and(|queue| !is_held || queue.check().is_err()) {
             station.queue = None;
         }
         station.queue.is_some()
@@ -125,11 +121,22 @@ impl Farm {
         self.finals.remove(&build);
         if written.is_ok() {
             self.failures.remove(&build);
+            self.resting.done(&build);
+            let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+            self.notices.clear(Attention::NestingFails, &profile, &format!("build {build}"));
         }
         let written = match written {
             Ok(written) => written,
             Err(failure) if self.stopping => {
                 info!(build.id = %build, "A build was left for the next start: {failure:#}.");
+                return Ok(());
+            }
+            Err(failure) if is_of_the_disk(&failure) => {
+                // No fault of the build's: it costs no attempt, and the parts stay in it.
+                self.fresh_builds.insert(build);
+                self.resting.failed(build);
+                let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+                self.trouble(Attention::NestingFails, &profile, &format!("build {build}"), &failure);
                 return Ok(());
             }
             Err(failure) => {
@@ -197,7 +204,7 @@ impl Farm {
         let published = match published {
             Ok(published) => published,
             Err(failure) => {
-                self.rest_until.insert(id, Instant::now() + REST);
+                self.resting.failed(id);
                 let profile = self.ledger.build(id).await?.map(|b| b.profile).unwrap_or_default();
                 let about = format!("build {id}");
                 match failure.downcast_ref::<Replaced>() {
@@ -211,9 +218,11 @@ impl Farm {
             }
         };
         self.ledger.publish_build(id).await?;
-        self.rest_until.remove(&id);
+        self.resting.done(&id);
         let Some(build) = self.ledger.build(id).await? else { return Ok(()) };
-        self.notices.clear(Attention::QueueReplaced, &build.profile, &format!("build {id}"));
+        for kind in [Attention::QueueReplaced, Attention::PublishingFails] {
+            self.notices.clear(kind, &build.profile, &format!("build {id}"));
+        }
         let height_mm = (build.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
             Published::Now => {
@@ -256,7 +265,7 @@ impl Farm {
     async fn note_failure(&mut self, build: BuildId, why: &str) -> Result<()> {
         let failure = self.failures.entry(build).or_default();
         *failure = (failure.0 + 1, why.to_owned());
-        self.rest_until.insert(build, Instant::now() + REST);
+        self.resting.failed(build);
         let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
         Ok(self.ledger.event("attempt_failed", &profile, None, Some(build), why).await?)
     }

@@ -11,9 +11,6 @@ use crate::{
     settings::{MeshErrors, Profile},
 };
 
-/// Copies that one dropped file may ask for, all its solids together.
-const MAX_COPIES: u64 = 20_000;
-
 /// What came out of reading a part's file.
 #[derive(Debug)]
 pub enum ReadOutcome {
@@ -31,18 +28,22 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
         Ok(file) => file,
         Err(error) => return ReadOutcome::Later(chain(&error)),
     };
-    if !file.exists() {
-        return ReadOutcome::Refused("Its file is no longer kept. Drop it again.".to_owned());
+    match file.try_exists() {
+        Ok(true) => {}
+        Ok(false) => return ReadOutcome::Refused("Its file is no longer kept. Drop it again.".to_owned()),
+        Err(error) => return ReadOutcome::Later(format!("{}: {error}", file.display())),
     }
     let contents = match format::read(&file, &part.name, part.unit, profile.unit, &meshes.limits) {
         Ok(contents) => contents,
         Err(error) if error.is_io() => return ReadOutcome::Later(chain(&error)),
-        Err(error) => return ReadOutcome::Refused(format!("{}: {}.", part.name, chain(&error))),
+        // What it quotes of the file is for people.
+        Err(error) => return ReadOutcome::Refused(format!("{}: {}.", part.name, format::visible(&chain(&error)))),
     };
     let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
-    if copies > MAX_COPIES {
+    if copies > meshes.limits.max_copies {
         return ReadOutcome::Refused(format!(
-            "It asks for {copies} copies; one file may ask for {MAX_COPIES} at most."
+            "It asks for {copies} copies; one file may ask for {} at most (limits.max_copies).",
+            meshes.limits.max_copies
         ));
     }
     let faults: Vec<String> = contents.solids.iter().filter_map(|solid| fault_of(solid, part, profile)).collect();
@@ -53,6 +54,7 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
     for (index, solid) in contents.solids.into_iter().enumerate() {
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
+        warnings.iter_mut().for_each(|warning| *warning = format::visible(warning));
         facts.push(facts_of(&solid, index as u32, part, warnings));
         let key = MeshKey {
             content_hash: part.content_hash.clone(),

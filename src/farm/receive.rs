@@ -1,18 +1,29 @@
 //! The steps "dropped" and "claimed": what has settled in a hot folder is claimed and copied into the store. The scan is the
 //! truth; an event only says "look". The row in the ledger follows in the event loop.
 
-use std::time::{Duration, Instant};
+use std::{
+    collections::HashMap,
+    io,
+    path::Path,
+    time::{Duration, Instant},
+};
 
+use super::owner::Hold;
 use crate::{
     format,
     intake::{
-        self, Claim, Inbox, LeftFolders, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, StoreError, Stored,
+        self, Claim, Given, Inbox, LeftFolders, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, StoreError,
+        Stored, TicketError,
     },
     settings::Profile,
 };
 
-/// Parts claimed in one look, so that the first of very many are being read while the rest is claimed.
-const MAX_CLAIMS_PER_LOOK: usize = 100;
+/// Parts claimed in one look, so that the first of very many are being read while the rest is claimed: so many, or this share
+/// of what stands there, so that the looks at very many files do not cost more than the files.
+const CLAIMS_PER_LOOK: usize = 100;
+const SHARE_PER_LOOK: usize = 20;
+/// A file that nestd may not read is refused when that lasts so long.
+const DENIED_FOR: Duration = Duration::from_secs(5);
 
 /// Refused files are counted again after so long.
 const COUNT_AGAIN: Duration = Duration::from_secs(2);
@@ -25,17 +36,33 @@ pub struct Gate {
     began: Instant,
     /// Order folders whose files were claimed; they go when they stay empty.
     left: LeftFolders,
-    /// Claims that are not in the store yet; `None` = those of an earlier run have not been looked for.
+    /// Claims that are not in the store yet; `None` = what lies in `.claimed/` is to be listed: at the start, after the hot
+    /// folder was away, after something went wrong there.
     pending: Option<Vec<Claim>>,
     /// When the refused files were counted last.
     counted: Option<Instant>,
+    /// Device and inode of the hot folder at the last look.
+    at: Option<(u64, u64)>,
+    /// Claims with a file that may not be read, and since when.
+    unreadable: HashMap<String, Instant>,
+}
+
+/// A claimed part that is in the store.
+#[derive(Debug)]
+pub struct Drop {
+    /// The claim.
+    pub claim: Claim,
+    /// Its copy.
+    pub stored: Stored,
+    /// What is said about it.
+    pub given: Result<Given, TicketError>,
 }
 
 /// What one look found.
 #[derive(Debug, Default)]
 pub struct Received {
     /// Claimed parts that are in the store.
-    pub drops: Vec<(Claim, Stored)>,
+    pub drops: Vec<Drop>,
     /// Why the hot folder cannot be looked at.
     pub unavailable: Option<String>,
     /// Seconds until another look is worth it, where something is settling.
@@ -46,6 +73,9 @@ pub struct Received {
     pub troubles: Vec<String>,
     /// Refused files that lie in the error folder; `None` = not counted this time.
     pub refused_kept: Option<usize>,
+    /// A part may stand in a claim that nobody knows: claims are listed anew, and no order list is ended for its seeming to
+    /// be served.
+    in_doubt: bool,
 }
 
 impl Gate {
@@ -58,6 +88,8 @@ impl Gate {
             left: LeftFolders::default(),
             pending: None,
             counted: None,
+            at: None,
+            unreadable: HashMap::new(),
         }
     }
 
@@ -68,12 +100,23 @@ impl Gate {
 
     /// A claim that could not be recorded: the next look brings it again.
     pub fn take_back(&mut self, claim: Claim) {
-        self.pending.get_or_insert_default().push(claim);
+        self.wait(claim);
     }
 
     /// One look: claims what has settled and copies it into the store.
-    pub fn look(&mut self, profile: &Profile, store: &Store, orphan_secs: f64) -> Received {
+    pub fn look(&mut self, profile: &Profile, hold: &mut Hold, store: &Store, orphan_secs: f64) -> Received {
         let mut received = Received::default();
+        if let Err(error) = hold.check() {
+            received.unavailable = Some(error.to_string());
+            self.pending = None;
+            return received;
+        }
+        if self.at.is_some() && self.at != hold.seen() {
+            // It was away and is back, or was replaced on purpose.
+            self.inbox = Inbox::new(self.inbox.path(), ScanLimits::default());
+            self.pending = None;
+        }
+        self.at = hold.seen();
         self.settler.set_rules(rules(profile, orphan_secs));
         let mut claims = self.claims_so_far(&mut received);
         match self.inbox.scan() {
@@ -82,45 +125,30 @@ impl Gate {
                     .troubles
                     .extend(listing.troubles.iter().map(|(path, why)| format!("{}: {why}", path.display())));
                 let now_secs = self.began.elapsed().as_secs_f64();
-                let ready = self.settler.observe(&listing.seen, now_secs, format::has_end);
-                received.next_secs = self.settler.next_secs(now_secs);
-                for ready in ready {
-                    if claims.len() >= MAX_CLAIMS_PER_LOOK {
-                        received.next_secs = Some(0.0);
+                let most = CLAIMS_PER_LOOK.max(listing.seen.len() / SHARE_PER_LOOK);
+                let mut is_cut = false;
+                let inbox = self.inbox.path();
+                let has_end = |file: &Path, name: &str| format::has_end(&mut intake::open_dropped(inbox, file)?, name);
+                for ready in self.settler.ready(&listing.seen, now_secs, has_end) {
+                    if claims.len() >= most {
+                        is_cut = true;
                         break;
                     }
-                    claims.extend(self.take(profile, &ready, orphan_secs, &mut received));
+                    claims.extend(take(inbox, profile, &ready, orphan_secs, &mut received));
                 }
+                received.next_secs = if is_cut { Some(0.0) } else { self.settler.next_secs(now_secs) };
             }
             Err(error) => received.unavailable = Some(error.to_string()),
         }
-        self.pending = Some(Vec::new());
+        // A claim that went wrong may be there and nobody knows it: the next look lists them all.
+        self.pending = (!received.in_doubt).then(Vec::new);
         for claim in claims {
             // A claim that was listed while the loop ended it is no claim any more.
-            if !claim.dir.exists() {
+            if matches!(claim.dir.try_exists(), Ok(false)) {
                 continue;
             }
             self.left.note(&claim);
-            match store.put(&claim.part) {
-                Ok(stored) => received.drops.push((claim, stored)),
-                // Somebody still writes into it: it goes back and settles anew.
-                Err(StoreError::Changed(_)) => match intake::give_back(&claim) {
-                    Ok(_) => received.next_secs = Some(0.0),
-                    Err(error) => {
-                        received.troubles.push(chain(&error));
-                        self.pending.get_or_insert_default().push(claim);
-                    }
-                },
-                Err(StoreError::Unreadable { source, .. }) => {
-                    if !refuse_unreadable(profile, &claim, &source, &mut received) {
-                        self.pending.get_or_insert_default().push(claim);
-                    }
-                }
-                Err(error) => {
-                    received.troubles.push(chain(&error));
-                    self.pending.get_or_insert_default().push(claim);
-                }
-            }
+            self.store(profile, claim, store, &mut received);
         }
         self.left.sweep(self.inbox.path(), LeftFolders::MIN_AGE);
         if self.counted.is_none_or(|at| at.elapsed() >= COUNT_AGAIN) || !received.refused.is_empty() {
@@ -130,44 +158,103 @@ impl Gate {
         received
     }
 
+    /// Copies a claimed part into the store. What fails stays claimed, and is tried at the next look.
+    fn store(&mut self, profile: &Profile, claim: Claim, store: &Store, received: &mut Received) {
+        match store.put_claimed(&claim) {
+            Ok(stored) => match claim.given() {
+                Err(error @ TicketError::Unreadable { errno, .. })
+                    if !self.is_lasting(&claim, &io::Error::from_raw_os_error(errno)) =>
+                {
+                    received.troubles.push(error.to_string());
+                    self.wait(claim);
+                }
+                given => {
+                    self.unreadable.remove(&claim.id);
+                    received.drops.push(Drop { claim, stored, given });
+                }
+            },
+            // Somebody still writes into it: it goes back and settles anew.
+            Err(StoreError::Changed(_)) => match intake::give_back(&claim) {
+                Ok(_) => received.next_secs = Some(0.0),
+                Err(error) => {
+                    received.troubles.push(chain(&error));
+                    self.wait(claim);
+                }
+            },
+            Err(StoreError::Unreadable { source, .. }) if self.is_lasting(&claim, &source) => {
+                if !refuse_unreadable(profile, &claim, &source, received) {
+                    self.wait(claim);
+                }
+            }
+            Err(error) => {
+                received.troubles.push(chain(&error));
+                self.wait(claim);
+            }
+        }
+    }
+
+    fn wait(&mut self, claim: Claim) {
+        if let Some(pending) = &mut self.pending {
+            pending.push(claim);
+        }
+    }
+
+    /// Whether a file is no file of ours to read, and not only for a moment: shares say "permission denied" in passing.
+    fn is_lasting(&mut self, claim: &Claim, why: &io::Error) -> bool {
+        if why.kind() != io::ErrorKind::PermissionDenied {
+            return why.raw_os_error().is_none_or(|code| code == rustix::io::Errno::LOOP.raw_os_error());
+        }
+        let since = *self.unreadable.entry(claim.id.clone()).or_insert_with(Instant::now);
+        since.elapsed() >= DENIED_FOR
+    }
+
     /// Claims that wait for the store; at the first look those that an earlier run left.
     fn claims_so_far(&mut self, received: &mut Received) -> Vec<Claim> {
         if let Some(pending) = self.pending.take() {
             return pending;
         }
         match intake::claims(self.inbox.path()) {
-            Ok(claims) => claims,
+            Ok((claims, troubles)) => {
+                received.in_doubt = !troubles.is_empty();
+                received.troubles.extend(troubles);
+                claims
+            }
             Err(error) => {
+                received.in_doubt = true;
                 received.troubles.push(chain(&error));
                 Vec::new()
             }
         }
     }
+}
 
-    fn take(&self, profile: &Profile, ready: &Ready, orphan_secs: f64, received: &mut Received) -> Option<Claim> {
-        let inbox = self.inbox.path();
-        match ready {
-            Ready::Part { .. } => match intake::claim(inbox, ready) {
-                Ok(claim) => return Some(claim),
-                // It is still being written to or was taken away: the next look tells.
-                Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
-                Err(error) => received.troubles.push(chain(&error)),
-            },
-            Ready::List { list, .. } => {
-                let folders = &profile.folders;
-                match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
-                    Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
-                    Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
-                    Err(error) => received.troubles.push(chain(&error)),
-                }
+/// Does with one thing what is to be done; a part becomes a claim.
+fn take(inbox: &Path, profile: &Profile, ready: &Ready, orphan_secs: f64, received: &mut Received) -> Option<Claim> {
+    match ready {
+        Ready::Part { .. } => match intake::claim(inbox, ready) {
+            Ok(claim) => return Some(claim),
+            // It is still being written to or was taken away: the next look tells.
+            Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
+            Err(error) => {
+                received.in_doubt = true;
+                received.troubles.push(chain(&error));
             }
-            Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {
-                Ok(_) => received.refused.push((name_of(&seen.path), reason.clone())),
+        },
+        Ready::List { .. } if received.in_doubt => {}
+        Ready::List { list, .. } => {
+            let folders = &profile.folders;
+            match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
+                Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
+                Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
                 Err(error) => received.troubles.push(chain(&error)),
-            },
+            }
         }
-        None
+        Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {
+            Ok(_) => received.refused.push((name_of(&seen.path), reason.clone())),
+            Err(error) => received.troubles.push(chain(&error)),
+        },
     }
+    None
 }
 
 /// The reasons that lie in an error folder: one for each file that somebody must see to.

@@ -43,7 +43,7 @@ pub struct Unknown {
 /// # Errors
 /// A daemon serves the farm, or ledger and folders cannot be read.
 pub async fn repair(settings: &Settings) -> Result<Reconciled> {
-    let _lock = Lock::take(&settings.state_dir)?;
+    let _lock = Lock::take(&settings.state_dir, jiff::Timestamp::now())?;
     let ledger = Ledger::open_whole(&settings.ledger).await?;
     let reconciled = reconcile(settings, &ledger).await;
     ledger.close_sealed().await?;

@@ -38,7 +38,7 @@ pub struct Restored {
 pub async fn restore(settings: &Settings, backup: Option<&Path>) -> Result<Restored> {
     access::create_private_folders(&settings.state_dir)
         .with_context(|| format!("creating {}", settings.state_dir.display()))?;
-    let _lock = Lock::take(&settings.state_dir)?;
+    let _lock = Lock::take(&settings.state_dir, jiff::Timestamp::now())?;
     let new = match backup {
         Some(backup) => Some(copy_proved(backup, &settings.ledger).await?),
         None => None,

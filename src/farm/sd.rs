@@ -2,6 +2,9 @@
 
 use sd_notify::NotifyState;
 
+/// Longer than the longest wait between two tries to open the farm.
+const EXTEND_USEC: u32 = 120_000_000;
+
 /// The farm serves.
 pub fn ready(status: &str) {
     tell(&[NotifyState::Ready, NotifyState::Status(status)]);
@@ -10,6 +13,11 @@ pub fn ready(status: &str) {
 /// One line for `systemctl status`.
 pub fn status(status: &str) {
     tell(&[NotifyState::Status(status)]);
+}
+
+/// The start takes longer, for this reason.
+pub fn waiting(why: &str) {
+    tell(&[NotifyState::Status(why), NotifyState::ExtendTimeoutUsec(EXTEND_USEC)]);
 }
 
 /// The event loop is alive.

@@ -8,9 +8,11 @@ use std::{
 
 use super::{
     budget::Budget,
+    holds::Holds,
     layout::{Copy, Layout, PlacedCopy, placed_from_json},
     nest::Best,
     notices::Notices,
+    owner::Owner,
     receive::Gate,
 };
 use crate::{
@@ -35,6 +37,8 @@ pub struct Station {
     pub look_at: Instant,
     /// Refused files that lie in its error folder.
     pub refused_kept: usize,
+    /// That this daemon serves its folders.
+    pub holds: Holds,
     /// Its printer queue folder, once it could be opened.
     pub queue: Option<Queue>,
     /// The build that is being gathered.
@@ -43,6 +47,8 @@ pub struct Station {
     pub flush: Vec<CommandId>,
     /// Whether all that waits is nested as far as it will be: only news from the ledger or the clock bring work.
     pub is_settled: bool,
+    /// Not batched again before this.
+    pub batch_at: Instant,
     /// Whether an operator has paused it.
     pub paused: bool,
     /// What `STATUS.txt` and `status.json` say.
@@ -83,10 +89,11 @@ pub struct OpenBuild {
 
 impl Station {
     /// A station that has looked at nothing yet; `row` is its open build, whose layout is gone on from.
-    pub fn new(profile: Arc<Profile>, orphan_secs: f64, row: &BuildRow) -> Self {
+    pub fn new(profile: Arc<Profile>, orphan_secs: f64, owner: &Owner, row: &BuildRow) -> Self {
         let placed = row.layout.as_deref().map(placed_from_json).unwrap_or_default();
         Self {
             gate: Some(Box::new(Gate::new(&profile, orphan_secs))),
+            holds: Holds::new(owner, &profile),
             profile,
             look_at: Instant::now(),
             refused_kept: 0,
@@ -94,6 +101,7 @@ impl Station {
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
             flush: Vec::new(),
             is_settled: false,
+            batch_at: Instant::now(),
             paused: false,
             status: Default::default(),
         }
@@ -137,6 +145,12 @@ impl OpenBuild {
         }
         let rested = self.retry_at.is_none_or(|at| now >= at);
         self.tried != *wanted && rested && now.duration_since(since) >= ARRIVALS_SETTLE
+    }
+
+    /// What was tried is searched once more, after a while.
+    pub fn forget_tried(&mut self) {
+        self.tried.clear();
+        self.retry_at = Some(Instant::now() + RETRY_AFTER);
     }
 
     /// Takes in what a search found.

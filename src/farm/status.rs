@@ -14,10 +14,11 @@ use super::{
 use crate::{
     intake,
     ledger::{Beat, ProfileStatus},
+    settings::Profile,
 };
 
 /// Troubles that did not come again for so long, or for three scans, are over.
-const TROUBLES_LAST: Duration = Duration::from_secs(60);
+const TROUBLES_LAST: Duration = Duration::from_secs(150);
 /// Between two looks at the whole ledger for what is shown.
 const SHOW_EVERY: Duration = Duration::from_secs(2);
 
@@ -77,6 +78,9 @@ impl Farm {
     pub(super) fn tell_people(&mut self) {
         let over = TROUBLES_LAST.max(Duration::from_secs_f64(3.0 * self.settings.scan_secs));
         self.notices.forget_what_is_over(over);
+        if let Some(why) = self.outside.dashboard() {
+            self.notices.raise(Attention::DashboardDown, "", "", &why);
+        }
         self.notices.keep(&self.settings.state_dir);
         if !self.is_halted || self.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
             return;
@@ -144,7 +148,7 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
             100.0 * height_mm / volume_z_mm
         ));
     }
-    if let Some(at) = fires_at(station, row) {
+    if let Some(at) = fires_at(profile, row) {
         lines.push(format!("It fires when it is full, at the latest {}.", local(at)));
     }
     for build in &row.nesting {
@@ -171,7 +175,7 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
             "copies": station.open.layout.placed.len(),
             "height_share": station.open.layout.height_mm / station.profile.build_volume().size_mm.z,
         },
-        "fires_at_latest": fires_at(station, row).map(|at| at.to_string()),
+        "fires_at_latest": fires_at(&station.profile, row).map(|at| at.to_string()),
         "in_work": row.nesting.iter().map(|b| json!({ "build": b.build, "copies": b.copies })).collect::<Vec<_>>(),
         "last_published": row.last_published.as_ref().map(|b| json!({
             "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,
@@ -179,15 +183,15 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
     })
 }
 
-/// When the oldest part will have waited long enough.
-fn fires_at(station: &Station, row: &ProfileStatus) -> Option<Timestamp> {
+/// When the next build of a profile fires at the latest: the oldest part has waited long enough, or a due date comes near.
+pub fn fires_at(profile: &Profile, row: &ProfileStatus) -> Option<Timestamp> {
     if row.paused.is_some() || row.waiting_parts == 0 {
         return None;
     }
     let oldest = row.oldest_at?.0;
-    let wait = jiff::SignedDuration::try_from_secs_f64(station.profile.trigger.max_wait_secs).ok()?;
+    let wait = jiff::SignedDuration::try_from_secs_f64(profile.trigger.max_wait_secs).ok()?;
     let latest = oldest.checked_add(wait).ok()?;
-    let due = row.due_at.zip(station.profile.trigger.due_margin_secs).and_then(|(due, margin_secs)| {
+    let due = row.due_at.zip(profile.trigger.due_margin_secs).and_then(|(due, margin_secs)| {
         let margin = jiff::SignedDuration::try_from_secs_f64(margin_secs).ok()?;
         due.0.checked_sub(margin).ok()
     });

@@ -69,16 +69,16 @@ impl Farm {
     async fn sweep_store(&mut self) -> Result<()> {
         let now = Timestamp::now();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
-            let (from, until) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
-            for part in self.ledger.parts_since(state, from, until, u32::MAX).await? {
-                if !self.is_needed(&part.content_hash).await? {
-                    self.meshes.store.remove(&part.content_hash)?;
+            let (from, to) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
+            for hash in self.ledger.hashes_in_state(state, from, to).await? {
+                if !self.is_needed(&hash).await? {
+                    self.meshes.store.remove(&hash)?;
                 }
             }
         }
         let mut live = HashSet::new();
         for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
-            live.extend(self.ledger.parts_in_state(state).await?.into_iter().map(|part| part.content_hash));
+            live.extend(self.ledger.hashes_in_state(state, Timestamp::UNIX_EPOCH, now).await?);
         }
         self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
         Ok(())
@@ -100,29 +100,40 @@ impl Farm {
         }
         let mut closed = Vec::new();
         for (name, station) in self.stations.iter_mut().filter(|(_, s)| s.queue.is_none()) {
+            // An empty mount point is not marked as a queue.
+            if let Err(error) = station.holds.queue.check() {
+                closed.push((name.clone(), error.to_string()));
+                continue;
+            }
             match Queue::open(&station.profile.folders.queue) {
                 Ok(queue) => {
-                    let swept = queue.sweep(&staged)?;
+                    let swept = match queue.sweep(&staged) {
+                        Ok(swept) => swept,
+                        Err(error) => {
+                            closed.push((name.clone(), super::receive::chain(&error)));
+                            continue;
+                        }
+                    };
                     if !swept.is_empty() {
                         info!(profile = %name, files = swept.len(), "Removed half-written files of an earlier run.");
                     }
                     station.queue = Some(queue);
-                    self.notices.clear(Attention::QueueAway, name, "");
                 }
                 Err(error) => closed.push((name.clone(), super::receive::chain(&error))),
             }
         }
-        for (name, why) in closed {
-            self.notices.raise(Attention::QueueAway, &name, "", &why);
+        for name in self.stations.keys().cloned().collect::<Vec<_>>() {
+            match closed.iter().find(|(of, _)| *of == name) {
+                Some((_, why)) => self.notices.raise(Attention::QueueAway, &name, "", why),
+                None => self.notices.clear(Attention::QueueAway, &name, ""),
+            }
         }
         Ok(())
     }
 }
 
-/// The time that lies so many seconds before another.
 fn ago(now: Timestamp, secs: f64) -> Timestamp {
-    let span = SignedDuration::try_from_secs_f64(secs).unwrap_or(SignedDuration::MAX);
-    now.checked_sub(span).unwrap_or(Timestamp::MIN)
+    now.checked_sub(SignedDuration::from_secs_f64(secs)).unwrap_or(Timestamp::UNIX_EPOCH)
 }
 
 /// Removes originals that are older than the profile keeps them.
@@ -146,21 +157,33 @@ pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, P
     };
     let mut found = Vec::new();
     for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
-        if !fs::read_to_string(reason).is_ok_and(|text| text.lines().any(|said| said.starts_with(&line))) {
+        let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
+        if !text.is_some_and(|text| text.lines().any(|said| said.starts_with(&line))) {
             continue;
         }
-        let is_it = |file: &&PathBuf| {
-            file.parent() == reason.parent()
-                && *file != reason
-                && intake::hash_file(file).is_ok_and(|hash| hash == part.content_hash)
-        };
         // Its name without the suffix, except where that was too long.
         let named = reason.with_extension("").with_extension("");
-        if let Some(file) = Some(&named).filter(is_it).or_else(|| files.iter().find(is_it)) {
-            found.push((file.clone(), reason.clone()));
+        let beside = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
+        for file in [&named].into_iter().chain(beside) {
+            if has_content(file, part)? {
+                found.push((file.clone(), reason.clone()));
+                break;
+            }
         }
     }
     Ok(found)
+}
+
+fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
+    match fs::symlink_metadata(file) {
+        Ok(meta) if !meta.is_file() || meta.len() != part.bytes => Ok(false),
+        Ok(_) => {
+            let hash = intake::hash_file(file).with_context(|| format!("reading {}", file.display()))?;
+            Ok(hash == part.content_hash)
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error).with_context(|| format!("looking at {}", file.display())),
+    }
 }
 
 /// Removes a refused file from the error folder, if it is still the same file, with its reason.

@@ -3,7 +3,6 @@
 use std::{
     fs::File,
     io::{self, Read, Seek, SeekFrom},
-    path::Path,
 };
 
 use super::{
@@ -18,18 +17,17 @@ const TEXT_TAIL: u64 = 1 << 16;
 /// Whether the end that the format promises is there: a binary STL is 84 + 50 n bytes or longer, an ASCII STL has its
 /// `endsolid`, a 3MF its end-of-central-directory record. Any other file: `true`, since it will be refused when read. Reads
 /// the head and the tail only. A file that lies about its length never has its end: the caller bounds the wait.
-pub fn has_end(file: &Path, name: &str) -> io::Result<bool> {
-    let mut opened = File::open(file)?;
+pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
     let len = opened.metadata()?.len();
     let mut head = Vec::new();
-    (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
+    opened.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
     if is_barely_begun(&head, name) {
         return Ok(false);
     }
     match kind(&head, len, name) {
-        Kind::Package => Ok(end_record(&tail(&mut opened, len, MAX_END)?).is_some()),
+        Kind::Package => Ok(end_record(&tail(opened, len, MAX_END)?).is_some()),
         Kind::TextStl => {
-            let tail = tail(&mut opened, len, TEXT_TAIL)?;
+            let tail = tail(opened, len, TEXT_TAIL)?;
             Ok(tail.windows(8).any(|w| w.eq_ignore_ascii_case(b"endsolid")))
         }
         Kind::BinaryStl => Ok(claimed_count(&head).is_some_and(|count| len >= binary_len(count))),
@@ -60,7 +58,7 @@ mod tests {
     fn ends(bytes: &[u8], name: &str) -> bool {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), bytes).unwrap();
-        has_end(file.path(), name).unwrap()
+        has_end(&mut File::open(file.path()).unwrap(), name).unwrap()
     }
 
     #[test]

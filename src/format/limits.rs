@@ -18,6 +18,10 @@ pub struct Limits {
     pub max_instances: u64,
     /// How deep components may nest.
     pub max_depth: u32,
+    /// Pieces of one part that do not hang together.
+    pub max_shells: u64,
+    /// Copies that one dropped file may ask for, all its parts together.
+    pub max_copies: u64,
 }
 
 impl Default for Limits {
@@ -29,6 +33,8 @@ impl Default for Limits {
             max_entries: 10_000,
             max_instances: 100_000,
             max_depth: 16,
+            max_shells: 10_000,
+            max_copies: 20_000,
         }
     }
 }
@@ -43,6 +49,8 @@ impl Limits {
             max_entries: 50,
             max_instances: 200,
             max_depth: 4,
+            max_shells: 100,
+            max_copies: 500,
         }
     }
 }

@@ -36,6 +36,7 @@ mod stl_text;
 mod stl_write;
 mod threemf_read;
 mod uuid;
+mod visible;
 mod xml;
 
 pub use build_file::{BuildFile, BuildInfo, BuildItem, BuildObject, PlacedMesh};
@@ -48,6 +49,7 @@ pub use pick_map::{PickRow, pick_rows, write_pick_map};
 pub use read::{Contents, Solid, read};
 pub use second_reader::cross_check;
 pub use stl_write::write_stl;
+pub use visible::{cell, is_invisible, visible, visible_lines};
 
 #[cfg(test)]
 mod build_tests;

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use glam::DVec3;
 
 use super::{
-    Arrangement, BuildFile, BuildItem, Instances,
+    Arrangement, BuildFile, BuildItem, Instances, is_invisible,
     uuid::uuid,
     xml::{CORE, NESTD, PRODUCTION},
 };
@@ -202,8 +202,7 @@ fn transform(pose: &Pose) -> String {
 
 /// A name in characters that need no escape: a well-known reader gets escapes wrong.
 fn safe(name: &str) -> String {
-    let unsafe_character =
-        |c: char| c.is_control() || matches!(c, '&' | '<' | '>' | '"' | '\'' | '\u{fffe}' | '\u{ffff}');
+    let unsafe_character = |c: char| is_invisible(c) || matches!(c, '&' | '<' | '>' | '"' | '\'');
     name.chars().take(MAX_NAME).map(|c| if unsafe_character(c) { '_' } else { c }).collect()
 }
 

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use glam::DVec3;
 
-use super::{BuildFile, BuildItem, WriteError};
+use super::{BuildFile, BuildItem, WriteError, cell};
 
 /// Columns of the pick map.
 const HEADER: [&str; 14] = [
@@ -80,11 +80,11 @@ pub fn write_pick_map(rows: impl IntoIterator<Item = PickRow>, out: impl Write) 
         let numbers = [center.x, center.y, center.z, size.x, size.y, size.z, row.top_mm].map(millimetres);
         let words = [
             row.item.to_string(),
-            row.part,
-            row.part_number,
-            row.order.unwrap_or_default(),
+            cell(&row.part),
+            cell(&row.part_number),
+            cell(row.order.as_deref().unwrap_or_default()),
             row.copy.to_string(),
-            row.source_name,
+            cell(&row.source_name),
         ];
         let record = words.iter().chain(&numbers).chain([&row.source_hash]);
         csv.write_record(record).map_err(csv_error)?;

@@ -58,12 +58,20 @@ pub fn read(
     (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
     let stem = PathBuf::from(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned());
     let stl_unit = unit.unwrap_or(default_unit);
-    match kind(&head, len, name) {
+    let contents = match kind(&head, len, name) {
         Kind::Package => threemf_read::read_dropped(file, &stem, unit, limits),
         Kind::TextStl => stl_contents(read_ascii(File::open(file)?, limits)?, stem, stl_unit),
         Kind::BinaryStl => stl_contents(read_binary(opened, &head, len, limits)?, stem, stl_unit),
         Kind::Other(what) => Err(ReadError::Unknown(what)),
+    }?;
+    for solid in &contents.solids {
+        let shells = solid.mesh.shells() as u64;
+        if shells > limits.max_shells {
+            let what = format!("{} is made of {shells} pieces that do not hang together, which", solid.name);
+            return Err(ReadError::TooLarge { what, limit: limits.max_shells });
+        }
     }
+    Ok(contents)
 }
 
 /// A whole STL file is one part, also with several `solid` blocks: as dropped.

@@ -8,7 +8,7 @@ use super::{
     Contents, Limits, ReadError, Solid, Unit,
     flatten::{Flat, Flattener},
     model::{Document, Item, ObjectKey},
-    solid,
+    solid, visible,
 };
 
 /// Transforms whose linear parts agree to so many steps per unit are the same: files print 6 to 17 digits.
@@ -46,7 +46,7 @@ pub(super) fn read_dropped(
         let object = document.object(group.key);
         let own = object.name.as_deref().or(group.part_number.as_deref()).map(str::trim).filter(|n| !n.is_empty());
         let name = match own {
-            Some(name) => name.to_owned(),
+            Some(name) => visible(name),
             None if many => format!("{stem} {}", group.key.id()),
             None => stem.to_owned(),
         };

@@ -12,6 +12,7 @@ mod obb;
 mod obb_tree;
 mod pose;
 mod separating_axis;
+mod shells;
 mod slide;
 mod sweep;
 mod triangle;

@@ -15,8 +15,9 @@ use super::{
 /// overwrites: the same bytes there already is success (so that it can be repeated after a crash), other bytes make this
 /// one `name (2)`.
 pub fn archive(stored: &Path, archive_dir: &Path, build_stem: &str, display_name: &str) -> io::Result<PathBuf> {
-    let folder = archive_dir.join(plain(build_stem)?);
-    disk::create_dirs(&folder)?;
+    let below = plain(build_stem)?;
+    let folder = archive_dir.join(&below);
+    disk::create_dirs_beneath(archive_dir, &below)?;
     let name = raw_name(display_name).unwrap_or_else(|| display_name.into());
     let name = plain(&name)?;
     for n in 1..=disk::MAX_NUMBER {

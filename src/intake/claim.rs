@@ -155,7 +155,7 @@ pub(super) fn claim_stepwise(inbox: &Path, ready: &Ready, step: &mut dyn FnMut()
     let whole = take(inbox, &new, part, tickets, list, step).and_then(|()| finish(inbox, &new, &id, step));
     if let Err(error) = whole {
         if let Err(error) = give_back_files(inbox, &new) {
-            warn!(claim = %new.display(), %error, "Could not give back a half made claim; the next start does it.");
+            warn!(claim = %new.display(), %error, "Could not give back a half made claim; the next look does it.");
         }
         return Err(error);
     }
@@ -173,10 +173,11 @@ pub(super) fn claiming() -> MutexGuard<'static, ()> {
 
 fn begin(inbox: &Path) -> Result<(String, PathBuf), ClaimError> {
     let claimed = inbox.join(CLAIMED_DIR);
-    disk::create_dirs(&claimed).map_err(|e| io_error("create", &claimed, e))?;
+    disk::create_dirs_beneath(inbox, Path::new(CLAIMED_DIR)).map_err(|e| io_error("create", &claimed, e))?;
     let id = new_id();
     let new = claimed.join(format!("{NEW}{id}"));
-    fs::create_dir(&new).map_err(|e| io_error("create", &new, e))?;
+    // Its name is on disk before anything is moved into it: what power loss took it from under would be lost.
+    disk::create_dirs(&new).map_err(|e| io_error("create", &new, e))?;
     Ok((id, new))
 }
 
@@ -257,6 +258,7 @@ fn is_same(seen: &Seen, now_at: &Path) -> bool {
         meta.is_file()
             && (meta.len(), meta.ino(), meta.dev()) == (seen.size, seen.inode, seen.dev)
             && disk::mtime_ns(&meta) == seen.mtime_ns
+            && !disk::is_second_name_of_a_secret(&meta)
     })
 }
 
@@ -266,7 +268,8 @@ fn copy_list(list: &Seen, to: &Path) -> io::Result<()> {
     let mut bytes = Vec::new();
     (&file).take(list.size + 1).read_to_end(&mut bytes)?;
     let meta = file.metadata()?;
-    if (meta.ino(), disk::ctime_ns(&meta), bytes.len() as u64) != (list.inode, list.ctime_ns, list.size) {
+    let print = (meta.ino(), disk::ctime_ns(&meta), bytes.len() as u64, disk::is_second_name_of_a_secret(&meta));
+    if print != (list.inode, list.ctime_ns, list.size, false) {
         return Err(io::ErrorKind::InvalidData.into());
     }
     let mut copy = disk::create_anew(to)?;
@@ -280,12 +283,17 @@ pub fn release(claim: &Claim) -> Result<Released, ClaimError> {
 }
 
 pub(super) fn release_stepwise(claim: &Claim, step: &mut dyn FnMut()) -> Result<Released, ClaimError> {
-    let is_changed = fs::symlink_metadata(&claim.part)
-        .is_ok_and(|meta| (meta.len(), disk::mtime_ns(&meta)) != (claim.size, claim.mtime_ns));
-    if is_changed {
-        return give_back(claim).map(Released::GivenBack);
+    match fs::symlink_metadata(&claim.part) {
+        Ok(meta) if (meta.len(), disk::mtime_ns(&meta)) != (claim.size, claim.mtime_ns) => {
+            return give_back(claim).map(Released::GivenBack);
+        }
+        // An earlier try went further.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(io_error("look at", &claim.part, error)),
+        Ok(_) => {}
     }
     step();
+    let _only_one = claiming();
     remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))?;
     Ok(Released::Removed)
 }

@@ -30,14 +30,14 @@ fn a_claim_takes_the_part_with_its_ticket_and_a_copy_of_the_list() {
     assert_eq!(claim.part, claim.dir.join("kit 1/part_x2.stl"));
     assert_eq!(claim.tickets, [claim.dir.join("kit 1/part_x2.stl.toml")]);
     assert_eq!(fs::read_to_string(claim.list.as_ref().unwrap()).unwrap(), LIST);
-    assert_eq!(claims(&farm.inbox).unwrap(), std::slice::from_ref(&claim));
+    assert_eq!(claims(&farm.inbox).unwrap().0, std::slice::from_ref(&claim));
     let given = claim.given().unwrap();
     assert_eq!((given.ticket.copies, given.ticket.priority), (Some(7), Some(90)));
     let sources: Vec<Source> = given.sources.iter().map(|s| s.source).collect();
     assert_eq!(sources, [Source::Sidecar, Source::OrderList, Source::Name]);
     assert_eq!(release(&claim).unwrap(), Released::Removed);
     assert_eq!(release(&claim).unwrap(), Released::Removed);
-    assert!(farm.claimed().is_empty() && claims(&farm.inbox).unwrap().is_empty());
+    assert!(farm.claimed().is_empty() && claims(&farm.inbox).unwrap().0.is_empty());
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn a_claim_stopped_anywhere_leaves_the_part_with_its_ticket_at_exactly_one_place
             assert!(stop > 8 && both[0] > 5 && both[1] > 0, "{stop} {both:?}");
             return;
         }
-        let claims = claims(&farm.inbox).unwrap();
+        let claims = claims(&farm.inbox).unwrap().0;
         let all = ["kit 1/order.csv", "kit 1/part_x2.stl", "kit 1/part_x2.stl.toml"];
         match &claims[..] {
             [] => {
@@ -87,7 +87,7 @@ fn a_release_stopped_anywhere_leaves_a_whole_claim_or_none() {
             assert!(stop > 3);
             return;
         }
-        let left = claims(&farm.inbox).unwrap();
+        let left = claims(&farm.inbox).unwrap().0;
         assert!(left.is_empty() || left == [claim.clone()], "stop {stop}: {left:?}");
         assert_eq!(release(&claim).unwrap(), Released::Removed);
         assert!(farm.claimed().is_empty());
@@ -170,7 +170,7 @@ fn names_of_all_kinds_are_claimed() {
         assert_eq!(claim.name.as_bytes(), name);
         assert_eq!(claim.order, "k\\n\u{fc}");
         assert_eq!(fs::read(&claim.part).unwrap(), name);
-        assert_eq!(claims(&farm.inbox).unwrap(), std::slice::from_ref(&claim));
+        assert_eq!(claims(&farm.inbox).unwrap().0, std::slice::from_ref(&claim));
         release(&claim).unwrap();
     }
 }
@@ -215,8 +215,8 @@ fn strangers_in_the_folder_of_claims_do_no_harm() {
     let claim = farm.claim();
     fs::create_dir_all(farm.inbox.join(".claimed/empty")).unwrap();
     fs::write(farm.inbox.join(".claimed/a file"), "x").unwrap();
-    assert_eq!(claims(&farm.inbox).unwrap(), [claim]);
-    assert!(claims(farm.dir.path()).unwrap().is_empty());
+    assert_eq!(claims(&farm.inbox).unwrap().0, [claim]);
+    assert!(claims(farm.dir.path()).unwrap().0.is_empty());
 }
 
 #[test]
@@ -242,7 +242,7 @@ fn a_ticket_without_the_parts_extension_goes_with_its_part_wherever_that_goes() 
     let claim = farm.claim();
     assert_eq!(claim.given().unwrap().ticket.copies, Some(4));
     assert_eq!(claim.given().unwrap().sources[0].file_name, "plain.toml");
-    assert_eq!(claims(&farm.inbox).unwrap(), std::slice::from_ref(&claim));
+    assert_eq!(claims(&farm.inbox).unwrap().0, std::slice::from_ref(&claim));
     // Meanwhile its name would be unclear.
     farm.drop_file("plain.3mf", "PK");
     give_back(&claim).unwrap();
@@ -275,7 +275,7 @@ fn a_claim_with_a_short_ticket_stopped_anywhere_keeps_the_two_together() {
             assert!(stop > 5, "{stop}");
             return;
         }
-        let claims = claims(&farm.inbox).unwrap();
+        let claims = claims(&farm.inbox).unwrap().0;
         let claim = claims.first().cloned().unwrap_or_else(|| farm.claim());
         assert_eq!(claim.given().unwrap().ticket.copies, Some(4), "stop {stop}");
     }

@@ -4,9 +4,9 @@
 use std::{
     ffi::OsStr,
     fs::{self, File, OpenOptions},
-    io::{self, Write},
+    io::{self, Read, Write},
     os::{
-        fd::{AsFd, OwnedFd},
+        fd::{AsFd, AsRawFd, OwnedFd},
         unix::fs::MetadataExt,
     },
     path::{Component, Path, PathBuf},
@@ -14,7 +14,7 @@ use std::{
 };
 
 use rustix::{
-    fs::{CWD, Mode, OFlags, RenameFlags, openat, renameat, renameat_with},
+    fs::{CWD, Mode, OFlags, RenameFlags, fsync, mkdirat, openat, renameat, renameat_with},
     io::Errno,
 };
 
@@ -57,16 +57,51 @@ pub(super) fn rename_out(base: &Path, relative: &Path, to: &Path) -> io::Result<
     rename_at(folder, Path::new(name), CWD, to)
 }
 
+/// As [`rename_out`], between file systems too: what stands there is then copied and removed, links as links.
+pub(super) fn move_out(base: &Path, relative: &Path, to: &Path) -> io::Result<()> {
+    match rename_out(base, relative, to) {
+        Err(error) if error.kind() == io::ErrorKind::CrossesDevices => {}
+        other => return other.and_then(|()| to.parent().map_or(Ok(()), fsync_dir)),
+    }
+    let folder = open_dir_beneath(base, relative.parent().unwrap_or(Path::new("")))?;
+    // The folder that is open, whatever its path has become meanwhile.
+    let open = PathBuf::from(format!("/proc/self/fd/{}", folder.as_raw_fd()));
+    move_noreplace(&open.join(relative.file_name().ok_or(io::ErrorKind::InvalidInput)?), to)
+}
+
 /// Renames `from` to `base/relative`, likewise; makes the sub-folders that are missing.
 pub(super) fn rename_in(from: &Path, base: &Path, relative: &Path) -> io::Result<()> {
     let name = relative.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     let above = relative.parent().unwrap_or(Path::new(""));
-    create_dirs(&base.join(above))?;
-    rename_at(CWD, from, open_dir_beneath(base, above)?, Path::new(name))?;
-    fsync_dir(&base.join(above))
+    let folder = create_dirs_beneath(base, above)?;
+    rename_at(CWD, from, &folder, Path::new(name))?;
+    File::from(folder).sync_all()
 }
 
-fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
+/// Opens `base/relative` and makes what is missing of it; a link in `relative` is not followed but an error.
+pub(super) fn create_dirs_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
+    create_dirs(base)?;
+    let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
+    let mut folder = openat(CWD, base, flags, Mode::empty())?;
+    for part in relative.components() {
+        let Component::Normal(name) = part else { return Err(io::ErrorKind::InvalidInput.into()) };
+        match mkdirat(&folder, name, Mode::from_raw_mode(0o777)) {
+            Err(Errno::EXIST) => {}
+            made => made.and_then(|()| fsync(&folder))?,
+        }
+        folder = openat(&folder, name, flags | OFlags::NOFOLLOW, Mode::empty())?;
+    }
+    Ok(folder)
+}
+
+/// Opens the regular file `base/relative` to read: no link is followed anywhere in `relative`, no pipe is waited for.
+pub(super) fn open_beneath(base: &Path, relative: &Path) -> io::Result<File> {
+    let folder = open_dir_beneath(base, relative.parent().unwrap_or(Path::new("")))?;
+    regular(openat(&folder, relative.file_name().ok_or(io::ErrorKind::InvalidInput)?, READ, Mode::empty())?)
+}
+
+/// Opens the folder `base/relative`; a link in `relative` is an error.
+pub(super) fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
     let flags = OFlags::PATH | OFlags::DIRECTORY | OFlags::CLOEXEC;
     let mut folder = openat(CWD, base, flags, Mode::empty())?;
     for part in relative.components() {
@@ -76,10 +111,31 @@ fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
     Ok(folder)
 }
 
+/// How a file is opened that others can put something else in the place of.
+const READ: OFlags = OFlags::RDONLY.union(OFlags::NOFOLLOW).union(OFlags::NONBLOCK).union(OFlags::CLOEXEC);
+
 /// Opens a regular file to read: no link is followed, no pipe is waited for.
 pub(super) fn open_regular(path: &Path) -> io::Result<File> {
-    let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
-    let file = File::from(rustix::fs::open(path, flags, Mode::empty())?);
+    regular(rustix::fs::open(path, READ, Mode::empty())?)
+}
+
+/// The first bytes of a regular file, `max_bytes` at most; `None` where there is none, or something else.
+pub(super) fn read_start(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
+    use io::ErrorKind::{InvalidInput, IsADirectory, NotFound};
+    let mut bytes = Vec::new();
+    match open_regular(path) {
+        Ok(file) => file.take(max_bytes).read_to_end(&mut bytes).map(|_| Some(bytes)),
+        Err(error) if matches!(error.kind(), NotFound | IsADirectory | InvalidInput) => Ok(None),
+        // How a link and a socket are told.
+        Err(error) if [Errno::LOOP, Errno::NXIO].iter().any(|e| error.raw_os_error() == Some(e.raw_os_error())) => {
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn regular(opened: OwnedFd) -> io::Result<File> {
+    let file = File::from(opened);
     match file.metadata()?.is_file() {
         true => Ok(file),
         false => Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a regular file")),
@@ -207,6 +263,13 @@ pub(super) fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
+/// Whether this is one of several names of a file that not everybody may read: whoever made a hard link to it may be one
+/// who may not, and would have nestd read it for him.
+pub(super) fn is_second_name_of_a_secret(meta: &fs::Metadata) -> bool {
+    const OTHERS_READ: u32 = 0o004;
+    meta.is_file() && meta.nlink() > 1 && meta.mode() & OTHERS_READ == 0
+}
+
 /// Nanoseconds since 1970 of the last change of contents.
 pub(super) fn mtime_ns(meta: &fs::Metadata) -> i128 {
     i128::from(meta.mtime()) * 1_000_000_000 + i128::from(meta.mtime_nsec())
@@ -222,9 +285,12 @@ pub(super) fn as_time(ns: i128) -> SystemTime {
     UNIX_EPOCH + std::time::Duration::from_nanos(u64::try_from(ns).unwrap_or(0))
 }
 
-/// All files below a folder, sorted; links are not followed.
+/// All files below a folder, sorted; links are not followed, also where `dir` is one.
 pub fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
+    if !fs::symlink_metadata(dir)?.is_dir() {
+        return Err(io::ErrorKind::NotADirectory.into());
+    }
     for entry in fs::read_dir(dir)? {
         let entry = entry?;
         match entry.file_type()?.is_dir() {

@@ -69,11 +69,11 @@ impl Claim {
             return Err(TicketError::Two { first: shown(first), second: shown(second) });
         }
         for path in &self.tickets {
-            let text = read_text(path).map_err(|error| broken(&shown(path), error.to_string()))?;
+            let text = read_text(path).map_err(|error| unreadable(path, error))?;
             given.add(Source::Sidecar, shown(path), parse(path, &text)?, text);
         }
         if let Some(path) = &self.list {
-            let list = OrderList::read(path).map_err(|error| broken(&shown(path), error.to_string()))?;
+            let list = OrderList::read(path).map_err(|error| unreadable(path, error))?;
             if let Some(row) = list.row_for(&self.name).map_err(|why| broken(&shown(path), why))? {
                 let ticket = row.ticket.clone().map_err(|why| broken(&shown(path), why))?;
                 given.add(Source::OrderList, shown(path), ticket, row.text.clone());
@@ -95,6 +95,14 @@ impl Given {
     fn add(&mut self, source: Source, file_name: String, weaker: Ticket, text: String) {
         self.ticket = std::mem::take(&mut self.ticket).or(weaker);
         self.sources.push(TicketSource { source, file_name, text });
+    }
+}
+
+/// What the system said may pass; what was found in the file does not.
+fn unreadable(path: &Path, error: io::Error) -> TicketError {
+    match error.raw_os_error() {
+        Some(errno) => TicketError::Unreadable { file: shown(path), errno },
+        None => broken(&shown(path), error.to_string()),
     }
 }
 

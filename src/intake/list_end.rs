@@ -98,14 +98,18 @@ fn verdict(content: &OrderList, beside: &[OsString], marks: &Path, is_over: bool
 /// Notes on disk that a row of a list was served. Before the claim is whole: a part that is still there counts anyway.
 pub(super) fn mark_served(inbox: &Path, list: &Seen, row: &Row) -> io::Result<()> {
     let marks = marks_dir(inbox, list);
-    disk::create_dirs(&marks)?;
-    fs::write(marks.join(mark(&row.file)), "")?;
+    let below = marks.strip_prefix(inbox).unwrap_or(&marks);
+    disk::create_dirs_beneath(inbox, below)?;
+    disk::create_anew(&marks.join(mark(&row.file)))?;
     disk::fsync_dir(&marks)
 }
 
 /// Removes marks of lists that are long gone.
 pub(super) fn sweep_marks(inbox: &Path) {
     let lists = inbox.join(CLAIMED_DIR).join(".lists");
+    if fs::symlink_metadata(&lists).is_ok_and(|meta| !meta.is_dir()) {
+        return;
+    }
     for entry in fs::read_dir(lists).into_iter().flatten().flatten() {
         if age_secs(&entry.path()).is_some_and(|age| age > STALE_MARKS.as_secs_f64()) {
             let _ = fs::remove_dir_all(entry.path());

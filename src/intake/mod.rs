@@ -10,6 +10,7 @@ mod beside;
 mod claim;
 mod copies;
 mod disk;
+mod dropped;
 mod given;
 mod ignore;
 mod left_folders;
@@ -28,17 +29,21 @@ mod test_inbox;
 #[cfg(test)]
 mod tests;
 mod ticket;
+#[cfg(test)]
+mod tricks_tests;
 mod watch;
 
 pub use archive::{archive, purge};
 pub use claim::{Claim, ClaimError, Released, claim, claim_dir, give_back, release};
 pub use copies::copies_in_name;
 pub use disk::{files_below, hash_file, write_by_rename};
+pub use dropped::{open_dropped, read_reason};
 pub use given::{Given, Source, TicketSource};
 pub use ignore::is_ignored;
 pub use left_folders::LeftFolders;
 pub use list_end::{ListEnd, end_list};
 pub use name::{display_name, raw_name};
+pub use order_list::{OrderList, Row};
 
 pub use recover::{Work, claims, work};
 pub use refuse::{RefuseError, refuse, refuse_copy, refuse_path, rewrite_reason};

@@ -6,6 +6,8 @@ use std::{
     path::Path,
 };
 
+use crate::format::is_invisible;
+
 /// A name as text: printable characters as they are, the rest escaped (`\n`, `\xff`, `\u{202e}`, `\\`), so that no two
 /// names look alike in a log and none can play tricks on a terminal. [`raw_name`] is the way back.
 pub fn display_name(name: &OsStr) -> String {
@@ -26,13 +28,6 @@ pub fn display_name(name: &OsStr) -> String {
         }
     }
     text
-}
-
-/// Controls, and what turns or hides text; the joiner of emoji stays.
-fn is_invisible(c: char) -> bool {
-    c.is_control()
-        || matches!(c, '\u{200b}' | '\u{200c}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}'
-            | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{e0000}'..='\u{e007f}')
 }
 
 /// The bytes of a name that [`display_name`] escaped; `None` if the text is no such name.

@@ -19,14 +19,14 @@ const OTHER_WORDS: [(&str, &str); 2] = [("quantity", "copies"), ("qty", "copies"
 
 /// A list as it stands there.
 #[derive(Debug)]
-pub(super) struct OrderList {
+pub struct OrderList {
     text: String,
     content: Result<Vec<Row>, String>,
 }
 
 /// What a list says about one file.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Row {
+pub struct Row {
     /// The file's name; empty = the row names none.
     pub file: String,
     /// What is said, or what is wrong with it.
@@ -37,7 +37,7 @@ pub(super) struct Row {
 
 impl OrderList {
     /// Reads a list from the disk; what is wrong inside is kept in it.
-    pub fn read(path: &Path) -> io::Result<Self> {
+    pub(super) fn read(path: &Path) -> io::Result<Self> {
         let mut bytes = Vec::new();
         disk::open_regular(path)?.take(MAX_LIST_BYTES + 1).read_to_end(&mut bytes)?;
         Ok(Self::parse(bytes))

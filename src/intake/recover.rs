@@ -6,8 +6,6 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use tracing::warn;
-
 use super::{
     Claim, ClaimError,
     beside::{Role, role, short_name},
@@ -17,27 +15,31 @@ use super::{
     name::numbered,
 };
 
-/// The claims that lie in `.claimed/`, oldest first; gives back what a crash left half claimed and removes what it left
-/// half released. To be called at start, before the first scan: what it gives back is then listed like any other drop.
-pub fn claims(inbox: &Path) -> Result<Vec<Claim>, ClaimError> {
+/// The claims that lie in `.claimed/`, oldest first, and what could not be recovered now; gives back what a crash left half
+/// claimed and removes what it left half released. To be called before a scan: what it gives back is then listed like any
+/// other drop.
+pub fn claims(inbox: &Path) -> Result<(Vec<Claim>, Vec<String>), ClaimError> {
     let _only_one = claiming();
     let claimed = inbox.join(CLAIMED_DIR);
+    if fs::symlink_metadata(&claimed).is_ok_and(|meta| !meta.is_dir()) {
+        return Err(io_error("use as the folder of the claims", &claimed, io::ErrorKind::NotADirectory.into()));
+    }
     let entries = match fs::read_dir(&claimed) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Default::default()),
         other => other.map_err(|e| io_error("list", &claimed, e))?,
     };
-    let mut claims = Vec::new();
+    let (mut claims, mut troubles) = (Vec::new(), Vec::new());
     for entry in entries {
         let dir = entry.map_err(|e| io_error("list", &claimed, e))?.path();
         match recover(inbox, &dir) {
             Ok(found) => claims.extend(found),
-            // It stays where it is and the next start tries again: the other claims must not wait for it.
-            Err(error) => warn!(claim = %dir.display(), %error, "Could not recover a claim."),
+            // It stays where it is and is tried again: the other claims must not wait for it.
+            Err(error) => troubles.push(format!("cannot recover the claim {}: {error}", dir.display())),
         }
     }
     sweep_marks(inbox);
     claims.sort_by(|a, b| a.id.cmp(&b.id));
-    Ok(claims)
+    Ok((claims, troubles))
 }
 
 /// What lies in `.claimed/`.
@@ -47,6 +49,8 @@ pub struct Work {
     pub claims: Vec<Claim>,
     /// Claims that are being put together or taken apart, or that a crash left so.
     pub unfinished: Vec<PathBuf>,
+    /// The files in those that are being put together.
+    pub half_made: Vec<PathBuf>,
 }
 
 /// What lies in `.claimed/`, without touching it.
@@ -64,7 +68,12 @@ pub fn work(inbox: &Path) -> io::Result<Work> {
                 Some(claim) => work.claims.push(claim),
                 None => work.unfinished.push(path),
             },
-            None if is_unfinished => work.unfinished.push(path),
+            None if is_unfinished => {
+                if name.as_encoded_bytes().starts_with(NEW.as_bytes()) {
+                    work.half_made.extend(disk::files_below(&path)?);
+                }
+                work.unfinished.push(path);
+            }
             None => {}
         }
     }
@@ -73,6 +82,10 @@ pub fn work(inbox: &Path) -> io::Result<Work> {
 }
 
 fn recover(inbox: &Path, dir: &Path) -> io::Result<Option<Claim>> {
+    // Claims are folders that nestd made; anything else was put there by somebody else and is left alone.
+    if !fs::symlink_metadata(dir)?.is_dir() {
+        return Ok(None);
+    }
     let name = dir.file_name().unwrap_or_default();
     let starts = |with: &str| name.as_encoded_bytes().starts_with(with.as_bytes());
     if starts(NEW) {

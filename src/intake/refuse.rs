@@ -13,10 +13,17 @@ use std::{
 use thiserror::Error;
 
 use super::{
-    Claim, Seen, disk, display_name,
+    Claim, Seen,
+    claim::claiming,
+    disk, display_name,
     name::{numbered, raw_name, with_suffix},
     recover::{follower_name, remove_claim_dir},
 };
+
+/// No reason of ours is longer.
+pub(super) const MAX_REASON_BYTES: u64 = 1 << 20;
+/// How the name of a reason ends.
+const REASON: &str = ".reason.txt";
 
 /// Why something could not be refused; it stays where it is.
 #[derive(Debug, Error)]
@@ -47,10 +54,17 @@ pub(super) fn refuse_stepwise(
     reason: &str,
     step: &mut dyn FnMut(),
 ) -> Result<PathBuf, RefuseError> {
-    let folder = error_dir.join(&claim.order_path);
+    let _only_one = claiming();
+    let folder = open_folder(error_dir, &claim.order_path)?;
     let refusal =
         Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
-    let to = refusal.write_and_move(&claim.order, reason, step, |to| disk::move_noreplace(&claim.part, to))?;
+    let relative = claim.part.strip_prefix(&claim.inbox).unwrap_or(&claim.part);
+    let to = match fs::symlink_metadata(&claim.part) {
+        Ok(_) => refusal.write_and_move(&claim.order, reason, step, |to| disk::move_out(&claim.inbox, relative, to))?,
+        // An earlier try moved it and failed after that.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => refusal.place_of_ours()?,
+        Err(error) => return Err(io_error("look at", &claim.part, error)),
+    };
     for ticket in &claim.tickets {
         let name = follower_name(to.file_name().unwrap_or_default(), ticket);
         if disk::is_there(ticket) {
@@ -70,14 +84,20 @@ pub fn refuse_path(inbox: &Path, seen: &Seen, error_dir: &Path, reason: &str) ->
     if (meta.dev(), meta.ino()) != (seen.dev, seen.inode) {
         return Err(gone());
     }
-    let folder = error_dir.join(relative.parent().unwrap_or(Path::new("")));
+    let folder = open_folder(error_dir, relative.parent().unwrap_or(Path::new("")))?;
     let name = seen.path.file_name().unwrap_or_default();
     let refusal =
         Refusal { source: &seen.path, folder: &folder, name, key: format!("Inode: {}-{}", seen.inode, seen.mtime_ns) };
-    refusal.write_and_move(&seen.order, reason, &mut || {}, |to| match disk::rename_out(inbox, relative, to) {
-        Err(error) if error.kind() == io::ErrorKind::CrossesDevices => disk::move_noreplace(&seen.path, to),
-        other => other.and_then(|()| disk::fsync_dir(&folder)),
-    })
+    refusal.write_and_move(&seen.order, reason, &mut || {}, |to| disk::move_out(inbox, relative, to))
+}
+
+/// Makes `error_dir/order`. An order folder in there that somebody made a link is no place for refused files.
+fn open_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
+    let folder = error_dir.join(order);
+    match disk::create_dirs_beneath(error_dir, order) {
+        Ok(_) => Ok(folder),
+        Err(error) => Err(io_error("use the folder", &folder, error)),
+    }
 }
 
 /// Copies a stored file to `error_dir/<folder>/<name>`, after its reason; the same copy again changes nothing. For a part
@@ -89,10 +109,9 @@ pub fn refuse_copy(
     display_name: &str,
     reason: &str,
 ) -> Result<(), RefuseError> {
-    let folder = error_dir.join(folder);
-    disk::create_dirs(&folder).map_err(|e| io_error("create", &folder, e))?;
+    let folder = open_folder(error_dir, Path::new(folder))?;
     let name = raw_name(display_name).unwrap_or_else(|| display_name.into());
-    let (to, reason_file) = (folder.join(&name), folder.join(with_suffix(&name, "", ".reason.txt")));
+    let (to, reason_file) = (folder.join(&name), folder.join(with_suffix(&name, "", REASON)));
     disk::write_by_rename(&reason_file, reason.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
     match disk::is_there(&to) && disk::same_bytes(stored, &to) {
         true => Ok(()),
@@ -121,10 +140,9 @@ impl Refusal<'_> {
         step: &mut dyn FnMut(),
         move_to: impl FnOnce(&Path) -> io::Result<()>,
     ) -> Result<PathBuf, RefuseError> {
-        disk::create_dirs(self.folder).map_err(|e| io_error("create", self.folder, e))?;
         step();
         let (to, reason_file) = self.free_place()?;
-        if !self.is_ours(&reason_file) {
+        if !self.is_ours(&reason_file)? {
             let text = self.reason_text(order, reason);
             disk::write_by_rename(&reason_file, text.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
         }
@@ -142,10 +160,8 @@ impl Refusal<'_> {
     /// The first number whose names are free, or ours from an earlier try.
     fn free_place(&self) -> Result<(PathBuf, PathBuf), RefuseError> {
         for n in 1..=disk::MAX_NUMBER {
-            let number = if n == 1 { String::new() } else { format!(" ({n})") };
-            let to = self.folder.join(numbered(self.name, n));
-            let reason_file = self.folder.join(with_suffix(self.name, &number, ".reason.txt"));
-            let is_free = match self.is_ours(&reason_file) {
+            let (to, reason_file) = self.place(n);
+            let is_free = match self.is_ours(&reason_file)? {
                 true => !disk::is_there(&to) || disk::same_bytes(self.source, &to),
                 false => !disk::is_there(&to) && !disk::is_there(&reason_file),
             };
@@ -156,8 +172,29 @@ impl Refusal<'_> {
         Err(io_error("find a free name in", self.folder, io::ErrorKind::AlreadyExists.into()))
     }
 
-    fn is_ours(&self, reason_file: &Path) -> bool {
-        fs::read(reason_file).is_ok_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes()))
+    fn place(&self, n: u32) -> (PathBuf, PathBuf) {
+        let number = if n == 1 { String::new() } else { format!(" ({n})") };
+        (self.folder.join(numbered(self.name, n)), self.folder.join(with_suffix(self.name, &number, REASON)))
+    }
+
+    /// Where an earlier try moved it to; somebody may have taken it away since.
+    fn place_of_ours(&self) -> Result<PathBuf, RefuseError> {
+        for n in 1..=disk::MAX_NUMBER {
+            let (to, reason_file) = self.place(n);
+            if self.is_ours(&reason_file)? {
+                return Ok(to);
+            }
+            if !disk::is_there(&to) && !disk::is_there(&reason_file) {
+                break;
+            }
+        }
+        Err(io_error("refuse", self.source, io::ErrorKind::NotFound.into()))
+    }
+
+    fn is_ours(&self, reason_file: &Path) -> Result<bool, RefuseError> {
+        // A folder, pipe or link of that name is nobody's reason.
+        let text = disk::read_start(reason_file, MAX_REASON_BYTES).map_err(|e| io_error("read", reason_file, e))?;
+        Ok(text.is_some_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes())))
     }
 
     fn reason_text(&self, order: &str, reason: &str) -> String {

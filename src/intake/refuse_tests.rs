@@ -39,7 +39,7 @@ fn a_refused_part_stands_beside_its_reason_and_its_ticket() {
         reason.starts_with("a.stl was refused.\n\nIt has no triangles. Export it again.\n\nFile: kit 1/a.stl\n"),
         "{reason}"
     );
-    assert!(farm.claimed().is_empty() && claims(&farm.inbox).unwrap().is_empty());
+    assert!(farm.claimed().is_empty() && claims(&farm.inbox).unwrap().0.is_empty());
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_refusal_stopped_anywhere_is_finished_by_the_next_one() {
             assert!(stop > 6);
             return;
         }
-        let left = claims(&farm.inbox).unwrap();
+        let left = claims(&farm.inbox).unwrap().0;
         let parts = files(&farm.error).iter().filter(|f| f.ends_with("a.stl")).count();
         assert_eq!(left.len() + parts, 1, "stop {stop}");
         for claim in &left {
@@ -98,7 +98,7 @@ fn a_refusal_across_file_systems_that_stopped_after_the_copy_leaves_one() {
     assert!(stops_at(2, |step| refuse_stepwise(&claim, memory.path(), "No.", step)));
     assert_eq!(files(memory.path()), REFUSED[1..2]);
     fs::copy(&claim.part, memory.path().join(REFUSED[0])).unwrap();
-    refuse(&claims(&farm.inbox).unwrap()[0], memory.path(), "No.").unwrap();
+    refuse(&claims(&farm.inbox).unwrap().0[0], memory.path(), "No.").unwrap();
     assert_eq!(files(memory.path()), REFUSED);
     assert!(farm.claimed().is_empty());
 }
@@ -142,7 +142,7 @@ fn an_error_folder_that_cannot_be_written_leaves_the_claim_whole() {
     // The superuser may write anyway.
     if let Err(error) = result {
         assert!(error.to_string().contains("cannot create"), "{error}");
-        assert_eq!(claims(&farm.inbox).unwrap(), [claim]);
+        assert_eq!(claims(&farm.inbox).unwrap().0, [claim]);
     }
 }
 
@@ -201,4 +201,20 @@ fn what_was_replaced_since_it_was_seen_is_not_refused_in_its_stead() {
     farm.drop_file("a.stl", "solid");
     assert!(refuse_path(&farm.inbox, seen, &farm.error, "No.").is_err());
     assert_eq!(farm.dropped(), ["a.stl"]);
+}
+
+#[test]
+fn a_refusal_that_was_done_is_found_done_by_the_next_try() {
+    let farm = TestInbox::new();
+    farm.drop_file("a.stl", "solid");
+    let error_dir = farm.dir.path().join("error");
+    let claim = farm.claim();
+    let first = refuse(&claim, &error_dir, "No.").unwrap();
+    // The end of the first try may have failed after the part was moved.
+    assert_eq!(refuse(&claim, &error_dir, "No.").unwrap(), first);
+    assert_eq!(fs::read_dir(&error_dir).unwrap().count(), 2);
+    fs::remove_file(&first).unwrap();
+    assert_eq!(refuse(&claim, &error_dir, "No.").unwrap(), first);
+    fs::remove_file(error_dir.join("a.stl.reason.txt")).unwrap();
+    assert!(refuse(&claim, &error_dir, "No.").is_err());
 }

@@ -53,6 +53,8 @@ pub struct Seen {
     pub inode: u64,
     /// Device number of the file system.
     pub dev: u64,
+    /// Whether it is a hard link to a file that not everybody may read.
+    pub is_secret: bool,
 }
 
 /// How far a scan goes.
@@ -212,6 +214,7 @@ impl Walk<'_> {
             mtime_ns: disk::mtime_ns(&meta),
             inode: meta.ino(),
             dev: meta.dev(),
+            is_secret: disk::is_second_name_of_a_secret(&meta),
         });
         Ok(())
     }

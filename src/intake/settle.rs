@@ -122,25 +122,35 @@ impl Settler {
         &mut self,
         seen: &[Seen],
         now_secs: f64,
-        mut has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
+        has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
     ) -> Vec<Ready> {
+        self.ready(seen, now_secs, has_end).collect()
+    }
+
+    /// As [`Settler::observe`], one after the other: files behind those that are asked for are not opened.
+    pub fn ready<'a>(
+        &'a mut self,
+        seen: &'a [Seen],
+        now_secs: f64,
+        mut has_end: impl FnMut(&Path, &str) -> io::Result<bool> + 'a,
+    ) -> impl Iterator<Item = Ready> + 'a {
         self.remember(seen, now_secs);
         let beside = Beside::of(seen, |ticket| !self.is_unclear(ticket));
         for ticket in beside.unclear() {
             self.watched.entry(ticket.to_owned()).and_modify(|watched| watched.is_unclear = true);
         }
-        let mut ready = Vec::new();
-        for one in seen.iter().filter(|one| self.is_settled(one, now_secs)) {
-            let still_secs = now_secs - self.watched[&one.path].since_secs;
-            let said = match (one.kind, role(&one.path)) {
-                (Kind::File, Role::Part) => self.part(one, &beside, now_secs, &mut has_end),
-                (Kind::File, Role::Ticket { part }) => self.orphan(one, &part, &beside, still_secs),
+        let this = &*self;
+        let settled = seen.iter().filter(move |one| this.is_settled(one, now_secs));
+        settled.filter_map(move |one| {
+            let still_secs = now_secs - this.watched[&one.path].since_secs;
+            match (one.kind, role(&one.path)) {
+                (Kind::File, _) if one.is_secret => Some(Ready::Refuse { seen: one.clone(), reason: of_secret(one) }),
+                (Kind::File, Role::Part) => this.part(one, &beside, now_secs, &mut has_end),
+                (Kind::File, Role::Ticket { part }) => this.orphan(one, &part, &beside, still_secs),
                 (Kind::File, Role::List) => list(one, &beside, still_secs),
                 (kind, _) => Some(Ready::Refuse { seen: one.clone(), reason: no_file(kind).to_owned() }),
-            };
-            ready.extend(said);
-        }
-        ready
+            }
+        })
     }
 
     /// Seconds until something may be ready that is not yet, if anything is on its way: when to scan next.
@@ -182,6 +192,10 @@ impl Settler {
         let list = beside.list_of(&part.path);
         if !tickets.iter().copied().chain(list).all(|ticket| self.is_settled(ticket, now_secs)) {
             return None;
+        }
+        // It leaves with its ticket or list in the same scan: alone it would be printed in guessed numbers.
+        if let Some(linked) = tickets.iter().copied().chain(list).find(|beside| beside.is_secret) {
+            return Some(Ready::Refuse { seen: part.clone(), reason: of_secret(linked) });
         }
         let still_secs = now_secs - self.watched[&part.path].since_secs;
         let name = display_name(part.path.file_name()?);
@@ -225,6 +239,15 @@ fn list(list: &Seen, beside: &Beside, still_secs: f64) -> Option<Ready> {
     let parts = beside.parts.iter().filter(|p| p.parent() == folder);
     let beside = parts.filter_map(|p| p.file_name()).map(|n| n.to_owned()).collect();
     Some(Ready::List { list: list.clone(), quiet_secs: still_secs, beside })
+}
+
+/// A hard link may be made by somebody who may not read the file himself.
+fn of_secret(seen: &Seen) -> String {
+    let name = display_name(seen.path.file_name().unwrap_or_default());
+    format!(
+        "{name} has another name elsewhere (it is a hard link) and is not for everybody to read, so nestd does not read it, \
+         nor print what it would speak for. Drop a copy of the file."
+    )
 }
 
 /// Why a thing that is no file is refused.

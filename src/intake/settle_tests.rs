@@ -6,6 +6,7 @@ const RULES: SettleRules = SettleRules { settle_secs: 5.0, unfinished_secs: 600.
 
 fn seen(path: &str, size: u64, ctime_secs: i128) -> Seen {
     Seen {
+        is_secret: false,
         path: path.into(),
         order: String::new(),
         kind: Kind::File,

@@ -7,6 +7,7 @@ use std::{
 };
 
 use super::disk;
+use crate::format::visible_lines;
 
 /// For people.
 pub(super) const TEXT_NAME: &str = "STATUS.txt";
@@ -17,7 +18,8 @@ pub(super) const JSON_NAME: &str = "status.json";
 /// it did. A link in their place is replaced, not written through.
 pub fn write_status(inbox: &Path, text: &str, json: &str) -> io::Result<bool> {
     let mut written = false;
-    for (name, content) in [(TEXT_NAME, text), (JSON_NAME, json)] {
+    let text = &visible_lines(text);
+    for (name, content) in [(TEXT_NAME, text.as_str()), (JSON_NAME, json)] {
         let path = inbox.join(name);
         if !says(&path, content) {
             replace(&path, content)?;

@@ -11,7 +11,7 @@ use std::{
 
 use thiserror::Error;
 
-use super::disk;
+use super::{Claim, disk};
 
 /// What is being copied has this prefix.
 const TEMPORARY: &str = "tmp-";
@@ -104,11 +104,23 @@ impl Store {
 
     /// Copies a regular file in, hashing; on disk when it returns. Putting the same bytes again changes nothing.
     pub fn put(&self, file: &Path) -> Result<Stored, StoreError> {
-        self.put_stepwise(file, &mut || {})
+        self.put_opened(file, disk::open_regular(file), &mut || {})
     }
 
-    fn put_stepwise(&self, file: &Path, step: &mut dyn FnMut()) -> Result<Stored, StoreError> {
-        let mut source = disk::open_regular(file).map_err(|source| open_error(file, source))?;
+    /// Copies a claimed part in. Who can write into the hot folder can make a link of what is above it there: none is
+    /// followed.
+    pub fn put_claimed(&self, claim: &Claim) -> Result<Stored, StoreError> {
+        let relative = claim.part.strip_prefix(&claim.inbox).unwrap_or(&claim.part);
+        self.put_opened(&claim.part, disk::open_beneath(&claim.inbox, relative), &mut || {})
+    }
+
+    fn put_opened(
+        &self,
+        file: &Path,
+        opened: io::Result<fs::File>,
+        step: &mut dyn FnMut(),
+    ) -> Result<Stored, StoreError> {
+        let mut source = opened.map_err(|source| open_error(file, source))?;
         let before = print(&source).map_err(io_error("stat", file))?;
         let mut copy = tempfile::Builder::new()
             .prefix(TEMPORARY)
@@ -232,7 +244,7 @@ mod tests {
     fn a_file_that_is_written_while_it_is_copied_is_not_stored() {
         let (dir, part, store) = farm();
         let mut steps = 0;
-        let result = store.put_stepwise(&part, &mut || {
+        let result = store.put_opened(&part, disk::open_regular(&part), &mut || {
             steps += 1;
             if steps == 1 {
                 fs::OpenOptions::new().append(true).open(&part).unwrap().write_all(b"more").unwrap();
@@ -248,7 +260,7 @@ mod tests {
             let (dir, part, store) = farm();
             let mut steps = 0;
             let stopped = catch_unwind(AssertUnwindSafe(|| {
-                store.put_stepwise(&part, &mut || {
+                store.put_opened(&part, disk::open_regular(&part), &mut || {
                     steps += 1;
                     assert!(steps < stop, "stop here");
                 })

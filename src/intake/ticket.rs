@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::copies::MAX_COPIES;
 use crate::{
-    format::Unit,
+    format::{Unit, visible, visible_lines},
     nest::{MAX_TILTS, NotDown, OrientationRule, Tilt},
 };
 
@@ -14,6 +14,8 @@ use crate::{
 const MAX_CLEARANCE_MM: f64 = 100.0;
 /// Of an order's name or a note.
 const MAX_TEXT_BYTES: usize = 4096;
+/// Years of due dates; the ledger's times sort as text as long as their years have four digits.
+const YEARS: std::ops::RangeInclusive<i16> = 1970..=9998;
 
 /// When a part is due.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +35,14 @@ impl Due {
             Self::At(instant) => Ok(instant),
             Self::Local(time) => Ok(time.to_zoned(zone.clone())?.timestamp()),
             Self::Day(day) => Ok(day.tomorrow()?.to_zoned(zone.clone())?.timestamp()),
+        }
+    }
+
+    fn year(self) -> i16 {
+        match self {
+            Self::Day(day) => day.year(),
+            Self::Local(time) => time.year(),
+            Self::At(instant) => instant.to_zoned(TimeZone::UTC).year(),
         }
     }
 }
@@ -72,6 +82,14 @@ pub enum TicketError {
         file: String,
         /// In plain words.
         why: String,
+    },
+    /// The disk failed or denied it, not the ticket.
+    #[error("the ticket {file} cannot be read: {}", std::io::Error::from_raw_os_error(*.errno))]
+    Unreadable {
+        /// Its name, escaped.
+        file: String,
+        /// The error of the system.
+        errno: i32,
     },
     /// Two sidecars for one part.
     #[error("there are two tickets for one part, {first} and {second}; leave one")]
@@ -132,7 +150,7 @@ impl Ticket {
     fn check(words: Words) -> Result<Self, String> {
         Ok(Self {
             copies: words.copies.map(copies).transpose()?,
-            order: words.order.map(|order| text("order", order)).transpose()?,
+            order: words.order.map(|order| text("order", visible(&order))).transpose()?,
             due: words.due.map(due_of_value).transpose()?,
             priority: words.priority.map(priority).transpose()?,
             orientation: words.orientation,
@@ -140,7 +158,7 @@ impl Ticket {
             not_down: words.not_down.map(|faces| few("not_down", faces)).transpose()?,
             clearance_mm: words.clearance_mm.map(clearance).transpose()?,
             unit: words.unit,
-            note: words.note.map(|note| text("note", note)).transpose()?,
+            note: words.note.map(|note| text("note", visible_lines(&note))).transpose()?,
         })
     }
 }
@@ -150,7 +168,7 @@ fn without_bom(text: &str) -> &str {
 }
 
 pub(super) fn broken(file: &str, why: impl Into<String>) -> TicketError {
-    TicketError::Broken { file: file.to_owned(), why: why.into().trim_end().to_owned() }
+    TicketError::Broken { file: file.to_owned(), why: visible_lines(why.into().trim_end()) }
 }
 
 pub(super) fn copies(copies: i64) -> Result<u32, String> {
@@ -201,16 +219,18 @@ fn due_of_value(value: toml::Value) -> Result<Due, String> {
 /// A date, a local time or an instant.
 pub(super) fn due(text: &str) -> Result<Due, String> {
     let text = text.trim();
-    if let Ok(instant) = text.parse::<Timestamp>() {
-        return Ok(Due::At(instant));
-    }
     let has_time = text.contains(['T', 't', ' ']);
-    let parsed = match has_time {
-        true => text.parse().map(Due::Local),
-        false => text.parse().map(Due::Day),
+    let parsed = match text.parse::<Timestamp>() {
+        Ok(instant) => Ok(Due::At(instant)),
+        Err(_) if has_time => text.parse().map(Due::Local),
+        Err(_) => text.parse().map(Due::Day),
     };
-    parsed.map_err(|_| {
-        format!("due = {text:?}; it must be a date such as 2026-11-25 or a time such as 2026-11-25T17:00:00Z")
+    parsed.ok().filter(|due| YEARS.contains(&due.year())).ok_or_else(|| {
+        format!(
+            "due = {text:?}; it must be a date such as 2026-11-25 or a time such as 2026-11-25T17:00:00Z, in the years {} to {}",
+            YEARS.start(),
+            YEARS.end()
+        )
     })
 }
 
@@ -264,6 +284,11 @@ mod tests {
             ("due = \"tomorrow\"", "tomorrow"),
             ("due = 07:30:00", "due"),
             ("due = 5", "due"),
+            // Found by fuzzing: a year below zero was written into the ledger and could not be read back.
+            ("due = \"-0034920111\"", "1970 to 9998"),
+            ("due = \"-000001-01-01T00:00:00Z\"", "1970 to 9998"),
+            ("due = \"9999-12-31\"", "1970 to 9998"),
+            ("due = 0000-01-01", "1970 to 9998"),
             ("copies = ", "line 1"),
         ] {
             let error = Ticket::from_toml(toml, "a.stl.toml").unwrap_err().to_string();

@@ -63,6 +63,13 @@ impl Ledger {
         Ok(query.bind(Utc(since)).fetch_all(self.reader()).await?)
     }
 
+    /// Whether a part was ever refused or cancelled.
+    pub async fn was_rejected(&self, part: PartId) -> Result<bool> {
+        let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM event WHERE part_id = ? AND kind = 'rejected')")
+            .bind(part);
+        Ok(query.fetch_one(self.reader()).await?)
+    }
+
     /// How many files of each content were ever recorded, by hash.
     pub async fn drops_by_hash(&self) -> Result<Vec<(String, u32)>> {
         let query = sqlx::query_as(

@@ -211,6 +211,19 @@ pub enum LedgerError {
     NoSolid(PartId),
 }
 
+impl LedgerError {
+    /// Whether the disk failed or is full, not the change: trying again will help once that is mended.
+    pub fn is_of_the_disk(&self) -> bool {
+        match self {
+            Self::ReadOnly | Self::Folder { .. } => true,
+            Self::Open { error, .. } | Self::Sql(error) => {
+                matches!(error, sqlx::Error::Io(_)) || matches!(sqlite_code(error), Some(SQLITE_IOERR | SQLITE_FULL))
+            }
+            _ => false,
+        }
+    }
+}
+
 impl From<sqlx::Error> for LedgerError {
     fn from(error: sqlx::Error) -> Self {
         use sqlx::Error::{ColumnDecode, Decode};
@@ -233,6 +246,10 @@ impl LedgerError {
 
 /// Another connection holds the lock.
 pub(super) const SQLITE_BUSY: i64 = 5;
+/// The disk failed.
+const SQLITE_IOERR: i64 = 10;
+/// The disk is full.
+const SQLITE_FULL: i64 = 13;
 /// The file or the connection cannot be written.
 const SQLITE_READONLY: i64 = 8;
 /// A page does not hold what it should.

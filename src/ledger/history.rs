@@ -1,10 +1,13 @@
 //! The history: builds with their heights, newest first.
 
+use std::collections::HashSet;
+
 use jiff::Timestamp;
 use serde::Serialize;
 use sqlx::FromRow;
 
 use super::{BuildId, BuildState, Ledger, Utc, error::Result};
+use crate::format::cell;
 
 /// Which builds to list. A build's time is when it was published, else when it entered its state.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -79,8 +82,75 @@ const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_a
     b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
     b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason, \
     coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
+impl HistoryRow {
+    /// Columns of the CSV, in its order.
+    pub const COLUMNS: [&str; 24] = [
+        "build",
+        "profile",
+        "state",
+        "at",
+        "published_at",
+        "height_mm",
+        "density",
+        "lower_bound_mm",
+        "layers",
+        "parts",
+        "copies",
+        "part_volume_mm3",
+        "clearance_mm",
+        "clearance_proved_mm",
+        "cpu_secs",
+        "wall_secs",
+        "evaluations",
+        "seed",
+        "method",
+        "version",
+        "fired_by",
+        "file_name",
+        "reason",
+        "note",
+    ];
+
+    /// The row with texts that are no formulas; numbers stay numbers.
+    fn as_cells(&self) -> Self {
+        let some = |text: &Option<String>| text.as_deref().map(cell);
+        Self {
+            profile: cell(&self.profile),
+            method: some(&self.method),
+            version: some(&self.version),
+            fired_by: cell(&self.fired_by),
+            file_name: some(&self.file_name),
+            reason: cell(&self.reason),
+            note: cell(&self.note),
+            ..self.clone()
+        }
+    }
+
+    /// Rows as CSV for spreadsheets, every column, with a heading.
+    ///
+    /// # Errors
+    /// When a value cannot be written as a cell, which none of them is.
+    pub fn csv(rows: &[Self]) -> std::result::Result<String, csv::Error> {
+        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+        writer.write_record(Self::COLUMNS)?;
+        for row in rows {
+            writer.serialize(row.as_cells())?;
+        }
+        let bytes = writer.into_inner().map_err(|error| error.into_error())?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}
 
 impl Ledger {
+    /// The builds that hold a copy of a part of that file name or order.
+    pub async fn builds_with(&self, name: &str) -> Result<HashSet<BuildId>> {
+        let query = sqlx::query_scalar(
+            "SELECT DISTINCT l.build_id FROM placement l JOIN part p ON p.id = l.part_id \
+             WHERE p.name = ?1 OR p.order_name = ?1",
+        );
+        Ok(query.bind(name).fetch_all(self.reader()).await?.into_iter().collect())
+    }
+
     /// Builds that are past nesting with their heights, newest first.
     pub async fn history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
         let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query.profile.is_some())))

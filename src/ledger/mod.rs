@@ -27,6 +27,7 @@ mod schema;
 mod state;
 mod status;
 mod time;
+mod totals;
 mod truth;
 mod waiting;
 mod word;
@@ -48,6 +49,7 @@ pub use record::TakenIn;
 pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild};
 pub use time::Utc;
+pub use totals::{Measured, Totals};
 pub use waiting::WaitingPart;
 
 #[cfg(test)]

@@ -219,6 +219,20 @@ impl Ledger {
         Ok(query.bind(state).bind(Utc(since)).bind(Utc(until)).bind(most).fetch_all(self.reader()).await?)
     }
 
+    /// Claimed parts of a profile that are not read yet, the first in line; `most` of them.
+    pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE state = 'claimed' AND profile = ? ORDER BY id LIMIT ?");
+        Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()).await?)
+    }
+
+    /// The files of all parts in a state that was entered between two times.
+    pub async fn hashes_in_state(&self, state: PartState, from: Timestamp, to: Timestamp) -> Result<Vec<String>> {
+        let query = sqlx::query_scalar(
+            "SELECT DISTINCT content_hash FROM part WHERE state = ? AND state_at >= ? AND state_at <= ?",
+        );
+        Ok(query.bind(state).bind(Utc(from)).bind(Utc(to)).fetch_all(self.reader()).await?)
+    }
+
     /// All solids of a claim, by object index.
     pub async fn parts_of_claim(&self, claim: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE claim = ? ORDER BY object_index").bind(claim);

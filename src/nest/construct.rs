@@ -58,7 +58,7 @@ impl<'t> Builder<'t> {
         let distinct = task.kinds.iter().flatten().count().max(1);
         let columns = if task.copies.len() > 150 { 14_000.0 } else { 20_000.0 };
         let pitch = (task.room.x * task.room.y / columns).sqrt().max(0.3 * task.reach_mm).max(0.5);
-        let turns = (300 / distinct).clamp(4, 16);
+        let turns = (300 / distinct).clamp(4, 40);
         let boxes = Boxes::new(&task.lineup);
         Self { task, boxes, pitch, turns, rasters: BTreeMap::new(), must_leave: task.separable, tests: 0 }
     }

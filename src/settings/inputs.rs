@@ -20,6 +20,7 @@ pub(super) struct FarmInputs {
     pub folders: FarmFolders,
     pub files: FileInputs,
     pub log: LogInputs,
+    pub web: WebInputs,
     pub limits: format::Limits,
     pub defaults: ProfileInputs,
 }
@@ -35,6 +36,7 @@ impl Default for FarmInputs {
             folders: FarmFolders::default(),
             files: FileInputs::default(),
             log: LogInputs::default(),
+            web: WebInputs::default(),
             limits: format::Limits::default(),
             defaults: ProfileInputs::default(),
         }
@@ -92,6 +94,22 @@ impl Default for LogInputs {
     fn default() -> Self {
         // The watch crate warns each time a claim takes a folder away under it; scanning makes up for what it misses.
         Self { filter: "info,notify=error".into(), format: LogFormat::Auto }
+    }
+}
+
+/// `[web]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct WebInputs {
+    pub listen: String,
+    pub token_file: OrOff<PathBuf>,
+    pub hosts: Vec<String>,
+    pub orders: bool,
+}
+
+impl Default for WebInputs {
+    fn default() -> Self {
+        Self { listen: "off".to_owned(), token_file: OrOff::OFF, hosts: Vec::new(), orders: true }
     }
 }
 

@@ -100,6 +100,7 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     let mut judge = Judge::new(vec![(&farm, "")]);
     validate::farm(&inputs, &mut judge);
     let files = validate::files(&inputs.files, &mut judge);
+    let web = super::web::web(&inputs.web, &mut judge);
     let root = folders::root(&inputs, root);
     let state_dir = folders::below(&root, &inputs.folders.state);
     let state =
@@ -136,6 +137,7 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
         limits: inputs.limits,
         files,
         log,
+        web,
         profiles,
     })
 }

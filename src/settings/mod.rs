@@ -15,6 +15,7 @@ mod problem;
 mod profile;
 mod settings;
 mod validate;
+mod web;
 mod wording;
 
 pub use duration::parse_secs;
@@ -24,6 +25,7 @@ pub use logging::{LogFormat, Logging};
 pub use problem::Problem;
 pub use profile::{Duplicates, Folders, MeshErrors, Profile, Trigger};
 pub use settings::Settings;
+pub use web::{Listen, Web};
 
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, path::PathBuf};
 
-use super::{Folders, Logging, Profile};
+use super::{Folders, Logging, Profile, Web};
 use crate::access::Access;
 
 /// Everything the daemon needs to know, checked. Made only by reading a configuration.
@@ -32,6 +32,8 @@ pub struct Settings {
     pub files: Access,
     /// What the log holds and what it looks like.
     pub log: Logging,
+    /// The dashboard; `None` = no port is opened.
+    pub web: Option<Web>,
     /// Machines by profile name.
     pub profiles: BTreeMap<String, Profile>,
 }

@@ -37,6 +37,8 @@ pub(super) fn farm(inputs: &FarmInputs, judge: &mut Judge) {
     judge.within("limits.max_entries", limits.max_entries, 1..=u64::MAX);
     judge.within("limits.max_instances", limits.max_instances, 1..=u64::MAX);
     judge.within("limits.max_depth", limits.max_depth, 1..=1000);
+    judge.within("limits.max_shells", limits.max_shells, 1..=u64::MAX);
+    judge.within("limits.max_copies", limits.max_copies, 1..=1_000_000);
     if let Err(error) = tracing_subscriber::EnvFilter::try_new(&inputs.log.filter) {
         let remedy =
             "write a level (error, warn, info, debug, trace) or levels by module, as in \"info,nestd::intake=debug\"";

@@ -78,7 +78,11 @@ fn a_backup_that_was_copied_back_by_hand_is_not_served_until_it_is_repaired() {
     }
     let refused = farm.nestd(&["run"]);
     assert!(!refused.status.success());
-    assert!(text(&refused).contains("older than the folders") && text(&refused).contains("--repair"), "{}", text(&refused));
+    assert!(
+        text(&refused).contains("older than the folders") && text(&refused).contains("--repair"),
+        "{}",
+        text(&refused)
+    );
     assert!(farm.nestd_ok(&["status"]).contains("needs a person"));
     let told = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
     assert!(told.contains("does not run") && told.contains("ATTENTION") && told.contains("--repair"), "{told}");

@@ -106,7 +106,9 @@ impl TestFarm {
     }
 
     pub fn command(&self, args: &[&str]) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_nestd"));
+        // NESTD_BIN names an installed binary to be tested instead.
+        let binary = std::env::var_os("NESTD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_nestd").into());
+        let mut command = Command::new(binary);
         command.env("NESTD_ALLOW_ROOT", "1"); // the tests of a container run as root
         command.args(args).arg("-c").arg(self.config()).arg("--root").arg(self.root()).current_dir(self.root());
         command
@@ -142,6 +144,11 @@ impl TestFarm {
 
     pub fn drop_part(&self, name: &str, mesh: &Mesh) {
         self.drop_bytes(name, &stl(mesh));
+    }
+
+    /// Drops a file into a hot folder that is another file system.
+    pub fn drop_across(&self, name: &str, mesh: &Mesh) {
+        fs::write(self.folder("inbox").join(name), stl(mesh)).unwrap();
     }
 
     /// Asks the ledger.

@@ -10,10 +10,11 @@ const DAYS: i64 = 3650;
 /// Adds `builds` published builds to a ledger that no daemon serves.
 pub async fn fill(ledger: &Path, builds: u64) {
     let mut db = SqliteConnection::connect(&format!("sqlite:{}", ledger.display())).await.unwrap();
-    let last: (i64, i64) = sqlx::query_as("SELECT (SELECT coalesce(max(id), 0) FROM part), (SELECT coalesce(max(id), 0) FROM build)")
-        .fetch_one(&mut db)
-        .await
-        .unwrap();
+    let last: (i64, i64) =
+        sqlx::query_as("SELECT (SELECT coalesce(max(id), 0) FROM part), (SELECT coalesce(max(id), 0) FROM build)")
+            .fetch_one(&mut db)
+            .await
+            .unwrap();
     let at = format!(
         "strftime('%Y-%m-%dT%H:%M:%fZ', unixepoch('now') - ({builds} - i) * {DAYS} * 86400 / {builds} - 60, 'unixepoch')"
     );
@@ -41,10 +42,18 @@ pub async fn fill(ledger: &Path, builds: u64) {
              SELECT p.id, c.c, p.id - {part} + {build}, 0, 0, 0, 1.0, 1.0, 2.0, 3.0 \
              FROM part p, (SELECT 0 AS c UNION ALL SELECT 1) c WHERE p.id > {part}"
         ),
-        format!("INSERT INTO event (at, kind, profile, part_id) SELECT claimed_at, 'claimed', 'test', id FROM part WHERE id > {part}"),
-        format!("INSERT INTO event (at, kind, profile, part_id) SELECT claimed_at, 'built', 'test', id FROM part WHERE id > {part}"),
-        format!("INSERT INTO event (at, kind, profile, build_id) SELECT opened_at, 'published', 'test', id FROM build WHERE id > {build}"),
-        format!("INSERT INTO event (at, kind, profile, build_id) SELECT opened_at, 'complete', 'test', id FROM build WHERE id > {build}"),
+        format!(
+            "INSERT INTO event (at, kind, profile, part_id) SELECT claimed_at, 'claimed', 'test', id FROM part WHERE id > {part}"
+        ),
+        format!(
+            "INSERT INTO event (at, kind, profile, part_id) SELECT claimed_at, 'built', 'test', id FROM part WHERE id > {part}"
+        ),
+        format!(
+            "INSERT INTO event (at, kind, profile, build_id) SELECT opened_at, 'published', 'test', id FROM build WHERE id > {build}"
+        ),
+        format!(
+            "INSERT INTO event (at, kind, profile, build_id) SELECT opened_at, 'complete', 'test', id FROM build WHERE id > {build}"
+        ),
         "COMMIT; PRAGMA wal_checkpoint(TRUNCATE)".to_owned(),
     ];
     for step in steps {

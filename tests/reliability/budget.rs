@@ -24,6 +24,11 @@ impl Budget {
         Self { secs, is_long: true, began: Instant::now() }
     }
 
+    /// The same with so many seconds at least.
+    pub fn at_least(&self, secs: f64) -> Self {
+        Self { secs: self.secs.max(secs), ..*self }
+    }
+
     /// Seconds that are left; never below zero.
     pub fn left_secs(&self) -> f64 {
         (self.secs - self.began.elapsed().as_secs_f64()).max(0.0)

@@ -1,12 +1,15 @@
 //! Every crash: the daemon is killed after its n-th call that changes a file, for every n of the reference life-cycle; it is
 //! started again, the life-cycle goes on to its end, and the invariants are looked at both times.
 
-use std::sync::{Arc, Mutex};
+use std::{
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex},
+};
 
 use super::{
     budget::Budget,
     life::{End, Life},
-    pool::{in_parallel, spread},
+    pool::{caught, in_parallel, spread},
     row::Row,
     trace::{Call, Kind, Traced, Verdict, Watch, is_allowed},
 };
@@ -19,7 +22,8 @@ pub fn run(budget: &Budget) -> Row {
     row.broken.iter_mut().for_each(|text| *text = format!("without any crash: {text}"));
     let points = spread(whole);
     let all = points.len();
-    let rows = in_parallel(points, budget, |point| one_life(point).1);
+    let rows =
+        in_parallel(points, budget, |point| caught(&format!("killed after change {point}"), || one_life(point).1));
     row.points = rows.iter().map(|r| r.points).sum();
     row.faults = row.points;
     row.files += rows.iter().map(|r| r.files).sum::<u64>();
@@ -33,10 +37,11 @@ pub fn run(budget: &Budget) -> Row {
 /// A whole life with a kill after the n-th change; how many changes there were before, and what came out.
 fn one_life(point: u64) -> (u64, Row) {
     let mut life = Life::new();
-    let watch = KillAfter { point, count: Arc::default() };
-    let count = watch.count.clone();
+    let root = life.farm.root().to_owned();
+    let watch = KillAfter { root, point, count: Arc::default(), foreign: Arc::default() };
+    let (count, foreign) = (watch.count.clone(), watch.foreign.clone());
     let mut traced = Traced::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
-    let end = life.play(&mut || traced.has_ended());
+    let end = life.play(traced.pid(), &mut || traced.has_ended());
     let mut row = Row { files: 5, ..Row::default() };
     match end {
         End::DaemonEnded => {
@@ -60,22 +65,48 @@ fn one_life(point: u64) -> (u64, Row) {
             life.broken.push(format!("the script is stuck under the tracer\n{}", life.farm.log()));
         }
     }
+    life.broken.append(&mut foreign.lock().unwrap());
     let (changes, last) = count.lock().unwrap().clone();
     row.builds = life.taken.len() as u64;
     row.broken = life.broken.iter().map(|text| format!("killed after change {changes} ({last}): {text}")).collect();
     (changes, row)
 }
 
+/// The daemon's own temporary files, and what its part's state says is elsewhere now.
+fn may_be_deleted(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let is_hidden = |prefix: &str, suffix: &str| name.starts_with(prefix) && name.ends_with(suffix);
+    let is_below = |folder: &str| path.starts_with(folder);
+    is_below("inbox/test/.claimed")
+        || path == Path::new("inbox/test/kit")
+        || is_below("state/store")
+        || is_below("state/cache")
+        || name.starts_with("nestd.db-")
+        || is_hidden(".nestd-", ".tmp")
+        || (is_below("queue/test") && (is_hidden(".", ".part") || is_hidden(".", ".half")))
+        // Of the part that was cancelled and taken back.
+        || is_below("error/test/part-2")
+        || is_below("error/test/part-1")
+        || is_below("error/test/part-3")
+        || is_below("error/test/part-4")
+}
+
 /// Changes so far, and the last one in words.
 type Count = Arc<Mutex<(u64, String)>>;
 
 struct KillAfter {
+    root: PathBuf,
     point: u64,
     count: Count,
+    /// Deletions of what is not the daemon's own.
+    foreign: Arc<Mutex<Vec<String>>>,
 }
 
 impl Watch for KillAfter {
-    fn before(&mut self, _: &Call) -> Verdict {
+    fn before(&mut self, call: &Call) -> Verdict {
+        if matches!(call.name, "unlink" | "rmdir") && !may_be_deleted(call.path.strip_prefix(&self.root).unwrap()) {
+            self.foreign.lock().unwrap().push(format!("I4: the daemon deleted {}", call.path.display()));
+        }
         Verdict::Let
     }
 

@@ -1,93 +1,258 @@
-//! kill -9 at random moments under load: no part lost, none in two builds, no build file twice.
+//! kill -9 at random moments under load: parts, orders and tickets come in all the while, orders by hand are given, the
+//! printer takes builds; many farms at once. In the end everything is built exactly once and the invariants hold.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     fs,
+    sync::atomic::{AtomicU64, Ordering},
     time::{Duration, Instant},
 };
 
-use nestd::{ledger::PartState, samples};
+use nestd::{
+    farm::Witness,
+    intake,
+    ledger::{CommandKind, Ledger, NewCommand, PartRow, PartState},
+};
 use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 use super::{
     budget::Budget,
+    life,
+    pool::{caught, in_parallel},
     row::Row,
-    support::{QUICK, TestFarm, stl},
+    support::{PROFILE, TestFarm, block, stl},
 };
 
-/// What the section demands of a long run, and more when it has the time.
-const KILLS: u64 = 2000;
+/// A long run kills at least so often, and as often as its time allows; a short one about a hundred times.
+const KILLS: (u64, u64) = (100, 20_000);
+/// A short run takes so long for them at most.
+const SHORT_SECS: f64 = 14.0;
+/// Kills of one farm.
+const KILLS_PER_FARM: u64 = 25;
+const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+    final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 
 pub fn run(budget: &Budget) -> Row {
-    let profile = QUICK.replace("_secs = 0.5", "_secs = 0.1").replace("[120, 120, 120]", "[200, 200, 200]");
-    let mut farm = TestFarm::new(&format!("{profile}duplicates = \"accept\"\n[trigger]\ncopies = 6\n"));
-    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(7);
-    let all = samples::all();
-    let mut row = Row::default();
-    let (mut taken, mut copies) = (BTreeSet::new(), 0);
-    while budget.left_secs() > budget.secs * 0.3 && (!budget.is_long || row.faults < 10 * KILLS) {
-        farm.start();
-        for _ in 0..rng.random_range(0..3) {
-            let n = rng.random_range(1..4);
-            let mesh = &all[rng.random_range(0..all.len())].mesh;
-            farm.drop_bytes(&format!("part{}_x{n}.stl", row.files), &stl(mesh));
-            row.files += 1;
-            copies += n;
+    let (kills, budget) = (AtomicU64::new(0), &budget.at_least(SHORT_SECS));
+    let most = budget.pick(KILLS.0, KILLS.1);
+    let farms: Vec<u64> = (0..most.div_ceil(KILLS_PER_FARM)).collect();
+    let per_farm = budget.pick(most.div_ceil(4), KILLS_PER_FARM);
+    let rows = in_parallel(farms, budget, |seed| {
+        if kills.load(Ordering::Relaxed) >= most {
+            return Row::default();
         }
-        let wait_ms = if row.faults % 2 == 0 { rng.random_range(5..200) } else { rng.random_range(200..1000) };
-        std::thread::sleep(Duration::from_millis(wait_ms));
-        farm.kill();
-        row.faults += 1;
-        take_as_a_printer_does(&farm, &mut taken, row.faults % 4 == 3, &mut row.broken);
-    }
-    run_to_the_end(&mut farm, copies, &mut row);
-    take_as_a_printer_does(&farm, &mut taken, false, &mut row.broken);
-    row.points = row.faults;
-    row.builds = taken.iter().map(|(_, _, build)| build).collect::<BTreeSet<_>>().len() as u64;
-    if farm.parts(PartState::Built).len() as u64 != row.files || taken.len() != copies {
-        row.broken.push(format!("{copies} copies were dropped and {} are in published builds", taken.len()));
-    }
-    row.broken.extend(farm.ask(async |ledger| ledger.faults().await.unwrap()));
-    row
-}
-
-fn run_to_the_end(farm: &mut TestFarm, copies: usize, row: &mut Row) {
-    farm.start();
-    let began = Instant::now();
-    loop {
-        farm.flush();
-        let built: usize = farm.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
-        if built == copies {
-            return;
-        }
-        if began.elapsed().as_secs() > 120 {
-            row.broken.push(format!("{built} of {copies} copies are built\n{}", farm.log()));
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(200));
+        caught(&format!("farm {seed}"), || {
+            let mut farm = Killed::new(seed);
+            farm.kill_often(per_farm, budget, &kills);
+            farm.run_to_the_end()
+        })
+    });
+    let faults = kills.into_inner();
+    Row {
+        points: faults,
+        faults,
+        files: rows.iter().map(|row| row.files).sum(),
+        builds: rows.iter().map(|row| row.builds).sum(),
+        note: format!("kill -9 under load, on {} farms", rows.len()),
+        broken: rows.into_iter().flat_map(|row| row.broken).collect(),
+        ..Row::default()
     }
 }
 
-/// Notes every copy of every build file in the queue; with `remove`, the files go, as a printer takes them.
-fn take_as_a_printer_does(
-    farm: &TestFarm,
-    taken: &mut BTreeSet<(String, u32, String)>,
-    remove: bool,
-    broken: &mut Vec<String>,
-) {
-    for file in farm.queued() {
-        let name = file.file_name().unwrap().to_string_lossy().into_owned();
-        for placed in nestd::format::read_build(&file, &Default::default()).unwrap() {
-            let copy = (placed.part_number.unwrap(), placed.copy.unwrap());
-            let elsewhere =
-                taken.iter().find(|(part, number, build)| (part, *number) == (&copy.0, copy.1) && *build != name);
-            if let Some(elsewhere) = elsewhere {
-                broken.push(format!("copy {copy:?} is in {name} and in {elsewhere:?}"));
+/// A farm that is killed again and again.
+struct Killed {
+    farm: TestFarm,
+    rng: ChaCha8Rng,
+    seed: u64,
+    dropped: u64,
+    witness: Witness,
+    /// Copies that must be printed, by name.
+    wanted: BTreeMap<String, u32>,
+    taken: BTreeSet<String>,
+    copies: BTreeSet<(String, u32)>,
+    broken: Vec<String>,
+}
+
+impl Killed {
+    fn new(seed: u64) -> Self {
+        let farm = TestFarm::new(MACHINE);
+        fs::write(farm.config(), life::FARM).unwrap();
+        Self {
+            farm,
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            seed,
+            dropped: 0,
+            witness: Witness::default(),
+            wanted: BTreeMap::new(),
+            taken: BTreeSet::new(),
+            copies: BTreeSet::new(),
+            broken: Vec::new(),
+        }
+    }
+
+    fn kill_often(&mut self, kills: u64, budget: &Budget, all: &AtomicU64) {
+        for _ in 0..kills {
+            if budget.left_secs() < 0.25 * budget.secs.min(20.0) {
+                return;
             }
-            taken.insert((copy.0, copy.1, name.clone()));
-        }
-        if remove {
-            fs::remove_file(&file).unwrap();
+            self.farm.start();
+            for _ in 0..self.rng.random_range(0..3) {
+                self.drop_something();
+            }
+            if self.rng.random_bool(0.3) {
+                self.order_something();
+            }
+            // A kill a few milliseconds after the start meets the recovery, a later one the work.
+            let most_ms = if self.rng.random_bool(0.5) { 120 } else { 1500 };
+            std::thread::sleep(Duration::from_millis(self.rng.random_range(2..most_ms)));
+            self.farm.kill();
+            all.fetch_add(1, Ordering::Relaxed);
+            if self.rng.random_bool(0.3) {
+                self.take_as_a_printer_does();
+            }
         }
     }
+
+    /// A part, sometimes in an order folder, sometimes with a ticket, sometimes the same as before, sometimes broken.
+    fn drop_something(&mut self) {
+        let (number, copies) = (self.dropped, self.rng.random_range(1..4));
+        self.dropped += 1;
+        let folder = if self.rng.random_bool(0.2) { "kit/" } else { "" };
+        let name = match self.rng.random_range(0..4) {
+            0 => format!("part{number}.stl"),
+            _ => format!("part{number}_x{copies}.stl"),
+        };
+        let is_bad = self.rng.random_bool(0.1);
+        let size = self.rng.random_range(5..25);
+        let bytes =
+            if is_bad { b"solid nonsense\nendsolid\n".to_vec() } else { stl(&block(12.0, 9.0, f64::from(size))) };
+        let mut wanted = if name.contains("_x") { copies } else { 1 };
+        if self.rng.random_bool(0.2) {
+            wanted = self.rng.random_range(1..4);
+            self.farm.drop_bytes(&format!("{folder}{name}.toml"), format!("copies = {wanted}\n").as_bytes());
+        }
+        if !is_bad {
+            self.wanted.insert(name.clone(), wanted);
+        }
+        *self.witness.dropped.entry(blake3::hash(&bytes).to_hex().to_string()).or_default() += 1;
+        self.farm.drop_bytes(&format!("{folder}{name}"), &bytes);
+    }
+
+    /// An order by hand about a part that is there, or to publish; nobody waits for the answer.
+    fn order_something(&mut self) {
+        let kind = [CommandKind::Flush, CommandKind::Cancel, CommandKind::Retry][self.rng.random_range(0..3)];
+        let pick = self.rng.random_range(0..1000);
+        self.ask(async |ledger| {
+            let state = if matches!(kind, CommandKind::Retry) { PartState::Rejected } else { PartState::Waiting };
+            let parts = ledger.parts_in_state(state).await?;
+            let part = (!parts.is_empty()).then(|| parts[pick % parts.len()].id);
+            if !matches!(kind, CommandKind::Flush) && part.is_none() {
+                return Ok(());
+            }
+            order(ledger, kind, part).await
+        });
+    }
+
+    /// Asks the ledger, if there is one yet.
+    fn ask<T: Default>(&self, question: impl AsyncFnOnce(&Ledger) -> Result<T, nestd::ledger::LedgerError>) -> T {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let Ok(ledger) = Ledger::open_existing(&self.farm.root().join("state/nestd.db")).await else {
+                return T::default();
+            };
+            let answer = question(&ledger).await;
+            ledger.close().await;
+            answer.unwrap_or_default()
+        })
+    }
+
+    /// Notes every copy of every build file in the queue and takes the files away; no name comes back.
+    fn take_as_a_printer_does(&mut self) {
+        for file in self.farm.queued() {
+            let name = file.file_name().unwrap().to_string_lossy().into_owned();
+            match nestd::format::read_build(&file, &Default::default()) {
+                Ok(placed) => {
+                    for copy in placed.into_iter().map(|p| (p.part_number.unwrap(), p.copy.unwrap())) {
+                        if !self.copies.insert(copy.clone()) {
+                            self.broken.push(format!("I2: copy {copy:?} is in {name} and in an earlier build"));
+                        }
+                    }
+                }
+                Err(error) => self.broken.push(format!("I3: {name} is visible and cannot be read: {error}")),
+            }
+            fs::remove_file(&file).unwrap();
+            if !self.taken.insert(name.clone()) {
+                self.broken.push(format!("I3: {name} appeared in the queue again after the printer had taken it"));
+            }
+        }
+    }
+
+    /// Nobody kills any more: everything that was cancelled is taken back, and all is built.
+    fn run_to_the_end(mut self) -> Row {
+        self.farm.start();
+        let began = Instant::now();
+        while !self.is_done() {
+            if began.elapsed() > Duration::from_secs(120) {
+                let log = self.farm.log();
+                let lines: Vec<&str> = log.lines().collect();
+                let tail = lines[lines.len().saturating_sub(15)..].join("\n");
+                self.broken.push(format!("not everything was built\n{tail}"));
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        self.farm.stop();
+        self.take_as_a_printer_does();
+        let witness = Witness { at_rest: true, ..self.witness.clone() };
+        self.broken.extend(self.farm.broken(&witness));
+        let wanted: u32 = self.wanted.values().sum();
+        if self.copies.len() as u32 != wanted {
+            self.broken.push(format!("I2: {wanted} copies were asked, the printer got {}", self.copies.len()));
+        }
+        let seed = self.seed;
+        Row {
+            files: self.dropped,
+            builds: self.taken.len() as u64,
+            broken: self.broken.iter().map(|text| format!("farm {seed}: {text}")).collect(),
+            ..Row::default()
+        }
+    }
+
+    /// Takes back what was cancelled, publishes what waits, and tells whether all is built and at rest.
+    fn is_done(&mut self) -> bool {
+        self.take_as_a_printer_does();
+        let wanted = self.wanted.clone();
+        let built: Vec<PartRow> = self.ask(async |ledger| {
+            let asked = ledger.asked().await?;
+            for part in ledger.parts_in_state(PartState::Rejected).await? {
+                let is_asked = asked.iter().any(|row| row.part_id == Some(part.id));
+                if wanted.contains_key(&part.name) && !is_asked {
+                    order(ledger, CommandKind::Retry, Some(part.id)).await?;
+                }
+            }
+            let waits = !ledger.parts_in_state(PartState::Waiting).await?.is_empty();
+            if waits && !asked.iter().any(|row| row.kind == CommandKind::Flush) {
+                order(ledger, CommandKind::Flush, None).await?;
+            }
+            ledger.parts_in_state(PartState::Built).await
+        });
+        let built: BTreeMap<String, u32> = built.into_iter().map(|part| (part.name, part.copies)).collect();
+        let work = intake::work(&self.farm.folder("inbox")).unwrap_or_default();
+        built == self.wanted && work.claims.is_empty() && work.unfinished.is_empty() && self.bad_ones_are_refused()
+    }
+
+    fn bad_ones_are_refused(&self) -> bool {
+        let refused = self.ask(async |ledger| ledger.parts_in_state(PartState::Rejected).await).len();
+        refused + self.wanted.len() == self.dropped as usize
+    }
+}
+
+async fn order(
+    ledger: &Ledger,
+    kind: CommandKind,
+    part: Option<nestd::ledger::PartId>,
+) -> Result<(), nestd::ledger::LedgerError> {
+    let profile = if matches!(kind, CommandKind::Flush) { PROFILE.to_owned() } else { String::new() };
+    ledger.ask(&NewCommand { kind, profile, part, asked_by: "test".to_owned() }).await.map(drop)
 }

@@ -58,7 +58,8 @@ fn large(budget: &Budget, row: &mut Row) {
     );
     let limit = if cfg!(debug_assertions) { 10.0 * ANSWER_MS } else { ANSWER_MS };
     if history > limit || status > limit || look > LOOK_SECS {
-        row.broken.push(format!("a large ledger is slow: history {history:.0} ms, status {status:.0} ms, look {look:.0} s"));
+        row.broken
+            .push(format!("a large ledger is slow: history {history:.0} ms, status {status:.0} ms, look {look:.0} s"));
     }
     row.broken.extend(whole.err().map(|error| error.to_string()));
 }
@@ -199,7 +200,8 @@ fn open_again(folder: &Path) -> Told {
         Err(error) => {
             let clear = error.is_damage() && error.to_string().contains("nestd restore");
             // A table of migrations that was spoilt is told otherwise, but nothing is used.
-            let otherwise = matches!(error, LedgerError::Migrate { .. } | LedgerError::Sql(_) | LedgerError::NewerSchema { .. });
+            let otherwise =
+                matches!(error, LedgerError::Migrate { .. } | LedgerError::Sql(_) | LedgerError::NewerSchema { .. });
             if clear || otherwise { Told::Refused } else { panic!("{error}") }
         }
         Ok(now) if now == before => Told::Same,
@@ -225,7 +227,7 @@ async fn answers(folder: &Path) -> Result<String, LedgerError> {
 fn backups_while_killed(budget: &Budget, row: &mut Row) {
     let mut farm = TestFarm::new(&format!("{}[trigger]\ncopies = 3\n", QUICK.replace("_secs = 0.5", "_secs = 0.1")));
     let mut rng = ChaCha8Rng::seed_from_u64(12);
-    let (mut whole, mut round) = (0, 0);
+    let (mut whole, mut round) = (0_u32, 0_u32);
     while budget.left_secs() > 0.5 && round < 5_000 {
         farm.start();
         farm.drop_part(&format!("p{round}.stl"), &block(10.0, 10.0, 10.0 + f64::from(round % 50) / 10.0));

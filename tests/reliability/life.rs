@@ -70,11 +70,18 @@ pub struct Life {
     asked_at: Instant,
     /// The script goes on without asking when the daemon refuses for a fault's sake.
     pub patience: Duration,
+    /// Nothing is cancelled and taken back.
+    skips_orders: bool,
 }
 
 impl Life {
     pub fn new() -> Self {
-        let farm = TestFarm::new(MACHINE);
+        Self::with("")
+    }
+
+    /// With more words for the machine.
+    pub fn with(more: &str) -> Self {
+        let farm = TestFarm::new(&format!("{MACHINE}{more}"));
         fs::write(farm.config(), FARM).unwrap();
         Self {
             farm,
@@ -85,11 +92,33 @@ impl Life {
             command: None,
             asked_at: Instant::now(),
             patience: Duration::from_secs(60),
+            skips_orders: false,
         }
     }
 
-    /// Goes on with the script while the daemon runs.
-    pub fn play(&mut self, has_ended: &mut dyn FnMut() -> bool) -> End {
+    /// One whose parts were dropped by somebody else, who tells what they were; only the build is still to be awaited.
+    pub fn after_dropping(more: &str, witness: Witness) -> Self {
+        let mut life = Self::with(more);
+        let foreign = life.farm.folder("inbox").join(FOREIGN);
+        life.witness = Witness {
+            untouched: witness.untouched.into_iter().map(|(_, hash)| (foreign.clone(), hash)).collect(),
+            ..witness
+        };
+        life.at = STEPS.iter().position(|step| matches!(step, Step::AwaitReading)).unwrap();
+        life.skips_orders = true;
+        life
+    }
+
+    /// Waits until a daemon that was started serves.
+    pub fn wait_for_sign_of_life(&self) {
+        let pid = self.farm.pid() as u32;
+        let serves =
+            || self.farm.ask(async |ledger| ledger.daemon().await).is_ok_and(|d| d.is_some_and(|d| d.pid == pid));
+        super::support::wait_until("the daemon gives a sign of life", 20.0, serves);
+    }
+
+    /// Goes on with the script while the daemon of this process id runs.
+    pub fn play(&mut self, pid: i32, has_ended: &mut dyn FnMut() -> bool) -> End {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let began = Instant::now();
@@ -104,8 +133,8 @@ impl Life {
                 if ledger.is_none() {
                     ledger = Ledger::open_existing(&self.farm.root().join("state/nestd.db")).await.ok();
                 }
-                let is_ready = self.farm.folder("archive").is_dir();
-                if let Some(ledger) = ledger.as_ref().filter(|_| is_ready)
+                if let Some(ledger) = &ledger
+                    && self.serves(ledger, pid).await
                     && self.step(ledger).await.unwrap_or(false)
                 {
                     self.at += 1;
@@ -124,6 +153,12 @@ impl Life {
         })
     }
 
+    /// Whether the daemon is past its start.
+    async fn serves(&self, ledger: &Ledger, pid: i32) -> bool {
+        let is_it = |daemon: Option<nestd::ledger::DaemonRow>| daemon.is_some_and(|row| row.pid == pid as u32);
+        self.farm.folder("archive").is_dir() && ledger.daemon().await.is_ok_and(is_it)
+    }
+
     /// Whether the step is done.
     async fn step(&mut self, ledger: &Ledger) -> Result<bool, nestd::ledger::LedgerError> {
         match STEPS[self.at] {
@@ -131,6 +166,7 @@ impl Life {
                 self.drop_all();
                 Ok(true)
             }
+            Step::AwaitReading | Step::Cancel(_) | Step::Retry(..) if self.skips_orders => Ok(true),
             Step::AwaitReading => {
                 let waiting = ledger.parts_in_state(PartState::Waiting).await?.len();
                 Ok(waiting == PRINTED.len() && !ledger.parts_in_state(PartState::Rejected).await?.is_empty())
@@ -148,7 +184,7 @@ impl Life {
         }
     }
 
-    fn drop_all(&mut self) {
+    pub fn drop_all(&mut self) {
         let files: [(&str, Vec<u8>); 4] = [
             ("ring.stl", stl(&block(10.0, 12.0, 5.0))),
             ("plate.stl", stl(&block(20.0, 5.0, 3.0))),
@@ -221,6 +257,11 @@ impl Life {
         }
     }
 
+    /// Where the script is.
+    pub fn step_name(&self) -> String {
+        format!("{:?}", STEPS[self.at])
+    }
+
     /// What is broken now, while things may be under way.
     pub fn look_after_a_crash(&mut self) {
         if self.farm.root().join("state/nestd.db").exists() && self.at > 0 {
@@ -279,7 +320,7 @@ impl Life {
     /// Ordinary runs of the daemon until the script is done, then a look at rest.
     pub fn run_to_the_end(&mut self) {
         self.farm.start();
-        let end = self.play(&mut || false);
+        let end = self.play(self.farm.pid(), &mut || false);
         if end != End::Done {
             let log: String = self.farm.log();
             let tail: Vec<&str> = log.lines().rev().take(15).collect();

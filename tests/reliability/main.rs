@@ -7,23 +7,25 @@ mod asked;
 mod big;
 mod budget;
 mod crash;
+mod faults;
+mod flood;
+mod heavy;
+mod hostile;
 mod kill;
 mod ledger;
 mod life;
 mod pool;
+mod power;
 mod row;
 mod table;
+mod torture;
 mod trace;
 
 #[allow(dead_code)] // shared with other tests, not all of it is used here
 #[path = "../farm/support.rs"]
 mod support;
 
-use std::{
-    panic::{AssertUnwindSafe, catch_unwind},
-    process::ExitCode,
-    time::Instant,
-};
+use std::{process::ExitCode, time::Instant};
 
 use asked::Asked;
 use budget::Budget;
@@ -37,9 +39,16 @@ struct Section {
 }
 
 /// All sections, in the order of the table.
-const SECTIONS: [Section; 3] = [
+#[rustfmt::skip]
+const SECTIONS: [Section; 9] = [
     Section { name: "crash", weight: 4.0, run: crash::run },
+    Section { name: "faults", weight: 5.0, run: faults::run },
+    Section { name: "power", weight: 3.0, run: power::run },
     Section { name: "kill", weight: 3.0, run: kill::run },
+    Section { name: "hostile", weight: 2.0, run: hostile::run },
+    Section { name: "torture", weight: 1.0, run: torture::run },
+    Section { name: "heavy", weight: 2.0, run: heavy::run },
+    Section { name: "flood", weight: 4.0, run: flood::run },
     Section { name: "ledger", weight: 2.0, run: ledger::run },
 ];
 
@@ -59,6 +68,7 @@ fn main() -> ExitCode {
         };
         let row = run(section, &budget);
         println!("section {} ... {}", section.name, if row.broken.is_empty() { "ok" } else { "BROKEN" });
+        row.broken.iter().for_each(|sentence| println!("{}: {sentence}", row.section));
         rows.push(row);
     }
     let table = table::table(&rows);
@@ -72,20 +82,11 @@ fn main() -> ExitCode {
 /// A section that panics has broken something, and keeps no other from its turn.
 fn run(section: &Section, budget: &Budget) -> Row {
     let began = Instant::now();
-    let row = catch_unwind(AssertUnwindSafe(|| (section.run)(budget))).unwrap_or_else(|panic| {
-        let message = panic.downcast_ref::<String>().cloned();
-        let message = message.or_else(|| panic.downcast_ref::<&str>().map(|m| (*m).to_owned())).unwrap_or_default();
-        Row { broken: vec![format!("the section ended with a panic: {message}")], ..Row::default() }
-    });
+    let row = pool::caught("the section ended with a panic", || (section.run)(budget));
     Row { section: section.name, seconds: began.elapsed().as_secs_f64(), ..row }
 }
 
 fn finish(rows: &[Row]) -> ExitCode {
-    for row in rows {
-        for sentence in &row.broken {
-            println!("{}: {sentence}", row.section);
-        }
-    }
     let failed = rows.iter().filter(|row| !row.broken.is_empty()).count();
     let word = if failed == 0 { "ok" } else { "FAILED" };
     println!(

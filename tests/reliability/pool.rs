@@ -1,11 +1,14 @@
 //! Many farms at once: a daemon at its reference life-cycle mostly waits.
 
-use std::sync::{
-    Mutex,
-    atomic::{AtomicUsize, Ordering},
+use std::{
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
 };
 
-use super::budget::Budget;
+use super::{budget::Budget, row::Row};
 
 /// Farms at once.
 fn workers(budget: &Budget) -> usize {
@@ -30,6 +33,15 @@ pub fn in_parallel<P: Send, R: Send>(points: Vec<P>, budget: &Budget, work: impl
         }
     });
     results.into_inner().unwrap()
+}
+
+/// One point; a panic in it is something broken, and ends no other.
+pub fn caught(what: &str, work: impl FnOnce() -> Row) -> Row {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let message = panic.downcast_ref::<String>().cloned();
+        let message = message.or_else(|| panic.downcast_ref::<&str>().map(|m| (*m).to_owned())).unwrap_or_default();
+        Row { broken: vec![format!("{what}: {message}")], ..Row::default() }
+    })
 }
 
 /// 1 to `last` in an order of which every beginning is spread over the whole: a run that is cut short has seen all regions.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use serde::Serialize;
 
-use crate::settings::Problem;
+use crate::{format::visible_lines, settings::Problem};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -100,6 +100,7 @@ impl Report {
     }
 
     fn add(&mut self, level: Level, what: &str, text: String, remedy: Option<String>) {
+        let text = visible_lines(&text);
         self.findings.push(Finding { level, what: what.to_owned(), text, remedy, file: None, line: None });
     }
 }

@@ -10,7 +10,7 @@ use std::{
 use anyhow::{Context, Result, bail, ensure};
 use jiff::Timestamp;
 
-use super::{Args, Machine, parts::Part};
+use super::{super::table::tell, Args, Machine, parts::Part};
 use crate::{
     format::{self, BuildFile, BuildItem, BuildObject},
     geometry::{Mesh, Pose},
@@ -74,7 +74,7 @@ pub fn write(
         course.separable = separable;
         draft.publish()?;
     } else {
-        eprintln!("nestd: no copy could be placed; {} is not written", args.output.display());
+        tell(&format!("no copy could be placed; {} is not written", args.output.display()));
     }
     let standing: Vec<(&Mesh, Pose)> = solution.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
     let mut report = Report::new(instance, &moved, course).measured(&standing, machine.layer_cap());
@@ -198,7 +198,7 @@ fn prove(
     let separable = Separability::look(rule, &bodies, machine.clearance_mm, name);
     if let Some(found) = separable.as_ref().filter(|found| !found.locked.is_empty()) {
         ensure!(found.obeys(rule), "the written build was taken back: {}", found.in_words());
-        eprintln!("nestd: {}", found.in_words());
+        tell(&found.in_words());
     }
     Ok((proof, separable))
 }

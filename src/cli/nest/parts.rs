@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 use anyhow::Result;
 
-use super::{Args, Machine, Usage, bytes_of};
+use super::{super::table::tell, Args, Machine, Usage, bytes_of};
 use crate::{format, geometry::Mesh};
 
 /// One solid with its copies.
@@ -51,7 +51,7 @@ pub fn read(rows: Vec<Row>, machine: &Machine) -> Result<Vec<Part>> {
             let solid_warnings =
                 contents.solids.iter().flat_map(|s| s.warnings.iter().map(move |w| format!("{}: {w}", s.name)));
             for warning in contents.warnings.iter().cloned().chain(solid_warnings) {
-                eprintln!("nestd: {}: {warning}", row.name);
+                tell(&format!("{}: {warning}", row.name));
             }
             let solids = contents.solids.into_iter().map(|s| (s.name, Arc::new(s.mesh), s.copies)).collect();
             known.insert(source_hash.clone(), solids);

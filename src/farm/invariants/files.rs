@@ -213,6 +213,10 @@ pub async fn dropped(ledger: &Ledger, folders: &Folders, witness: &Witness, look
             let is_it = intake::hash_file(&claim.part).is_ok_and(|found| found == *hash);
             unrecorded += usize::from(is_it && ledger.parts_of_claim(&claim.id).await?.is_empty());
         }
+        // What was being taken stands in a half made claim, which the next look gives back.
+        for file in folders.work.values().flat_map(|work| &work.half_made) {
+            unrecorded += usize::from(intake::hash_file(file).is_ok_and(|found| found == *hash));
+        }
         if rows + lie + unrecorded != times {
             let text = format!(
                 "a file was dropped {times} times; {rows} are recorded, {unrecorded} are claimed, {lie} lie in the hot \

@@ -33,8 +33,8 @@ pub struct Call {
     pub fd: Option<u64>,
     /// Bytes to be written, for writes.
     pub bytes: u64,
-    /// Where they lie in the memory of the process.
-    pub buffer: u64,
+    /// The second argument: the length for `ftruncate`.
+    pub argument: u64,
     /// Offset in the file, for `pwrite`.
     pub offset: Option<u64>,
     /// Flags of an open.
@@ -142,19 +142,11 @@ impl Call {
             to,
             fd,
             bytes: if matches!(*number, 1 | 18) { args[2] } else { 0 },
-            buffer: args[1],
+            argument: args[1],
             offset: (*number == 18).then_some(args[3]),
             flags,
             pid: pid.as_raw(),
         })
-    }
-
-    /// The bytes that a `write` or `pwrite` is about to write.
-    pub fn data(&self) -> Vec<u8> {
-        let mut data = vec![0; self.bytes as usize];
-        let memory = File::open(format!("/proc/{}/mem", self.pid)).unwrap();
-        memory.read_exact_at(&mut data, self.buffer).unwrap();
-        data
     }
 
     /// Where a descriptor stands in its file.

@@ -89,6 +89,11 @@ impl<W: Watch + 'static> Traced<W> {
         Ok(Self { pid, ended, has_ended: false, thread: Some(thread) })
     }
 
+    /// Its process id.
+    pub fn pid(&self) -> i32 {
+        self.pid.as_raw()
+    }
+
     /// Whether the daemon has ended.
     pub fn has_ended(&mut self) -> bool {
         self.has_ended = self.has_ended || self.ended.try_recv().is_ok();

@@ -1,0 +1,107 @@
+//! The JSON interface: what the pages show, for machines. `openapi.json` describes it; a test compares.
+
+use std::sync::Arc;
+
+use axum::{
+    Json,
+    extract::{Path, Query, State},
+    http::header,
+    response::{IntoResponse, Response},
+};
+use jiff::Timestamp;
+use serde::Serialize;
+
+use super::{
+    history::{self, Asked},
+    problem::{Answer, Problem},
+    server::Web,
+};
+use crate::{
+    farm::fires_at,
+    ledger::{
+        BuildId, BuildRow, DaemonRow, EventRow, HistoryRow, OutcomeRow, PartId, PartRow, PlacementRow, ProfileStatus,
+    },
+};
+
+/// The farm as it stands.
+#[derive(Serialize)]
+pub(super) struct Farm {
+    daemon: Option<DaemonRow>,
+    profiles: Vec<Machine>,
+}
+
+#[derive(Serialize)]
+struct Machine {
+    #[serde(flatten)]
+    status: ProfileStatus,
+    volume_mm: [f64; 3],
+    fires_at_latest: Option<Timestamp>,
+    inbox_is_there: bool,
+    queue_is_there: bool,
+}
+
+/// A build with all that belongs to it.
+#[derive(Serialize)]
+pub(super) struct BuildSheet {
+    build: BuildRow,
+    parts: Vec<PartRow>,
+    placements: Vec<PlacementRow>,
+    outcomes: Vec<OutcomeRow>,
+}
+
+/// A part with all that belongs to it.
+#[derive(Serialize)]
+pub(super) struct PartSheet {
+    part: PartRow,
+    placements: Vec<PlacementRow>,
+    events: Vec<EventRow>,
+}
+
+/// The farm as it stands.
+pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
+    let (status, settings) = (web.ledger.status().await?, web.settings());
+    let machine = |(name, profile): (&String, &crate::settings::Profile)| {
+        let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
+        let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
+        Machine {
+            fires_at_latest: fires_at(profile, &status),
+            volume_mm: profile.volume_mm.to_array(),
+            inbox_is_there: profile.folders.inbox.is_dir(),
+            queue_is_there: profile.folders.queue.is_dir(),
+            status,
+        }
+    };
+    let profiles = settings.profiles.iter().map(machine).collect();
+    Ok(Json(Farm { daemon: web.ledger.daemon().await?, profiles }))
+}
+
+/// The history, filtered as the page is.
+pub(super) async fn builds(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Json<Vec<HistoryRow>>> {
+    Ok(Json(history::rows(&web, &asked).await?))
+}
+
+/// A build.
+pub(super) async fn build(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Json<BuildSheet>> {
+    let id = BuildId(number);
+    let build = web.ledger.build(id).await?.ok_or_else(|| Problem::NotFound(format!("build {number}")))?;
+    let parts = web.ledger.parts_of_build(id).await?;
+    let placements = web.ledger.placements_of_build(id).await?;
+    let outcomes = web.ledger.outcomes(id).await?;
+    Ok(Json(BuildSheet { build, parts, placements, outcomes }))
+}
+
+/// A part.
+pub(super) async fn part(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Json<PartSheet>> {
+    let id = PartId(number);
+    let part = web.ledger.part(id).await?.ok_or_else(|| Problem::NotFound(format!("part {number}")))?;
+    let (placements, events) = (web.ledger.placements_of_part(id).await?, web.ledger.events_of_part(id).await?);
+    Ok(Json(PartSheet { part, placements, events }))
+}
+
+/// What describes the interface.
+pub(super) const OPENAPI: &str = include_str!("assets/openapi.json");
+
+/// The description.
+pub(super) async fn openapi() -> Response {
+    ([(header::CONTENT_TYPE, "application/json")], OPENAPI).into_response()
+}

@@ -1,0 +1,23 @@
+//! Styles and scripts, embedded in the binary.
+
+use axum::{
+    extract::Path,
+    http::header,
+    response::{IntoResponse, Response},
+};
+
+use super::problem::Problem;
+
+const ASSETS: [(&str, &str, &[u8]); 4] = [
+    ("style.css", "text/css; charset=utf-8", include_bytes!("assets/style.css")),
+    ("live.js", "text/javascript; charset=utf-8", include_bytes!("assets/live.js")),
+    ("view.js", "text/javascript; charset=utf-8", include_bytes!("assets/view.js")),
+    ("icon.svg", "image/svg+xml", include_bytes!("assets/icon.svg")),
+];
+
+/// An asset by name.
+pub(super) async fn asset(Path(name): Path<String>) -> Result<Response, Problem> {
+    let found = ASSETS.iter().find(|(known, _, _)| *known == name);
+    let (_, kind, bytes) = found.ok_or_else(|| Problem::NotFound(format!("asset {name}")))?;
+    Ok(([(header::CONTENT_TYPE, *kind), (header::CACHE_CONTROL, "no-cache")], *bytes).into_response())
+}

@@ -1,0 +1,116 @@
+//! Charts of the history as inline SVG: height, density and utilisation over the builds, a line per machine.
+
+use std::collections::BTreeMap;
+
+use maud::{Markup, PreEscaped, html};
+
+use crate::{ledger::HistoryRow, settings::Settings};
+
+const WIDTH: f64 = 640.0;
+const HEIGHT: f64 = 180.0;
+const LEFT: f64 = 46.0;
+const BOTTOM: f64 = 26.0;
+const TOP: f64 = 10.0;
+/// Lines in a chart; styles give them colours that the colour-blind can tell apart.
+const MOST_LINES: usize = 6;
+
+/// A machine's points: seconds since 1970 and a value.
+type Lines = BTreeMap<String, Vec<(f64, f64)>>;
+
+/// The three charts over published builds; nothing where there are less than two.
+pub(super) fn charts(rows: &[HistoryRow], settings: &Settings) -> Markup {
+    let published: Vec<&HistoryRow> = rows.iter().filter(|row| row.published_at.is_some()).collect();
+    if published.len() < 2 {
+        return html! {};
+    }
+    let lines = |value: &dyn Fn(&HistoryRow) -> Option<f64>| {
+        let mut lines = Lines::new();
+        for row in &published {
+            if let (Some(at), Some(value)) = (row.published_at, value(row)) {
+                lines.entry(row.profile.clone()).or_default().push((at.0.as_second() as f64, value));
+            }
+        }
+        lines.values_mut().for_each(|line| line.sort_by(|a, b| a.0.total_cmp(&b.0)));
+        lines
+    };
+    let utilisation = |row: &HistoryRow| {
+        let volume_z_mm = settings.profiles.get(&row.profile)?.volume_mm.z;
+        Some(100.0 * row.height_mm? / volume_z_mm)
+    };
+    html! {
+        div.charts {
+            (chart("Build height", "mm", &lines(&|row| row.height_mm)))
+            (chart("Density", "%", &lines(&|row| row.density.map(|d| 100.0 * d))))
+            (chart("Height used of the machine's", "%", &lines(&utilisation)))
+        }
+    }
+}
+
+/// A line chart with axes, units and a legend; `curve` gives another meaning to the horizontal axis.
+fn chart(title: &str, unit: &str, lines: &Lines) -> Markup {
+    let points = || lines.values().flatten();
+    let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    let date = |secs: f64| {
+        jiff::Timestamp::from_second(secs as i64).map_or_else(|_| String::new(), |t| t.strftime("%Y-%m-%d").to_string())
+    };
+    let legend = lines.keys().take(MOST_LINES).enumerate();
+    html! {
+        figure {
+            figcaption { (title) ", " (unit)
+                @for (at, name) in legend { " " span class=(format!("key c{at}")) { (name) } } }
+            (plot(title, lines.values().take(MOST_LINES), (&date(first), &date(last))))
+        }
+    }
+}
+
+/// Lines in a frame; `ends` stand below its left and right end.
+pub(super) fn plot<'a>(
+    title: &str,
+    lines: impl Iterator<Item = &'a Vec<(f64, f64)>> + Clone,
+    ends: (&str, &str),
+) -> Markup {
+    let points = || lines.clone().flatten();
+    let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    let most = step_up(points().map(|p| p.1).fold(1e-9, f64::max));
+    let x = |at: f64| LEFT + (WIDTH - LEFT - 8.0) * (at - first) / (last - first).max(1e-9);
+    let y = |value: f64| TOP + (HEIGHT - TOP - BOTTOM) * (1.0 - value / most);
+    let mut body = String::new();
+    for tick in 0..=4 {
+        let value = most * f64::from(tick) / 4.0;
+        let at = y(value);
+        body += &format!("<line class=\"grid\" x1=\"{LEFT}\" x2=\"{}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>", WIDTH - 8.0);
+        body += &format!("<text class=\"tick end\" x=\"{}\" y=\"{:.1}\">{}</text>", LEFT - 6.0, at + 4.0, short(value));
+    }
+    for (at, line) in lines.clone().enumerate() {
+        let path: Vec<String> = line.iter().map(|p| format!("{:.1},{:.1}", x(p.0), y(p.1))).collect();
+        body += &format!("<polyline class=\"c{at}\" points=\"{}\"/>", path.join(" "));
+        if line.len() <= 60 {
+            body.extend(
+                line.iter()
+                    .map(|p| format!("<circle class=\"c{at}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"2.5\"/>", x(p.0), y(p.1))),
+            );
+        }
+    }
+    html! {
+        svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(title) {
+            (PreEscaped(body))
+            text.tick x=(LEFT) y=(HEIGHT - 8.0) { (ends.0) }
+            text.tick.end x=(WIDTH - 8.0) y=(HEIGHT - 8.0) { (ends.1) }
+        }
+    }
+}
+
+/// The next round number: 1, 2, 2.5, 5 times a power of ten.
+fn step_up(value: f64) -> f64 {
+    let power = 10_f64.powf(value.log10().floor());
+    [1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0]
+        .into_iter()
+        .map(|step| step * power)
+        .find(|s| *s >= value * 0.9999)
+        .unwrap_or(value)
+}
+
+fn short(value: f64) -> String {
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

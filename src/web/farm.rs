@@ -1,0 +1,114 @@
+//! The first page: a card per machine, with what waits, what will fire next, and buttons.
+
+use std::sync::Arc;
+
+use axum::extract::State;
+use jiff::Timestamp;
+use maud::{Markup, html};
+
+use super::{
+    order::button,
+    page::{facts, page},
+    problem::Answer,
+    server::Web,
+    words::{age, count, number, percent, time},
+};
+use crate::{
+    farm::fires_at,
+    ledger::{CommandKind, DaemonRow, ProfileStatus},
+    settings::Profile,
+};
+
+/// The page.
+pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
+    let (status, daemon) = (web.ledger.status().await?, web.ledger.daemon().await?);
+    let (settings, now) = (web.settings(), Timestamp::now());
+    let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
+    let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
+    let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
+    let content = html! {
+        h1 { "Farm" }
+        (daemon_line(daemon.as_ref(), now))
+        div.cards {
+            @for (name, profile) in &settings.profiles { (card(&web, profile, &of(name), now)) }
+        }
+        @for status in gone {
+            p { "The profile " b { (status.profile) } " is no longer configured: "
+                (count(status.waiting_parts, "part waits", "parts wait")) "." }
+        }
+        @if settings.profiles.is_empty() { p { "No machine is configured." } }
+    };
+    Ok(page("Farm", "/", None, &content))
+}
+
+fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {
+    match daemon {
+        Some(d) if d.alive => html! {
+            p.ok { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (d.status) "." }
+        },
+        Some(d) => html! {
+            p.bad role="alert" { "The daemon does not run; its last sign of life was " (age(d.beat_at.0, now)) " ago." }
+        },
+        None => html! { p.bad role="alert" { "The daemon has not run yet." } },
+    }
+}
+
+/// What hinders a machine, if anything.
+fn hindrance(profile: &Profile, status: &ProfileStatus) -> Option<String> {
+    if let Some(paused) = &status.paused {
+        return Some(format!(
+            "Paused by {} since {}: nothing is fired.",
+            paused.paused_by,
+            time(Some(paused.paused_at))
+        ));
+    }
+    let folders = [("hot folder", &profile.folders.inbox), ("queue folder", &profile.folders.queue)];
+    let gone = folders.into_iter().find(|(_, path)| !path.is_dir());
+    gone.map(|(what, path)| format!("The {what} {} is not there: mount the share.", path.display()))
+}
+
+fn card(web: &Web, profile: &Profile, status: &ProfileStatus, now: Timestamp) -> Markup {
+    let name = profile.name.as_str();
+    let volume_z_mm = profile.volume_mm.z;
+    let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
+    let height_mm = open.and_then(|open| open.height_mm);
+    let oldest = status.oldest_at.map_or_else(|| "–".to_owned(), |at| age(at.0, now));
+    let fires =
+        fires_at(profile, status).map(|at| format!("when full, at the latest {}", at.strftime("%Y-%m-%d %H:%M")));
+    html! {
+        section.card aria-label=(name) {
+            h2 { (name) }
+            @if let Some(text) = hindrance(profile, status) { p.bad role="status" { (text) } }
+            @if let Some(open) = open {
+                p { "Open build " a href=(format!("/builds/{}", open.build)) { (open.build) } ": "
+                    b { (number(height_mm, 1)) " mm" } " of " (number(Some(volume_z_mm), 0)) " mm, "
+                    (percent(open.density)) " dense, " (count(open.copies.unwrap_or(0), "copy", "copies")) }
+                meter min="0" max=(volume_z_mm) value=(height_mm.unwrap_or(0.0))
+                    aria-label="Height of the open build, mm" {}
+            } @else { p { "No open build." } }
+            (facts(&[
+                ("Waiting", html! { (count(status.waiting_copies, "copy", "copies")) " of "
+                    (count(status.waiting_parts, "part", "parts")) }),
+                ("Oldest", html! { (oldest) }),
+                ("Fires", html! { (fires.as_deref().unwrap_or("–")) }),
+                ("Being read", html! { (count(status.claimed_parts, "file", "files")) }),
+                ("Refused", html! { @if status.rejected_parts > 0 {
+                    a href=(format!("/parts?state=rejected&profile={name}")) { (count(status.rejected_parts, "part", "parts")) }
+                } @else { "none" } }),
+            ]))
+            @for build in &status.nesting {
+                p { "Build " a href=(format!("/builds/{}", build.build)) { (build.build) } " is being made: "
+                    (count(build.copies, "copy", "copies")) "." }
+            }
+            @if let Some(last) = &status.last_published {
+                p { "Last: build " a href=(format!("/builds/{}", last.build)) { (last.build) } ", "
+                    (number(last.height_mm, 1)) " mm, " (time(Some(last.published_at))) }
+            }
+            div.buttons {
+                (button(web, CommandKind::Flush, "Flush", &format!("{name}: publish what waits now"), name, None))
+                @if status.paused.is_some() { (button(web, CommandKind::Resume, "Resume", name, name, None)) }
+                @else { (button(web, CommandKind::Pause, "Pause", name, name, None)) }
+            }
+        }
+    }
+}

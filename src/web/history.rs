@@ -1,0 +1,185 @@
+//! The history: builds with their heights, filtered and sorted, as a page, CSV or JSON of exactly what is shown.
+
+use std::sync::Arc;
+
+use axum::{
+    extract::{Query, State},
+    http::{StatusCode, header},
+    response::{IntoResponse, Response},
+};
+use jiff::{Timestamp, ToSpan, civil::Date, tz::TimeZone};
+use maud::{Markup, html};
+use serde::{Deserialize, Serialize};
+
+use super::{
+    chart,
+    page::page,
+    problem::{Answer, Problem},
+    server::Web,
+    words::{number, or_dash, percent, text, time},
+};
+use crate::ledger::{HistoryQuery, HistoryRow};
+
+/// Builds on a page.
+const MOST_ROWS: u32 = 500;
+
+/// What is asked for; empty fields ask for nothing.
+#[derive(Debug, Clone, Default, Deserialize, Serialize)]
+#[serde(default)]
+pub(super) struct Asked {
+    profile: String,
+    state: String,
+    part: String,
+    since: String,
+    until: String,
+    sort: String,
+}
+
+/// Columns that a page can be sorted by.
+const SORTED: [(&str, &str); 5] = [
+    ("build", "Build"),
+    ("height", "Height, mm"),
+    ("density", "Density"),
+    ("copies", "Copies"),
+    ("profile", "Profile"),
+];
+
+/// The rows that are asked for, sorted.
+pub(super) async fn rows(web: &Web, asked: &Asked) -> Answer<Vec<HistoryRow>> {
+    let limited = asked.state.is_empty() && asked.part.is_empty();
+    let query = HistoryQuery {
+        since: day(&asked.since, 0)?,
+        until: day(&asked.until, 1)?,
+        profile: Some(asked.profile.clone()).filter(|p| !p.is_empty()),
+        limit: limited.then_some(MOST_ROWS),
+    };
+    let mut rows = web.ledger.history(&query).await?;
+    rows.retain(|row| asked.state.is_empty() || row.state.to_string() == asked.state);
+    if !asked.part.is_empty() {
+        let builds = web.ledger.builds_with(&asked.part).await?;
+        rows.retain(|row| builds.contains(&row.build));
+    }
+    rows.truncate(MOST_ROWS as usize);
+    let by = |a: Option<f64>, b: Option<f64>| a.unwrap_or(f64::INFINITY).total_cmp(&b.unwrap_or(f64::INFINITY));
+    match asked.sort.as_str() {
+        "height" => rows.sort_by(|a, b| by(a.height_mm, b.height_mm)),
+        "density" => rows.sort_by(|a, b| by(b.density, a.density)),
+        "copies" => rows.sort_by_key(|row| std::cmp::Reverse(row.copies)),
+        "profile" => rows.sort_by(|a, b| a.profile.cmp(&b.profile)),
+        _ => {}
+    }
+    Ok(rows)
+}
+
+/// The first moment of a day, UTC, or of the day `later` days after it.
+fn day(text: &str, later: i64) -> Answer<Option<Timestamp>> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let moment = text.parse::<Date>().and_then(|date| date.checked_add(later.days())?.to_zoned(TimeZone::UTC));
+    match moment {
+        Ok(zoned) => Ok(Some(zoned.timestamp())),
+        Err(_) => Err(Problem::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is no date such as 2026-11-20"))),
+    }
+}
+
+/// The page.
+pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Markup> {
+    let rows = rows(&web, &asked).await?;
+    let settings = web.settings();
+    let query = serde_urlencoded_of(&asked);
+    let content = html! {
+        h1 { "History" }
+        (filters(&asked, settings.profiles.keys()))
+        p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
+            a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
+        (chart::charts(&rows, &settings))
+        (table(&rows, &asked))
+    };
+    Ok(page("History", "/history", None, &content))
+}
+
+fn serde_urlencoded_of(asked: &Asked) -> String {
+    let fields = [
+        ("profile", &asked.profile),
+        ("state", &asked.state),
+        ("part", &asked.part),
+        ("since", &asked.since),
+        ("until", &asked.until),
+        ("sort", &asked.sort),
+    ];
+    let given = fields.into_iter().filter(|(_, value)| !value.is_empty());
+    given.map(|(name, value)| format!("{name}={}", encoded(value))).collect::<Vec<_>>().join("&")
+}
+
+/// A text as a part of an address.
+pub(super) fn encoded(text: &str) -> String {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_.~".contains(&b);
+    text.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
+}
+
+fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Markup {
+    let states = ["verified", "published", "printing", "complete", "interrupted", "failed"];
+    html! {
+        form.filters method="get" action="/history" {
+            label { "Profile" select name="profile" {
+                option value="" { "all" }
+                @for name in profiles { option value=(name) selected[*name == asked.profile] { (name) } }
+            } }
+            label { "Outcome" select name="state" {
+                option value="" { "all" }
+                @for state in states { option value=(state) selected[state == asked.state] { (state) } }
+            } }
+            label { "Part or order" input name="part" value=(asked.part); }
+            label { "Since" input type="date" name="since" value=(asked.since); }
+            label { "Until" input type="date" name="until" value=(asked.until); }
+            label { "Sorted by" select name="sort" {
+                option value="" { "newest first" }
+                @for (value, label) in &SORTED[1..] { option value=(value) selected[*value == asked.sort] { (label) } }
+            } }
+            button type="submit" { "Show" }
+        }
+    }
+}
+
+fn table(rows: &[HistoryRow], asked: &Asked) -> Markup {
+    html! {
+        @if rows.is_empty() { p { "No builds." } }
+        @else {
+            div.wide tabindex="0" role="region" aria-label="Builds" {
+                table {
+                    caption { (rows.len()) " builds" @if rows.len() == MOST_ROWS as usize { ", the newest" }
+                        @if !asked.sort.is_empty() { ", sorted by " (asked.sort) } }
+                    thead { tr {
+                        th scope="col" { "Build" } th scope="col" { "Profile" } th scope="col" { "State" }
+                        th scope="col" { "Time (UTC)" } th.n scope="col" { "Height, mm" } th.n scope="col" { "Bound, mm" }
+                        th.n scope="col" { "Density" } th.n scope="col" { "Layers" } th.n scope="col" { "Copies" }
+                        th.n scope="col" { "Proved, mm" } th scope="col" { "File or reason" }
+                    } }
+                    tbody { @for row in rows { tr {
+                        td { a href=(format!("/builds/{}", row.build)) { (row.build) } }
+                        td { (row.profile) } td { (row.state) } td { (time(Some(row.at))) }
+                        td.n { (number(row.height_mm, 2)) } td.n { (number(row.lower_bound_mm, 2)) }
+                        td.n { (percent(row.density)) } td.n { (or_dash(row.layers)) } td.n { (or_dash(row.copies)) }
+                        td.n { (number(row.clearance_proved_mm, 3)) }
+                        td { (row.file_name.as_deref().unwrap_or_else(|| text(&row.reason))) }
+                    } } }
+                }
+            }
+        }
+    }
+}
+
+/// What is shown, as CSV.
+pub(super) async fn csv(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Response> {
+    let text = HistoryRow::csv(&rows(&web, &asked).await?).map_err(anyhow::Error::from)?;
+    let name = "attachment; filename=\"nestd-history.csv\"";
+    Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8"), (header::CONTENT_DISPOSITION, name)], text).into_response())
+}
+
+/// What is shown, as JSON.
+pub(super) async fn json(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Response> {
+    let name = "attachment; filename=\"nestd-history.json\"";
+    let rows = rows(&web, &asked).await?;
+    Ok(([(header::CONTENT_DISPOSITION, name)], axum::Json(rows)).into_response())
+}

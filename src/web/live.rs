@@ -1,0 +1,39 @@
+//! Live updates: a page hears when something has changed and asks for itself again.
+
+use std::{convert::Infallible, sync::Arc, time::Duration};
+
+use axum::{
+    extract::State,
+    response::sse::{Event, KeepAlive, Sse},
+};
+use tokio::sync::watch;
+use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
+
+use super::server::Web;
+
+/// Between two looks at the ledger while somebody watches.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+
+/// The stream of changes: an event `changed` whenever the farm's state is another one.
+pub(super) async fn live(State(web): State<Arc<Web>>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
+    let changes = WatchStream::from_changes(web.changes.subscribe());
+    let events = changes.map(|number| Ok(Event::default().event("changed").data(number.to_string())));
+    Sse::new(events).keep_alive(KeepAlive::default())
+}
+
+/// Looks whether the farm's state has changed, as long as somebody wants to know.
+pub(super) async fn look(web: Arc<Web>, changes: watch::Sender<u64>) {
+    let mut seen = String::new();
+    loop {
+        tokio::time::sleep(LOOK_EVERY).await;
+        if changes.receiver_count() == 0 {
+            continue;
+        }
+        // What cannot be read now is read a second later.
+        let Ok(now) = web.pulse().await else { continue };
+        if now != seen {
+            seen = now;
+            changes.send_modify(|number| *number += 1);
+        }
+    }
+}

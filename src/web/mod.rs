@@ -1,0 +1,27 @@
+//! The face to browsers: pages over the ledger's queries, rendered on the server and readable without JavaScript; a JSON
+//! interface and metrics for machines. It decides nothing: orders go through the ledger, as those of the command line do.
+//!
+//! Everything is embedded in the binary, and no page asks another host for anything.
+
+mod api;
+mod assets;
+mod build;
+mod chart;
+mod farm;
+mod guard;
+mod history;
+mod live;
+mod metrics;
+mod order;
+mod page;
+mod part;
+mod problem;
+mod reduce;
+mod scene;
+mod server;
+mod words;
+
+#[cfg(test)]
+mod tests;
+
+pub use server::{Shared, serve};

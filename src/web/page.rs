@@ -1,0 +1,58 @@
+//! What all pages have in common: head, navigation, foot.
+
+use axum::http::StatusCode;
+use maud::{DOCTYPE, Markup, html};
+
+/// A whole page. `script` is a module of its own, besides the one that keeps pages up to date.
+pub(super) fn page(title: &str, here: &str, script: Option<&str>, content: &Markup) -> Markup {
+    let link = |path: &str, name: &str| {
+        html! { a href=(path) aria-current=[(here == path).then_some("page")] { (name) } }
+    };
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (title) " - nestd" }
+                link rel="icon" href="/assets/icon.svg" type="image/svg+xml";
+                link rel="stylesheet" href="/assets/style.css";
+                script type="module" src="/assets/live.js" {}
+                @if let Some(script) = script { script type="module" src=(script) {} }
+            }
+            body {
+                a.skip href="#main" { "Skip to content" }
+                header {
+                    nav aria-label="Pages" {
+                        span.brand { "nestd" }
+                        (link("/", "Farm")) (link("/history", "History")) (link("/parts", "Parts"))
+                    }
+                }
+                main #main tabindex="-1" { (content) }
+                footer {
+                    p { "nestd " (env!("CARGO_PKG_VERSION")) ". Times are UTC, lengths mm. "
+                        a href="/api/v1/openapi.json" { "JSON interface" } " · " a href="/metrics" { "Metrics" } }
+                }
+            }
+        }
+    }
+}
+
+/// The page of an error.
+pub(super) fn error(status: StatusCode, text: &str) -> Markup {
+    let title = status.canonical_reason().unwrap_or("Error");
+    let content = html! {
+        h1 { (title) }
+        p role="alert" { (text) "." }
+        p { a href="/" { "To the farm" } }
+    };
+    page(title, "", None, &content)
+}
+
+/// Facts as a list of terms.
+pub(super) fn facts(rows: &[(&str, Markup)]) -> Markup {
+    html! {
+        dl.facts { @for (name, value) in rows { div { dt { (name) } dd { (value) } } } }
+    }
+}

@@ -1,0 +1,163 @@
+//! Parts: those of a state or a name, and one part: where it is, in which build, where in the cake.
+
+use std::sync::Arc;
+
+use axum::extract::{Path, Query, State};
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::{
+    order::button,
+    page::{facts, page},
+    problem::{Answer, Problem},
+    server::Web,
+    words::{DASH, count, full_name, number, or_dash, text, time},
+};
+use crate::ledger::{CommandKind, PartId, PartRow, PartState, PlacementRow};
+
+/// Parts on a page.
+const MOST_PARTS: usize = 500;
+
+/// What is asked for.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Asked {
+    state: String,
+    profile: String,
+    name: String,
+}
+
+/// Parts by state, or of a name or an order.
+pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Markup> {
+    let ledger = &web.ledger;
+    let states = [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Rejected];
+    let mut parts = Vec::new();
+    if asked.name.is_empty() {
+        for state in states.into_iter().filter(|s| asked.state.is_empty() || s.to_string() == asked.state) {
+            parts.extend(ledger.parts_in_state(state).await?);
+        }
+    } else {
+        parts.extend(ledger.parts_named(&asked.name).await?);
+        parts.extend(ledger.order(&asked.name).await?);
+        parts.retain(|part| asked.state.is_empty() || part.state.to_string() == asked.state);
+    }
+    parts.retain(|part| asked.profile.is_empty() || part.profile == asked.profile);
+    parts.sort_by_key(|part| std::cmp::Reverse(part.id));
+    parts.dedup_by_key(|part| part.id);
+    let all = parts.len();
+    parts.truncate(MOST_PARTS);
+    let settings = web.settings();
+    let content = html! {
+        h1 { "Parts" }
+        form.filters method="get" action="/parts" {
+            label { "File or order" input name="name" value=(asked.name); }
+            label { "State" select name="state" {
+                option value="" { "all" }
+                @for state in states.map(|s| s.to_string()) { option value=(state) selected[state == asked.state] { (state) } }
+            } }
+            label { "Profile" select name="profile" {
+                option value="" { "all" }
+                @for name in settings.profiles.keys() { option value=(name) selected[*name == asked.profile] { (name) } }
+            } }
+            button type="submit" { "Show" }
+        }
+        @if asked.name.is_empty() { p { "Parts that are claimed, wait, are in a build that is being made, or were refused. Those that are built are found by name." } }
+        (table(&parts, all))
+    };
+    Ok(page("Parts", "/parts", None, &content))
+}
+
+/// Parts as a table.
+pub(super) fn table(parts: &[PartRow], all: usize) -> Markup {
+    html! {
+        @if parts.is_empty() { p { "No parts." } }
+        @else {
+            div.wide tabindex="0" role="region" aria-label="Parts" {
+                table {
+                    caption { (all) " parts" @if all > parts.len() { ", the newest " (parts.len()) } }
+                    thead { tr {
+                        th scope="col" { "Part" } th scope="col" { "File" } th scope="col" { "Order" } th scope="col" { "Profile" }
+                        th scope="col" { "State" } th.n scope="col" { "Copies" } th scope="col" { "Due" } th scope="col" { "Reason or warning" }
+                    } }
+                    tbody { @for part in parts { tr {
+                        td { a href=(format!("/parts/{}", part.id)) { (part.id) } }
+                        td { (full_name(part)) } td { (text(&part.order_name)) } td { (part.profile) } td { (part.state) }
+                        td.n { (part.copies) } td { (time(part.due_at)) }
+                        td { (if part.reason.is_empty() { text(&part.warnings) } else { &part.reason }) }
+                    } } }
+                }
+            }
+        }
+    }
+}
+
+/// One part.
+pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Markup> {
+    let id = PartId(number);
+    let part = web.ledger.part(id).await?.ok_or_else(|| Problem::NotFound(format!("part {number}")))?;
+    let placements = web.ledger.placements_of_part(id).await?;
+    let events = web.ledger.events_of_part(id).await?;
+    let same: Vec<PartRow> =
+        web.ledger.parts_named(&part.name).await?.into_iter().filter(|other| other.id != id).collect();
+    let about = format!("part {number}");
+    let content = html! {
+        h1 { "Part " (number) ": " (full_name(&part)) }
+        @if !part.reason.is_empty() { p.bad role="status" { (part.reason) } }
+        @for warning in part.warnings.lines() { p.warn { (warning) } }
+        (what_it_is(&part))
+        div.buttons {
+            @if part.state == PartState::Rejected { (button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
+            @if part.state == PartState::Waiting { (button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
+        }
+        h2 { "Where its copies are" }
+        (copies(&part, &placements))
+        h2 { "What happened" }
+        ul { @for event in &events { li { (time(Some(event.at))) " " (event.kind)
+            @if let Some(build) = event.build_id { " (build " a href=(format!("/builds/{build}")) { (build) } ")" }
+            @if !event.detail.is_empty() { ": " (event.detail) } } } }
+        @if !same.is_empty() { h2 { "Other parts of this name" } (table(&same, same.len())) }
+    };
+    Ok(page(&format!("Part {number}"), "/parts", None, &content))
+}
+
+fn what_it_is(part: &PartRow) -> Markup {
+    let size = part.size_mm().map_or_else(|| DASH.to_owned(), |[x, y, z]| format!("{x:.1} x {y:.1} x {z:.1} mm"));
+    facts(&[
+        ("State", html! { (part.state) " since " (time(Some(part.state_at))) }),
+        ("Profile", html! { (part.profile) }),
+        ("Order", html! { (text(&part.order_name)) }),
+        ("Copies", html! { (part.copies) }),
+        ("Priority, due", html! { (part.priority) ", " (time(part.due_at)) }),
+        ("Size", html! { (size) }),
+        (
+            "Volume",
+            html! { (number(part.volume_mm3.map(|v| v / 1000.0), 2)) " cm3, " (or_dash(part.triangles)) " triangles" },
+        ),
+        ("Orientation", html! { (format!("{:?}", part.orientation).to_lowercase()) }),
+        ("Note", html! { (text(&part.note)) }),
+        ("Content", html! { code { (part.content_hash) } }),
+    ])
+}
+
+fn copies(part: &PartRow, placements: &[PlacementRow]) -> Markup {
+    let waiting = part.copies.saturating_sub(placements.len() as u32);
+    html! {
+        @if waiting > 0 && part.state != PartState::Rejected {
+            p { (count(waiting, "copy is", "copies are")) " in no build yet." }
+        }
+        @if !placements.is_empty() {
+            div.wide tabindex="0" role="region" aria-label="Copies" {
+                table {
+                    thead { tr { th.n scope="col" { "Copy" } th scope="col" { "Build" } th scope="col" { "State" }
+                        th scope="col" { "Published" } th scope="col" { "Origin of its mesh in the cake, mm" } } }
+                    tbody { @for placed in placements { tr {
+                        td.n { (placed.copy + 1) }
+                        td { a href=(format!("/builds/{}", placed.build_id)) { (placed.build_id) } }
+                        td { (placed.build_state) } td { (time(placed.published_at)) }
+                        td { (number(placed.tx_mm, 1)) ", " (number(placed.ty_mm, 1)) ", " (number(placed.tz_mm, 1)) }
+                    } } }
+                }
+            }
+        }
+    }
+}

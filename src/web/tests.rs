@@ -1,0 +1,289 @@
+//! The dashboard over a real ledger, asked as a browser asks.
+
+use std::sync::{Arc, RwLock};
+
+use axum::{
+    body::{Body, to_bytes},
+    http::{Request, StatusCode},
+};
+use tokio::sync::watch;
+use tower::ServiceExt;
+
+use super::{
+    api::OPENAPI,
+    scene::Scenes,
+    server::{Web, routes},
+};
+use crate::{
+    ledger::fixtures::{self, TestLedger},
+    settings::{self, Listen},
+};
+
+struct Asked {
+    status: StatusCode,
+    text: String,
+    policy: String,
+}
+
+/// A farm of one machine with a dashboard.
+struct Dashboard {
+    ledger: TestLedger,
+    web: Arc<Web>,
+    _folder: tempfile::TempDir,
+}
+
+impl Dashboard {
+    async fn new(change: impl FnOnce(&mut Web)) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let profiles = folder.path().join("profiles");
+        std::fs::create_dir_all(&profiles).unwrap();
+        std::fs::write(folder.path().join("nestd.toml"), "root = \"farm\"\n").unwrap();
+        std::fs::write(profiles.join("cube.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
+        let settings = settings::load(Some(&folder.path().join("nestd.toml")), Some(folder.path())).unwrap();
+        let ledger = fixtures::fresh().await;
+        let mut web = Web {
+            ledger: (*ledger).clone(),
+            settings: Arc::new(RwLock::new(Arc::new(settings))),
+            listen: Listen::Tcp("127.0.0.1:0".parse().unwrap()),
+            hosts: Vec::new(),
+            orders: true,
+            token: None,
+            form_key: "key".to_owned(),
+            scenes: Scenes::default(),
+            changes: watch::Sender::new(0),
+        };
+        change(&mut web);
+        Self { ledger, web: Arc::new(web), _folder: folder }
+    }
+
+    async fn send(&self, request: Request<Body>) -> Asked {
+        let answer = routes(self.web.clone()).oneshot(request).await.unwrap();
+        let status = answer.status();
+        let policy = answer.headers().get("content-security-policy").map(|v| v.to_str().unwrap().to_owned());
+        let bytes = to_bytes(answer.into_body(), usize::MAX).await.unwrap();
+        Asked { status, text: String::from_utf8_lossy(&bytes).into_owned(), policy: policy.unwrap_or_default() }
+    }
+
+    async fn get(&self, path: &str) -> Asked {
+        self.send(Request::get(path).header("host", "localhost:7878").body(Body::empty()).unwrap()).await
+    }
+
+    async fn post(&self, form: &str, site: &str) -> Asked {
+        let request = Request::post("/orders")
+            .header("host", "localhost")
+            .header("sec-fetch-site", site)
+            .header("content-type", "application/x-www-form-urlencoded")
+            .body(Body::from(form.to_owned()));
+        self.send(request.unwrap()).await
+    }
+}
+
+const PAGES: [&str; 6] = ["/", "/history", "/parts", "/builds/1", "/builds/1/pick", "/parts/1"];
+
+async fn with_a_build(named: &str) -> Dashboard {
+    let dashboard = Dashboard::new(|_| ()).await;
+    let part = crate::ledger::NewPart {
+        name: named.to_owned(),
+        profile: "cube".to_owned(),
+        order_name: named.to_owned(),
+        note: named.to_owned(),
+        ..fixtures::new_part("a", 2)
+    };
+    let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
+    dashboard.ledger.accept(id, &[fixtures::solid(0, 2)]).await.unwrap();
+    let build = dashboard.ledger.open_build("cube").await.unwrap().id;
+    dashboard.ledger.begin_nesting(build, "flush", &[(id, 0), (id, 1)]).await.unwrap();
+    dashboard.ledger.begin_attempt(build).await.unwrap();
+    let placed = fixtures::placed(&[(id, 0), (id, 1)]);
+    dashboard.ledger.verify_build(build, &fixtures::verified(build, 2), &placed).await.unwrap();
+    dashboard.ledger.publish_build(build).await.unwrap();
+    dashboard
+}
+
+#[tokio::test]
+async fn every_page_is_whole_and_forbids_what_it_does_not_need() {
+    let dashboard = with_a_build("bracket.stl").await;
+    for page in PAGES {
+        let asked = dashboard.get(page).await;
+        assert_eq!(asked.status, StatusCode::OK, "{page}: {}", asked.text);
+        assert!(asked.text.contains("</html>") && asked.text.contains("<main id=\"main\""), "{page}");
+        assert!(asked.policy.contains("default-src 'none'") && !asked.policy.contains("unsafe"), "{page}");
+        assert!(
+            asked.text.len() < 300_000 && !asked.text.contains("http://") && !asked.text.contains("https://"),
+            "{page}"
+        );
+    }
+    assert!(dashboard.get("/builds/1").await.text.contains("bracket.stl"));
+}
+
+#[tokio::test]
+async fn a_name_that_is_code_is_shown_as_text() {
+    for name in ["<script>alert(1)</script>.stl", "=HYPERLINK(\"x\").stl", "\"onload=\"x.stl", "a'b&amp;.stl"] {
+        let dashboard = with_a_build(name).await;
+        for page in PAGES {
+            let text = dashboard.get(page).await.text;
+            assert!(!text.contains("<script>alert") && !text.contains("\"onload=\""), "{page} {name}");
+        }
+        let asked = format!("/parts?name={}", super::history::encoded(name));
+        assert!(dashboard.get(&asked).await.text.contains("1 parts"), "{name} is found by its name");
+    }
+}
+
+#[tokio::test]
+async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {
+    let dashboard = Dashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
+    let ask = async |host: &str| {
+        let request = Request::get("/").header("host", host).body(Body::empty()).unwrap();
+        dashboard.send(request).await.status
+    };
+    assert_eq!(ask("evil.example.com").await, StatusCode::MISDIRECTED_REQUEST);
+    assert_eq!(ask("localhost.evil.example.com:7878").await, StatusCode::MISDIRECTED_REQUEST);
+    for own in ["localhost", "127.0.0.1:7878", "[::1]:7878", "farm.example.org"] {
+        assert_eq!(ask(own).await, StatusCode::OK, "{own}");
+    }
+}
+
+#[tokio::test]
+async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
+    let dashboard = Dashboard::new(|web| web.token = Some("a-token-of-some-length".to_owned())).await;
+    let ask = async |given: &str| {
+        let request = Request::get("/").header("host", "farm").header("authorization", given);
+        dashboard.send(request.body(Body::empty()).unwrap()).await.status
+    };
+    assert_eq!(ask("Bearer a-token-of-some-lengtH").await, StatusCode::UNAUTHORIZED);
+    assert_eq!(ask("Basic x").await, StatusCode::UNAUTHORIZED);
+    assert_eq!(ask("Bearer a-token-of-some-length").await, StatusCode::OK);
+    assert_eq!(dashboard.get("/metrics").await.status, StatusCode::UNAUTHORIZED);
+    assert_eq!(dashboard.get("/healthz").await.status, StatusCode::OK);
+}
+
+#[tokio::test]
+async fn an_order_is_taken_from_our_own_pages_only() {
+    let dashboard = Dashboard::new(|_| ()).await;
+    let flush = "key=key&kind=flush&profile=cube";
+    assert_eq!(dashboard.post(flush, "cross-site").await.status, StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.post("key=wrong&kind=flush&profile=cube", "same-origin").await.status, StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.post("key=key&kind=flush&profile=other", "same-origin").await.status, StatusCode::NOT_FOUND);
+    assert!(dashboard.ledger.asked().await.unwrap().is_empty());
+    let ledger = (*dashboard.ledger).clone();
+    let daemon = tokio::spawn(async move {
+        loop {
+            if let Some(order) = ledger.asked().await.unwrap().first() {
+                ledger.answer(order.id, true, "done").await.unwrap();
+                return (order.kind, order.profile.clone(), order.asked_by.clone());
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+    });
+    assert_eq!(dashboard.post(flush, "same-origin").await.status, StatusCode::SEE_OTHER);
+    let (kind, profile, by) = daemon.await.unwrap();
+    assert_eq!((kind, profile.as_str(), by.as_str()), (crate::ledger::CommandKind::Flush, "cube", "dashboard"));
+    let silent = Dashboard::new(|web| web.orders = false).await;
+    assert_eq!(silent.post(flush, "same-origin").await.status, StatusCode::FORBIDDEN);
+    assert!(!silent.get("/").await.text.contains("<form class=\"order\""), "no buttons where there are no orders");
+}
+
+#[tokio::test]
+async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let rows = dashboard.ledger.history(&Default::default()).await.unwrap();
+    let height = format!("{:.2}", rows[0].height_mm.unwrap());
+    assert!(dashboard.get("/history").await.text.contains(&height));
+    let json: serde_json::Value = serde_json::from_str(&dashboard.get("/history.json").await.text).unwrap();
+    assert_eq!(json, serde_json::to_value(&rows).unwrap());
+    assert_eq!(dashboard.get("/history.csv").await.text, crate::ledger::HistoryRow::csv(&rows).unwrap());
+    for (asked, builds) in
+        [("profile=other", 0), ("part=bracket.stl", 1), ("part=x", 0), ("state=published", 1), ("state=failed", 0)]
+    {
+        let json = dashboard.get(&format!("/api/v1/builds?{asked}")).await.text;
+        assert_eq!(serde_json::from_str::<Vec<serde_json::Value>>(&json).unwrap().len(), builds, "{asked}");
+    }
+    assert_eq!(dashboard.get("/history?since=yesterday").await.status, StatusCode::BAD_REQUEST);
+}
+
+/// Whether a value is as a schema of `openapi.json` says; what is not, by its path.
+fn unlike(
+    schema: &serde_json::Value,
+    value: &serde_json::Value,
+    all: &serde_json::Value,
+    path: &str,
+    faults: &mut Vec<String>,
+) {
+    if let Some(name) = schema.get("$ref").and_then(|r| r.as_str()) {
+        let target = name.rsplit('/').next().unwrap();
+        return unlike(&all["components"]["schemas"][target], value, all, path, faults);
+    }
+    let kinds: Vec<&str> = match &schema["type"] {
+        serde_json::Value::String(kind) => vec![kind],
+        serde_json::Value::Array(kinds) => kinds.iter().filter_map(|k| k.as_str()).collect(),
+        _ => return faults.push(format!("{path}: no type in the description")),
+    };
+    let kind = match value {
+        serde_json::Value::Null => "null",
+        serde_json::Value::Bool(_) => "boolean",
+        serde_json::Value::Number(n) if n.is_f64() => "number",
+        serde_json::Value::Number(_) => "integer",
+        serde_json::Value::String(_) => "string",
+        serde_json::Value::Array(_) => "array",
+        serde_json::Value::Object(_) => "object",
+    };
+    if !(kinds.contains(&kind) || kind == "integer" && kinds.contains(&"number")) {
+        return faults.push(format!("{path}: {kind} is none of {kinds:?}"));
+    }
+    if let Some(list) = value.as_array() {
+        list.iter().for_each(|one| unlike(&schema["items"], one, all, &format!("{path}[]"), faults));
+    }
+    if let Some(object) = value.as_object() {
+        let told = schema["properties"].as_object().unwrap();
+        for (name, one) in object {
+            match told.get(name) {
+                Some(schema) => unlike(schema, one, all, &format!("{path}.{name}"), faults),
+                None => faults.push(format!("{path}.{name} is not described")),
+            }
+        }
+        for name in schema["required"].as_array().into_iter().flatten().filter_map(|n| n.as_str()) {
+            if !object.contains_key(name) {
+                faults.push(format!("{path}.{name} is described and not there"));
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn every_answer_of_the_json_interface_is_as_described() {
+    let all: serde_json::Value = serde_json::from_str(OPENAPI).unwrap();
+    let dashboard = with_a_build("bracket.stl").await;
+    let mut faults = Vec::new();
+    for (path, asked) in [
+        ("/api/v1/farm", "/api/v1/farm"),
+        ("/api/v1/builds", "/api/v1/builds"),
+        ("/api/v1/builds/{build}", "/api/v1/builds/1"),
+        ("/api/v1/parts/{part}", "/api/v1/parts/1"),
+    ] {
+        let value: serde_json::Value = serde_json::from_str(&dashboard.get(asked).await.text).unwrap();
+        let schema = &all["paths"][path]["get"]["responses"]["200"]["content"]["application/json"]["schema"];
+        unlike(schema, &value, &all, path, &mut faults);
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[tokio::test]
+async fn metrics_have_units_in_their_names_and_count_what_the_ledger_counts() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let text = dashboard.get("/metrics").await.text;
+    assert!(text.ends_with("# EOF\n"));
+    for line in text.lines().filter(|line| !line.starts_with('#')) {
+        assert!(line.starts_with("nestd_"), "{line}");
+        assert!(!line.contains("_mm"), "base units only: {line}");
+    }
+    assert!(text.contains("nestd_parts_ingested_total{profile=\"cube\"} 1"), "{text}");
+    assert!(text.contains("nestd_build_height_meters_count 1"), "{text}");
+}
+
+#[tokio::test]
+async fn the_farm_is_not_ready_while_no_daemon_beats() {
+    let dashboard = Dashboard::new(|_| ()).await;
+    assert_eq!(dashboard.get("/readyz").await.status, StatusCode::SERVICE_UNAVAILABLE);
+    assert_eq!(dashboard.get("/builds/7").await.status, StatusCode::NOT_FOUND);
+    assert_eq!(dashboard.get("/assets/../Cargo.toml").await.status, StatusCode::NOT_FOUND);
+}

@@ -1,0 +1,99 @@
+// The 3D view of a build: each mesh once, its copies instanced. build.sh bundles it with three.js into ../assets/view.js.
+import { AmbientLight, BufferAttribute, BufferGeometry, Box3, Box3Helper, Color, DirectionalLight, InstancedMesh, Matrix4, MeshLambertMaterial,
+  PerspectiveCamera, Plane, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+// Okabe and Ito's colours, which the colour-blind can tell apart, in three shades.
+const COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"];
+const section = document.querySelector("#view");
+
+async function load(build) {
+  const answer = await fetch(`/builds/${build}/scene`);
+  if (!answer.ok) throw new Error(`the server answers ${answer.status}`);
+  const bytes = await answer.arrayBuffer();
+  const length = new DataView(bytes).getUint32(0, true);
+  const scene = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
+  let at = 4 + length;
+  for (const mesh of scene.meshes) {
+    mesh.positions = new Float32Array(bytes, at, 3 * mesh.vertices); at += 12 * mesh.vertices;
+    mesh.indices = new Uint32Array(bytes, at, 3 * mesh.triangles); at += 12 * mesh.triangles;
+  }
+  return scene;
+}
+
+function show(data) {
+  const canvas = section.querySelector("canvas"), hover = section.querySelector("#hover");
+  const renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+  renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  renderer.localClippingEnabled = true;
+  const scene = new Scene(); scene.background = new Color("#f4f5f6");
+  const [x, y, z] = data.volume_mm, size = Math.hypot(x, y, z), middle = new Vector3(x / 2, y / 2, z / 2);
+  const camera = new PerspectiveCamera(35, 1, size / 200, size * 10); camera.up.set(0, 0, 1);
+  const sun = new DirectionalLight("#ffffff", 2.2); camera.add(sun); sun.position.set(-0.4, 0.8, 0.5);
+  scene.add(camera, new AmbientLight("#ffffff", 1.1), new Box3Helper(new Box3(new Vector3(), new Vector3(x, y, z)), "#5c6670"));
+  const knife = new Plane(new Vector3(0, 0, -1), z + 1);
+  const instanced = [], chosen = new Color("#d40000"), turn = new Quaternion(), one = new Vector3(1, 1, 1), place = new Vector3(), matrix = new Matrix4();
+  data.meshes.forEach((mesh, number) => {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(mesh.positions, 3));
+    geometry.setIndex(new BufferAttribute(mesh.indices, 1));
+    const material = new MeshLambertMaterial({ flatShading: true, clippingPlanes: [knife], side: 2 });
+    const drawn = new InstancedMesh(geometry, material, mesh.copies.length);
+    drawn.userData = { mesh, colour: new Color(COLOURS[number % COLOURS.length]).offsetHSL(0, 0, 0.06 * ((number / COLOURS.length | 0) % 3 - 1)) };
+    scene.add(drawn); instanced.push(drawn);
+  });
+  let marked = null;
+  const paint = () => instanced.forEach((drawn) => {
+    const { mesh, colour } = drawn.userData;
+    mesh.copies.forEach((_, at) => drawn.setColorAt(at, marked === mesh.part ? chosen : colour));
+    if (drawn.instanceColor) drawn.instanceColor.needsUpdate = true;
+  });
+  const pose = (explode) => instanced.forEach((drawn) => {
+    drawn.userData.mesh.copies.forEach((copy, at) => {
+      place.fromArray(copy.translation_mm);
+      const out = new Vector3((place.x - x / 2), (place.y - y / 2), (copy.low_mm + copy.top_mm) / 2).multiplyScalar(explode);
+      turn.fromArray(copy.rotation);
+      drawn.setMatrixAt(at, matrix.compose(place.clone().add(out), turn, one));
+    });
+    drawn.instanceMatrix.needsUpdate = true; drawn.computeBoundingSphere();
+  });
+  const controls = new OrbitControls(camera, canvas);
+  const home = () => { const top = data.height_mm ?? z; controls.target.set(x / 2, y / 2, Math.min(z, top) / 2);
+    camera.position.set(x / 2 + size * 0.75, y / 2 - size * 1.25, z / 2 + size * 0.55); controls.update(); draw(); };
+  let asked = false;
+  const draw = () => { if (asked) return; asked = true; requestAnimationFrame(() => { asked = false; renderer.render(scene, camera); section.dataset.drawn = String(instanced.reduce((n, d) => n + d.count, 0)); }); };
+  const fit = () => { const { clientWidth: w, clientHeight: h } = canvas; renderer.setSize(w, h, false); camera.aspect = w / h; camera.updateProjectionMatrix(); draw(); };
+  controls.addEventListener("change", draw); new ResizeObserver(fit).observe(canvas);
+  const top = data.height_mm ? data.height_mm * 1.001 : z, cut = section.querySelector("#cut"), said = section.querySelector("#cut-mm");
+  const slice = () => { const height = top * cut.value / 1000; knife.constant = cut.value === "1000" ? 10 * z : height; said.textContent = `${height.toFixed(1)} mm `; draw(); };
+  cut.addEventListener("input", slice);
+  section.querySelector("#explode").addEventListener("input", (e) => { pose(e.target.value / 60); draw(); });
+  section.querySelector("#home").addEventListener("click", home);
+  const ray = new Raycaster(), mouse = new Vector2();
+  const under = (event) => {
+    const box = canvas.getBoundingClientRect();
+    mouse.set((event.clientX - box.left) / box.width * 2 - 1, 1 - (event.clientY - box.top) / box.height * 2);
+    ray.setFromCamera(mouse, camera);
+    const hit = ray.intersectObjects(instanced, false).find((h) => h.point.z <= knife.constant);
+    return hit && { mesh: hit.object.userData.mesh, copy: hit.object.userData.mesh.copies[hit.instanceId] };
+  };
+  let waiting = 0;
+  canvas.addEventListener("pointermove", (event) => { if (event.buttons || performance.now() < waiting) return; const began = performance.now();
+    const found = under(event); waiting = performance.now() + 2 * (performance.now() - began);
+    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm`
+      : "Point at a part to see what it is; click to see its siblings."; });
+  let down = null;
+  canvas.addEventListener("pointerdown", (e) => { down = [e.clientX, e.clientY]; });
+  canvas.addEventListener("click", (e) => { if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return; const found = under(e); marked = found && marked !== found.mesh.part ? found.mesh.part : null; paint(); draw(); });
+  canvas.addEventListener("keydown", (e) => {
+    const arm = camera.position.clone().sub(controls.target), up = new Vector3(0, 0, 1);
+    if (e.key === "ArrowLeft" || e.key === "ArrowRight") arm.applyAxisAngle(up, e.key === "ArrowLeft" ? -0.15 : 0.15);
+    else if (e.key === "ArrowUp" || e.key === "ArrowDown") arm.z += (e.key === "ArrowUp" ? 0.1 : -0.1) * arm.length();
+    else if (e.key === "+" || e.key === "-") arm.multiplyScalar(e.key === "+" ? 0.9 : 1.1);
+    else return;
+    e.preventDefault(); camera.position.copy(controls.target).add(arm); controls.update(); draw();
+  });
+  pose(0); paint(); slice(); fit(); home();
+}
+
+if (section) load(section.dataset.build).then(show).catch((error) => { section.querySelector("#hover").textContent = `No 3D view: ${error.message}.`; });

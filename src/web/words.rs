@@ -1,0 +1,62 @@
+//! Numbers, times and names as pages show them.
+
+use std::fmt::Display;
+
+use jiff::{Span, SpanRound, Timestamp, Unit};
+
+use crate::ledger::{PartRow, Utc};
+
+/// What is not known.
+pub(super) const DASH: &str = "\u{2013}";
+
+/// A number with so many decimals.
+pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
+    value.map_or_else(|| DASH.to_owned(), |v| format!("{v:.decimals$}"))
+}
+
+/// A share 0..1 in percent.
+pub(super) fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| DASH.to_owned(), |s| format!("{:.1} %", 100.0 * s))
+}
+
+/// Whatever prints.
+pub(super) fn or_dash(value: Option<impl Display>) -> String {
+    value.map_or_else(|| DASH.to_owned(), |v| v.to_string())
+}
+
+/// A text, a dash when it is empty.
+pub(super) fn text(value: &str) -> &str {
+    if value.is_empty() { DASH } else { value }
+}
+
+/// '1 copy', '2 copies'.
+pub(super) fn count(number: u32, one: &str, several: &str) -> String {
+    if number == 1 { format!("1 {one}") } else { format!("{number} {several}") }
+}
+
+/// A time of the table, UTC.
+pub(super) fn time(time: Option<Utc>) -> String {
+    time.map_or_else(|| DASH.to_owned(), |t| t.0.strftime("%Y-%m-%d %H:%M").to_string())
+}
+
+/// How long from `since` to `now`, to one unit below days.
+pub(super) fn age(since: Timestamp, now: Timestamp) -> String {
+    let span: Result<Span, _> = now.since(since).and_then(|span| {
+        let days = span.round(SpanRound::new().largest(Unit::Day).days_are_24_hours())?;
+        let smallest = match (days.get_days(), days.get_hours(), days.get_minutes()) {
+            (0, 0, 0) => Unit::Second,
+            (0, _, _) => Unit::Minute,
+            _ => Unit::Hour,
+        };
+        span.round(SpanRound::new().largest(Unit::Day).smallest(smallest).days_are_24_hours())
+    });
+    span.map_or_else(|_| DASH.to_owned(), |span| format!("{span:#}"))
+}
+
+/// Name of a part with that of its solid.
+pub(super) fn full_name(part: &PartRow) -> String {
+    match part.object_name.as_str() {
+        "" => part.name.clone(),
+        object => format!("{} ({object})", part.name),
+    }
+}

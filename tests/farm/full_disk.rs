@@ -1,0 +1,132 @@
+//! A full disk and a read-only queue are states: nothing is refused, nothing is given up, and all goes on when there is room.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+    time::Duration,
+};
+
+use nestd::ledger::{BuildState, PartState};
+
+use super::support::{QUICK, TestFarm, block, wait_until_or};
+
+/// A small file system in memory; unmounted when dropped.
+struct SmallDisk {
+    at: PathBuf,
+}
+
+impl SmallDisk {
+    /// `None` where mounting is not allowed; says so.
+    fn new(at: &Path, bytes: u64) -> Option<Self> {
+        fs::create_dir_all(at).unwrap();
+        let mount = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", &format!("size={bytes}"), "none"])
+            .arg(at)
+            .stderr(Stdio::null())
+            .status();
+        if !mount.is_ok_and(|status| status.success()) {
+            eprintln!("SKIPPED: file systems may not be mounted here");
+            return None;
+        }
+        Some(Self { at: at.to_owned() })
+    }
+
+    fn fill(&self) {
+        let mut bytes = vec![7; 1 << 16];
+        let mut file = fs::File::create(self.at.join("filler")).unwrap();
+        // Down to the last byte.
+        while !bytes.is_empty() {
+            while std::io::Write::write_all(&mut file, &bytes).is_ok() {}
+            bytes.truncate(bytes.len() / 2);
+        }
+    }
+
+    fn free(&self) {
+        fs::remove_file(self.at.join("filler")).unwrap();
+    }
+
+    fn read_only(&self, is: bool) {
+        let word = if is { "remount,ro" } else { "remount,rw" };
+        assert!(Command::new("mount").args(["-o", word]).arg(&self.at).status().unwrap().success());
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("-l").arg(&self.at).stderr(Stdio::null()).status();
+    }
+}
+
+fn says(farm: &TestFarm, words: &str) {
+    wait_until_or(&format!("the log says {words:?}"), 20.0, || farm.log(), || farm.log().contains(words));
+}
+
+/// The build waits, with its part in it, for as long as it takes; then it is published.
+fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.flush();
+    says(farm, "A build cannot be made now");
+    std::thread::sleep(Duration::from_secs(4));
+    let build = farm.ask(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).remove(0);
+    assert!(farm.parts(PartState::Batched).len() == 1 && build.attempts <= 1, "{} attempts", build.attempts);
+    mend();
+    farm.wait_for_queued(1);
+    farm.wait_for_parts(PartState::Built, 1);
+    assert!(farm.ask(async |ledger| ledger.paused().await.unwrap()).is_empty());
+}
+
+#[test]
+fn a_build_waits_for_room_in_a_full_queue() {
+    let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
+    let Some(disk) = SmallDisk::new(&farm.folder("queue"), 1 << 20) else { return };
+    farm.start();
+    says(&farm, "The farm is open");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    wait_until_or("the queue is marked", 10.0, || farm.log(), || disk.at.join(".nestd-queue").exists());
+    disk.fill();
+    waits_for_its_queue(&farm, || disk.free());
+    farm.stop();
+}
+
+#[test]
+fn a_build_waits_for_a_queue_that_is_read_only() {
+    let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
+    let Some(disk) = SmallDisk::new(&farm.folder("queue"), 1 << 20) else { return };
+    farm.start();
+    says(&farm, "The farm is open");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    wait_until_or("the queue is marked", 10.0, || farm.log(), || disk.at.join(".nestd-queue").exists());
+    disk.read_only(true);
+    waits_for_its_queue(&farm, || disk.read_only(false));
+    farm.stop();
+}
+
+#[test]
+fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
+    let mut farm = TestFarm::new(QUICK);
+    let Some(disk) = SmallDisk::new(&farm.root().join("state"), 3 << 20) else { return };
+    farm.start();
+    says(&farm, "The farm is open");
+    disk.fill();
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    says(&farm, "No space left on device");
+    std::thread::sleep(Duration::from_secs(2));
+    disk.free();
+    farm.wait_for_parts(PartState::Waiting, 1);
+    assert!(farm.parts(PartState::Rejected).is_empty());
+    farm.stop();
+
+    fs::remove_file(farm.root().join("log")).unwrap();
+    for file in ["nestd.db-wal", "nestd.db-shm"] {
+        let _ = fs::remove_file(farm.root().join("state").join(file));
+    }
+    disk.fill();
+    farm.start();
+    says(&farm, "is tried again");
+    disk.free();
+    says(&farm, "The farm is open");
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, 1);
+    farm.stop();
+}

@@ -1,0 +1,183 @@
+//! Folders that others take away, and folders that two daemons want: "unavailable", never "all files deleted"; and a second
+//! daemon that is told who was first.
+
+use std::{
+    fs,
+    path::Path,
+    process::{Command, Stdio},
+    time::Duration,
+};
+
+use nestd::ledger::PartState;
+
+use super::support::{QUICK, TestFarm, block, wait_until_or};
+
+fn says(farm: &TestFarm, words: &str) {
+    wait_until_or(&format!("the log says {words:?}"), 20.0, || farm.log(), || farm.log().contains(words));
+}
+
+/// Runs the daemon until it ends by itself; what it said.
+fn refused(farm: &TestFarm) -> String {
+    let child = farm.command(&["run"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let pid = child.id() as i32;
+    let watchdog = std::thread::spawn(move || {
+        std::thread::sleep(Duration::from_secs(20));
+        let _ =
+            rustix::process::kill_process(rustix::process::Pid::from_raw(pid).unwrap(), rustix::process::Signal::KILL);
+    });
+    let output = child.wait_with_output().unwrap();
+    drop(watchdog);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_second_daemon_on_the_same_farm_is_refused_and_told_who_serves_it() {
+    let farm = TestFarm::running(QUICK);
+    let said = refused(&farm);
+    let host = rustix::system::uname().nodename().to_string_lossy().into_owned();
+    assert!(said.contains(&format!("process {} on {host} since ", farm.pid())), "{said}");
+}
+
+#[test]
+fn a_daemon_with_another_ledger_is_refused_a_hot_folder_or_queue_that_is_served() {
+    let first = TestFarm::running(QUICK);
+    for kind in ["inbox", "queue"] {
+        let other = TestFarm::new(QUICK);
+        let config = fs::read_to_string(other.config()).unwrap();
+        let folder = first.root().join(kind);
+        fs::write(other.config(), format!("{config}[folders]\n{kind} = {folder:?}\n")).unwrap();
+        let said = refused(&other);
+        let served = format!("{} is served by another nestd: process {}", first.folder(kind).display(), first.pid());
+        assert!(said.contains(&served) && said.contains("Stop that one"), "{said}");
+    }
+    first.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    first.wait_for_parts(PartState::Waiting, 1);
+}
+
+#[test]
+fn a_folder_of_a_daemon_that_was_killed_is_free_at_once() {
+    let mut first = TestFarm::running(QUICK);
+    first.kill();
+    let mut other = TestFarm::new(QUICK);
+    let config = fs::read_to_string(other.config()).unwrap();
+    fs::write(other.config(), format!("{config}[folders]\ninbox = {:?}\n", first.root().join("inbox"))).unwrap();
+    fs::create_dir_all(other.folder("inbox")).unwrap();
+    other.start();
+    fs::write(first.folder("inbox").join("a.stl"), super::support::stl(&block(20.0, 20.0, 10.0))).unwrap();
+    other.wait_for_parts(PartState::Waiting, 1);
+}
+
+#[test]
+fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_folder_is_back() {
+    let farm = TestFarm::running(QUICK);
+    let (inbox, away) = (farm.folder("inbox"), farm.root().join("away"));
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    fs::rename(&inbox, &away).unwrap();
+    says(&farm, "The hot folder is unavailable");
+    fs::create_dir(&inbox).unwrap();
+    says(&farm, "is another directory than before and its marker .nestd-owner is missing");
+    fs::write(inbox.join("b.stl"), super::support::stl(&block(10.0, 20.0, 10.0))).unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    assert_eq!(farm.parts(PartState::Waiting).len(), 1, "a part was taken out of an empty mount point");
+    fs::remove_file(inbox.join("b.stl")).unwrap();
+    fs::remove_dir(&inbox).unwrap();
+    fs::rename(&away, &inbox).unwrap();
+    says(&farm, "The hot folder of test is available again");
+    farm.drop_part("c.stl", &block(20.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    assert!(farm.parts(PartState::Rejected).is_empty());
+}
+
+#[test]
+fn a_hot_folder_that_was_replaced_on_purpose_is_taken_after_a_reload() {
+    let farm = TestFarm::running(QUICK);
+    let inbox = farm.folder("inbox");
+    says(&farm, "The farm is open");
+    fs::rename(&inbox, farm.root().join("old")).unwrap();
+    fs::create_dir(&inbox).unwrap();
+    says(&farm, "reload or restart nestd");
+    farm.reload();
+    says(&farm, "The hot folder of test is available again");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+}
+
+#[test]
+fn a_build_is_not_staged_in_an_empty_directory_in_the_place_of_the_queue() {
+    let farm = TestFarm::running(QUICK);
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let (queue, away) = (farm.folder("queue"), farm.root().join("away"));
+    wait_until_or("the queue is open", 10.0, || farm.log(), || queue.join(".nestd-queue").exists());
+    fs::rename(&queue, &away).unwrap();
+    fs::create_dir(&queue).unwrap();
+    farm.flush();
+    says(&farm, "The queue folder cannot be used");
+    std::thread::sleep(Duration::from_secs(2));
+    assert_eq!(fs::read_dir(&queue).unwrap().count(), 0, "something was written into an empty mount point");
+    fs::remove_dir(&queue).unwrap();
+    fs::rename(&away, &queue).unwrap();
+    farm.wait_for_queued(1);
+    farm.wait_for_parts(PartState::Built, 1);
+}
+
+#[test]
+fn a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was() {
+    let farm = TestFarm::new(QUICK);
+    let inbox = farm.folder("inbox");
+    fs::create_dir_all(&inbox).unwrap();
+    let image = farm.root().join("image");
+    let Some(share) = Share::new(&image, &inbox) else {
+        eprintln!("SKIPPED: file systems may not be mounted here");
+        return;
+    };
+    let mut farm = farm;
+    farm.start();
+    farm.drop_across("a.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    share.unmount();
+    says(&farm, "The hot folder is unavailable");
+    assert!(fs::read_dir(&inbox).unwrap().count() == 0, "something was written into the mount point");
+    assert!(share.mount());
+    says(&farm, "The hot folder of test is available again");
+    farm.drop_across("b.stl", &block(10.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    assert!(farm.parts(PartState::Rejected).is_empty());
+    farm.stop();
+    drop(share);
+}
+
+/// A file system in a file, mounted through a loop device; unmounted when dropped.
+struct Share<'a> {
+    image: &'a Path,
+    at: &'a Path,
+}
+
+impl<'a> Share<'a> {
+    /// `None` where that is not allowed.
+    fn new(image: &'a Path, at: &'a Path) -> Option<Self> {
+        fs::File::create(image).unwrap().set_len(16 << 20).unwrap();
+        let made = Command::new("mkfs.ext4").arg("-q").arg(image).stderr(Stdio::null()).status();
+        let share = Self { image, at };
+        (made.is_ok_and(|status| status.success()) && share.mount()).then_some(share)
+    }
+
+    fn mount(&self) -> bool {
+        let mount =
+            Command::new("mount").args(["-o", "loop"]).args([self.image, self.at]).stderr(Stdio::null()).status();
+        mount.is_ok_and(|status| status.success())
+    }
+
+    /// As an administrator does whom nothing must hinder.
+    fn unmount(&self) {
+        let _ = Command::new("umount").arg("-l").arg(self.at).stderr(Stdio::null()).status();
+    }
+}
+
+impl Drop for Share<'_> {
+    fn drop(&mut self) {
+        self.unmount();
+    }
+}

@@ -1,0 +1,99 @@
+//! Small sound files of every kind, what hostile ones are made of.
+
+use std::io::{Cursor, Write};
+
+use rand::{Rng, RngExt};
+use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
+
+const TYPES: &str = r#"<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>"#;
+/// Names the model of a package.
+pub const RELATIONSHIPS: &str = r#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+/// A tetrahedron.
+pub const MESH: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="9" y="0" z="0"/><vertex x="0" y="9" z="0"/><vertex x="0" y="0" z="9"/></vertices><triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3"/><triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/></triangles></mesh>"#;
+const CORNERS: [[u8; 3]; 4] = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]];
+const TRIANGLES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+/// A model of these resources and this build.
+pub fn model(resources: &str, build: &str) -> String {
+    format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?><model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><metadata name="Title">T</metadata><resources>{resources}</resources><build>{build}</build></model>"#
+    )
+}
+
+/// A model with an object, an assembly and turned build items.
+pub fn honest() -> String {
+    model(
+        &format!(
+            r#"<object id="1" name="a" p:UUID="6b0a9b54-58a1-4a38-8d5d-1f2f4ef0b0aa">{MESH}</object><object id="2"><components><component objectid="1"/><component objectid="1" transform="1 0 0 0 1 0 0 0 1 20 0 0"/></components></object>"#
+        ),
+        r#"<item objectid="1"/><item objectid="2" transform="0 1 0 -1 0 0 0 0 1 5 5 5"/>"#,
+    )
+}
+
+/// A ZIP package.
+pub fn package(entries: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in entries {
+        zip.start_file(*name, SimpleFileOptions::default().compression_method(method)).unwrap();
+        zip.write_all(bytes).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+/// A 3MF package of this model.
+pub fn threemf(model: &[u8]) -> Vec<u8> {
+    let entries: [(&str, &[u8]); 3] = [
+        ("[Content_Types].xml", TYPES.as_bytes()),
+        ("_rels/.rels", RELATIONSHIPS.as_bytes()),
+        ("3D/3dmodel.model", model),
+    ];
+    package(&entries, CompressionMethod::Deflated)
+}
+
+/// A tetrahedron whose header lies that it is text.
+pub fn binary_stl() -> Vec<u8> {
+    let mut bytes = b"solid binary".to_vec();
+    bytes.resize(80, b' ');
+    bytes.extend(4_u32.to_le_bytes());
+    for triangle in TRIANGLES {
+        bytes.extend([0; 12]);
+        bytes.extend(triangle.iter().flat_map(|&i| CORNERS[i]).map(f32::from).flat_map(f32::to_le_bytes));
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+/// The same as text.
+pub fn text_stl() -> Vec<u8> {
+    let mut text = "solid text\n".to_owned();
+    for triangle in TRIANGLES {
+        text += "facet normal 0 0 0\n outer loop\n";
+        for [x, y, z] in triangle.map(|i| CORNERS[i]) {
+            text += &format!("  vertex {x} {y}.0e0 {z}\n");
+        }
+        text += " endloop\nendfacet\n";
+    }
+    (text + "endsolid text\n").into_bytes()
+}
+
+/// Changes a few bytes, cuts, doubles or drops a piece.
+pub fn mutated(bytes: &[u8], rng: &mut impl Rng) -> Vec<u8> {
+    let mut out = bytes.to_vec();
+    for _ in 0..rng.random_range(1..4) {
+        let at = rng.random_range(0..=out.len());
+        let end = (at + rng.random_range(0..24)).min(out.len());
+        let piece = out[at..end].to_vec();
+        match rng.random_range(0..6) {
+            0 => out.truncate(at),
+            1 => drop(out.drain(at..end)),
+            2 => drop(out.splice(at..at, piece)),
+            3 => out[at..end].fill([0, 0xff, b'9', b'-', b'<', b'"'][rng.random_range(0..6)]),
+            4 => out[at..end].iter_mut().for_each(|b| *b ^= 1 << rng.random_range(0..8)),
+            _ => out[at..end].iter_mut().for_each(|b| *b = rng.random()),
+        }
+        if out.is_empty() {
+            break;
+        }
+    }
+    out
+}

@@ -1,0 +1,121 @@
+//! Every file of the torture set (opt-in by `NESTD_DATA`) through the real daemon: dropped into its hot folder, each in an
+//! order of its own. What the manifest expects must be what the ledger and the error folder say.
+
+use std::{
+    collections::HashMap,
+    fs,
+    path::{Path, PathBuf},
+    time::Instant,
+};
+
+use nestd::ledger::{PartRow, PartState};
+
+use super::{
+    budget::Budget,
+    row::Row,
+    support::{QUICK, TestFarm},
+};
+
+#[path = "../torture/manifest.rs"]
+mod manifest;
+
+use manifest::{EXCEPTIONS, Expected, Outcome};
+
+/// A machine of the greatest size, for what is refused by its size tells nothing of the readers. Nothing fires.
+fn farm() -> TestFarm {
+    let large =
+        QUICK.replace("[120, 120, 120]", "[10000, 10000, 10000]").replace("arrival_secs = 0.5", "arrival_secs = 0");
+    TestFarm::running(&format!("{large}mesh_errors = \"warn\"\nduplicates = \"accept\"\n"))
+}
+
+pub fn run(budget: &Budget) -> Row {
+    let Some(data) = std::env::var_os("NESTD_DATA").map(PathBuf::from) else {
+        return Row { note: "left out: NESTD_DATA is not set".to_owned(), ..Row::default() };
+    };
+    let names = manifest::unpack_names(&data);
+    let every = budget.pick(20, 1);
+    let files: Vec<Expected> = manifest::files(&data).into_iter().step_by(every).collect();
+    let farm = farm();
+    for (number, expected) in files.iter().enumerate() {
+        let file = expected.file(&data, names.path());
+        let folder = farm.folder("inbox").join(order(number));
+        fs::create_dir_all(&folder).unwrap();
+        fs::copy(&file, folder.join(file.file_name().unwrap())).unwrap();
+    }
+    let mut row = Row { files: files.len() as u64, points: files.len() as u64, ..Row::default() };
+    if !all_taken(&farm, budget.secs.max(120.0)) {
+        row.broken.push("not every file was taken in time".to_owned());
+    }
+    judge(&farm, &files, &data, names.path(), &mut row);
+    row
+}
+
+fn order(number: usize) -> String {
+    format!("t{number:03}")
+}
+
+/// Waits until nothing is left to take and to read.
+fn all_taken(farm: &TestFarm, secs: f64) -> bool {
+    let began = Instant::now();
+    while began.elapsed().as_secs_f64() < secs {
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        let in_inbox = nestd::intake::files_below(&farm.folder("inbox")).unwrap();
+        let is_left = |file: &PathBuf| {
+            let relative = file.strip_prefix(farm.folder("inbox")).unwrap();
+            !relative.iter().any(nestd::intake::is_ignored) && relative.components().count() > 1
+        };
+        if !in_inbox.iter().any(is_left) && farm.parts(PartState::Claimed).is_empty() {
+            return true;
+        }
+    }
+    false
+}
+
+fn judge(farm: &TestFarm, files: &[Expected], data: &Path, names: &Path, row: &mut Row) {
+    let exceptions: HashMap<&str, &str> = EXCEPTIONS.into_iter().collect();
+    let (mut met, mut excepted) = (0, Vec::new());
+    for (number, expected) in files.iter().enumerate() {
+        let file = expected.file(data, names);
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let parts = farm.ask(async |ledger| ledger.order(&order(number)).await.unwrap());
+        let complaint = match expected.expect.starts_with("ignore") {
+            true => (!parts.is_empty()).then(|| "taken".to_owned()),
+            false => expected.complaint(&outcome(farm, &order(number), &parts)),
+        };
+        match (complaint, exceptions.get(name.as_str())) {
+            (None, None) => met += 1,
+            (Some(_), Some(reason)) => excepted.push(format!("{name} ({reason})")),
+            (Some(complaint), None) => row.broken.push(format!("{name}: expected {}; {complaint}", expected.expect)),
+            (None, Some(reason)) => {
+                row.broken.push(format!("{name}: is as expected, though excepted because {reason}"))
+            }
+        }
+    }
+    row.note = format!("{met} of {} files met the expectation; exceptions: {}", files.len(), excepted.join("; "));
+}
+
+/// What the ledger says of a file, or the reason in the error folder where it never became a part.
+fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> Outcome {
+    let said: Vec<&str> = parts.iter().flat_map(|part| [part.warnings.as_str(), part.reason.as_str()]).collect();
+    let is_refused = parts.is_empty() || parts.iter().any(|part| part.state == PartState::Rejected);
+    if is_refused {
+        let error = farm.folder("error").join(order);
+        let reasons = fs::read_dir(&error).map_or(0, |entries| {
+            entries.filter(|e| e.as_ref().unwrap().path().to_string_lossy().ends_with(".reason.txt")).count()
+        });
+        let lost = if reasons == 1 { "" } else { " BUT there is not one reason in the error folder" };
+        return Outcome { triangles: None, left_out: 0, said: said.join("\n") + lost };
+    }
+    let triangles = parts.iter().map(|p| p.triangles.unwrap_or(0) as usize * p.copies as usize).sum();
+    Outcome { triangles: Some(triangles), left_out: left_out(parts), said: said.join("\n") }
+}
+
+/// "5 triangles without an area (3 left out, 2 kept to stay closed)", copies counted each.
+fn left_out(parts: &[PartRow]) -> usize {
+    let of_part = |part: &PartRow| -> usize {
+        let lines = part.warnings.lines().filter(|line| line.contains("without an area"));
+        let count = |line: &str| line.split_once('(')?.1.split_once(" left out")?.0.parse::<usize>().ok();
+        lines.filter_map(count).sum::<usize>() * part.copies as usize
+    };
+    parts.iter().map(of_part).sum()
+}

@@ -9,11 +9,12 @@
 //! 5  farm                     the service: one file per step of a part's life, one event loop
 //! 4  settings                 TOML fragments -> validated Settings
 //! 3  ledger  intake  queue    SQL | hot folder | printer queue folder
-//! 2  format                   STL/3MF bytes <-> Mesh; meshes + poses -> .build.3mf, previews
+//! 2  format  access           STL/3MF bytes <-> Mesh; meshes + poses -> .build.3mf, previews | mode and group of files
 //! 1  nest  samples            geometry x pollination: the packing search | the project's own parts
 //! 0  geometry  pollination    pure solids | pure optimiser over &[f64]
 //! ```
 
+pub mod access;
 pub mod cli;
 pub mod farm;
 pub mod format;

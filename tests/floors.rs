@@ -7,12 +7,13 @@ use std::{
 };
 
 /// Rooms and their floors, as in `ARCHITECTURE.md`.
-const FLOORS: [(&str, u32); 12] = [
+const FLOORS: [(&str, u32); 13] = [
     ("geometry", 0),
     ("pollination", 0),
     ("nest", 1),
     ("samples", 1),
     ("format", 2),
+    ("access", 2),
     ("ledger", 3),
     ("intake", 3),
     ("queue", 3),

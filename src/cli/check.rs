@@ -22,9 +22,12 @@ pub struct Args {
     /// Also read every file in store, error, archive and queue folders and hold it against the ledger
     #[arg(long)]
     deep: bool,
+    /// Take what the folders tell into a ledger that is older than they are; only while no daemon runs
+    #[arg(long, requires = "deep")]
+    repair: bool,
 }
 
-/// Runs the command: exit code 0 when all is well, 1 when something around the daemon is wrong, 2 when the configuration is.
+/// Runs the command: exit code 0 when all is well or there are only warnings, which hinder no daemon, 1 when something around the daemon is wrong, 2 when the configuration is.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let mut report = Report::default();
     let settings = match settings::load(common.config.as_deref(), common.root.as_deref()) {
@@ -36,6 +39,9 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         }
         Err(error) => return Err(Usage(error.to_string()).into()),
     };
+    if args.repair {
+        deep::repair(&settings, &mut report)?;
+    }
     look(&settings, &mut report)?;
     if args.deep {
         deep::look(&settings, &mut report)?;

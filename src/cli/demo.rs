@@ -66,9 +66,14 @@ async fn play(farm: &DemoFarm) -> Result<()> {
     daemon.stop()?;
     println!("\nThe daemon has stopped. Start it again and drop parts of your own into its hot folder:");
     let program = std::env::current_exe().context("cannot find this program")?;
-    println!("  {} run -c {}", program.display(), farm.config().display());
+    println!("  {} run{} -c {}", program.display(), as_root(), farm.config().display());
     println!("  {}", farm.folder("inbox").display());
     Ok(())
+}
+
+/// What root, as in a container, must say to run a daemon by hand.
+fn as_root() -> &'static str {
+    if rustix::process::geteuid().is_root() { " --allow-root" } else { "" }
 }
 
 /// Two daemons on one farm would hinder each other.

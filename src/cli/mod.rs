@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)] // the only room that speaks to a terminal
 
 mod asked;
+mod backup;
 mod check;
 mod command;
 mod demo;
@@ -107,6 +108,10 @@ enum Command {
     Outcome(outcome::Args),
     /// Look into the hot folders now
     Scan,
+    /// Copy the ledger to a file while the farm runs
+    Backup(backup::Args),
+    /// Put a backup of the ledger back; nothing that was published since is printed again
+    Restore(backup::RestoreArgs),
     /// Nest parts into a build file without a daemon
     Nest(Box<nest::Args>),
     /// Prove a build file on its triangles
@@ -143,6 +148,8 @@ fn dispatch(cli: &Cli) -> Result<Exit> {
         Command::Cancel { part } => command::run(common, &Order::Cancel(*part)),
         Command::Outcome(args) => outcome::run(common, args),
         Command::Scan => command::run(common, &Order::Scan),
+        Command::Backup(args) => backup::run(common, args),
+        Command::Restore(args) => backup::restore(common, args),
         Command::Nest(args) => nest::run(common, args),
         Command::Verify(args) => verify::run(common, args),
     }

@@ -18,7 +18,7 @@ pub fn settings(common: &Common) -> Result<Settings> {
 }
 
 /// The settings for a command that only looks: a machine file that is wrong is told, but hinders nobody.
-fn settings_to_look(common: &Common) -> Result<Settings> {
+pub fn settings_to_look(common: &Common) -> Result<Settings> {
     let loaded = settings::load_to_look(common.config.as_deref(), common.root.as_deref());
     let (settings, problems) = loaded.map_err(|error| Usage(format!("{:#}", anyhow::Error::from(error))))?;
     for problem in &problems {
@@ -37,7 +37,8 @@ pub fn look_at_ledger<T>(common: &Common, work: impl AsyncFnOnce(&Settings, &Led
     over(settings_to_look(common)?, work)
 }
 
-fn over<T>(settings: Settings, work: impl AsyncFnOnce(&Settings, &Ledger) -> Result<T>) -> Result<T> {
+/// Runs `work` over a farm's ledger.
+pub fn over<T>(settings: Settings, work: impl AsyncFnOnce(&Settings, &Ledger) -> Result<T>) -> Result<T> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
     runtime.block_on(async {
         let ledger = Ledger::open_existing(&settings.ledger).await?;

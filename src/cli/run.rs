@@ -6,20 +6,26 @@ use anyhow::{Context, Result};
 
 use super::{Common, Exit, Usage, logging};
 use crate::{
-    farm, settings,
+    access, farm,
+    settings::{self, Settings},
     web::{self, Shared},
 };
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// Run even as root, which may read and move everything that somebody links into a hot folder
+    #[arg(long, env = "NESTD_ALLOW_ROOT", value_parser = clap::builder::FalseyValueParser::new())]
+    allow_root: bool,
+}
 
 /// Runs the command.
-pub fn run(common: &Common, _args: &Args) -> Result<Exit> {
+pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let (config, root) = (common.config.clone(), common.root.clone());
     let load = move || settings::load(config.as_deref(), root.as_deref());
     // A wrong configuration is told before anything is opened.
     let settings = load().map_err(|error| Usage(error.to_string()))?;
+    demand_little(&settings, args.allow_root)?;
     logging::start(&settings.log)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
     let runtime = runtime.context("starting the runtime")?;
@@ -31,16 +37,35 @@ pub fn run(common: &Common, _args: &Args) -> Result<Exit> {
         *told.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
         Ok(settings)
     };
+    let outside = farm::Outside::default();
     if let Some(web) = web {
         // A dashboard that cannot be served is told; the farm works without it.
+        let outside = outside.clone();
         runtime.spawn(async move {
             if let Err(failure) = web::serve(shared, web).await {
-                tracing::error!("The dashboard is not served: {failure:#}. Mend it and restart nestd.");
+                outside.fails(&format!("{failure:#}"));
             }
         });
     }
-    let result = runtime.block_on(farm::run(Box::new(load)));
+    let result = runtime.block_on(farm::run(Box::new(load), outside));
     // Jobs run on threads of their own; what has not ended by now finds its work again at the next start.
     runtime.shutdown_background();
     result.map(|()| Exit::Success)
+}
+
+/// The daemon takes files out of folders that anybody may write to: it must not be able to do more than that.
+fn demand_little(settings: &Settings, allow_root: bool) -> Result<()> {
+    if rustix::process::geteuid().is_root() && !allow_root {
+        let text = "the daemon does not run as root: it takes files from folders that others write to. Run it as a user of its \
+                    own (systemd/README.md says how), or say --allow-root";
+        return Err(Usage(text.to_owned()).into());
+    }
+    match settings.files.group {
+        Some(group) if !access::may_give_to(group) => {
+            let text =
+                format!("files.group: nestd's user is not in the group {group}; add it with usermod -aG {group} USER");
+            Err(Usage(text).into())
+        }
+        _ => Ok(()),
+    }
 }

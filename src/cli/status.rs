@@ -6,13 +6,17 @@ use serde::Serialize;
 
 use super::{
     Common, Exit,
-    reach::{age, brief, look_at_ledger},
+    reach::{age, brief, over, settings_to_look},
     table::{Table, copies, number, say, say_json, text},
 };
-use crate::ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus};
+use crate::{
+    farm::{self, Notice},
+    intake,
+    ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
+};
 
 /// So many rejected parts are listed; `show` finds the older ones.
-const REJECTED_LISTED: usize = 20;
+const REJECTED_LISTED: u32 = 20;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -30,6 +34,9 @@ pub struct Args {
 pub struct FarmStatus {
     /// The daemon that serves or served the ledger.
     daemon: Option<DaemonRow>,
+    /// What a person must see to.
+    #[serde(serialize_with = "attention_as_json")]
+    attention: Vec<Notice>,
     /// Machines, by name.
     profiles: Vec<Machine>,
     /// The parts that were asked for.
@@ -48,10 +55,23 @@ struct Machine {
 
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let status = look_at_ledger(common, async |settings, ledger| {
+    let settings = settings_to_look(common)?;
+    let attention = farm::kept_notices(&settings.state_dir);
+    let status = over(settings, async |settings, ledger| {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
         look(ledger, &names, args.parts).await
-    })?;
+    });
+    let status = match status {
+        Ok(status) => FarmStatus { attention, ..status },
+        Err(error) => {
+            // The ledger itself may be what needs a person.
+            match args.json {
+                true => say_json(&serde_json::json!({ "attention": attention_json(&attention) }))?,
+                false => say(&attention_text(&attention))?,
+            }
+            return Err(error);
+        }
+    };
     match args.json {
         true => say_json(&status)?,
         false => say(&status.print(Timestamp::now()))?,
@@ -71,7 +91,7 @@ pub async fn look(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Res
     profiles.extend(known.into_iter().map(|status| Machine { configured: is_configured(&status.profile), status }));
     profiles.sort_by(|a, b| a.status.profile.cmp(&b.status.profile));
     let parts = if with_parts { Some(parts(ledger).await?) } else { None };
-    Ok(FarmStatus { daemon: ledger.daemon().await?, profiles, parts })
+    Ok(FarmStatus { daemon: ledger.daemon().await?, attention: Vec::new(), profiles, parts })
 }
 
 async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
@@ -79,9 +99,7 @@ async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
     for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
         parts.extend(ledger.parts_in_state(state).await?);
     }
-    let mut rejected = ledger.parts_in_state(PartState::Rejected).await?;
-    rejected.sort_by_key(|part| std::cmp::Reverse(part.state_at));
-    parts.extend(rejected.into_iter().take(REJECTED_LISTED));
+    parts.extend(ledger.parts_since(PartState::Rejected, Timestamp::MIN, Timestamp::MAX, REJECTED_LISTED).await?);
     Ok(parts)
 }
 
@@ -102,7 +120,9 @@ impl FarmStatus {
         for machine in &self.profiles {
             table.row(machine.cells(now));
         }
-        let mut text = format!("{}\n\n{table}", self.daemon_line(now));
+        let attention = attention_text(&self.attention);
+        let gap = if attention.is_empty() { "" } else { "\n" };
+        let mut text = format!("{}\n{gap}{attention}\n{table}", self.daemon_line(now));
         if let Some(parts) = &self.parts {
             text += &format!("\n{}", parts_table(parts));
         }
@@ -172,6 +192,25 @@ impl Machine {
             (true, reading, _) => format!("reading {reading}"),
         }
     }
+}
+
+/// What a person must see to, each with what to do; "" when there is nothing.
+fn attention_text(notices: &[Notice]) -> String {
+    let sentence = |notice: &Notice| intake::display_name(notice.sentence().as_ref()).replace("\\\\", "\\");
+    let lines = notices.iter().map(|n| format!("  {}\n    -> {}\n", sentence(n), n.kind.remedy()));
+    match notices {
+        [] => String::new(),
+        [_] => format!("1 thing needs a person:\n{}", lines.collect::<String>()),
+        all => format!("{} things need a person:\n{}", all.len(), lines.collect::<String>()),
+    }
+}
+
+fn attention_json(notices: &[Notice]) -> Vec<serde_json::Value> {
+    notices.iter().map(farm::notice_in_json).collect()
+}
+
+fn attention_as_json<S: serde::Serializer>(notices: &[Notice], serializer: S) -> Result<S::Ok, S::Error> {
+    attention_json(notices).serialize(serializer)
 }
 
 fn parts_table(parts: &[PartRow]) -> Table {

@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, time::Instant};
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
-use tracing::{error, info};
+use tracing::{info, warn};
 
 use super::{
     budget::Budget,
@@ -76,6 +76,7 @@ impl Farm {
                     && !station.open.layout.placed.is_empty()
                     && (beyond || !station.open.layout.unplaced.is_empty()),
                 flush: !station.flush.is_empty() && !being_read,
+                knows_the_date: self.clock.knows_the_date(),
             };
             if let Some(by) = fired_by(&station.profile, &facts, Timestamp::now()) {
                 return self.fire(name, by, &wanted).await;
@@ -134,7 +135,7 @@ impl Farm {
         let nested = match nested {
             Ok(nested) => nested,
             Err(failure) => {
-                error!(profile = %name, "The open build could not be nested: {failure:#}.");
+                warn!(profile = %name, "The open build could not be nested: {failure:#}.");
                 station.open.ended(round, None);
                 return Ok(());
             }
@@ -154,7 +155,7 @@ impl Farm {
             return Ok(());
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
-        error!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
+        warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
         let refused = self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere");
         if refused.is_err()
             && let Some(station) = self.stations.get_mut(name)

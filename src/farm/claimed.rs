@@ -10,6 +10,7 @@ use jiff::tz::TimeZone;
 use tracing::{info, warn};
 
 use super::{
+    attention::Attention,
     event::Event,
     farm::Farm,
     jobs::JobKey,
@@ -48,7 +49,7 @@ impl Farm {
             let Some(mut gate) = station.gate.take() else { continue };
             let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
             let mut hold = station.holds.inbox.clone();
-            let (name, status) = (name.clone(), station.status.clone());
+            let (name, status) = (name.clone(), station.told(&self.notices));
             self.jobs.start(JobKey::Receive(name.clone()), move || {
                 let mut received = gate.look(&profile, &mut hold, &store, orphan_secs);
                 if status.1.is_empty() || received.unavailable.is_some() {
@@ -67,7 +68,7 @@ impl Farm {
         self.jobs.ended(&JobKey::Receive(name.to_owned()));
         for drop in received.drops {
             if let Err(failure) = self.record(name, &drop).await {
-                self.complain(&format!("recording {name}"), &format!("A drop cannot be recorded now: {failure:#}"));
+                self.trouble(Attention::TakingFails, name, "recording a drop", &failure);
                 gate.take_back(drop.claim);
             }
         }
@@ -78,21 +79,22 @@ impl Farm {
             }
             let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
             station.look_at = Instant::now() + Duration::from_secs_f64(next_secs);
-            let was_away = station.unavailable.is_some();
-            station.unavailable = received.unavailable.clone();
-            let about = format!("looking into {name}");
-            match &received.unavailable {
-                Some(why) => self.complain(&about, &format!("The hot folder of {name} is unavailable: {why}")),
-                None => {
-                    self.complaints.settled(&about);
-                    if was_away {
-                        info!(profile = %name, "The hot folder of {name} is available again.");
-                    }
-                }
+            station.refused_kept = received.refused_kept.unwrap_or(station.refused_kept);
+            let error_dir = station.profile.folders.error.display();
+            match station.refused_kept {
+                0 => self.notices.clear(Attention::Refused, name, ""),
+                1 => self.notices.raise(Attention::Refused, name, "", &format!("1 file in {error_dir}")),
+                files => self.notices.raise(Attention::Refused, name, "", &format!("{files} files in {error_dir}")),
             }
         }
-        for trouble in &received.troubles {
-            self.complain(&format!("{name}: {trouble}"), trouble);
+        match &received.unavailable {
+            Some(why) => self.notices.raise(Attention::HotFolderAway, name, "", why),
+            None => self.notices.clear(Attention::HotFolderAway, name, ""),
+        }
+        if let Some(trouble) = received.troubles.first() {
+            let more = received.troubles.len() - 1;
+            let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+            self.notices.trouble(Attention::TakingFails, name, "", &format!("{trouble}{more}"));
         }
         for (file, reason) in &received.refused {
             warn!(profile = %name, "Refused {file} in {name}: {reason}");
@@ -134,8 +136,8 @@ impl Farm {
             let parts = self.ledger.parts_of_claim(&claim).await?;
             let Some(part) = parts.first() else { continue };
             if let Err(failure) = self.settle_claim(part) {
-                let why = format!("The claim of {} cannot be ended now: {failure:#}", part.name);
-                self.complain(&format!("claim {claim}"), &why);
+                let (part, profile) = (part.name.clone(), part.profile.clone());
+                self.trouble(Attention::EndingFails, &profile, &part, &failure);
             }
         }
         Ok(())
@@ -218,10 +220,8 @@ impl Farm {
             ReadOutcome::Refused(reason) => self.refuse(&part, &reason).await,
             ReadOutcome::Later(why) => {
                 self.read_again.failed(id);
-                self.complain(
-                    &format!("reading part {id}"),
-                    &format!("Part {id} ({}) cannot be read now: {why}", part.name),
-                );
+                let about = format!("part {id} ({})", part.name);
+                self.notices.trouble(Attention::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
                 Ok(())
             }
         }

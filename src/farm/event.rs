@@ -70,6 +70,13 @@ pub enum Event {
     },
     /// The archives have been gone through.
     Purged,
+    /// What lies beside the hot folders, for people.
+    Stray(Vec<String>),
+    /// A hot folder has been told.
+    Told {
+        /// Which.
+        profile: String,
+    },
     /// A job panicked.
     Panicked {
         /// Which.

@@ -6,34 +6,35 @@ use std::{
     time::{Duration, Instant},
 };
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use jiff::Timestamp;
-use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
-use tracing::{error, info, warn};
+use tokio::sync::mpsc::UnboundedReceiver;
+use tracing::{info, warn};
 
 use super::{
-    back_off::{BackOff, is_of_the_disk},
+    attention::Attention,
+    back_off::BackOff,
     budget::Budget,
-    complaints::Complaints,
+    clock::Clock,
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
     nest::{Best, Meshes},
+    notices::{Notices, Outside},
     owner::Owner,
     quiet::Quiet,
     sd,
-    shelf::Shelf,
     signals::{Signal, Signals},
     station::Station,
 };
 use crate::{
-    intake::{Claim, Store, Watcher},
-    ledger::{BuildId, Ledger, LedgerError, PartId},
+    intake::{Claim, Watcher},
+    ledger::{BuildId, Ledger, PartId},
     settings::{Settings, SettingsError},
 };
 
 /// Between two beats of the farm when nothing happens.
-const BEAT: Duration = Duration::from_millis(500);
+pub(super) const BEAT: Duration = Duration::from_millis(500);
 /// Between two signs of life in the ledger.
 const SIGN_OF_LIFE: Duration = Duration::from_secs(4);
 /// How long an orderly stop waits for jobs; the service manager gives 10 s.
@@ -76,25 +77,32 @@ pub struct Farm {
     pub(super) steps: BackOff<String>,
     pub(super) stopping: bool,
     pub(super) quiet: Quiet,
+    pub(super) clock: Clock,
     pub(super) started_at: Timestamp,
     pub(super) status_line: String,
     pub(super) shown_at: Option<Instant>,
     pub(super) watcher: Option<Watcher>,
-    sign_of_life: Option<Instant>,
-    tidy_at: Instant,
-    last_watch_check: Instant,
-    last_claims: Instant,
-    last_hold: Instant,
-    pub(super) complaints: Complaints,
-    events: UnboundedReceiver<Event>,
-    _lock: Lock,
+    pub(super) sign_of_life: Option<Instant>,
+    pub(super) tidy_at: Instant,
+    pub(super) last_watch_check: Instant,
+    pub(super) last_claims: Instant,
+    pub(super) last_hold: Instant,
+    /// What a person must see to.
+    pub(super) notices: Notices,
+    /// What others of this process tell.
+    pub(super) outside: Outside,
+    /// The ledger is damaged: nothing is done any more but telling so.
+    pub(super) is_halted: bool,
+    pub(super) events: UnboundedReceiver<Event>,
+    pub(super) _lock: Lock,
 }
 
 /// Runs the daemon until it is told to stop.
-pub async fn run(load: Load) -> Result<()> {
+pub async fn run(load: Load, outside: Outside) -> Result<()> {
     let settings = load()?;
     let mut signals = Signals::listen()?;
     let Some(mut farm) = Farm::open_when_possible(load, settings, &mut signals).await? else { return Ok(()) };
+    farm.outside = outside;
     farm.beat().await;
     sd::ready(&farm.status_line);
     info!(profiles = farm.stations.len(), ledger = %farm.settings.ledger.display(), "The farm is open.");
@@ -105,97 +113,6 @@ pub async fn run(load: Load) -> Result<()> {
 }
 
 impl Farm {
-    /// Opens the farm; while the disk of the state folder is full or away, waits for it instead of ending again and again.
-    /// `None` = told to stop meanwhile.
-    async fn open_when_possible(load: Load, settings: Settings, signals: &mut Signals) -> Result<Option<Self>> {
-        let (mut load, mut settings, mut waits, mut complaints) =
-            (load, settings, BackOff::default(), Complaints::default());
-        loop {
-            let (back, known, failure) = match Self::open(load, settings).await {
-                Ok(farm) => return Ok(Some(farm)),
-                Err(kept) => kept,
-            };
-            (load, settings) = (back, known);
-            if !may_pass(&failure) {
-                return Err(failure);
-            }
-            let text = format!("The farm cannot be opened now and is tried again: {failure:#}");
-            complaints.note("opening", &text);
-            sd::waiting(&text);
-            waits.failed(());
-            while waits.rests(&()) {
-                tokio::select! {
-                    signal = signals.next() => if matches!(signal, Signal::Stop) { return Ok(None) },
-                    () = tokio::time::sleep(BEAT) => {}
-                }
-            }
-        }
-    }
-
-    /// On failure, what is needed for another try comes back.
-    async fn open(load: Load, settings: Settings) -> Result<Self, (Load, Settings, anyhow::Error)> {
-        let since = Timestamp::now();
-        match Parts::open(&settings, since).await {
-            Ok(parts) => {
-                let mut farm = Self::new(load, settings, parts, since);
-                match farm.open_stations().await {
-                    Ok(()) => Ok(farm),
-                    Err(failure) => {
-                        farm.ledger.close().await;
-                        Err((farm.load, farm.settings, failure))
-                    }
-                }
-            }
-            Err(failure) => Err((load, settings, failure)),
-        }
-    }
-
-    async fn open_stations(&mut self) -> Result<()> {
-        self.set_up_stations().await?;
-        self.hold_folders_at_start()
-    }
-
-    fn new(load: Load, settings: Settings, parts: Parts, since: Timestamp) -> Self {
-        let (sender, events) = unbounded_channel();
-        Self {
-            load,
-            owner: parts.owner,
-            ledger: parts.ledger,
-            meshes: Meshes {
-                shelf: Shelf::default(),
-                store: parts.store,
-                limits: settings.limits.clone(),
-                cache: None,
-            },
-            stations: BTreeMap::new(),
-            jobs: Jobs::new(sender),
-            nest_slots: 1,
-            claims: HashMap::new(),
-            read_again: BackOff::default(),
-            reads_begun: 0,
-            fresh_builds: HashSet::new(),
-            finals: HashMap::new(),
-            failures: HashMap::new(),
-            resting: BackOff::default(),
-            steps: BackOff::default(),
-            stopping: false,
-            quiet: Quiet::default(),
-            started_at: since,
-            status_line: "opening".to_owned(),
-            shown_at: None,
-            watcher: None,
-            sign_of_life: None,
-            tidy_at: Instant::now() + super::tidy::FIRST_TIDY_AFTER,
-            last_watch_check: Instant::now(),
-            last_claims: Instant::now(),
-            complaints: Complaints::default(),
-            events,
-            _lock: parts.lock,
-            last_hold: Instant::now(),
-            settings,
-        }
-    }
-
     async fn serve(&mut self, signals: &mut Signals) -> Result<()> {
         let mut beat = tokio::time::interval(BEAT);
         beat.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -215,6 +132,11 @@ impl Farm {
     /// One beat: every step does what there is to do. A step that fails is logged and tried again at the next beat.
     pub(super) async fn beat(&mut self) {
         sd::alive();
+        self.tell_people();
+        if self.is_halted {
+            return;
+        }
+        self.tell("looking at the clock", Self::look_at_clock).await;
         self.receive();
         if self.may_have_work() {
             self.work().await;
@@ -227,6 +149,7 @@ impl Farm {
             self.last_watch_check = Instant::now();
             self.make_missing_folders();
             self.check_watch();
+            self.look_for_stray_files();
         }
         if self.last_hold.elapsed() >= super::owner::BEAT_EVERY {
             self.last_hold = Instant::now();
@@ -263,18 +186,21 @@ impl Farm {
         match step(self).await {
             Ok(()) => {
                 self.steps.done(&what.to_owned());
-                self.complaints.settled(what);
+                self.notices.clear(Attention::StepFails, "", what);
             }
             Err(failure) => {
                 self.steps.failed(what.to_owned());
-                self.complain(what, &format!("The step {what} failed and is tried again: {failure:#}"));
+                self.trouble(Attention::StepFails, "", what, &failure);
             }
         }
     }
 
-    /// Logs an error once, and again only when it changes or lasts.
-    pub(super) fn complain(&mut self, about: &str, text: &str) {
-        self.complaints.note(about, text);
+    /// Something failed and is tried again, unless the ledger is damaged: then nothing is.
+    pub(super) fn trouble(&mut self, kind: Attention, profile: &str, about: &str, failure: &anyhow::Error) {
+        match super::open::of_the_ledger(failure) {
+            Some((_, detail)) => self.halt(&detail),
+            None => self.notices.trouble(kind, profile, about, &format!("{about}: {failure:#}")),
+        }
     }
 
     /// Takes in an event and those that wait behind it: one beat serves them all.
@@ -287,6 +213,12 @@ impl Farm {
     }
 
     async fn on_event(&mut self, event: Event) {
+        if self.is_halted {
+            if let Event::Told { profile } = event {
+                self.jobs.ended(&JobKey::Tell(profile));
+            }
+            return;
+        }
         let result = match event {
             Event::Look => {
                 self.look_soon();
@@ -309,15 +241,23 @@ impl Farm {
                 self.jobs.ended(&JobKey::Purge);
                 Ok(())
             }
+            Event::Stray(found) => {
+                self.on_stray(&found);
+                Ok(())
+            }
+            Event::Told { profile } => {
+                self.jobs.ended(&JobKey::Tell(profile));
+                Ok(())
+            }
             Event::Panicked { key, message } => self.on_panicked(key, &message).await,
         };
         if let Err(failure) = result {
-            error!("An event could not be taken in; its step finds the work again: {failure:#}.");
+            self.trouble(Attention::StepFails, "", "taking in what a job has done", &failure);
         }
     }
 
     async fn on_panicked(&mut self, key: JobKey, message: &str) -> Result<()> {
-        error!("A job panicked ({key:?}): {message}.");
+        warn!("A job panicked ({key:?}): {message}.");
         self.jobs.ended(&key);
         match key {
             JobKey::Receive(name) => {
@@ -331,7 +271,7 @@ impl Farm {
             JobKey::Improve(name) => self.on_search_panicked(&name, message).await,
             JobKey::Final(build) => self.on_final_panicked(build, message).await,
             JobKey::Publish(build) => self.on_published(build, Err(anyhow::anyhow!("panicked: {message}"))).await,
-            JobKey::Purge | JobKey::Hold(_) => Ok(()),
+            JobKey::Purge | JobKey::Hold(_) | JobKey::Stray | JobKey::Tell(_) => Ok(()),
         }
     }
 
@@ -350,12 +290,21 @@ impl Farm {
             }
             sd::alive();
         }
+        if self.is_halted {
+            // Nothing is written into a damaged ledger, and no seal vouches for it.
+            self.end_holds();
+            return self.ledger.close().await;
+        }
         self.keep_layouts().await;
         self.end_holds();
         if let Err(failure) = self.ledger.farewell().await {
             warn!("The ledger could not be told of the stop: {failure}.");
         }
-        self.ledger.close().await;
+        match self.ledger.close_sealed().await {
+            Ok(true) => {}
+            Ok(false) => info!("The ledger has no seal; the next start looks through all of it."),
+            Err(failure) => warn!("The ledger could not be closed in order: {failure}."),
+        }
         info!("The farm is closed.");
     }
 
@@ -370,31 +319,4 @@ impl Farm {
             }
         }
     }
-}
-
-/// What is opened in the state directory.
-struct Parts {
-    lock: Lock,
-    owner: Owner,
-    ledger: Ledger,
-    store: Store,
-}
-
-impl Parts {
-    async fn open(settings: &Settings, since: Timestamp) -> Result<Self> {
-        std::fs::create_dir_all(&settings.state_dir)
-            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
-        let lock = Lock::take(&settings.state_dir, since)?;
-        let owner = Owner::of_this_process(&settings.state_dir, since)
-            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
-        let ledger = Ledger::open(&settings.ledger).await?;
-        let store = Store::open(settings.state_dir.join("store"))?;
-        Ok(Self { lock, owner, ledger, store })
-    }
-}
-
-/// Whether what hinders the start may pass by itself: a full disk, a share that hangs.
-fn may_pass(failure: &anyhow::Error) -> bool {
-    is_of_the_disk(failure)
-        || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_of_the_disk))
 }

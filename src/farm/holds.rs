@@ -6,6 +6,7 @@ use anyhow::Result;
 use tracing::warn;
 
 use super::{
+    attention::Attention,
     event::Event,
     farm::Farm,
     jobs::JobKey,
@@ -72,11 +73,10 @@ impl Farm {
         // After a reload the folders may be others.
         let Some(station) = self.stations.get_mut(name).filter(|s| s.holds.inbox.is_of(&holds.inbox)) else { return };
         station.holds = holds;
-        for (what, wrong) in ["hot folder", "queue folder"].into_iter().zip(wrong) {
-            let about = format!("{what} of {name}");
+        for (kind, wrong) in [Attention::HotFolderAway, Attention::QueueAway].into_iter().zip(wrong) {
             match wrong {
-                Some(why) => self.complain(&about, &format!("The {what} of {name} is unavailable: {why}")),
-                None => self.complaints.settled(&about),
+                Some(why) => self.notices.raise(kind, name, "its owner", &why),
+                None => self.notices.clear(kind, name, "its owner"),
             }
         }
     }
@@ -116,7 +116,7 @@ impl Farm {
                 self.resting.failed(build);
             }
             JobKey::Publish(build) => self.resting.failed(build),
-            JobKey::Purge | JobKey::Hold(_) => {}
+            JobKey::Purge | JobKey::Hold(_) | JobKey::Stray | JobKey::Tell(_) => {}
         }
     }
 }

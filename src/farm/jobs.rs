@@ -30,6 +30,10 @@ pub enum JobKey {
     Hold(String),
     /// Going through the archives.
     Purge,
+    /// Looking for files beside the hot folders.
+    Stray,
+    /// Telling in a hot folder that nothing is done any more.
+    Tell(String),
 }
 
 /// Jobs that run now.

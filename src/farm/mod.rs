@@ -3,12 +3,13 @@
 //! `receive` claims what was dropped, `read` checks it, `batch` keeps the open build and fires it, `nest` searches, `prove`
 //! writes and judges, `publish` publishes. `farm` holds the state and the loop, `orders` what operators ask for.
 
+mod attention;
 mod back_off;
 mod batch;
 mod budget;
 mod cache;
 mod claimed;
-mod complaints;
+mod clock;
 mod event;
 mod farm;
 mod holds;
@@ -17,6 +18,8 @@ mod jobs;
 mod layout;
 mod lock;
 mod nest;
+mod notices;
+mod open;
 mod orders;
 mod owner;
 mod priority;
@@ -25,6 +28,9 @@ mod publish;
 mod quiet;
 mod read;
 mod receive;
+mod reconcile;
+mod record;
+mod restore;
 mod sd;
 mod shelf;
 mod signals;
@@ -34,12 +40,16 @@ mod status;
 mod tidy;
 mod trigger;
 
+pub use attention::{Attention, Notice};
 pub use budget::Budget;
 pub use cache::DiskCache;
 pub use farm::{Load, run};
 pub use invariants::{Invariant, Looked, Violation, Witness, invariants};
 pub use layout::placed_from_json;
 pub use nest::Meshes;
+pub use notices::{Outside, in_json as notice_in_json, kept_notices};
 pub use prove::faults_of;
+pub use reconcile::{Reconciled, repair};
+pub use restore::{Restored, restore};
 pub use shelf::Shelf;
 pub use status::fires_at;

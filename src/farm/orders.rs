@@ -3,7 +3,7 @@
 use anyhow::Result;
 use tracing::info;
 
-use super::{claimed::COPIES_UNKNOWN, farm::Farm};
+use super::{attention::Attention, claimed::COPIES_UNKNOWN, farm::Farm};
 use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
 
 impl Farm {
@@ -22,7 +22,7 @@ impl Farm {
             match self.order(&command).await {
                 Ok(answer) => {
                     self.steps.done(&about);
-                    self.complaints.settled(&about);
+                    self.notices.clear(Attention::StepFails, &command.profile, &about);
                     match answer {
                         Some(Ok(done)) => self.ledger.answer(command.id, true, &done).await?,
                         Some(Err(refused)) => self.ledger.answer(command.id, false, &refused).await?,
@@ -30,8 +30,7 @@ impl Farm {
                     }
                 }
                 Err(failure) => {
-                    let text = format!("The order {} cannot be carried out now: {failure:#}", command.kind);
-                    self.complain(&about, &text);
+                    self.trouble(Attention::StepFails, &command.profile, &about, &failure);
                     self.steps.failed(about);
                 }
             }

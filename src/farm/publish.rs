@@ -3,10 +3,11 @@
 
 use std::{collections::HashMap, sync::Arc};
 
-use anyhow::{Context, Result, bail, ensure};
-use tracing::{error, info, warn};
+use anyhow::{Context, Result, ensure};
+use tracing::{info, warn};
 
 use super::{
+    attention::Attention,
     back_off::is_of_the_disk,
     budget::Budget,
     event::Event,
@@ -15,6 +16,7 @@ use super::{
     layout::placed_from_json,
     nest::{Best, NestOrder},
     prove::{WriteOrder, Written, file_name, write_and_prove},
+    record,
 };
 use crate::{
     intake,
@@ -23,6 +25,8 @@ use crate::{
     settings::Profile,
 };
 
+/// Who pauses a profile whose build was given up.
+pub const GAVE_UP: &str = "nestd";
 /// A build whose making was begun so often without an end is given up, whatever ended the daemon each time.
 const MAX_STARTS: u32 = 200;
 
@@ -34,9 +38,9 @@ impl Farm {
         // One that ends the daemon each time must not keep the others from their turn.
         builds.sort_by_key(|build| (build.attempts, build.id));
         for build in builds {
-            let id = build.id;
+            let (id, profile) = (build.id, build.profile.clone());
             if let Err(failure) = self.nest_build(build).await {
-                self.complain(&format!("nest {id}"), &format!("Build {id} cannot be begun now: {failure:#}"));
+                self.trouble(Attention::NestingFails, &profile, &format!("build {id}"), &failure);
             }
         }
         Ok(())
@@ -118,7 +122,8 @@ impl Farm {
         if written.is_ok() {
             self.failures.remove(&build);
             self.resting.done(&build);
-            self.complaints.settled(&format!("making {build}"));
+            let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+            self.notices.clear(Attention::NestingFails, &profile, &format!("build {build}"));
         }
         let written = match written {
             Ok(written) => written,
@@ -130,12 +135,12 @@ impl Farm {
                 // No fault of the build's: it costs no attempt, and the parts stay in it.
                 self.fresh_builds.insert(build);
                 self.resting.failed(build);
-                let text = format!("Build {build} cannot be written now; it is tried again: {failure:#}");
-                self.complain(&format!("making {build}"), &text);
+                let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+                self.trouble(Attention::NestingFails, &profile, &format!("build {build}"), &failure);
                 return Ok(());
             }
             Err(failure) => {
-                error!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
+                warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
                 return self.note_failure(build, &format!("{failure:#}")).await;
             }
         };
@@ -177,13 +182,18 @@ impl Farm {
             }
             let id = build.id;
             let Some(station) = self.stations.get(&build.profile) else {
-                let why = format!("Build {id} cannot be published: its profile {} is not configured", build.profile);
-                self.complain(&format!("publish {id}"), &why);
+                // The notice of a machine that is gone tells it.
                 continue;
             };
             let Some(queue) = station.queue.clone() else { continue };
-            self.jobs
-                .start(JobKey::Publish(id), move || Event::Published { build: id, published: rename(&queue, &build) });
+            if self.jobs.runs(&JobKey::Publish(id)) {
+                continue;
+            }
+            let (archive, record) = (station.profile.folders.archive.clone(), self.ledger.record_of_build(id).await?);
+            self.jobs.start(JobKey::Publish(id), move || {
+                let published = record::keep(&archive, &build, &record).and_then(|()| rename(&queue, &build));
+                Event::Published { build: id, published }
+            });
         }
         Ok(())
     }
@@ -195,14 +205,24 @@ impl Farm {
             Ok(published) => published,
             Err(failure) => {
                 self.resting.failed(id);
-                self.complain(&format!("publish {id}"), &format!("Build {id} cannot be published: {failure:#}"));
+                let profile = self.ledger.build(id).await?.map(|b| b.profile).unwrap_or_default();
+                let about = format!("build {id}");
+                match failure.downcast_ref::<Replaced>() {
+                    Some(replaced) => {
+                        let detail = format!("{about}: {replaced}");
+                        self.notices.raise(Attention::QueueReplaced, &profile, &about, &detail);
+                    }
+                    None => self.trouble(Attention::PublishingFails, &profile, &about, &failure),
+                }
                 return Ok(());
             }
         };
         self.ledger.publish_build(id).await?;
         self.resting.done(&id);
-        self.complaints.settled(&format!("publish {id}"));
         let Some(build) = self.ledger.build(id).await? else { return Ok(()) };
+        for kind in [Attention::QueueReplaced, Attention::PublishingFails] {
+            self.notices.clear(kind, &build.profile, &format!("build {id}"));
+        }
         let height_mm = (build.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
             Published::Now => {
@@ -230,7 +250,7 @@ impl Farm {
     async fn give_up(&mut self, build: &BuildRow, attempts: u32) -> Result<()> {
         let (_, last) = self.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
         let reason = format!("gave up after {attempts} attempts: {last}");
-        error!(build.id = %build.id, profile = %build.profile, "A build failed, and its profile is paused: {reason}.");
+        warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
         if let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.as_ref()) {
             // What cannot be removed now is swept when the folder is opened next.
             if let Err(failure) = queue.discard(&file_name(&build.profile, build)) {
@@ -238,7 +258,7 @@ impl Farm {
             }
         }
         self.ledger.fail_build(build.id, &reason).await?;
-        self.ledger.pause(&build.profile, "nestd").await?;
+        self.ledger.pause(&build.profile, GAVE_UP).await?;
         Ok(())
     }
 
@@ -257,12 +277,20 @@ impl Farm {
     }
 }
 
+/// The queue folder is another one than the build was staged in, and the file is not in it.
+#[derive(Debug, thiserror::Error)]
+#[error("{name} was staged in the queue folder whose .nestd-queue says {was}, and is not in the one that is there now")]
+struct Replaced {
+    name: String,
+    was: String,
+}
+
 /// The one rename that publishes.
 fn rename(queue: &Queue, build: &BuildRow) -> Result<Published> {
     let name = build.file_name.as_deref().context("its row names no file")?;
     // In another folder than it was staged in, "gone" does not mean published: a person must look.
     if build.queue_id.as_deref() != Some(queue.id()) && queue.state(name)? == StagedState::Gone {
-        bail!("the queue folder was replaced after {name} was staged in it, and the file is not there");
+        return Err(Replaced { name: name.to_owned(), was: build.queue_id.clone().unwrap_or_default() }.into());
     }
     Ok(queue.publish(name)?)
 }

@@ -25,6 +25,9 @@ const SHARE_PER_LOOK: usize = 20;
 /// A file that nestd may not read is refused when that lasts so long.
 const DENIED_FOR: Duration = Duration::from_secs(5);
 
+/// Refused files are counted again after so long.
+const COUNT_AGAIN: Duration = Duration::from_secs(2);
+
 /// The gate of a hot folder: what it remembers between two looks.
 #[derive(Debug)]
 pub struct Gate {
@@ -36,6 +39,8 @@ pub struct Gate {
     /// Claims that are not in the store yet; `None` = what lies in `.claimed/` is to be listed: at the start, after the hot
     /// folder was away, after something went wrong there.
     pending: Option<Vec<Claim>>,
+    /// When the refused files were counted last.
+    counted: Option<Instant>,
     /// Device and inode of the hot folder at the last look.
     at: Option<(u64, u64)>,
     /// Claims with a file that may not be read, and since when.
@@ -66,6 +71,8 @@ pub struct Received {
     pub refused: Vec<(String, String)>,
     /// What went wrong and will be tried again.
     pub troubles: Vec<String>,
+    /// Refused files that lie in the error folder; `None` = not counted this time.
+    pub refused_kept: Option<usize>,
     /// A part may stand in a claim that nobody knows: claims are listed anew, and no order list is ended for its seeming to
     /// be served.
     in_doubt: bool,
@@ -80,6 +87,7 @@ impl Gate {
             began: Instant::now(),
             left: LeftFolders::default(),
             pending: None,
+            counted: None,
             at: None,
             unreadable: HashMap::new(),
         }
@@ -143,6 +151,10 @@ impl Gate {
             self.store(profile, claim, store, &mut received);
         }
         self.left.sweep(self.inbox.path(), LeftFolders::MIN_AGE);
+        if self.counted.is_none_or(|at| at.elapsed() >= COUNT_AGAIN) || !received.refused.is_empty() {
+            self.counted = Some(Instant::now());
+            received.refused_kept = Some(refused_kept(&profile.folders.error));
+        }
         received
     }
 
@@ -243,6 +255,12 @@ fn take(inbox: &Path, profile: &Profile, ready: &Ready, orphan_secs: f64, receiv
         },
     }
     None
+}
+
+/// The reasons that lie in an error folder: one for each file that somebody must see to.
+fn refused_kept(error_dir: &std::path::Path) -> usize {
+    let is_reason = |file: &&std::path::PathBuf| file.as_os_str().as_encoded_bytes().ends_with(b".reason.txt");
+    intake::files_below(error_dir).map_or(0, |files| files.iter().filter(is_reason).count())
 }
 
 /// A file that nestd may not read has no hash and so no row: it goes straight to the error folder. Returns whether it did.

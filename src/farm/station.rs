@@ -11,6 +11,7 @@ use super::{
     holds::Holds,
     layout::{Copy, Layout, PlacedCopy, placed_from_json},
     nest::Best,
+    notices::Notices,
     owner::Owner,
     receive::Gate,
 };
@@ -34,10 +35,10 @@ pub struct Station {
     pub gate: Option<Box<Gate>>,
     /// When to look next.
     pub look_at: Instant,
+    /// Refused files that lie in its error folder.
+    pub refused_kept: usize,
     /// That this daemon serves its folders.
     pub holds: Holds,
-    /// Why its hot folder cannot be looked at, if so.
-    pub unavailable: Option<String>,
     /// Its printer queue folder, once it could be opened.
     pub queue: Option<Queue>,
     /// The build that is being gathered.
@@ -51,7 +52,7 @@ pub struct Station {
     /// Whether an operator has paused it.
     pub paused: bool,
     /// What `STATUS.txt` and `status.json` say.
-    pub status: (String, String),
+    pub status: (String, serde_json::Value),
 }
 
 /// A search that runs for the open build.
@@ -95,7 +96,7 @@ impl Station {
             holds: Holds::new(owner, &profile),
             profile,
             look_at: Instant::now(),
-            unavailable: None,
+            refused_kept: 0,
             queue: None,
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
             flush: Vec::new(),
@@ -104,6 +105,19 @@ impl Station {
             paused: false,
             status: Default::default(),
         }
+    }
+}
+
+impl Station {
+    /// What is written into its hot folder, with what a person must see to; empty before the ledger was asked.
+    pub fn told(&self, notices: &Notices) -> (String, String) {
+        let (text, json) = &self.status;
+        if json.is_null() {
+            return Default::default();
+        }
+        let mut json = json.clone();
+        json["attention"] = notices.json_for(&self.profile.name);
+        (notices.text_for(&self.profile.name) + text, format!("{json:#}\n"))
     }
 }
 

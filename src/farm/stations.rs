@@ -3,10 +3,13 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use tracing::{error, info, warn};
+use tracing::{info, warn};
 
-use super::{cache::DiskCache, event::Event, farm::Farm, holds::Holds, owner::Hold, sd, station::Station};
+use super::{
+    attention::Attention, cache::DiskCache, event::Event, farm::Farm, holds::Holds, owner::Hold, sd, station::Station,
+};
 use crate::{
+    access,
     intake::Watcher,
     settings::{Profile, Settings},
 };
@@ -22,6 +25,7 @@ impl Farm {
         for name in gone {
             if let Some(mut station) = self.stations.remove(&name) {
                 station.open.clear();
+                self.notices.forget_machine(&name);
                 info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
             }
         }
@@ -75,24 +79,28 @@ impl Farm {
 
     pub(super) async fn reload(&mut self) {
         sd::reloading();
-        match (self.load)() {
-            Ok(settings)
-                if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir =>
-            {
-                error!(
-                    "The state directory and the ledger cannot change while the daemon runs; the old configuration stays."
-                );
+        match self.take_configuration().await {
+            Ok(()) => {
+                self.notices.clear(Attention::ConfigurationWrong, "", "");
+                info!(profiles = self.stations.len(), "The configuration was read again.");
             }
-            Ok(settings) => {
-                self.settings = settings;
-                match self.set_up_stations().await {
-                    Ok(()) => info!(profiles = self.stations.len(), "The configuration was read again."),
-                    Err(failure) => error!("The new configuration could not be set up: {failure:#}."),
-                }
+            Err(failure) => {
+                let detail = format!("{failure:#}").replace('\n', " ");
+                self.notices.clear(Attention::ConfigurationWrong, "", "");
+                self.notices.raise(Attention::ConfigurationWrong, "", "", &detail);
             }
-            Err(failure) => error!("The new configuration is wrong; the old one stays: {failure:#}."),
         }
         sd::ready(&self.status_line);
+    }
+
+    async fn take_configuration(&mut self) -> Result<()> {
+        let settings = (self.load)()?;
+        if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir {
+            anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
+        }
+        settings.files.set();
+        self.settings = settings;
+        self.set_up_stations().await
     }
 
     /// A share that is away must not keep the other machines from working. What was served once is not made again: an
@@ -104,15 +112,13 @@ impl Farm {
         let folders = &profile.folders;
         let wanted =
             [(&folders.inbox, inbox), (&folders.queue, queue), (&folders.error, true), (&folders.archive, true)];
-        let about = format!("folders of {}", profile.name);
         for (folder, _) in wanted.into_iter().filter(|(_, is_new)| *is_new) {
-            if let Err(error) = std::fs::create_dir_all(folder) {
-                let text =
-                    format!("The folders of {} cannot be made: creating {}: {error}", profile.name, folder.display());
-                return self.complain(&about, &text);
+            if let Err(error) = access::create_folders(folder) {
+                let detail = format!("creating {}: {error}", folder.display());
+                return self.notices.raise(Attention::FoldersMissing, &profile.name, "", &detail);
             }
         }
-        self.complaints.settled(&about);
+        self.notices.clear(Attention::FoldersMissing, &profile.name, "");
     }
 
     /// Folders that could not be made at the start are made when they can be.

@@ -7,12 +7,18 @@ use anyhow::Result;
 use jiff::{Timestamp, tz::TimeZone};
 use serde_json::json;
 
-use super::{farm::Farm, sd, station::Station, trigger::secs_between};
+use super::{
+    attention::Attention, event::Event, farm::Farm, jobs::JobKey, publish::GAVE_UP, sd, station::Station,
+    trigger::secs_between,
+};
 use crate::{
+    intake,
     ledger::{Beat, ProfileStatus},
     settings::Profile,
 };
 
+/// Troubles that did not come again for so long, or for three scans, are over.
+const TROUBLES_LAST: Duration = Duration::from_secs(150);
 /// Between two looks at the whole ledger for what is shown.
 const SHOW_EVERY: Duration = Duration::from_secs(2);
 
@@ -29,6 +35,7 @@ impl Farm {
                 station.status = (status_text(station, row), status_json(station, row));
             }
         }
+        self.notice_what_the_ledger_says(&rows).await?;
         let waiting: u32 = rows.iter().map(|r| r.waiting_copies).sum();
         let nesting: usize = rows.iter().map(|r| r.nesting.len()).sum();
         let line = format!("{} profiles, {waiting} copies wait, {nesting} builds in work", self.stations.len());
@@ -37,6 +44,70 @@ impl Farm {
             self.status_line = line;
         }
         Ok(())
+    }
+
+    /// What needs a person and stands in the ledger: so it is known after a restart too.
+    async fn notice_what_the_ledger_says(&mut self, rows: &[ProfileStatus]) -> Result<()> {
+        let names: Vec<String> = self.stations.keys().cloned().collect();
+        for name in &names {
+            let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
+            match paused.filter(|paused| paused.paused_by == GAVE_UP) {
+                Some(_) => {
+                    let why = self.ledger.last_failure(name).await?;
+                    let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
+                    self.notices.raise(Attention::BuildFailed, name, "", &detail);
+                }
+                None => self.notices.clear(Attention::BuildFailed, name, ""),
+            }
+        }
+        let mut gone = Vec::new();
+        for row in rows.iter().filter(|row| !self.stations.contains_key(&row.profile)) {
+            let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
+            if parts > 0 || builds > 0 {
+                let detail = format!("{parts} parts and {builds} builds that have fired");
+                self.notices.raise(Attention::MachineGone, &row.profile, "", &detail);
+                gone.push(row.profile.clone());
+            }
+        }
+        self.notices.keep_only(Attention::MachineGone, &gone);
+        Ok(())
+    }
+
+    /// Keeps what needs a person where `nestd status` finds it; a farm that has stopped working tells it in the hot folders
+    /// too, which otherwise every look does.
+    pub(super) fn tell_people(&mut self) {
+        let over = TROUBLES_LAST.max(Duration::from_secs_f64(3.0 * self.settings.scan_secs));
+        self.notices.forget_what_is_over(over);
+        if let Some(why) = self.outside.dashboard() {
+            self.notices.raise(Attention::DashboardDown, "", "", &why);
+        }
+        self.notices.keep(&self.settings.state_dir);
+        if !self.is_halted || self.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
+            return;
+        }
+        self.shown_at = Some(Instant::now());
+        for (name, station) in &self.stations {
+            let (profile, inbox, (text, json)) =
+                (name.clone(), station.profile.folders.inbox.clone(), station.told(&self.notices));
+            self.jobs.start(JobKey::Tell(name.clone()), move || {
+                if let Err(error) = intake::write_status(&inbox, &text, &json) {
+                    tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
+                }
+                Event::Told { profile }
+            });
+        }
+    }
+
+    /// The ledger is damaged: nothing is taken and nothing published any more, for nobody would know of it.
+    pub(super) fn halt(&mut self, why: &str) {
+        if !self.is_halted {
+            self.is_halted = true;
+            self.finals.values().for_each(|(budget, _)| budget.cancel());
+            self.stations.values_mut().for_each(|station| station.open.clear());
+            self.notices.raise(Attention::LedgerDamaged, "", "", why);
+            self.status_line = "halted: the ledger is damaged".to_owned();
+            sd::status(&self.status_line);
+        }
     }
 
     /// Writes a sign of life into the ledger.
@@ -87,21 +158,17 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
         let height_mm = last.height_mm.unwrap_or_default();
         lines.push(format!("Last build: {} on {}, {height_mm:.1} mm.", last.build, local(last.published_at.0)));
     }
-    let kept = std::fs::read_dir(&profile.folders.error).is_ok_and(|mut entries| entries.next().is_some());
-    if row.rejected_parts > 0 && kept {
-        lines.push(format!("{} files were refused: see {}.", row.rejected_parts, profile.folders.error.display()));
-    }
     lines.join("\n") + "\n"
 }
 
-fn status_json(station: &Station, row: &ProfileStatus) -> String {
-    let value = json!({
+fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
+    json!({
         "profile": row.profile,
         "paused": row.paused.is_some(),
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
-        "refused_parts": row.rejected_parts,
+        "refused_files": station.refused_kept,
         "open_build": {
             "height_mm": station.open.layout.height_mm,
             "density": station.open.layout.density,
@@ -113,8 +180,7 @@ fn status_json(station: &Station, row: &ProfileStatus) -> String {
         "last_published": row.last_published.as_ref().map(|b| json!({
             "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,
         })),
-    });
-    format!("{value:#}\n")
+    })
 }
 
 /// When the next build of a profile fires at the latest: the oldest part has waited long enough, or a due date comes near.

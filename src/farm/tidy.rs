@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{event::Event, farm::Farm, jobs::JobKey, prove::file_name};
+use super::{attention::Attention, event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
     intake,
     ledger::{BuildState, PartRow, PartState},
@@ -32,19 +32,37 @@ const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 impl Farm {
     /// Tidies; nothing here is urgent, and everything is safe to repeat.
     pub(super) async fn tidy(&mut self) -> Result<()> {
+        // By a clock that was just set, everything might be old.
+        if !self.clock.may_delete() {
+            return Ok(());
+        }
         let archives: Vec<(PathBuf, u32)> = (self.stations.values())
             .map(|s| (s.profile.folders.archive.clone(), s.profile.archive_days))
             .filter(|(_, days)| *days > 0)
             .collect();
-        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.folders());
         self.jobs.start(JobKey::Purge, move || {
-            for stray in intake::stray(&base, &folders).unwrap_or_default() {
-                warn!("{} lies beside the hot folders and belongs to no machine: nobody prints it.", stray.display());
-            }
             archives.iter().for_each(|(archive, days)| purge(archive, *days));
             Event::Purged
         });
         self.sweep_store().await
+    }
+
+    /// Starts to look for what was dropped beside the hot folders.
+    pub(super) fn look_for_stray_files(&mut self) {
+        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.folders());
+        self.jobs.start(JobKey::Stray, move || {
+            let stray = intake::stray(&base, &folders).unwrap_or_default();
+            Event::Stray(stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect())
+        });
+    }
+
+    /// Tells what lies beside the hot folders.
+    pub(super) fn on_stray(&mut self, found: &[String]) {
+        self.jobs.ended(&JobKey::Stray);
+        let Some(first) = found.first() else { return self.notices.clear(Attention::Stray, "", "") };
+        let more = if found.len() > 1 { format!(" and {} more", found.len() - 1) } else { String::new() };
+        let detail = format!("{first}{more} in {}", self.settings.inbox_base.display());
+        self.notices.raise(Attention::Stray, "", "", &detail);
     }
 
     /// Removes stored files of built and long refused parts that no live part needs.
@@ -105,10 +123,9 @@ impl Farm {
             }
         }
         for name in self.stations.keys().cloned().collect::<Vec<_>>() {
-            let about = format!("queue {name}");
             match closed.iter().find(|(of, _)| *of == name) {
-                Some((_, why)) => self.complain(&about, &format!("The queue folder of {name} cannot be used: {why}")),
-                None => self.complaints.settled(&about),
+                Some((_, why)) => self.notices.raise(Attention::QueueAway, &name, "", why),
+                None => self.notices.clear(Attention::QueueAway, &name, ""),
             }
         }
         Ok(())

@@ -56,6 +56,8 @@ pub struct Facts {
     pub full: bool,
     /// Whether an operator wants it now.
     pub flush: bool,
+    /// Whether the clock was not set a moment ago, so that dates may be acted on.
+    pub knows_the_date: bool,
 }
 
 /// The first trigger that holds, if any.
@@ -71,10 +73,10 @@ pub fn fired_by(profile: &Profile, facts: &Facts, now: Timestamp) -> Option<Fire
         (facts.full, FiredBy::Full),
         (share(trigger.fill_height, height_share) || share(trigger.fill_density, facts.density), FiredBy::Fill),
         (trigger.copies.is_some_and(|n| facts.copies >= n as usize), FiredBy::Copies),
-        // A part from the future was claimed before the clock was set right: it has waited long enough.
-        (secs_between(facts.oldest, now).abs() >= trigger.max_wait_secs, FiredBy::MaxWait),
-        (is_due(profile, facts, now), FiredBy::Due),
-        (a_time_has_come(&trigger.at, facts.oldest, now), FiredBy::At),
+        // When the clock is set, the times of the waiting parts are set with it: this is how long it really waits.
+        (secs_between(facts.oldest, now) >= trigger.max_wait_secs, FiredBy::MaxWait),
+        (facts.knows_the_date && is_due(profile, facts, now), FiredBy::Due),
+        (facts.knows_the_date && a_time_has_come(&trigger.at, facts.oldest, now), FiredBy::At),
     ];
     holds.into_iter().find(|(holds, _)| *holds).map(|(_, by)| by)
 }
@@ -107,4 +109,62 @@ fn a_time_has_come(at: &[jiff::civil::Time], oldest: Timestamp, now: Timestamp) 
         now_local.date().yesterday().ok()?.to_datetime(*time).to_zoned(zone.clone()).ok()
     };
     at.iter().filter_map(today_or_yesterday).any(|last| last.timestamp() > oldest)
+}
+
+#[cfg(test)]
+mod tests {
+    use jiff::{SignedDuration, ToSpan};
+
+    use super::*;
+    use crate::ledger::fixtures::{fresh, waiting};
+
+    /// A machine that fires after a day, an hour before a due date, and at five o'clock.
+    fn machine() -> Profile {
+        let folder = tempfile::tempdir().unwrap();
+        let profile = "volume_mm = [100, 100, 100]\n[trigger]\nmax_wait_secs = \"24h\"\nat = [\"17:00\"]\n";
+        std::fs::create_dir(folder.path().join("profiles")).unwrap();
+        std::fs::write(folder.path().join("profiles/m.toml"), profile).unwrap();
+        std::fs::write(folder.path().join("nestd.toml"), "").unwrap();
+        let mut settings = crate::settings::load(Some(&folder.path().join("nestd.toml")), None).unwrap();
+        settings.profiles.remove("m").unwrap()
+    }
+
+    fn facts(oldest: Timestamp, due: Option<Timestamp>, knows_the_date: bool) -> Facts {
+        Facts { copies: 1, oldest, due, height_mm: 0.0, density: 0.0, full: false, flush: false, knows_the_date }
+    }
+
+    fn at(hour: i8, minute: i8) -> Timestamp {
+        jiff::civil::date(2026, 11, 20).at(hour, minute, 0, 0).to_zoned(TimeZone::system()).unwrap().timestamp()
+    }
+
+    #[tokio::test]
+    async fn a_clock_that_is_set_by_a_day_neither_fires_nor_forgets_a_wait() {
+        let (machine, day) = (machine(), SignedDuration::from_hours(24));
+        for jump in [day, -day, SignedDuration::from_hours(24 * 365), SignedDuration::from_mins(-90)] {
+            let ledger = fresh().await;
+            let claimed = at(8, 0);
+            let ledger = ledger.ledger.clone().with_clock(move || claimed);
+            let part = waiting(&ledger, "a", 1).await;
+            let oldest = async || ledger.part(part).await.unwrap().unwrap().claimed_at.0;
+            // Twenty minutes later the clock is set.
+            ledger.keep_ages(jump).await.unwrap();
+            let now = at(8, 20).checked_add(jump).unwrap();
+            assert_eq!(fired_by(&machine, &facts(oldest().await, None, false), now), None, "set by {jump:#}");
+            let just_before = now.checked_add((23.hours()).minutes(39)).unwrap();
+            assert_eq!(fired_by(&machine, &facts(oldest().await, None, false), just_before), None, "set by {jump:#}");
+            let then = now.checked_add((23.hours()).minutes(41)).unwrap();
+            assert_eq!(fired_by(&machine, &facts(oldest().await, None, false), then), Some(FiredBy::MaxWait));
+        }
+    }
+
+    #[test]
+    fn dates_wait_while_the_clock_is_not_sure_and_are_not_forgotten() {
+        let machine = machine();
+        let due = Some(at(12, 0));
+        assert_eq!(fired_by(&machine, &facts(at(8, 0), due, true), at(10, 30)), None);
+        assert_eq!(fired_by(&machine, &facts(at(8, 0), due, true), at(11, 30)), Some(FiredBy::Due));
+        assert_eq!(fired_by(&machine, &facts(at(8, 0), due, false), at(11, 30)), None);
+        assert_eq!(fired_by(&machine, &facts(at(8, 0), None, false), at(17, 1)), None);
+        assert_eq!(fired_by(&machine, &facts(at(8, 0), None, true), at(17, 6)), Some(FiredBy::At));
+    }
 }

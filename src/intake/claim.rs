@@ -17,7 +17,7 @@ use std::{
 };
 
 use thiserror::Error;
-use tracing::error;
+use tracing::warn;
 
 use super::{
     Ready, Seen,
@@ -155,7 +155,7 @@ pub(super) fn claim_stepwise(inbox: &Path, ready: &Ready, step: &mut dyn FnMut()
     let whole = take(inbox, &new, part, tickets, list, step).and_then(|()| finish(inbox, &new, &id, step));
     if let Err(error) = whole {
         if let Err(error) = give_back_files(inbox, &new) {
-            error!(claim = %new.display(), %error, "Could not give back a half made claim; the next look does it.");
+            warn!(claim = %new.display(), %error, "Could not give back a half made claim; the next look does it.");
         }
         return Err(error);
     }

@@ -19,6 +19,7 @@ use rustix::{
 };
 
 use super::name::numbered;
+use crate::access;
 
 /// A name cannot be longer on the file systems that we know.
 pub(super) const MAX_NAME_BYTES: usize = 255;
@@ -157,7 +158,8 @@ pub(super) fn create_dirs(dir: &Path) -> io::Result<()> {
     match fs::create_dir(dir) {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
         Err(error) if !dir.is_dir() => return Err(error),
-        _ => {}
+        Err(_) => {}
+        Ok(()) => access::of_folder(dir)?,
     }
     dir.parent().filter(|p| !p.as_os_str().is_empty()).map_or(Ok(()), fsync_dir)
 }
@@ -172,13 +174,16 @@ pub(super) fn unfinished(path: &Path) -> PathBuf {
 /// Creates the file anew; whatever stood under that dot-name (a leftover, a planted link) goes.
 pub(super) fn create_anew(path: &Path) -> io::Result<File> {
     match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => OpenOptions::new().write(true).create_new(true).open(path),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
     }
+    let file = OpenOptions::new().write(true).create_new(true).open(path)?;
+    access::of_file(&file)?;
+    Ok(file)
 }
 
 /// Writes a whole file under a dot-name, fsyncs and renames it, replacing what stood there.
-pub(super) fn write_by_rename(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub fn write_by_rename(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let part = unfinished(path);
     let mut file = create_anew(&part)?;
     file.write_all(bytes)?;
@@ -210,6 +215,7 @@ pub(super) fn move_noreplace(from: &Path, to: &Path) -> io::Result<()> {
     let file_type = fs::symlink_metadata(from)?.file_type();
     if file_type.is_dir() {
         fs::create_dir(to)?;
+        access::of_folder(to)?;
         for entry in fs::read_dir(from)? {
             let entry = entry?;
             move_noreplace(&entry.path(), &to.join(entry.file_name()))?;

@@ -204,6 +204,15 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()).await?)
     }
 
+    /// The build of a profile that was given up last, and why.
+    pub async fn last_failure(&self, profile: &str) -> Result<Option<(BuildId, String)>> {
+        let query = sqlx::query_as(
+            "SELECT id, reason FROM build WHERE state = 'failed' AND profile = ? AND published_at IS NULL \
+             ORDER BY id DESC LIMIT 1",
+        );
+        Ok(query.bind(profile).fetch_optional(self.reader()).await?)
+    }
+
     /// A build.
     pub async fn build(&self, id: BuildId) -> Result<Option<BuildRow>> {
         let query = sqlx::query_as("SELECT * FROM build WHERE id = ?").bind(id);

@@ -81,8 +81,10 @@ impl Ledger {
     pub async fn daemon(&self) -> Result<Option<DaemonRow>> {
         let query = sqlx::query_as("SELECT pid, host, version, started_at, beat_at, status FROM daemon");
         let row: Option<DaemonRow> = query.fetch_optional(self.reader()).await?;
-        let beats =
-            |row: &DaemonRow| self.now().duration_since(*row.beat_at) < SignedDuration::from_secs(BEAT_LASTS_SECS);
+        // A beat from the future is from before the clock was set back: the next one comes within seconds.
+        let beats = |row: &DaemonRow| {
+            self.now().duration_since(*row.beat_at).abs() < SignedDuration::from_secs(BEAT_LASTS_SECS)
+        };
         Ok(row.map(|row| DaemonRow { alive: beats(&row) && !row.is_known_to_be_gone(), ..row }))
     }
 }

@@ -67,6 +67,34 @@ pub enum LedgerError {
         /// What the migration said; it tells its own source too.
         error: sqlx::migrate::MigrateError,
     },
+    /// It is not whole any more.
+    #[error(
+        "the ledger {} is damaged: {what}. Nothing is done with it: keep its files, and put back a backup with `nestd restore FILE`",
+        .path.display()
+    )]
+    Damaged {
+        /// The ledger.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// SQLite came upon a page or a value that cannot be right.
+    #[error(
+        "the ledger is damaged: {0}. Nothing more is done with it: stop nestd, keep the ledger's files, and put back a backup \
+         with `nestd restore FILE`"
+    )]
+    Corrupt(String),
+    /// The backup could not be written.
+    #[error("cannot write the backup {}: {what}", .path.display())]
+    Backup {
+        /// The backup.
+        path: PathBuf,
+        /// What went wrong.
+        what: String,
+    },
+    /// The record of a build is none.
+    #[error("it is no record of a build: {0}")]
+    Record(String),
     /// A query failed: the disk, the database or a fault in nestd.
     #[error("a query of the ledger failed: {0}")]
     Sql(sqlx::Error),
@@ -198,10 +226,21 @@ impl LedgerError {
 
 impl From<sqlx::Error> for LedgerError {
     fn from(error: sqlx::Error) -> Self {
-        match sqlite_code(&error) {
-            Some(SQLITE_READONLY) => Self::ReadOnly,
+        use sqlx::Error::{ColumnDecode, Decode};
+        match (sqlite_code(&error), &error) {
+            (Some(SQLITE_READONLY), _) => Self::ReadOnly,
+            (Some(SQLITE_CORRUPT | SQLITE_NOTADB), _) | (_, ColumnDecode { .. } | Decode(_)) => {
+                Self::Corrupt(error.to_string())
+            }
             _ => Self::Sql(error),
         }
+    }
+}
+
+impl LedgerError {
+    /// Whether the ledger's bytes are wrong, so that trying again does not help.
+    pub fn is_damage(&self) -> bool {
+        matches!(self, Self::Damaged { .. } | Self::Corrupt(_))
     }
 }
 
@@ -213,6 +252,10 @@ const SQLITE_IOERR: i64 = 10;
 const SQLITE_FULL: i64 = 13;
 /// The file or the connection cannot be written.
 const SQLITE_READONLY: i64 = 8;
+/// A page does not hold what it should.
+const SQLITE_CORRUPT: i64 = 11;
+/// The file is no database at all.
+const SQLITE_NOTADB: i64 = 26;
 
 /// SQLite's primary result code of an error, whatever its extended form.
 pub(super) fn sqlite_code(error: &sqlx::Error) -> Option<i64> {

@@ -1,5 +1,6 @@
 //! Events: what happened to parts and builds, in order, for ever.
 
+use jiff::SignedDuration;
 use serde::Serialize;
 use sqlx::FromRow;
 
@@ -36,6 +37,29 @@ impl Ledger {
     ) -> Result<()> {
         let mut change = self.change().await?;
         change.event(kind, profile, part, build, detail).await?;
+        change.commit().await
+    }
+
+    /// When the latest event happened.
+    pub async fn last_event_at(&self) -> Result<Option<Utc>> {
+        let query = sqlx::query_scalar(
+            "SELECT at FROM event WHERE id = (SELECT seq FROM sqlite_sequence WHERE name = 'event')",
+        );
+        Ok(query.fetch_optional(self.reader()).await?)
+    }
+
+    /// The clock was set by so much: the times at which the parts in the farm were claimed are set with it, so that each has
+    /// waited as long as before.
+    pub async fn keep_ages(&self, jump: SignedDuration) -> Result<()> {
+        let mut change = self.change().await?;
+        sqlx::query(
+            "UPDATE part SET claimed_at = strftime('%Y-%m-%dT%H:%M:%fZ', claimed_at, ? || ' seconds') \
+             WHERE state IN ('claimed', 'waiting', 'batched')",
+        )
+        .bind(format!("{:+.3}", jump.as_secs_f64()))
+        .execute(change.db())
+        .await?;
+        change.event("clock_set", "", None, None, &format!("by {jump:#}; the ages of parts are kept")).await?;
         change.commit().await
     }
 

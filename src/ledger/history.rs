@@ -75,6 +75,13 @@ pub struct HistoryRow {
     pub note: String,
 }
 
+/// What a row of the history is made of.
+const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
+    b.height_mm, b.density, b.lower_bound_mm, b.layers, \
+    (SELECT count(DISTINCT l.part_id) FROM placement l WHERE l.build_id = b.id) AS parts, b.copies, \
+    b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
+    b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason, \
+    coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
 impl HistoryRow {
     /// Columns of the CSV, in its order.
     pub const COLUMNS: [&str; 24] = [
@@ -146,23 +153,23 @@ impl Ledger {
 
     /// Builds that are past nesting with their heights, newest first.
     pub async fn history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
-        let rows = sqlx::query_as(
-            "SELECT b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
-             b.height_mm, b.density, b.lower_bound_mm, b.layers, \
-             (SELECT count(DISTINCT l.part_id) FROM placement l WHERE l.build_id = b.id) AS parts, b.copies, \
-             b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
-             b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason, \
-             coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note \
-             FROM build b WHERE b.state NOT IN ('open', 'nesting') \
-             AND (?1 IS NULL OR coalesce(b.published_at, b.state_at) >= ?1) \
-             AND (?2 IS NULL OR coalesce(b.published_at, b.state_at) < ?2) \
-             AND (?3 IS NULL OR b.profile = ?3) \
-             ORDER BY coalesce(b.published_at, b.state_at) DESC, b.id DESC LIMIT ?4",
-        )
-        .bind(query.since.map(Utc))
-        .bind(query.until.map(Utc))
-        .bind(&query.profile)
-        .bind(query.limit.map_or(-1, i64::from));
+        let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query.profile.is_some())))
+            .bind(query.since.map(Utc))
+            .bind(query.until.map(Utc))
+            .bind(query.limit.map_or(-1, i64::from))
+            .bind(&query.profile);
         Ok(rows.fetch_all(self.reader()).await?)
     }
+}
+
+/// The question; each of its forms walks an index of its own from the newest build on. Times are text that begins with a
+/// digit, so that '' is before all of them and ':' after.
+pub(super) fn sql(of_one_profile: bool) -> String {
+    let of_profile = if of_one_profile { "b.profile = ?4 AND" } else { "" };
+    format!(
+        "SELECT {COLUMNS} FROM build b WHERE {of_profile} b.state NOT IN ('open', 'nesting') \
+         AND coalesce(b.published_at, b.state_at) >= coalesce(?1, '') \
+         AND coalesce(b.published_at, b.state_at) < coalesce(?2, ':') \
+         ORDER BY coalesce(b.published_at, b.state_at) DESC, b.id DESC LIMIT ?3"
+    )
 }

@@ -16,7 +16,7 @@ use super::{
     LedgerError, Utc,
     change::Change,
     error::{Result, SQLITE_BUSY, sqlite_code},
-    place, schema,
+    health, place, schema,
 };
 
 /// A writer waits so long for another process before it gives up; changes take milliseconds.
@@ -52,6 +52,39 @@ impl Ledger {
         Ok(ledger)
     }
 
+    /// Opens the ledger as [`Ledger::open`] does, but only when it is whole: for the daemon, which relies on it.
+    ///
+    /// # Errors
+    /// As [`Ledger::open`], and `Damaged`.
+    pub async fn open_whole(path: &Path) -> Result<Self> {
+        if path.exists() || health::seal_of(path).exists() {
+            let is_sealed = health::look_at_files(path)?;
+            if !is_sealed && health::holds_something(path) {
+                let ledger = Self::connect(path, options(path)).await?;
+                let checked = health::check_all(path, &ledger.writer).await;
+                ledger.close().await;
+                checked?;
+            }
+        }
+        Self::open(path).await
+    }
+
+    /// Looks at the files of a ledger that no daemon serves; `true` = its seal vouches for every byte.
+    ///
+    /// # Errors
+    /// `Damaged` when they are not as they were left.
+    pub fn look_at_files(path: &Path) -> Result<bool> {
+        health::look_at_files(path)
+    }
+
+    /// Whether the ledger is whole, as [`Ledger::open_whole`] sees it; for one that is open. Reads the whole file.
+    ///
+    /// # Errors
+    /// `Damaged` when it is not.
+    pub async fn check_whole(&self) -> Result<()> {
+        health::check_all(&self.path, &self.reader).await
+    }
+
     /// Opens a ledger that is there and up to date; for faces, which must not make or change one.
     ///
     /// # Errors
@@ -76,7 +109,14 @@ impl Ledger {
             match pool.clone().connect_with(options.clone()).await {
                 Ok(writer) => break writer,
                 Err(error) if sqlite_code(&error) == Some(SQLITE_BUSY) && attempt < OPEN_ATTEMPTS => attempt += 1,
-                Err(error) => return Err(failed(error)),
+                Err(error) => {
+                    let what = error.to_string();
+                    return Err(match LedgerError::from(error) {
+                        LedgerError::Corrupt(_) => LedgerError::Damaged { path: path.to_owned(), what },
+                        LedgerError::Sql(error) => failed(error),
+                        other => other,
+                    });
+                }
             }
             tokio::time::sleep(OPEN_PAUSE).await;
         };
@@ -100,9 +140,23 @@ impl Ledger {
         self.writer.close().await;
     }
 
+    /// Ends all work in order and seals the ledger: the next start knows it by every byte. Without a seal, for instance
+    /// because others use the ledger, the next start looks through it instead.
+    pub async fn close_sealed(&self) -> Result<bool> {
+        self.reader.close().await;
+        let sealed = health::seal(&self.path, &self.writer).await;
+        self.writer.close().await;
+        sealed
+    }
+
     /// The time by this ledger's clock.
     pub(super) fn now(&self) -> Utc {
         Utc((self.clock)())
+    }
+
+    /// The one connection that writes.
+    pub(super) fn writer(&self) -> &SqlitePool {
+        &self.writer
     }
 
     /// Connections that only read.
@@ -114,6 +168,7 @@ impl Ledger {
     /// with "database is locked" when another process has written in between, whatever the busy timeout says.
     pub(super) async fn change(&self) -> Result<Change> {
         let transaction = self.writer.begin_with("BEGIN IMMEDIATE").await?;
+        health::break_seal(&self.path).map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
         Ok(Change::new(transaction, self.now()))
     }
 

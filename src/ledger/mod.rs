@@ -3,6 +3,7 @@
 //! Each change of state is one function here: a short `BEGIN IMMEDIATE` transaction that checks the move against the
 //! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. Nothing else knows SQL.
 
+mod backup;
 mod build;
 mod change;
 mod claim;
@@ -11,6 +12,7 @@ mod daemon;
 mod deep;
 mod error;
 mod event;
+mod health;
 mod history;
 mod id;
 mod ledger;
@@ -20,6 +22,7 @@ mod part;
 mod place;
 mod placement;
 mod publish;
+mod record;
 mod schema;
 mod state;
 mod status;
@@ -29,6 +32,7 @@ mod truth;
 mod waiting;
 mod word;
 
+pub use backup::prove as prove_backup;
 pub use build::{BuildRow, OpenLayout, Verified};
 pub use command::{CommandKind, CommandRow, CommandState, NewCommand};
 pub use daemon::{BEAT_LASTS_SECS, Beat, DaemonRow};
@@ -41,6 +45,7 @@ pub use ledger::Ledger;
 pub use outcome::{Outcome, OutcomeRow};
 pub use part::{NewPart, NewTicket, PartRow, Recorded, SolidFacts, TicketSource, Tilts};
 pub use placement::{PlacedCopy, PlacementRow};
+pub use record::TakenIn;
 pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild};
 pub use time::Utc;

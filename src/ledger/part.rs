@@ -205,6 +205,20 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()).await?)
     }
 
+    /// The parts that entered a state between two times, newest first; `most` of them.
+    pub async fn parts_since(
+        &self,
+        state: PartState,
+        since: Timestamp,
+        until: Timestamp,
+        most: u32,
+    ) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE state = ? AND state_at >= ? AND state_at <= ? ORDER BY state_at DESC, id DESC LIMIT ?",
+        );
+        Ok(query.bind(state).bind(Utc(since)).bind(Utc(until)).bind(most).fetch_all(self.reader()).await?)
+    }
+
     /// Claimed parts of a profile that are not read yet, the first in line; `most` of them.
     pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE state = 'claimed' AND profile = ? ORDER BY id LIMIT ?");

@@ -9,10 +9,10 @@ use sqlx::{
 
 use super::{LedgerError, error::Result};
 
-static MIGRATIONS: Migrator = sqlx::migrate!();
+pub(super) static MIGRATIONS: Migrator = sqlx::migrate!();
 
 /// The newest schema that this binary knows.
-fn known() -> i64 {
+pub(super) fn known() -> i64 {
     MIGRATIONS.iter().map(|m| m.version).max().unwrap_or(0)
 }
 
@@ -20,6 +20,7 @@ fn known() -> i64 {
 /// finds the work done.
 pub async fn bring_up_to_date(path: &Path, writer: &SqlitePool) -> Result<()> {
     let mut transaction = writer.begin_with("BEGIN IMMEDIATE").await?;
+    super::health::break_seal(path).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
     let applied = MIGRATIONS.run_direct(None, &mut *transaction, false).await;
     match applied {
         Ok(()) => Ok(transaction.commit().await?),

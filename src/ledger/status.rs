@@ -104,28 +104,43 @@ struct Counts {
     claimed_parts: u32,
     waiting_parts: u32,
     waiting_copies: u32,
-    rejected_parts: u32,
     oldest_at: Option<Utc>,
     due_at: Option<Utc>,
+}
+
+/// How many of a profile's parts were rejected.
+#[derive(FromRow)]
+struct Rejected {
+    parts: u32,
 }
 
 const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_parts, \
     sum(p.state = 'waiting') AS waiting_parts, \
     sum(CASE p.state WHEN 'waiting' THEN p.copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
-    ELSE 0 END) AS waiting_copies, sum(p.state = 'rejected') AS rejected_parts, \
+    ELSE 0 END) AS waiting_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
     min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p \
-    WHERE p.state IN ('claimed', 'waiting', 'rejected') GROUP BY p.profile";
+    WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
+
+/// Counted in the index alone: over the years many are rejected.
+const REJECTED: &str = "SELECT profile, count(*) AS parts FROM part WHERE state = 'rejected' GROUP BY profile";
 
 const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
 
 const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
     FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
 
-const LAST: &str = "SELECT profile, build, published_at, height_mm, density, copies, file_name FROM \
-    (SELECT profile, id AS build, published_at, height_mm, density, copies, file_name, \
-    row_number() OVER (PARTITION BY profile ORDER BY published_at DESC, id DESC) AS rank FROM build \
-    WHERE published_at IS NOT NULL) WHERE rank = 1";
+/// The newest published build of each profile: from one profile to the next in the index, then to its newest row, so that
+/// the others are not looked at.
+const LAST: &str = "WITH RECURSIVE machine (profile) AS (\
+    SELECT min(profile) FROM build WHERE state NOT IN ('open', 'nesting') UNION ALL \
+    SELECT (SELECT min(b.profile) FROM build b WHERE b.profile > machine.profile \
+    AND b.state NOT IN ('open', 'nesting')) FROM machine \
+    WHERE machine.profile IS NOT NULL) \
+    SELECT b.profile, b.id AS build, b.published_at, b.height_mm, b.density, b.copies, b.file_name FROM machine \
+    JOIN build b ON b.id = (SELECT n.id FROM build n WHERE n.profile = machine.profile \
+    AND n.state NOT IN ('open', 'nesting') AND n.published_at IS NOT NULL \
+    ORDER BY coalesce(n.published_at, n.state_at) DESC, n.id DESC LIMIT 1)";
 
 impl Ledger {
     /// Every profile of which the ledger knows something, by name.
@@ -138,12 +153,14 @@ impl Ledger {
                 claimed_parts: row.claimed_parts,
                 waiting_parts: row.waiting_parts,
                 waiting_copies: row.waiting_copies,
-                rejected_parts: row.rejected_parts,
                 oldest_at: row.oldest_at,
                 due_at: row.due_at,
                 ..of(&mut profiles, &profile).clone()
             };
             profiles.insert(profile, counted);
+        }
+        for Of { profile, row } in all::<Rejected>(db, REJECTED).await? {
+            of(&mut profiles, &profile).rejected_parts = row.parts;
         }
         for Of { profile, row } in all(db, OPEN).await? {
             of(&mut profiles, &profile).open = Some(row);

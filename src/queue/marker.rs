@@ -24,6 +24,7 @@ pub(super) fn read_or_make(dir: &Path) -> io::Result<String> {
     }
     let mut file = tempfile::Builder::new().prefix(".nestd-queue-").tempfile_in(dir)?;
     writeln!(file, "{:032x}", rand::random::<u128>())?;
+    crate::access::of_file(file.as_file())?;
     file.as_file().sync_all()?;
     // An empty marker, from a disk that was full, marks nothing.
     if fs::metadata(dir.join(NAME)).is_ok_and(|meta| meta.len() == 0) {

@@ -16,6 +16,7 @@ use super::{
     marker,
     names::{self, HALF, STAGED},
 };
+use crate::access;
 
 /// A printer queue folder of ours, known by its marker file.
 #[derive(Debug, Clone)]
@@ -91,7 +92,7 @@ impl Queue {
     /// Opens the folder, creating it and its marker `.nestd-queue` if they are not there.
     pub fn open(dir: impl Into<PathBuf>) -> Result<Self, QueueError> {
         let dir = dir.into();
-        fs::create_dir_all(&dir).map_err(io_error("create", &dir))?;
+        access::create_folders(&dir).map_err(io_error("create", &dir))?;
         let id = marker::read_or_make(&dir).map_err(io_error("mark", &dir))?;
         Ok(Self { dir, id })
     }
@@ -136,6 +137,7 @@ impl Queue {
             .create_new(true)
             .open(&half)
             .map_err(io_error("create", &half))?;
+        access::of_file(&file).map_err(io_error("give mode and group to", &half))?;
         if let Err(error) = write(&mut file) {
             remove(&half)?;
             return Err(QueueError::Write { path: half, source: error.into() });

@@ -18,6 +18,7 @@ pub(super) struct FarmInputs {
     pub threads: usize,
     pub cache_bytes: u64,
     pub folders: FarmFolders,
+    pub files: FileInputs,
     pub log: LogInputs,
     pub web: WebInputs,
     pub limits: format::Limits,
@@ -33,6 +34,7 @@ impl Default for FarmInputs {
             threads: 0,
             cache_bytes: 1 << 30,
             folders: FarmFolders::default(),
+            files: FileInputs::default(),
             log: LogInputs::default(),
             web: WebInputs::default(),
             limits: format::Limits::default(),
@@ -63,6 +65,20 @@ impl Default for FarmFolders {
             state: "state".into(),
             ledger: "nestd.db".into(),
         }
+    }
+}
+
+/// `[files]` of the farm file: what the daemon makes in the farm's folders.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct FileInputs {
+    pub mode: String,
+    pub group: String,
+}
+
+impl Default for FileInputs {
+    fn default() -> Self {
+        Self { mode: "0660".into(), group: String::new() }
     }
 }
 

@@ -99,6 +99,7 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     let inputs: FarmInputs = from_table(farm.values(), file, problems)?;
     let mut judge = Judge::new(vec![(&farm, "")]);
     validate::farm(&inputs, &mut judge);
+    let files = validate::files(&inputs.files, &mut judge);
     let web = super::web::web(&inputs.web, &mut judge);
     let root = folders::root(&inputs, root);
     let state_dir = folders::below(&root, &inputs.folders.state);
@@ -136,6 +137,7 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
         threads: inputs.threads,
         cache_bytes: inputs.cache_bytes,
         limits: inputs.limits,
+        files,
         log,
         web,
         profiles,

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, path::PathBuf};
 
 use super::{Folders, Logging, Profile, Web};
+use crate::access::Access;
 
 /// Everything the daemon needs to know, checked. Made only by reading a configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +28,8 @@ pub struct Settings {
     pub cache_bytes: u64,
     /// Limits of the readers.
     pub limits: crate::format::Limits,
+    /// Mode and group of what the daemon makes in the farm's folders.
+    pub files: Access,
     /// What the log holds and what it looks like.
     pub log: Logging,
     /// The dashboard; `None` = no port is opened.

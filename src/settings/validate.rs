@@ -7,10 +7,13 @@ use jiff::civil::Time;
 
 use super::{
     Folders, Profile, Trigger,
-    inputs::{FarmInputs, ProfileInputs, TriggerInputs},
+    inputs::{FarmInputs, FileInputs, ProfileInputs, TriggerInputs},
     judge::Judge,
 };
-use crate::nest;
+use crate::{
+    access::{self, Access},
+    nest,
+};
 
 /// Longest edge of a machine, mm; more is a slip of the unit.
 const MAX_EDGE_MM: f64 = 10_000.0;
@@ -54,6 +57,25 @@ pub(super) fn farm(inputs: &FarmInputs, judge: &mut Judge) {
     for (key, path) in paths {
         path_makes_sense(key, path, judge);
     }
+}
+
+/// Mode and group of what the daemon makes.
+pub(super) fn files(inputs: &FileInputs, judge: &mut Judge) -> Access {
+    let mode = u32::from_str_radix(&inputs.mode, 8).ok().filter(|mode| mode & !0o666 == 0 && mode & 0o600 == 0o600);
+    if mode.is_none() {
+        let text = format!("files.mode = \"{}\" is no mode of files", inputs.mode.escape_debug());
+        let remedy = "give permissions in octal that let nestd read and write, as in mode = \"0660\"";
+        judge.object("files.mode", text, remedy);
+    }
+    let group = match inputs.group.as_str() {
+        "" => None,
+        name => access::group_number(name).or_else(|| {
+            let text = format!("files.group: there is no group \"{}\"", name.escape_debug());
+            judge.object("files.group", text, "name a group of /etc/group, or give its number in quotes");
+            None
+        }),
+    };
+    Access { mode: mode.unwrap_or(0o660), group }
 }
 
 /// Objects to what makes no sense in `[defaults]`, also where every profile has a value of its own: the next one may not.

@@ -66,7 +66,7 @@ fn says(farm: &TestFarm, words: &str) {
 fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
-    says(farm, "cannot be written now");
+    says(farm, "A build cannot be made now");
     std::thread::sleep(Duration::from_secs(4));
     let build = farm.ask(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).remove(0);
     assert!(farm.parts(PartState::Batched).len() == 1 && build.attempts <= 1, "{} attempts", build.attempts);

@@ -1,6 +1,7 @@
 //! The farm as its users meet it: the real binary on real folders, a real SQLite ledger and real inotify.
 #![allow(clippy::unwrap_used, clippy::print_stderr)] // a test that cannot go on fails
 
+mod attention;
 mod bad_input;
 mod deep;
 mod full_disk;
@@ -8,7 +9,10 @@ mod interlock;
 mod life;
 mod names;
 mod open;
+mod operations;
 mod orders;
+mod privilege;
+mod restore;
 mod share;
 mod support;
 mod triggers;

@@ -75,7 +75,7 @@ fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_fo
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     fs::rename(&inbox, &away).unwrap();
-    says(&farm, "The hot folder of test is unavailable");
+    says(&farm, "The hot folder is unavailable");
     fs::create_dir(&inbox).unwrap();
     says(&farm, "is another directory than before and its marker .nestd-owner is missing");
     fs::write(inbox.join("b.stl"), super::support::stl(&block(10.0, 20.0, 10.0))).unwrap();
@@ -114,7 +114,7 @@ fn a_build_is_not_staged_in_an_empty_directory_in_the_place_of_the_queue() {
     fs::rename(&queue, &away).unwrap();
     fs::create_dir(&queue).unwrap();
     farm.flush();
-    says(&farm, "The queue folder of test cannot be used");
+    says(&farm, "The queue folder cannot be used");
     std::thread::sleep(Duration::from_secs(2));
     assert_eq!(fs::read_dir(&queue).unwrap().count(), 0, "something was written into an empty mount point");
     fs::remove_dir(&queue).unwrap();
@@ -138,7 +138,7 @@ fn a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was() {
     farm.drop_across("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     share.unmount();
-    says(&farm, "The hot folder of test is unavailable");
+    says(&farm, "The hot folder is unavailable");
     assert!(fs::read_dir(&inbox).unwrap().count() == 0, "something was written into the mount point");
     assert!(share.mount());
     says(&farm, "The hot folder of test is available again");

@@ -109,6 +109,7 @@ impl TestFarm {
         // NESTD_BIN names an installed binary to be tested instead.
         let binary = std::env::var_os("NESTD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_nestd").into());
         let mut command = Command::new(binary);
+        command.env("NESTD_ALLOW_ROOT", "1"); // the tests of a container run as root
         command.args(args).arg("-c").arg(self.config()).arg("--root").arg(self.root()).current_dir(self.root());
         command
     }

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot go on fails; this one is its own harness
 
 mod asked;
+mod big;
 mod budget;
 mod crash;
 mod faults;
@@ -11,6 +12,7 @@ mod flood;
 mod heavy;
 mod hostile;
 mod kill;
+mod ledger;
 mod life;
 mod pool;
 mod power;
@@ -38,7 +40,7 @@ struct Section {
 
 /// All sections, in the order of the table.
 #[rustfmt::skip]
-const SECTIONS: [Section; 8] = [
+const SECTIONS: [Section; 9] = [
     Section { name: "crash", weight: 4.0, run: crash::run },
     Section { name: "faults", weight: 5.0, run: faults::run },
     Section { name: "power", weight: 3.0, run: power::run },
@@ -47,6 +49,7 @@ const SECTIONS: [Section; 8] = [
     Section { name: "torture", weight: 1.0, run: torture::run },
     Section { name: "heavy", weight: 2.0, run: heavy::run },
     Section { name: "flood", weight: 4.0, run: flood::run },
+    Section { name: "ledger", weight: 2.0, run: ledger::run },
 ];
 
 /// Wall seconds of a section in a short run.

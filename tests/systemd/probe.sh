@@ -67,6 +67,26 @@ check "a technician drops an order" runuser -u technician -- sh -c \
     'umask 077; mkdir "/srv/nestd/inbox/paper-200/order 7" && cat > "/srv/nestd/inbox/paper-200/order 7/piece.stl"' < <(cube /tmp/piece.stl; cat /tmp/piece.stl)
 check "it is taken or refused with a reason" within 30 test ! -e "/srv/nestd/inbox/paper-200/order 7/piece.stl"
 
+# Least privilege, and what the operator does as docs/operations.md says.
+refuses_root() { ! /usr/bin/nestd run -c /etc/nestd/nestd.toml > /tmp/said 2>&1 && grep -q 'does not run as root' /tmp/said; }
+check "it does not run as root" refuses_root
+owns_only_its_folders() {
+    ! find / -xdev -user nestd -not -path '/srv/nestd*' -not -path '/var/lib/nestd*' -not -path '/proc/*' -not -path '/tmp/*' -not -path '/run/*' 2>/dev/null | grep .
+}
+check "its user owns only its folders" owns_only_its_folders
+others_see_nothing() { ! find /srv/nestd /var/lib/nestd -perm /007 2>/dev/null | grep .; }
+check "others may neither read nor write what it makes" others_see_nothing
+modes() { [ "$(stat -c '%a %G' /srv/nestd/queue/paper-200/*.build.3mf)" = "660 nestd" ]; }
+check "a build has the mode of the configuration and the group of its folder" modes
+install -d -o nestd -g nestd /var/backups/nestd /var/backups/nestd/store
+nestd() { as_nestd "$@"; }
+# The indented lines of a section of the document, with the day that the document names as an example.
+documented() { sed -n "/^## $1\$/,/^## /p" /usr/share/doc/nestd/operations.md | sed -n 's/^    //p' | sed "s/2026-11-20/$(date +%F)/"; }
+does_as_documented() { local line; while read -r line; do echo "$line"; eval "$line" || return 1; done < <(documented "$1"); }
+check "backing up works as documented" does_as_documented "Backing up"
+check "restoring works as documented" does_as_documented "Restoring"
+check "it is active after the restore" within 20 is_active
+
 before=$(property MainPID)
 cp /etc/nestd/profiles/paper-200.toml /etc/nestd/profiles/second-200.toml
 check "it reloads" timeout 20 systemctl reload nestd

@@ -26,7 +26,18 @@ pub fn look(settings: &Settings, report: &mut Report) -> Result<()> {
             Err(LedgerError::Missing { .. }) => return Ok(None),
             Err(error) => return Err(error.into()),
         };
-        let looked = look_twice(settings, &ledger).await;
+        let whole = match ledger.daemon().await?.is_some_and(|daemon| daemon.alive) {
+            true => Ok(false),
+            false => Ledger::look_at_files(&settings.ledger),
+        };
+        let looked = match whole {
+            Ok(true) => look_twice(settings, &ledger).await,
+            Ok(false) => match ledger.check_whole().await {
+                Ok(()) => look_twice(settings, &ledger).await,
+                Err(error) => Err(error.into()),
+            },
+            Err(error) => Err(error.into()),
+        };
         ledger.close().await;
         looked.map(Some)
     });
@@ -34,6 +45,18 @@ pub fn look(settings: &Settings, report: &mut Report) -> Result<()> {
         Ok(Some(looked)) => tell(&looked, report),
         Ok(None) => report.note(WHAT, "there is no ledger yet: nothing to compare with"),
         Err(error) => report.problem(WHAT, format!("cannot be looked at: {error:#}"), "mend the ledger first"),
+    }
+    Ok(())
+}
+
+/// Takes into the ledger what the folders tell.
+pub fn repair(settings: &Settings, report: &mut Report) -> Result<()> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("starting to repair")?;
+    match runtime.block_on(farm::repair(settings)) {
+        Ok(reconciled) => {
+            super::super::backup::tell(&reconciled).into_iter().for_each(|line| report.note("repair", line))
+        }
+        Err(error) => report.problem("repair", format!("{error:#}"), "see to that, and run it again"),
     }
     Ok(())
 }

@@ -29,7 +29,7 @@ impl Daemon {
         let out = File::options().create(true).append(true).open(log);
         let out = out.with_context(|| format!("cannot write {}", log.display()))?;
         let child = nestd(config, root)?
-            .arg("run")
+            .args(["run", "--allow-root"])
             .stdin(Stdio::null())
             .stdout(out.try_clone()?)
             .stderr(out)

@@ -1,7 +1,10 @@
 //! Tests of the ledger, on real SQLite files.
 
+mod backup;
 mod life;
+mod migrations;
 mod opening;
+mod plans;
 mod questions;
 mod walk;
 

@@ -61,8 +61,8 @@ async fn a_file_that_is_no_database_is_refused_and_kept() {
     let path = folder.path().join("nestd.db");
     let text = "solid cube\n".repeat(200);
     std::fs::write(&path, &text).unwrap();
-    assert!(matches!(Ledger::open(&path).await, Err(LedgerError::Open { .. })));
-    assert!(matches!(Ledger::open_existing(&path).await, Err(LedgerError::Open { .. })));
+    assert!(matches!(Ledger::open(&path).await, Err(LedgerError::Damaged { .. })));
+    assert!(matches!(Ledger::open_existing(&path).await, Err(LedgerError::Damaged { .. })));
     assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
 }
 

@@ -239,3 +239,20 @@ async fn the_truth_teller_sees_a_part_whose_state_was_changed_behind_its_back() 
     let faults = ledger.faults().await.unwrap();
     assert!(faults.iter().any(|f| f == "1: a batched or built part has a copy in no build"), "{faults:?}");
 }
+
+#[tokio::test]
+async fn what_entered_a_state_between_two_times_is_found_newest_first() {
+    let ledger = fresh().await;
+    for (name, time) in [("a", "2026-11-01T00:00:00Z"), ("b", "2026-11-02T00:00:00Z"), ("c", "2026-11-03T00:00:00Z")] {
+        let at = at(time);
+        waiting(&ledger.ledger.clone().with_clock(move || at), name, 1).await;
+    }
+    let names = async |since: &str, until: &str, most| -> Vec<String> {
+        let parts = ledger.parts_since(PartState::Waiting, at(since), at(until), most).await.unwrap();
+        parts.into_iter().map(|part| part.claim).collect()
+    };
+    assert_eq!(names("2026-11-01T12:00:00Z", "2026-11-30T00:00:00Z", 9).await, ["c", "b"]);
+    assert_eq!(names("2026-11-01T00:00:00Z", "2026-11-02T00:00:00Z", 9).await, ["b", "a"]);
+    assert_eq!(names("2026-01-01T00:00:00Z", "2026-12-01T00:00:00Z", 1).await, ["c"]);
+    assert!(ledger.parts_since(PartState::Built, Timestamp::MIN, Timestamp::MAX, 9).await.unwrap().is_empty());
+}

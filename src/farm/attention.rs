@@ -1,0 +1,191 @@
+//! All that a person must see to. There is no other error: whatever mends itself is a warning at most.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+/// A kind of thing that a person must see to. Each is told in `nestd status`, in `STATUS.txt` and in the journal, with what
+/// to do; `docs/operations.md` lists them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Attention {
+    /// The ledger's bytes are wrong.
+    LedgerDamaged,
+    /// The folders tell of builds that the ledger does not know.
+    LedgerBehind,
+    /// The ledger is gone, and its farm is not.
+    LedgerLost,
+    /// A changed configuration was not taken.
+    ConfigurationWrong,
+    /// A hot folder cannot be looked at.
+    HotFolderAway,
+    /// A queue folder cannot be used.
+    QueueAway,
+    /// A machine's folders cannot be made.
+    FoldersMissing,
+    /// Files cannot be taken out of a hot folder.
+    TakingFails,
+    /// A file that was taken cannot be read.
+    ReadingFails,
+    /// A refused or taken file cannot be put where it belongs.
+    EndingFails,
+    /// A build cannot be begun.
+    NestingFails,
+    /// A build was given up, and its profile is paused.
+    BuildFailed,
+    /// A proved build cannot be published.
+    PublishingFails,
+    /// A proved build was staged in a queue folder that is not there any more.
+    QueueReplaced,
+    /// Parts wait for a machine that is not configured.
+    MachineGone,
+    /// Refused files lie in an error folder.
+    Refused,
+    /// Files lie beside the hot folders.
+    Stray,
+    /// The dashboard is not served.
+    DashboardDown,
+    /// Some other step fails time and again.
+    StepFails,
+}
+
+impl Attention {
+    /// Every kind.
+    pub const ALL: [Self; 19] = [
+        Self::LedgerDamaged,
+        Self::LedgerBehind,
+        Self::LedgerLost,
+        Self::ConfigurationWrong,
+        Self::HotFolderAway,
+        Self::QueueAway,
+        Self::FoldersMissing,
+        Self::TakingFails,
+        Self::ReadingFails,
+        Self::EndingFails,
+        Self::NestingFails,
+        Self::BuildFailed,
+        Self::PublishingFails,
+        Self::QueueReplaced,
+        Self::MachineGone,
+        Self::Refused,
+        Self::Stray,
+        Self::DashboardDown,
+        Self::StepFails,
+    ];
+
+    /// What is wrong, in general; the detail of a notice follows it.
+    pub fn headline(self) -> &'static str {
+        match self {
+            Self::LedgerDamaged => "The ledger is damaged: nestd takes and publishes nothing",
+            Self::LedgerBehind => {
+                "The ledger is older than the folders: nestd does not start, for it would print parts twice"
+            }
+            Self::LedgerLost => "The ledger is gone: nestd does not start, for it would forget all that it has taken",
+            Self::ConfigurationWrong => "The changed configuration was not taken; the one before still holds",
+            Self::HotFolderAway => "The hot folder is unavailable",
+            Self::QueueAway => "The queue folder cannot be used",
+            Self::FoldersMissing => "The folders cannot be made",
+            Self::TakingFails => "Files cannot be taken out of the hot folder",
+            Self::ReadingFails => "A file that was taken cannot be read",
+            Self::EndingFails => "A file that was taken cannot be put where it belongs",
+            Self::NestingFails => "A build cannot be made now",
+            Self::BuildFailed => "A build failed, and its profile is paused",
+            Self::PublishingFails => "A proved build cannot be published",
+            Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
+            Self::MachineGone => "Parts wait for a machine that is not configured",
+            Self::Refused => "Refused files lie in the error folder",
+            Self::Stray => "Files lie beside the hot folders, where nobody prints them",
+            Self::DashboardDown => "The dashboard is not served; the farm works without it",
+            Self::StepFails => "A step fails time and again",
+        }
+    }
+
+    /// What to do about it.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Self::LedgerDamaged => {
+                "Stop nestd, keep the ledger's files, check the disk, and put the newest backup back with `nestd restore FILE`."
+            }
+            Self::LedgerBehind => {
+                "Run `nestd check --deep --repair`: it takes the builds that the folders tell of into the ledger."
+            }
+            Self::LedgerLost => {
+                "Put the newest backup back with `nestd restore FILE`; without one, `nestd restore --empty` begins a new ledger \
+                 from what the folders tell."
+            }
+            Self::ConfigurationWrong => "Run `nestd check`, mend what it names, and reload nestd.",
+            Self::HotFolderAway => {
+                "Mount it again, and let nestd's user read, write and enter it; `nestd check` says more."
+            }
+            Self::QueueAway => {
+                "Mount it again, and let nestd's user write into it; `nestd check` says more. Builds wait until then."
+            }
+            Self::FoldersMissing => "Mount or make the folder above them, and let nestd's user write there.",
+            Self::TakingFails => {
+                "Free some room where the disk is full, and let nestd's user write into hot folder and state folder. The files \
+                 stay where they are until then."
+            }
+            Self::ReadingFails => "Check the disk of the state folder, and free some room where it is full.",
+            Self::EndingFails => {
+                "Free some room where the disk is full, and let nestd's user write into the error folder."
+            }
+            Self::NestingFails => "Free some room where the disk is full; `nestd check` says more.",
+            Self::BuildFailed => {
+                "See the reason, mend it, then `nestd resume PROFILE`: the parts wait. A part that is the reason goes with \
+                 `nestd cancel PART`."
+            }
+            Self::PublishingFails => {
+                "Free some room where the disk is full, and let nestd's user write into the queue folder."
+            }
+            Self::QueueReplaced => {
+                "Mount or configure the folder that it was staged in again. Where that is lost for good, docs/operations.md says \
+                 how to settle the build."
+            }
+            Self::MachineGone => {
+                "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
+                 them."
+            }
+            Self::Refused => {
+                "Read the .reason.txt beside each; mend the file and drop it again, or take it back with `nestd retry PART`. Then \
+                 remove both from there."
+            }
+            Self::Stray => "Move them into the folder of the machine that they are for.",
+            Self::DashboardDown => "Mend what the reason names (`[web]` in the configuration), and restart nestd.",
+            Self::StepFails => "See the reason; `nestd check` looks for its cause.",
+        }
+    }
+
+    /// Whether it concerns everybody, not only those who use one machine.
+    fn is_of_the_farm(self) -> bool {
+        let own = [Self::Refused, Self::BuildFailed, Self::ReadingFails, Self::EndingFails, Self::NestingFails];
+        !own.contains(&self)
+    }
+}
+
+/// Something that a person must see to now.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Notice {
+    /// What kind.
+    pub kind: Attention,
+    /// Machine profile, "" = the farm.
+    pub profile: String,
+    /// What was found, without a full stop; "" = the headline says it all.
+    pub detail: String,
+    /// Since when.
+    pub since: Timestamp,
+}
+
+impl Notice {
+    /// What is wrong, as a sentence.
+    pub fn sentence(&self) -> String {
+        let of = if self.profile.is_empty() { String::new() } else { format!("{}: ", self.profile) };
+        match self.detail.trim_end_matches('.') {
+            "" => format!("{of}{}.", self.kind.headline()),
+            detail => format!("{of}{}: {detail}.", self.kind.headline()),
+        }
+    }
+
+    /// Whether it is told in the hot folder of a profile.
+    pub fn is_told_in(&self, profile: &str) -> bool {
+        self.profile == profile || self.kind.is_of_the_farm()
+    }
+}

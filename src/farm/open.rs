@@ -1,0 +1,222 @@
+//! Opening the farm: what must be there and whole before anything is taken.
+
+use std::{
+    collections::{BTreeMap, HashMap, HashSet},
+    time::Instant,
+};
+
+use anyhow::{Context, Result};
+use jiff::Timestamp;
+use tokio::sync::mpsc::unbounded_channel;
+use tracing::warn;
+
+use super::{
+    attention::Attention,
+    back_off::{BackOff, is_of_the_disk},
+    clock::Clock,
+    farm::{BEAT, Farm, Load},
+    jobs::Jobs,
+    lock::Lock,
+    nest::Meshes,
+    notices::{Notices, Outside},
+    owner::Owner,
+    quiet::Quiet,
+    reconcile::{Behind, demand_current},
+    sd,
+    shelf::Shelf,
+    signals::{Signal, Signals},
+};
+use crate::{
+    access,
+    intake::{self, Store},
+    ledger::{Ledger, LedgerError},
+    settings::Settings,
+};
+
+impl Farm {
+    /// Opens the farm; while the disk of the state folder is full or away, waits for it instead of ending again and again.
+    /// `None` = told to stop meanwhile.
+    pub(super) async fn open_when_possible(
+        load: Load,
+        settings: Settings,
+        signals: &mut Signals,
+    ) -> Result<Option<Self>> {
+        let (mut load, mut settings, mut waits, mut notices) = (load, settings, BackOff::default(), Notices::default());
+        loop {
+            let (back, known, failure) = match Self::open(load, settings).await {
+                Ok(farm) => return Ok(Some(farm)),
+                Err(kept) => kept,
+            };
+            (load, settings) = (back, known);
+            if let Some((kind, detail)) = of_the_ledger(&failure) {
+                tell_that_it_does_not_run(&settings, kind, &detail);
+            }
+            if !may_pass(&failure) {
+                return Err(failure);
+            }
+            let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
+            notices.trouble(Attention::StepFails, "", "opening", &text);
+            notices.keep(&settings.state_dir);
+            sd::waiting(&text);
+            waits.failed(());
+            while waits.rests(&()) {
+                tokio::select! {
+                    signal = signals.next() => if matches!(signal, Signal::Stop) { return Ok(None) },
+                    () = tokio::time::sleep(BEAT) => {}
+                }
+            }
+        }
+    }
+
+    /// On failure, what is needed for another try comes back.
+    async fn open(load: Load, settings: Settings) -> Result<Self, (Load, Settings, anyhow::Error)> {
+        let since = Timestamp::now();
+        match Parts::open(&settings, since).await {
+            Ok(parts) => {
+                let mut farm = Self::new(load, settings, parts, since);
+                match farm.open_stations().await {
+                    Ok(()) => Ok(farm),
+                    Err(failure) => {
+                        farm.ledger.close().await;
+                        Err((farm.load, farm.settings, failure))
+                    }
+                }
+            }
+            Err(failure) => Err((load, settings, failure)),
+        }
+    }
+
+    async fn open_stations(&mut self) -> Result<()> {
+        self.compare_clock_with_ledger().await?;
+        self.set_up_stations().await?;
+        self.hold_folders_at_start()
+    }
+
+    fn new(load: Load, settings: Settings, parts: Parts, since: Timestamp) -> Self {
+        let (sender, events) = unbounded_channel();
+        Self {
+            load,
+            owner: parts.owner,
+            ledger: parts.ledger,
+            meshes: Meshes {
+                shelf: Shelf::default(),
+                store: parts.store,
+                limits: settings.limits.clone(),
+                cache: None,
+            },
+            stations: BTreeMap::new(),
+            jobs: Jobs::new(sender),
+            nest_slots: 1,
+            claims: HashMap::new(),
+            read_again: BackOff::default(),
+            reads_begun: 0,
+            fresh_builds: HashSet::new(),
+            finals: HashMap::new(),
+            failures: HashMap::new(),
+            resting: BackOff::default(),
+            steps: BackOff::default(),
+            stopping: false,
+            quiet: Quiet::default(),
+            clock: Clock::of_this_machine(),
+            started_at: since,
+            status_line: "opening".to_owned(),
+            shown_at: None,
+            watcher: None,
+            sign_of_life: None,
+            tidy_at: Instant::now() + super::tidy::FIRST_TIDY_AFTER,
+            last_watch_check: Instant::now(),
+            last_claims: Instant::now(),
+            notices: Notices::default(),
+            outside: Outside::default(),
+            is_halted: false,
+            events,
+            _lock: parts.lock,
+            last_hold: Instant::now(),
+            settings,
+        }
+    }
+}
+
+/// What is opened in the state directory.
+struct Parts {
+    lock: Lock,
+    owner: Owner,
+    ledger: Ledger,
+    store: Store,
+}
+
+impl Parts {
+    async fn open(settings: &Settings, since: Timestamp) -> Result<Self> {
+        settings.files.set();
+        access::create_private_folders(&settings.state_dir)
+            .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
+        let lock = Lock::take(&settings.state_dir, since)?;
+        let owner = Owner::of_this_process(&settings.state_dir, since)
+            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
+        sd::status("looking through the ledger");
+        let ledger = open_ledger(settings).await?;
+        let store = Store::open(settings.state_dir.join("store"))?;
+        Ok(Self { lock, owner, ledger, store })
+    }
+}
+
+/// Whether what hinders the start may pass by itself: a full disk, a share that hangs.
+fn may_pass(failure: &anyhow::Error) -> bool {
+    is_of_the_disk(failure)
+        || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_of_the_disk))
+}
+
+/// The ledger is gone, and its farm is not.
+#[derive(Debug, thiserror::Error)]
+#[error("{detail}. {}", Attention::LedgerLost.remedy())]
+struct Lost {
+    detail: String,
+}
+
+/// The ledger, when it is whole and is this farm's.
+async fn open_ledger(settings: &Settings) -> Result<Ledger> {
+    let path = &settings.ledger;
+    if !std::fs::metadata(path).is_ok_and(|meta| meta.len() > 0) && holds_files(&settings.state_dir.join("store")) {
+        let detail = format!("there is no ledger at {}, but files that were taken are in the store", path.display());
+        return Err(Lost { detail }.into());
+    }
+    let ledger = Ledger::open_whole(path).await?;
+    if let Err(failure) = demand_current(settings, &ledger).await {
+        ledger.close().await;
+        return Err(failure);
+    }
+    Ok(ledger)
+}
+
+/// What a failure is to people, if it is the ledger's: the kind of notice, and what was found.
+pub fn of_the_ledger(failure: &anyhow::Error) -> Option<(Attention, String)> {
+    if let Some(Lost { detail }) = failure.downcast_ref() {
+        return Some((Attention::LedgerLost, detail.clone()));
+    }
+    if let Some(Behind { detail }) = failure.downcast_ref() {
+        return Some((Attention::LedgerBehind, detail.clone()));
+    }
+    failure.chain().find_map(|error| match error.downcast_ref()? {
+        LedgerError::Damaged { path, what } => Some((Attention::LedgerDamaged, format!("{}: {what}", path.display()))),
+        LedgerError::Corrupt(what) => Some((Attention::LedgerDamaged, what.clone())),
+        _ => None,
+    })
+}
+
+fn holds_files(folder: &std::path::Path) -> bool {
+    intake::files_below(folder).is_ok_and(|files| !files.is_empty())
+}
+
+/// Tells in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.
+fn tell_that_it_does_not_run(settings: &Settings, kind: Attention, detail: &str) {
+    let mut notices = Notices::default();
+    notices.raise(kind, "", "", detail);
+    notices.keep(&settings.state_dir);
+    for (name, profile) in &settings.profiles {
+        let text = format!("{name}: nestd does not run; what is dropped here waits.\n{}", notices.text_for(name));
+        let json = serde_json::json!({ "profile": name, "runs": false, "attention": notices.json_for(name) });
+        if let Err(error) = intake::write_status(&profile.folders.inbox, &text, &format!("{json:#}\n")) {
+            warn!("{} could not be told: {error}.", profile.folders.inbox.display());
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Whether the ledger is whole, before anything is done with it. SQLite itself notices damage only where it happens to
+//! look, and then goes on with the rest: a lost row is a part printed twice.
+//!
+//! Three things are looked at: the seal of an orderly stop ([`seal`], every byte), the write-ahead log that a crash left
+//! ([`wal`]), and, where no seal vouches for the file, SQLite's own check of all pages, indexes and constraints.
+
+mod seal;
+mod wal;
+
+#[cfg(test)]
+mod tests;
+
+use std::{fs, path::Path, time::Duration};
+
+use sqlx::SqlitePool;
+
+use self::seal::{Sealed, sealed};
+pub use self::seal::{break_seal, seal, seal_of, write_seal};
+use super::{LedgerError, error::Result};
+
+/// So many complaints of SQLite are told at most.
+const MAX_COMPLAINTS: u32 = 3;
+/// A log that another process writes to at this very moment may look torn: it is looked at again.
+const LOOKS: u32 = 2;
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Looks at the files before SQLite opens them; a write-ahead log that was cut or lost is cleared away by opening it.
+/// Returns whether the ledger is known to be whole, byte for byte.
+pub fn look_at_files(path: &Path) -> Result<bool> {
+    let damaged = |what: String| LedgerError::Damaged { path: path.to_owned(), what };
+    match sealed(path) {
+        Ok(Sealed::Whole) => return Ok(true),
+        Ok(Sealed::Not) => {}
+        Ok(Sealed::Changed) => {
+            let what = "it is not as nestd left it when it stopped in order";
+            return Err(damaged(what.to_owned()));
+        }
+        Err(source) => return Err(LedgerError::Folder { path: path.to_owned(), source }),
+    }
+    let lost = || wal::lost(path).map_err(|source| LedgerError::Folder { path: path.to_owned(), source });
+    for _ in 0..LOOKS {
+        if lost()?.is_none() {
+            return Ok(false);
+        }
+        std::thread::sleep(PAUSE);
+    }
+    lost()?.map_or(Ok(false), |what| Err(damaged(what)))
+}
+
+/// SQLite's check of every page, index, constraint and reference; reads the whole file.
+pub async fn check_all(path: &Path, pool: &SqlitePool) -> Result<()> {
+    let damaged = |what: String| LedgerError::Damaged { path: path.to_owned(), what };
+    let text = format!("PRAGMA integrity_check({MAX_COMPLAINTS})");
+    let said: Vec<String> = sqlx::query_scalar(sqlx::AssertSqlSafe(text)).fetch_all(pool).await?;
+    if said != ["ok"] {
+        return Err(damaged(said.join("; ").replace('\n', " ")));
+    }
+    let orphans =
+        sqlx::query_as::<_, (String, Option<i64>)>("SELECT \"table\", rowid FROM pragma_foreign_key_check LIMIT 3");
+    let orphans = orphans.fetch_all(pool).await?;
+    if let Some((table, row)) = orphans.first() {
+        let row = row.map(|row| row.to_string()).unwrap_or_default();
+        return Err(damaged(format!("row {row} of {table} refers to a row that is not there")));
+    }
+    Ok(())
+}
+
+/// Whether a file is there and holds something.
+pub fn holds_something(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|meta| meta.len() > 0)
+}

@@ -1,0 +1,149 @@
+//! A ledger damaged on purpose: noticed, refused, kept.
+
+use std::{fs, path::PathBuf};
+
+use sqlx::{SqlitePool, sqlite::SqliteConnectOptions};
+use tempfile::TempDir;
+
+use super::*;
+use crate::ledger::{Ledger, fixtures::*};
+
+/// A ledger that was closed in order, with some parts and builds.
+async fn closed() -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    let ledger = Ledger::open_whole(&path).await.unwrap();
+    for n in 0..12 {
+        let part = waiting(&ledger, &format!("part-{n}"), 2).await;
+        published(&ledger, &[(part, 0), (part, 1)]).await;
+    }
+    assert!(ledger.close_sealed().await.unwrap());
+    assert!(seal_of(&path).exists() && !wal::log_of(&path).exists());
+    (folder, path)
+}
+
+/// The ledger's files as a kill leaves them: the last changes only in the log. They are in a folder of their own.
+async fn killed() -> (TempDir, PathBuf) {
+    let (from, path) = closed().await;
+    let ledger = Ledger::open(&path).await.unwrap();
+    waiting(&ledger, "only in the log", 2).await;
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["nestd.db", "nestd.db-wal", "nestd.db-shm"] {
+        fs::copy(from.path().join(file), folder.path().join(file)).unwrap();
+    }
+    let path = folder.path().join("nestd.db");
+    (folder, path)
+}
+
+async fn refusal(path: &Path) -> String {
+    let error = Ledger::open_whole(path).await.expect_err("a damaged ledger was opened");
+    assert!(error.is_damage(), "{error}");
+    assert!(error.to_string().contains("nestd restore"), "no remedy: {error}");
+    error.to_string()
+}
+
+fn flip(file: &Path, at: usize) {
+    let mut bytes = fs::read(file).unwrap();
+    bytes[at] ^= 0x40;
+    fs::write(file, bytes).unwrap();
+}
+
+#[tokio::test]
+async fn a_ledger_that_was_closed_in_order_is_opened_again_and_its_seal_broken_by_the_first_change() {
+    let (_folder, path) = closed().await;
+    let ledger = Ledger::open_whole(&path).await.unwrap();
+    waiting(&ledger, "another", 1).await;
+    assert!(!seal_of(&path).exists());
+    assert!(ledger.close_sealed().await.unwrap());
+    assert!(look_at_files(&path).unwrap(), "the seal vouches for it");
+}
+
+#[tokio::test]
+async fn any_flipped_byte_of_a_sealed_ledger_is_noticed() {
+    let (_folder, path) = closed().await;
+    let bytes = fs::metadata(&path).unwrap().len() as usize;
+    for at in (0..bytes).step_by(bytes / 50) {
+        flip(&path, at);
+        assert!(refusal(&path).await.contains("not as nestd left it"));
+        flip(&path, at);
+    }
+    Ledger::open_whole(&path).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_sealed_ledger_that_was_cut_emptied_removed_or_given_a_log_is_refused() {
+    let (_folder, path) = closed().await;
+    let whole = fs::read(&path).unwrap();
+    for kept in [0, 100, 4096, whole.len() - 1] {
+        fs::write(&path, &whole[..kept]).unwrap();
+        refusal(&path).await;
+    }
+    fs::write(&path, &whole).unwrap();
+    fs::write(wal::log_of(&path), "some other log").unwrap();
+    refusal(&path).await;
+    fs::remove_file(wal::log_of(&path)).unwrap();
+    fs::remove_file(&path).unwrap();
+    assert!(look_at_files(&path).is_err());
+}
+
+#[tokio::test]
+async fn what_a_kill_leaves_is_opened_with_all_its_changes() {
+    let (_folder, path) = killed().await;
+    let ledger = Ledger::open_whole(&path).await.unwrap();
+    assert_eq!(ledger.parts_named("only in the log.stl").await.unwrap().len(), 1);
+}
+
+#[tokio::test]
+async fn a_log_that_is_gone_or_cut_or_damaged_after_a_kill_is_noticed() {
+    let (_folder, path) = killed().await;
+    let log = wal::log_of(&path);
+    let whole = fs::read(&log).unwrap();
+    let index = fs::read(path.with_file_name("nestd.db-shm")).unwrap();
+    let again = |bytes: &[u8]| {
+        fs::write(&log, bytes).unwrap();
+        fs::write(path.with_file_name("nestd.db-shm"), &index).unwrap();
+    };
+    for kept in [0, 31, 32, 5000, whole.len() - 4096, whole.len() - 1] {
+        again(&whole[..kept]);
+        assert!(refusal(&path).await.contains("pages are whole"), "{kept}");
+    }
+    for at in [2, 17, 30, 40, 60, whole.len() / 2, whole.len() - 1] {
+        again(&whole);
+        flip(&log, at);
+        assert!(refusal(&path).await.contains("pages are whole"), "{at}");
+    }
+    again(&whole);
+    fs::remove_file(&log).unwrap();
+    assert!(refusal(&path).await.contains("is gone"));
+    again(&whole);
+    Ledger::open_whole(&path).await.unwrap();
+}
+
+#[tokio::test]
+async fn damage_without_a_seal_is_noticed_by_looking_at_every_page() {
+    let (_folder, path) = closed().await;
+    fs::remove_file(seal_of(&path)).unwrap();
+    let whole = fs::read(&path).unwrap();
+    for (what, from, to) in [("header", 0, 100), ("schema", 100, 400), ("a page", 3 * 4096, 3 * 4096 + 200)] {
+        let mut bytes = whole.clone();
+        bytes[from..to].fill(0x55);
+        fs::write(&path, bytes).unwrap();
+        let error = Ledger::open_whole(&path).await.expect_err(what);
+        assert!(error.is_damage(), "{what}: {error:?}");
+    }
+    fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    refusal(&path).await;
+    fs::write(&path, whole).unwrap();
+    Ledger::open_whole(&path).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_word_that_no_state_machine_knows_is_damage_when_it_is_read() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 1).await;
+    let raw = SqlitePool::connect_with(SqliteConnectOptions::new().filename(ledger.path())).await.unwrap();
+    sqlx::query("UPDATE part SET claimed_at = 'yesterdaz'").execute(&raw).await.unwrap();
+    let error = ledger.part(part).await.unwrap_err();
+    assert!(error.is_damage(), "{error}");
+    assert!(error.to_string().contains("nestd restore"));
+}

@@ -1,0 +1,102 @@
+//! A ledger of any earlier schema becomes one like new, and keeps every row.
+
+use std::{borrow::Cow, path::Path};
+
+use sqlx::{Row, SqlitePool, migrate::Migrator, sqlite::SqliteConnectOptions};
+
+use super::{super::schema::MIGRATIONS, *};
+
+/// A row of each table, as the first schema knows them; later schemas know them too.
+const ROWS: &str = "
+    INSERT INTO part (id, claim, profile, name, content_hash, bytes, state, reason, copies, claimed_at, state_at) VALUES
+        (1, 'c1', 'paper-200', 'a.stl', 'aa', 684, 'built', '', 1, '2026-11-01T00:00:00.000Z', '2026-11-02T00:00:00.000Z'),
+        (7, 'c7', 'paper-200', 'b.stl', 'bb', 685, 'rejected', 'too large', 3, '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z');
+    INSERT INTO ticket VALUES (1, 1, 'sidecar', 'a.stl.toml', 'copies = 1', '2026-11-01T00:00:00.000Z');
+    INSERT INTO build (id, profile, state, opened_at, nesting_at, verified_at, published_at, state_at, file_name, height_mm, copies)
+        VALUES (4, 'paper-200', 'complete', '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z',
+                '2026-11-02T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'x.build.3mf', 87.5, 1);
+    INSERT INTO placement VALUES (1, 0, 4, 0, 0, 0, 1, 1, 2, 3);
+    INSERT INTO event VALUES (1, '2026-11-01T00:00:00.000Z', 'built', 'paper-200', 1, NULL, ''),
+        (2, '2026-11-01T00:00:00.000Z', 'rejected', 'paper-200', 7, NULL, 'too large'),
+        (3, '2026-11-03T00:00:00.000Z', 'complete', 'paper-200', NULL, 4, '');
+    INSERT INTO outcome VALUES (1, 4, 'complete', 'fine', 'me@here', '2026-11-03T00:00:00.000Z');
+    INSERT INTO command VALUES (1, 'retry', '', 7, 'me@here', '2026-11-03T00:00:00.000Z', 'refused', 'no', '2026-11-03T00:00:00.000Z');
+    INSERT INTO pause VALUES ('paper-200', 'me@here', '2026-11-03T00:00:00.000Z');
+    INSERT INTO daemon VALUES (1, 42, 'here', '0.1.0', '2026-11-03T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'idle');";
+
+const TABLES: [&str; 9] = ["part", "ticket", "build", "placement", "event", "outcome", "command", "pause", "daemon"];
+
+async fn raw(path: &Path) -> SqlitePool {
+    SqlitePool::connect_with(SqliteConnectOptions::new().filename(path).create_if_missing(true)).await.unwrap()
+}
+
+async fn text(pool: &SqlitePool, query: String) -> Vec<String> {
+    sqlx::query_scalar(sqlx::AssertSqlSafe(query)).fetch_all(pool).await.unwrap()
+}
+
+/// Everything that a schema consists of, as SQLite keeps it.
+async fn schema_of(path: &Path) -> Vec<String> {
+    let query = "SELECT type || ' ' || name || ': ' || coalesce(sql, '') FROM sqlite_schema ORDER BY type, name";
+    text(&raw(path).await, query.to_owned()).await
+}
+
+/// The columns that a table has now, and its rows in these columns.
+async fn rows_of(pool: &SqlitePool, table: &str, columns: &[String]) -> Vec<String> {
+    let values = columns.iter().map(|column| format!("quote({column})")).collect::<Vec<_>>().join(" || ',' || ");
+    text(pool, format!("SELECT {values} FROM {table} ORDER BY 1")).await
+}
+
+async fn columns_of(pool: &SqlitePool, table: &str) -> Vec<String> {
+    text(pool, format!("SELECT name FROM pragma_table_info('{table}') ORDER BY cid")).await
+}
+
+#[tokio::test]
+async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    let new = folder.path().join("new.db");
+    Ledger::open(&new).await.unwrap().close().await;
+    for version in 1..=MIGRATIONS.iter().count() {
+        let path = folder.path().join(format!("{version}.db"));
+        let pool = raw(&path).await;
+        let earlier: Vec<_> = MIGRATIONS.iter().take(version).cloned().collect();
+        Migrator { migrations: Cow::Owned(earlier), ..Migrator::DEFAULT }.run(&pool).await.unwrap();
+        sqlx::raw_sql(ROWS).execute(&pool).await.unwrap();
+        let mut before = Vec::new();
+        for table in TABLES {
+            let columns = columns_of(&pool, table).await;
+            let rows = rows_of(&pool, table, &columns).await;
+            assert!(!rows.is_empty(), "{table}");
+            before.push((table, columns, rows));
+        }
+        pool.close().await;
+        let ledger = Ledger::open_whole(&path).await.unwrap();
+        assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new(), "from schema {version}");
+        let history = ledger.history(&HistoryQuery::default()).await.unwrap();
+        assert_eq!((history.len(), history[0].height_mm), (1, Some(87.5)));
+        ledger.close().await;
+        let pool = raw(&path).await;
+        for (table, columns, rows) in before {
+            assert_eq!(rows_of(&pool, table, &columns).await, rows, "{table} from schema {version}");
+        }
+        pool.close().await;
+        assert_eq!(schema_of(&path).await, schema_of(&new).await, "from schema {version}");
+    }
+}
+
+#[tokio::test]
+async fn a_newer_ledger_is_refused_with_what_to_do_and_stays_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    Ledger::open(&path).await.unwrap().close().await;
+    let pool = raw(&path).await;
+    let newer = "INSERT INTO _sqlx_migrations SELECT 99, description, installed_on, success, checksum, 0 FROM _sqlx_migrations LIMIT 1";
+    sqlx::query(newer).execute(&pool).await.unwrap();
+    sqlx::query("CREATE TABLE of_the_future (x)").execute(&pool).await.unwrap();
+    let before = sqlx::query("SELECT * FROM _sqlx_migrations").fetch_all(&pool).await.unwrap().len();
+    pool.close().await;
+    let refused = Ledger::open_whole(&path).await.unwrap_err().to_string();
+    assert!(refused.contains("has schema 99") && refused.contains("use the newer nestd"), "{refused}");
+    let pool = raw(&path).await;
+    let after = sqlx::query("SELECT count(*) FROM _sqlx_migrations").fetch_one(&pool).await.unwrap();
+    assert_eq!(after.get::<i64, _>(0) as usize, before);
+}

@@ -1,0 +1,189 @@
+//! What needs a person is told in `nestd status`, in STATUS.txt and in the journal, with what to do; all else is no error.
+
+use std::{fs, os::unix::fs::FileExt, path::Path};
+
+use nestd::{
+    farm::{Attention, Notice},
+    ledger::PartState,
+};
+
+use super::support::{QUICK, TestFarm, block, wait_until_or};
+
+const SECOND: &str = "second";
+
+/// A farm with two machines, so that one can tell what the other's hot folder cannot.
+fn farm(profile: &str) -> TestFarm {
+    let farm = TestFarm::new(profile);
+    farm.write_profile(SECOND, QUICK);
+    farm
+}
+
+/// Waits until a kind is told in all three places; STATUS.txt of the machine `told_in`.
+fn is_told_everywhere(farm: &TestFarm, kind: Attention, told_in: &str) {
+    let status = farm.root().join("inbox").join(told_in).join("STATUS.txt");
+    let said = |text: &str| text.contains(kind.headline()) && text.contains(kind.remedy());
+    let now = || {
+        let file = fs::read_to_string(&status).unwrap_or_default();
+        let command = farm.nestd(&["status"]);
+        (String::from_utf8_lossy(&command.stdout).into_owned(), file, farm.log())
+    };
+    wait_until_or(
+        &format!("{kind:?} is told"),
+        40.0,
+        || format!("{:#?}", now()),
+        || {
+            let (command, file, log) = now();
+            let logged = log.lines().any(|line| line.contains("ERROR") && said(line));
+            said(&command) && said(&file) && logged
+        },
+    );
+}
+
+/// Waits until nothing needs a person any more.
+fn is_over(farm: &TestFarm, kind: Attention) {
+    wait_until_or(
+        &format!("{kind:?} is over"),
+        40.0,
+        || farm.log(),
+        || !farm.nestd_ok(&["status"]).contains(kind.headline()),
+    );
+}
+
+#[test]
+fn every_kind_is_told_by_status_with_its_remedy() {
+    let farm = TestFarm::new(QUICK);
+    let state = farm.root().join("state");
+    fs::create_dir(&state).unwrap();
+    for kind in Attention::ALL {
+        let notice =
+            Notice { kind, profile: "test".into(), detail: "just\u{1b}[2J so".into(), since: jiff::Timestamp::now() };
+        let text = serde_json::to_string(&[notice]).unwrap();
+        fs::write(state.join("attention.json"), text).unwrap();
+        // There is no ledger: what needs a person is told all the same.
+        for args in [&["status"][..], &["status", "--json"]] {
+            let output = farm.nestd(args);
+            let said = String::from_utf8_lossy(&output.stdout).into_owned();
+            assert!(said.contains(kind.headline()) && said.contains(&kind.remedy()[..20]), "{said}");
+            assert!(!said.contains('\u{1b}'), "an escape sequence came through");
+        }
+    }
+}
+
+#[test]
+fn the_document_lists_every_kind_with_its_remedy() {
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/operations.md")).unwrap();
+    let missing: Vec<String> = (Attention::ALL.iter())
+        .map(|kind| format!("| {} | {} |", kind.headline(), kind.remedy()))
+        .filter(|row| !text.contains(row))
+        .collect();
+    assert!(missing.is_empty(), "docs/operations.md lacks these rows:\n{}", missing.join("\n"));
+}
+
+#[test]
+fn nothing_else_is_logged_as_an_error() {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let files = nestd::intake::files_below(&source).unwrap();
+    let logs = |file: &&std::path::PathBuf| {
+        let text = fs::read_to_string(file).unwrap_or_default();
+        text.lines().any(|line| line.trim_start().trim_start_matches("tracing::").starts_with(concat!("error", "!(")))
+    };
+    let found: Vec<_> = files.iter().filter(|file| !file.ends_with("farm/notices.rs")).filter(logs).collect();
+    assert!(found.is_empty(), "these log errors of their own: {found:?}");
+}
+
+#[test]
+fn folders_that_are_away_and_refused_and_stray_files_are_told_and_it_is_told_when_it_is_over() {
+    let mut farm = farm(QUICK);
+    fs::create_dir_all(farm.root().join("queue")).unwrap();
+    fs::write(farm.folder("queue"), "a file in its place").unwrap();
+    farm.start();
+    farm.drop_bytes("torn.stl", b"solid torn");
+    fs::write(farm.root().join("inbox/forgotten.stl"), "x").unwrap();
+    is_told_everywhere(&farm, Attention::QueueAway, SECOND);
+    is_told_everywhere(&farm, Attention::Stray, SECOND);
+    is_told_everywhere(&farm, Attention::Refused, "test");
+    fs::remove_file(farm.folder("queue")).unwrap();
+    fs::remove_file(farm.root().join("inbox/forgotten.stl")).unwrap();
+    fs::remove_dir_all(farm.folder("error")).unwrap();
+    fs::create_dir(farm.folder("error")).unwrap();
+    is_over(&farm, Attention::QueueAway);
+    is_over(&farm, Attention::Stray);
+    is_over(&farm, Attention::Refused);
+    fs::rename(farm.folder("inbox"), farm.root().join("elsewhere")).unwrap();
+    fs::write(farm.folder("inbox"), "a file in its place").unwrap();
+    is_told_everywhere(&farm, Attention::HotFolderAway, SECOND);
+}
+
+#[test]
+fn a_build_that_is_given_up_is_told_until_its_profile_is_resumed_also_after_a_restart() {
+    let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
+    farm.start();
+    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let archive = farm.folder("archive");
+    fs::remove_dir(&archive).unwrap();
+    fs::write(&archive, "a file in its place").unwrap();
+    farm.flush();
+    is_told_everywhere(&farm, Attention::BuildFailed, "test");
+    farm.stop();
+    fs::write(farm.root().join("log"), "").unwrap();
+    fs::remove_file(&archive).unwrap();
+    farm.start();
+    is_told_everywhere(&farm, Attention::BuildFailed, "test");
+    farm.nestd_ok(&["resume", "test"]);
+    is_over(&farm, Attention::BuildFailed);
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, 1);
+}
+
+#[test]
+fn a_wrong_configuration_and_a_machine_that_is_gone_are_told() {
+    let mut farm = farm(QUICK);
+    farm.start();
+    let inbox = farm.root().join("inbox").join(SECOND);
+    wait_until_or("the second hot folder", 20.0, || farm.log(), || inbox.is_dir());
+    fs::write(inbox.join("x.stl"), super::support::stl(&block(20.0, 20.0, 20.0))).unwrap();
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.write_profile(SECOND, "volume_mm = \"wrong\"");
+    farm.reload();
+    is_told_everywhere(&farm, Attention::ConfigurationWrong, "test");
+    fs::remove_file(farm.root().join("config/profiles/second.toml")).unwrap();
+    farm.reload();
+    is_told_everywhere(&farm, Attention::MachineGone, "test");
+    is_over(&farm, Attention::ConfigurationWrong);
+    farm.write_profile(SECOND, QUICK);
+    farm.reload();
+    is_over(&farm, Attention::MachineGone);
+}
+
+#[test]
+fn a_ledger_that_is_damaged_under_the_daemon_halts_it_and_nothing_is_taken_any_more() {
+    let mut farm = TestFarm::running(QUICK);
+    for n in 0..5 {
+        farm.drop_part(&format!("a{n}.stl"), &block(20.0, 20.0, 20.0 + f64::from(n)));
+    }
+    farm.wait_for_parts(PartState::Waiting, 5);
+    let path = farm.root().join("state/nestd.db");
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let pool = sqlx::SqlitePool::connect(&format!("sqlite:{}", path.display())).await.unwrap();
+        sqlx::query("PRAGMA wal_checkpoint(TRUNCATE)").execute(&pool).await.unwrap();
+        let file = fs::File::options().write(true).open(&path).unwrap();
+        let bytes = file.metadata().unwrap().len();
+        for page in 1..bytes / 4096 {
+            file.write_all_at(&[0x55; 4096], page * 4096).unwrap();
+        }
+        pool.close().await;
+    });
+    farm.drop_part("late.stl", &block(10.0, 20.0, 20.0));
+    is_told_everywhere(&farm, Attention::LedgerDamaged, "test");
+    farm.drop_part("later.stl", &block(11.0, 20.0, 20.0));
+    std::thread::sleep(std::time::Duration::from_secs(3));
+    assert!(farm.folder("inbox").join("later.stl").exists(), "it was taken\n{}", farm.log());
+    farm.stop();
+    assert!(!farm.root().join("state/nestd.db.b3").exists(), "a damaged ledger was sealed");
+    let refused = farm.nestd(&["run"]);
+    assert!(!refused.status.success());
+    let told = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
+    assert!(told.contains("does not run") && told.contains("nestd restore"), "{told}");
+}

@@ -4,13 +4,13 @@
 use std::{
     fs::{self, File},
     io,
-    os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt},
+    os::{fd::AsFd, unix::fs::DirBuilderExt},
     path::Path,
     sync::RwLock,
 };
 
 use rustix::{
-    fs::{Gid, Mode, chown, fchmod, fchown},
+    fs::{Gid, Mode, fchmod, fchown, fstat},
     io::Errno,
 };
 
@@ -63,20 +63,28 @@ pub fn of_file(file: &File) -> io::Result<()> {
 /// # Errors
 /// As [`of_file`].
 pub fn of_folder(folder: &Path) -> io::Result<()> {
-    let Some(access) = Access::now() else { return Ok(()) };
-    let inherits = fs::metadata(folder)?.mode() & GROUP_IS_INHERITED;
-    if let Some(group) = access.group.filter(|group| fs::metadata(folder).is_ok_and(|meta| meta.gid() != *group)) {
-        lenient(chown(folder, None, Some(Gid::from_raw(group))))?;
+    match Access::now() {
+        Some(_) => of_open_folder(File::open(folder)?),
+        None => Ok(()),
     }
-    if fs::metadata(folder)?.mode() & 0o777 == access.folder_mode() {
+}
+
+/// Likewise, for a folder that is open.
+///
+/// # Errors
+/// As [`of_file`].
+pub fn of_open_folder(folder: impl AsFd) -> io::Result<()> {
+    let Some(access) = Access::now() else { return Ok(()) };
+    let before = fstat(&folder)?;
+    if let Some(group) = access.group.filter(|group| before.st_gid != *group) {
+        lenient(fchown(&folder, None, Some(Gid::from_raw(group))))?;
+    }
+    if fstat(&folder)?.st_mode & 0o777 == access.folder_mode() {
         return Ok(());
     }
     // The service is forbidden to set that bit, also where it is set already: then the mode stays as the system made it.
-    let mode = fs::Permissions::from_mode(access.folder_mode() | inherits);
-    fs::set_permissions(folder, mode).or_else(|error| match error.kind() {
-        io::ErrorKind::PermissionDenied | io::ErrorKind::Unsupported => Ok(()),
-        _ => Err(error),
-    })
+    let inherits = before.st_mode & GROUP_IS_INHERITED;
+    lenient(fchmod(&folder, Mode::from_raw_mode(access.folder_mode() | inherits)))
 }
 
 /// Makes a folder and those above it that are missing, each with mode and group.
@@ -133,6 +141,8 @@ fn lenient(result: Result<(), Errno>) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use std::os::unix::fs::MetadataExt;
+
     use super::*;
 
     #[test]

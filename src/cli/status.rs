@@ -65,9 +65,10 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         Ok(status) => FarmStatus { attention, ..status },
         Err(error) => {
             // The ledger itself may be what needs a person.
-            match args.json {
-                true => say_json(&serde_json::json!({ "attention": attention_json(&attention) }))?,
-                false => say(&attention_text(&attention))?,
+            match (attention.is_empty(), args.json) {
+                (true, _) => {}
+                (_, true) => say_json(&serde_json::json!({ "attention": attention_json(&attention) }))?,
+                (_, false) => say(&attention_text(&attention))?,
             }
             return Err(error);
         }

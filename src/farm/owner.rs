@@ -277,6 +277,9 @@ fn write(folder: &Path, owner: &Owner) -> io::Result<()> {
         .truncate(false)
         .custom_flags(flags.bits() as i32)
         .open(folder.join(NAME))?;
+    if file.metadata()?.len() == 0 {
+        crate::access::of_file(&file)?;
+    }
     file.write_all_at(text.as_bytes(), 0)
 }
 

@@ -85,11 +85,14 @@ pub(super) fn create_dirs_beneath(base: &Path, relative: &Path) -> io::Result<Ow
     let mut folder = openat(CWD, base, flags, Mode::empty())?;
     for part in relative.components() {
         let Component::Normal(name) = part else { return Err(io::ErrorKind::InvalidInput.into()) };
-        match mkdirat(&folder, name, Mode::from_raw_mode(0o777)) {
-            Err(Errno::EXIST) => {}
-            made => made.and_then(|()| fsync(&folder))?,
-        }
+        let is_made = match mkdirat(&folder, name, Mode::from_raw_mode(0o777)) {
+            Err(Errno::EXIST) => false,
+            made => made.and_then(|()| fsync(&folder)).map(|()| true)?,
+        };
         folder = openat(&folder, name, flags | OFlags::NOFOLLOW, Mode::empty())?;
+        if is_made {
+            access::of_open_folder(&folder)?;
+        }
     }
     Ok(folder)
 }

@@ -145,8 +145,9 @@ impl Ledger {
     /// The builds that hold a copy of a part of that file name or order.
     pub async fn builds_with(&self, name: &str) -> Result<HashSet<BuildId>> {
         let query = sqlx::query_scalar(
-            "SELECT DISTINCT l.build_id FROM placement l JOIN part p ON p.id = l.part_id \
-             WHERE p.name = ?1 OR p.order_name = ?1",
+            "SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id WHERE p.name = ?1 \
+             UNION SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
+             WHERE p.order_name = ?1 AND p.order_name <> ''",
         );
         Ok(query.bind(name).fetch_all(self.reader()).await?.into_iter().collect())
     }

@@ -167,7 +167,14 @@ impl Ledger {
     /// Begins a change. It takes the write lock at once: a deferred `BEGIN` that turns from reading to writing fails
     /// with "database is locked" when another process has written in between, whatever the busy timeout says.
     pub(super) async fn change(&self) -> Result<Change> {
-        let transaction = self.writer.begin_with("BEGIN IMMEDIATE").await?;
+        let transaction = match self.writer.begin_with("BEGIN IMMEDIATE").await {
+            // SQLite itself took an earlier change back, as it may on a full disk, and the connection still waits for its end.
+            Err(sqlx::Error::InvalidSavePointStatement | sqlx::Error::BeginFailed) => {
+                self.writer.acquire().await?.close().await?;
+                self.writer.begin_with("BEGIN IMMEDIATE").await?
+            }
+            begun => begun?,
+        };
         health::break_seal(&self.path).map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
         Ok(Change::new(transaction, self.now()))
     }

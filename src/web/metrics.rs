@@ -1,7 +1,10 @@
 //! Metrics for Prometheus, made of the ledger at each scrape: base units, `nestd_` before every name, labels only of what
 //! is configured.
 
-use std::sync::{Arc, atomic::AtomicU64};
+use std::{
+    sync::{Arc, atomic::AtomicU64},
+    time::{Duration, Instant},
+};
 
 use anyhow::Context;
 use axum::{
@@ -27,6 +30,12 @@ const HEIGHTS_M: [f64; 9] = [0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6];
 const DENSITIES: [f64; 8] = [0.025, 0.05, 0.075, 0.1, 0.15, 0.2, 0.3, 0.5];
 /// Upper ends of the buckets of nesting durations, seconds.
 const SECONDS: [f64; 9] = [1.0, 5.0, 15.0, 60.0, 180.0, 600.0, 1800.0, 3600.0, 14_400.0];
+/// Totals look at every row: they are asked for again after so long.
+const TOTALS_AGAIN: Duration = Duration::from_secs(60);
+
+/// The totals as they were asked for last.
+pub(super) type Kept = tokio::sync::Mutex<Option<(Instant, Arc<Totals>)>>;
+
 /// What Prometheus is told of the text.
 const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
@@ -55,7 +64,7 @@ pub(super) async fn readyz(State(web): State<Arc<Web>>) -> Answer<Response> {
 async fn text(web: &Web) -> Answer<String> {
     let mut registry = Registry::with_prefix("nestd");
     let (settings, status) = (web.settings(), web.ledger.status().await?);
-    let totals = web.ledger.totals().await?;
+    let totals = totals(web).await?;
     let daemon = web.ledger.daemon().await?;
     let mut per_profile = |name: &str, help: &str, value: &dyn Fn(&str) -> Option<f64>| {
         let family = Family::<Label, Number>::default();
@@ -95,6 +104,18 @@ async fn text(web: &Web) -> Answer<String> {
     let mut text = String::new();
     encode(&mut text, &registry).context("writing the metrics")?;
     Ok(text)
+}
+
+async fn totals(web: &Web) -> Answer<Arc<Totals>> {
+    let mut kept = web.totals.lock().await;
+    if let Some((at, totals)) = &*kept
+        && at.elapsed() < TOTALS_AGAIN
+    {
+        return Ok(totals.clone());
+    }
+    let totals = Arc::new(web.ledger.totals().await?);
+    *kept = Some((Instant::now(), totals.clone()));
+    Ok(totals)
 }
 
 fn daemon_metrics(registry: &mut Registry, daemon: Option<&crate::ledger::DaemonRow>) {

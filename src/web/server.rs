@@ -51,6 +51,7 @@ pub(super) struct Web {
     /// Stands in every form, so that no other site can post one.
     pub(super) form_key: String,
     pub(super) scenes: Scenes,
+    pub(super) totals: metrics::Kept,
     pub(super) changes: watch::Sender<u64>,
 }
 
@@ -88,6 +89,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),
         scenes: Scenes::default(),
+        totals: metrics::Kept::default(),
         changes: changes.clone(),
     });
     tokio::spawn(live::look(shared.clone(), changes));

@@ -119,15 +119,19 @@ fn a_build_that_is_given_up_is_told_until_its_profile_is_resumed_also_after_a_re
     let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
     farm.start();
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
-    let archive = farm.folder("archive");
-    fs::remove_dir(&archive).unwrap();
-    fs::write(&archive, "a file in its place").unwrap();
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    // What is in memory would hide that the stored file is damaged.
+    farm.stop();
+    let stored = farm.root().join("state/store").join(&part.content_hash[..2]).join(&part.content_hash);
+    let whole = fs::read(&stored).unwrap();
+    fs::write(&stored, vec![0; whole.len()]).unwrap();
+    fs::remove_dir_all(farm.root().join("state/cache")).unwrap();
+    farm.start();
     farm.flush();
     is_told_everywhere(&farm, Attention::BuildFailed, "test");
     farm.stop();
     fs::write(farm.root().join("log"), "").unwrap();
-    fs::remove_file(&archive).unwrap();
+    fs::write(&stored, whole).unwrap();
     farm.start();
     is_told_everywhere(&farm, Attention::BuildFailed, "test");
     farm.nestd_ok(&["resume", "test"]);

@@ -67,7 +67,8 @@ fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     says(farm, "A build cannot be made now");
-    std::thread::sleep(Duration::from_secs(4));
+    let status = || farm.nestd_ok(&["status"]);
+    wait_until_or("status tells it", 40.0, || farm.log(), || status().contains("A build cannot be made now"));
     let build = farm.ask(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).remove(0);
     assert!(farm.parts(PartState::Batched).len() == 1 && build.attempts <= 1, "{} attempts", build.attempts);
     mend();

@@ -84,7 +84,7 @@ fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_fo
     fs::remove_file(inbox.join("b.stl")).unwrap();
     fs::remove_dir(&inbox).unwrap();
     fs::rename(&away, &inbox).unwrap();
-    says(&farm, "The hot folder of test is available again");
+    says(&farm, "No longer so: test: The hot folder is unavailable");
     farm.drop_part("c.stl", &block(20.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 2);
     assert!(farm.parts(PartState::Rejected).is_empty());
@@ -99,7 +99,7 @@ fn a_hot_folder_that_was_replaced_on_purpose_is_taken_after_a_reload() {
     fs::create_dir(&inbox).unwrap();
     says(&farm, "reload or restart nestd");
     farm.reload();
-    says(&farm, "The hot folder of test is available again");
+    says(&farm, "No longer so: test: The hot folder is unavailable");
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
 }
@@ -141,7 +141,7 @@ fn a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was() {
     says(&farm, "The hot folder is unavailable");
     assert!(fs::read_dir(&inbox).unwrap().count() == 0, "something was written into the mount point");
     assert!(share.mount());
-    says(&farm, "The hot folder of test is available again");
+    says(&farm, "No longer so: test: The hot folder is unavailable");
     farm.drop_across("b.stl", &block(10.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 2);
     assert!(farm.parts(PartState::Rejected).is_empty());

@@ -59,7 +59,8 @@ fn all_taken(farm: &TestFarm, secs: f64) -> bool {
     let began = Instant::now();
     while began.elapsed().as_secs_f64() < secs {
         std::thread::sleep(std::time::Duration::from_millis(300));
-        let in_inbox = nestd::intake::files_below(&farm.folder("inbox")).unwrap();
+        // Folders come and go while they are listed.
+        let Ok(in_inbox) = nestd::intake::files_below(&farm.folder("inbox")) else { continue };
         let is_left = |file: &PathBuf| {
             let relative = file.strip_prefix(farm.folder("inbox")).unwrap();
             !relative.iter().any(nestd::intake::is_ignored) && relative.components().count() > 1

@@ -6,8 +6,8 @@ use super::*;
 
 /// Tables that grow for as long as the farm runs.
 const BIG: [&str; 7] = ["part", "ticket", "build", "placement", "event", "outcome", "command"];
-/// Sources whose queries look at every row, and should: the deep check.
-const WHOLE: [&str; 2] = ["truth.rs", "deep.rs"];
+/// Sources whose queries look at every row, and should: the deep check, and the totals that metrics ask for once a minute.
+const WHOLE: [&str; 3] = ["truth.rs", "deep.rs", "totals.rs"];
 /// What is put together at run time is asked for by itself.
 const MADE: char = '{';
 

@@ -224,19 +224,24 @@ fn files_that_are_swapped_for_links_and_pipes_all_the_time_are_never_followed() 
 }
 
 /// One of several ways to put something else in the place of a file or of the folder above it.
+/// Never through what may have come back under that name: a pipe would hold the writer for ever.
+fn write_new(path: &Path) -> std::io::Result<()> {
+    std::io::Write::write_all(&mut fs::File::create_new(path)?, b"theirs")
+}
+
 fn swap(inbox: &Path, folder: &Path, file: &Path, round: u64) {
     let (part, kit) = (inbox.join("a.stl"), inbox.join("kit"));
     let _ = fs::remove_file(&part);
     let _ = fs::remove_file(&kit).or_else(|_| fs::remove_dir_all(&kit));
     let _ = match round % 4 {
-        0 => fs::write(&part, "theirs"),
+        0 => write_new(&part),
         1 => symlink(file, &part),
         2 => fs::hard_link(file, &part),
         _ => pipe(&part),
     };
     let _ = match round % 2 {
         0 => symlink(folder, &kit),
-        _ => fs::create_dir(&kit).and_then(|()| fs::write(kit.join("a.stl"), "theirs")),
+        _ => fs::create_dir(&kit).and_then(|()| write_new(&kit.join("a.stl"))),
     };
 }
 

@@ -223,12 +223,12 @@ fn files_that_are_swapped_for_links_and_pipes_all_the_time_are_never_followed() 
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
 }
 
-/// One of several ways to put something else in the place of a file or of the folder above it.
 /// Never through what may have come back under that name: a pipe would hold the writer for ever.
 fn write_new(path: &Path) -> std::io::Result<()> {
     std::io::Write::write_all(&mut fs::File::create_new(path)?, b"theirs")
 }
 
+/// One of several ways to put something else in the place of a file or of the folder above it.
 fn swap(inbox: &Path, folder: &Path, file: &Path, round: u64) {
     let (part, kit) = (inbox.join("a.stl"), inbox.join("kit"));
     let _ = fs::remove_file(&part);

@@ -82,6 +82,7 @@ fn may_be_deleted(path: &Path) -> bool {
         || is_below("state/store")
         || is_below("state/cache")
         || name.starts_with("nestd.db-")
+        || name == "nestd.db.b3"
         || is_hidden(".nestd-", ".tmp")
         || (is_below("queue/test") && (is_hidden(".", ".part") || is_hidden(".", ".half")))
         // Of the part that was cancelled and taken back.

@@ -63,7 +63,9 @@ fn all_taken(farm: &TestFarm, secs: f64) -> bool {
         let Ok(in_inbox) = nestd::intake::files_below(&farm.folder("inbox")) else { continue };
         let is_left = |file: &PathBuf| {
             let relative = file.strip_prefix(farm.folder("inbox")).unwrap();
-            !relative.iter().any(nestd::intake::is_ignored) && relative.components().count() > 1
+            // What is claimed has no row yet.
+            let is_claimed = relative.starts_with(".claimed");
+            is_claimed || !relative.iter().any(nestd::intake::is_ignored) && relative.components().count() > 1
         };
         if !in_inbox.iter().any(is_left) && farm.parts(PartState::Claimed).is_empty() {
             return true;

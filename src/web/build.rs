@@ -8,11 +8,13 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
+use glam::DVec2;
 use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
     chart,
+    footprint::footprint,
     page::{facts, page},
     part,
     problem::Answer,
@@ -128,6 +130,8 @@ struct Pick {
     top_mm: f64,
     low_mm: f64,
     center_mm: [f64; 2],
+    /// What it covers, from above.
+    footprint: Vec<DVec2>,
     name: String,
     order: String,
     copy: u32,
@@ -144,7 +148,7 @@ pub(super) async fn pick(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let of = build.clone();
     let made = tokio::task::spawn_blocking(move || pick_rows(&settings, &profile, &of, &parts)).await;
     let picks = made.context("making the pick map")??;
-    let layer = |z: f64| (z / 10.0).floor() as i64;
+    let from = |band: &[Pick]| BAND_MM * ((band[0].top_mm / BAND_MM).floor() + 1.0);
     let content = html! {
         h1 { (title) }
         p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(picks.len() as u32, "part", "parts"))
@@ -152,15 +156,15 @@ pub(super) async fn pick(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         @if !picks.is_empty() {
             img.cake alt="The build from the front" width="640" height="480" src=(format!("/builds/{}/picture", build.id));
         }
-        @for band in picks.chunk_by(|a, b| layer(a.top_mm) == layer(b.top_mm)) {
+        @for (first, band) in bands(&picks) {
             section.band {
-                h2 { "From " (10 * (layer(band[0].top_mm) + 1)) " mm down" }
-                (plan(band, volume.x, volume.y))
-                div.wide tabindex="0" role="region" aria-label=(format!("Parts from {} mm down", 10 * (layer(band[0].top_mm) + 1))) { table {
-                    thead { tr { th scope="col" { "Done" } th.n scope="col" { "Top" } th.n scope="col" { "Bottom" } th.n scope="col" { "x" } th.n scope="col" { "y" }
+                h2 { "From " (from(band)) " mm down" }
+                (plan(first, band, volume.x, volume.y))
+                div.wide tabindex="0" role="region" aria-label=(format!("Parts from {} mm down", from(band))) { table {
+                    thead { tr { th scope="col" { "Done" } th.n scope="col" { "No." } th.n scope="col" { "Top" } th.n scope="col" { "Bottom" } th.n scope="col" { "x" } th.n scope="col" { "y" }
                         th scope="col" { "Part" } th scope="col" { "Order" } th.n scope="col" { "Copy" } } }
-                    tbody { @for pick in band { tr {
-                        td { "\u{2610}" } td.n { (number(Some(pick.top_mm), 1)) } td.n { (number(Some(pick.low_mm), 1)) }
+                    tbody { @for (number_of, pick) in (first..).zip(band) { tr {
+                        td { "\u{2610}" } td.n { (number_of) } td.n { (number(Some(pick.top_mm), 1)) } td.n { (number(Some(pick.low_mm), 1)) }
                         td.n { (number(Some(pick.center_mm[0]), 0)) } td.n { (number(Some(pick.center_mm[1]), 0)) }
                         td { a href=(format!("/parts/{}", pick.part)) { (pick.name) } } td { (text(&pick.order)) } td.n { (pick.copy) }
                     } } }
@@ -171,14 +175,35 @@ pub(super) async fn pick(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     Ok(page(&title, "", None, &content))
 }
 
-/// Where the parts of a band are, from above.
-fn plan(band: &[Pick], x_mm: f64, y_mm: f64) -> Markup {
+/// Height of a band of the pick map, mm.
+const BAND_MM: f64 = 10.0;
+
+/// The picks by band, each with the number of its first.
+fn bands(picks: &[Pick]) -> impl Iterator<Item = (usize, &[Pick])> {
+    let band = |pick: &Pick| (pick.top_mm / BAND_MM).floor() as i64;
+    picks.chunk_by(move |a, b| band(a) == band(b)).scan(1, |next, band| {
+        let first = *next;
+        *next += band.len();
+        Some((first, band))
+    })
+}
+
+/// What the parts of a band cover, from above, with the numbers that they have in the list; the front is below.
+fn plan(first: usize, band: &[Pick], x_mm: f64, y_mm: f64) -> Markup {
+    let unit = x_mm.max(y_mm) / 100.0;
+    let corners = |pick: &Pick| {
+        pick.footprint.iter().map(|p| format!("{:.1},{:.1}", p.x, y_mm - p.y)).collect::<Vec<_>>().join(" ")
+    };
     html! {
-        svg.plan viewBox=(format!("-1 -1 {} {}", x_mm + 2.0, y_mm + 2.0)) role="img" aria-label="Where they are, from above" {
+        svg.plan viewBox=(format!("-1 -1 {} {}", x_mm + 2.0, y_mm + 2.0 + 5.0 * unit)) role="img"
+            aria-label="What they cover, from above, with their numbers" {
             rect.grid x="0" y="0" width=(x_mm) height=(y_mm) {}
-            @for pick in band {
-                circle.c0 cx=(format!("{:.1}", pick.center_mm[0])) cy=(format!("{:.1}", y_mm - pick.center_mm[1])) r=(x_mm.max(y_mm) / 60.0) {}
+            @for pick in band { polygon.covers points=(corners(pick)) {} }
+            @for (number_of, pick) in (first..).zip(band) {
+                text.number x=(format!("{:.1}", pick.center_mm[0])) y=(format!("{:.1}", y_mm - pick.center_mm[1] + 1.5 * unit))
+                    font-size=(format!("{:.1}", 4.5 * unit)) { (number_of) }
             }
+            text.number x=(x_mm / 2.0) y=(y_mm + 5.0 * unit) font-size=(format!("{:.1}", 4.0 * unit)) { "front" }
         }
     }
 }
@@ -200,6 +225,7 @@ fn pick_rows(
                 top_mm: top.z,
                 low_mm: low.z,
                 center_mm: [0.5 * (low.x + top.x), 0.5 * (low.y + top.y)],
+                footprint: mesh.as_ref().map_or_else(Vec::new, |mesh| covered(mesh, &standing.pose)),
                 name: full_name(part),
                 order: part.order_name.clone(),
                 copy: standing.copy + 1,
@@ -209,6 +235,13 @@ fn pick_rows(
     }
     picks.sort_by(|a, b| b.top_mm.total_cmp(&a.top_mm));
     Ok(picks)
+}
+
+/// Corners of a footprint are no closer, mm.
+const COARSE_MM: f64 = 1.5;
+
+fn covered(mesh: &Mesh, pose: &Pose) -> Vec<DVec2> {
+    footprint(mesh.vertices().iter().map(|&vertex| pose.point(vertex)), COARSE_MM)
 }
 
 /// The picture of a build, a PNG.

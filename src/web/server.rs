@@ -21,11 +21,12 @@ use tokio::{
 use tracing::info;
 
 use super::{
-    api, assets, build, farm, guard, history, live, metrics, order, part,
+    api, assets, build, farm as farm_page, guard, history, live, metrics, order, part,
     problem::{Answer, Problem},
     scene::{self, Scenes},
 };
 use crate::{
+    farm,
     ledger::{Ledger, LedgerError},
     settings::{Listen, Settings, Web as WebSettings},
 };
@@ -65,7 +66,8 @@ impl Web {
     pub(super) async fn pulse(&self) -> Answer<String> {
         let status = self.ledger.status().await?;
         let alive = self.ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
-        Ok(format!("{alive} {status:?}"))
+        let notices = farm::kept_notices(&self.settings().state_dir);
+        Ok(format!("{alive} {status:?} {notices:?}"))
     }
 }
 
@@ -104,7 +106,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
 /// Every address of the dashboard.
 pub(super) fn routes(web: Arc<Web>) -> Router {
     Router::new()
-        .route("/", get(farm::show))
+        .route("/", get(farm_page::show))
         .route("/builds/{build}", get(build::show))
         .route("/builds/{build}/pick", get(build::pick))
         .route("/builds/{build}/picture", get(build::picture))

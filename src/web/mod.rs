@@ -15,8 +15,11 @@ mod metrics;
 mod order;
 mod page;
 mod part;
+mod pick;
+mod picture;
 mod problem;
 mod reduce;
+mod report;
 mod scene;
 mod server;
 mod words;
@@ -24,4 +27,5 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub use report::{Report, Source};
 pub use server::{Shared, serve};

@@ -181,6 +181,14 @@ pub struct PartRow {
 }
 
 impl PartRow {
+    /// Name of the part with that of its solid.
+    pub fn full_name(&self) -> String {
+        match self.object_name.as_str() {
+            "" => self.name.clone(),
+            object => format!("{} ({object})", self.name),
+        }
+    }
+
     /// How it may be turned, whole.
     pub fn turning(&self) -> Orientation {
         Orientation { rule: self.orientation, tilts: self.tilts.0.clone() }

@@ -11,7 +11,7 @@ use super::{
     page::{facts, page},
     problem::{Answer, Problem},
     server::Web,
-    words::{DASH, count, full_name, number, or_dash, text, time},
+    words::{DASH, count, number, or_dash, text, time},
 };
 use crate::ledger::{CommandKind, PartId, PartRow, PartState, PlacementRow};
 
@@ -81,7 +81,7 @@ pub(super) fn table(parts: &[PartRow], all: usize) -> Markup {
                     } }
                     tbody { @for part in parts { tr {
                         td { a href=(format!("/parts/{}", part.id)) { (part.id) } }
-                        td { (full_name(part)) } td { (text(&part.order_name)) } td { (part.profile) } td { (part.state) }
+                        td { (part.full_name()) } td { (text(&part.order_name)) } td { (part.profile) } td { (part.state) }
                         td.n { (part.copies) } td { (time(part.due_at)) }
                         td { (if part.reason.is_empty() { text(&part.warnings) } else { &part.reason }) }
                     } } }
@@ -103,7 +103,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
     named.retain(|other| other.content_hash != part.content_hash);
     let about = format!("part {number}");
     let content = html! {
-        h1 { "Part " (number) ": " (full_name(&part)) }
+        h1 { "Part " (number) ": " (part.full_name()) }
         @if !part.reason.is_empty() { p.bad role="status" { (part.reason) } }
         @for warning in part.warnings.lines() { p.warn { (warning) } }
         (what_it_is(&part))

@@ -21,7 +21,8 @@ use tokio::{
 use tracing::info;
 
 use super::{
-    api, assets, build, farm as farm_page, guard, history, live, metrics, order, part,
+    api, assets, build, farm as farm_page, guard, history, live, metrics, order, part, pick,
+    picture::{self, Pictures},
     problem::{Answer, Problem},
     scene::{self, Scenes},
 };
@@ -52,6 +53,7 @@ pub(super) struct Web {
     /// Stands in every form, so that no other site can post one.
     pub(super) form_key: String,
     pub(super) scenes: Scenes,
+    pub(super) pictures: Pictures,
     pub(super) totals: metrics::Kept,
     pub(super) changes: watch::Sender<u64>,
 }
@@ -91,6 +93,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),
         scenes: Scenes::default(),
+        pictures: Pictures::default(),
         totals: metrics::Kept::default(),
         changes: changes.clone(),
     });
@@ -108,8 +111,8 @@ pub(super) fn routes(web: Arc<Web>) -> Router {
     Router::new()
         .route("/", get(farm_page::show))
         .route("/builds/{build}", get(build::show))
-        .route("/builds/{build}/pick", get(build::pick))
-        .route("/builds/{build}/picture", get(build::picture))
+        .route("/builds/{build}/pick", get(pick::show))
+        .route("/builds/{build}/picture", get(picture::picture))
         .route("/builds/{build}/scene", get(scene::scene))
         .route("/history", get(history::show))
         .route("/history.csv", get(history::csv))

@@ -50,6 +50,7 @@ impl Dashboard {
             token: None,
             form_key: "key".to_owned(),
             scenes: Scenes::default(),
+            pictures: Default::default(),
             totals: Default::default(),
             changes: watch::Sender::new(0),
         };

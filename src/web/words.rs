@@ -11,7 +11,9 @@ pub(super) const DASH: &str = "\u{2013}";
 
 /// A number with so many decimals.
 pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(|| DASH.to_owned(), |v| format!("{v:.decimals$}"))
+    // No "-0.0".
+    let rounded = |v: f64| format!("{v:.decimals$}").parse().unwrap_or(v) + 0.0;
+    value.map_or_else(|| DASH.to_owned(), |v| format!("{:.decimals$}", rounded(v)))
 }
 
 /// A share 0..1 in percent.

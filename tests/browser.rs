@@ -8,7 +8,7 @@ use std::{
     net::TcpListener,
     path::{Path, PathBuf},
     process::Command,
-    sync::LazyLock,
+    sync::{LazyLock, Mutex, PoisonError},
 };
 
 use nestd::{
@@ -28,6 +28,9 @@ const PROFILE: &str = "volume_mm = [200, 160, 220]\nclearance_mm = 3.0\nlayer_mm
 /// Names that would do harm where they were not taken as text.
 const NASTY: [&str; 3] =
     ["<img src=x onerror=alert(1)>.stl", "<script>alert(1)<script>.stl", "=HYPERLINK(\"http:x\").stl"];
+
+/// One test after the other: they measure how long pages take.
+static ALONE: Mutex<()> = Mutex::new(());
 
 /// A farm with a machine of its own, beside that of the other tests.
 struct Dashboard {
@@ -110,6 +113,7 @@ fn every_page_is_what_it_should_be_in_a_real_browser() {
         println!("left out: NESTD_BROWSER is not set");
         return;
     };
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let dashboard = Dashboard::start();
     let farm = set_up(&dashboard, &chromium);
     let tools = tools();
@@ -128,6 +132,7 @@ fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
         println!("left out: NESTD_BROWSER is not set");
         return;
     };
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let dashboard = Dashboard::start();
     let large = "volume_mm = [380, 284, 2000]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0\n";
     dashboard.farm.write_profile(MACHINE, large);

@@ -70,7 +70,8 @@ function show(data) {
   });
   const controls = new OrbitControls(camera, canvas);
   const home = () => { const top = data.height_mm ?? z; controls.target.set(x / 2, y / 2, Math.min(z, top) / 2);
-    camera.position.set(x / 2 + size * 0.75, y / 2 - size * 1.25, z / 2 + size * 0.55); controls.update(); draw(); };
+    const far = size * Math.max(1, 1.2 / camera.aspect); // a narrow canvas shows the whole from farther away
+    camera.position.set(x / 2 + far * 0.75, y / 2 - far * 1.25, z / 2 + far * 0.55); controls.update(); draw(); };
   let asked = false;
   const draw = () => { if (asked) return; asked = true; requestAnimationFrame(() => { asked = false; renderer.render(scene, camera); section.dataset.drawn = String(instanced.reduce((n, d) => n + d.count, 0)); }); };
   const fit = () => { const { clientWidth: w, clientHeight: h } = canvas; renderer.setSize(w, h, false); camera.aspect = w / h; camera.updateProjectionMatrix(); draw(); };

@@ -259,6 +259,12 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()).await?)
     }
 
+    /// All parts of the same content, whatever they are called.
+    pub async fn parts_of_content(&self, hash: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE content_hash = ? ORDER BY id").bind(hash);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
     /// All parts with a copy in a build, in order of precedence.
     pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as(

@@ -15,7 +15,7 @@ use super::{
     words::{age, count, number, percent, time},
 };
 use crate::{
-    farm::fires_at,
+    farm::{Notice, fires_at, kept_notices},
     ledger::{CommandKind, DaemonRow, ProfileStatus},
     settings::Profile,
 };
@@ -36,6 +36,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
     let content = html! {
         h1 { "Farm" }
         (daemon_line(daemon.as_ref(), now))
+        (needs_a_person(&kept_notices(&settings.state_dir), now))
         div.cards {
             @for card in &cards { (card) }
         }
@@ -46,6 +47,20 @@ pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
         @if settings.profiles.is_empty() { p { "No machine is configured." } }
     };
     Ok(page("Farm", "/", None, &content))
+}
+
+/// What a person must see to, each with what to do.
+fn needs_a_person(notices: &[Notice], now: Timestamp) -> Markup {
+    html! {
+        @if !notices.is_empty() {
+            section.needs aria-label="Needs a person" {
+                h2 { (count(notices.len() as u32, "thing needs a person", "things need a person")) }
+                ul { @for notice in notices { li {
+                    b { (notice.sentence()) } " " (notice.kind.remedy()) " Since " (age(notice.since, now)) "."
+                } } }
+            }
+        }
+    }
 }
 
 fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {

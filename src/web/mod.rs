@@ -8,6 +8,7 @@ mod assets;
 mod build;
 mod chart;
 mod farm;
+mod footprint;
 mod guard;
 mod history;
 mod live;

@@ -21,12 +21,13 @@ use tokio::{
 use tracing::info;
 
 use super::{
-    api, assets, build, farm, guard, history, live, metrics, order, part, pick,
+    api, assets, build, farm as farm_page, guard, history, live, metrics, order, part, pick,
     picture::{self, Pictures},
     problem::{Answer, Problem},
     scene::{self, Scenes},
 };
 use crate::{
+    farm,
     ledger::{Ledger, LedgerError},
     settings::{Listen, Settings, Web as WebSettings},
 };
@@ -67,7 +68,8 @@ impl Web {
     pub(super) async fn pulse(&self) -> Answer<String> {
         let status = self.ledger.status().await?;
         let alive = self.ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
-        Ok(format!("{alive} {status:?}"))
+        let notices = farm::kept_notices(&self.settings().state_dir);
+        Ok(format!("{alive} {status:?} {notices:?}"))
     }
 }
 
@@ -107,7 +109,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
 /// Every address of the dashboard.
 pub(super) fn routes(web: Arc<Web>) -> Router {
     Router::new()
-        .route("/", get(farm::show))
+        .route("/", get(farm_page::show))
         .route("/builds/{build}", get(build::show))
         .route("/builds/{build}/pick", get(pick::show))
         .route("/builds/{build}/picture", get(picture::picture))

@@ -53,7 +53,10 @@ function show(data) {
     drawn.userData = { mesh, colour: colourOf(number) };
     scene.add(drawn); instanced.push(drawn);
   });
-  let marked = null;
+  // The page of a part links to its copies: /builds/1#part-7.
+  const linked = () => Number(/^#part-(\d+)$/.exec(location.hash)?.[1]) || null;
+  let marked = linked();
+  addEventListener("hashchange", () => { marked = linked(); paint(); draw(); });
   const paint = () => instanced.forEach((drawn) => {
     const { mesh, colour } = drawn.userData;
     mesh.copies.forEach((_, at) => drawn.setColorAt(at, marked === mesh.part ? chosen : colour));

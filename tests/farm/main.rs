@@ -11,6 +11,7 @@ mod names;
 mod open;
 mod operations;
 mod orders;
+mod pictures;
 mod privilege;
 mod restore;
 mod share;

@@ -9,6 +9,7 @@ mod command;
 mod demo;
 mod history;
 mod logging;
+mod metrics;
 mod nest;
 mod outcome;
 mod reach;
@@ -112,6 +113,8 @@ enum Command {
     Backup(backup::Args),
     /// Put a backup of the ledger back; nothing that was published since is printed again
     Restore(backup::RestoreArgs),
+    /// Print the farm's numbers as Prometheus reads them
+    Metrics,
     /// Nest parts into a build file without a daemon
     Nest(Box<nest::Args>),
     /// Prove a build file on its triangles
@@ -150,6 +153,7 @@ fn dispatch(cli: &Cli) -> Result<Exit> {
         Command::Scan => command::run(common, &Order::Scan),
         Command::Backup(args) => backup::run(common, args),
         Command::Restore(args) => backup::restore(common, args),
+        Command::Metrics => metrics::run(common),
         Command::Nest(args) => nest::run(common, args),
         Command::Verify(args) => verify::run(common, args),
     }

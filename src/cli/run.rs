@@ -6,9 +6,9 @@ use anyhow::{Context, Result};
 
 use super::{Common, Exit, Usage, logging};
 use crate::{
-    access, farm,
-    settings::{self, Settings},
-    web::{self, Shared},
+    access, farm, metrics,
+    settings::{self, Settings, Shared},
+    web,
 };
 
 /// Arguments of the command.
@@ -38,6 +38,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         Ok(settings)
     };
     let outside = farm::Outside::default();
+    runtime.spawn(metrics::keep(shared.clone()));
     if let Some(web) = web {
         // A dashboard that cannot be served is told; the farm works without it.
         let outside = outside.clone();

@@ -29,7 +29,7 @@ use super::{
 };
 use crate::{
     intake::{Claim, Watcher},
-    ledger::{BuildId, Ledger, PartId},
+    ledger::{BuildId, Ledger, PartId, Refusal},
     settings::{Settings, SettingsError},
 };
 
@@ -265,7 +265,8 @@ impl Farm {
                 Ok(())
             }
             JobKey::Read(part) => {
-                let outcome = super::read::ReadOutcome::Refused(format!("The reader failed on it: {message}."));
+                let outcome =
+                    super::read::ReadOutcome::Refused(Refusal::Failure, format!("The reader failed on it: {message}."));
                 self.on_read(part, outcome).await
             }
             JobKey::Improve(name) => self.on_search_panicked(&name, message).await,

@@ -39,6 +39,7 @@ mod stations;
 mod status;
 mod tidy;
 mod trigger;
+mod watched;
 
 pub use attention::{Attention, Notice};
 pub use budget::Budget;

@@ -118,6 +118,7 @@ impl Farm {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             started_at: self.started_at,
             status: self.status_line.clone(),
+            stations: self.stations_seen(),
         };
         Ok(self.ledger.beat(&beat).await?)
     }

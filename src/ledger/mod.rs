@@ -23,8 +23,10 @@ mod place;
 mod placement;
 mod publish;
 mod record;
+mod refusal;
 mod schema;
 mod state;
+mod station;
 mod status;
 mod time;
 mod totals;
@@ -46,10 +48,12 @@ pub use outcome::{Outcome, OutcomeRow};
 pub use part::{NewPart, NewTicket, PartRow, Recorded, SolidFacts, TicketSource, Tilts};
 pub use placement::{PlacedCopy, PlacementRow};
 pub use record::TakenIn;
+pub use refusal::Refusal;
 pub use state::{BuildState, IllegalMove, PartState};
+pub use station::{StationRow, StationSeen};
 pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild};
 pub use time::Utc;
-pub use totals::{Measured, Totals};
+pub use totals::{BuildCount, Measured, Totals};
 pub use waiting::WaitingPart;
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ pub(super) struct FarmInputs {
     pub files: FileInputs,
     pub log: LogInputs,
     pub web: WebInputs,
+    pub metrics: MetricsInputs,
     pub limits: format::Limits,
     pub defaults: ProfileInputs,
 }
@@ -37,6 +38,7 @@ impl Default for FarmInputs {
             files: FileInputs::default(),
             log: LogInputs::default(),
             web: WebInputs::default(),
+            metrics: MetricsInputs::default(),
             limits: format::Limits::default(),
             defaults: ProfileInputs::default(),
         }
@@ -110,6 +112,20 @@ pub(super) struct WebInputs {
 impl Default for WebInputs {
     fn default() -> Self {
         Self { listen: "off".to_owned(), token_file: OrOff::OFF, hosts: Vec::new(), orders: true }
+    }
+}
+
+/// `[metrics]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct MetricsInputs {
+    pub textfile: OrOff<PathBuf>,
+    pub every_secs: Secs,
+}
+
+impl Default for MetricsInputs {
+    fn default() -> Self {
+        Self { textfile: OrOff::OFF, every_secs: Secs(15.0) }
     }
 }
 

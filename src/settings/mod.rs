@@ -10,6 +10,7 @@ mod judge;
 mod keep_out;
 mod load;
 mod logging;
+mod metrics;
 mod off;
 mod problem;
 mod profile;
@@ -22,9 +23,10 @@ pub use duration::parse_secs;
 pub use keep_out::KeepOut;
 pub use load::{SettingsError, load, load_to_look};
 pub use logging::{LogFormat, Logging};
+pub use metrics::MetricsFile;
 pub use problem::Problem;
 pub use profile::{Duplicates, Folders, MeshErrors, Profile, Trigger};
-pub use settings::Settings;
+pub use settings::{Settings, Shared};
 pub use web::{Listen, Web};
 
 #[cfg(test)]

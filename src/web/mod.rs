@@ -24,4 +24,4 @@ mod words;
 #[cfg(test)]
 mod tests;
 
-pub use server::{Shared, serve};
+pub use server::serve;

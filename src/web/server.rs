@@ -3,7 +3,7 @@
 use std::{
     os::unix::fs::{FileTypeExt, PermissionsExt},
     path::Path,
-    sync::{Arc, PoisonError, RwLock},
+    sync::{Arc, PoisonError},
     time::Duration,
 };
 
@@ -27,11 +27,9 @@ use super::{
 };
 use crate::{
     ledger::{Ledger, LedgerError},
-    settings::{Listen, Settings, Web as WebSettings},
+    metrics::Metrics,
+    settings::{Listen, Settings, Shared, Web as WebSettings},
 };
-
-/// The settings as the daemon read them last; a reload changes them.
-pub type Shared = Arc<RwLock<Arc<Settings>>>;
 
 /// A token shorter than this is guessed.
 const LEAST_TOKEN: usize = 16;
@@ -51,7 +49,7 @@ pub(super) struct Web {
     /// Stands in every form, so that no other site can post one.
     pub(super) form_key: String,
     pub(super) scenes: Scenes,
-    pub(super) totals: metrics::Kept,
+    pub(super) metrics: Metrics,
     pub(super) changes: watch::Sender<u64>,
 }
 
@@ -89,7 +87,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),
         scenes: Scenes::default(),
-        totals: metrics::Kept::default(),
+        metrics: Metrics::default(),
         changes: changes.clone(),
     });
     tokio::spawn(live::look(shared.clone(), changes));

@@ -7,7 +7,7 @@ use std::{
 };
 
 /// Rooms and their floors, as in `ARCHITECTURE.md`.
-const FLOORS: [(&str, u32); 14] = [
+const FLOORS: [(&str, u32); 15] = [
     ("geometry", 0),
     ("pollination", 0),
     ("nest", 1),
@@ -20,6 +20,7 @@ const FLOORS: [(&str, u32); 14] = [
     ("settings", 4),
     ("farm", 5),
     ("metrics", 5),
+    ("outbox", 5),
     ("web", 6),
     ("cli", 7),
 ];

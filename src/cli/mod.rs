@@ -11,6 +11,7 @@ mod history;
 mod logging;
 mod metrics;
 mod nest;
+mod notify;
 mod outcome;
 mod reach;
 mod run;
@@ -113,6 +114,8 @@ enum Command {
     Backup(backup::Args),
     /// Put a backup of the ledger back; nothing that was published since is printed again
     Restore(backup::RestoreArgs),
+    /// Show how far webhook and command have been told what happened, or try them out
+    Notify(notify::Args),
     /// Print the farm's numbers as Prometheus reads them
     Metrics,
     /// Nest parts into a build file without a daemon
@@ -153,6 +156,7 @@ fn dispatch(cli: &Cli) -> Result<Exit> {
         Command::Scan => command::run(common, &Order::Scan),
         Command::Backup(args) => backup::run(common, args),
         Command::Restore(args) => backup::restore(common, args),
+        Command::Notify(args) => notify::run(common, args),
         Command::Metrics => metrics::run(common),
         Command::Nest(args) => nest::run(common, args),
         Command::Verify(args) => verify::run(common, args),

@@ -10,6 +10,7 @@ mod budget;
 mod cache;
 mod claimed;
 mod clock;
+mod due;
 mod event;
 mod farm;
 mod holds;

@@ -22,6 +22,11 @@ const KINDS: [Attention; 5] = [
 ];
 
 impl Farm {
+    /// Whether a machine cannot take parts or give builds, if only for a moment.
+    pub(super) fn is_unavailable(&self, profile: &str) -> bool {
+        self.notices.all().any(|notice| notice.profile == profile && KINDS.contains(&notice.kind))
+    }
+
     /// Every machine as it stands now.
     pub(super) fn stations_seen(&self) -> Vec<StationSeen> {
         let now = Timestamp::now();

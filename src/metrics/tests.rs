@@ -225,3 +225,61 @@ fn a_file_that_node_exporter_would_not_read_is_objected_to() {
         assert!(refused.contains("nestd.toml:2: metrics."), "{refused}");
     }
 }
+
+/// Every name that begins with nestd_.
+fn names_in(document: &str) -> Vec<&str> {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let starts = document.match_indices("nestd_").map(|(at, _)| at);
+    let starts = starts.filter(|at| *at == 0 || !document[..*at].ends_with(is_name));
+    let names = starts.map(|at| document[at..].split(|c: char| !is_name(c)).next().unwrap_or_default());
+    names.filter(|name| *name != "nestd_").collect()
+}
+
+#[tokio::test]
+async fn dashboard_alerts_and_documentation_name_only_what_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = farm(folder.path(), "");
+    let ledger = lively().await;
+    beat(&ledger, "").await;
+    let text = Metrics::default().text(&ledger, &settings).await.unwrap();
+    let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let told: Vec<&str> = names_in(&text);
+    for (name, least) in [("grafana.json", 20), ("alerts.yml", 12), ("monitoring.md", 30)] {
+        let document = std::fs::read_to_string(docs.join(name)).unwrap();
+        let named = names_in(&document);
+        assert!(named.len() >= least, "{name} names only {named:?}");
+        let unknown: Vec<&&str> = named.iter().filter(|metric| !told.contains(metric)).collect();
+        assert!(unknown.is_empty(), "{name} names {unknown:?}, which nestd does not tell");
+    }
+    // And the other way round: no family without a word in the documentation.
+    let monitoring = std::fs::read_to_string(docs.join("monitoring.md")).unwrap();
+    let documented = names_in(&monitoring);
+    let families = text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split(' ').next());
+    let silent: Vec<&str> = families.filter(|family| !documented.contains(family)).collect();
+    assert!(silent.is_empty(), "docs/monitoring.md does not tell of {silent:?}");
+}
+
+#[test]
+fn the_dashboard_has_its_data_source_as_a_variable_and_no_panel_beside_another() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/grafana.json");
+    let dashboard: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    assert_eq!(dashboard["templating"]["list"][0]["type"], "datasource");
+    let mut taken = std::collections::BTreeSet::new();
+    for panel in dashboard["panels"].as_array().unwrap() {
+        assert_eq!(panel["datasource"]["uid"], "${datasource}", "{}", panel["title"]);
+        let at = |key: &str| panel["gridPos"][key].as_u64().unwrap();
+        for (x, y) in (at("x")..at("x") + at("w")).flat_map(|x| (at("y")..at("y") + at("h")).map(move |y| (x, y))) {
+            assert!(x < 24 && taken.insert((x, y)), "{} lies on another", panel["title"]);
+        }
+    }
+}
+
+#[test]
+fn the_alert_rules_are_rules_where_promtool_is_installed() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    for words in [["check", "rules", "docs/alerts.yml"], ["test", "rules", "tests/monitoring/alerts_test.yml"]] {
+        if let Ok(output) = Command::new("promtool").args(words).current_dir(root).output() {
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        }
+    }
+}

@@ -6,7 +6,7 @@ use std::{
     sync::{Arc, RwLock},
 };
 
-use super::{Folders, Logging, MetricsFile, Profile, Web};
+use super::{Folders, Logging, MetricsFile, Notify, Profile, Web};
 use crate::access::Access;
 
 /// The settings as the daemon read them last, for those who work beside the farm; a reload changes them.
@@ -43,6 +43,8 @@ pub struct Settings {
     pub web: Option<Web>,
     /// The file that holds the metrics; `None` = there is none.
     pub metrics: Option<MetricsFile>,
+    /// Who is told what happens.
+    pub notify: Notify,
     /// Machines by profile name.
     pub profiles: BTreeMap<String, Profile>,
 }

@@ -1,6 +1,9 @@
 //! The farm as its users meet it: the real binary on real folders, a real SQLite ledger and real inotify.
 #![allow(clippy::unwrap_used, clippy::print_stderr)] // a test that cannot go on fails
 
+#[path = "../hook/mod.rs"]
+mod hook;
+
 mod attention;
 mod bad_input;
 mod deep;
@@ -16,3 +19,4 @@ mod restore;
 mod share;
 mod support;
 mod triggers;
+mod watchers;

@@ -25,13 +25,19 @@ const JOURNAL_VARIABLE: &str = "JOURNAL_STREAM";
 /// When the filter is none, the log was started before, or the journal cannot be reached.
 pub fn start(logging: &Logging) -> Result<()> {
     let filter = match env::var(FILTER_VARIABLE) {
-        Ok(filter) if !filter.is_empty() => EnvFilter::try_new(filter).context(FILTER_VARIABLE)?,
-        _ => EnvFilter::try_new(&logging.filter).context("log.filter")?,
+        Ok(filter) if !filter.is_empty() => EnvFilter::try_new(quiet(&filter)).context(FILTER_VARIABLE)?,
+        _ => EnvFilter::try_new(quiet(&logging.filter)).context("log.filter")?,
     };
     tracing_subscriber::registry()
         .with(lines(logging.format)?.with_filter(filter))
         .try_init()
         .context("starting the log")
+}
+
+/// A filter in which the crate that watches folders says only what is wrong, unless the filter names it: that a folder which
+/// is gone has no watch any more is no news.
+fn quiet(filter: &str) -> String {
+    format!("notify=warn,{filter}")
 }
 
 /// What turns events into lines.

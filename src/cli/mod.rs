@@ -7,13 +7,17 @@ mod backup;
 mod check;
 mod command;
 mod demo;
+mod draft;
 mod history;
 mod logging;
+mod looked;
 mod metrics;
 mod nest;
 mod notify;
 mod outcome;
 mod reach;
+mod render;
+mod report;
 mod run;
 mod show;
 mod show_text;
@@ -21,6 +25,7 @@ mod status;
 mod table;
 mod values;
 mod verify;
+mod watch;
 
 #[cfg(test)]
 mod tests;
@@ -79,6 +84,10 @@ enum Command {
     History(history::Args),
     /// Show a build, a part or an order
     Show(show::Args),
+    /// Draw a build as a PNG
+    Render(render::Args),
+    /// Write a build as one HTML file to mail: 3D view, facts and pick map
+    Report(report::Args),
     /// Publish what waits in a profile now
     Flush {
         /// Machine profile
@@ -147,6 +156,8 @@ fn dispatch(cli: &Cli) -> Result<Exit> {
         Command::Status(args) => status::run(common, args),
         Command::History(args) => history::run(common, args),
         Command::Show(args) => show::run(common, args),
+        Command::Render(args) => render::run(common, args),
+        Command::Report(args) => report::run(common, args),
         Command::Flush { profile } => command::run(common, &Order::Flush(profile.clone())),
         Command::Pause { profile } => command::run(common, &Order::Pause(profile.clone())),
         Command::Resume { profile } => command::run(common, &Order::Resume(profile.clone())),

@@ -1,5 +1,7 @@
 //! `nestd show`: a build, a part or an order, with everything that the ledger knows of it.
 
+use std::collections::BTreeSet;
+
 use anyhow::Result;
 use serde::Serialize;
 
@@ -167,6 +169,14 @@ pub async fn look(ledger: &Ledger, wanted: &Wanted) -> Result<Found> {
         }
     }
     Ok(found)
+}
+
+/// The builds that hold copies of the orders and parts that are wanted.
+pub async fn builds_named(ledger: &Ledger, wanted: &Wanted) -> Result<Vec<BuildId>> {
+    let found = look(ledger, &Wanted { build: None, ..wanted.clone() }).await?;
+    let sheets = found.part.iter().chain(&found.order).chain(&found.named);
+    let builds: BTreeSet<BuildId> = sheets.flat_map(|sheet| sheet.placements.iter().map(|p| p.build_id)).collect();
+    Ok(builds.into_iter().collect())
 }
 
 async fn build_sheet(ledger: &Ledger, id: BuildId) -> Result<Option<BuildSheet>> {

@@ -29,14 +29,6 @@ pub fn found(found: &Found) -> String {
     sheets.join("\n")
 }
 
-/// Name of a part with that of its solid.
-pub fn full_name(part: &PartRow) -> String {
-    match part.object_name.as_str() {
-        "" => part.name.clone(),
-        object => format!("{} ({object})", part.name),
-    }
-}
-
 fn build(sheet: &BuildSheet) -> String {
     let row = &sheet.build;
     let mut lines = build_lines(sheet);
@@ -133,7 +125,7 @@ fn parts_in_build(sheet: &BuildSheet) -> Table {
         let here = sheet.placements.iter().filter(|p| p.part_id == part.id).count();
         table.row(vec![
             part.id.to_string(),
-            full_name(part),
+            part.full_name(),
             text(&part.order_name),
             part.state.to_string(),
             here.to_string(),
@@ -148,7 +140,7 @@ fn parts_that_wait(waiting: &[Waits]) -> Table {
     let mut table = Table::new(&[">PART", "NAME", "ORDER", ">COPIES WAITING", ">OF"]);
     for Waits { part, copies } in waiting {
         let of = part.copies.to_string();
-        table.row(vec![part.id.to_string(), full_name(part), text(&part.order_name), copies.to_string(), of]);
+        table.row(vec![part.id.to_string(), part.full_name(), text(&part.order_name), copies.to_string(), of]);
     }
     table
 }
@@ -176,7 +168,7 @@ fn part(sheet: &PartSheet) -> String {
         [("note", row.note.clone()), ("reason", row.reason.clone())].into_iter().filter(|(_, t)| !t.is_empty()),
     );
     lines.extend(row.warnings.lines().map(|warning| ("warning", warning.to_owned())));
-    format!("Part {}, {}: {}\n{}{}", row.id, full_name(row), row.state, aligned(&lines), events(&sheet.events))
+    format!("Part {}, {}: {}\n{}{}", row.id, row.full_name(), row.state, aligned(&lines), events(&sheet.events))
 }
 
 fn orientation(row: &PartRow) -> String {
@@ -201,7 +193,7 @@ fn parts(sheets: &[PartSheet]) -> Table {
         let published = sheet.placements.iter().filter(|p| p.published_at.is_some()).count();
         table.row(vec![
             part.id.to_string(),
-            full_name(part),
+            part.full_name(),
             part.profile.clone(),
             part.state.to_string(),
             part.copies.to_string(),

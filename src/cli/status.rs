@@ -8,11 +8,13 @@ use super::{
     Common, Exit,
     reach::{age, brief, over, settings_to_look},
     table::{Table, copies, number, say, say_json, text},
+    watch::watch,
 };
 use crate::{
     farm::{self, Notice},
     intake,
     ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
+    settings::Settings,
 };
 
 /// So many rejected parts are listed; `show` finds the older ones.
@@ -24,6 +26,9 @@ pub struct Args {
     /// Also list the parts that are claimed, waiting, batched or rejected, with their numbers
     #[arg(long)]
     parts: bool,
+    /// Redraw in place every 2 s on a terminal; Ctrl-C ends it
+    #[arg(long, conflicts_with = "json")]
+    watch: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -56,12 +61,21 @@ struct Machine {
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let settings = settings_to_look(common)?;
+    if args.watch {
+        watch(|| {
+            let attention = farm::kept_notices(&settings.state_dir);
+            let status = looked(settings.clone(), args.parts);
+            // The ledger itself may be what needs a person.
+            let status = status.map_err(|error| match attention_text(&attention) {
+                text if text.is_empty() => error,
+                text => anyhow::anyhow!("{error:#}\n\n{text}"),
+            })?;
+            Ok(FarmStatus { attention, ..status }.print(Timestamp::now()))
+        })?;
+        return Ok(Exit::Success);
+    }
     let attention = farm::kept_notices(&settings.state_dir);
-    let status = over(settings, async |settings, ledger| {
-        let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-        look(ledger, &names, args.parts).await
-    });
-    let status = match status {
+    let status = match looked(settings, args.parts) {
         Ok(status) => FarmStatus { attention, ..status },
         Err(error) => {
             // The ledger itself may be what needs a person.
@@ -78,6 +92,14 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         false => say(&status.print(Timestamp::now()))?,
     }
     Ok(Exit::Success)
+}
+
+/// Asks the ledger of a farm.
+fn looked(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
+    over(settings, async |settings, ledger| {
+        let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
+        look(ledger, &names, with_parts).await
+    })
 }
 
 /// Asks the ledger; `configured` are the profiles of the settings.
@@ -225,7 +247,7 @@ fn parts_table(parts: &[PartRow]) -> Table {
             part.copies.to_string(),
             part.priority.to_string(),
             text(&part.order_name),
-            super::show_text::full_name(part),
+            part.full_name(),
             text(if part.reason.is_empty() { &part.warnings } else { &part.reason }).replace('\n', "; "),
         ]);
     }

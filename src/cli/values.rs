@@ -4,12 +4,22 @@ use glam::DVec3;
 
 use crate::nest::Margins;
 
+/// Longest side of a picture, pixels; half a gigabyte is needed to draw the largest.
+const MOST_PIXELS: u32 = 4096;
+
 /// `380x284x380`.
 pub(super) fn volume(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
     let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
     size.filter(|s| s.is_finite() && s.min_element() > 0.0)
         .ok_or_else(|| "wants three sizes, e.g. 380x284x380".to_owned())
+}
+
+/// Width and height of a picture: `1024x768`.
+pub(super) fn pixels(text: &str) -> Result<(u32, u32), String> {
+    let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MOST_PIXELS).contains(side));
+    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| side(width).zip(side(height)));
+    sides.ok_or_else(|| format!("wants width and height, 1 to {MOST_PIXELS} pixels each, e.g. 1024x768"))
 }
 
 /// A share of a whole: above 0, at most 1.

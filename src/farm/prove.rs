@@ -12,7 +12,7 @@ use super::{
     nest::Nested,
 };
 use crate::{
-    format::{self, BuildFile, BuildItem, BuildObject, Limits, PlacedMesh},
+    format::{self, BuildFile, BuildItem, BuildObject, Drawn, Limits, PlacedMesh, Viewpoint},
     geometry::{Mesh, Pose},
     ledger::{self, BuildRow, Verified},
     nest::{self, Body, LayerAreas, Proof, Separability},
@@ -181,9 +181,10 @@ fn describe(order: &WriteOrder, nested: &Nested) -> BuildFile {
     description
 }
 
-fn picture(build: &BuildFile, (width, height): (u32, u32)) -> Vec<u8> {
-    let bodies: Vec<(&Mesh, Pose)> = build.items.iter().map(|i| (&*build.objects[i.object].mesh, i.pose)).collect();
-    format::picture(&bodies, build.volume_mm, width, height)
+fn picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
+    let drawn = |i: &BuildItem| Drawn { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
+    let bodies: Vec<Drawn> = build.items.iter().map(drawn).collect();
+    format::picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
 }
 
 /// Reads the written file back and proves it: walls, clearance, containment, orientation, every copy exactly once, and that

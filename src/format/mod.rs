@@ -1,10 +1,12 @@
 //! Bytes <-> meshes: STL and 3MF in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
 
+mod lettering;
 mod picture;
 mod raster;
+mod shade;
 mod unit;
 
-pub use picture::picture;
+pub use picture::{Drawn, Viewpoint, picture};
 pub use unit::Unit;
 
 mod limits;

@@ -1,55 +1,142 @@
-//! The picture of a build: shaded bodies in the build volume's wire box, as a PNG. The same bodies give the same bytes.
+//! The picture of a build: shaded bodies in the build volume's wire box with the height, as a PNG. The same bodies give the
+//! same bytes.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
-use super::raster::{Canvas, NOTHING, View};
+use super::{
+    lettering,
+    raster::{Canvas, View},
+    shade::{TAG_FLOOR, TAG_INK, TAG_WIRE, body_tag, colour, resolve},
+};
 use crate::geometry::{Mesh, Pose};
 
-/// Samples per pixel along each axis; four samples smooth an edge well enough.
-const SUPERSAMPLING: usize = 2;
-/// The eye stands in front of the machine, a little to its right and above.
-const FORWARD: DVec3 = DVec3::new(-0.55, 1.0, -0.62);
+/// Samples that a picture may have while it is drawn, about: small ones are smoothed more.
+const SAMPLES: usize = 8 << 20;
+/// Samples per pixel along each axis: at least, at most.
+const FINE: (usize, usize) = (2, 4);
 /// Direction to the light, from the upper left behind the eye.
 const LIGHT: DVec3 = DVec3::new(-0.35, -0.75, 1.0);
 /// Share of the picture that stays free on each side.
 const MARGIN: f64 = 0.03;
-const BACKGROUND: Vec3 = Vec3::new(250.0, 250.0, 248.0);
-const FLOOR: Vec3 = Vec3::new(226.0, 229.0, 233.0);
-const WIRE: Vec3 = Vec3::new(120.0, 128.0, 140.0);
-/// Brightness of the lines that set one body off against the next.
-const CONTOUR: f32 = 0.45;
-/// The line around the build at its height.
-const HEIGHT_LINE: Vec3 = Vec3::new(214.0, 84.0, 60.0);
+/// Height of digits as a share of the picture's height, and in pixels at least and at most.
+const DIGITS: (f64, f64, f64) = (0.028, 7.0, 48.0);
+/// Least height of a picture with something written in it, pixels.
+const LEAST_WRITTEN: usize = 90;
 
-/// Tags below are colours of their own; body tags are `FIRST_BODY + (body << 8 | brightness)`.
-const TAG_FLOOR: u32 = 0;
-const TAG_WIRE: u32 = 1;
-const TAG_HEIGHT: u32 = 2;
-const FIRST_BODY: u32 = 256;
-/// Bodies beyond so many take the colours from the start again.
-const MAX_COLOURS: usize = 1 << 16;
+/// Where a build is looked at from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Viewpoint {
+    /// From in front of the machine, a little to its right and above.
+    #[default]
+    Iso,
+    /// From above; the machine's front is at the bottom.
+    Top,
+    /// From the front.
+    Front,
+}
 
-/// Draws bodies that stand in a build volume from the origin to `volume_mm`: each body in a colour of its own, the
-/// volume's edges, and a line around the top of the highest body. `width` and `height` are pixels, at least 1.
-/// The answer is a PNG.
-pub fn picture(bodies: &[(&Mesh, Pose)], volume_mm: DVec3, width: u32, height: u32) -> Vec<u8> {
-    let (width, height) = (width.max(1) as usize, height.max(1) as usize);
-    let mut canvas = Canvas::new(width * SUPERSAMPLING, height * SUPERSAMPLING);
-    let corners: Vec<DVec3> = (0..8).map(|c| corner(c, volume_mm)).collect();
-    let view = View::fit(FORWARD, &corners, canvas.width, canvas.height, MARGIN);
-    draw_floor(&mut canvas, &view, volume_mm);
-    let mut top_mm = 0.0;
-    for (index, (mesh, pose)) in bodies.iter().enumerate() {
-        top_mm = draw_body(&mut canvas, &view, mesh, pose, index).max(top_mm);
+impl Viewpoint {
+    /// Where the eye looks, and what is up in the picture.
+    fn directions(self) -> (DVec3, DVec3) {
+        match self {
+            Self::Iso => (DVec3::new(-0.55, 1.0, -0.62), DVec3::Z),
+            Self::Top => (-DVec3::Z, DVec3::Y),
+            Self::Front => (DVec3::Y, DVec3::Z),
+        }
     }
-    draw_wires(&mut canvas, &view, volume_mm, top_mm);
-    encode(&resolve(&canvas), width, height)
+}
+
+/// A body in a picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Drawn<'a> {
+    /// In mm, in its own frame.
+    pub mesh: &'a Mesh,
+    /// Mesh frame -> machine frame, mm.
+    pub pose: Pose,
+    /// Bodies of one kind (the copies of a part) have one colour.
+    pub kind: usize,
+}
+
+/// Draws bodies that stand in a build volume from the origin to `volume_mm`: each kind in a colour of its own, the volume's
+/// edges, a dashed line around the top of the highest body, and how high that is. `size` is width and height, pixels, at
+/// least 1. The answer is a PNG.
+pub fn picture(bodies: &[Drawn], volume_mm: DVec3, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
+    let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
+    let fine = (SAMPLES / (width * height)).isqrt().clamp(FINE.0, FINE.1);
+    let top_mm = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose).max.z).fold(0.0, f64::max);
+    let has_line = viewpoint != Viewpoint::Top;
+    let caption = Caption::new(&height_in_words(top_mm, volume_mm.z), has_line, (width, height), fine);
+    let mut canvas = Canvas::new(width * fine, height * fine);
+    let corners: Vec<DVec3> = (0..8).map(|c| corner(c, volume_mm)).collect();
+    let (forward, up) = viewpoint.directions();
+    let free = canvas.height - caption.as_ref().map_or(0, |caption| caption.strip);
+    let view = View::fit(forward, up, &corners, canvas.width, free, MARGIN);
+    draw_floor(&mut canvas, &view, volume_mm);
+    for (index, body) in bodies.iter().enumerate() {
+        draw_body(&mut canvas, &view, forward, body, index);
+    }
+    draw_wires(&mut canvas, &view, volume_mm, fine);
+    if top_mm > 0.0 && has_line {
+        draw_height(&mut canvas, &view, volume_mm.with_z(top_mm), fine);
+    }
+    if let Some(caption) = caption.filter(|_| top_mm > 0.0) {
+        caption.draw(&mut canvas, fine);
+    }
+    let colours: Vec<Vec3> = bodies.iter().map(|body| colour(body.kind)).collect();
+    encode(&resolve(&canvas, &colours, fine), width, height)
+}
+
+/// "84.0 mm of 300 mm".
+fn height_in_words(top_mm: f64, volume_z_mm: f64) -> String {
+    format!("{top_mm:.1} mm of {volume_z_mm:.0} mm")
+}
+
+/// What is written below the picture; all lengths in samples.
+struct Caption {
+    text: String,
+    digits: f32,
+    /// Length of the piece of the height line before the text, and of the gap after it; 0 = without.
+    sign: f32,
+    gap: f32,
+    /// Height of what is kept free for it.
+    strip: usize,
+}
+
+impl Caption {
+    /// `None` where there is no room for it.
+    fn new(text: &str, with_sign: bool, (width, height): (usize, usize), fine: usize) -> Option<Self> {
+        let digits = (DIGITS.0 * height as f64).clamp(DIGITS.1, DIGITS.2) as f32 * fine as f32;
+        let (sign, gap) = if with_sign { (2.5 * digits, 0.7 * digits) } else { (0.0, 0.0) };
+        let caption = Self { text: text.to_owned(), digits, sign, gap, strip: (2.2 * digits) as usize };
+        (height >= LEAST_WRITTEN && caption.width() < 0.96 * (width * fine) as f32).then_some(caption)
+    }
+
+    fn width(&self) -> f32 {
+        self.sign + self.gap + lettering::width(&self.text, self.digits)
+    }
+
+    fn draw(&self, canvas: &mut Canvas, fine: usize) {
+        let foot = canvas.height as f32 - 0.9 * self.digits;
+        let left = 0.5 * (canvas.width as f32 - self.width());
+        if self.sign > 0.0 {
+            let middle = foot - 0.45 * self.digits;
+            let (from, to) = (Vec2::new(left, middle), Vec2::new(left + self.sign, middle));
+            canvas.dashes(from.extend(f32::MIN), to.extend(f32::MIN), fine, 0.0, TAG_INK);
+        }
+        let start = Vec2::new(left + self.sign + self.gap, foot - self.digits);
+        lettering::write(canvas, &self.text, start, self.digits, TAG_INK);
+    }
 }
 
 /// Corner `index` (bits x, y, z) of a box from the origin.
 fn corner(index: usize, size: DVec3) -> DVec3 {
     let side = |bit: usize, length: f64| if index >> bit & 1 == 1 { length } else { 0.0 };
     DVec3::new(side(0, size.x), side(1, size.y), side(2, size.z))
+}
+
+/// The twelve edges of a box from the origin, as numbers of their corners.
+fn edges() -> impl Iterator<Item = (usize, usize)> {
+    (0..8usize).flat_map(|from| [1, 2, 4].map(|bit| (from, from | bit))).filter(|(from, to)| from != to)
 }
 
 fn draw_floor(canvas: &mut Canvas, view: &View, volume_mm: DVec3) {
@@ -59,88 +146,37 @@ fn draw_floor(canvas: &mut Canvas, view: &View, volume_mm: DVec3) {
     canvas.triangle([a, c, d], TAG_FLOOR);
 }
 
-/// Draws a body and returns its top, mm.
-fn draw_body(canvas: &mut Canvas, view: &View, mesh: &Mesh, pose: &Pose, index: usize) -> f64 {
+fn draw_body(canvas: &mut Canvas, view: &View, forward: DVec3, body: &Drawn, index: usize) {
     let light = LIGHT.normalize();
-    let placed: Vec<DVec3> = mesh.vertices().iter().map(|&v| pose.point(v)).collect();
+    let placed: Vec<DVec3> = body.mesh.vertices().iter().map(|&v| body.pose.point(v)).collect();
     let projected: Vec<Vec3> = placed.iter().map(|&p| view.project(p)).collect();
-    let tag = FIRST_BODY + (((index % MAX_COLOURS) as u32) << 8);
-    for corners in mesh.triangles() {
+    for corners in body.mesh.triangles() {
         let [a, b, c] = corners.map(|v| placed[v as usize]);
         let normal = (b - a).cross(c - a);
         // What faces away is hidden by what faces the eye.
-        if normal.dot(FORWARD) < 0.0 {
+        if normal.dot(forward) < 0.0 {
             let lit = normal.normalize_or_zero().dot(light);
             // Half-Lambert: also what the light misses keeps its shape.
-            let brightness = 0.34 + 0.66 * (0.5 + 0.5 * lit).powi(2);
-            canvas.triangle(corners.map(|v| projected[v as usize]), tag + (255.0 * brightness) as u32);
-        }
-    }
-    placed.iter().map(|p| p.z).fold(0.0, f64::max)
-}
-
-/// The volume's twelve edges and the line at the build's height.
-fn draw_wires(canvas: &mut Canvas, view: &View, volume_mm: DVec3, top_mm: f64) {
-    let edges = |size: DVec3, at: &mut dyn FnMut(usize, usize, Vec3, Vec3)| {
-        for from in 0..8usize {
-            for to in [1, 2, 4].map(|bit| from | bit).into_iter().filter(|&to| to != from) {
-                at(from, to, view.project(corner(from, size)), view.project(corner(to, size)));
-            }
-        }
-    };
-    if top_mm > 0.0 {
-        let mut line = |from, to, a, b| {
-            if from & to & 4 == 4 {
-                canvas.line(a, b, SUPERSAMPLING, 0.02, TAG_HEIGHT);
-            }
-        };
-        edges(volume_mm.with_z(top_mm), &mut line);
-    }
-    edges(volume_mm, &mut |_, _, a, b| canvas.line(a, b, SUPERSAMPLING, 0.01, TAG_WIRE));
-}
-
-/// Averages the samples of each pixel into RGB.
-fn resolve(canvas: &Canvas) -> Vec<u8> {
-    let (width, height) = (canvas.width / SUPERSAMPLING, canvas.height / SUPERSAMPLING);
-    let bodies = canvas.tags.iter().filter(|&&t| t >= FIRST_BODY && t != NOTHING).map(|t| (t >> 8) as usize).max();
-    let colours: Vec<Vec3> = (0..bodies.unwrap_or(0)).map(body_colour).collect();
-    let mut pixels = Vec::with_capacity(3 * width * height);
-    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let mut sum = Vec3::ZERO;
-        for (dy, dx) in (0..SUPERSAMPLING).flat_map(|dy| (0..SUPERSAMPLING).map(move |dx| (dy, dx))) {
-            sum += sample_colour(canvas, &colours, x * SUPERSAMPLING + dx, y * SUPERSAMPLING + dy);
-        }
-        let mean = sum / (SUPERSAMPLING * SUPERSAMPLING) as f32;
-        pixels.extend(mean.to_array().map(|c| c.round().clamp(0.0, 255.0) as u8));
-    }
-    pixels
-}
-
-fn sample_colour(canvas: &Canvas, colours: &[Vec3], x: usize, y: usize) -> Vec3 {
-    let at = y * canvas.width + x;
-    match canvas.tags[at] {
-        NOTHING => BACKGROUND,
-        TAG_FLOOR => FLOOR,
-        TAG_WIRE => WIRE,
-        TAG_HEIGHT => HEIGHT_LINE,
-        tag => {
-            let brightness = (tag & 255) as f32 / 255.0;
-            let differs = |other: usize| canvas.tags[other] >> 8 != tag >> 8;
-            let contour = (x > 0 && differs(at - 1)) || (y > 0 && differs(at - canvas.width));
-            colours[(tag >> 8) as usize - 1] * brightness * if contour { CONTOUR } else { 1.0 }
+            let brightness = 0.42 + 0.58 * (0.5 + 0.5 * lit).powi(2);
+            canvas.triangle(corners.map(|v| projected[v as usize]), body_tag(index, brightness));
         }
     }
 }
 
-/// Friendly colours that neighbours in the list do not share: hues a golden angle apart, in three strengths.
-fn body_colour(index: usize) -> Vec3 {
-    let hue = 6.0 * (0.58 + index as f32 * 0.618_034).fract();
-    let (saturation, value) = [(0.42, 255.0), (0.52, 238.0), (0.30, 248.0)][index % 3];
-    let channel = |offset: f32| {
-        let k = (offset + hue) % 6.0;
-        value * (1.0 - saturation * k.min(4.0 - k).clamp(0.0, 1.0))
-    };
-    Vec3::new(channel(5.0), channel(3.0), channel(1.0))
+/// The volume's twelve edges.
+fn draw_wires(canvas: &mut Canvas, view: &View, volume_mm: DVec3, thick: usize) {
+    for (from, to) in edges() {
+        let [from, to] = [from, to].map(|c| view.project(corner(c, volume_mm)));
+        canvas.line(from, to, thick, 0.01, TAG_WIRE);
+    }
+}
+
+/// The line around the volume at the build's height.
+fn draw_height(canvas: &mut Canvas, view: &View, build_mm: DVec3, thick: usize) {
+    for (from, to) in edges().filter(|(from, to)| from & to & 4 == 4) {
+        let [from, to] = [from, to].map(|c| view.project(corner(c, build_mm)));
+        canvas.dashes(from, to, thick, 0.02, TAG_INK);
+    }
 }
 
 /// 8-bit RGB as a PNG.
@@ -156,70 +192,5 @@ fn encode(rgb: &[u8], width: usize, height: usize) -> Vec<u8> {
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::DQuat;
-
-    use super::*;
-    use crate::samples;
-
-    /// Decoded RGB of a PNG.
-    fn decode(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        let info = reader.next_frame(&mut pixels).unwrap();
-        (info.width, info.height, pixels)
-    }
-
-    fn box_at(z: f64) -> (Mesh, Pose) {
-        let pose = Pose::new(DQuat::IDENTITY, DVec3::new(20.0, 20.0, z));
-        (samples::cuboid(DVec3::splat(60.0)), pose)
-    }
-
-    #[test]
-    fn a_body_covers_the_floor_and_leaves_the_corners_empty() {
-        let (mesh, pose) = box_at(0.0);
-        let (width, height, pixels) = decode(&picture(&[(&mesh, pose)], DVec3::splat(100.0), 120, 90));
-        assert_eq!((width, height), (120, 90));
-        let is = |rgb: &[u8], colour: Vec3| rgb.iter().zip(colour.to_array()).all(|(&c, k)| f32::from(c) == k);
-        assert!(is(&pixels[..3], BACKGROUND) && is(&pixels[pixels.len() - 3..], BACKGROUND));
-        let counted = |colour| pixels.chunks(3).filter(|rgb| is(rgb, colour)).count();
-        let empty = decode(&picture(&[], DVec3::splat(100.0), 120, 90)).2;
-        let floor_before = empty.chunks(3).filter(|rgb| is(rgb, FLOOR)).count();
-        assert!(counted(FLOOR) + 200 < floor_before, "{} of {floor_before}", counted(FLOOR));
-    }
-
-    #[test]
-    fn the_nearer_body_hides_the_farther_one_whatever_their_order() {
-        let (front, back) = (
-            Pose::new(DQuat::IDENTITY, DVec3::new(20.0, 0.0, 0.0)),
-            Pose::new(DQuat::IDENTITY, DVec3::new(20.0, 70.0, 0.0)),
-        );
-        let mesh = samples::cuboid(DVec3::new(60.0, 20.0, 90.0));
-        let draw = |order: [Pose; 2]| {
-            let mut canvas = Canvas::new(100, 100);
-            let view = View::fit(FORWARD, &[DVec3::ZERO, DVec3::splat(100.0)], 100, 100, 0.0);
-            order.iter().enumerate().for_each(|(i, pose)| _ = draw_body(&mut canvas, &view, &mesh, pose, i));
-            let count = |body: u32| canvas.tags.iter().filter(|&&t| t != NOTHING && t >> 8 == body + 1).count();
-            (count(0), count(1))
-        };
-        let (front_first, back_second) = draw([front, back]);
-        let (back_first, front_second) = draw([back, front]);
-        assert_eq!((front_first, back_second), (front_second, back_first));
-        assert!(front_first > back_first);
-    }
-
-    #[test]
-    fn the_same_bodies_give_the_same_bytes() {
-        let (mesh, pose) = box_at(3.0);
-        let draw = || picture(&[(&mesh, pose)], DVec3::new(100.0, 100.0, 200.0), 160, 120);
-        assert_eq!(draw(), draw());
-    }
-
-    #[test]
-    fn a_body_outside_the_picture_and_an_empty_build_do_no_harm() {
-        let mesh = samples::ring(40.0, 28.0, 8.0);
-        let far = Pose::new(DQuat::from_rotation_x(0.4), DVec3::splat(-500.0));
-        assert!(!picture(&[(&mesh, far)], DVec3::splat(50.0), 64, 64).is_empty());
-        assert!(!picture(&[], DVec3::splat(50.0), 1, 1).is_empty());
-    }
-}
+#[path = "picture_tests.rs"]
+mod tests;

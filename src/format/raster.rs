@@ -16,11 +16,11 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Looks along `forward` (z is up in the picture) with all of `points` inside `width` x `height` samples, less a
-    /// margin given as a share of the canvas.
-    pub(super) fn fit(forward: DVec3, points: &[DVec3], width: usize, height: usize, margin: f64) -> Self {
+    /// Looks along `forward` (`up` is up in the picture) with all of `points` inside the upper `width` x `height` samples,
+    /// less a margin given as a share of them.
+    pub(super) fn fit(forward: DVec3, up: DVec3, points: &[DVec3], width: usize, height: usize, margin: f64) -> Self {
         let forward = forward.normalize();
-        let right = forward.cross(DVec3::Z).normalize();
+        let right = forward.cross(up).normalize();
         let up = right.cross(forward);
         let span = |axis: DVec3| {
             let along = points.iter().map(|p| p.dot(axis));
@@ -102,15 +102,35 @@ impl Canvas {
         }
     }
 
-    /// Draws a projected line `thick` samples wide, `nearer` mm in front of where it is.
+    /// How far away every sample is, mm; infinite where nothing is.
+    pub(super) fn depths(&self) -> impl Iterator<Item = f32> {
+        self.depth.iter().copied()
+    }
+
+    /// How far away a sample is, mm.
+    pub(super) fn depth(&self, at: usize) -> f32 {
+        self.depth[at]
+    }
+
+    /// A [`Canvas::line`] in dashes that are five times as long as thick.
+    pub(super) fn dashes(&mut self, from: Vec3, to: Vec3, thick: usize, nearer: f32, tag: u32) {
+        let dashes = (((to - from).truncate().length() / (8.0 * thick as f32)).round()).max(1.0);
+        for dash in 0..dashes as usize {
+            let share = |part: f32| from.lerp(to, (dash as f32 + part) / dashes);
+            self.line(share(0.2), share(0.8), thick, nearer, tag);
+        }
+    }
+
+    /// Draws a projected line with a round pen `thick` samples wide, `nearer` mm in front of where it is.
     pub(super) fn line(&mut self, from: Vec3, to: Vec3, thick: usize, nearer: f32, tag: u32) {
         let steps = (to - from).truncate().abs().max_element().ceil().max(1.0) as usize;
         for step in 0..=steps {
             let p = from.lerp(to, step as f32 / steps as f32);
-            let corner = p.truncate() - (thick as f32 - 1.0) / 2.0;
+            let (radius, corner) = (0.5 * thick as f32, p.truncate() - (thick as f32 - 1.0) / 2.0);
             for (dx, dy) in (0..thick).flat_map(|dx| (0..thick).map(move |dy| (dx, dy))) {
                 let (x, y) = (corner.x + dx as f32, corner.y + dy as f32);
-                if x >= 0.0 && y >= 0.0 && (x as usize) < self.width && (y as usize) < self.height {
+                let is_round = thick < 3 || Vec2::new(x, y).distance(p.truncate()) <= radius;
+                if is_round && x >= 0.0 && y >= 0.0 && (x as usize) < self.width && (y as usize) < self.height {
                     self.put(y as usize * self.width + x as usize, p.z - nearer, tag);
                 }
             }

@@ -127,3 +127,60 @@ impl<'a> Beside<'a> {
         self.lists.get(part.parent()?).copied()
     }
 }
+
+/// What could not be looked at: parts to which it may belong must wait, or they would be printed in guessed numbers.
+#[derive(Debug, Default)]
+pub(super) struct Unseen {
+    /// Folders of order lists.
+    folders: HashSet<PathBuf>,
+    /// Parts that a ticket may call so, in full or in short.
+    names: HashSet<PathBuf>,
+    /// Short names of parts: a ticket that is seen may be theirs.
+    short_names: HashSet<PathBuf>,
+}
+
+impl Unseen {
+    /// Of things that are there, but could not be looked at.
+    pub fn of<'a>(paths: impl Iterator<Item = &'a Path>) -> Self {
+        let mut unseen = Self::default();
+        for path in paths {
+            match role(path) {
+                Role::List => _ = unseen.folders.insert(path.parent().unwrap_or(Path::new("")).to_owned()),
+                Role::Ticket { part } => _ = unseen.names.insert(part),
+                Role::Part => unseen.short_names.extend(short_name(path)),
+            }
+        }
+        unseen
+    }
+
+    /// Whether some of it may belong to a part.
+    pub fn may_belong_to(&self, part: &Path) -> bool {
+        let short = short_name(part);
+        let is_in = |names: &HashSet<PathBuf>| short.as_ref().is_some_and(|short| names.contains(short));
+        part.parent().is_some_and(|folder| self.folders.contains(folder))
+            || self.names.contains(part)
+            || is_in(&self.names)
+            || is_in(&self.short_names)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_waits_as_long_as_its_ticket_or_list_cannot_be_looked_at_and_no_other_part_does() {
+        let waits =
+            |unseen: &str, part: &str| Unseen::of(std::iter::once(Path::new(unseen))).may_belong_to(Path::new(part));
+        for unseen in
+            ["in/ring.stl.toml", "in/ring.stl.JSON", "in/ring.toml", "in/order.csv", "in/Order.CSV", "in/ring.3mf"]
+        {
+            assert!(waits(unseen, "in/ring.stl"), "{unseen}");
+        }
+        for unseen in
+            ["in/plate.stl.toml", "in/kit/ring.stl.toml", "in/kit/order.csv", "in/notes", "in/plate.stl", "in/kit"]
+        {
+            assert!(!waits(unseen, "in/ring.stl"), "{unseen}");
+        }
+    }
+}

@@ -10,6 +10,7 @@ use std::{
 use thiserror::Error;
 
 use super::{
+    beside::Unseen,
     disk,
     ignore::{is_ignored, is_own},
     name::order_name,
@@ -75,9 +76,10 @@ impl Default for ScanLimits {
 /// What a scan found.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Listing {
-    /// What stands in the hot folder and is not ignored, sorted by path.
+    /// What stands in the hot folder and is not ignored, sorted by path; without parts whose ticket or list may be among the
+    /// troubles.
     pub seen: Vec<Seen>,
-    /// Sub-folders that could not be listed, each with the reason in plain words.
+    /// Sub-folders that could not be listed and things that could not be looked at, each with the reason in plain words.
     pub troubles: Vec<(PathBuf, String)>,
 }
 
@@ -141,6 +143,9 @@ pub fn scan(inbox: &Path, limits: ScanLimits) -> Result<Listing, ScanError> {
     if root_dev(inbox)? != dev {
         return Err(unavailable(inbox, "its file system changed while it was listed", None));
     }
+    // A ticket that cannot be looked at now is there all the same: its part waits for it.
+    let unseen = Unseen::of(walk.listing.troubles.iter().map(|(path, _)| path.as_path()));
+    walk.listing.seen.retain(|one| !unseen.may_belong_to(&one.path));
     walk.listing.seen.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(walk.listing)
 }

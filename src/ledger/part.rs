@@ -181,6 +181,14 @@ pub struct PartRow {
 }
 
 impl PartRow {
+    /// Name of the part with that of its solid.
+    pub fn full_name(&self) -> String {
+        match self.object_name.as_str() {
+            "" => self.name.clone(),
+            object => format!("{} ({object})", self.name),
+        }
+    }
+
     /// How it may be turned, whole.
     pub fn turning(&self) -> Orientation {
         Orientation { rule: self.orientation, tilts: self.tilts.0.clone() }
@@ -248,6 +256,12 @@ impl Ledger {
     /// All parts of a file name as dropped, oldest first.
     pub async fn parts_named(&self, name: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE name = ? ORDER BY id").bind(name);
+        Ok(query.fetch_all(self.reader()).await?)
+    }
+
+    /// All parts of the same content, whatever they are called.
+    pub async fn parts_of_content(&self, hash: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as("SELECT * FROM part WHERE content_hash = ? ORDER BY id").bind(hash);
         Ok(query.fetch_all(self.reader()).await?)
     }
 

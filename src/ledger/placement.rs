@@ -1,9 +1,11 @@
 //! Placements: which copy of which part is in which build, and how it stands there.
 
+use glam::{DQuat, DVec3};
 use serde::Serialize;
 use sqlx::FromRow;
 
 use super::{BuildId, BuildState, Ledger, PartId, Utc, error::Result};
+use crate::geometry::Pose;
 
 /// A copy with its pose in a proved build.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +47,14 @@ pub struct PlacementRow {
     pub ty_mm: Option<f64>,
     /// Translation along z, mm.
     pub tz_mm: Option<f64>,
+}
+
+impl PlacementRow {
+    /// How the copy stands, mesh frame -> machine frame; `None` until the build is verified.
+    pub fn pose(&self) -> Option<Pose> {
+        let turn = DQuat::from_xyzw(self.qx?, self.qy?, self.qz?, self.qw?);
+        Some(Pose::new(turn, DVec3::new(self.tx_mm?, self.ty_mm?, self.tz_mm?)))
+    }
 }
 
 impl Ledger {

@@ -17,7 +17,7 @@ use super::{
     server::Web,
 };
 use crate::{
-    farm::fires_at,
+    farm::{fires_at, kept_notices, notice_in_json},
     ledger::{
         BuildId, BuildRow, DaemonRow, EventRow, HistoryRow, OutcomeRow, PartId, PartRow, PlacementRow, ProfileStatus,
     },
@@ -27,6 +27,8 @@ use crate::{
 #[derive(Serialize)]
 pub(super) struct Farm {
     daemon: Option<DaemonRow>,
+    /// What a person must see to.
+    needs_a_person: Vec<serde_json::Value>,
     profiles: Vec<Machine>,
 }
 
@@ -72,7 +74,8 @@ pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
         }
     };
     let profiles = settings.profiles.iter().map(machine).collect();
-    Ok(Json(Farm { daemon: web.ledger.daemon().await?, profiles }))
+    let needs_a_person = kept_notices(&settings.state_dir).iter().map(notice_in_json).collect();
+    Ok(Json(Farm { daemon: web.ledger.daemon().await?, needs_a_person, profiles }))
 }
 
 /// The history, filtered as the page is.

@@ -1,13 +1,8 @@
-//! A build: what is in the cake, to look at from all sides, and the pick map for breaking it out.
+//! A build: what is in the cake, to look at from all sides.
 
-use std::sync::Arc;
+use std::{path, sync::Arc};
 
-use anyhow::Context;
-use axum::{
-    extract::{Path, State},
-    http::header,
-    response::{IntoResponse, Response},
-};
+use axum::extract::{Path, State};
 use jiff::Timestamp;
 use maud::{Markup, html};
 
@@ -16,32 +11,30 @@ use super::{
     page::{facts, page},
     part,
     problem::Answer,
-    scene::{Bodies, Standing, build_of, by_part, standing},
+    scene::build_of,
     server::Web,
-    words::{age, count, full_name, number, or_dash, percent, text, time},
+    words::{age, count, number, or_dash, percent, text, time},
 };
 use crate::{
-    format,
-    geometry::{Mesh, Pose},
+    farm::standing,
     ledger::{BuildRow, OutcomeRow, PartRow},
-    settings::{Profile, Settings},
+    settings::Profile,
 };
 
 /// The page.
 pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
     let (build, profile) = build_of(&web, number_of_build).await?;
-    let standing = standing(&web.ledger, &build, &profile).await?;
-    let copies = standing.len() as u32;
-    let parts = by_part(&web.ledger, standing).await?;
+    let parts = standing(&web.ledger, &build, &profile).await?;
+    let copies = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
     let rows: Vec<PartRow> = parts.into_iter().map(|(part, _)| part).collect();
     let outcomes = web.ledger.outcomes(build.id).await?;
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
         @if !build.reason.is_empty() { p.bad role="status" { (build.reason) } }
-        @if copies > 0 { (view(&build, copies)) } @else { p { "Nothing stands in it yet." } }
+        @if copies > 0 { (view(build.id.0, copies)) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         (what_is_known(&build, &profile, copies))
-        (curve(&build, &profile))
+        (curve(&profile.folders.queue, build.file_name.as_deref()))
         (told(&outcomes))
         h2 { "Parts" }
         (part::table(&rows, rows.len()))
@@ -50,9 +43,9 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
 }
 
 /// The 3D view; without JavaScript the pick map shows the picture.
-fn view(build: &BuildRow, copies: u32) -> Markup {
+pub(super) fn view(build: i64, copies: u32) -> Markup {
     html! {
-        section #view data-build=(build.id) data-copies=(copies) aria-label="3D view" {
+        section #view data-build=(build) data-copies=(copies) aria-label="3D view" {
             noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } }
             canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "part", "parts"))) {}
             div.controls {
@@ -65,7 +58,7 @@ fn view(build: &BuildRow, copies: u32) -> Markup {
     }
 }
 
-fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) -> Markup {
+pub(super) fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) -> Markup {
     facts(&[
         (
             "Height",
@@ -95,10 +88,10 @@ fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) -> Markup {
 }
 
 /// How the height fell, as long as the report of the search lies beside the build file.
-fn curve(build: &BuildRow, profile: &Profile) -> Markup {
+pub(super) fn curve(folder: &path::Path, file_name: Option<&str>) -> Markup {
     let read = || -> Option<Vec<(f64, f64)>> {
-        let stem = build.file_name.as_deref()?.strip_suffix(".build.3mf")?;
-        let report = std::fs::read(profile.folders.queue.join(format!("{stem}.report.json"))).ok()?;
+        let stem = file_name?.strip_suffix(".build.3mf")?;
+        let report = std::fs::read(folder.join(format!("{stem}.report.json"))).ok()?;
         let report: serde_json::Value = serde_json::from_slice(&report).ok()?;
         serde_json::from_value(report.get("curve")?.clone()).ok()
     };
@@ -121,110 +114,4 @@ fn told(outcomes: &[OutcomeRow]) -> Markup {
             ul { @for told in outcomes { li { (time(Some(told.told_at))) " " (told.outcome) " by " (told.told_by) ": " (text(&told.note)) } } }
         }
     }
-}
-
-/// A part to take out of the cake.
-struct Pick {
-    top_mm: f64,
-    low_mm: f64,
-    center_mm: [f64; 2],
-    name: String,
-    order: String,
-    copy: u32,
-    part: i64,
-}
-
-/// The pick map: top to bottom, in the order in which parts come out of the cake. Made for paper.
-pub(super) async fn pick(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
-    let (build, profile) = build_of(&web, number_of_build).await?;
-    let standing = standing(&web.ledger, &build, &profile).await?;
-    let parts = by_part(&web.ledger, standing).await?;
-    let settings = web.settings();
-    let (volume, title) = (profile.volume_mm, format!("Pick map of build {}", build.id));
-    let of = build.clone();
-    let made = tokio::task::spawn_blocking(move || pick_rows(&settings, &profile, &of, &parts)).await;
-    let picks = made.context("making the pick map")??;
-    let layer = |z: f64| (z / 10.0).floor() as i64;
-    let content = html! {
-        h1 { (title) }
-        p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(picks.len() as u32, "part", "parts"))
-            ". From the top down; x from the left, y from the front, z from the floor, mm." }
-        @if !picks.is_empty() {
-            img.cake alt="The build from the front" width="640" height="480" src=(format!("/builds/{}/picture", build.id));
-        }
-        @for band in picks.chunk_by(|a, b| layer(a.top_mm) == layer(b.top_mm)) {
-            section.band {
-                h2 { "From " (10 * (layer(band[0].top_mm) + 1)) " mm down" }
-                (plan(band, volume.x, volume.y))
-                div.wide tabindex="0" role="region" aria-label=(format!("Parts from {} mm down", 10 * (layer(band[0].top_mm) + 1))) { table {
-                    thead { tr { th scope="col" { "Done" } th.n scope="col" { "Top" } th.n scope="col" { "Bottom" } th.n scope="col" { "x" } th.n scope="col" { "y" }
-                        th scope="col" { "Part" } th scope="col" { "Order" } th.n scope="col" { "Copy" } } }
-                    tbody { @for pick in band { tr {
-                        td { "\u{2610}" } td.n { (number(Some(pick.top_mm), 1)) } td.n { (number(Some(pick.low_mm), 1)) }
-                        td.n { (number(Some(pick.center_mm[0]), 0)) } td.n { (number(Some(pick.center_mm[1]), 0)) }
-                        td { a href=(format!("/parts/{}", pick.part)) { (pick.name) } } td { (text(&pick.order)) } td.n { (pick.copy) }
-                    } } }
-                } }
-            }
-        }
-    };
-    Ok(page(&title, "", None, &content))
-}
-
-/// Where the parts of a band are, from above.
-fn plan(band: &[Pick], x_mm: f64, y_mm: f64) -> Markup {
-    html! {
-        svg.plan viewBox=(format!("-1 -1 {} {}", x_mm + 2.0, y_mm + 2.0)) role="img" aria-label="Where they are, from above" {
-            rect.grid x="0" y="0" width=(x_mm) height=(y_mm) {}
-            @for pick in band {
-                circle.c0 cx=(format!("{:.1}", pick.center_mm[0])) cy=(format!("{:.1}", y_mm - pick.center_mm[1])) r=(x_mm.max(y_mm) / 60.0) {}
-            }
-        }
-    }
-}
-
-fn pick_rows(
-    settings: &Settings,
-    profile: &Profile,
-    build: &BuildRow,
-    parts: &[(PartRow, Vec<Standing>)],
-) -> anyhow::Result<Vec<Pick>> {
-    let bodies = Bodies::new(settings, profile, build)?;
-    let mut picks = Vec::new();
-    for (part, copies) in parts {
-        let mesh = bodies.mesh(part);
-        for standing in copies {
-            let bounds = mesh.as_ref().map(|mesh| mesh.bounds_at(&standing.pose));
-            let (low, top) = bounds.map_or((standing.pose.translation, standing.pose.translation), |b| (b.min, b.max));
-            picks.push(Pick {
-                top_mm: top.z,
-                low_mm: low.z,
-                center_mm: [0.5 * (low.x + top.x), 0.5 * (low.y + top.y)],
-                name: full_name(part),
-                order: part.order_name.clone(),
-                copy: standing.copy + 1,
-                part: part.id.0,
-            });
-        }
-    }
-    picks.sort_by(|a, b| b.top_mm.total_cmp(&a.top_mm));
-    Ok(picks)
-}
-
-/// The picture of a build, a PNG.
-pub(super) async fn picture(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Response> {
-    let (build, profile) = build_of(&web, number_of_build).await?;
-    let standing = standing(&web.ledger, &build, &profile).await?;
-    let parts = by_part(&web.ledger, standing).await?;
-    let settings = web.settings();
-    let draw = move || -> anyhow::Result<Vec<u8>> {
-        let meshes = Bodies::new(&settings, &profile, &build)?;
-        let read = |(part, copies): &(PartRow, Vec<Standing>)| Some((meshes.mesh(part)?, copies.clone()));
-        let read: Vec<(Arc<Mesh>, Vec<Standing>)> = parts.iter().filter_map(read).collect();
-        let bodies: Vec<(&Mesh, Pose)> =
-            read.iter().flat_map(|(mesh, copies)| copies.iter().map(|c| (&**mesh, c.pose))).collect();
-        Ok(format::picture(&bodies, profile.volume_mm, 640, 480))
-    };
-    let png = tokio::task::spawn_blocking(draw).await.context("drawing")??;
-    Ok(([(header::CONTENT_TYPE, "image/png")], png).into_response())
 }

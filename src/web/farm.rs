@@ -9,12 +9,13 @@ use maud::{Markup, html};
 use super::{
     order::button,
     page::{facts, page},
+    picture,
     problem::Answer,
     server::Web,
     words::{age, count, number, percent, time},
 };
 use crate::{
-    farm::fires_at,
+    farm::{Notice, fires_at, kept_notices},
     ledger::{CommandKind, DaemonRow, ProfileStatus},
     settings::Profile,
 };
@@ -25,12 +26,19 @@ pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
     let (settings, now) = (web.settings(), Timestamp::now());
     let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
     let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
+    let mut cards = Vec::with_capacity(settings.profiles.len());
+    for (name, profile) in &settings.profiles {
+        let status = of(name);
+        let shot = picture::of_profile(&web, &status).await?;
+        cards.push(card(&web, profile, &status, &shot, now));
+    }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
     let content = html! {
         h1 { "Farm" }
         (daemon_line(daemon.as_ref(), now))
+        (needs_a_person(&kept_notices(&settings.state_dir), now))
         div.cards {
-            @for (name, profile) in &settings.profiles { (card(&web, profile, &of(name), now)) }
+            @for card in &cards { (card) }
         }
         @for status in gone {
             p { "The profile " b { (status.profile) } " is no longer configured: "
@@ -39,6 +47,20 @@ pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
         @if settings.profiles.is_empty() { p { "No machine is configured." } }
     };
     Ok(page("Farm", "/", None, &content))
+}
+
+/// What a person must see to, each with what to do.
+fn needs_a_person(notices: &[Notice], now: Timestamp) -> Markup {
+    html! {
+        @if !notices.is_empty() {
+            section.needs aria-label="Needs a person" {
+                h2 { (count(notices.len() as u32, "thing needs a person", "things need a person")) }
+                ul { @for notice in notices { li {
+                    b { (notice.sentence()) } " " (notice.kind.remedy()) " Since " (age(notice.since, now)) "."
+                } } }
+            }
+        }
+    }
 }
 
 fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {
@@ -67,7 +89,7 @@ fn hindrance(profile: &Profile, status: &ProfileStatus) -> Option<String> {
     gone.map(|(what, path)| format!("The {what} {} is not there: mount the share.", path.display()))
 }
 
-fn card(web: &Web, profile: &Profile, status: &ProfileStatus, now: Timestamp) -> Markup {
+fn card(web: &Web, profile: &Profile, status: &ProfileStatus, shot: &Markup, now: Timestamp) -> Markup {
     let name = profile.name.as_str();
     let volume_z_mm = profile.volume_mm.z;
     let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
@@ -79,6 +101,7 @@ fn card(web: &Web, profile: &Profile, status: &ProfileStatus, now: Timestamp) ->
         section.card aria-label=(name) {
             h2 { (name) }
             @if let Some(text) = hindrance(profile, status) { p.bad role="status" { (text) } }
+            (shot)
             @if let Some(open) = open {
                 p { "Open build " a href=(format!("/builds/{}", open.build)) { (open.build) } ": "
                     b { (number(height_mm, 1)) " mm" } " of " (number(Some(volume_z_mm), 0)) " mm, "

@@ -8,6 +8,7 @@ mod assets;
 mod build;
 mod chart;
 mod farm;
+mod footprint;
 mod guard;
 mod history;
 mod live;
@@ -15,8 +16,11 @@ mod metrics;
 mod order;
 mod page;
 mod part;
+mod pick;
+mod picture;
 mod problem;
 mod reduce;
+mod report;
 mod scene;
 mod server;
 mod words;
@@ -24,4 +28,5 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub use report::{Report, Source};
 pub use server::serve;

@@ -11,7 +11,7 @@ use super::{
     page::{facts, page},
     problem::{Answer, Problem},
     server::Web,
-    words::{DASH, count, full_name, number, or_dash, text, time},
+    words::{DASH, count, number, or_dash, text, time},
 };
 use crate::ledger::{CommandKind, PartId, PartRow, PartState, PlacementRow};
 
@@ -81,7 +81,7 @@ pub(super) fn table(parts: &[PartRow], all: usize) -> Markup {
                     } }
                     tbody { @for part in parts { tr {
                         td { a href=(format!("/parts/{}", part.id)) { (part.id) } }
-                        td { (full_name(part)) } td { (text(&part.order_name)) } td { (part.profile) } td { (part.state) }
+                        td { (part.full_name()) } td { (text(&part.order_name)) } td { (part.profile) } td { (part.state) }
                         td.n { (part.copies) } td { (time(part.due_at)) }
                         td { (if part.reason.is_empty() { text(&part.warnings) } else { &part.reason }) }
                     } } }
@@ -97,11 +97,13 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
     let part = web.ledger.part(id).await?.ok_or_else(|| Problem::NotFound(format!("part {number}")))?;
     let placements = web.ledger.placements_of_part(id).await?;
     let events = web.ledger.events_of_part(id).await?;
-    let same: Vec<PartRow> =
-        web.ledger.parts_named(&part.name).await?.into_iter().filter(|other| other.id != id).collect();
+    let others = |parts: Vec<PartRow>| parts.into_iter().filter(|other| other.id != id).collect::<Vec<_>>();
+    let same = others(web.ledger.parts_of_content(&part.content_hash).await?);
+    let mut named = others(web.ledger.parts_named(&part.name).await?);
+    named.retain(|other| other.content_hash != part.content_hash);
     let about = format!("part {number}");
     let content = html! {
-        h1 { "Part " (number) ": " (full_name(&part)) }
+        h1 { "Part " (number) ": " (part.full_name()) }
         @if !part.reason.is_empty() { p.bad role="status" { (part.reason) } }
         @for warning in part.warnings.lines() { p.warn { (warning) } }
         (what_it_is(&part))
@@ -115,9 +117,17 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
         ul { @for event in &events { li { (time(Some(event.at))) " " (event.kind)
             @if let Some(build) = event.build_id { " (build " a href=(format!("/builds/{build}")) { (build) } ")" }
             @if !event.detail.is_empty() { ": " (event.detail) } } } }
-        @if !same.is_empty() { h2 { "Other parts of this name" } (table(&same, same.len())) }
+        @if !same.is_empty() { h2 { "The same file at other times" } (newest(same)) }
+        @if !named.is_empty() { h2 { "Other files of this name" } (newest(named)) }
     };
     Ok(page(&format!("Part {number}"), "/parts", None, &content))
+}
+
+fn newest(mut parts: Vec<PartRow>) -> Markup {
+    let all = parts.len();
+    parts.reverse();
+    parts.truncate(MOST_PARTS);
+    table(&parts, all)
 }
 
 fn what_it_is(part: &PartRow) -> Markup {
@@ -152,7 +162,7 @@ fn copies(part: &PartRow, placements: &[PlacementRow]) -> Markup {
                         th scope="col" { "Published" } th scope="col" { "Origin of its mesh in the cake, mm" } } }
                     tbody { @for placed in placements { tr {
                         td.n { (placed.copy + 1) }
-                        td { a href=(format!("/builds/{}", placed.build_id)) { (placed.build_id) } }
+                        td { a href=(format!("/builds/{}#part-{}", placed.build_id, part.id)) { (placed.build_id) ", marked" } }
                         td { (placed.build_state) } td { (time(placed.published_at)) }
                         td { (number(placed.tx_mm, 1)) ", " (number(placed.ty_mm, 1)) ", " (number(placed.tz_mm, 1)) }
                     } } }

@@ -21,12 +21,13 @@ use tokio::{
 use tracing::info;
 
 use super::{
-    api, assets, build, farm, guard, history, live, metrics, order, part,
+    api, assets, build, farm as farm_page, guard, history, live, metrics, order, part, pick,
+    picture::{self, Pictures},
     problem::{Answer, Problem},
     scene::{self, Scenes},
 };
 use crate::{
-    access,
+    access, farm,
     ledger::{Ledger, LedgerError},
     metrics::Metrics,
     settings::{Listen, Settings, Shared, Web as WebSettings},
@@ -49,6 +50,7 @@ pub(super) struct Web {
     pub(super) form_key: String,
     pub(super) scenes: Scenes,
     pub(super) metrics: Metrics,
+    pub(super) pictures: Pictures,
     pub(super) changes: watch::Sender<u64>,
 }
 
@@ -62,7 +64,8 @@ impl Web {
     pub(super) async fn pulse(&self) -> Answer<String> {
         let status = self.ledger.status().await?;
         let alive = self.ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
-        Ok(format!("{alive} {status:?}"))
+        let notices = farm::kept_notices(&self.settings().state_dir);
+        Ok(format!("{alive} {status:?} {notices:?}"))
     }
 }
 
@@ -87,6 +90,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         form_key: format!("{:032x}", rand::random::<u128>()),
         scenes: Scenes::default(),
         metrics: Metrics::default(),
+        pictures: Pictures::default(),
         changes: changes.clone(),
     });
     tokio::spawn(live::look(shared.clone(), changes));
@@ -101,10 +105,10 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
 /// Every address of the dashboard.
 pub(super) fn routes(web: Arc<Web>) -> Router {
     Router::new()
-        .route("/", get(farm::show))
+        .route("/", get(farm_page::show))
         .route("/builds/{build}", get(build::show))
-        .route("/builds/{build}/pick", get(build::pick))
-        .route("/builds/{build}/picture", get(build::picture))
+        .route("/builds/{build}/pick", get(pick::show))
+        .route("/builds/{build}/picture", get(picture::picture))
         .route("/builds/{build}/scene", get(scene::scene))
         .route("/history", get(history::show))
         .route("/history.csv", get(history::csv))

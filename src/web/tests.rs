@@ -51,6 +51,7 @@ impl Dashboard {
             form_key: "key".to_owned(),
             scenes: Scenes::default(),
             metrics: Default::default(),
+            pictures: Default::default(),
             changes: watch::Sender::new(0),
         };
         change(&mut web);

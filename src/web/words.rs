@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use jiff::{Span, SpanRound, Timestamp, Unit};
 
-use crate::ledger::{PartRow, Utc};
+use crate::ledger::Utc;
 
 /// What is not known.
 pub(super) const DASH: &str = "\u{2013}";
@@ -51,12 +51,4 @@ pub(super) fn age(since: Timestamp, now: Timestamp) -> String {
         span.round(SpanRound::new().largest(Unit::Day).smallest(smallest).days_are_24_hours())
     });
     span.map_or_else(|_| DASH.to_owned(), |span| format!("{span:#}"))
-}
-
-/// Name of a part with that of its solid.
-pub(super) fn full_name(part: &PartRow) -> String {
-    match part.object_name.as_str() {
-        "" => part.name.clone(),
-        object => format!("{} ({object})", part.name),
-    }
 }

@@ -1,58 +1,23 @@
 //! Writes the build, reads it back and proves it before it gets its name; then report and STL.
 
-use std::{
-    collections::BTreeSet,
-    fs::{self, File},
-    io::BufWriter,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeSet, io::BufWriter, path::Path};
 
 use anyhow::{Context, Result, bail, ensure};
 use jiff::Timestamp;
 
-use super::{super::table::tell, Args, Machine, parts::Part};
+use super::{
+    super::{draft::Draft, table::tell},
+    Args, Machine,
+    parts::Part,
+};
 use crate::{
-    format::{self, BuildFile, BuildItem, BuildObject},
+    format::{self, BuildFile, BuildItem, BuildObject, Drawn, Viewpoint},
     geometry::{Mesh, Pose},
     nest::{self, Body, Course, Instance, LayerAreas, Placement, Proof, Report, Separability, Solution},
 };
 
 /// Edge lengths of the thumbnail, pixels.
 const THUMBNAIL: (u32, u32) = (512, 384);
-
-/// A file under a name that nobody looks for, until it is given its own; else it is taken away again.
-struct Draft {
-    hidden: PathBuf,
-    target: PathBuf,
-}
-
-impl Draft {
-    fn of(target: &Path) -> Self {
-        let name = target.file_name().unwrap_or_default().to_string_lossy();
-        Self {
-            hidden: target.with_file_name(format!(".{name}.{}.part", std::process::id())),
-            target: target.to_owned(),
-        }
-    }
-
-    fn fill(target: &Path, write: impl FnOnce(File) -> Result<()>) -> Result<Self> {
-        let draft = Self::of(target);
-        let file = File::create(&draft.hidden).with_context(|| format!("creating {}", draft.hidden.display()))?;
-        write(file).with_context(|| format!("writing {}", target.display()))?;
-        Ok(draft)
-    }
-
-    fn publish(self) -> Result<()> {
-        fs::rename(&self.hidden, &self.target).with_context(|| format!("renaming to {}", self.target.display()))
-    }
-}
-
-impl Drop for Draft {
-    fn drop(&mut self) {
-        // After `publish` there is nothing left to take away.
-        let _ = fs::remove_file(&self.hidden);
-    }
-}
 
 /// Writes everything that was asked for. Nothing is written under the build's name that is not proved.
 pub fn write(
@@ -117,7 +82,8 @@ fn describe(
         orientation: rule.clone(),
         tilts: (!machine.orientation.tilts.is_empty()).then(|| nest::write_tilts(&machine.orientation.tilts)),
     };
-    let bodies: Vec<(&Mesh, Pose)> = moved.placements.iter().map(|p| (&*parts[p.item].mesh, p.pose)).collect();
+    let drawn = |p: &Placement| Drawn { mesh: &parts[p.item].mesh, pose: p.pose, kind: p.item };
+    let bodies: Vec<Drawn> = moved.placements.iter().map(drawn).collect();
     BuildFile {
         title: format!("nestd nest, {} parts", moved.placements.len()),
         profile: machine.name.clone(),
@@ -139,7 +105,7 @@ fn describe(
         items: moved.placements.iter().map(item).collect(),
         instances: machine.instances,
         arrangement: machine.arrangement,
-        thumbnail_png: Some(format::picture(&bodies, machine.volume_mm, THUMBNAIL.0, THUMBNAIL.1)),
+        thumbnail_png: Some(format::picture(&bodies, machine.volume_mm, Viewpoint::Iso, THUMBNAIL)),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::{
     sync::{
         Arc,
-        atomic::{AtomicU64, Ordering},
+        atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::JoinHandle,
     time::{Duration, Instant},
@@ -11,23 +11,39 @@ use std::{
 
 use crate::nest::{Course, Listener, Solution, Stop};
 
+/// Longest bar, columns.
+const BAR: usize = 30;
+/// Columns of a terminal that does not tell them.
+const USUAL_COLUMNS: usize = 80;
+
 /// Wall seconds, or evaluations when they are counted.
 #[derive(Debug, Clone)]
 pub struct Budget {
     began: Instant,
     limit_secs: f64,
     evaluations: Option<u64>,
+    /// The greatest share that was asked for, its bits.
+    spent: Arc<AtomicU64>,
 }
 
 impl Budget {
     /// Starts now.
     pub fn starting_now(limit_secs: f64, evaluations: Option<u64>) -> Self {
-        Self { began: Instant::now(), limit_secs, evaluations }
+        Self { began: Instant::now(), limit_secs, evaluations, spent: Arc::default() }
+    }
+
+    /// The share that is spent as far as is known, 0 to 1.
+    fn share(&self) -> f64 {
+        let share = match self.evaluations {
+            Some(_) => f64::from_bits(self.spent.load(Ordering::Relaxed)),
+            None => self.began.elapsed().as_secs_f64() / self.limit_secs,
+        };
+        share.clamp(0.0, 1.0)
     }
 
     fn left(&self) -> String {
         match self.evaluations {
-            Some(_) => String::new(),
+            Some(_) => format!(", {:.0} % done", 100.0 * self.share()),
             None => format!(", {:.0} s left", (self.limit_secs - self.began.elapsed().as_secs_f64()).max(0.0)),
         }
     }
@@ -36,52 +52,72 @@ impl Budget {
 impl Stop for Budget {
     fn spent(&self, evaluations: u64) -> f64 {
         match self.evaluations {
-            Some(limit) => evaluations as f64 / limit as f64,
+            Some(limit) => {
+                let share = evaluations as f64 / limit as f64;
+                // The bits of positive numbers are ordered as the numbers are.
+                self.spent.fetch_max(share.max(0.0).to_bits(), Ordering::Relaxed);
+                share
+            }
             None => self.began.elapsed().as_secs_f64() / self.limit_secs,
         }
     }
 }
 
-/// Collects the curve; on a terminal tells the best height and the time left twice a second.
+/// The heights of a search, their bits; 0 = none yet.
+#[derive(Debug, Default)]
+struct Heights {
+    first: AtomicU64,
+    best: AtomicU64,
+    is_over: AtomicBool,
+}
+
+impl Heights {
+    fn improved(&self, height_mm: f64) {
+        let bits = height_mm.to_bits();
+        // Only the first of all is kept as such.
+        let _ = self.first.compare_exchange(0, bits, Ordering::Relaxed, Ordering::Relaxed);
+        self.best.store(bits, Ordering::Relaxed);
+    }
+
+    /// The first and the best so far, mm.
+    fn so_far(&self) -> Option<(f64, f64)> {
+        let [first, best] = [&self.first, &self.best].map(|bits| f64::from_bits(bits.load(Ordering::Relaxed)));
+        (first > 0.0 && best > 0.0).then_some((first, best))
+    }
+}
+
+/// Collects the curve; on a terminal shows a bar with the best height and what is left, twice a second.
 #[derive(Debug)]
 pub struct Progress {
     budget: Budget,
     cpu_before_secs: f64,
-    /// Added to heights: they are told in the machine's frame.
+    /// Free space below the layout: heights are told from the floor of the machine.
     floor_mm: f64,
     curve: Vec<(f64, f64)>,
-    /// Bits of the best height, 0 before there is one; `u64::MAX` = stop telling.
-    shown: Arc<AtomicU64>,
+    heights: Arc<Heights>,
     teller: Option<JoinHandle<()>>,
 }
-
-const NOTHING: u64 = 0;
-const ENOUGH: u64 = u64::MAX;
 
 impl Progress {
     /// Begins to tell, if `on_terminal`.
     pub fn new(on_terminal: bool, budget: Budget, floor_mm: f64) -> Self {
-        let shown = Arc::new(AtomicU64::new(NOTHING));
-        let (seen, clock) = (shown.clone(), budget.clone());
+        let heights = Arc::new(Heights::default());
+        let (seen, clock) = (heights.clone(), budget.clone());
         let teller = on_terminal.then(|| {
             std::thread::spawn(move || {
-                loop {
-                    match seen.load(Ordering::Relaxed) {
-                        ENOUGH => break,
-                        NOTHING => eprint!("\rpreparing{}   ", clock.left()),
-                        bits => eprint!("\rbest height {:.2} mm{}   ", f64::from_bits(bits), clock.left()),
-                    }
+                while !seen.is_over.load(Ordering::Relaxed) {
+                    eprint!("\r{}\x1b[K", line(clock.share(), seen.so_far(), &clock.left(), columns()));
                     std::thread::park_timeout(Duration::from_millis(500));
                 }
-                eprint!("\r{:60}\r", "");
+                eprint!("\r\x1b[K");
             })
         });
-        Self { budget, cpu_before_secs: cpu_secs(), floor_mm, curve: Vec::new(), shown, teller }
+        Self { budget, cpu_before_secs: cpu_secs(), floor_mm, curve: Vec::new(), heights, teller }
     }
 
     /// Stops telling; how the search went.
     pub fn finish(mut self, seed: u64) -> Course {
-        self.shown.store(ENOUGH, Ordering::Relaxed);
+        self.heights.is_over.store(true, Ordering::Relaxed);
         if let Some(teller) = self.teller.take() {
             teller.thread().unpark();
             // A teller that panicked has nothing more to say; the search is done all the same.
@@ -101,8 +137,30 @@ impl Progress {
 impl Listener for Progress {
     fn improved(&mut self, solution: &Solution, _evaluations: u64) {
         let height_mm = solution.height_mm + self.floor_mm;
-        self.shown.store(height_mm.to_bits(), Ordering::Relaxed);
+        self.heights.improved(height_mm);
         self.curve.push((self.budget.began.elapsed().as_secs_f64(), height_mm));
+    }
+}
+
+/// `[#########.....] 84.20 mm high, from 96.31, 12 s left`, no longer than the terminal is wide.
+fn line(share: f64, heights: Option<(f64, f64)>, left: &str, columns: usize) -> String {
+    let told = match heights {
+        None => format!("preparing{left}"),
+        Some((first, best)) if first > best + 0.005 => format!("{best:.2} mm high, from {first:.2}{left}"),
+        Some((_, best)) => format!("{best:.2} mm high{left}"),
+    };
+    // One column stays free, so that no terminal begins another line.
+    let bar = columns.saturating_sub(told.len() + 4).min(BAR);
+    let full = (share * bar as f64).round() as usize;
+    let text = if bar < 5 { told } else { format!("[{}{}] {told}", "#".repeat(full), ".".repeat(bar - full)) };
+    text.chars().take(columns.saturating_sub(1)).collect()
+}
+
+/// Columns of the terminal that progress is told on.
+fn columns() -> usize {
+    match rustix::termios::tcgetwinsize(std::io::stderr()) {
+        Ok(size) if size.ws_col > 0 => size.ws_col.into(),
+        _ => USUAL_COLUMNS,
     }
 }
 
@@ -110,4 +168,36 @@ impl Listener for Progress {
 fn cpu_secs() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bar_grows_the_height_falls_and_the_line_fits_the_terminal() {
+        assert_eq!(line(0.0, None, ", 30 s left", 40), "[................] preparing, 30 s left");
+        let late = line(0.5, Some((120.0, 84.2)), ", 15 s left", 80);
+        assert_eq!(late, "[###############...............] 84.20 mm high, from 120.00, 15 s left");
+        assert_eq!(line(1.0, Some((84.2, 84.2)), ", 0 s left", 30), "84.20 mm high, 0 s left");
+        for columns in 0..100 {
+            assert!(line(0.3, Some((1000.0, 900.0)), ", 3 s left", columns).len() <= columns.saturating_sub(1));
+        }
+    }
+
+    #[test]
+    fn counted_evaluations_are_a_share_of_the_bar() {
+        let budget = Budget::starting_now(30.0, Some(200));
+        assert_eq!(budget.left(), ", 0 % done");
+        assert!((budget.spent(50) - 0.25).abs() < 1e-12 && (budget.spent(20) - 0.1).abs() < 1e-12);
+        assert_eq!((budget.share(), budget.left()), (0.25, ", 25 % done".to_owned()));
+    }
+
+    #[test]
+    fn the_first_height_stays_and_the_best_follows() {
+        let heights = Heights::default();
+        assert_eq!(heights.so_far(), None);
+        [120.0, 96.0, 84.0].into_iter().for_each(|height_mm| heights.improved(height_mm));
+        assert_eq!(heights.so_far(), Some((120.0, 84.0)));
+    }
 }

@@ -3,14 +3,25 @@ import { AmbientLight, BufferAttribute, BufferGeometry, Box3, Box3Helper, Color,
   PerspectiveCamera, Plane, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-// Okabe and Ito's colours, which the colour-blind can tell apart, in three shades.
-const COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442"];
+// Okabe and Ito's colours, which the colour-blind can tell apart, plain, lighter and darker: those of the pictures (format/shade).
+const COLOURS = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66]];
+const colourOf = (number) => {
+  const shade = [(c) => c, (c) => c + 0.45 * (255 - c), (c) => 0.62 * c][(number / COLOURS.length | 0) % 3];
+  return new Color(`rgb(${COLOURS[number % COLOURS.length].map((c) => Math.round(shade(c))).join(",")})`);
+};
 const section = document.querySelector("#view");
 
-async function load(build) {
+// A report carries its scene with it and asks nobody.
+async function fetched(build) {
+  const inside = document.querySelector("#scene");
+  if (inside) return Uint8Array.from(atob(inside.textContent), (letter) => letter.charCodeAt(0)).buffer;
   const answer = await fetch(`/builds/${build}/scene`);
   if (!answer.ok) throw new Error(`the server answers ${answer.status}`);
-  const bytes = await answer.arrayBuffer();
+  return answer.arrayBuffer();
+}
+
+async function load(build) {
+  const bytes = await fetched(build);
   const length = new DataView(bytes).getUint32(0, true);
   const scene = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
   let at = 4 + length;
@@ -39,10 +50,13 @@ function show(data) {
     geometry.setIndex(new BufferAttribute(mesh.indices, 1));
     const material = new MeshLambertMaterial({ flatShading: true, clippingPlanes: [knife], side: 2 });
     const drawn = new InstancedMesh(geometry, material, mesh.copies.length);
-    drawn.userData = { mesh, colour: new Color(COLOURS[number % COLOURS.length]).offsetHSL(0, 0, 0.06 * ((number / COLOURS.length | 0) % 3 - 1)) };
+    drawn.userData = { mesh, colour: colourOf(number) };
     scene.add(drawn); instanced.push(drawn);
   });
-  let marked = null;
+  // The page of a part links to its copies: /builds/1#part-7.
+  const linked = () => Number(/^#part-(\d+)$/.exec(location.hash)?.[1]) || null;
+  let marked = linked();
+  addEventListener("hashchange", () => { marked = linked(); paint(); draw(); });
   const paint = () => instanced.forEach((drawn) => {
     const { mesh, colour } = drawn.userData;
     mesh.copies.forEach((_, at) => drawn.setColorAt(at, marked === mesh.part ? chosen : colour));

@@ -1,0 +1,112 @@
+//! Pictures of builds for pages, drawn one at a time and kept: the same picture is asked for by every look at the farm.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use axum::{
+    body::Bytes,
+    extract::{Path, Query, State},
+    http::header,
+    response::{IntoResponse, Response},
+};
+use maud::{Markup, html};
+use serde::Deserialize;
+
+use super::{
+    problem::Answer,
+    scene::{build_of, of_cake, version},
+    server::Web,
+    words::{count, number},
+};
+use crate::{
+    format::Viewpoint,
+    ledger::{BuildRow, ProfileStatus},
+};
+
+/// Widths that pages ask for, pixels; whatever is asked becomes the next of them.
+const WIDTHS: [u32; 2] = [480, 640];
+/// Pictures that are kept; some 50 kB each.
+const KEPT: usize = 64;
+
+/// Pictures that were drawn, by build, what makes it another one, and width.
+#[derive(Debug, Default)]
+pub(super) struct Pictures {
+    kept: Mutex<Vec<(String, Bytes)>>,
+    /// Who holds it draws: looking takes one core from the farm at most.
+    drawing: tokio::sync::Mutex<()>,
+}
+
+impl Pictures {
+    fn known(&self, key: &str) -> Option<Bytes> {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().find(|(known, _)| known == key).map(|(_, png)| png.clone())
+    }
+
+    fn keep(&self, key: String, png: Bytes) {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.insert(0, (key, png));
+        kept.truncate(KEPT);
+    }
+}
+
+/// What a picture is asked with.
+#[derive(Debug, Deserialize)]
+pub(super) struct Asked {
+    width: Option<u32>,
+    /// What the page knew the build by; a browser may keep that picture.
+    of: Option<String>,
+}
+
+/// The picture of a build, a PNG.
+pub(super) async fn picture(
+    State(web): State<Arc<Web>>,
+    Path(number): Path<i64>,
+    Query(asked): Query<Asked>,
+) -> Answer<Response> {
+    let (mut build, profile) = build_of(&web, number).await?;
+    let wanted = asked.width.unwrap_or(WIDTHS[WIDTHS.len() - 1]);
+    let width = WIDTHS.into_iter().find(|&width| width >= wanted).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
+    let key = |build: &BuildRow| format!("{} {width}", version(build));
+    let png = match web.pictures.known(&key(&build)) {
+        Some(png) => png,
+        None => {
+            let _drawing = web.pictures.drawing.lock().await;
+            // While others drew, it may have been drawn or become another one.
+            (build, _) = build_of(&web, number).await?;
+            match web.pictures.known(&key(&build)) {
+                Some(png) => png,
+                None => {
+                    let draw = move |cake: &crate::farm::Cake| cake.picture(Viewpoint::Iso, (width, width / 4 * 3));
+                    let png = Bytes::from(of_cake(&web, &build, &profile, draw).await?);
+                    web.pictures.keep(key(&build), png.clone());
+                    png
+                }
+            }
+        }
+    };
+    let stays = asked.of.is_some_and(|of| of == version(&build));
+    let keep = if stays { "private, max-age=31536000, immutable" } else { "private, no-cache" };
+    Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response())
+}
+
+/// The picture on a machine's card: of what waits, else of what is being made, else of what was published last.
+pub(super) async fn of_profile(web: &Web, status: &ProfileStatus) -> Answer<Markup> {
+    let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
+    let (id, what) = match (open, status.nesting.first(), &status.last_published) {
+        (Some(open), _, _) => (open.build, "so far"),
+        (None, Some(nesting), _) => (nesting.build, "being made"),
+        (None, None, Some(last)) => (last.build, "published last"),
+        (None, None, None) => return Ok(html! {}),
+    };
+    let Some(build) = web.ledger.build(id).await? else { return Ok(html! {}) };
+    // A build that has just fired without a layout has nothing to show yet.
+    let height =
+        build.height_mm.map_or_else(|| "height not known yet".to_owned(), |mm| number(Some(mm), 1) + " mm high");
+    let copies = count(build.copies.unwrap_or(0), "copy", "copies");
+    let alt = format!("Build {id}, {what}: {copies}, {height}");
+    let source = format!("/builds/{id}/picture?width=480&of={}", version(&build));
+    Ok(html! {
+        a.shot href=(format!("/builds/{id}")) {
+            img loading="lazy" width="240" height="180" alt=(alt) src=(source);
+        }
+    })
+}

@@ -1,0 +1,181 @@
+//! The report of a build: one HTML file to mail, with everything in it. It asks no host for anything, and its policy forbids it
+//! to; it is looked at in a browser without the farm, and printed.
+
+use std::path::Path;
+
+use base64::{Engine, engine::general_purpose::STANDARD};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::{
+    build::{curve, view, what_is_known},
+    page::facts,
+    pick,
+    scene::packed,
+    words::{count, number, or_dash, percent, text},
+};
+use crate::{
+    farm::Cake,
+    format::{BuildInfo, Viewpoint},
+    ledger::BuildRow,
+    settings::Profile,
+};
+
+/// Triangles of the 3D view, about: what a mail may carry.
+const MOST_DRAWN: usize = 250_000;
+/// Pixels of the picture.
+const PICTURE: (u32, u32) = (960, 720);
+const STYLE: &str = include_str!("assets/style.css");
+const SCRIPT: &str = include_str!("assets/view.js");
+
+/// What a report tells.
+#[derive(Debug)]
+pub struct Report<'a> {
+    /// What stands in the build.
+    pub cake: &'a Cake,
+    /// Where its facts come from.
+    pub source: Source<'a>,
+}
+
+/// Where the facts of a report come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Source<'a> {
+    /// The ledger.
+    Ledger(&'a BuildRow, &'a Profile),
+    /// A build file, and what it says about itself.
+    File(&'a Path, &'a BuildInfo),
+}
+
+impl Report<'_> {
+    /// The whole file.
+    ///
+    /// # Errors
+    /// When the scene cannot be written, which does not happen.
+    pub fn html(&self) -> anyhow::Result<String> {
+        let (number, height_mm, layer_mm) = self.numbers();
+        let scene = STANDARD.encode(packed(self.cake, (number, height_mm, layer_mm), MOST_DRAWN)?);
+        let key = blake3::hash(scene.as_bytes()).to_hex().to_string();
+        let title = self.title();
+        let whole = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta http-equiv="Content-Security-Policy" content=(policy(&key));
+                    meta name="viewport" content="width=device-width, initial-scale=1";
+                    meta name="color-scheme" content="light dark";
+                    title { (title) }
+                    style nonce=(key) { (PreEscaped(STYLE)) }
+                }
+                body {
+                    main #main { (self.content(&title, number)) }
+                    footer { p { "Made by nestd " (env!("CARGO_PKG_VERSION")) ". Times are UTC, lengths mm." } }
+                    // Letters of base64 end no element.
+                    script #scene type="text/plain" { (PreEscaped(&scene)) }
+                    script type="module" nonce=(key) { (PreEscaped(SCRIPT)) }
+                }
+            }
+        };
+        Ok(whole.into_string())
+    }
+
+    fn content(&self, title: &str, number: i64) -> Markup {
+        let copies = self.cake.copies() as u32;
+        html! {
+            h1 { (title) }
+            @if self.cake.missing() > 0 {
+                p.bad { (count(self.cake.missing() as u32, "part is", "parts are")) " not shown: the originals are no longer kept." }
+            }
+            (view(number, copies))
+            (self.facts(copies))
+            (self.curve())
+            h2 { "Parts" }
+            (self.parts())
+            h2 { "Pick map" }
+            p { (pick::LEGEND) }
+            img.cake alt="The build from the front" width=(PICTURE.0) height=(PICTURE.1) src=(self.picture());
+            (pick::bands(self.cake, |_| None))
+        }
+    }
+
+    fn title(&self) -> String {
+        match self.source {
+            Source::Ledger(build, _) => format!("Build {} on {}", build.id, build.profile),
+            Source::File(file, info) => {
+                let name = || file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                crate::format::visible(&info.title.clone().unwrap_or_else(name))
+            }
+        }
+    }
+
+    /// Number, height and layer, mm.
+    fn numbers(&self) -> (i64, Option<f64>, f64) {
+        let top_mm = || self.cake.top_mm();
+        match self.source {
+            Source::Ledger(build, profile) => (build.id.0, build.height_mm.or_else(top_mm), profile.layer_mm),
+            Source::File(_, info) => {
+                let number = info.build_id.as_ref().and_then(|id| id.parse().ok()).unwrap_or(0);
+                (number, top_mm(), info.layer_mm.unwrap_or(crate::nest::DEFAULT_LAYER_MM))
+            }
+        }
+    }
+
+    fn facts(&self, copies: u32) -> Markup {
+        match self.source {
+            Source::Ledger(build, profile) => what_is_known(build, profile, copies),
+            Source::File(file, info) => of_file(file, info, self.cake),
+        }
+    }
+
+    fn curve(&self) -> Markup {
+        match self.source {
+            Source::Ledger(build, profile) => curve(&profile.folders.queue, build.file_name.as_deref()),
+            Source::File(file, _) => {
+                let name = file.file_name().and_then(|name| name.to_str());
+                curve(file.parent().unwrap_or(Path::new(".")), name)
+            }
+        }
+    }
+
+    fn parts(&self) -> Markup {
+        html! {
+            div.wide tabindex="0" role="region" aria-label="Parts" { table {
+                thead { tr { th scope="col" { "Part" } th scope="col" { "Order" } th.n scope="col" { "Copies here" } } }
+                tbody { @for part in &self.cake.parts { tr {
+                    td { (part.name) } td { (text(&part.order)) } td.n { (part.copies.len()) }
+                } } }
+            } }
+        }
+    }
+
+    fn picture(&self) -> String {
+        format!("data:image/png;base64,{}", STANDARD.encode(self.cake.picture(Viewpoint::Iso, PICTURE)))
+    }
+}
+
+/// Nothing but what is inside: scripts and styles by their key, pictures as data.
+fn policy(key: &str) -> String {
+    format!(
+        "default-src 'none'; script-src 'nonce-{key}'; style-src 'nonce-{key}'; img-src data:; \
+         base-uri 'none'; form-action 'none'"
+    )
+}
+
+/// What a build file says about itself.
+fn of_file(file: &Path, info: &BuildInfo, cake: &Cake) -> Markup {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let shown = |said: &Option<String>| or_dash(said.as_deref().map(crate::format::visible));
+    facts(&[
+        ("Height", html! { b { (number(cake.top_mm(), 2)) " mm" } " of " (number(Some(cake.volume_mm.z), 0)) " mm" }),
+        ("Density", html! { (percent(info.density)) }),
+        ("Copies", html! { (cake.copies()) }),
+        ("Clearance", html! { (number(info.clearance_mm, 2)) " mm asked" }),
+        ("Machine", html! { (shown(&info.profile)) }),
+        ("Search", html! { "seed " (or_dash(info.seed)) ", " (shown(&info.application)) }),
+        ("Made", html! { (shown(&info.created)) }),
+        ("File", html! { (crate::format::visible(&name)) }),
+    ])
+}
+
+#[cfg(test)]
+#[path = "report_tests.rs"]
+mod tests;

@@ -1,0 +1,66 @@
+// What every check needs: a Chromium that draws in software, and pages that tell what goes wrong on them.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { chromium } from "playwright-core";
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+/** Starts the Chromium that is asked for. */
+export function start(executablePath) {
+  return chromium.launch({ executablePath, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+}
+
+/** A page that keeps what a customer must never see: errors, dialogs, requests to other hosts; and what it loaded, bytes. */
+export async function open(browser, base, path, { width = 1280, scheme = "light", ...options } = {}) {
+  const context = await browser.newContext({ viewport: { width, height: 900 }, colorScheme: scheme, ...options });
+  const page = await context.newPage();
+  page.wrong = [];
+  page.bytes = 0;
+  page.on("console", (message) => message.type() === "error" && page.wrong.push(`console: ${message.text()}`));
+  page.on("pageerror", (error) => page.wrong.push(`error: ${error.message}`));
+  page.on("dialog", (dialog) => { page.wrong.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
+  page.on("request", (request) => {
+    const url = new URL(request.url());
+    if (!["data:", "blob:"].includes(url.protocol) && url.origin !== base) page.wrong.push(`request to ${url.origin}`);
+  });
+  page.on("response", async (response) => {
+    if (!response.url().endsWith("/live")) page.bytes += (await response.body().catch(() => "")).length;
+  });
+  const answer = await page.goto(base + path, { waitUntil: "load" });
+  if (answer.status() !== 200) page.wrong.push(`status ${answer.status()}`);
+  return page;
+}
+
+/** Violations that axe-core finds, a line each. */
+export async function violations(page) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => globalThis.axe.run());
+  return found.violations.map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => n.target.join(" ")).join("; ")}`);
+}
+
+/** Waits until the 3D view has drawn; the number of parts in it. */
+export async function drawn(page) {
+  await page.waitForFunction(() => document.querySelector("#view")?.dataset.drawn, null, { timeout: 30000 });
+  return page.evaluate(() => Number(document.querySelector("#view").dataset.drawn));
+}
+
+/** What is on the canvas: how many colours, how many red pixels, and a number that changes with the picture. */
+export function pixels(page) {
+  return page.evaluate(async () => {
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const canvas = document.querySelector("#view canvas");
+    const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+    const context = copy.getContext("2d");
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    const colours = new Set();
+    let red = 0, sum = 0;
+    for (let at = 0; at < data.length; at += 4) {
+      const [r, g, b] = [data[at], data[at + 1], data[at + 2]];
+      colours.add((r << 16) | (g << 8) | b);
+      if (r > 110 && g < 30 && b < 30) red += 1;
+      sum = (sum * 31 + r + 256 * g + 65536 * b) % 2147483647;
+    }
+    return { colours: colours.size, red, sum };
+  });
+}

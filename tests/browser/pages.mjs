@@ -1,0 +1,242 @@
+// Checks of the dashboard in a real browser: node pages.mjs '{"chromium": ..., "base": ..., ...}'; tests/browser.rs calls it.
+import assert from "node:assert/strict";
+import { copyFileSync, readdirSync, renameSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { drawn, open, pixels, start, violations } from "./browser.mjs";
+
+const farm = JSON.parse(process.argv[2]);
+const { base } = farm;
+const browser = await start(farm.chromium);
+const PAGES = { farm: "/", build: `/builds/${farm.build}`, pick: `/builds/${farm.build}/pick`, open: `/builds/${farm.open}`, history: "/history",
+  parts: "/parts", part: `/parts/${farm.part}`, refused: `/parts/${farm.refused}`, missing: "/parts/999999" };
+const SPATIAL = ["build", "open"];
+const WIDTHS = [360, 1280, 2560];
+const builds = () => readdirSync(farm.queue).filter((name) => name.endsWith(".build.3mf")).length;
+const api = async (path) => (await fetch(base + path)).json();
+const until = async (what, holds, secs = 60) => {
+  for (const end = Date.now() + 1000 * secs; Date.now() < end; await new Promise((done) => setTimeout(done, 100))) if (await holds()) return;
+  assert.fail(`waited ${secs} s in vain until ${what}`);
+};
+const clean = (page) => assert.deepEqual(page.wrong, []);
+
+const checks = {
+  async "every page is clean in both themes and at three widths"() {
+    let most = 0;
+    for (const [name, path] of Object.entries(PAGES)) for (const width of WIDTHS) for (const scheme of ["light", "dark"]) {
+      const at = `${name} ${width} ${scheme}`;
+      const page = await open(browser, base, path, { width, scheme });
+      if (SPATIAL.includes(name)) await drawn(page);
+      assert.deepEqual(await violations(page), [], at);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+      assert.ok(wide <= 0, `${at} is ${wide} px too wide`);
+      const expected = name === "missing" ? ["status 404", "console: Failed to load resource: the server responded with a status of 404 (Not Found)"] : [];
+      assert.deepEqual(page.wrong.sort(), expected.sort(), at);
+      if (!SPATIAL.includes(name)) most = Math.max(most, page.bytes);
+      await page.context().close();
+    }
+    assert.ok(most < 300_000, `${most} bytes`);
+    return `the heaviest page without 3D is ${(most / 1000).toFixed(0)} kB`;
+  },
+
+  async "the first paint comes within 200 ms"() {
+    const told = [];
+    for (const name of ["farm", "history", "parts", "part", "pick"]) {
+      const tries = [];
+      // Another program may have been busy: the best of some.
+      for (let n = 0; n < 20 && !(Math.min(...tries) < 200); n += 1) {
+        const page = await open(browser, base, PAGES[name]);
+        const painted = await page.waitForFunction(() => performance.getEntriesByName("first-contentful-paint")[0]?.startTime);
+        tries.push(await painted.jsonValue());
+        await page.context().close();
+      }
+      told.push(`${name} ${Math.min(...tries).toFixed(0)} ms`);
+      assert.ok(Math.min(...tries) < 200, `${name}: ${tries}`);
+    }
+    return told.join(", ");
+  },
+
+  async "the 3D view draws every copy, and turns, cuts, explodes, names and marks them"() {
+    const page = await open(browser, base, PAGES.build);
+    const count = await drawn(page);
+    assert.equal(count, farm.copies);
+    const whole = await pixels(page);
+    assert.ok(whole.colours > 100, `only ${whole.colours} colours`);
+    const changes = async (what, act) => {
+      await act();
+      const after = await pixels(page);
+      assert.notEqual(after.sum, whole.sum, `${what} changes nothing`);
+      return after;
+    };
+    const slide = (id, value) => page.$eval(id, (input, to) => { input.value = to; input.dispatchEvent(new Event("input")); }, value);
+    await changes("the cut", () => slide("#cut", 400));
+    await slide("#cut", 1000);
+    assert.equal((await pixels(page)).sum, whole.sum, "the whole cake is back");
+    await changes("to explode", () => slide("#explode", 60));
+    await slide("#explode", 0);
+    await page.focus("#view canvas");
+    await changes("an arrow key", () => page.keyboard.press("ArrowLeft"));
+    await page.click("#home");
+    const box = await page.locator("#view canvas").boundingBox();
+    const names = new Set((await api(`/api/v1/builds/${farm.build}`)).parts.map((part) => part.name));
+    let found = null;
+    for (let row = 8; row > 1 && !found; row -= 1) for (let column = 2; column < 9 && !found; column += 1) {
+      const place = [box.x + (box.width * column) / 10, box.y + (box.height * row) / 10];
+      await page.mouse.move(...place);
+      await page.waitForTimeout(60);
+      const said = await page.textContent("#hover");
+      if (/copy \d+, from [\d.]+ to [\d.]+ mm/.test(said)) found = { place, said };
+    }
+    assert.ok(found, "no part is under the pointer");
+    assert.ok([...names].some((name) => found.said.startsWith(name)), `${found.said} is not of the build`);
+    assert.equal(whole.red, 0);
+    await page.mouse.click(...found.place);
+    assert.ok((await pixels(page)).red > 20, "a click marks the siblings");
+    clean(page);
+    await page.context().close();
+    return `${count} copies, ${whole.colours} colours`;
+  },
+
+  async "an open build is shown before it is published"() {
+    const page = await open(browser, base, PAGES.open);
+    assert.ok(await drawn(page) > 0);
+    assert.ok((await pixels(page)).colours > 50);
+    clean(page);
+    await page.context().close();
+  },
+
+  async "names are text and nothing else"() {
+    for (const path of [PAGES.farm, PAGES.parts, PAGES.part, PAGES.build, PAGES.pick, `/parts?name=${encodeURIComponent(farm.nasty[0])}`]) {
+      const page = await open(browser, base, path);
+      await page.waitForTimeout(100);
+      assert.equal(await page.locator("main script, main img[onerror], main iframe").count(), 0, path);
+      clean(page);
+      await page.context().close();
+    }
+    const page = await open(browser, base, PAGES.parts);
+    const text = await page.innerText("main");
+    for (const name of farm.nasty) assert.ok(text.includes(name), `${name} is shown as it is`);
+    await page.context().close();
+  },
+
+  async "a dropped part is seen without loading the page again"() {
+    const page = await open(browser, base, PAGES.farm);
+    await page.evaluate(() => { globalThis.same = true; });
+    const card = page.locator(`section[aria-label="${farm.profile}"]`);
+    const before = await card.innerText();
+    const outside = join(farm.root, "sending-live");
+    copyFileSync(farm.sample, outside);
+    renameSync(outside, join(farm.inbox, "seen-live.stl"));
+    await until("the card changes", async () => /Waiting/.test(await card.innerText()) && (await card.innerText()) !== before);
+    const count = (text) => Number(/(\d+) cop/.exec(text.slice(text.indexOf("Waiting")))?.[1]);
+    await until("one copy more waits", async () => count(await card.innerText()) === count(before) + 1);
+    assert.equal(await page.evaluate(() => globalThis.same), true, "the page was loaded again");
+    clean(page);
+    await page.context().close();
+  },
+
+  async "pause and resume by button"() {
+    const page = await open(browser, base, PAGES.farm);
+    const card = page.locator(`section[aria-label="${farm.profile}"]`);
+    await card.getByRole("button", { name: /^Pause/ }).click();
+    await card.getByText(/Paused by dashboard/).waitFor({ timeout: 30000 });
+    await card.getByRole("button", { name: /^Resume/ }).click();
+    await card.getByRole("button", { name: /^Pause/ }).waitFor({ timeout: 30000 });
+    clean(page);
+    await page.context().close();
+  },
+
+  async "flush by button publishes a build, also without JavaScript"() {
+    const before = builds();
+    const page = await open(browser, base, PAGES.farm, { javaScriptEnabled: false });
+    assert.ok((await page.innerText("main")).includes("Waiting"), "the page is readable without JavaScript");
+    await page.locator(`section[aria-label="${farm.profile}"]`).getByRole("button", { name: /^Flush/ }).click();
+    await until("one more build is in the queue folder", () => builds() === before + 1);
+    await until("the ledger has it", async () => (await api("/api/v1/builds")).filter((b) => b.published_at).length === before + 1);
+    await page.context().close();
+    return `${before} builds before, ${builds()} after`;
+  },
+
+  async "an order without the form's key is refused"() {
+    const body = new URLSearchParams({ key: "guessed", kind: "flush", profile: farm.profile });
+    const answer = await fetch(`${base}/orders`, { method: "POST", body, headers: { origin: base } });
+    assert.equal(answer.status, 403);
+    const foreign = await fetch(`${base}/orders`, { method: "POST", body, headers: { origin: "https://elsewhere.example" } });
+    assert.equal(foreign.status, 403);
+  },
+
+  async "history shows the figures of the ledger, filtered and sorted"() {
+    const page = await open(browser, base, "/history?sort=height");
+    const shown = await page.$$eval("main .wide tbody tr", (rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent.trim())));
+    const known = new Map(farm.history.map((row) => [String(row.build), row]));
+    const heights = shown.map((cells) => Number(cells[4])).filter((height) => height > 0);
+    assert.deepEqual(heights, [...heights].sort((a, b) => a - b), "sorted by height");
+    assert.ok(heights.length >= 2);
+    for (const [build, row] of known) {
+      const cells = shown.find((cells) => cells[0] === build);
+      assert.ok(cells, `build ${build}`);
+      assert.equal(cells[4], row.height_mm.toFixed(2));
+      assert.equal(cells[5], row.lower_bound_mm.toFixed(2));
+      assert.equal(Number(cells[8]), row.copies);
+    }
+    assert.ok(await page.locator(".charts svg polyline").count() >= 3, "three charts");
+    const csv = await (await fetch(`${base}/history.csv?sort=height`)).text();
+    assert.equal(csv.trim().split("\n").length, shown.length + 1);
+    clean(page);
+    await page.context().close();
+    const none = await open(browser, base, "/history?since=1999-01-01&until=1999-12-31");
+    assert.match(await none.innerText("main"), /No builds/);
+    await none.context().close();
+  },
+
+  async "the pick map prints on A4"() {
+    const page = await open(browser, base, PAGES.pick);
+    await page.emulateMedia({ media: "print" });
+    assert.equal(await page.locator("nav").isVisible(), false);
+    const pdf = await page.pdf({ preferCSSPageSize: true });
+    const box = /\/MediaBox\s*\[\s*0\s+0\s+([\d.]+)\s+([\d.]+)/.exec(pdf.toString("latin1"));
+    assert.ok(Math.abs(box[1] - 595) < 2 && Math.abs(box[2] - 842) < 2, `the sheet is ${box[1]} x ${box[2]} points`);
+    const sheets = pdf.toString("latin1").match(/\/Type\s*\/Page\b/g).length;
+    const list = await page.$$eval("main tbody tr", (rows) => rows.length);
+    assert.equal(list, farm.copies, "every copy is on the list");
+    if (farm.shots) writeFileSync(join(farm.root, "pick.pdf"), pdf);
+    await page.context().close();
+    return `${sheets} sheets for ${list} copies`;
+  },
+
+  async "the keyboard reaches everything, the content first"() {
+    const page = await open(browser, base, PAGES.farm);
+    const focused = () => page.evaluate(() => document.activeElement.textContent.trim());
+    await page.keyboard.press("Tab");
+    assert.equal(await focused(), "Skip to content");
+    const seen = new Set();
+    for (let n = 0; n < 40; n += 1) { await page.keyboard.press("Tab"); seen.add(await focused()); }
+    for (const name of ["Farm", "History", "Parts"]) assert.ok(seen.has(name), `${name} is not reached: ${[...seen]}`);
+    assert.ok([...seen].some((text) => text.startsWith("Flush")), "no button is reached");
+    await page.context().close();
+  },
+};
+
+/** Pictures of each page for the documentation. */
+async function shoot() {
+  for (const [name, width, scheme] of [["farm", 1280, "light"], ["farm", 360, "dark"], ["build", 1280, "light"], ["build", 1280, "dark"], ["pick", 1280, "light"],
+    ["history", 1280, "light"], ["history", 1280, "dark"], ["parts", 1280, "light"], ["part", 1280, "light"], ["refused", 360, "light"]]) {
+    const page = await open(browser, base, PAGES[name], { width, scheme });
+    if (name === "build") await drawn(page);
+    await page.screenshot({ path: join(farm.shots, `${name}-${width}-${scheme}.png`), fullPage: true });
+    await page.context().close();
+  }
+}
+
+let failed = 0;
+if (farm.shots) await shoot();
+for (const [name, check] of Object.entries(checks)) {
+  try {
+    const told = await check();
+    console.log(`ok: ${name}${told ? ` (${told})` : ""}`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAILED: ${name}: ${error.message}`);
+  }
+}
+await browser.close();
+process.exit(failed ? 1 : 0);

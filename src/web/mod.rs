@@ -30,4 +30,4 @@ mod words;
 mod tests;
 
 pub use report::{Report, Source};
-pub use server::{Shared, serve};
+pub use server::serve;

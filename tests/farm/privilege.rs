@@ -2,14 +2,17 @@
 
 use std::{
     fs,
-    os::unix::{fs::MetadataExt, process::CommandExt},
+    os::unix::{
+        fs::{MetadataExt, PermissionsExt},
+        process::CommandExt,
+    },
     path::{Path, PathBuf},
     process::{Command, Stdio},
 };
 
 use nestd::{ledger::PartState, samples};
 
-use super::support::{PROFILE, QUICK, TestFarm, stl};
+use super::support::{PROFILE, QUICK, TestFarm, stl, wait_until};
 
 const NOBODY: u32 = 65534;
 
@@ -36,6 +39,33 @@ fn the_daemon_does_not_run_as_root_unless_told() {
     }
 }
 
+/// Ports on which a process listens.
+fn ports_of(pid: i32) -> usize {
+    let descriptors = fs::read_dir(format!("/proc/{pid}/fd")).unwrap();
+    let sockets: Vec<String> = descriptors
+        .filter_map(|entry| fs::read_link(entry.unwrap().path()).ok()?.to_str()?.strip_prefix("socket:[").map(str::to_owned))
+        .collect();
+    let listening = |table: &str| -> usize {
+        let text = fs::read_to_string(format!("/proc/{pid}/net/{table}")).unwrap_or_default();
+        let rows = text.lines().skip(1).map(|line| line.split_whitespace().collect::<Vec<_>>());
+        rows.filter(|row| row[3] == "0A" && sockets.iter().any(|socket| socket.trim_end_matches(']') == row[9])).count()
+    };
+    ["tcp", "tcp6"].map(listening).iter().sum()
+}
+
+#[test]
+fn a_daemon_opens_a_port_only_for_a_dashboard_that_is_asked_for() {
+    let mut farm = TestFarm::running(QUICK);
+    farm.drop_part("block.stl", &samples::cuboid(glam::DVec3::splat(20.0)));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    assert_eq!(ports_of(farm.pid()), 0);
+    farm.stop();
+    let config = fs::read_to_string(farm.config()).unwrap();
+    fs::write(farm.config(), format!("{config}[web]\nlisten = \"127.0.0.1:0\"\n")).unwrap();
+    farm.start();
+    wait_until("the dashboard listens", 20.0, || ports_of(farm.pid()) == 1);
+}
+
 #[test]
 fn a_group_that_the_daemons_user_is_not_in_is_refused_at_the_start() {
     let farm = TestFarm::new(QUICK);
@@ -56,8 +86,6 @@ fn a_group_that_the_daemons_user_is_not_in_is_refused_at_the_start() {
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("is not in the group 4711"), "{said}");
 }
-
-use std::os::unix::fs::PermissionsExt;
 
 /// Starts the daemon as a careless script would: with a umask of its own.
 fn start_with_umask(farm: &TestFarm, umask: &str) -> std::process::Child {

@@ -6,7 +6,7 @@
 //! ```text
 //! 7  cli                      the face to terminals: parse, print; no decisions
 //! 6  web                      the face to browsers
-//! 5  farm                     the service: one file per step of a part's life, one event loop
+//! 5  farm  metrics  outbox    the service: one file per step of a part's life, one event loop | its numbers | its messages
 //! 4  settings                 TOML fragments -> validated Settings
 //! 3  ledger  intake  queue    SQL | hot folder | printer queue folder
 //! 2  format  access           STL/3MF bytes <-> Mesh; meshes + poses -> .build.3mf, previews | mode and group of files
@@ -21,7 +21,9 @@ pub mod format;
 pub mod geometry;
 pub mod intake;
 pub mod ledger;
+pub mod metrics;
 pub mod nest;
+pub mod outbox;
 pub mod pollination;
 pub mod queue;
 pub mod samples;

@@ -7,7 +7,7 @@ use std::{
 };
 
 /// Rooms and their floors, as in `ARCHITECTURE.md`.
-const FLOORS: [(&str, u32); 13] = [
+const FLOORS: [(&str, u32); 15] = [
     ("geometry", 0),
     ("pollination", 0),
     ("nest", 1),
@@ -19,6 +19,8 @@ const FLOORS: [(&str, u32); 13] = [
     ("queue", 3),
     ("settings", 4),
     ("farm", 5),
+    ("metrics", 5),
+    ("outbox", 5),
     ("web", 6),
     ("cli", 7),
 ];

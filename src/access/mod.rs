@@ -4,8 +4,11 @@
 use std::{
     fs::{self, File},
     io,
-    os::{fd::AsFd, unix::fs::DirBuilderExt},
-    path::Path,
+    os::{
+        fd::AsFd,
+        unix::fs::{DirBuilderExt, PermissionsExt},
+    },
+    path::{Path, PathBuf},
     sync::RwLock,
 };
 
@@ -44,6 +47,39 @@ impl Access {
     fn now() -> Option<Self> {
         *NOW.read().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
+}
+
+/// A secret shorter than this is guessed, letters.
+const LEAST_SECRET: usize = 16;
+
+/// Why a secret is none.
+#[derive(Debug, thiserror::Error)]
+pub enum SecretError {
+    /// The file cannot be read.
+    #[error("reading the secret {}", .0.display())]
+    Io(PathBuf, #[source] io::Error),
+    /// It is too short.
+    #[error("the secret in {} is shorter than {LEAST_SECRET} letters", .0.display())]
+    Short(PathBuf),
+    /// Everybody may read it.
+    #[error("everybody may read the secret in {}: chmod 640 it", .0.display())]
+    Open(PathBuf),
+}
+
+/// Reads a secret out of a file of its own: a token, a key. White space around it is none of it.
+///
+/// # Errors
+/// When it cannot be read, is too short, or is open to everybody.
+pub fn read_secret(file: &Path) -> Result<String, SecretError> {
+    let failed = |error| SecretError::Io(file.to_owned(), error);
+    let secret = fs::read_to_string(file).map_err(failed)?.trim().to_owned();
+    if secret.len() < LEAST_SECRET {
+        return Err(SecretError::Short(file.to_owned()));
+    }
+    if fs::metadata(file).map_err(failed)?.permissions().mode() & 0o007 != 0 {
+        return Err(SecretError::Open(file.to_owned()));
+    }
+    Ok(secret)
 }
 
 /// Gives a file that was just made its mode and group.

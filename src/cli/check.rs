@@ -4,6 +4,7 @@
 mod deep;
 mod folders;
 mod ledger;
+mod notify;
 mod report;
 mod system;
 
@@ -56,5 +57,6 @@ fn look(settings: &Settings, report: &mut Report) -> Result<()> {
     report.ok("root", settings.root.display().to_string());
     system::look(settings, report);
     folders::look(settings, report);
+    notify::look(settings, report);
     ledger::look(settings, report)
 }

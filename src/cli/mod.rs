@@ -11,7 +11,9 @@ mod draft;
 mod history;
 mod logging;
 mod looked;
+mod metrics;
 mod nest;
+mod notify;
 mod outcome;
 mod reach;
 mod render;
@@ -121,6 +123,10 @@ enum Command {
     Backup(backup::Args),
     /// Put a backup of the ledger back; nothing that was published since is printed again
     Restore(backup::RestoreArgs),
+    /// Show how far webhook and command have been told what happened, or try them out
+    Notify(notify::Args),
+    /// Print the farm's numbers as Prometheus reads them
+    Metrics,
     /// Nest parts into a build file without a daemon
     Nest(Box<nest::Args>),
     /// Prove a build file on its triangles
@@ -161,6 +167,8 @@ fn dispatch(cli: &Cli) -> Result<Exit> {
         Command::Scan => command::run(common, &Order::Scan),
         Command::Backup(args) => backup::run(common, args),
         Command::Restore(args) => backup::restore(common, args),
+        Command::Notify(args) => notify::run(common, args),
+        Command::Metrics => metrics::run(common),
         Command::Nest(args) => nest::run(common, args),
         Command::Verify(args) => verify::run(common, args),
     }

@@ -7,8 +7,10 @@ use anyhow::{Context, Result};
 use super::{Common, Exit, Usage, logging};
 use crate::{
     access, farm,
-    settings::{self, Settings},
-    web::{self, Shared},
+    ledger::Receiver,
+    metrics, outbox,
+    settings::{self, Settings, Shared},
+    web,
 };
 
 /// Arguments of the command.
@@ -38,6 +40,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         Ok(settings)
     };
     let outside = farm::Outside::default();
+    tell_watchers(&runtime, &shared, &outside);
     if let Some(web) = web {
         // A dashboard that cannot be served is told; the farm works without it.
         let outside = outside.clone();
@@ -51,6 +54,18 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     // Jobs run on threads of their own; what has not ended by now finds its work again at the next start.
     runtime.shutdown_background();
     result.map(|()| Exit::Success)
+}
+
+/// Those who watch the farm from outside are told by tasks beside it, while its ledger is open.
+fn tell_watchers(runtime: &tokio::runtime::Runtime, shared: &Shared, outside: &farm::Outside) {
+    let (shared, outside) = (shared.clone(), outside.clone());
+    runtime.spawn(async move {
+        let trouble = |receiver: Receiver, why| outside.receiver(&receiver.to_string(), why);
+        let telling = async {
+            tokio::join!(metrics::keep(shared.clone()), outbox::serve(shared.clone(), trouble));
+        };
+        outside.while_open(telling).await;
+    });
 }
 
 /// The daemon takes files out of folders that anybody may write to: it must not be able to do more than that.

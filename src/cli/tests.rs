@@ -6,7 +6,7 @@ use jiff::Timestamp;
 
 use super::{Cli, Exit, command, command::Order, history, show, show::Wanted, show_text, status};
 use crate::{
-    ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Tilts, fixtures::*},
+    ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Refusal, Tilts, fixtures::*},
     nest::Tilt,
 };
 
@@ -21,6 +21,7 @@ async fn beat(ledger: &Ledger) {
         version: "0.1.0".into(),
         started_at: Timestamp::now(),
         status: "idle".into(),
+        stations: Vec::new(),
     };
     ledger.beat(&beat).await.unwrap();
 }
@@ -71,7 +72,7 @@ async fn status_shows_every_machine_and_what_it_does() {
     let (a, b) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 1).await);
     published(&ledger, &[(a, 0)]).await;
     nesting(&ledger, &[(a, 1)]).await;
-    ledger.cancel(b, "not\nneeded").await.unwrap();
+    ledger.cancel(b, Refusal::Cancelled, "not\nneeded").await.unwrap();
     ledger.pause("sold", "ann@farm").await.unwrap();
     let stopped = status::look(&ledger, &["fuse-1", "paper-200"], false).await.unwrap().print(Timestamp::now());
     assert!(stopped.starts_with("The daemon does not run.\n"), "{stopped}");

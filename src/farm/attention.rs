@@ -44,13 +44,15 @@ pub enum Attention {
     Stray,
     /// The dashboard is not served.
     DashboardDown,
+    /// A receiver of messages cannot be told.
+    MessagesFail,
     /// Some other step fails time and again.
     StepFails,
 }
 
 impl Attention {
     /// Every kind.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -69,6 +71,7 @@ impl Attention {
         Self::Refused,
         Self::Stray,
         Self::DashboardDown,
+        Self::MessagesFail,
         Self::StepFails,
     ];
 
@@ -95,6 +98,7 @@ impl Attention {
             Self::Refused => "Refused files lie in the error folder",
             Self::Stray => "Files lie beside the hot folders, where nobody prints them",
             Self::DashboardDown => "The dashboard is not served; the farm works without it",
+            Self::MessagesFail => "Messages cannot be delivered; the farm works without them",
             Self::StepFails => "A step fails time and again",
         }
     }
@@ -150,6 +154,10 @@ impl Attention {
             }
             Self::Stray => "Move them into the folder of the machine that they are for.",
             Self::DashboardDown => "Mend what the reason names (`[web]` in the configuration), and restart nestd.",
+            Self::MessagesFail => {
+                "Mend what the reason names (`[notify]` in the configuration); `nestd notify --test` tries it. What is not older \
+                 than `keep_secs` is told then."
+            }
             Self::StepFails => "See the reason; `nestd check` looks for its cause.",
         }
     }

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{BuildId, OpenLayout, PartId, PartRow, WaitingPart},
+    ledger::{BuildId, OpenLayout, PartId, PartRow, Refusal, WaitingPart},
 };
 
 /// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
@@ -156,7 +156,8 @@ impl Farm {
         }
         let reason = format!("It was tried and found no place in the empty build volume of {name}.");
         warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-        let refused = self.refuse_waiting(part, &reason).await.context("refusing a part that fits nowhere");
+        let refused =
+            self.refuse_waiting(part, Refusal::TooLarge, &reason).await.context("refusing a part that fits nowhere");
         if refused.is_err()
             && let Some(station) = self.stations.get_mut(name)
         {
@@ -176,15 +177,15 @@ impl Farm {
             return Ok(());
         };
         let reason = format!("The search failed on it: {message}.");
-        self.refuse_waiting(part, &reason).await.context("refusing a part that the search fails on")
+        self.refuse_waiting(part, Refusal::Failure, &reason).await.context("refusing a part that the search fails on")
     }
 
     /// waiting -> rejected, with a copy of the original in the error folder.
-    async fn refuse_waiting(&self, part: PartId, reason: &str) -> Result<()> {
+    async fn refuse_waiting(&self, part: PartId, cause: Refusal, reason: &str) -> Result<()> {
         if let Some(row) = self.ledger.part(part).await? {
             self.copy_into_error(&row, reason)?;
         }
-        Ok(self.ledger.cancel(part, reason).await?)
+        Ok(self.ledger.cancel(part, cause, reason).await?)
     }
 
     /// The original was let go when the part began to wait: a copy from the store goes into the error folder. The same

@@ -6,7 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use jiff::tz::TimeZone;
+use jiff::{Timestamp, tz::TimeZone};
 use tracing::{info, warn};
 
 use super::{
@@ -19,7 +19,7 @@ use super::{
 };
 use crate::{
     intake::{self, Claim, Given, Released, Source, Stored},
-    ledger::{NewPart, NewTicket, PartId, PartRow, PartState, TicketSource, Tilts},
+    ledger::{NewPart, NewTicket, PartId, PartRow, PartState, Refusal, TicketSource, Tilts, Utc},
     nest::Orientation,
     settings::{Duplicates, Profile},
 };
@@ -89,18 +89,26 @@ impl Farm {
         }
         match &received.unavailable {
             Some(why) => self.notices.raise(Attention::HotFolderAway, name, "", why),
-            None => self.notices.clear(Attention::HotFolderAway, name, ""),
+            None => self.looked_through(name),
         }
         if let Some(trouble) = received.troubles.first() {
             let more = received.troubles.len() - 1;
             let more = if more > 0 { format!(", and {more} more") } else { String::new() };
             self.notices.trouble(Attention::TakingFails, name, "", &format!("{trouble}{more}"));
         }
-        for (file, reason) in &received.refused {
+        for (file, cause, reason) in &received.refused {
             warn!(profile = %name, "Refused {file} in {name}: {reason}");
-            self.ledger.event("refused", name, None, None, &format!("{file}: {reason}")).await?;
+            self.ledger.file_refused(name, *cause, &format!("{file}: {reason}")).await?;
         }
         Ok(())
+    }
+
+    /// A hot folder is there and was looked through.
+    fn looked_through(&mut self, name: &str) {
+        self.notices.clear(Attention::HotFolderAway, name, "");
+        if let Some(station) = self.stations.get_mut(name) {
+            station.scanned_at = Some(Utc(Timestamp::now()));
+        }
     }
 
     /// The row of a claimed part; an earlier run may have written it already.
@@ -123,7 +131,7 @@ impl Farm {
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {
                 let reason = format!("{error}. {COPIES_UNKNOWN}: mend the ticket and drop both again.");
-                self.refuse(&part, &reason).await
+                self.refuse(&part, Refusal::Ticket, &reason).await
             }
             _ => self.settle_claim(&part),
         }
@@ -195,7 +203,7 @@ impl Farm {
                     Some((earlier, Duplicates::Reject)) => {
                         let reason =
                             format!("It is the same file as part {earlier}, and this profile takes no file twice.");
-                        return self.refuse(&part, &reason).await;
+                        return self.refuse(&part, Refusal::Duplicate, &reason).await;
                     }
                     Some((earlier, Duplicates::Warn)) => {
                         Some(format!("The same file as part {earlier}: taken as more copies."))
@@ -217,7 +225,7 @@ impl Farm {
                 info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts} parts, {copies} copies.", part.name, part.profile);
                 self.let_go(&part)
             }
-            ReadOutcome::Refused(reason) => self.refuse(&part, &reason).await,
+            ReadOutcome::Refused(cause, reason) => self.refuse(&part, cause, &reason).await,
             ReadOutcome::Later(why) => {
                 self.read_again.failed(id);
                 let about = format!("part {id} ({})", part.name);
@@ -234,9 +242,9 @@ impl Farm {
     }
 
     /// claimed -> rejected, then the file goes into the error folder; a crash between is caught up by `record`.
-    async fn refuse(&mut self, part: &PartRow, reason: &str) -> Result<()> {
+    async fn refuse(&mut self, part: &PartRow, cause: Refusal, reason: &str) -> Result<()> {
         warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
-        self.ledger.reject(part.id, reason).await?;
+        self.ledger.reject(part.id, cause, reason).await?;
         self.put_into_error(part, reason)
     }
 

@@ -29,7 +29,7 @@ use super::{
 };
 use crate::{
     intake::{Claim, Watcher},
-    ledger::{BuildId, Ledger, PartId},
+    ledger::{BuildId, Ledger, PartId, Refusal},
     settings::{Settings, SettingsError},
 };
 
@@ -104,6 +104,7 @@ pub async fn run(load: Load, outside: Outside) -> Result<()> {
     let Some(mut farm) = Farm::open_when_possible(load, settings, &mut signals).await? else { return Ok(()) };
     farm.outside = outside;
     farm.beat().await;
+    farm.outside.set_open(!farm.is_halted);
     sd::ready(&farm.status_line);
     info!(profiles = farm.stations.len(), ledger = %farm.settings.ledger.display(), "The farm is open.");
     let result = farm.serve(&mut signals).await;
@@ -265,7 +266,8 @@ impl Farm {
                 Ok(())
             }
             JobKey::Read(part) => {
-                let outcome = super::read::ReadOutcome::Refused(format!("The reader failed on it: {message}."));
+                let outcome =
+                    super::read::ReadOutcome::Refused(Refusal::Failure, format!("The reader failed on it: {message}."));
                 self.on_read(part, outcome).await
             }
             JobKey::Improve(name) => self.on_search_panicked(&name, message).await,
@@ -278,6 +280,7 @@ impl Farm {
     /// Ends searches with what they have found, waits for jobs a little, and keeps the open layouts.
     async fn stop(&mut self) {
         info!("The farm closes.");
+        self.outside.set_open(false);
         self.stopping = true;
         let deadline = Instant::now() + STOP_WITHIN;
         self.finals.values().for_each(|(budget, _)| budget.cancel());

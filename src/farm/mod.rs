@@ -11,6 +11,7 @@ mod cache;
 mod cake;
 mod claimed;
 mod clock;
+mod due;
 mod event;
 mod farm;
 mod holds;
@@ -40,6 +41,7 @@ mod stations;
 mod status;
 mod tidy;
 mod trigger;
+mod watched;
 
 pub use attention::{Attention, Notice};
 pub use budget::Budget;

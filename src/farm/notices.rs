@@ -11,6 +11,7 @@ use std::{
 };
 
 use jiff::Timestamp;
+use tokio::sync::watch;
 use tracing::{debug, error, info, warn};
 
 use super::attention::{Attention, Notice};
@@ -27,19 +28,49 @@ const MAX_TROUBLES: usize = 1000;
 /// The notices of a farm with more than these are only counted in `STATUS.txt`.
 const MAX_TOLD: usize = 8;
 
-/// What other rooms of the daemon have to tell; any thread may.
+/// What the farm and the other rooms of the daemon tell each other; any thread may.
 #[derive(Debug, Clone, Default)]
-pub struct Outside(Arc<Mutex<Option<String>>>);
+pub struct Outside {
+    told: Arc<Mutex<BTreeMap<(Attention, String), String>>>,
+    is_open: watch::Sender<bool>,
+}
 
 impl Outside {
     /// The dashboard is not served, and why.
     pub fn fails(&self, why: &str) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(why.to_owned());
+        self.set(Attention::DashboardDown, "", Some(why.to_owned()));
     }
 
-    /// Why the dashboard is not served.
-    pub fn dashboard(&self) -> Option<String> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// A receiver of messages cannot be told, and why; `None` = it can.
+    pub fn receiver(&self, name: &str, why: Option<String>) {
+        self.set(Attention::MessagesFail, name, why);
+    }
+
+    /// Does work that uses the ledger, but not before the farm has found the ledger whole, and not after it began to close it.
+    pub async fn while_open(&self, work: impl Future<Output = ()>) {
+        let (mut opens, mut closes) = (self.is_open.subscribe(), self.is_open.subscribe());
+        if opens.wait_for(|is_open| *is_open).await.is_ok() {
+            tokio::select! {
+                () = work => {}
+                _ = closes.wait_for(|is_open| !is_open) => {}
+            }
+        }
+    }
+
+    /// The farm is open, or is not any more.
+    pub fn set_open(&self, is_open: bool) {
+        self.is_open.send_replace(is_open);
+    }
+
+    fn set(&self, kind: Attention, about: &str, why: Option<String>) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        // That all is well is kept too, so that what stood before is cleared.
+        told.insert((kind, about.to_owned()), why.unwrap_or_default());
+    }
+
+    /// What each of them has to tell; "" = all is well.
+    pub fn told(&self) -> BTreeMap<(Attention, String), String> {
+        self.told.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 

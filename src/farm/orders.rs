@@ -4,7 +4,7 @@ use anyhow::Result;
 use tracing::info;
 
 use super::{attention::Attention, claimed::COPIES_UNKNOWN, farm::Farm};
-use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
+use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState, Refusal};
 
 impl Farm {
     /// Carries out what was asked; an order to publish is answered when its build has been fired.
@@ -111,7 +111,7 @@ impl Farm {
         if row.state == PartState::Waiting {
             self.copy_into_error(row, reason)?;
         }
-        Ok(self.ledger.cancel(row.id, reason).await)
+        Ok(self.ledger.cancel(row.id, Refusal::Cancelled, reason).await)
     }
 
     /// Answers orders that were waiting for something.

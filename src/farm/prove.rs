@@ -39,6 +39,11 @@ pub struct Written {
     pub locked: String,
 }
 
+/// A build that was written is not what it should be. Where the disk did not fail, something is wrong with nestd.
+#[derive(Debug, thiserror::Error)]
+#[error("proving the written build")]
+pub struct Unproved;
+
 /// What a build is written with.
 #[derive(Debug)]
 pub struct WriteOrder {
@@ -69,7 +74,7 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
         Ok(proved) => proved,
         Err(error) => {
             order.queue.discard(&name).context("taking back a build that could not be proved")?;
-            return Err(error);
+            return Err(error.context(Unproved));
         }
     };
     let locked = separable.as_ref().map(Separability::locked_text).unwrap_or_default();

@@ -15,7 +15,7 @@ use super::{
     jobs::JobKey,
     layout::placed_from_json,
     nest::{Best, NestOrder},
-    prove::{WriteOrder, Written, file_name, write_and_prove},
+    prove::{Unproved, WriteOrder, Written, file_name, write_and_prove},
     record,
 };
 use crate::{
@@ -141,6 +141,11 @@ impl Farm {
             }
             Err(failure) => {
                 warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
+                if failure.is::<Unproved>() {
+                    let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+                    let why = format!("{failure:#}");
+                    self.ledger.event("proof_failed", &profile, None, Some(build), &why).await?;
+                }
                 return self.note_failure(build, &format!("{failure:#}")).await;
             }
         };

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::{nest::Meshes, receive::chain, shelf::MeshKey};
 use crate::{
+    format::ReadError,
     format::{self, Solid, Unit},
     geometry::Defects,
-    ledger::{PartRow, SolidFacts},
+    ledger::{PartRow, Refusal, SolidFacts},
     nest::{self, OrientationRule},
     settings::{MeshErrors, Profile},
 };
@@ -17,7 +18,7 @@ pub enum ReadOutcome {
     /// Printable solids.
     Solids(Vec<SolidFacts>),
     /// It cannot be printed; whole sentences for the technician.
-    Refused(String),
+    Refused(Refusal, String),
     /// The disk failed, not the file: it is tried again.
     Later(String),
 }
@@ -30,25 +31,33 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
     };
     match file.try_exists() {
         Ok(true) => {}
-        Ok(false) => return ReadOutcome::Refused("Its file is no longer kept. Drop it again.".to_owned()),
+        Ok(false) => {
+            return ReadOutcome::Refused(Refusal::Other, "Its file is no longer kept. Drop it again.".to_owned());
+        }
         Err(error) => return ReadOutcome::Later(format!("{}: {error}", file.display())),
     }
     let contents = match format::read(&file, &part.name, part.unit, profile.unit, &meshes.limits) {
         Ok(contents) => contents,
         Err(error) if error.is_io() => return ReadOutcome::Later(chain(&error)),
         // What it quotes of the file is for people.
-        Err(error) => return ReadOutcome::Refused(format!("{}: {}.", part.name, format::visible(&chain(&error)))),
+        Err(error) => {
+            let reason = format!("{}: {}.", part.name, format::visible(&chain(&error)));
+            return ReadOutcome::Refused(kind_of(&error), reason);
+        }
     };
     let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
     if copies > meshes.limits.max_copies {
-        return ReadOutcome::Refused(format!(
+        let reason = format!(
             "It asks for {copies} copies; one file may ask for {} at most (limits.max_copies).",
             meshes.limits.max_copies
-        ));
+        );
+        return ReadOutcome::Refused(Refusal::Limit, reason);
     }
-    let faults: Vec<String> = contents.solids.iter().filter_map(|solid| fault_of(solid, part, profile)).collect();
-    if !faults.is_empty() {
-        return ReadOutcome::Refused(faults.join("\n"));
+    let faults: Vec<(Refusal, String)> =
+        contents.solids.iter().filter_map(|solid| fault_of(solid, part, profile)).collect();
+    if let Some((first, _)) = faults.first() {
+        let reasons: Vec<&str> = faults.iter().map(|(_, reason)| reason.as_str()).collect();
+        return ReadOutcome::Refused(*first, reasons.join("\n"));
     }
     let mut facts = Vec::new();
     for (index, solid) in contents.solids.into_iter().enumerate() {
@@ -65,6 +74,18 @@ pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> Rea
         meshes.shelf.put(key, solid.mesh);
     }
     ReadOutcome::Solids(facts)
+}
+
+/// What kind of reason it is that a file cannot be read.
+fn kind_of(error: &ReadError) -> Refusal {
+    match error {
+        ReadError::TooLarge { .. } => Refusal::Limit,
+        ReadError::NoSolid { .. } => Refusal::NotClosed,
+        ReadError::Io(_) => Refusal::Unreadable,
+        ReadError::Unknown(_) | ReadError::Truncated(_) | ReadError::Invalid { .. } | ReadError::Unsupported(_) => {
+            Refusal::Format
+        }
+    }
 }
 
 fn facts_of(solid: &Solid, object_index: u32, part: &PartRow, mut warnings: Vec<String>) -> SolidFacts {
@@ -84,18 +105,19 @@ fn facts_of(solid: &Solid, object_index: u32, part: &PartRow, mut warnings: Vec<
 }
 
 /// Why a solid cannot be printed on this machine.
-fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> {
+fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<(Refusal, String)> {
     let defects = solid.mesh.defects();
     if !defects.is_closed() && profile.mesh_errors == MeshErrors::Reject {
-        return Some(format!(
+        let reason = format!(
             "{}: the mesh is not closed ({}), so it is not known what is inside. Repair it, or set mesh_errors = \"warn\" in \
              the profile {}.",
             solid.name,
             defects_text(&defects),
             profile.name
-        ));
+        );
+        return Some((Refusal::NotClosed, reason));
     }
-    misfit_of(solid, part, profile)
+    misfit_of(solid, part, profile).map(|reason| (Refusal::TooLarge, reason))
 }
 
 fn defects_text(defects: &Defects) -> String {

@@ -12,9 +12,10 @@ use super::owner::Hold;
 use crate::{
     format,
     intake::{
-        self, Claim, Given, Inbox, LeftFolders, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store, StoreError,
-        Stored, TicketError,
+        self, Claim, Given, Inbox, Kind, LeftFolders, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store,
+        StoreError, Stored, TicketError,
     },
+    ledger::Refusal,
     settings::Profile,
 };
 
@@ -67,8 +68,8 @@ pub struct Received {
     pub unavailable: Option<String>,
     /// Seconds until another look is worth it, where something is settling.
     pub next_secs: Option<f64>,
-    /// Things that were refused without becoming a part: display name and reason.
-    pub refused: Vec<(String, String)>,
+    /// Things that were refused without becoming a part: display name, kind and reason.
+    pub refused: Vec<(String, Refusal, String)>,
     /// What went wrong and will be tried again.
     pub troubles: Vec<String>,
     /// Refused files that lie in the error folder; `None` = not counted this time.
@@ -244,17 +245,27 @@ fn take(inbox: &Path, profile: &Profile, ready: &Ready, orphan_secs: f64, receiv
         Ready::List { list, .. } => {
             let folders = &profile.folders;
             match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
-                Ok(ListEnd::Refused(reason)) => received.refused.push((name_of(&list.path), reason)),
+                Ok(ListEnd::Refused(reason)) => {
+                    received.refused.push((name_of(&list.path), Refusal::Ticket, reason));
+                }
                 Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
                 Err(error) => received.troubles.push(chain(&error)),
             }
         }
         Ready::Refuse { seen, reason } => match intake::refuse_path(inbox, seen, &profile.folders.error, reason) {
-            Ok(_) => received.refused.push((name_of(&seen.path), reason.clone())),
+            Ok(_) => received.refused.push((name_of(&seen.path), kind_of(ready), reason.clone())),
             Err(error) => received.troubles.push(chain(&error)),
         },
     }
     None
+}
+
+/// What kind of thing is refused without being read: what is said about parts, or what is no file of ours to read.
+fn kind_of(ready: &Ready) -> Refusal {
+    match ready {
+        Ready::Refuse { seen, .. } if seen.kind == Kind::File && !seen.is_secret => Refusal::Ticket,
+        _ => Refusal::Unreadable,
+    }
 }
 
 /// The reasons that lie in an error folder: one for each file that somebody must see to.
@@ -268,7 +279,7 @@ fn refuse_unreadable(profile: &Profile, claim: &Claim, why: &std::io::Error, rec
     let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
     let refused = intake::refuse(claim, &profile.folders.error, &reason);
     match &refused {
-        Ok(_) => received.refused.push((claim.display_name(), reason)),
+        Ok(_) => received.refused.push((claim.display_name(), Refusal::Unreadable, reason)),
         Err(error) => received.troubles.push(chain(error)),
     }
     refused.is_ok()

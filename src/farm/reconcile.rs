@@ -11,7 +11,7 @@ use serde_json::json;
 use super::{attention::Attention, lock::Lock, record, tidy};
 use crate::{
     format, intake,
-    ledger::{BuildState, Ledger, PartId, PartRow, PartState, TakenIn},
+    ledger::{BuildState, Ledger, PartId, PartRow, PartState, Refusal, TakenIn},
     queue::{Queue, StagedState},
     settings::{Profile, Settings},
 };
@@ -201,8 +201,8 @@ async fn take_out_what_was_refused(
             continue;
         };
         match part.state {
-            PartState::Claimed => ledger.reject(part.id, why).await?,
-            _ => ledger.cancel(part.id, why).await?,
+            PartState::Claimed => ledger.reject(part.id, Refusal::Other, why).await?,
+            _ => ledger.cancel(part.id, Refusal::Other, why).await?,
         }
         found.doubts.push(format!(
             "part {} ({}) is taken out. {why} `nestd retry {}` takes it back",

@@ -16,7 +16,7 @@ use super::{
     receive::Gate,
 };
 use crate::{
-    ledger::{BuildRow, CommandId, WaitingPart},
+    ledger::{BuildRow, CommandId, Utc, WaitingPart},
     queue::Queue,
     settings::Profile,
 };
@@ -35,6 +35,8 @@ pub struct Station {
     pub gate: Option<Box<Gate>>,
     /// When to look next.
     pub look_at: Instant,
+    /// When its hot folder was last looked through in this run.
+    pub scanned_at: Option<Utc>,
     /// Refused files that lie in its error folder.
     pub refused_kept: usize,
     /// That this daemon serves its folders.
@@ -96,6 +98,7 @@ impl Station {
             holds: Holds::new(owner, &profile),
             profile,
             look_at: Instant::now(),
+            scanned_at: None,
             refused_kept: 0,
             queue: None,
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },

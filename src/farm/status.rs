@@ -36,6 +36,7 @@ impl Farm {
             }
         }
         self.notice_what_the_ledger_says(&rows).await?;
+        self.look_at_due_dates().await?;
         let waiting: u32 = rows.iter().map(|r| r.waiting_copies).sum();
         let nesting: usize = rows.iter().map(|r| r.nesting.len()).sum();
         let line = format!("{} profiles, {waiting} copies wait, {nesting} builds in work", self.stations.len());
@@ -78,8 +79,11 @@ impl Farm {
     pub(super) fn tell_people(&mut self) {
         let over = TROUBLES_LAST.max(Duration::from_secs_f64(3.0 * self.settings.scan_secs));
         self.notices.forget_what_is_over(over);
-        if let Some(why) = self.outside.dashboard() {
-            self.notices.raise(Attention::DashboardDown, "", "", &why);
+        for ((kind, about), why) in self.outside.told() {
+            match why.as_str() {
+                "" => self.notices.clear(kind, "", &about),
+                why => self.notices.raise(kind, "", &about, why),
+            }
         }
         self.notices.keep(&self.settings.state_dir);
         if !self.is_halted || self.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
@@ -102,6 +106,7 @@ impl Farm {
     pub(super) fn halt(&mut self, why: &str) {
         if !self.is_halted {
             self.is_halted = true;
+            self.outside.set_open(false);
             self.finals.values().for_each(|(budget, _)| budget.cancel());
             self.stations.values_mut().for_each(|station| station.open.clear());
             self.notices.raise(Attention::LedgerDamaged, "", "", why);
@@ -118,6 +123,7 @@ impl Farm {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             started_at: self.started_at,
             status: self.status_line.clone(),
+            stations: self.stations_seen(),
         };
         Ok(self.ledger.beat(&beat).await?)
     }

@@ -3,7 +3,7 @@
 
 use sqlx::{Sqlite, SqliteConnection, Transaction};
 
-use super::{BuildId, BuildState, LedgerError, PartId, PartRow, PartState, Utc, error::Result};
+use super::{BuildId, BuildState, LedgerError, PartId, PartRow, PartState, Refusal, Utc, error::Result};
 
 /// A change that is not committed yet; dropping it takes everything back.
 pub struct Change {
@@ -52,15 +52,23 @@ impl Change {
         }
     }
 
-    /// Moves a part; `detail` is the reason of a rejection and the detail of the event.
+    /// Moves a part; `detail` is the detail of the event.
     pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
+        let profile = self.enter(id, next, "").await?;
+        self.event(&next.to_string(), &profile, Some(id), build, detail).await
+    }
+
+    /// Rejects a part.
+    pub async fn reject_part(&mut self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
+        let reason = if reason.is_empty() { "no reason was given" } else { reason };
+        let profile = self.enter(id, PartState::Rejected, reason).await?;
+        self.refusal(&PartState::Rejected.to_string(), &profile, Some(id), cause, reason).await
+    }
+
+    /// Puts a part into a state; returns its profile.
+    async fn enter(&mut self, id: PartId, next: PartState, reason: &str) -> Result<String> {
         let part = self.part(id).await?;
         let next = part.state.move_to(next)?;
-        let reason = match (next, detail) {
-            (PartState::Rejected, "") => "no reason was given",
-            (PartState::Rejected, reason) => reason,
-            _ => "",
-        };
         let now = self.now;
         sqlx::query("UPDATE part SET state = ?, state_at = ?, reason = ? WHERE id = ?")
             .bind(next)
@@ -69,7 +77,7 @@ impl Change {
             .bind(id)
             .execute(self.db())
             .await?;
-        self.event(&next.to_string(), &part.profile, Some(id), build, detail).await
+        Ok(part.profile)
     }
 
     /// Moves a build; `detail` is the reason of a failure and the detail of the event. Returns its profile.
@@ -115,6 +123,21 @@ impl Change {
             .bind(detail)
             .execute(self.db())
             .await?;
+        Ok(())
+    }
+
+    /// Writes the event of a refusal.
+    pub async fn refusal(
+        &mut self,
+        kind: &str,
+        profile: &str,
+        part: Option<PartId>,
+        cause: Refusal,
+        reason: &str,
+    ) -> Result<()> {
+        self.event(kind, profile, part, None, reason).await?;
+        let cause = sqlx::query("UPDATE event SET cause = ? WHERE id = last_insert_rowid()").bind(cause);
+        cause.execute(self.db()).await?;
         Ok(())
     }
 }

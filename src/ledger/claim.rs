@@ -2,7 +2,7 @@
 
 use super::{
     BuildId, BuildState, IllegalMove, Ledger, LedgerError, NewPart, NewTicket, PartId, PartRow, PartState, Recorded,
-    SolidFacts, Utc, change::Change, error::Result,
+    Refusal, SolidFacts, Utc, change::Change, error::Result,
 };
 
 impl Ledger {
@@ -48,7 +48,7 @@ impl Ledger {
     }
 
     /// claimed -> rejected, with all claimed solids of the same claim.
-    pub async fn reject(&self, id: PartId, reason: &str) -> Result<()> {
+    pub async fn reject(&self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
         let mut change = self.change().await?;
         let claimed = change.part(id).await?;
         if claimed.state != PartState::Claimed {
@@ -62,7 +62,7 @@ impl Ledger {
                 .fetch_all(change.db())
                 .await?;
         for sibling in siblings {
-            change.move_part(sibling, PartState::Rejected, None, reason).await?;
+            change.reject_part(sibling, cause, reason).await?;
         }
         change.commit().await
     }
@@ -75,10 +75,10 @@ impl Ledger {
 
     /// waiting -> rejected: by an operator, or because the profile changed. Published copies stay published; refused
     /// while a copy is being nested.
-    pub async fn cancel(&self, id: PartId, reason: &str) -> Result<()> {
+    pub async fn cancel(&self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
         let mut change = self.change().await?;
         demand_cancellable(&mut change, id).await?;
-        change.move_part(id, PartState::Rejected, None, reason).await?;
+        change.reject_part(id, cause, reason).await?;
         change.commit().await
     }
 

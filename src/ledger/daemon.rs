@@ -9,7 +9,7 @@ use rustix::{
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{Ledger, Utc, error::Result};
+use super::{Ledger, StationSeen, Utc, error::Result, station};
 
 /// A beat is this long a sign of life, seconds; the daemon beats every few seconds.
 pub const BEAT_LASTS_SECS: i64 = 15;
@@ -27,6 +27,8 @@ pub struct Beat {
     pub started_at: Timestamp,
     /// One line on what it does.
     pub status: String,
+    /// The machines that it serves.
+    pub stations: Vec<StationSeen>,
 }
 
 /// The daemon that served this ledger last.
@@ -67,6 +69,7 @@ impl Ledger {
         .bind(&beat.status)
         .execute(change.db())
         .await?;
+        station::note(&mut change, &beat.stations).await?;
         change.commit().await
     }
 

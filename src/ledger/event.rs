@@ -4,7 +4,7 @@ use jiff::SignedDuration;
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, Ledger, PartId, Utc, error::Result};
+use super::{BuildId, Ledger, PartId, Refusal, Utc, error::Result};
 
 /// Something that happened.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
@@ -23,6 +23,8 @@ pub struct EventRow {
     pub build_id: Option<BuildId>,
     /// More about it.
     pub detail: String,
+    /// Of a refusal: a word of [`Refusal`]; "" otherwise.
+    pub cause: String,
 }
 
 impl Ledger {
@@ -40,12 +42,25 @@ impl Ledger {
         change.commit().await
     }
 
+    /// A file was refused before it became a part.
+    pub async fn file_refused(&self, profile: &str, cause: Refusal, detail: &str) -> Result<()> {
+        let mut change = self.change().await?;
+        change.refusal("refused", profile, None, cause, detail).await?;
+        change.commit().await
+    }
+
     /// When the latest event happened.
     pub async fn last_event_at(&self) -> Result<Option<Utc>> {
         let query = sqlx::query_scalar(
             "SELECT at FROM event WHERE id = (SELECT seq FROM sqlite_sequence WHERE name = 'event')",
         );
         Ok(query.fetch_optional(self.reader()).await?)
+    }
+
+    /// The number of the latest event; 0 when there is none.
+    pub async fn last_event_id(&self) -> Result<i64> {
+        let query = "SELECT coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'event'), 0)";
+        Ok(sqlx::query_scalar(query).fetch_one(self.reader()).await?)
     }
 
     /// The clock was set by so much: the times at which the parts in the farm were claimed are set with it, so that each has

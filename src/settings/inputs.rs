@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Duplicates, KeepOut, LogFormat, MeshErrors, duration::Secs, off::OrOff};
+use super::{Duplicates, KeepOut, LogFormat, MeshErrors, Told, duration::Secs, off::OrOff};
 use crate::{format, nest};
 
 /// The farm file, `nestd.toml`.
@@ -21,6 +21,8 @@ pub(super) struct FarmInputs {
     pub files: FileInputs,
     pub log: LogInputs,
     pub web: WebInputs,
+    pub metrics: MetricsInputs,
+    pub notify: NotifyInputs,
     pub limits: format::Limits,
     pub defaults: ProfileInputs,
 }
@@ -37,6 +39,8 @@ impl Default for FarmInputs {
             files: FileInputs::default(),
             log: LogInputs::default(),
             web: WebInputs::default(),
+            metrics: MetricsInputs::default(),
+            notify: NotifyInputs::default(),
             limits: format::Limits::default(),
             defaults: ProfileInputs::default(),
         }
@@ -110,6 +114,45 @@ pub(super) struct WebInputs {
 impl Default for WebInputs {
     fn default() -> Self {
         Self { listen: "off".to_owned(), token_file: OrOff::OFF, hosts: Vec::new(), orders: true }
+    }
+}
+
+/// `[metrics]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct MetricsInputs {
+    pub textfile: OrOff<PathBuf>,
+    pub every_secs: Secs,
+}
+
+impl Default for MetricsInputs {
+    fn default() -> Self {
+        Self { textfile: OrOff::OFF, every_secs: Secs(15.0) }
+    }
+}
+
+/// `[notify]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct NotifyInputs {
+    pub events: Vec<Told>,
+    pub webhook: OrOff<String>,
+    pub secret_file: OrOff<PathBuf>,
+    pub command: Vec<String>,
+    pub timeout_secs: Secs,
+    pub keep_secs: Secs,
+}
+
+impl Default for NotifyInputs {
+    fn default() -> Self {
+        Self {
+            events: vec![Told::Published, Told::Refused, Told::Unavailable, Told::AtRisk],
+            webhook: OrOff::OFF,
+            secret_file: OrOff::OFF,
+            command: Vec::new(),
+            timeout_secs: Secs(10.0),
+            keep_secs: Secs(604_800.0),
+        }
     }
 }
 

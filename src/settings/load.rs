@@ -101,6 +101,8 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
     validate::farm(&inputs, &mut judge);
     let files = validate::files(&inputs.files, &mut judge);
     let web = super::web::web(&inputs.web, &mut judge);
+    let metrics = super::metrics::metrics(&inputs.metrics, &mut judge);
+    let notify = super::notify::notify(&inputs.notify, &mut judge);
     let root = folders::root(&inputs, root);
     let state_dir = folders::below(&root, &inputs.folders.state);
     let state =
@@ -140,6 +142,8 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
         files,
         log,
         web,
+        metrics,
+        notify,
         profiles,
     })
 }

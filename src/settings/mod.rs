@@ -10,6 +10,8 @@ mod judge;
 mod keep_out;
 mod load;
 mod logging;
+mod metrics;
+mod notify;
 mod off;
 mod problem;
 mod profile;
@@ -22,9 +24,11 @@ pub use duration::parse_secs;
 pub use keep_out::KeepOut;
 pub use load::{SettingsError, load, load_to_look};
 pub use logging::{LogFormat, Logging};
+pub use metrics::MetricsFile;
+pub use notify::{Notify, Told, Webhook};
 pub use problem::Problem;
 pub use profile::{Duplicates, Folders, MeshErrors, Profile, Trigger};
-pub use settings::Settings;
+pub use settings::{Settings, Shared};
 pub use web::{Listen, Web};
 
 #[cfg(test)]

@@ -1,9 +1,16 @@
 //! The validated settings of a farm.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::PathBuf,
+    sync::{Arc, RwLock},
+};
 
-use super::{Folders, Logging, Profile, Web};
+use super::{Folders, Logging, MetricsFile, Notify, Profile, Web};
 use crate::access::Access;
+
+/// The settings as the daemon read them last, for those who work beside the farm; a reload changes them.
+pub type Shared = Arc<RwLock<Arc<Settings>>>;
 
 /// Everything the daemon needs to know, checked. Made only by reading a configuration.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +41,10 @@ pub struct Settings {
     pub log: Logging,
     /// The dashboard; `None` = no port is opened.
     pub web: Option<Web>,
+    /// The file that holds the metrics; `None` = there is none.
+    pub metrics: Option<MetricsFile>,
+    /// Who is told what happens.
+    pub notify: Notify,
     /// Machines by profile name.
     pub profiles: BTreeMap<String, Profile>,
 }

@@ -6,6 +6,7 @@
 mod api;
 mod assets;
 mod build;
+mod cache;
 mod chart;
 mod farm;
 mod footprint;
@@ -29,4 +30,4 @@ mod words;
 mod tests;
 
 pub use report::{Report, Source};
-pub use server::{Shared, serve};
+pub use server::serve;

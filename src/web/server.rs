@@ -1,15 +1,16 @@
 //! The server: what all handlers share, the routes, and where it listens.
 
 use std::{
-    os::unix::fs::{FileTypeExt, PermissionsExt},
+    os::unix::fs::FileTypeExt,
     path::Path,
-    sync::{Arc, PoisonError, RwLock},
+    sync::{Arc, PoisonError},
     time::Duration,
 };
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use axum::{
     Router,
+    body::Bytes,
     extract::DefaultBodyLimit,
     middleware,
     routing::{get, post},
@@ -21,22 +22,20 @@ use tokio::{
 use tracing::info;
 
 use super::{
-    api, assets, build, farm as farm_page, guard, history, live, metrics, order, part, pick,
+    api, assets, build,
+    cache::Cache,
+    farm as farm_page, guard, history, live, metrics, order, part, pick,
     picture::{self, Pictures},
     problem::{Answer, Problem},
-    scene::{self, Scenes},
+    scene,
 };
 use crate::{
-    farm,
+    access, farm,
     ledger::{Ledger, LedgerError},
-    settings::{Listen, Settings, Web as WebSettings},
+    metrics::Metrics,
+    settings::{Listen, Settings, Shared, Web as WebSettings},
 };
 
-/// The settings as the daemon read them last; a reload changes them.
-pub type Shared = Arc<RwLock<Arc<Settings>>>;
-
-/// A token shorter than this is guessed.
-const LEAST_TOKEN: usize = 16;
 /// Between two tries to open a ledger that the daemon is still making.
 const OPEN_AGAIN: Duration = Duration::from_millis(200);
 /// Largest form, bytes.
@@ -52,9 +51,10 @@ pub(super) struct Web {
     pub(super) token: Option<String>,
     /// Stands in every form, so that no other site can post one.
     pub(super) form_key: String,
-    pub(super) scenes: Scenes,
+    pub(super) scenes: Cache<Bytes>,
+    pub(super) picks: Cache<pick::Map>,
+    pub(super) metrics: Metrics,
     pub(super) pictures: Pictures,
-    pub(super) totals: metrics::Kept,
     pub(super) changes: watch::Sender<u64>,
 }
 
@@ -78,7 +78,7 @@ impl Web {
 /// # Errors
 /// When the address cannot be listened on, or the token cannot be read.
 pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
-    let token = web.token_file.as_deref().map(read_token).transpose()?;
+    let token = web.token_file.as_deref().map(access::read_secret).transpose()?;
     let path = settings.read().unwrap_or_else(PoisonError::into_inner).ledger.clone();
     let door = Door::open(&web.listen).await?;
     let ledger = ledger(&path).await?;
@@ -92,9 +92,10 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         orders: web.orders,
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),
-        scenes: Scenes::default(),
+        scenes: Cache::new(scene::KEPT),
+        picks: Cache::new(pick::KEPT),
+        metrics: Metrics::default(),
         pictures: Pictures::default(),
-        totals: metrics::Kept::default(),
         changes: changes.clone(),
     });
     tokio::spawn(live::look(shared.clone(), changes));
@@ -143,15 +144,6 @@ async fn ledger(path: &Path) -> Result<Ledger> {
             opened => return opened.context("opening the ledger for the dashboard"),
         }
     }
-}
-
-fn read_token(file: &Path) -> Result<String> {
-    let text = std::fs::read_to_string(file).with_context(|| format!("reading the token {}", file.display()))?;
-    let token = text.trim().to_owned();
-    ensure!(token.len() >= LEAST_TOKEN, "the token in {} is shorter than {LEAST_TOKEN} letters", file.display());
-    let open = std::fs::metadata(file).is_ok_and(|meta| meta.permissions().mode() & 0o007 != 0);
-    ensure!(!open, "everybody may read the token in {}: chmod 640 it", file.display());
-    Ok(token)
 }
 
 /// A socket that is listened on.

@@ -11,7 +11,7 @@ use tower::ServiceExt;
 
 use super::{
     api::OPENAPI,
-    scene::Scenes,
+    cache::Cache,
     server::{Web, routes},
 };
 use crate::{
@@ -49,9 +49,10 @@ impl Dashboard {
             orders: true,
             token: None,
             form_key: "key".to_owned(),
-            scenes: Scenes::default(),
+            scenes: Cache::new(2),
+            picks: Cache::new(2),
+            metrics: Default::default(),
             pictures: Default::default(),
-            totals: Default::default(),
             changes: watch::Sender::new(0),
         };
         change(&mut web);
@@ -273,13 +274,12 @@ async fn every_answer_of_the_json_interface_is_as_described() {
 async fn metrics_have_units_in_their_names_and_count_what_the_ledger_counts() {
     let dashboard = with_a_build("bracket.stl").await;
     let text = dashboard.get("/metrics").await.text;
-    assert!(text.ends_with("# EOF\n"));
     for line in text.lines().filter(|line| !line.starts_with('#')) {
         assert!(line.starts_with("nestd_"), "{line}");
         assert!(!line.contains("_mm"), "base units only: {line}");
     }
-    assert!(text.contains("nestd_parts_ingested_total{profile=\"cube\"} 1"), "{text}");
-    assert!(text.contains("nestd_build_height_meters_count 1"), "{text}");
+    assert!(text.contains("nestd_files_ingested_total{profile=\"cube\"} 1"), "{text}");
+    assert!(text.contains("nestd_build_height_meters_count{profile=\"cube\"} 1"), "{text}");
 }
 
 #[tokio::test]

@@ -12,6 +12,12 @@ sed 's|^ExecStart=/usr/bin/nestd|ExecStart=/bin/true|' "$unit" > "$work/nestd.se
 # It exits with 0 on directives that it does not know, but says so.
 said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
 [ -z "$said" ] || { echo "$said"; exit 1; }
+# So with the drop-in for a webhook.
+mkdir "$work/nestd.service.d"
+cp "$(dirname "$unit")/webhook.conf" "$work/nestd.service.d/"
+said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
+[ -z "$said" ] || { echo "$said"; exit 1; }
+rm -r "$work/nestd.service.d"
 systemd-analyze security --offline=true --threshold=15 "$work/nestd.service" | tail -1
 
 # Each directive of [Service] has its reason above it: a comment, or another directive of the same group.

@@ -64,7 +64,7 @@ async fn a_part_that_is_taken_back_is_not_multiplied_and_leaves_its_siblings_alo
     let id = ledger.record_claim(&new_part("kit", 5)).await.unwrap().id;
     let solids = [solid(0, 5), solid(1, 10)];
     let parts = ledger.accept(id, &solids).await.unwrap();
-    ledger.cancel(parts[1], "not needed").await.unwrap();
+    ledger.cancel(parts[1], Refusal::Cancelled, "not needed").await.unwrap();
     ledger.retry(parts[1]).await.unwrap();
     assert_eq!(ledger.part(parts[1]).await.unwrap().unwrap().reason, "");
     let again = ledger.accept(parts[1], &[solid(0, 25), solid(1, 100)]).await.unwrap();
@@ -77,11 +77,11 @@ async fn a_part_that_is_taken_back_is_not_multiplied_and_leaves_its_siblings_alo
 async fn a_claim_that_cannot_be_read_is_rejected_with_its_reason() {
     let ledger = fresh().await;
     let id = ledger.record_claim(&new_part("bad", 1)).await.unwrap().id;
-    ledger.reject(id, "the file is empty").await.unwrap();
+    ledger.reject(id, Refusal::Format, "the file is empty").await.unwrap();
     let row = ledger.part(id).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (PartState::Rejected, "the file is empty"));
     assert!(!ledger.hash_in_use(&row.content_hash, jiff::Timestamp::MAX).await.unwrap());
-    assert!(matches!(ledger.reject(id, "again").await, Err(LedgerError::Illegal(_))));
+    assert!(matches!(ledger.reject(id, Refusal::Format, "again").await, Err(LedgerError::Illegal(_))));
     assert!(matches!(ledger.accept(id, &[solid(0, 1)]).await, Err(LedgerError::Illegal(_))));
     let other = ledger.record_claim(&new_part("empty", 1)).await.unwrap().id;
     assert!(matches!(ledger.accept(other, &[]).await, Err(LedgerError::NoSolid(_))));
@@ -91,10 +91,10 @@ async fn a_claim_that_cannot_be_read_is_rejected_with_its_reason() {
 async fn a_waiting_part_is_rejected_by_cancel_only() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 1).await;
-    assert!(matches!(ledger.reject(id, "no").await, Err(LedgerError::Illegal(_))));
-    ledger.cancel(id, "").await.unwrap();
+    assert!(matches!(ledger.reject(id, Refusal::Format, "no").await, Err(LedgerError::Illegal(_))));
+    ledger.cancel(id, Refusal::Cancelled, "").await.unwrap();
     assert_eq!(ledger.part(id).await.unwrap().unwrap().reason, "no reason was given");
-    let again = ledger.cancel(id, "").await.unwrap_err().to_string();
+    let again = ledger.cancel(id, Refusal::Cancelled, "").await.unwrap_err().to_string();
     assert_eq!(again, "part 1 is refused or cancelled already; `nestd show p1` says why");
     ledger.retry(id).await.unwrap();
     let again = ledger.retry(id).await.unwrap_err().to_string();
@@ -179,11 +179,11 @@ async fn a_part_cannot_be_cancelled_while_a_copy_is_being_nested() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 2).await;
     let build = nesting(&ledger, &[(id, 0)]).await;
-    assert!(matches!(ledger.cancel(id, "no").await, Err(LedgerError::BeingBuilt { .. })));
+    assert!(matches!(ledger.cancel(id, Refusal::Cancelled, "no").await, Err(LedgerError::BeingBuilt { .. })));
     ledger.verify_build(build, &verified(build, 1), &placed(&[(id, 0)])).await.unwrap();
-    assert!(matches!(ledger.cancel(id, "no").await, Err(LedgerError::BeingBuilt { .. })));
+    assert!(matches!(ledger.cancel(id, Refusal::Cancelled, "no").await, Err(LedgerError::BeingBuilt { .. })));
     ledger.publish_build(build).await.unwrap();
-    ledger.cancel(id, "one is enough").await.unwrap();
+    ledger.cancel(id, Refusal::Cancelled, "one is enough").await.unwrap();
     ledger.retry(id).await.unwrap();
     ledger.accept(id, &[solid(0, 2)]).await.unwrap();
     let line = ledger.waiting_copies("paper-200").await.unwrap();

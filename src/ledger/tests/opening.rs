@@ -87,7 +87,7 @@ async fn write_much(path: &Path, who: &str) {
     for n in 0..CHANGES {
         let id = waiting(&ledger, &format!("{who}-{n}"), 1).await;
         if n % 5 == 0 {
-            ledger.cancel(id, "enough").await.unwrap();
+            ledger.cancel(id, Refusal::Cancelled, "enough").await.unwrap();
         }
         ledger.waiting_copies("paper-200").await.unwrap();
     }

@@ -97,7 +97,7 @@ async fn an_identical_file_of_another_claim_is_found() {
     assert_eq!(ledger.earlier_with_hash("paper-200", &hash, first).await.unwrap(), None);
     assert_eq!(ledger.earlier_with_hash("fuse-1", &hash, second).await.unwrap(), None);
     assert!(ledger.hash_in_use(&hash, jiff::Timestamp::MAX).await.unwrap());
-    ledger.reject(first, "no").await.unwrap();
+    ledger.reject(first, Refusal::Format, "no").await.unwrap();
     assert_eq!(ledger.earlier_with_hash("paper-200", &hash, second).await.unwrap(), None);
 }
 
@@ -140,6 +140,7 @@ async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
         version: "0.1.0".into(),
         started_at: Timestamp::now(),
         status: "idle".into(),
+        stations: Vec::new(),
     };
     ledger.beat(&beat).await.unwrap();
     ledger.beat(&Beat { status: "nesting build 3".into(), ..beat.clone() }).await.unwrap();

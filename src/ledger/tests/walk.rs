@@ -82,8 +82,8 @@ impl Walk {
                 let (id, copies) = self.part(part);
                 ledger.accept(id, &[solid(0, copies)]).await.map(drop)
             }
-            Step::Reject(part) => ledger.reject(self.part(part).0, "unreadable").await,
-            Step::Cancel(part) => ledger.cancel(self.part(part).0, "not needed").await,
+            Step::Reject(part) => ledger.reject(self.part(part).0, Refusal::Format, "unreadable").await,
+            Step::Cancel(part) => ledger.cancel(self.part(part).0, Refusal::Cancelled, "not needed").await,
             Step::Retry(part) => ledger.retry(self.part(part).0).await,
             Step::Fire(count) => {
                 let line = ledger.waiting_copies("paper-200").await?;

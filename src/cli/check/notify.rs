@@ -1,0 +1,86 @@
+//! The receivers of messages: whether they could be told.
+
+use std::{
+    fs,
+    net::{TcpStream, ToSocketAddrs},
+    os::unix::fs::PermissionsExt,
+    time::Duration,
+};
+
+use super::report::Report;
+use crate::{
+    access,
+    settings::{Settings, Webhook},
+};
+
+/// A host that does not answer within this time is told as a warning.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Looks at what `[notify]` names.
+pub fn look(settings: &Settings, report: &mut Report) {
+    if let Some(webhook) = &settings.notify.webhook {
+        secret(webhook, report);
+        reach(webhook, report);
+    }
+    if let Some([program, ..]) = settings.notify.command.as_deref() {
+        let what = "command of [notify]";
+        match fs::metadata(program) {
+            Ok(meta) if meta.is_file() && meta.permissions().mode() & 0o111 != 0 => report.ok(what, program),
+            Ok(_) => report.problem(what, format!("{program} is no program"), "name a file that may be executed"),
+            Err(error) => report.problem(what, format!("{program}: {error}"), "name a program that is there"),
+        }
+    }
+}
+
+fn secret(webhook: &Webhook, report: &mut Report) {
+    let what = "secret of [notify]";
+    match access::read_secret(&webhook.secret_file) {
+        Ok(_) => report.ok(what, webhook.secret_file.display().to_string()),
+        Err(error) => {
+            let text = format!("{:#}", anyhow::Error::from(error));
+            report.problem(what, text, "make it a file that nestd's user may read and others may not, with a long key");
+        }
+    }
+}
+
+/// A host that is away now may be there later: that is a warning.
+fn reach(webhook: &Webhook, report: &mut Report) {
+    let what = "webhook of [notify]";
+    let address = address(&webhook.url);
+    let remedy = "see that the host is up and may be reached from here; under systemd see docs/monitoring.md";
+    let found = address.to_socket_addrs().map(Iterator::collect::<Vec<_>>);
+    let tried = found.map(|all| all.iter().map(|one| TcpStream::connect_timeout(one, PATIENCE)).collect::<Vec<_>>());
+    match tried {
+        Ok(tried) if tried.iter().any(Result::is_ok) => report.ok(what, format!("{address} answers")),
+        Ok(tried) => {
+            let why = tried.into_iter().find_map(Result::err).map(|error| error.to_string());
+            report.warning(what, format!("{address} cannot be reached: {}", why.unwrap_or_default()), remedy);
+        }
+        Err(error) => report.warning(what, format!("{address} is not known: {error}"), remedy),
+    }
+}
+
+/// Host and port of an address of a web server.
+fn address(url: &str) -> String {
+    let (rest, port) = match url.strip_prefix("https://") {
+        Some(rest) => (rest, 443),
+        None => (url.strip_prefix("http://").unwrap_or(url), 80),
+    };
+    let host = rest.split(['/', '?', '#']).next().unwrap_or_default();
+    let host = host.rsplit_once('@').map_or(host, |(_, host)| host);
+    let has_port = host.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok());
+    if has_port { host.to_owned() } else { format!("{host}:{port}") }
+}
+
+#[test]
+fn host_and_port_of_a_webhook_are_found() {
+    for (url, is) in [
+        ("https://farm.example.org/hook", "farm.example.org:443"),
+        ("http://10.0.0.1:8080/x?y", "10.0.0.1:8080"),
+        ("http://user:pass@host", "host:80"),
+        ("https://[::1]/", "[::1]:443"),
+        ("https://[::1]:99/", "[::1]:99"),
+    ] {
+        assert_eq!(address(url), is, "{url}");
+    }
+}

@@ -19,7 +19,9 @@ const LIGHT: DVec3 = DVec3::new(-0.35, -0.75, 1.0);
 /// Share of the picture that stays free on each side.
 const MARGIN: f64 = 0.03;
 /// Height of digits as a share of the picture's height, and in pixels at least and at most.
-const DIGITS: (f64, f64, f64) = (0.028, 7.0, 48.0);
+const DIGITS: (f64, f64, f64) = (0.028, 12.0, 48.0);
+/// Digits that are lower cannot be read, pixels.
+const LEAST_DIGITS: f32 = 6.0;
 /// Least height of a picture with something written in it, pixels.
 const LEAST_WRITTEN: usize = 90;
 
@@ -105,10 +107,15 @@ struct Caption {
 impl Caption {
     /// `None` where there is no room for it.
     fn new(text: &str, with_sign: bool, (width, height): (usize, usize), fine: usize) -> Option<Self> {
-        let digits = (DIGITS.0 * height as f64).clamp(DIGITS.1, DIGITS.2) as f32 * fine as f32;
-        let (sign, gap) = if with_sign { (2.5 * digits, 0.7 * digits) } else { (0.0, 0.0) };
-        let caption = Self { text: text.to_owned(), digits, sign, gap, strip: (2.2 * digits) as usize };
-        (height >= LEAST_WRITTEN && caption.width() < 0.96 * (width * fine) as f32).then_some(caption)
+        let wanted = (DIGITS.0 * height as f64).clamp(DIGITS.1, DIGITS.2) as f32 * fine as f32;
+        let of = |digits: f32| {
+            let (sign, gap) = if with_sign { (2.5 * digits, 0.7 * digits) } else { (0.0, 0.0) };
+            Self { text: text.to_owned(), digits, sign, gap, strip: (2.2 * digits) as usize }
+        };
+        // What would be too wide is written smaller.
+        let room = 0.94 * (width * fine) as f32 / of(wanted).width();
+        let caption = of(wanted * room.min(1.0));
+        (height >= LEAST_WRITTEN && caption.digits >= LEAST_DIGITS * fine as f32).then_some(caption)
     }
 
     fn width(&self) -> f32 {

@@ -8,6 +8,7 @@ use std::{
     net::TcpListener,
     path::{Path, PathBuf},
     process::Command,
+    sync::{LazyLock, Mutex, PoisonError},
 };
 
 use nestd::{
@@ -27,6 +28,9 @@ const PROFILE: &str = "volume_mm = [200, 160, 220]\nclearance_mm = 3.0\nlayer_mm
 /// Names that would do harm where they were not taken as text.
 const NASTY: [&str; 3] =
     ["<img src=x onerror=alert(1)>.stl", "<script>alert(1)<script>.stl", "=HYPERLINK(\"http:x\").stl"];
+
+/// One test after the other: they measure how long pages take.
+static ALONE: Mutex<()> = Mutex::new(());
 
 /// A farm with a machine of its own, beside that of the other tests.
 struct Dashboard {
@@ -109,6 +113,7 @@ fn every_page_is_what_it_should_be_in_a_real_browser() {
         println!("left out: NESTD_BROWSER is not set");
         return;
     };
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let dashboard = Dashboard::start();
     let farm = set_up(&dashboard, &chromium);
     let tools = tools();
@@ -116,6 +121,39 @@ fn every_page_is_what_it_should_be_in_a_real_browser() {
     let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     println!("{told}");
     assert!(output.status.success(), "{told}\n{}", dashboard.farm.log());
+}
+
+/// What the 3D view of a large build may take to open, s; of a program built for speed, on a machine with nothing else to do.
+const OPENS_WITHIN_SECS: f64 = 3.0;
+
+#[test]
+fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
+    let Some(chromium) = std::env::var_os("NESTD_BROWSER").map(PathBuf::from) else {
+        println!("left out: NESTD_BROWSER is not set");
+        return;
+    };
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let dashboard = Dashboard::start();
+    let large = "volume_mm = [380, 284, 2000]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0\n";
+    dashboard.farm.write_profile(MACHINE, large);
+    dashboard.farm.reload();
+    let kinds: Vec<_> = samples::all().into_iter().filter(|sample| sample.mesh.triangles().len() > 1500).collect();
+    let each = 700 / kinds.len();
+    for sample in &kinds {
+        dashboard.drop("", &format!("{}_x{each}.stl", sample.name), &stl(&sample.mesh));
+    }
+    dashboard.wait_for(PartState::Waiting, kinds.len());
+    dashboard.flush();
+    let copies = each * kinds.len();
+    let triangles: usize = kinds.iter().map(|kind| each * kind.mesh.triangles().len()).sum();
+    let asked = serde_json::json!({ "chromium": chromium, "base": dashboard.base, "build": 1, "copies": copies });
+    let output = Command::new("node").arg("large.mjs").arg(asked.to_string()).current_dir(tools()).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    println!("{copies} copies, {triangles} triangles: {told}");
+    assert!(output.status.success(), "{told}\n{}", dashboard.farm.log());
+    let opened: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let secs = opened[0]["secs"].as_f64().unwrap();
+    assert!(cfg!(debug_assertions) || secs < OPENS_WITHIN_SECS, "it took {secs:.1} s");
 }
 
 /// Two published builds, one of them done, parts that wait in an open build, names that bite, a refused part. Returns what
@@ -163,8 +201,13 @@ fn open_build(dashboard: &Dashboard) -> i64 {
     open().unwrap()
 }
 
-/// The folder with the checks and what npm fetches for them.
+/// The folder with the checks and what npm fetches for them, once for all tests.
 fn tools() -> PathBuf {
+    static TOOLS: LazyLock<PathBuf> = LazyLock::new(fetched);
+    TOOLS.clone()
+}
+
+fn fetched() -> PathBuf {
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser");
     fs::create_dir_all(&folder).unwrap();

@@ -68,7 +68,7 @@ pub fn look(common: &Common, args: &BuildArgs) -> Result<Looked> {
         if file.is_file() {
             return of_file(file, args.volume);
         }
-        if word.contains('/') {
+        if word.contains('/') || (word.ends_with(".3mf") && number_in(word).is_none()) {
             return Err(Usage(format!("there is no file {}", file.display())).into());
         }
     }

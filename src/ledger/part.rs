@@ -185,6 +185,8 @@ impl PartRow {
     pub fn full_name(&self) -> String {
         match self.object_name.as_str() {
             "" => self.name.clone(),
+            // A file of one solid often gives it its own name.
+            object if self.name.rsplit_once('.').is_some_and(|(stem, _)| stem == object) => self.name.clone(),
             object => format!("{} ({object})", self.name),
         }
     }

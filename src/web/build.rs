@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     farm::standing,
-    ledger::{BuildRow, OutcomeRow, PartRow},
+    ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
     settings::Profile,
 };
 
@@ -30,7 +30,9 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let outcomes = web.ledger.outcomes(build.id).await?;
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
-        @if !build.reason.is_empty() { p.bad role="status" { (build.reason) } }
+        @if !build.reason.is_empty() {
+            p class=(if is_bad(build.state) { "bad" } else { "note" }) role="status" { (build.reason) }
+        }
         @if copies > 0 { (view(build.id.0, copies)) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         (what_is_known(&build, &profile, copies))
@@ -40,6 +42,11 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         (part::table(&rows, rows.len()))
     };
     Ok(page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
+}
+
+/// Whether a build's reason is bad news, and not a note of the operator.
+fn is_bad(state: BuildState) -> bool {
+    matches!(state, BuildState::Failed | BuildState::Interrupted)
 }
 
 /// The 3D view; without JavaScript the pick map shows the picture.

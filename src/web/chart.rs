@@ -50,8 +50,10 @@ pub(super) fn charts(rows: &[HistoryRow], settings: &Settings) -> Markup {
 fn chart(title: &str, unit: &str, lines: &Lines) -> Markup {
     let points = || lines.values().flatten();
     let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
+    // The days, and the time as well where they are one.
+    let format = if last - first < 2.0 * 86_400.0 { "%Y-%m-%d %H:%M" } else { "%Y-%m-%d" };
     let date = |secs: f64| {
-        jiff::Timestamp::from_second(secs as i64).map_or_else(|_| String::new(), |t| t.strftime("%Y-%m-%d").to_string())
+        jiff::Timestamp::from_second(secs as i64).map_or_else(|_| String::new(), |t| t.strftime(format).to_string())
     };
     let legend = lines.keys().take(MOST_LINES).enumerate();
     html! {

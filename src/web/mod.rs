@@ -6,6 +6,7 @@
 mod api;
 mod assets;
 mod build;
+mod cache;
 mod chart;
 mod farm;
 mod footprint;

@@ -10,7 +10,7 @@ use super::{
     footprint::footprint,
     page::page,
     problem::Answer,
-    scene::{build_of, of_cake},
+    scene::{build_of, of_cake, version},
     server::Web,
     words::{count, number, text},
 };
@@ -21,6 +21,12 @@ const COARSE_MM: f64 = 1.5;
 
 /// Thickness of a band of the map, mm.
 const BAND_MM: f64 = 10.0;
+
+/// Maps that are kept; some 100 kB each.
+pub(super) const KEPT: usize = 8;
+
+/// How many copies are on a map, and its bands.
+pub(super) type Map = (usize, Markup);
 
 /// A part to take out of the cake.
 struct Pick {
@@ -39,9 +45,16 @@ struct Pick {
 pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
     let (build, profile) = build_of(&web, number_of_build).await?;
     let title = format!("Pick map of build {}", build.id);
-    let (copies, bands) =
-        of_cake(&web, &build, &profile, |cake| (cake.copies(), bands(cake, |part| Some(format!("/parts/{part}")))))
-            .await?;
+    let key = version(&build);
+    let (copies, bands) = match web.picks.get(&key) {
+        Some(map) => map,
+        None => {
+            let link = |part| Some(format!("/parts/{part}"));
+            let map = of_cake(&web, &build, &profile, move |cake| (cake.copies(), bands(cake, link))).await?;
+            web.picks.put(key, map.clone());
+            map
+        }
+    };
     let content = html! {
         h1 { (title) }
         p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(copies as u32, "part", "parts")) ". " (LEGEND) }

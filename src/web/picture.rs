@@ -1,6 +1,6 @@
 //! Pictures of builds for pages, drawn one at a time and kept: the same picture is asked for by every look at the farm.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use axum::{
     body::Bytes,
@@ -12,6 +12,7 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
+    cache::Cache,
     problem::Answer,
     scene::{build_of, of_cake, version},
     server::Web,
@@ -28,23 +29,16 @@ const WIDTHS: [u32; 2] = [480, 640];
 const KEPT: usize = 64;
 
 /// Pictures that were drawn, by build, what makes it another one, and width.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Pictures {
-    kept: Mutex<Vec<(String, Bytes)>>,
+    kept: Cache<Bytes>,
     /// Who holds it draws: looking takes one core from the farm at most.
     drawing: tokio::sync::Mutex<()>,
 }
 
-impl Pictures {
-    fn known(&self, key: &str) -> Option<Bytes> {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter().find(|(known, _)| known == key).map(|(_, png)| png.clone())
-    }
-
-    fn keep(&self, key: String, png: Bytes) {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.insert(0, (key, png));
-        kept.truncate(KEPT);
+impl Default for Pictures {
+    fn default() -> Self {
+        Self { kept: Cache::new(KEPT), drawing: tokio::sync::Mutex::default() }
     }
 }
 
@@ -66,18 +60,18 @@ pub(super) async fn picture(
     let wanted = asked.width.unwrap_or(WIDTHS[WIDTHS.len() - 1]);
     let width = WIDTHS.into_iter().find(|&width| width >= wanted).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
     let key = |build: &BuildRow| format!("{} {width}", version(build));
-    let png = match web.pictures.known(&key(&build)) {
+    let png = match web.pictures.kept.get(&key(&build)) {
         Some(png) => png,
         None => {
             let _drawing = web.pictures.drawing.lock().await;
             // While others drew, it may have been drawn or become another one.
             (build, _) = build_of(&web, number).await?;
-            match web.pictures.known(&key(&build)) {
+            match web.pictures.kept.get(&key(&build)) {
                 Some(png) => png,
                 None => {
                     let draw = move |cake: &crate::farm::Cake| cake.picture(Viewpoint::Iso, (width, width / 4 * 3));
                     let png = Bytes::from(of_cake(&web, &build, &profile, draw).await?);
-                    web.pictures.keep(key(&build), png.clone());
+                    web.pictures.kept.put(key(&build), png.clone());
                     png
                 }
             }

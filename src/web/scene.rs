@@ -3,7 +3,7 @@
 //! The answer is binary, little-endian: the length of a JSON text (u32), the text, padded to four bytes, then for each mesh
 //! its vertices (f32 x 3) and its triangles (u32 x 3).
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use anyhow::Context;
 use axum::{
@@ -31,11 +31,7 @@ const MOST_DRAWN: usize = 700_000;
 /// Triangles of one mesh: at least, at most.
 const OF_MESH: (usize, usize) = (150, 20_000);
 /// Scenes that are kept.
-const KEPT: usize = 8;
-
-/// Scenes that were made, by build and what makes it another one.
-#[derive(Debug, Default)]
-pub(super) struct Scenes(Mutex<Vec<(String, Bytes)>>);
+pub(super) const KEPT: usize = 8;
 
 #[derive(Serialize)]
 struct Scene {
@@ -92,16 +88,13 @@ pub(super) async fn of_cake<T: Send + 'static>(
 pub(super) async fn scene(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Response> {
     let (build, profile) = build_of(&web, number).await?;
     let key = version(&build);
-    let known = web.scenes.0.lock().unwrap_or_else(PoisonError::into_inner).iter().find(|(k, _)| *k == key).cloned();
-    let bytes = match known {
-        Some((_, bytes)) => bytes,
+    let bytes = match web.scenes.get(&key) {
+        Some(bytes) => bytes,
         None => {
             let facts = (build.id.0, build.height_mm, profile.layer_mm);
             let made = of_cake(&web, &build, &profile, move |cake| packed(cake, facts, MOST_DRAWN)).await?;
             let bytes = Bytes::from(made?);
-            let mut scenes = web.scenes.0.lock().unwrap_or_else(PoisonError::into_inner);
-            scenes.insert(0, (key, bytes.clone()));
-            scenes.truncate(KEPT);
+            web.scenes.put(key, bytes.clone());
             bytes
         }
     };

@@ -10,6 +10,7 @@ use std::{
 use anyhow::{Context, Result, bail};
 use axum::{
     Router,
+    body::Bytes,
     extract::DefaultBodyLimit,
     middleware,
     routing::{get, post},
@@ -21,10 +22,12 @@ use tokio::{
 use tracing::info;
 
 use super::{
-    api, assets, build, farm as farm_page, guard, history, live, metrics, order, part, pick,
+    api, assets, build,
+    cache::Cache,
+    farm as farm_page, guard, history, live, metrics, order, part, pick,
     picture::{self, Pictures},
     problem::{Answer, Problem},
-    scene::{self, Scenes},
+    scene,
 };
 use crate::{
     access, farm,
@@ -48,7 +51,8 @@ pub(super) struct Web {
     pub(super) token: Option<String>,
     /// Stands in every form, so that no other site can post one.
     pub(super) form_key: String,
-    pub(super) scenes: Scenes,
+    pub(super) scenes: Cache<Bytes>,
+    pub(super) picks: Cache<pick::Map>,
     pub(super) metrics: Metrics,
     pub(super) pictures: Pictures,
     pub(super) changes: watch::Sender<u64>,
@@ -88,7 +92,8 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         orders: web.orders,
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),
-        scenes: Scenes::default(),
+        scenes: Cache::new(scene::KEPT),
+        picks: Cache::new(pick::KEPT),
         metrics: Metrics::default(),
         pictures: Pictures::default(),
         changes: changes.clone(),

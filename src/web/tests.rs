@@ -11,7 +11,7 @@ use tower::ServiceExt;
 
 use super::{
     api::OPENAPI,
-    scene::Scenes,
+    cache::Cache,
     server::{Web, routes},
 };
 use crate::{
@@ -49,7 +49,8 @@ impl Dashboard {
             orders: true,
             token: None,
             form_key: "key".to_owned(),
-            scenes: Scenes::default(),
+            scenes: Cache::new(2),
+            picks: Cache::new(2),
             metrics: Default::default(),
             pictures: Default::default(),
             changes: watch::Sender::new(0),

@@ -11,7 +11,12 @@ pub(super) const DASH: &str = "\u{2013}";
 
 /// A number with so many decimals.
 pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(|| DASH.to_owned(), |v| format!("{v:.decimals$}"))
+    let text = value.map_or_else(|| DASH.to_owned(), |v| format!("{v:.decimals$}"));
+    // What rounds to nothing has no sign.
+    match text.strip_prefix('-') {
+        Some(nothing) if nothing.bytes().all(|b| b == b'0' || b == b'.') => nothing.to_owned(),
+        _ => text,
+    }
 }
 
 /// A share 0..1 in percent.
@@ -51,4 +56,15 @@ pub(super) fn age(since: Timestamp, now: Timestamp) -> String {
         span.round(SpanRound::new().largest(Unit::Day).smallest(smallest).days_are_24_hours())
     });
     span.map_or_else(|_| DASH.to_owned(), |span| format!("{span:#}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rounds_to_nothing_has_no_sign() {
+        assert_eq!((number(Some(-1e-9), 1), number(Some(-0.06), 1)), ("0.0".to_owned(), "-0.1".to_owned()));
+        assert_eq!((number(Some(-0.2), 0), number(None, 1)), ("0".to_owned(), DASH.to_owned()));
+    }
 }

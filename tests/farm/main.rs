@@ -1,6 +1,7 @@
 //! The farm as its users meet it: the real binary on real folders, a real SQLite ledger and real inotify.
 #![allow(clippy::unwrap_used, clippy::print_stderr)] // a test that cannot go on fails
 
+#[allow(dead_code)] // shared with other tests, not all of it is used here
 #[path = "../hook/mod.rs"]
 mod hook;
 
@@ -14,6 +15,7 @@ mod names;
 mod open;
 mod operations;
 mod orders;
+mod pictures;
 mod privilege;
 mod restore;
 mod share;

@@ -38,7 +38,7 @@ pub fn run(budget: &Budget) -> Row {
     let first = wave(&farm, &mut row, at_once, &mut status);
     let mut waves = 1;
     let began = (Instant::now(), row.files);
-    while budget.is_long && row.files < SOAK_FILES && budget.left_secs() > 0.25 * budget.secs {
+    while budget.is_long && row.files < SOAK_FILES && budget.left_secs() > 0.1 * budget.secs {
         let count = 500.min(SOAK_FILES - row.files);
         wave(&farm, &mut row, count, &mut status);
         waves += 1;

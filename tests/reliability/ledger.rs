@@ -46,8 +46,8 @@ fn large(budget: &Budget, row: &mut Row) {
         big::fill_waiting(&path, budget.pick(500, WAITING)).await;
     });
     fs::remove_file(farm.root().join("state/nestd.db.b3")).unwrap();
-    let history = big::best_ms(|| farm.command(&["history", "--since", "30d"]), 7);
-    let status = big::best_ms(|| farm.command(&["status"]), 7);
+    let history = big::best_ms(|| farm.command(&["history", "--since", "30d"]), budget.pick(7, 40));
+    let status = big::best_ms(|| farm.command(&["status"]), budget.pick(7, 40));
     let began = Instant::now();
     let whole = runtime().block_on(async { Ledger::open_existing(&path).await.unwrap().check_whole().await });
     let look = began.elapsed().as_secs_f64();

@@ -42,14 +42,14 @@ struct Section {
 #[rustfmt::skip]
 const SECTIONS: [Section; 9] = [
     Section { name: "crash", weight: 4.0, run: crash::run },
-    Section { name: "faults", weight: 5.0, run: faults::run },
-    Section { name: "power", weight: 3.0, run: power::run },
+    Section { name: "faults", weight: 8.0, run: faults::run },
+    Section { name: "power", weight: 5.0, run: power::run },
     Section { name: "kill", weight: 3.0, run: kill::run },
     Section { name: "hostile", weight: 2.0, run: hostile::run },
-    Section { name: "torture", weight: 1.0, run: torture::run },
+    Section { name: "torture", weight: 0.5, run: torture::run },
     Section { name: "heavy", weight: 2.0, run: heavy::run },
-    Section { name: "flood", weight: 4.0, run: flood::run },
-    Section { name: "ledger", weight: 2.0, run: ledger::run },
+    Section { name: "flood", weight: 22.0, run: flood::run },
+    Section { name: "ledger", weight: 3.0, run: ledger::run },
 ];
 
 /// Wall seconds of a section in a short run.

@@ -8,7 +8,10 @@ use std::{
     time::Instant,
 };
 
-use nestd::ledger::{PartRow, PartState};
+use nestd::{
+    intake,
+    ledger::{PartRow, PartState},
+};
 
 use super::{
     budget::Budget,
@@ -60,12 +63,12 @@ fn all_taken(farm: &TestFarm, secs: f64) -> bool {
     while began.elapsed().as_secs_f64() < secs {
         std::thread::sleep(std::time::Duration::from_millis(300));
         // Folders come and go while they are listed.
-        let Ok(in_inbox) = nestd::intake::files_below(&farm.folder("inbox")) else { continue };
+        let Ok(in_inbox) = intake::files_below(&farm.folder("inbox")) else { continue };
         let is_left = |file: &PathBuf| {
             let relative = file.strip_prefix(farm.folder("inbox")).unwrap();
             // What is claimed has no row yet.
             let is_claimed = relative.starts_with(".claimed");
-            is_claimed || !relative.iter().any(nestd::intake::is_ignored) && relative.components().count() > 1
+            is_claimed || !relative.iter().any(intake::is_ignored) && relative.components().count() > 1
         };
         if !in_inbox.iter().any(is_left) && farm.parts(PartState::Claimed).is_empty() {
             return true;
@@ -109,8 +112,14 @@ fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> Outcome {
         let lost = if reasons == 1 { "" } else { " BUT there is not one reason in the error folder" };
         return Outcome { triangles: None, left_out: 0, said: said.join("\n") + lost };
     }
-    let triangles = parts.iter().map(|p| p.triangles.unwrap_or(0) as usize * p.copies as usize).sum();
+    let triangles = parts.iter().map(|p| p.triangles.unwrap_or(0) as usize * in_file(p)).sum();
     Outcome { triangles: Some(triangles), left_out: left_out(parts), said: said.join("\n") }
+}
+
+/// How often a part stands in its file. A name such as "rail-2x" asks for all of it so many times, of which the manifest
+/// does not speak.
+fn in_file(part: &PartRow) -> usize {
+    (part.copies / intake::copies_in_name(&part.name).unwrap_or(1)) as usize
 }
 
 /// "5 triangles without an area (3 left out, 2 kept to stay closed)", copies counted each.
@@ -118,7 +127,7 @@ fn left_out(parts: &[PartRow]) -> usize {
     let of_part = |part: &PartRow| -> usize {
         let lines = part.warnings.lines().filter(|line| line.contains("without an area"));
         let count = |line: &str| line.split_once('(')?.1.split_once(" left out")?.0.parse::<usize>().ok();
-        lines.filter_map(count).sum::<usize>() * part.copies as usize
+        lines.filter_map(count).sum::<usize>() * in_file(part)
     };
     parts.iter().map(of_part).sum()
 }

@@ -72,8 +72,18 @@ function show(data) {
     drawn.instanceMatrix.needsUpdate = true; drawn.computeBoundingSphere();
   });
   const controls = new OrbitControls(camera, canvas);
-  const home = () => { const top = data.height_mm ?? z; controls.target.set(x / 2, y / 2, Math.min(z, top) / 2);
-    camera.position.set(x / 2 + size * 0.75, y / 2 - size * 1.25, z / 2 + size * 0.55); controls.update(); draw(); };
+  // From the front, a little from the right and above, so near that what stands in the volume just fits.
+  const home = () => {
+    const high = Math.min(z, Math.max(data.height_mm ?? z, z / 2)), back = new Vector3(0.5, -0.83, 0.42).normalize();
+    const right = new Vector3(0, 0, 1).cross(back).normalize(), up = back.clone().cross(right), tall = Math.tan((camera.fov * Math.PI) / 360), wide = tall * camera.aspect;
+    controls.target.set(x / 2, y / 2, high / 2);
+    let distance = 0;
+    for (const sx of [-x, x]) for (const sy of [-y, y]) for (const sz of [-high, high]) {
+      const corner = new Vector3(sx, sy, sz).multiplyScalar(0.5);
+      distance = Math.max(distance, corner.dot(back) + Math.max(Math.abs(corner.dot(right)) / wide, Math.abs(corner.dot(up)) / tall));
+    }
+    camera.position.copy(controls.target).addScaledVector(back, 1.06 * distance); controls.update(); draw();
+  };
   let asked = false;
   const draw = () => { if (asked) return; asked = true; requestAnimationFrame(() => { asked = false; renderer.render(scene, camera); section.dataset.drawn = String(instanced.reduce((n, d) => n + d.count, 0)); }); };
   const fit = () => { const { clientWidth: w, clientHeight: h } = canvas; renderer.setSize(w, h, false); camera.aspect = w / h; camera.updateProjectionMatrix(); draw(); };

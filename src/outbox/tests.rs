@@ -23,12 +23,15 @@ use hook::Hook;
 
 const SECRET: &str = "a-key-of-32-letters-or-so-it-is-ok";
 
+/// What a person was told of receivers, in order.
+type Troubles = Vec<(Receiver, Option<String>)>;
+
 /// A farm with receivers, and its ledger.
 struct Farm {
     ledger: fixtures::TestLedger,
     folder: tempfile::TempDir,
     settings: Shared,
-    troubles: Arc<Mutex<Vec<(Receiver, Option<String>)>>>,
+    troubles: Arc<Mutex<Troubles>>,
 }
 
 impl Farm {
@@ -243,7 +246,8 @@ async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
         "cat > FOLDER/stdin; printf '%s|%s|%s|%s|%s' \"$1\" \"$NESTD_EVENT\" \"$NESTD_PART\" \"$NESTD_TEXT\" \"$NOTIFY_SOCKET\" > FOLDER/env",
     );
     farm.refuse(&farm.ledger, "$(touch FOLDER/evil) `x`; rm *.stl").await;
-    let event = farm.ledger.next_event(0, &kinds(&farm.settings.read().unwrap().notify.events)).await.unwrap().unwrap();
+    let kinds = kinds(&farm.settings.read().unwrap().notify.events);
+    let event = farm.ledger.next_event(0, &kinds).await.unwrap().unwrap();
     let message = Message::of(&event, &farm.ledger).await.unwrap();
     let notify = format!("command = [\"{command}\", \"one two\"]\n");
     let notify = read(farm.folder.path(), farm.ledger.path(), &notify).notify;

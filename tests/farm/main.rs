@@ -1,7 +1,6 @@
 //! The farm as its users meet it: the real binary on real folders, a real SQLite ledger and real inotify.
 #![allow(clippy::unwrap_used, clippy::print_stderr)] // a test that cannot go on fails
 
-#[allow(dead_code)] // shared with other tests, not all of it is used here
 #[path = "../hook/mod.rs"]
 mod hook;
 

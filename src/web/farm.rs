@@ -66,7 +66,7 @@ fn needs_a_person(notices: &[Notice], now: Timestamp) -> Markup {
 fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {
     match daemon {
         Some(d) if d.alive => html! {
-            p.ok { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (d.status) "." }
+            p.ok.daemon { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (d.status) "." }
         },
         Some(d) => html! {
             p.bad role="alert" { "The daemon does not run; its last sign of life was " (age(d.beat_at.0, now)) " ago." }

@@ -17,7 +17,7 @@ use super::{
     server::Web,
 };
 use crate::{
-    farm::{fires_at, kept_notices, notice_in_json},
+    farm::{FiredBy, fires_at, kept_notices, notice_in_json},
     ledger::{
         BuildId, BuildRow, DaemonRow, EventRow, HistoryRow, OutcomeRow, PartId, PartRow, PlacementRow, ProfileStatus,
     },
@@ -38,6 +38,7 @@ struct Machine {
     status: ProfileStatus,
     volume_mm: [f64; 3],
     fires_at_latest: Option<Timestamp>,
+    fires_by: Option<FiredBy>,
     inbox_is_there: bool,
     queue_is_there: bool,
 }
@@ -65,8 +66,10 @@ pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
     let machine = |(name, profile): (&String, &crate::settings::Profile)| {
         let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
         let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
+        let fires = fires_at(profile, &status);
         Machine {
-            fires_at_latest: fires_at(profile, &status),
+            fires_at_latest: fires.map(|fires| fires.at),
+            fires_by: fires.map(|fires| fires.by),
             volume_mm: profile.volume_mm.to_array(),
             inbox_is_there: profile.folders.inbox.is_dir(),
             queue_is_there: profile.folders.queue.is_dir(),

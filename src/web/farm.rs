@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     farm::{Notice, fires_at, kept_notices},
-    ledger::{CommandKind, DaemonRow, ProfileStatus},
+    ledger::{CommandKind, DaemonRow, ProfileStatus, Utc},
     settings::Profile,
 };
 
@@ -96,7 +96,7 @@ fn card(web: &Web, profile: &Profile, status: &ProfileStatus, shot: &Markup, now
     let height_mm = open.and_then(|open| open.height_mm);
     let oldest = status.oldest_at.map_or_else(|| "–".to_owned(), |at| age(at.0, now));
     let fires =
-        fires_at(profile, status).map(|at| format!("when full, at the latest {}", at.strftime("%Y-%m-%d %H:%M")));
+        fires_at(profile, status).map(|f| format!("when full, at the latest {}: {}", time(Some(Utc(f.at))), f.why(status)));
     html! {
         section.card aria-label=(name) {
             h2 { (name) }

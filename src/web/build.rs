@@ -112,10 +112,9 @@ pub(super) fn curve(folder: &path::Path, file_name: Option<&str>) -> Markup {
     };
     match read() {
         Some(points) if points.len() > 1 => {
-            let end = format!("{:.1} s", points[points.len() - 1].0);
             html! {
                 figure { figcaption { "Height while it was searched, mm over seconds" }
-                    (chart::plot("Height over time", std::iter::once(&points), ("0 s", &end))) }
+                    (chart::plot("Height over time", std::iter::once(&points), &|secs| format!("{secs:.1} s"))) }
             }
         }
         _ => html! {},

@@ -205,8 +205,7 @@ impl Machine {
 
     fn forecast(&self) -> String {
         let open = self.status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
-        let open =
-            open.map(|open| format!("{} mm, {}", number(open.height_mm, 2), copies(open.copies.unwrap_or(0))));
+        let open = open.map(|open| format!("{} mm, {}", number(open.height_mm, 2), copies(open.copies.unwrap_or(0))));
         let fires = self.fires_at_latest.zip(self.fires_by);
         let fires = fires.map(|(at, by)| format!("by {} ({by})", brief(Some(Utc(at)))));
         match (open, fires) {

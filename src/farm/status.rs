@@ -8,7 +8,13 @@ use jiff::{Timestamp, tz::TimeZone};
 use serde_json::json;
 
 use super::{
-    attention::Attention, event::Event, farm::Farm, jobs::JobKey, publish::GAVE_UP, sd, station::Station,
+    attention::Attention,
+    event::Event,
+    farm::Farm,
+    jobs::JobKey,
+    publish::GAVE_UP,
+    sd,
+    station::Station,
     trigger::{Facts, FiredBy, fires_next},
 };
 use crate::{

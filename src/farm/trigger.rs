@@ -124,7 +124,8 @@ fn first_time_after(at: &[jiff::civil::Time], oldest: Timestamp) -> Option<Times
     let today = oldest.to_zoned(zone.clone()).date();
     let days = [Some(today), today.tomorrow().ok()];
     let on = |day: Date, time: &jiff::civil::Time| day.to_datetime(*time).to_zoned(zone.clone()).ok();
-    let all = days.into_iter().flatten().flat_map(|day| at.iter().filter_map(move |time| Some(on(day, time)?.timestamp())));
+    let all =
+        days.into_iter().flatten().flat_map(|day| at.iter().filter_map(move |time| Some(on(day, time)?.timestamp())));
     all.filter(|time| *time > oldest).min()
 }
 
@@ -193,7 +194,11 @@ mod tests {
             let mut machine = machine();
             let arrived = at(0, 0).checked_add(SignedDuration::from_millis(case * 7_919_311)).unwrap();
             machine.trigger.max_wait_secs = (case * 104_729 % 200_000) as f64 + 0.123_456_7;
-            machine.trigger.at = if case % 3 == 0 { Vec::new() } else { vec![jiff::civil::time((case % 24) as i8, (case % 60) as i8, 0, 0)] };
+            machine.trigger.at = if case % 3 == 0 {
+                Vec::new()
+            } else {
+                vec![jiff::civil::time((case % 24) as i8, (case % 60) as i8, 0, 0)]
+            };
             machine.trigger.due_margin_secs = (case % 5 != 0).then_some(case as f64 * 1.7);
             machine.print_hours_per_mm = 0.013 * (case % 7) as f64;
             let due = (case % 2 == 0).then(|| arrived.checked_add(day * (case % 4) as i32).unwrap());

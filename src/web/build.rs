@@ -2,6 +2,7 @@
 
 use std::{path, sync::Arc};
 
+use anyhow::Context;
 use axum::extract::{Path, State};
 use jiff::Timestamp;
 use maud::{Markup, html};
@@ -17,6 +18,7 @@ use super::{
 };
 use crate::{
     farm::standing,
+    intake,
     ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
     settings::Profile,
 };
@@ -28,6 +30,10 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let copies = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
     let rows: Vec<PartRow> = parts.into_iter().map(|(part, _)| part).collect();
     let outcomes = web.ledger.outcomes(build.id).await?;
+    let (queue, file_name) = (profile.folders.queue.clone(), build.file_name.clone());
+    // A share may hang.
+    let curve =
+        tokio::task::spawn_blocking(move || curve(&queue, file_name.as_deref())).await.context("reading the report")?;
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
         @if !build.reason.is_empty() {
@@ -36,7 +42,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         @if copies > 0 { (view(build.id.0, copies)) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         (what_is_known(&build, &profile, copies))
-        (curve(&profile.folders.queue, build.file_name.as_deref()))
+        (curve)
         (told(&outcomes))
         h2 { "Parts" }
         (part::table(&rows, rows.len()))
@@ -94,11 +100,15 @@ pub(super) fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) ->
     ])
 }
 
+/// What a report is read of at most.
+const MAX_REPORT_BYTES: u64 = 32 << 20;
+
 /// How the height fell, as long as the report of the search lies beside the build file.
 pub(super) fn curve(folder: &path::Path, file_name: Option<&str>) -> Markup {
     let read = || -> Option<Vec<(f64, f64)>> {
         let stem = file_name?.strip_suffix(".build.3mf")?;
-        let report = std::fs::read(folder.join(format!("{stem}.report.json"))).ok()?;
+        // Others may write into this folder.
+        let report = intake::read_start(&folder.join(format!("{stem}.report.json")), MAX_REPORT_BYTES).ok()??;
         let report: serde_json::Value = serde_json::from_slice(&report).ok()?;
         serde_json::from_value(report.get("curve")?.clone()).ok()
     };

@@ -7,6 +7,7 @@ use glam::DVec2;
 use maud::{Markup, html};
 
 use super::{
+    cache::Kept,
     footprint::footprint,
     page::page,
     problem::Answer,
@@ -45,16 +46,10 @@ struct Pick {
 pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
     let (build, profile) = build_of(&web, number_of_build).await?;
     let title = format!("Pick map of build {}", build.id);
-    let key = version(&build);
-    let (copies, bands) = match web.picks.get(&key) {
-        Some(map) => map,
-        None => {
-            let link = |part| Some(format!("/parts/{part}"));
-            let map = of_cake(&web, &build, &profile, move |cake| (cake.copies(), bands(cake, link))).await?;
-            web.picks.put(key, map.clone());
-            map
-        }
-    };
+    let kept = Kept { cache: |web| &web.picks, key: version(&build) };
+    let link = |part| Some(format!("/parts/{part}"));
+    let map = move |cake: &Cake| Ok((cake.copies(), bands(cake, link)));
+    let (copies, bands) = of_cake(&web, &build, &profile, kept, map).await?;
     let content = html! {
         h1 { (title) }
         p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(copies as u32, "part", "parts")) ". " (LEGEND) }

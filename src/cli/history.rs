@@ -46,7 +46,13 @@ enum Format {
 
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let query = HistoryQuery { since: args.since, until: args.until, profile: args.profile.clone(), limit: args.limit };
+    let query = HistoryQuery {
+        since: args.since,
+        until: args.until,
+        profile: args.profile.clone(),
+        limit: args.limit,
+        ..HistoryQuery::default()
+    };
     let rows = look_at_ledger(common, async |settings, ledger| {
         let rows = ledger.history(&query).await?;
         match &args.profile {

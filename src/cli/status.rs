@@ -13,7 +13,7 @@ use super::{
 use crate::{
     farm::{self, Notice},
     intake,
-    ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
+    ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus, Utc},
     settings::Settings,
 };
 
@@ -56,6 +56,10 @@ struct Machine {
     configured: bool,
     #[serde(flatten)]
     status: ProfileStatus,
+    /// When its next build fires, unless it is full before.
+    fires_at_latest: Option<Timestamp>,
+    /// The trigger that fires it then.
+    fires_by: Option<farm::FiredBy>,
 }
 
 /// Runs the command.
@@ -98,7 +102,13 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
 fn looked(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
     over(settings, async |settings, ledger| {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-        look(ledger, &names, with_parts).await
+        let mut status = look(ledger, &names, with_parts).await?;
+        for machine in &mut status.profiles {
+            let profile = settings.profiles.get(&machine.status.profile);
+            let fires = profile.and_then(|profile| farm::fires_at(profile, &machine.status));
+            (machine.fires_at_latest, machine.fires_by) = fires.map(|fires| (fires.at, fires.by)).unzip();
+        }
+        Ok(status)
     })
 }
 
@@ -109,9 +119,9 @@ pub async fn look(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Res
     let mut profiles: Vec<Machine> = (configured.iter())
         .filter(|name| !known.iter().any(|k| k.profile == **name))
         .map(|name| ProfileStatus { profile: (*name).to_owned(), ..ProfileStatus::default() })
-        .map(|status| Machine { configured: true, status })
+        .map(|status| Machine::new(true, status))
         .collect();
-    profiles.extend(known.into_iter().map(|status| Machine { configured: is_configured(&status.profile), status }));
+    profiles.extend(known.into_iter().map(|status| Machine::new(is_configured(&status.profile), status)));
     profiles.sort_by(|a, b| a.status.profile.cmp(&b.status.profile));
     let parts = if with_parts { Some(parts(ledger).await?) } else { None };
     Ok(FarmStatus { daemon: ledger.daemon().await?, attention: Vec::new(), profiles, parts })
@@ -170,6 +180,10 @@ impl FarmStatus {
 }
 
 impl Machine {
+    fn new(configured: bool, status: ProfileStatus) -> Self {
+        Self { configured, status, fires_at_latest: None, fires_by: None }
+    }
+
     fn cells(&self, now: Timestamp) -> Vec<String> {
         let status = &self.status;
         let last = status.last_published.as_ref().map_or_else(
@@ -190,11 +204,13 @@ impl Machine {
     }
 
     fn forecast(&self) -> String {
-        match &self.status.open {
-            Some(open) if open.copies.unwrap_or(0) > 0 => {
-                format!("{} mm, {}", number(open.height_mm, 2), copies(open.copies.unwrap_or(0)))
-            }
-            _ => "-".to_owned(),
+        let open = self.status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
+        let open = open.map(|open| format!("{} mm, {}", number(open.height_mm, 2), copies(open.copies.unwrap_or(0))));
+        let fires = self.fires_at_latest.zip(self.fires_by);
+        let fires = fires.map(|(at, by)| format!("by {} ({by})", brief(Some(Utc(at)))));
+        match (open, fires) {
+            (None, None) => "-".to_owned(),
+            (open, fires) => open.into_iter().chain(fires).collect::<Vec<_>>().join(", "),
         }
     }
 

@@ -53,4 +53,5 @@ pub use notices::{Outside, in_json as notice_in_json, kept_notices};
 pub use prove::faults_of;
 pub use reconcile::{Reconciled, repair};
 pub use restore::{Restored, restore};
-pub use status::fires_at;
+pub use status::{Fires, fires_at};
+pub use trigger::FiredBy;

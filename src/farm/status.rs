@@ -8,8 +8,14 @@ use jiff::{Timestamp, tz::TimeZone};
 use serde_json::json;
 
 use super::{
-    attention::Attention, event::Event, farm::Farm, jobs::JobKey, publish::GAVE_UP, sd, station::Station,
-    trigger::secs_between,
+    attention::Attention,
+    event::Event,
+    farm::Farm,
+    jobs::JobKey,
+    publish::GAVE_UP,
+    sd,
+    station::Station,
+    trigger::{Facts, FiredBy, fires_next},
 };
 use crate::{
     intake,
@@ -155,7 +161,7 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
         ));
     }
     if let Some(at) = fires_at(profile, row) {
-        lines.push(format!("It fires when it is full, at the latest {}.", local(at)));
+        lines.push(format!("It fires when it is full, at the latest {}: {}.", local(at.at), at.why(row)));
     }
     for build in &row.nesting {
         lines.push(format!("Build {} is being made: {} copies.", build.build, build.copies));
@@ -168,6 +174,7 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
 }
 
 fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
+    let fires = fires_at(&station.profile, row);
     json!({
         "profile": row.profile,
         "paused": row.paused.is_some(),
@@ -181,7 +188,8 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
             "copies": station.open.layout.placed.len(),
             "height_share": station.open.layout.height_mm / station.profile.build_volume().size_mm.z,
         },
-        "fires_at_latest": fires_at(&station.profile, row).map(|at| at.to_string()),
+        "fires_at_latest": fires.map(|fires| fires.at.to_string()),
+        "fires_by": fires.map(|fires| fires.by),
         "in_work": row.nesting.iter().map(|b| json!({ "build": b.build, "copies": b.copies })).collect::<Vec<_>>(),
         "last_published": row.last_published.as_ref().map(|b| json!({
             "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,
@@ -189,19 +197,43 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
     })
 }
 
-/// When the next build of a profile fires at the latest: the oldest part has waited long enough, or a due date comes near.
-pub fn fires_at(profile: &Profile, row: &ProfileStatus) -> Option<Timestamp> {
+/// When a machine's next build fires at the latest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fires {
+    /// Then; what is over means at once.
+    pub at: Timestamp,
+    /// The trigger that fires it.
+    pub by: FiredBy,
+}
+
+impl Fires {
+    /// Why then, in words.
+    pub fn why(&self, row: &ProfileStatus) -> String {
+        match self.by {
+            FiredBy::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
+            FiredBy::Due => format!("deadline of {}", row.due_of),
+            FiredBy::At => format!("at {}", self.at.to_zoned(TimeZone::system()).strftime("%H:%M")),
+            _ => "waited long enough".to_owned(),
+        }
+    }
+}
+
+/// When the next build of a profile fires at the latest; unless it is full before, or an operator wants it.
+pub fn fires_at(profile: &Profile, row: &ProfileStatus) -> Option<Fires> {
     if row.paused.is_some() || row.waiting_parts == 0 {
         return None;
     }
-    let oldest = row.oldest_at?.0;
-    let wait = jiff::SignedDuration::try_from_secs_f64(profile.trigger.max_wait_secs).ok()?;
-    let latest = oldest.checked_add(wait).ok()?;
-    let due = row.due_at.zip(profile.trigger.due_margin_secs).and_then(|(due, margin_secs)| {
-        let margin = jiff::SignedDuration::try_from_secs_f64(margin_secs).ok()?;
-        due.0.checked_sub(margin).ok()
-    });
-    Some(due.map_or(latest, |due| if secs_between(due, latest) > 0.0 { due } else { latest }))
+    let facts = Facts {
+        copies: row.waiting_copies.max(1) as usize,
+        oldest: row.oldest_at?.0,
+        due: row.due_at.map(|due| due.0),
+        height_mm: row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0),
+        density: 0.0,
+        full: false,
+        flush: false,
+        knows_the_date: true,
+    };
+    fires_next(profile, &facts).map(|(at, by)| Fires { at, by })
 }
 
 fn local(time: Timestamp) -> String {

@@ -2,12 +2,14 @@
 
 use std::fmt;
 
-use jiff::{Timestamp, Zoned, tz::TimeZone};
+use jiff::{SignedDuration, Timestamp, civil::Date, tz::TimeZone};
+use serde::Serialize;
 
 use crate::settings::Profile;
 
 /// Why a batch fired.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FiredBy {
     /// An operator said so.
     Flush,
@@ -73,12 +75,35 @@ pub fn fired_by(profile: &Profile, facts: &Facts, now: Timestamp) -> Option<Fire
         (facts.full, FiredBy::Full),
         (share(trigger.fill_height, height_share) || share(trigger.fill_density, facts.density), FiredBy::Fill),
         (trigger.copies.is_some_and(|n| facts.copies >= n as usize), FiredBy::Copies),
-        // When the clock is set, the times of the waiting parts are set with it: this is how long it really waits.
-        (secs_between(facts.oldest, now) >= trigger.max_wait_secs, FiredBy::MaxWait),
-        (facts.knows_the_date && is_due(profile, facts, now), FiredBy::Due),
-        (facts.knows_the_date && a_time_has_come(&trigger.at, facts.oldest, now), FiredBy::At),
     ];
-    holds.into_iter().find(|(holds, _)| *holds).map(|(_, by)| by)
+    let timed = || moments(profile, facts).into_iter().find(|(at, _)| *at <= now);
+    holds.into_iter().find(|(holds, _)| *holds).map(|(_, by)| by).or_else(|| Some(timed()?.1))
+}
+
+/// When a batch of what waits fires by the time alone, and why; a moment that is over means that it fires at once.
+pub fn fires_next(profile: &Profile, facts: &Facts) -> Option<(Timestamp, FiredBy)> {
+    if facts.copies == 0 {
+        return None;
+    }
+    // Of those at the same moment the first counts, as when it fires.
+    moments(profile, facts).into_iter().min_by_key(|(at, _)| *at)
+}
+
+/// From when on each trigger holds that the time alone lets hold, the first of them first.
+fn moments(profile: &Profile, facts: &Facts) -> Vec<(Timestamp, FiredBy)> {
+    let (trigger, knows) = (&profile.trigger, facts.knows_the_date);
+    let moments = [
+        // When the clock is set, the times of the waiting parts are set with it: this is how long it really waits.
+        (shifted(facts.oldest, trigger.max_wait_secs), FiredBy::MaxWait),
+        (due_begins(profile, facts).filter(|_| knows), FiredBy::Due),
+        (first_time_after(&trigger.at, facts.oldest).filter(|_| knows), FiredBy::At),
+    ];
+    moments.into_iter().filter_map(|(at, by)| Some((at?, by))).collect()
+}
+
+/// So many seconds later.
+fn shifted(time: Timestamp, secs: f64) -> Option<Timestamp> {
+    time.checked_add(SignedDuration::try_from_secs_f64(secs).ok()?).ok()
 }
 
 /// Seconds from `earlier` to `later`.
@@ -86,29 +111,22 @@ pub fn secs_between(earlier: Timestamp, later: Timestamp) -> f64 {
     later.duration_since(earlier).as_secs_f64()
 }
 
-/// Whether printing must begin now for the earliest due date to be met.
-fn is_due(profile: &Profile, facts: &Facts, now: Timestamp) -> bool {
-    let (Some(margin_secs), Some(due)) = (profile.trigger.due_margin_secs, facts.due) else { return false };
+/// When printing must begin for the earliest due date to be met, with the margin.
+fn due_begins(profile: &Profile, facts: &Facts) -> Option<Timestamp> {
     let print_secs = facts.height_mm * profile.print_hours_per_mm * 3600.0;
-    secs_between(now, due) <= print_secs + margin_secs
+    shifted(facts.due?, -(print_secs + profile.trigger.due_margin_secs?))
 }
 
-/// Whether one of the times of day lies between the oldest part's arrival and now; so a time that passed while the
-/// daemon was down still counts.
-fn a_time_has_come(at: &[jiff::civil::Time], oldest: Timestamp, now: Timestamp) -> bool {
-    if at.is_empty() || now <= oldest {
-        return false;
-    }
+/// The first of the times of day, local, after the oldest part's arrival; so a time that passed while the daemon was down
+/// still counts.
+fn first_time_after(at: &[jiff::civil::Time], oldest: Timestamp) -> Option<Timestamp> {
     let zone = TimeZone::system();
-    let now_local = now.to_zoned(zone.clone());
-    let today_or_yesterday = |time: &jiff::civil::Time| -> Option<Zoned> {
-        let today = now_local.date().to_datetime(*time).to_zoned(zone.clone()).ok()?;
-        if today <= now_local {
-            return Some(today);
-        }
-        now_local.date().yesterday().ok()?.to_datetime(*time).to_zoned(zone.clone()).ok()
-    };
-    at.iter().filter_map(today_or_yesterday).any(|last| last.timestamp() > oldest)
+    let today = oldest.to_zoned(zone.clone()).date();
+    let days = [Some(today), today.tomorrow().ok()];
+    let on = |day: Date, time: &jiff::civil::Time| day.to_datetime(*time).to_zoned(zone.clone()).ok();
+    let all =
+        days.into_iter().flatten().flat_map(|day| at.iter().filter_map(move |time| Some(on(day, time)?.timestamp())));
+    all.filter(|time| *time > oldest).min()
 }
 
 #[cfg(test)]
@@ -166,5 +184,30 @@ mod tests {
         assert_eq!(fired_by(&machine, &facts(at(8, 0), due, false), at(11, 30)), None);
         assert_eq!(fired_by(&machine, &facts(at(8, 0), None, false), at(17, 1)), None);
         assert_eq!(fired_by(&machine, &facts(at(8, 0), None, true), at(17, 6)), Some(FiredBy::At));
+    }
+
+    #[test]
+    fn a_batch_fires_at_the_moment_that_was_told_and_not_a_second_before() {
+        let (day, second) = (SignedDuration::from_hours(24), SignedDuration::from_secs(1));
+        let mut seen = std::collections::BTreeSet::new();
+        for case in 0..2000_i64 {
+            let mut machine = machine();
+            let arrived = at(0, 0).checked_add(SignedDuration::from_millis(case * 7_919_311)).unwrap();
+            machine.trigger.max_wait_secs = (case * 104_729 % 200_000) as f64 + 0.123_456_7;
+            machine.trigger.at = if case % 3 == 0 {
+                Vec::new()
+            } else {
+                vec![jiff::civil::time((case % 24) as i8, (case % 60) as i8, 0, 0)]
+            };
+            machine.trigger.due_margin_secs = (case % 5 != 0).then_some(case as f64 * 1.7);
+            machine.print_hours_per_mm = 0.013 * (case % 7) as f64;
+            let due = (case % 2 == 0).then(|| arrived.checked_add(day * (case % 4) as i32).unwrap());
+            let facts = Facts { height_mm: (case % 90) as f64 * 0.37, ..facts(arrived, due, case % 11 != 0) };
+            let (then, by) = fires_next(&machine, &facts).unwrap();
+            assert_eq!(fired_by(&machine, &facts, then), Some(by), "case {case}");
+            assert_eq!(fired_by(&machine, &facts, then.checked_sub(second).unwrap()), None, "case {case}");
+            seen.insert(by.to_string());
+        }
+        assert_eq!(seen.into_iter().collect::<Vec<_>>(), ["at", "due", "max_wait"]);
     }
 }

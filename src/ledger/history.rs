@@ -1,7 +1,5 @@
 //! The history: builds with their heights, newest first.
 
-use std::collections::HashSet;
-
 use jiff::Timestamp;
 use serde::Serialize;
 use sqlx::FromRow;
@@ -18,8 +16,32 @@ pub struct HistoryQuery {
     pub until: Option<Timestamp>,
     /// Of one machine profile only.
     pub profile: Option<String>,
+    /// In this state only.
+    pub state: Option<BuildState>,
+    /// Only those that hold a copy of a part of this file name or order.
+    pub part: Option<String>,
+    /// In which order.
+    pub sort: HistorySort,
+    /// Only those that come after this build in that order.
+    pub after: Option<BuildId>,
     /// So many at most; `None` = all.
     pub limit: Option<u32>,
+}
+
+/// What comes first in a history; of what is alike the newest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HistorySort {
+    /// The newest.
+    #[default]
+    Newest,
+    /// The lowest.
+    Height,
+    /// The densest.
+    Density,
+    /// The one with the most copies.
+    Copies,
+    /// The profile that comes first in the alphabet.
+    Profile,
 }
 
 /// A build that is past nesting.
@@ -37,6 +59,8 @@ pub struct HistoryRow {
     pub published_at: Option<Utc>,
     /// Build height, mm.
     pub height_mm: Option<f64>,
+    /// Height of the machine's volume when it was made, mm.
+    pub volume_z_mm: Option<f64>,
     /// Part volume / (base area x height), 0..1.
     pub density: Option<f64>,
     /// No build of these parts can be lower, mm.
@@ -77,20 +101,29 @@ pub struct HistoryRow {
 
 /// What a row of the history is made of.
 const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
-    b.height_mm, b.density, b.lower_bound_mm, b.layers, \
+    b.height_mm, \
+    iif(json_valid(b.profile_snapshot), json_extract(b.profile_snapshot, '$.volume_mm[2]'), NULL) AS volume_z_mm, \
+    b.density, b.lower_bound_mm, b.layers, \
     (SELECT count(DISTINCT l.part_id) FROM placement l WHERE l.build_id = b.id) AS parts, b.copies, \
     b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
     b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason, \
     coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
+
 impl HistoryRow {
+    /// Share of the height of the machine's volume that it uses, 0..1.
+    pub fn used(&self) -> Option<f64> {
+        Some(self.height_mm? / self.volume_z_mm.filter(|z| *z > 0.0)?)
+    }
+
     /// Columns of the CSV, in its order.
-    pub const COLUMNS: [&str; 24] = [
+    pub const COLUMNS: [&str; 25] = [
         "build",
         "profile",
         "state",
         "at",
         "published_at",
         "height_mm",
+        "volume_z_mm",
         "density",
         "lower_bound_mm",
         "layers",
@@ -142,35 +175,81 @@ impl HistoryRow {
 }
 
 impl Ledger {
-    /// The builds that hold a copy of a part of that file name or order.
-    pub async fn builds_with(&self, name: &str) -> Result<HashSet<BuildId>> {
-        let query = sqlx::query_scalar(
-            "SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id WHERE p.name = ?1 \
-             UNION SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
-             WHERE p.order_name = ?1 AND p.order_name <> ''",
-        );
-        Ok(query.bind(name).fetch_all(self.reader()).await?.into_iter().collect())
-    }
-
-    /// Builds that are past nesting with their heights, newest first.
+    /// Builds that are past nesting with their heights, sorted as asked.
     pub async fn history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
-        let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query.profile.is_some())))
+        let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query)))
             .bind(query.since.map(Utc))
             .bind(query.until.map(Utc))
             .bind(query.limit.map_or(-1, i64::from))
-            .bind(&query.profile);
+            .bind(&query.profile)
+            .bind(query.state)
+            .bind(&query.part)
+            .bind(query.after);
         Ok(rows.fetch_all(self.reader()).await?)
     }
 }
 
-/// The question; each of its forms walks an index of its own from the newest build on. Times are text that begins with a
-/// digit, so that '' is before all of them and ':' after.
-pub(super) fn sql(of_one_profile: bool) -> String {
-    let of_profile = if of_one_profile { "b.profile = ?4 AND" } else { "" };
+/// The time of a build.
+const TIME: &str = "coalesce(b.published_at, b.state_at)";
+
+/// The question. Without a sorting of its own it walks an index from the newest build on; where few rows are meant (a rare
+/// state, the builds of a part) these are looked up and sorted. Times are text that begins with a digit, so that '' is before
+/// all of them and ':' after.
+pub(super) fn sql(query: &HistoryQuery) -> String {
+    let of_after = |what: &str| format!("(SELECT {} FROM build n WHERE n.id = ?7)", what.replace("b.", "n."));
+    let is_rare = !matches!(query.state, None | Some(BuildState::Published | BuildState::Complete));
+    let from = match (&query.part, is_rare) {
+        (Some(_), _) => "build b NOT INDEXED",
+        (None, true) => "build b INDEXED BY build_by_state",
+        (None, false) => "build b",
+    };
+    let mut given = String::new();
+    if query.profile.is_some() {
+        given += " AND b.profile = ?4";
+    }
+    if query.state.is_some() {
+        given += " AND b.state = ?5";
+    }
+    if query.part.is_some() {
+        given += WITH_PART;
+    }
+    let (mut end, order) = (format!("{TIME} < coalesce(?2, ':')"), query.sort.order());
+    if query.after.is_some() {
+        let newer = format!("({TIME}, b.id) < ({}, ?7)", of_after(TIME));
+        given += &match order {
+            None => {
+                // One end of the index's range, not two of which it might take the wrong one.
+                end = format!("{TIME} <= min(coalesce(?2, ':'), {}) AND +{TIME} < coalesce(?2, ':')", of_after(TIME));
+                format!(" AND {newer}")
+            }
+            Some((key, is_falling)) => {
+                let (sign, of_after) = (if is_falling { '<' } else { '>' }, of_after(key));
+                format!(" AND ({key} {sign} {of_after} OR {key} = {of_after} AND {newer})")
+            }
+        };
+    }
+    let first = order.map(|(key, is_falling)| format!("{key}{}, ", if is_falling { " DESC" } else { "" }));
     format!(
-        "SELECT {COLUMNS} FROM build b WHERE {of_profile} b.state NOT IN ('open', 'nesting') \
-         AND coalesce(b.published_at, b.state_at) >= coalesce(?1, '') \
-         AND coalesce(b.published_at, b.state_at) < coalesce(?2, ':') \
-         ORDER BY coalesce(b.published_at, b.state_at) DESC, b.id DESC LIMIT ?3"
+        "SELECT {COLUMNS} FROM {from} WHERE b.state NOT IN ('open', 'nesting') AND {TIME} >= coalesce(?1, '') \
+         AND {end}{given} ORDER BY {}{TIME} DESC, b.id DESC LIMIT ?3",
+        first.unwrap_or_default()
     )
+}
+
+/// Those that hold a copy of a part of that file name or order.
+const WITH_PART: &str = " AND b.id IN (SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
+    WHERE p.name = ?6 UNION SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
+    WHERE p.order_name = ?6 AND p.order_name <> '')";
+
+impl HistorySort {
+    /// What is sorted by before the time, and whether the greatest comes first; what is not known comes last.
+    fn order(self) -> Option<(&'static str, bool)> {
+        match self {
+            Self::Newest => None,
+            Self::Height => Some(("coalesce(b.height_mm, 9e999)", false)),
+            Self::Density => Some(("coalesce(b.density, -1)", true)),
+            Self::Copies => Some(("coalesce(b.copies, -1)", true)),
+            Self::Profile => Some(("b.profile", false)),
+        }
+    }
 }

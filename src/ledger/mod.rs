@@ -44,7 +44,7 @@ pub use deep::{BuiltPlace, PartPlace};
 pub use due::DuePart;
 pub use error::LedgerError;
 pub use event::EventRow;
-pub use history::{HistoryQuery, HistoryRow};
+pub use history::{HistoryQuery, HistoryRow, HistorySort};
 pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
 pub use outcome::{Outcome, OutcomeRow};

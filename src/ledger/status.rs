@@ -24,6 +24,8 @@ pub struct ProfileStatus {
     pub oldest_at: Option<Utc>,
     /// The nearest due date of the waiting parts.
     pub due_at: Option<Utc>,
+    /// What is due then: the order, else the file; "" = nothing is.
+    pub due_of: String,
     /// The open build.
     pub open: Option<OpenBuild>,
     /// Builds that are being nested or published.
@@ -114,6 +116,12 @@ struct Rejected {
     parts: u32,
 }
 
+/// What is due first.
+#[derive(FromRow)]
+struct Due {
+    due_of: String,
+}
+
 const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_parts, \
     sum(p.state = 'waiting') AS waiting_parts, \
     sum(CASE p.state WHEN 'waiting' THEN p.copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
@@ -124,6 +132,10 @@ const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_part
 
 /// Counted in the index alone: over the years many are rejected.
 const REJECTED: &str = "SELECT profile, count(*) AS parts FROM part WHERE state = 'rejected' GROUP BY profile";
+
+/// Of each profile the part that is due first; SQLite takes the other columns from the row of the least.
+const DUE: &str = "SELECT profile, CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of, \
+    min(due_at) AS at FROM part WHERE state = 'waiting' AND due_at IS NOT NULL GROUP BY profile";
 
 const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
 
@@ -161,6 +173,9 @@ impl Ledger {
         }
         for Of { profile, row } in all::<Rejected>(db, REJECTED).await? {
             of(&mut profiles, &profile).rejected_parts = row.parts;
+        }
+        for Of { profile, row } in all::<Due>(db, DUE).await? {
+            of(&mut profiles, &profile).due_of = row.due_of;
         }
         for Of { profile, row } in all(db, OPEN).await? {
             of(&mut profiles, &profile).open = Some(row);

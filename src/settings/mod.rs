@@ -16,6 +16,7 @@ mod off;
 mod problem;
 mod profile;
 mod settings;
+mod then;
 mod validate;
 mod web;
 mod wording;

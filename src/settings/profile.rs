@@ -9,7 +9,7 @@ use super::KeepOut;
 use crate::{format::Unit, geometry::Bounds, nest};
 
 /// Where a profile's files live.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Folders {
     /// Parts are dropped here.
     pub inbox: PathBuf,

@@ -17,9 +17,10 @@ use super::{
     server::Web,
 };
 use crate::{
-    farm::{fires_at, kept_notices, notice_in_json},
+    farm::{FiredBy, fires_at, kept_notices, notice_in_json},
     ledger::{
         BuildId, BuildRow, DaemonRow, EventRow, HistoryRow, OutcomeRow, PartId, PartRow, PlacementRow, ProfileStatus,
+        Utc,
     },
 };
 
@@ -38,8 +39,12 @@ struct Machine {
     status: ProfileStatus,
     volume_mm: [f64; 3],
     fires_at_latest: Option<Timestamp>,
-    inbox_is_there: bool,
-    queue_is_there: bool,
+    fires_by: Option<FiredBy>,
+    /// Whether it takes parts and gives builds, as the daemon saw it last; `None` = it was not looked at yet.
+    available: Option<bool>,
+    /// Why not.
+    trouble: Option<String>,
+    trouble_at: Option<Utc>,
 }
 
 /// A build with all that belongs to it.
@@ -62,14 +67,19 @@ pub(super) struct PartSheet {
 /// The farm as it stands.
 pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
     let (status, settings) = (web.ledger.status().await?, web.settings());
+    let stations = web.ledger.stations().await?;
     let machine = |(name, profile): (&String, &crate::settings::Profile)| {
         let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
         let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
+        let station = stations.iter().find(|station| station.profile == *name);
+        let fires = fires_at(profile, &status);
         Machine {
-            fires_at_latest: fires_at(profile, &status),
+            fires_at_latest: fires.map(|fires| fires.at),
+            fires_by: fires.map(|fires| fires.by),
             volume_mm: profile.volume_mm.to_array(),
-            inbox_is_there: profile.folders.inbox.is_dir(),
-            queue_is_there: profile.folders.queue.is_dir(),
+            available: station.map(|station| station.trouble.is_empty()),
+            trouble: station.map(|station| station.trouble.clone()).filter(|trouble| !trouble.is_empty()),
+            trouble_at: station.and_then(|station| station.trouble_at),
             status,
         }
     };

@@ -12,7 +12,7 @@ use super::{
     page::{facts, page},
     part,
     problem::Answer,
-    scene::build_of,
+    scene::{build_of, version},
     server::Web,
     words::{age, count, number, or_dash, percent, text, time},
 };
@@ -39,7 +39,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         @if !build.reason.is_empty() {
             p class=(if is_bad(build.state) { "bad" } else { "note" }) role="status" { (build.reason) }
         }
-        @if copies > 0 { (view(build.id.0, copies)) } @else { p { "Nothing stands in it yet." } }
+        @if copies > 0 { (view(build.id.0, copies, &standing_now(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         (what_is_known(&build, &profile, copies))
         (curve)
@@ -50,15 +50,23 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     Ok(page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
 }
 
+/// A text that is another one when something else stands in the build; what is proved stays.
+fn standing_now(build: &BuildRow) -> String {
+    match build.state {
+        BuildState::Open | BuildState::Nesting => version(build),
+        _ => "proved".to_owned(),
+    }
+}
+
 /// Whether a build's reason is bad news, and not a note of the operator.
 fn is_bad(state: BuildState) -> bool {
     matches!(state, BuildState::Failed | BuildState::Interrupted)
 }
 
 /// The 3D view; without JavaScript the pick map shows the picture.
-pub(super) fn view(build: i64, copies: u32) -> Markup {
+pub(super) fn view(build: i64, copies: u32, version: &str) -> Markup {
     html! {
-        section #view data-build=(build) data-copies=(copies) aria-label="3D view" {
+        section #view data-build=(build) data-copies=(copies) data-version=(version) aria-label="3D view" {
             noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } }
             canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "part", "parts"))) {}
             div.controls {
@@ -114,10 +122,9 @@ pub(super) fn curve(folder: &path::Path, file_name: Option<&str>) -> Markup {
     };
     match read() {
         Some(points) if points.len() > 1 => {
-            let end = format!("{:.1} s", points[points.len() - 1].0);
             html! {
                 figure { figcaption { "Height while it was searched, mm over seconds" }
-                    (chart::plot("Height over time", std::iter::once(&points), ("0 s", &end))) }
+                    (chart::plot("Height over time", std::iter::once(&points), &|secs| format!("{secs:.1} s"))) }
             }
         }
         _ => html! {},

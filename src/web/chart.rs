@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::{ledger::HistoryRow, settings::Settings};
+use super::words::count;
+use crate::ledger::HistoryRow;
 
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 180.0;
@@ -18,7 +19,7 @@ const MOST_LINES: usize = 6;
 type Lines = BTreeMap<String, Vec<(f64, f64)>>;
 
 /// The three charts over published builds; nothing where there are less than two.
-pub(super) fn charts(rows: &[HistoryRow], settings: &Settings) -> Markup {
+pub(super) fn charts(rows: &[HistoryRow]) -> Markup {
     let published: Vec<&HistoryRow> = rows.iter().filter(|row| row.published_at.is_some()).collect();
     if published.len() < 2 {
         return html! {};
@@ -33,43 +34,45 @@ pub(super) fn charts(rows: &[HistoryRow], settings: &Settings) -> Markup {
         lines.values_mut().for_each(|line| line.sort_by(|a, b| a.0.total_cmp(&b.0)));
         lines
     };
-    let utilisation = |row: &HistoryRow| {
-        let volume_z_mm = settings.profiles.get(&row.profile)?.volume_mm.z;
-        Some(100.0 * row.height_mm? / volume_z_mm)
-    };
     html! {
         div.charts {
             (chart("Build height", "mm", &lines(&|row| row.height_mm)))
             (chart("Density", "%", &lines(&|row| row.density.map(|d| 100.0 * d))))
-            (chart("Height used of the machine's", "%", &lines(&utilisation)))
+            (chart("Height used of the machine's", "%", &lines(&|row| row.used().map(|share| 100.0 * share))))
         }
     }
 }
 
-/// A line chart with axes, units and a legend; `curve` gives another meaning to the horizontal axis.
+/// A line chart with axes, units and a legend.
 fn chart(title: &str, unit: &str, lines: &Lines) -> Markup {
     let points = || lines.values().flatten();
     let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
-    // The days, and the time as well where they are one.
-    let format = if last - first < 2.0 * 86_400.0 { "%Y-%m-%d %H:%M" } else { "%Y-%m-%d" };
+    // Days, and the time as well where they are few.
+    let format = match last - first {
+        span if span < 900.0 => "%H:%M:%S",
+        span if span < 4.0 * 86_400.0 => "%m-%d %H:%M",
+        _ => "%Y-%m-%d",
+    };
     let date = |secs: f64| {
         jiff::Timestamp::from_second(secs as i64).map_or_else(|_| String::new(), |t| t.strftime(format).to_string())
     };
     let legend = lines.keys().take(MOST_LINES).enumerate();
+    let more = lines.len().saturating_sub(MOST_LINES) as u32;
     html! {
         figure {
             figcaption { (title) ", " (unit)
-                @for (at, name) in legend { " " span class=(format!("key c{at}")) { (name) } } }
-            (plot(title, lines.values().take(MOST_LINES), (&date(first), &date(last))))
+                @for (at, name) in legend { " " span class=(format!("key c{at}")) { (name) } }
+                @if more > 0 { " and " (count(more, "more machine", "more machines")) ", in the table only" } }
+            (plot(title, lines.values().take(MOST_LINES), &date))
         }
     }
 }
 
-/// Lines in a frame; `ends` stand below its left and right end.
+/// Lines in a frame; `label` says what stands below the horizontal axis.
 pub(super) fn plot<'a>(
     title: &str,
     lines: impl Iterator<Item = &'a Vec<(f64, f64)>> + Clone,
-    ends: (&str, &str),
+    label: &dyn Fn(f64) -> String,
 ) -> Markup {
     let points = || lines.clone().flatten();
     let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
@@ -96,8 +99,10 @@ pub(super) fn plot<'a>(
     html! {
         svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(title) {
             (PreEscaped(body))
-            text.tick x=(LEFT) y=(HEIGHT - 8.0) { (ends.0) }
-            text.tick.end x=(WIDTH - 8.0) y=(HEIGHT - 8.0) { (ends.1) }
+            @for (tick, anchor) in ["tick", "tick middle", "tick middle", "tick end"].into_iter().enumerate() {
+                @let at = first + (last - first) * tick as f64 / 3.0;
+                @if tick == 0 || last > first { text class=(anchor) x=(format!("{:.1}", x(at))) y=(HEIGHT - 8.0) { (label(at)) } }
+            }
         }
     }
 }

@@ -16,13 +16,14 @@ use super::{
 };
 use crate::{
     farm::{Notice, fires_at, kept_notices},
-    ledger::{CommandKind, DaemonRow, ProfileStatus},
+    ledger::{CommandKind, DaemonRow, ProfileStatus, StationRow, Utc},
     settings::Profile,
 };
 
 /// The page.
 pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
     let (status, daemon) = (web.ledger.status().await?, web.ledger.daemon().await?);
+    let stations = web.ledger.stations().await?;
     let (settings, now) = (web.settings(), Timestamp::now());
     let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
     let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
@@ -30,7 +31,8 @@ pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
     for (name, profile) in &settings.profiles {
         let status = of(name);
         let shot = picture::of_profile(&web, &status).await?;
-        cards.push(card(&web, profile, &status, &shot, now));
+        let station = stations.iter().find(|station| station.profile == *name);
+        cards.push(card(&web, profile, (&status, station), &shot, now));
     }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
     let content = html! {
@@ -66,7 +68,7 @@ fn needs_a_person(notices: &[Notice], now: Timestamp) -> Markup {
 fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {
     match daemon {
         Some(d) if d.alive => html! {
-            p.ok { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (d.status) "." }
+            p.ok.daemon { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (d.status) "." }
         },
         Some(d) => html! {
             p.bad role="alert" { "The daemon does not run; its last sign of life was " (age(d.beat_at.0, now)) " ago." }
@@ -75,32 +77,36 @@ fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {
     }
 }
 
-/// What hinders a machine, if anything.
-fn hindrance(profile: &Profile, status: &ProfileStatus) -> Option<String> {
-    if let Some(paused) = &status.paused {
-        return Some(format!(
-            "Paused by {} since {}: nothing is fired.",
-            paused.paused_by,
-            time(Some(paused.paused_at))
-        ));
-    }
-    let folders = [("hot folder", &profile.folders.inbox), ("queue folder", &profile.folders.queue)];
-    let gone = folders.into_iter().find(|(_, path)| !path.is_dir());
-    gone.map(|(what, path)| format!("The {what} {} is not there: mount the share.", path.display()))
+/// What hinders a machine, if anything: what somebody has ordered, or what the daemon sees.
+fn hindrance(status: &ProfileStatus, station: Option<&StationRow>) -> Vec<String> {
+    let paused = status.paused.as_ref().map(|paused| {
+        format!("Paused by {} since {}: nothing is fired.", paused.paused_by, time(Some(paused.paused_at)))
+    });
+    let trouble = station.filter(|station| !station.trouble.is_empty()).map(|station| {
+        let since = station.trouble_at.map(|at| format!(", since {}", time(Some(at)))).unwrap_or_default();
+        format!("Unavailable{since}: {}", station.trouble)
+    });
+    paused.into_iter().chain(trouble).collect()
 }
 
-fn card(web: &Web, profile: &Profile, status: &ProfileStatus, shot: &Markup, now: Timestamp) -> Markup {
+fn card(
+    web: &Web,
+    profile: &Profile,
+    (status, station): (&ProfileStatus, Option<&StationRow>),
+    shot: &Markup,
+    now: Timestamp,
+) -> Markup {
     let name = profile.name.as_str();
     let volume_z_mm = profile.volume_mm.z;
     let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
     let height_mm = open.and_then(|open| open.height_mm);
     let oldest = status.oldest_at.map_or_else(|| "–".to_owned(), |at| age(at.0, now));
-    let fires =
-        fires_at(profile, status).map(|at| format!("when full, at the latest {}", at.strftime("%Y-%m-%d %H:%M")));
+    let fires = fires_at(profile, status)
+        .map(|f| format!("when full, at the latest {}: {}", time(Some(Utc(f.at))), f.why(status)));
     html! {
         section.card aria-label=(name) {
             h2 { (name) }
-            @if let Some(text) = hindrance(profile, status) { p.bad role="status" { (text) } }
+            @for text in hindrance(status, station) { p.bad role="status" { (text) } }
             (shot)
             @if let Some(open) = open {
                 p { "Open build " a href=(format!("/builds/{}", open.build)) { (open.build) } ": "

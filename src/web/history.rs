@@ -9,16 +9,16 @@ use axum::{
 };
 use jiff::{Timestamp, ToSpan, civil::Date, tz::TimeZone};
 use maud::{Markup, html};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::{
     chart,
     page::page,
     problem::{Answer, Problem},
     server::Web,
-    words::{number, or_dash, percent, text, time},
+    words::{count, number, or_dash, percent, text, time},
 };
-use crate::ledger::{HistoryQuery, HistoryRow};
+use crate::ledger::{BuildId, HistoryQuery, HistoryRow, HistorySort};
 
 /// Builds on a page.
 const MOST_ROWS: u32 = 500;
@@ -33,6 +33,8 @@ pub(super) struct Asked {
     since: String,
     until: String,
     sort: String,
+    /// The last build of the page before.
+    after: String,
 }
 
 /// Columns that a page can be sorted by.
@@ -44,31 +46,46 @@ const SORTED: [(&str, &str); 5] = [
     ("profile", "Profile"),
 ];
 
-/// The rows that are asked for, sorted.
+/// The rows of a page that are asked for, sorted.
 pub(super) async fn rows(web: &Web, asked: &Asked) -> Answer<Vec<HistoryRow>> {
-    let limited = asked.state.is_empty() && asked.part.is_empty();
+    Ok(page_of(web, asked).await?.0)
+}
+
+/// The rows of a page, and whether there are more.
+async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<HistoryRow>, bool)> {
+    let some = |text: &str| Some(text.to_owned()).filter(|text| !text.is_empty());
     let query = HistoryQuery {
         since: day(&asked.since, 0)?,
         until: day(&asked.until, 1)?,
-        profile: Some(asked.profile.clone()).filter(|p| !p.is_empty()),
-        limit: limited.then_some(MOST_ROWS),
+        profile: some(&asked.profile),
+        state: known(&asked.state, "a state of a build")?,
+        part: some(&asked.part),
+        sort: match asked.sort.as_str() {
+            "height" => HistorySort::Height,
+            "density" => HistorySort::Density,
+            "copies" => HistorySort::Copies,
+            "profile" => HistorySort::Profile,
+            _ => HistorySort::Newest,
+        },
+        after: known::<i64>(&asked.after, "the number of a build")?.map(BuildId),
+        limit: Some(MOST_ROWS + 1),
     };
     let mut rows = web.ledger.history(&query).await?;
-    rows.retain(|row| asked.state.is_empty() || row.state.to_string() == asked.state);
-    if !asked.part.is_empty() {
-        let builds = web.ledger.builds_with(&asked.part).await?;
-        rows.retain(|row| builds.contains(&row.build));
-    }
+    let more = rows.len() > MOST_ROWS as usize;
     rows.truncate(MOST_ROWS as usize);
-    let by = |a: Option<f64>, b: Option<f64>| a.unwrap_or(f64::INFINITY).total_cmp(&b.unwrap_or(f64::INFINITY));
-    match asked.sort.as_str() {
-        "height" => rows.sort_by(|a, b| by(a.height_mm, b.height_mm)),
-        "density" => rows.sort_by(|a, b| by(b.density, a.density)),
-        "copies" => rows.sort_by_key(|row| std::cmp::Reverse(row.copies)),
-        "profile" => rows.sort_by(|a, b| a.profile.cmp(&b.profile)),
-        _ => {}
+    Ok((rows, more))
+}
+
+/// A value of a known kind; nothing when the field is empty.
+fn known<T: DeserializeOwned>(text: &str, what: &str) -> Answer<Option<T>> {
+    let value = || text.parse::<i64>().map_or_else(|_| text.into(), serde_json::Value::from);
+    match text {
+        "" => Ok(None),
+        _ => match serde_json::from_value(value()) {
+            Ok(value) => Ok(Some(value)),
+            Err(_) => Err(Problem::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is not {what}"))),
+        },
     }
-    Ok(rows)
 }
 
 /// The first moment of a day, UTC, or of the day `later` days after it.
@@ -85,7 +102,8 @@ fn day(text: &str, later: i64) -> Answer<Option<Timestamp>> {
 
 /// The page.
 pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Markup> {
-    let rows = rows(&web, &asked).await?;
+    let (rows, more) = page_of(&web, &asked).await?;
+    let next = rows.last().filter(|_| more).map(|last| Asked { after: last.build.to_string(), ..asked.clone() });
     let settings = web.settings();
     let query = serde_urlencoded_of(&asked);
     let content = html! {
@@ -93,8 +111,11 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
         (filters(&asked, settings.profiles.keys()))
         p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
             a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
-        (chart::charts(&rows, &settings))
+        (chart::charts(&rows))
         (table(&rows, &asked))
+        @if let Some(next) = next {
+            p { a rel="next" href=(format!("/history?{}", serde_urlencoded_of(&next))) { "The builds that come after these" } }
+        }
     };
     Ok(page("History", "/history", None, &content))
 }
@@ -107,6 +128,7 @@ fn serde_urlencoded_of(asked: &Asked) -> String {
         ("since", &asked.since),
         ("until", &asked.until),
         ("sort", &asked.sort),
+        ("after", &asked.after),
     ];
     let given = fields.into_iter().filter(|(_, value)| !value.is_empty());
     given.map(|(name, value)| format!("{name}={}", encoded(value))).collect::<Vec<_>>().join("&")
@@ -148,19 +170,19 @@ fn table(rows: &[HistoryRow], asked: &Asked) -> Markup {
         @else {
             div.wide tabindex="0" role="region" aria-label="Builds" {
                 table {
-                    caption { (rows.len()) " builds" @if rows.len() == MOST_ROWS as usize { ", the newest" }
-                        @if !asked.sort.is_empty() { ", sorted by " (asked.sort) } }
+                    caption { (count(rows.len() as u32, "build", "builds"))
+                        @if asked.sort.is_empty() { ", the newest first" } @else { ", sorted by " (asked.sort) } }
                     thead { tr {
                         th scope="col" { "Build" } th scope="col" { "Profile" } th scope="col" { "State" }
                         th scope="col" { "Time (UTC)" } th.n scope="col" { "Height, mm" } th.n scope="col" { "Bound, mm" }
-                        th.n scope="col" { "Density" } th.n scope="col" { "Layers" } th.n scope="col" { "Copies" }
+                        th.n scope="col" { "Density" } th.n scope="col" { "Used" } th.n scope="col" { "Layers" } th.n scope="col" { "Copies" }
                         th.n scope="col" { "Proved, mm" } th scope="col" { "File or reason" }
                     } }
                     tbody { @for row in rows { tr {
                         td { a href=(format!("/builds/{}", row.build)) { (row.build) } }
                         td { (row.profile) } td { (row.state) } td { (time(Some(row.at))) }
                         td.n { (number(row.height_mm, 2)) } td.n { (number(row.lower_bound_mm, 2)) }
-                        td.n { (percent(row.density)) } td.n { (or_dash(row.layers)) } td.n { (or_dash(row.copies)) }
+                        td.n { (percent(row.density)) } td.n { (percent(row.used())) } td.n { (or_dash(row.layers)) } td.n { (or_dash(row.copies)) }
                         td.n { (number(row.clearance_proved_mm, 3)) }
                         td { (row.file_name.as_deref().unwrap_or_else(|| text(&row.reason))) }
                     } } }

@@ -1,4 +1,5 @@
-//! Live updates: a page hears when something has changed and asks for itself again.
+//! Live updates: a page hears when something has changed and asks for itself again. It hears at once when it begins to listen,
+//! so that what changed since it was made is not lost.
 
 use std::{convert::Infallible, sync::Arc, time::Duration};
 
@@ -14,9 +15,9 @@ use super::server::Web;
 /// Between two looks at the ledger while somebody watches.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
-/// The stream of changes: an event `changed` whenever the farm's state is another one.
+/// The stream of changes: an event `changed` at once, and whenever the farm's state is another one.
 pub(super) async fn live(State(web): State<Arc<Web>>) -> Sse<impl Stream<Item = Result<Event, Infallible>>> {
-    let changes = WatchStream::from_changes(web.changes.subscribe());
+    let changes = WatchStream::new(web.changes.subscribe());
     let events = changes.map(|number| Ok(Event::default().event("changed").data(number.to_string())));
     Sse::new(events).keep_alive(KeepAlive::default())
 }

@@ -44,7 +44,7 @@ pub(super) fn error(status: StatusCode, text: &str) -> Markup {
     let title = status.canonical_reason().unwrap_or("Error");
     let content = html! {
         h1 { (title) }
-        p role="alert" { (text) "." }
+        p #problem role="alert" { (text) "." }
         p { a href="/" { "To the farm" } }
     };
     page(title, "", None, &content)

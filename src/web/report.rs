@@ -85,7 +85,7 @@ impl Report<'_> {
             @if self.cake.missing() > 0 {
                 p.bad { (count(self.cake.missing() as u32, "part is", "parts are")) " not shown: the originals are no longer kept." }
             }
-            (view(number, copies))
+            (view(number, copies, ""))
             (self.facts(copies))
             (self.curve())
             h2 { "Parts" }

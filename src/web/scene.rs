@@ -62,13 +62,13 @@ struct Copy {
     top_mm: f64,
 }
 
-/// A build and its profile.
+/// A build and its profile, as it was when the build was made.
 pub(super) async fn build_of(web: &Web, number: i64) -> Answer<(BuildRow, Profile)> {
     let missing = || Problem::NotFound(format!("build {number}"));
     let build = web.ledger.build(BuildId(number)).await?.ok_or_else(missing)?;
     let settings = web.settings();
-    let profile = settings.profiles.get(&build.profile).cloned();
-    let profile = profile.ok_or_else(|| Problem::NotFound(format!("profile {} any more", build.profile)))?;
+    let now = settings.profiles.get(&build.profile);
+    let profile = Profile::then(&build.profile, build.profile_snapshot.as_deref(), now);
     Ok((build, profile))
 }
 

@@ -290,3 +290,49 @@ async fn the_farm_is_not_ready_while_no_daemon_beats() {
     assert_eq!(dashboard.get("/builds/7").await.status, StatusCode::NOT_FOUND);
     assert_eq!(dashboard.get("/assets/../Cargo.toml").await.status, StatusCode::NOT_FOUND);
 }
+
+#[tokio::test]
+async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let seen = |trouble: &str| crate::ledger::StationSeen {
+        profile: "cube".to_owned(),
+        scanned_at: None,
+        is_inbox_there: trouble.is_empty(),
+        is_queue_writable: true,
+        trouble: Some(trouble.to_owned()),
+    };
+    let beat = |trouble: &str| crate::ledger::Beat {
+        pid: std::process::id(),
+        host: "farm".to_owned(),
+        version: "0.1.0".to_owned(),
+        started_at: jiff::Timestamp::now(),
+        status: "idle".to_owned(),
+        stations: vec![seen(trouble)],
+    };
+    let machine = async || {
+        let json: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
+        json["profiles"][0].clone()
+    };
+    assert_eq!(machine().await["available"], serde_json::Value::Null, "nobody has looked yet");
+    dashboard.ledger.beat(&beat("The share is gone.")).await.unwrap();
+    assert_eq!(
+        (&machine().await["available"], &machine().await["trouble"]),
+        (&false.into(), &"The share is gone.".into())
+    );
+    let card = dashboard.get("/").await.text;
+    assert!(card.contains("Unavailable, since ") && card.contains("The share is gone."), "{card}");
+    dashboard.ledger.beat(&beat("")).await.unwrap();
+    assert_eq!((&machine().await["available"], &machine().await["trouble"]), (&true.into(), &serde_json::Value::Null));
+    assert!(!dashboard.get("/").await.text.contains("Unavailable"));
+}
+
+#[tokio::test]
+async fn the_builds_of_a_machine_that_was_sold_stay_to_be_looked_at() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let mut settings = (*dashboard.web.settings()).clone();
+    settings.profiles.clear();
+    *dashboard.web.settings.write().unwrap() = Arc::new(settings);
+    for path in ["/", "/history", "/builds/1", "/builds/1/pick", "/builds/1/picture", "/builds/1/scene"] {
+        assert_eq!(dashboard.get(path).await.status, StatusCode::OK, "{path}");
+    }
+}

@@ -136,6 +136,64 @@ const checks = {
     await page.context().close();
   },
 
+  async "a page with a filter changes too, and what is being typed stays"() {
+    const page = await open(browser, base, `/parts?profile=${farm.profile}`);
+    const drop = (name) => {
+      const outside = join(farm.root, `sending-${name}`);
+      copyFileSync(farm.sample, outside);
+      renameSync(outside, join(farm.inbox, name));
+    };
+    drop("filtered.stl");
+    await page.getByRole("cell", { name: "filtered.stl" }).waitFor({ timeout: 30000 });
+    await page.locator("main input[name=name]").focus();
+    await page.keyboard.type("typ");
+    drop("behind.stl");
+    await until("the part waits", async () => (await (await fetch(`${base}/parts?profile=${farm.profile}`)).text()).includes("behind.stl"));
+    await page.waitForTimeout(2500);
+    assert.equal(await page.getByRole("cell", { name: "behind.stl" }).count(), 0, "nothing moves under the typing hand");
+    await page.keyboard.type("ing");
+    await page.evaluate(() => document.activeElement.blur());
+    await page.getByRole("cell", { name: "behind.stl" }).waitFor({ timeout: 30000 });
+    assert.equal(await page.inputValue("main input[name=name]"), "typing");
+    clean(page);
+    await page.context().close();
+  },
+
+  async "a build's page changes around the 3D view"() {
+    const page = await open(browser, base, PAGES.open);
+    await drawn(page);
+    await page.evaluate(() => { document.querySelector("#view").dataset.same = "yes"; });
+    const copies = () => page.locator("dt", { hasText: /^Copies$/ }).locator("+ dd").innerText();
+    const before = await copies();
+    const outside = join(farm.root, "sending-around");
+    copyFileSync(farm.sample, outside);
+    renameSync(outside, join(farm.inbox, "around.stl"));
+    await until("the copies change", async () => (await copies()) !== before);
+    await page.getByRole("alert").getByText("Something else stands in this build now").waitFor();
+    assert.equal(await page.getAttribute("#view", "data-same"), "yes", "the 3D view stays");
+    assert.ok((await pixels(page)).colours > 50, "the 3D view is still drawn");
+    clean(page);
+    await page.context().close();
+  },
+
+  async "a page without connection says so, and goes on when there is one"() {
+    const page = await open(browser, base, PAGES.farm);
+    const alert = page.locator("#lost");
+    // The stream that is open is closed as the end of the daemon closes it.
+    await page.context().route("**/live", (route) => route.abort());
+    await page.context().setOffline(true);
+    await page.evaluate(() => dispatchEvent(new Event("online")));
+    await alert.waitFor({ timeout: 30000 });
+    assert.match(await alert.innerText(), /^No connection to the farm since \d\d:\d\d UTC/);
+    assert.equal(await page.locator(".daemon").isVisible(), false, "nobody says that the daemon runs");
+    await page.context().setOffline(false);
+    await page.context().unroute("**/live");
+    await alert.waitFor({ state: "detached", timeout: 30000 });
+    assert.equal(await page.locator(".daemon").isVisible(), true);
+    assert.deepEqual(page.wrong.filter((wrong) => !/Failed to load resource/.test(wrong)), []);
+    await page.context().close();
+  },
+
   async "pause and resume by button"() {
     const page = await open(browser, base, PAGES.farm);
     const card = page.locator(`section[aria-label="${farm.profile}"]`);
@@ -218,12 +276,19 @@ const checks = {
   },
 };
 
+/** Waits until every picture of a page is there, also those that are loaded when they come into sight. */
+async function pictured(page) {
+  await page.evaluate(() => document.querySelectorAll("img").forEach((image) => { image.loading = "eager"; }));
+  await page.waitForFunction(() => [...document.images].every((image) => image.complete && image.naturalWidth > 0), null, { timeout: 60000 });
+}
+
 /** Pictures of each page for the documentation. */
 async function shoot() {
   for (const [name, width, scheme] of [["farm", 1280, "light"], ["farm", 360, "dark"], ["build", 1280, "light"], ["build", 1280, "dark"], ["pick", 1280, "light"],
     ["history", 1280, "light"], ["history", 1280, "dark"], ["parts", 1280, "light"], ["part", 1280, "light"], ["refused", 360, "light"]]) {
     const page = await open(browser, base, PAGES[name], { width, scheme });
     if (name === "build") await drawn(page);
+    await pictured(page);
     await page.screenshot({ path: join(farm.shots, `${name}-${width}-${scheme}.png`), fullPage: true });
     await page.context().close();
   }

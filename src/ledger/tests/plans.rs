@@ -56,11 +56,30 @@ fn aliases(query: &str) -> Vec<(String, String)> {
     pairs.map(|pair| (pair[1].to_owned(), pair[0].to_owned())).collect()
 }
 
+/// Every kind of question that is asked of the history.
+fn histories() -> Vec<String> {
+    let mut all = Vec::new();
+    for sort in [HistorySort::Newest, HistorySort::Height, HistorySort::Profile] {
+        for profile in [None, Some("m".to_owned())] {
+            for after in [None, Some(BuildId(7))] {
+                for state in [None, Some(BuildState::Published), Some(BuildState::Failed)] {
+                    for part in [None, Some("a.stl".to_owned())] {
+                        let profile = profile.clone();
+                        let query = HistoryQuery { profile, after, state, part, sort, ..Default::default() };
+                        all.push(super::super::history::sql(&query));
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
 #[tokio::test]
 async fn no_query_walks_through_a_table_that_grows() {
     let ledger = fresh().await;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/ledger");
-    let mut all = vec![super::super::history::sql(false), super::super::history::sql(true)];
+    let mut all = histories();
     for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
         let name = entry.file_name().into_string().unwrap();
         if name.ends_with(".rs") && !WHOLE.contains(&name.as_str()) && !name.contains("fixtures") {
@@ -97,9 +116,12 @@ async fn the_test_of_the_plans_sees_a_walk() {
 #[tokio::test]
 async fn the_history_of_any_span_comes_from_its_index_in_order() {
     let ledger = fresh().await;
-    for (one, index) in [(false, "build_by_time"), (true, "build_by_profile_time")] {
-        let plan = plan(&ledger, &super::super::history::sql(one)).await;
-        assert!(plan[0].contains("SEARCH b") && plan[0].contains(index), "{plan:?}");
-        assert!(plan.iter().all(|step| !step.contains("TEMP B-TREE FOR ORDER BY")), "{plan:?}");
+    for (one, index) in [(None, "build_by_time"), (Some("m".to_owned()), "build_by_profile_time")] {
+        for after in [None, Some(BuildId(7))] {
+            let query = HistoryQuery { profile: one.clone(), after, ..Default::default() };
+            let plan = plan(&ledger, &super::super::history::sql(&query)).await;
+            assert!(plan[0].contains("SEARCH b") && plan[0].contains(index), "{plan:?}");
+            assert!(plan.iter().all(|step| !step.contains("TEMP B-TREE FOR ORDER BY")), "{plan:?}");
+        }
     }
 }

@@ -205,6 +205,61 @@ async fn history_lists_builds_newest_first_within_its_limits() {
 }
 
 #[tokio::test]
+async fn history_is_sorted_filtered_and_turned_page_by_page_without_losing_a_build() {
+    let ledger = fresh().await;
+    let mut builds = Vec::new();
+    for n in 0..23_u32 {
+        let then = ledger.ledger.clone().with_clock(move || at(&format!("2026-11-{:02}T10:00:00Z", 1 + n / 2)));
+        let id = waiting(&then, &format!("part-{n}"), 1).await;
+        let build = nesting(&then, &[(id, 0)]).await;
+        let of = Verified {
+            height_mm: f64::from(n * 7 % 5),
+            density: f64::from(n * 3 % 4) / 10.0,
+            profile_snapshot: "{\"volume_mm\":[200.0,200.0,250.0]}".to_owned(),
+            ..verified(build, 1)
+        };
+        if n % 4 == 0 {
+            then.fail_build(build, "no room").await.unwrap();
+        } else {
+            then.verify_build(build, &of, &placed(&[(id, 0)])).await.unwrap();
+            then.publish_build(build).await.unwrap();
+        }
+        builds.push(build);
+    }
+    for sort in
+        [HistorySort::Newest, HistorySort::Height, HistorySort::Density, HistorySort::Copies, HistorySort::Profile]
+    {
+        for (state, count) in [(None, 23), (Some(BuildState::Failed), 6), (Some(BuildState::Published), 17)] {
+            let asked = HistoryQuery { sort, state, ..Default::default() };
+            let whole = ledger.history(&asked).await.unwrap();
+            assert_eq!(whole.len(), count, "{sort:?} {state:?}");
+            let mut paged = Vec::new();
+            loop {
+                let after = paged.last().map(|row: &HistoryRow| row.build);
+                let page = ledger.history(&HistoryQuery { after, limit: Some(4), ..asked.clone() }).await.unwrap();
+                if page.is_empty() {
+                    break;
+                }
+                paged.extend(page);
+            }
+            assert_eq!(paged, whole, "{sort:?} {state:?}");
+        }
+    }
+    let lowest = ledger.history(&HistoryQuery { sort: HistorySort::Height, ..Default::default() }).await.unwrap();
+    assert!(lowest[..17].windows(2).all(|two| two[0].height_mm <= two[1].height_mm));
+    assert!(lowest[17..].iter().all(|row| row.height_mm.is_none()), "what has no height comes last");
+    let high = lowest[16].clone();
+    assert_eq!((high.volume_z_mm, high.used()), (Some(250.0), Some(4.0 / 250.0)));
+    let of_part = HistoryQuery { part: Some("part-5.stl".into()), ..Default::default() };
+    let name = ledger.part(PartId(6)).await.unwrap().unwrap().name;
+    let found = ledger.history(&HistoryQuery { part: Some(name), ..of_part }).await.unwrap();
+    assert_eq!(found.iter().map(|row| row.build).collect::<Vec<_>>(), [builds[5]]);
+    let both = HistoryQuery { since: Some(at("2026-11-05T00:00:00Z")), after: Some(builds[20]), ..Default::default() };
+    let rows = ledger.history(&both).await.unwrap();
+    assert_eq!(rows.iter().map(|row| row.build.0).collect::<Vec<_>>(), (9..=20).rev().collect::<Vec<_>>());
+}
+
+#[tokio::test]
 async fn the_views_answer_an_operator_with_sqlite3() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 2).await;

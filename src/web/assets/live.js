@@ -1,26 +1,96 @@
-// Keeps a page up to date: when the farm changes, the page is fetched again and its content put in place.
+// Keeps a page up to date: when the farm changes, and once a minute, the page is fetched again and its content put in place. A
+// page that cannot be kept up to date says so.
+const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000;
 const main = document.querySelector("#main");
-const stays = document.querySelector("#view, .band");
-let busy = false;
+let events = null, again = 0, busy = false, dirty = false, lost = null;
+
+const isTyping = () => main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
+  && !document.activeElement.closest("#view");
+
+function say(id, text, link) {
+  let line = document.getElementById(id);
+  if (!line) {
+    line = Object.assign(document.createElement("p"), { id, className: "bad" });
+    line.setAttribute("role", "alert");
+    document.querySelector("header").append(line);
+  }
+  line.textContent = text;
+  if (link) line.append(" ", Object.assign(document.createElement("a"), { href: location.href, textContent: link, onclick: (e) => { e.preventDefault(); location.reload(); } }));
+}
+
+function disconnected() {
+  if (lost) return;
+  lost = new Date();
+  document.body.dataset.lost = "";
+  say("lost", `No connection to the farm since ${lost.toISOString().slice(11, 16)} UTC. What is shown is from before.`);
+}
+
+function connected() {
+  lost = null;
+  delete document.body.dataset.lost;
+  document.getElementById("lost")?.remove();
+}
+
+/** Puts fresh content in place; the 3D view and what somebody has filled in stay as they are. */
+function place(fresh) {
+  const view = main.querySelector(":scope > #view"), newView = fresh.querySelector(":scope > #view");
+  if (newView && !view) return location.reload(); // It needs a script that this page does not have.
+  const form = main.querySelector("form.filters"), newForm = fresh.querySelector("form.filters");
+  if (form && newForm) newForm.replaceWith(form);
+  if (!view || !newView) return main.replaceChildren(...fresh.childNodes);
+  if (newView.dataset.version !== view.dataset.version) say("changed", "Something else stands in this build now.", "Load the 3D view again");
+  const nodes = [...fresh.childNodes], at = nodes.indexOf(newView);
+  for (const node of [...main.childNodes]) if (node !== view) node.remove();
+  view.before(...nodes.slice(0, at));
+  view.after(...nodes.slice(at + 1));
+}
+
+let shown = null;
+async function fetched() {
+  const answer = await fetch(location.href, { headers: { accept: "text/html" }, signal: AbortSignal.timeout(PATIENCE_MS) });
+  if (answer.status >= 500) throw new Error(`the farm answers ${answer.status}`);
+  if (!answer.ok) return;
+  const fresh = new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("#main");
+  if (!fresh || fresh.innerHTML === shown || isTyping()) { dirty ||= isTyping(); return; }
+  const before = shown ?? main.innerHTML;
+  shown = fresh.innerHTML;
+  if (shown === before) return;
+  const focus = main.contains(document.activeElement) && !document.activeElement.closest("#view") ? document.activeElement.textContent : null;
+  place(fresh);
+  if (focus) [...main.querySelectorAll("button, a")].find((e) => e.textContent === focus)?.focus();
+}
+
+/** Shows what is new; a change that comes meanwhile, or while somebody types, is looked at afterwards. */
 async function refresh() {
-  const typing = document.activeElement && main.contains(document.activeElement) && /^(INPUT|SELECT)$/.test(document.activeElement.tagName);
-  if (busy || typing || document.hidden) return;
+  dirty = true;
+  if (busy) return;
   busy = true;
-  try {
-    const answer = await fetch(location.href, { headers: { accept: "text/html" } });
-    if (answer.ok) {
-      const fresh = new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("#main");
-      const focus = document.activeElement?.textContent;
-      if (fresh && fresh.innerHTML !== main.innerHTML) {
-        main.replaceChildren(...fresh.childNodes);
-        if (focus) [...main.querySelectorAll("button, a")].find((e) => e.textContent === focus)?.focus();
-      }
-    }
-  } catch { /* the daemon restarts: the next change comes when it is back */ }
+  while (dirty && !document.hidden && !isTyping()) {
+    dirty = false;
+    try { await fetched(); connected(); } catch { disconnected(); }
+  }
   busy = false;
 }
-if (main && !stays && location.search === "") {
-  const events = new EventSource("/live");
+
+function listen() {
+  clearTimeout(again);
+  events?.close();
+  events = null;
+  // A browser has few connections to a host: a page that nobody sees needs none.
+  if (document.hidden) return;
+  events = new EventSource("/live");
   events.addEventListener("changed", refresh);
-  document.addEventListener("visibilitychange", refresh);
+  events.addEventListener("error", () => {
+    disconnected();
+    if (events?.readyState === EventSource.CLOSED) again = setTimeout(listen, AGAIN_MS);
+  });
+}
+
+// The page of an error stays what it is.
+if (main && !document.querySelector("#problem")) {
+  main.addEventListener("focusout", () => setTimeout(() => { if (dirty) refresh(); }));
+  document.addEventListener("visibilitychange", () => { listen(); if (!document.hidden) refresh(); });
+  addEventListener("online", listen);
+  setInterval(refresh, EVERY_MS);
+  listen();
 }

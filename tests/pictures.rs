@@ -171,6 +171,16 @@ impl Drop for Terminal {
     }
 }
 
+/// What Ctrl-C sends; where this test itself runs in the background of a script, which ignores that, what ends it all the same.
+fn interrupt() -> nix::sys::signal::Signal {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap().trim();
+    match u64::from_str_radix(ignored, 16).unwrap() & 1 << 1 {
+        0 => nix::sys::signal::Signal::SIGINT,
+        _ => nix::sys::signal::Signal::SIGTERM,
+    }
+}
+
 #[test]
 fn status_is_redrawn_in_place_until_ctrl_c() {
     let dir = tempfile::tempdir().unwrap();
@@ -192,7 +202,7 @@ fn status_is_redrawn_in_place_until_ctrl_c() {
     terminal.until("what changed is seen", |seen| seen.contains("a-machine-that-came"));
     assert_eq!(terminal.seen.matches("\x1b[2J").count(), 1, "later it is drawn over");
     let pid = nix::unistd::Pid::from_raw(terminal.child.id() as i32);
-    nix::sys::signal::kill(pid, nix::sys::signal::Signal::SIGINT).unwrap();
+    nix::sys::signal::kill(pid, interrupt()).unwrap();
     assert_eq!(terminal.child.wait().unwrap().code(), None, "it ends by the signal");
 }
 

@@ -3,6 +3,7 @@
 use std::sync::{Arc, PoisonError, RwLock};
 
 use anyhow::{Context, Result};
+use tokio::runtime::Runtime;
 
 use super::{Common, Exit, Usage, logging};
 use crate::{
@@ -29,8 +30,9 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let settings = load().map_err(|error| Usage(error.to_string()))?;
     demand_little(&settings, args.allow_root)?;
     logging::start(&settings.log)?;
-    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build();
-    let runtime = runtime.context("starting the runtime")?;
+    let runtime = threads("nestd", 512)?;
+    // Whoever watches has threads of its own: one that hangs, on a share or a pipe, holds up nobody but the others there.
+    let watching = threads("nestd-watch", 8)?;
     let web = settings.web.clone();
     let shared: Shared = Arc::new(RwLock::new(Arc::new(settings)));
     let told = shared.clone();
@@ -40,24 +42,37 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         Ok(settings)
     };
     let outside = farm::Outside::default();
-    tell_watchers(&runtime, &shared, &outside);
+    tell_watchers(&watching, &shared, &outside);
     if let Some(web) = web {
-        // A dashboard that cannot be served is told; the farm works without it.
-        let outside = outside.clone();
-        runtime.spawn(async move {
-            if let Err(failure) = web::serve(shared, web).await {
-                outside.fails(&format!("{failure:#}"));
-            }
-        });
+        watching.spawn(serve(shared, web, outside.clone()));
     }
     let result = runtime.block_on(farm::run(Box::new(load), outside));
     // Jobs run on threads of their own; what has not ended by now finds its work again at the next start.
+    watching.shutdown_background();
     runtime.shutdown_background();
     result.map(|()| Exit::Success)
 }
 
+/// Threads for tasks, and at most so many for what blocks.
+fn threads(name: &str, blocking: usize) -> Result<Runtime> {
+    let mut builder = tokio::runtime::Builder::new_multi_thread();
+    builder.worker_threads(2).max_blocking_threads(blocking).thread_name(name).enable_all();
+    builder.build().context("starting the runtime")
+}
+
+/// The dashboard, while the farm is open: the ledger may be opened only when it was found whole, and the address be taken only
+/// by the one daemon that holds the farm. One that cannot be served is told; the farm works without it.
+async fn serve(shared: Shared, web: settings::Web, outside: farm::Outside) {
+    let serving = async {
+        if let Err(failure) = web::serve(shared, web).await {
+            outside.fails(&format!("{failure:#}"));
+        }
+    };
+    outside.while_open(serving).await;
+}
+
 /// Those who watch the farm from outside are told by tasks beside it, while its ledger is open.
-fn tell_watchers(runtime: &tokio::runtime::Runtime, shared: &Shared, outside: &farm::Outside) {
+fn tell_watchers(runtime: &Runtime, shared: &Shared, outside: &farm::Outside) {
     let (shared, outside) = (shared.clone(), outside.clone());
     runtime.spawn(async move {
         let trouble = |receiver: Receiver, why| outside.receiver(&receiver.to_string(), why);

@@ -2,6 +2,7 @@
 //! kept originals, or from a build file.
 
 use std::{
+    cell::OnceCell,
     collections::{BTreeMap, HashMap},
     path::{Path, PathBuf},
     sync::Arc,
@@ -183,8 +184,10 @@ pub fn volume_of(info: &BuildInfo, given_mm: Option<DVec3>) -> Option<DVec3> {
 struct Originals {
     meshes: Meshes,
     profile: Profile,
-    /// Archived ones by their content.
-    archived: HashMap<String, PathBuf>,
+    /// Where the archived ones are.
+    archive: Option<PathBuf>,
+    /// Archived ones by their content, once one is needed.
+    archived: OnceCell<HashMap<String, PathBuf>>,
 }
 
 impl Originals {
@@ -193,11 +196,16 @@ impl Originals {
         let store = Store::at(settings.state_dir.join("store"));
         let meshes = Meshes { shelf: Shelf::default(), store, limits: settings.limits.clone(), cache: None };
         let stem = build.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
-        let folder = stem.map(|stem| profile.folders.archive.join(stem));
-        let files = folder.and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten().flatten();
-        let known = |path: PathBuf| Some((hash_of(&path).ok()?.to_hex().to_string(), path));
-        let archived = files.filter_map(|file| known(file.path())).collect();
-        Self { meshes, profile: profile.clone(), archived }
+        let archive = stem.map(|stem| profile.folders.archive.join(stem));
+        Self { meshes, profile: profile.clone(), archive, archived: OnceCell::new() }
+    }
+
+    fn archived(&self) -> &HashMap<String, PathBuf> {
+        self.archived.get_or_init(|| {
+            let files = self.archive.as_ref().and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten();
+            let known = |path: PathBuf| Some((hash_of(&path).ok()?.to_hex().to_string(), path));
+            files.flatten().filter_map(|file| known(file.path())).collect()
+        })
     }
 
     /// The mesh of a part; `None` when its original is past its keeping.
@@ -205,7 +213,7 @@ impl Originals {
         if let Ok(mesh) = self.meshes.mesh(&self.profile, part) {
             return Some(mesh);
         }
-        let file = self.archived.get(&part.content_hash)?;
+        let file = self.archived().get(&part.content_hash)?;
         let contents = format::read(file, &part.name, part.unit, self.profile.unit, &self.meshes.limits).ok()?;
         Some(Arc::new(contents.solids.into_iter().nth(part.object_index as usize)?.mesh))
     }

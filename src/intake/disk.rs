@@ -123,7 +123,7 @@ pub(super) fn open_regular(path: &Path) -> io::Result<File> {
 }
 
 /// The first bytes of a regular file, `max_bytes` at most; `None` where there is none, or something else.
-pub(super) fn read_start(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
+pub fn read_start(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
     use io::ErrorKind::{InvalidInput, IsADirectory, NotFound};
     let mut bytes = Vec::new();
     match open_regular(path) {

@@ -36,7 +36,7 @@ mod watch;
 pub use archive::{archive, purge};
 pub use claim::{Claim, ClaimError, Released, claim, claim_dir, give_back, release};
 pub use copies::copies_in_name;
-pub use disk::{files_below, hash_file, write_by_rename};
+pub use disk::{files_below, hash_file, read_start, write_by_rename};
 pub use dropped::{open_dropped, read_reason};
 pub use given::{Given, Source, TicketSource};
 pub use ignore::is_ignored;

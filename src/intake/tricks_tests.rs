@@ -218,7 +218,8 @@ fn files_that_are_swapped_for_links_and_pipes_all_the_time_are_never_followed() 
     stop.store(true, std::sync::atomic::Ordering::Relaxed);
     let rounds = swapping.join().unwrap();
     assert!(looks > 20 && rounds > 100, "{looks} looks, {rounds} swaps");
-    assert!(taken.iter().all(|bytes| bytes == b"theirs"), "{taken:?}");
+    // A file may be met before its writer has come to write.
+    assert!(taken.iter().all(|bytes| bytes == b"theirs" || bytes.is_empty()), "{taken:?}");
     assert_eq!(files(&folder), ["a.stl"]);
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
 }

@@ -79,7 +79,11 @@ impl Telling {
         loop {
             let settings = self.settings();
             match self.step(&settings).await {
-                Ok(Step::Idle) => tokio::time::sleep(LOOK_EVERY).await,
+                // Nothing waits for it, or it is not to be told any more.
+                Ok(Step::Idle) => {
+                    trouble(self.receiver, None);
+                    tokio::time::sleep(LOOK_EVERY).await;
+                }
                 Ok(Step::Told) => {
                     trouble(self.receiver, None);
                     wait = FIRST_WAIT;

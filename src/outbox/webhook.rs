@@ -48,8 +48,31 @@ pub(super) fn post(webhook: &Webhook, timeout: Duration, message: &Message) -> R
         .header(EVENT, message.kind)
         .header(SIGNATURE, signature(&secret, now, &message.body))
         .send(&message.body)
-        .with_context(|| format!("posting to {}", webhook.url))?;
+        .with_context(|| format!("posting to {}", place(&webhook.url)))?;
     let status = answer.status();
-    ensure!(status.is_success(), "{} answers {status}", webhook.url);
+    ensure!(status.is_success(), "{} answers {status}", place(&webhook.url));
     Ok(())
+}
+
+/// Scheme and host of an address: the rest of it is often as good as a password.
+fn place(url: &str) -> String {
+    let (scheme, rest) = url.split_once("://").unwrap_or(("", url));
+    let host = rest.split(['/', '?', '#']).next().unwrap_or_default();
+    let host = host.rsplit_once('@').map_or(host, |(_, host)| host);
+    format!("{scheme}://{host}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place;
+
+    #[test]
+    fn what_is_told_of_an_address_holds_no_password() {
+        assert_eq!(
+            place("https://me:word@hooks.example.com:8443/services/T0/B1/secret?key=x"),
+            "https://hooks.example.com:8443"
+        );
+        assert_eq!(place("http://[::1]:80"), "http://[::1]:80");
+        assert_eq!(place("https://a.example?token=x@y"), "https://a.example");
+    }
 }

@@ -65,7 +65,7 @@ pub(super) fn notify(inputs: &NotifyInputs, judge: &mut Judge) -> Notify {
             let text =
                 "there is a notify.webhook and no notify.secret_file: nobody could tell your messages from others'";
             let remedy =
-                "name a file with a key of 32 letters or more: head -c 24 /dev/urandom | base64 > FILE; chmod 640 FILE";
+                "name a file with a key of 16 letters or more: head -c 24 /dev/urandom | base64 > FILE; chmod 640 FILE";
             judge.object("notify.webhook", text.to_owned(), remedy);
             PathBuf::new()
         });

@@ -61,7 +61,7 @@ pub(super) fn web(inputs: &WebInputs, judge: &mut Judge) -> Option<Web> {
         && inputs.token_file.0.is_none()
     {
         let text = format!("web.listen = \"{address}\" is open to other machines, and there is no web.token_file");
-        let remedy = "listen on 127.0.0.1 behind a reverse proxy, or name a file with a token of 32 letters or more";
+        let remedy = "listen on 127.0.0.1 behind a reverse proxy, or name a file with a token of 16 letters or more";
         judge.object("web.listen", text, remedy);
     }
     Some(Web { listen, token_file: inputs.token_file.0.clone(), hosts: inputs.hosts.clone(), orders: inputs.orders })

@@ -11,7 +11,6 @@ use axum::{
 };
 
 use super::{problem::Problem, server::Web};
-use crate::settings::Listen;
 
 /// No other host, no inline script, no frame around our pages.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
@@ -77,5 +76,5 @@ fn is_own_name(web: &Web, host: &str) -> bool {
         None => host.rsplit_once(':').map_or(host, |(name, _)| name),
     };
     let known = ["localhost", "127.0.0.1", "::1"].contains(&name) || web.hosts.iter().any(|h| h == name);
-    known || !matches!(web.listen, Listen::Tcp(_))
+    known || !web.is_tcp
 }

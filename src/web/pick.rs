@@ -7,6 +7,7 @@ use glam::DVec2;
 use maud::{Markup, html};
 
 use super::{
+    cache::Kept,
     footprint::footprint,
     labels::{Label, apart},
     page::page,
@@ -67,17 +68,14 @@ impl Pick<'_> {
 pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
     let (build, profile) = build_of(&web, number_of_build).await?;
     let title = format!("Pick map of build {}", build.id);
-    let key = version(&build);
-    let (copies, sheets) = match web.picks.get(&key) {
-        Some(map) => map,
-        None => {
-            let link = |part| Some(format!("/parts/{part}"));
-            let order = Told::of_build(&web, &profile, &build).await.order;
-            let map = of_cake(&web, &build, &profile, move |cake| (cake.copies(), sheets(cake, &order, link))).await?;
-            web.picks.put(key, map.clone());
-            map
-        }
+    let kept = Kept { cache: |web| &web.picks, key: version(&build) };
+    let link = |part| Some(format!("/parts/{part}"));
+    let (queue, file_name) = (profile.folders.queue.clone(), build.file_name.clone());
+    let map = move |cake: &Cake| {
+        let order = Told::beside(&queue, file_name.as_deref()).order;
+        Ok((cake.copies(), sheets(cake, &order, link)))
     };
+    let (copies, sheets) = of_cake(&web, &build, &profile, kept, map).await?;
     let content = html! {
         h1 { (title) }
         p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(copies as u32, "copy", "copies")) "." }

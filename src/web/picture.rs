@@ -12,35 +12,18 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
-    cache::Cache,
+    cache::Kept,
     problem::Answer,
     scene::{build_of, of_cake, version},
     server::Web,
     words::{count, number},
 };
-use crate::{
-    format::Viewpoint,
-    ledger::{BuildRow, ProfileStatus},
-};
+use crate::{farm::Cake, format::Viewpoint, ledger::ProfileStatus};
 
 /// Widths that pages ask for, pixels; whatever is asked becomes the next of them.
 const WIDTHS: [u32; 2] = [480, 640];
 /// Pictures that are kept; some 50 kB each.
-const KEPT: usize = 64;
-
-/// Pictures that were drawn, by build, what makes it another one, and width.
-#[derive(Debug)]
-pub(super) struct Pictures {
-    kept: Cache<Bytes>,
-    /// Who holds it draws: looking takes one core from the farm at most.
-    drawing: tokio::sync::Mutex<()>,
-}
-
-impl Default for Pictures {
-    fn default() -> Self {
-        Self { kept: Cache::new(KEPT), drawing: tokio::sync::Mutex::default() }
-    }
-}
+pub(super) const KEPT: usize = 64;
 
 /// What a picture is asked with.
 #[derive(Debug, Deserialize)]
@@ -56,27 +39,12 @@ pub(super) async fn picture(
     Path(number): Path<i64>,
     Query(asked): Query<Asked>,
 ) -> Answer<Response> {
-    let (mut build, profile) = build_of(&web, number).await?;
+    let (build, profile) = build_of(&web, number).await?;
     let wanted = asked.width.unwrap_or(WIDTHS[WIDTHS.len() - 1]);
     let width = WIDTHS.into_iter().find(|&width| width >= wanted).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
-    let key = |build: &BuildRow| format!("{} {width}", version(build));
-    let png = match web.pictures.kept.get(&key(&build)) {
-        Some(png) => png,
-        None => {
-            let _drawing = web.pictures.drawing.lock().await;
-            // While others drew, it may have been drawn or become another one.
-            (build, _) = build_of(&web, number).await?;
-            match web.pictures.kept.get(&key(&build)) {
-                Some(png) => png,
-                None => {
-                    let draw = move |cake: &crate::farm::Cake| cake.picture(Viewpoint::Iso, (width, width / 4 * 3));
-                    let png = Bytes::from(of_cake(&web, &build, &profile, draw).await?);
-                    web.pictures.kept.put(key(&build), png.clone());
-                    png
-                }
-            }
-        }
-    };
+    let kept = Kept { cache: |web| &web.pictures, key: format!("{} {width}", version(&build)) };
+    let draw = move |cake: &Cake| Ok(Bytes::from(cake.picture(Viewpoint::Iso, (width, width / 4 * 3))));
+    let png = of_cake(&web, &build, &profile, kept, draw).await?;
     let stays = asked.of.is_some_and(|of| of == version(&build));
     let keep = if stays { "private, max-age=31536000, immutable" } else { "private, no-cache" };
     Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response())

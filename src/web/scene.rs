@@ -15,6 +15,7 @@ use axum::{
 use serde::Serialize;
 
 use super::{
+    cache::Kept,
     problem::{Answer, Problem},
     reduce::reduce,
     server::Web,
@@ -73,33 +74,42 @@ pub(super) async fn build_of(web: &Web, number: i64) -> Answer<(BuildRow, Profil
     Ok((build, profile))
 }
 
-/// What is made of a build's cake, away from the threads that answer.
-pub(super) async fn of_cake<T: Send + 'static>(
-    web: &Web,
+/// What is made of a build's cake, or was: away from the threads that answer, one after the other, and kept also when nobody
+/// waits for it any more.
+pub(super) async fn of_cake<T: Clone + Send + 'static>(
+    web: &Arc<Web>,
     build: &BuildRow,
     profile: &Profile,
-    make: impl FnOnce(&Cake) -> T + Send + 'static,
+    kept: Kept<T>,
+    make: impl FnOnce(&Cake) -> anyhow::Result<T> + Send + 'static,
 ) -> Answer<T> {
+    let known = || (kept.cache)(web).get(&kept.key);
+    if let Some(thing) = known() {
+        return Ok(thing);
+    }
+    let turn = web.looking.clone().acquire_owned().await.context("waiting for a turn")?;
+    if let Some(thing) = known() {
+        return Ok(thing);
+    }
     let parts = standing(&web.ledger, build, profile).await?;
-    let (settings, build, profile) = (web.settings(), build.clone(), profile.clone());
-    let made = tokio::task::spawn_blocking(move || make(&Cake::of_ledger(&settings, &profile, &build, parts)));
-    Ok(made.await.context("looking at the build")?)
+    let (web, build, profile) = (web.clone(), build.clone(), profile.clone());
+    let making = tokio::task::spawn_blocking(move || {
+        let _turn = turn;
+        let thing = make(&Cake::of_ledger(&web.settings(), &profile, &build, parts))?;
+        (kept.cache)(&web).put(kept.key, thing.clone());
+        Ok(thing)
+    });
+    let made: anyhow::Result<T> = making.await.context("looking at the build")?;
+    Ok(made?)
 }
 
 /// The scene of a build.
 pub(super) async fn scene(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Response> {
     let (build, profile) = build_of(&web, number).await?;
-    let key = version(&build);
-    let bytes = match web.scenes.get(&key) {
-        Some(bytes) => bytes,
-        None => {
-            let facts = (build.id.0, build.height_mm, profile.layer_mm);
-            let made = of_cake(&web, &build, &profile, move |cake| packed(cake, facts, MOST_DRAWN)).await?;
-            let bytes = Bytes::from(made?);
-            web.scenes.put(key, bytes.clone());
-            bytes
-        }
-    };
+    let kept = Kept { cache: |web| &web.scenes, key: version(&build) };
+    let facts = (build.id.0, build.height_mm, profile.layer_mm);
+    let pack = move |cake: &Cake| Ok(Bytes::from(packed(cake, facts, MOST_DRAWN)?));
+    let bytes = of_cake(&web, &build, &profile, kept, pack).await?;
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
 }
 

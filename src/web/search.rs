@@ -3,10 +3,13 @@
 use std::{path::Path, time::Duration};
 
 use super::server::Web;
-use crate::{ledger::BuildRow, nest::DrawnCopy, settings::Profile};
+use crate::{intake, ledger::BuildRow, nest::DrawnCopy, settings::Profile};
 
 /// A queue folder that does not answer within this time is not waited for.
 const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What a report is read of at most.
+const MAX_REPORT_BYTES: u64 = 32 << 20;
 
 /// What pages show of it.
 #[derive(Debug, Default)]
@@ -22,7 +25,9 @@ impl Told {
     pub(super) fn beside(folder: &Path, file_name: Option<&str>) -> Self {
         let read = || -> Option<serde_json::Value> {
             let stem = file_name?.strip_suffix(".build.3mf")?;
-            serde_json::from_slice(&std::fs::read(folder.join(format!("{stem}.report.json"))).ok()?).ok()
+            // Others may write into this folder.
+            let report = intake::read_start(&folder.join(format!("{stem}.report.json")), MAX_REPORT_BYTES).ok()??;
+            serde_json::from_slice(&report).ok()
         };
         let report = read().unwrap_or_default();
         let apart = &report["separable"];

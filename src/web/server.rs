@@ -1,13 +1,12 @@
 //! The server: what all handlers share, the routes, and where it listens.
 
 use std::{
-    os::unix::fs::FileTypeExt,
+    os::unix::{fs::FileTypeExt, net::UnixStream},
     path::Path,
     sync::{Arc, PoisonError},
-    time::Duration,
 };
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use axum::{
     Router,
     body::Bytes,
@@ -17,27 +16,24 @@ use axum::{
 };
 use tokio::{
     net::{TcpListener, UnixListener},
-    sync::watch,
+    sync::{Semaphore, watch},
 };
 use tracing::info;
 
 use super::{
     api, assets, build,
     cache::Cache,
-    farm as farm_page, guard, history, live, metrics, order, part, pick,
-    picture::{self, Pictures},
+    farm as farm_page, guard, history, live, metrics, order, part, pick, picture,
     problem::{Answer, Problem},
     scene,
 };
 use crate::{
     access, farm,
-    ledger::{Ledger, LedgerError},
+    ledger::Ledger,
     metrics::Metrics,
     settings::{Listen, Settings, Shared, Web as WebSettings},
 };
 
-/// Between two tries to open a ledger that the daemon is still making.
-const OPEN_AGAIN: Duration = Duration::from_millis(200);
 /// Largest form, bytes.
 const MOST_BODY: usize = 4096;
 
@@ -45,7 +41,8 @@ const MOST_BODY: usize = 4096;
 pub(super) struct Web {
     pub(super) ledger: Ledger,
     pub(super) settings: Shared,
-    pub(super) listen: Listen,
+    /// Whether it is asked over TCP: then a browser may be made to ask it in another site's name.
+    pub(super) is_tcp: bool,
     pub(super) hosts: Vec<String>,
     pub(super) orders: bool,
     pub(super) token: Option<String>,
@@ -54,7 +51,9 @@ pub(super) struct Web {
     pub(super) scenes: Cache<Bytes>,
     pub(super) picks: Cache<pick::Map>,
     pub(super) metrics: Metrics,
-    pub(super) pictures: Pictures,
+    pub(super) pictures: Cache<Bytes>,
+    /// Who holds it makes one of these three: looking takes one core and the meshes of one build from the farm at most.
+    pub(super) looking: Arc<Semaphore>,
     pub(super) changes: watch::Sender<u64>,
 }
 
@@ -73,21 +72,24 @@ impl Web {
     }
 }
 
-/// Serves the dashboard until the process ends. The daemon makes the ledger; it is waited for.
+/// Serves the dashboard until it is dropped. The ledger must be open already: the daemon makes it and finds it whole.
 ///
 /// # Errors
-/// When the address cannot be listened on, or the token cannot be read.
+/// When the address cannot be listened on, or only with a token and there is none, or the token cannot be read.
 pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
     let token = web.token_file.as_deref().map(access::read_secret).transpose()?;
     let path = settings.read().unwrap_or_else(PoisonError::into_inner).ledger.clone();
+    let ledger = Ledger::open_existing(&path).await.context("opening the ledger for the dashboard")?;
+    // Connections that are still being answered hold the ledger, too.
+    let _closed = CloseAtEnd(ledger.clone());
     let door = Door::open(&web.listen).await?;
-    let ledger = ledger(&path).await?;
+    door.demand_token(token.as_deref())?;
     let changes = watch::Sender::new(0);
     info!("The dashboard is at {}.", web.listen);
     let shared = Arc::new(Web {
         ledger,
         settings,
-        listen: web.listen,
+        is_tcp: matches!(door, Door::Tcp(_)),
         hosts: web.hosts,
         orders: web.orders,
         token,
@@ -95,7 +97,8 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         scenes: Cache::new(scene::KEPT),
         picks: Cache::new(pick::KEPT),
         metrics: Metrics::default(),
-        pictures: Pictures::default(),
+        pictures: Cache::new(picture::KEPT),
+        looking: Arc::new(Semaphore::new(1)),
         changes: changes.clone(),
     });
     tokio::spawn(live::look(shared.clone(), changes));
@@ -137,13 +140,23 @@ pub(super) fn routes(web: Arc<Web>) -> Router {
         .with_state(web)
 }
 
-async fn ledger(path: &Path) -> Result<Ledger> {
-    loop {
-        match Ledger::open_existing(path).await {
-            Err(LedgerError::Missing { .. } | LedgerError::OlderSchema { .. }) => tokio::time::sleep(OPEN_AGAIN).await,
-            opened => return opened.context("opening the ledger for the dashboard"),
-        }
+/// Closes the ledger when the dashboard ends.
+struct CloseAtEnd(Ledger);
+
+impl Drop for CloseAtEnd {
+    fn drop(&mut self) {
+        let ledger = self.0.clone();
+        tokio::spawn(async move { ledger.close().await });
     }
+}
+
+/// The socket of a daemon that is gone would be in the way; one that answers is somebody's.
+fn remove_left(path: &Path) -> Result<()> {
+    if !std::fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_socket()) {
+        return Ok(());
+    }
+    ensure!(UnixStream::connect(path).is_err(), "somebody else listens there");
+    Ok(std::fs::remove_file(path)?)
 }
 
 /// A socket that is listened on.
@@ -158,14 +171,22 @@ impl Door {
         match listen {
             Listen::Tcp(address) => TcpListener::bind(address).await.map(Self::Tcp).with_context(cannot),
             Listen::Unix(path) => {
-                // The socket of a daemon that is gone would be in the way.
-                if std::fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_socket()) {
-                    std::fs::remove_file(path).with_context(cannot)?;
-                }
+                remove_left(path).with_context(cannot)?;
                 UnixListener::bind(path).map(Self::Unix).with_context(cannot)
             }
             Listen::Systemd => Self::of_systemd().with_context(cannot),
         }
+    }
+
+    /// Other machines may ask only with a token, whoever opened the socket.
+    fn demand_token(&self, token: Option<&str>) -> Result<()> {
+        let Self::Tcp(listener) = self else { return Ok(()) };
+        let address = listener.local_addr()?;
+        ensure!(
+            token.is_some() || address.ip().is_loopback(),
+            "{address} can be reached from other machines: set web.token_file, or listen to this machine only"
+        );
+        Ok(())
     }
 
     fn of_systemd() -> Result<Self> {
@@ -179,5 +200,31 @@ impl Door {
             return Ok(Self::Unix(UnixListener::from_std(socket)?));
         }
         bail!("systemd passed no socket: start nestd by its socket unit")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn whoever_opened_the_socket_other_machines_ask_only_with_a_token() {
+        for (address, reachable) in [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true)] {
+            let Ok(listener) = TcpListener::bind(address).await else { continue };
+            let door = Door::Tcp(listener);
+            assert_eq!(door.demand_token(None).is_err(), reachable, "{address}");
+            assert!(door.demand_token(Some("a token of some letters")).is_ok());
+        }
+    }
+
+    #[tokio::test]
+    async fn a_socket_that_answers_is_left_and_one_that_is_left_over_goes() {
+        let folder = tempfile::tempdir().unwrap();
+        let listen = Listen::Unix(folder.path().join("web.sock"));
+        let first = Door::open(&listen).await.unwrap();
+        let refused = Door::open(&listen).await.map(drop).unwrap_err();
+        assert!(format!("{refused:#}").contains("somebody else"), "{refused:#}");
+        drop(first);
+        assert!(Door::open(&listen).await.is_ok());
     }
 }

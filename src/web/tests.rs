@@ -6,7 +6,7 @@ use axum::{
     body::{Body, to_bytes},
     http::{Request, StatusCode},
 };
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
 use super::{
@@ -16,7 +16,7 @@ use super::{
 };
 use crate::{
     ledger::fixtures::{self, TestLedger},
-    settings::{self, Listen},
+    settings,
 };
 
 struct Asked {
@@ -44,7 +44,7 @@ impl Dashboard {
         let mut web = Web {
             ledger: (*ledger).clone(),
             settings: Arc::new(RwLock::new(Arc::new(settings))),
-            listen: Listen::Tcp("127.0.0.1:0".parse().unwrap()),
+            is_tcp: true,
             hosts: Vec::new(),
             orders: true,
             token: None,
@@ -52,7 +52,8 @@ impl Dashboard {
             scenes: Cache::new(2),
             picks: Cache::new(2),
             metrics: Default::default(),
-            pictures: Default::default(),
+            pictures: Cache::new(2),
+            looking: Arc::new(Semaphore::new(1)),
             changes: watch::Sender::new(0),
         };
         change(&mut web);

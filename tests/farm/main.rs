@@ -6,6 +6,7 @@ mod hook;
 
 mod attention;
 mod bad_input;
+mod dashboard;
 mod deep;
 mod full_disk;
 mod interlock;

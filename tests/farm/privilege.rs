@@ -43,7 +43,9 @@ fn the_daemon_does_not_run_as_root_unless_told() {
 fn ports_of(pid: i32) -> usize {
     let descriptors = fs::read_dir(format!("/proc/{pid}/fd")).unwrap();
     let sockets: Vec<String> = descriptors
-        .filter_map(|entry| fs::read_link(entry.unwrap().path()).ok()?.to_str()?.strip_prefix("socket:[").map(str::to_owned))
+        .filter_map(|entry| {
+            fs::read_link(entry.unwrap().path()).ok()?.to_str()?.strip_prefix("socket:[").map(str::to_owned)
+        })
         .collect();
     let listening = |table: &str| -> usize {
         let text = fs::read_to_string(format!("/proc/{pid}/net/{table}")).unwrap_or_default();

@@ -18,6 +18,10 @@ cp "$(dirname "$unit")/webhook.conf" "$work/nestd.service.d/"
 said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
 [ -z "$said" ] || { echo "$said"; exit 1; }
 rm -r "$work/nestd.service.d"
+# So with the dashboard's socket.
+cp "$(dirname "$unit")/nestd-web.socket" "$work/"
+said=$(systemd-analyze verify --man=no "$work/nestd-web.socket" "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
+[ -z "$said" ] || { echo "$said"; exit 1; }
 systemd-analyze security --offline=true --threshold=15 "$work/nestd.service" | tail -1
 
 # Each directive of [Service] has its reason above it: a comment, or another directive of the same group.

@@ -1,0 +1,83 @@
+//! A farm with a dashboard is as safe as one without: whoever looks holds up and loses nothing.
+
+use std::{
+    fs,
+    io::{Read, Write},
+    os::unix::net::UnixStream,
+    time::Duration,
+};
+
+use nestd::ledger::PartState;
+
+use super::support::{QUICK, TestFarm, block, wait_until_or};
+
+/// A farm whose dashboard listens on a socket in its folder.
+fn farm() -> TestFarm {
+    let farm = TestFarm::new(QUICK);
+    let config = fs::read_to_string(farm.config()).unwrap();
+    let socket = farm.root().join("web.sock");
+    fs::write(farm.config(), format!("{config}[web]\nlisten = \"unix:{}\"\n", socket.display())).unwrap();
+    farm
+}
+
+/// Asks the dashboard; `None` = no answer within two seconds.
+fn get(farm: &TestFarm, path: &str) -> Option<String> {
+    let mut stream = UnixStream::connect(farm.root().join("web.sock")).ok()?;
+    stream.set_read_timeout(Some(Duration::from_secs(2))).unwrap();
+    write!(stream, "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").ok()?;
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).ok()?;
+    Some(answer)
+}
+
+fn wait_for_dashboard(farm: &TestFarm) {
+    let answers = || get(farm, "/healthz").is_some_and(|answer| answer.contains("alive"));
+    wait_until_or("the dashboard answers", 30.0, || farm.log(), answers);
+}
+
+#[test]
+fn a_lost_write_ahead_log_is_noticed_before_the_dashboard_looks() {
+    let mut farm = farm();
+    farm.start();
+    farm.drop_part("block_x3.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.kill();
+    fs::remove_file(farm.root().join("state/nestd.db-wal")).unwrap();
+    let output = farm.nestd(&["run"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && said.contains("damaged"), "{said}");
+}
+
+#[test]
+fn a_pipe_in_the_place_of_a_report_holds_up_neither_farm_nor_page() {
+    let mut farm = farm();
+    farm.start();
+    wait_for_dashboard(&farm);
+    farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.flush();
+    let build = farm.wait_for_queued(1).remove(0);
+    let report = build.to_string_lossy().replace(".build.3mf", ".report.json");
+    wait_until_or("the report is there", 20.0, || farm.log(), || fs::exists(&report).unwrap());
+    fs::remove_file(&report).unwrap();
+    rustix::fs::mkfifoat(rustix::fs::CWD, &report, rustix::fs::Mode::RWXU).unwrap();
+    for _ in 0..4 {
+        let page = get(&farm, "/builds/1").expect("the page of the build");
+        assert!(page.contains("Build 1 on test"), "{page}");
+    }
+    farm.drop_part("another.stl", &block(10.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.stop();
+}
+
+#[test]
+fn a_second_daemon_that_is_refused_leaves_the_first_ones_dashboard_alone() {
+    let mut farm = farm();
+    farm.start();
+    wait_for_dashboard(&farm);
+    for _ in 0..5 {
+        assert!(!farm.nestd(&["run"]).status.success());
+        assert!(get(&farm, "/").is_some_and(|page| page.contains("The daemon runs")));
+    }
+    farm.stop();
+}

@@ -236,7 +236,8 @@ const checks = {
       assert.ok(cells, `build ${build}`);
       assert.equal(cells[4], row.height_mm.toFixed(2));
       assert.equal(cells[5], row.lower_bound_mm.toFixed(2));
-      assert.equal(Number(cells[8]), row.copies);
+      assert.equal(cells[7], `${(100 * row.height_mm / row.volume_z_mm).toFixed(1)} %`);
+      assert.equal(Number(cells[9]), row.copies);
     }
     assert.ok(await page.locator(".charts svg polyline").count() >= 3, "three charts");
     const csv = await (await fetch(`${base}/history.csv?sort=height`)).text();

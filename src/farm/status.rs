@@ -212,7 +212,7 @@ impl Fires {
         match self.by {
             FiredBy::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
             FiredBy::Due => format!("deadline of {}", row.due_of),
-            FiredBy::At => format!("at {}", self.at.to_zoned(TimeZone::system()).strftime("%H:%M")),
+            FiredBy::At => format!("at {}", self.at.to_zoned(TimeZone::system()).strftime("%H:%M %Z")),
             _ => "waited long enough".to_owned(),
         }
     }

@@ -1,8 +1,7 @@
 //! A build: what is in the cake, to look at from all sides.
 
-use std::{path, sync::Arc};
+use std::sync::Arc;
 
-use anyhow::Context;
 use axum::extract::{Path, State};
 use jiff::Timestamp;
 use maud::{Markup, html};
@@ -11,14 +10,15 @@ use super::{
     chart,
     page::{facts, page},
     part,
+    pick::PICTURE,
     problem::Answer,
     scene::{build_of, version},
+    search::Told,
     server::Web,
-    words::{age, count, number, or_dash, percent, text, time},
+    words::{age, count, number, or_dash, percent, prose, text, time},
 };
 use crate::{
-    farm::standing,
-    intake,
+    farm::{Standing, standing},
     ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
     settings::Profile,
 };
@@ -28,24 +28,22 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let (build, profile) = build_of(&web, number_of_build).await?;
     let parts = standing(&web.ledger, &build, &profile).await?;
     let copies = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
-    let rows: Vec<PartRow> = parts.into_iter().map(|(part, _)| part).collect();
+    // Of each part the copies that stand here: the others are in other builds, or wait.
+    let here = |(part, copies): (PartRow, Vec<Standing>)| PartRow { copies: copies.len() as u32, ..part };
+    let rows: Vec<PartRow> = parts.into_iter().map(here).collect();
     let outcomes = web.ledger.outcomes(build.id).await?;
-    let (queue, file_name) = (profile.folders.queue.clone(), build.file_name.clone());
-    // A share may hang.
-    let curve =
-        tokio::task::spawn_blocking(move || curve(&queue, file_name.as_deref())).await.context("reading the report")?;
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
         @if !build.reason.is_empty() {
-            p class=(if is_bad(build.state) { "bad" } else { "note" }) role="status" { (build.reason) }
+            p class=(if is_bad(build.state) { "bad" } else { "note" }) role="status" { (prose(&build.reason)) }
         }
         @if copies > 0 { (view(build.id.0, copies, &standing_now(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         (what_is_known(&build, &profile, copies))
-        (curve)
+        (curve(&Told::of_build(&web, &profile, &build).await.curve))
         (told(&outcomes))
         h2 { "Parts" }
-        (part::table(&rows, rows.len()))
+        (part::table(&rows, rows.len(), "Copies here"))
     };
     Ok(page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
 }
@@ -63,18 +61,23 @@ fn is_bad(state: BuildState) -> bool {
     matches!(state, BuildState::Failed | BuildState::Interrupted)
 }
 
-/// The 3D view; without JavaScript the pick map shows the picture.
+/// The 3D view; without JavaScript the picture. A report (no `version`) carries its own.
 pub(super) fn view(build: i64, copies: u32, version: &str) -> Markup {
     html! {
         section #view data-build=(build) data-copies=(copies) data-version=(version) aria-label="3D view" {
-            noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } }
-            canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "part", "parts"))) {}
+            @if !version.is_empty() {
+                noscript { p { "The 3D view needs JavaScript. " }
+                    img.cake alt=(PICTURE) width="640" height="480" src=(format!("/builds/{build}/picture")); }
+            } @else {
+                noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } }
+            }
+            canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "copy", "copies"))) {}
             div.controls {
                 label { "Cut at " output #cut-mm { } input #cut type="range" min="0" max="1000" value="1000"; }
                 label { "Explode" input #explode type="range" min="0" max="100" value="0"; }
                 button #home type="button" { "Whole view" }
             }
-            p #hover role="status" { "Point at a part to see what it is; click to see its siblings." }
+            p #hover role="status" { "Point at a copy to see what it is; click to see its siblings." }
         }
     }
 }
@@ -83,7 +86,7 @@ pub(super) fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) ->
     facts(&[
         (
             "Height",
-            html! { b { (number(build.height_mm, 2)) " mm" } " of " (number(Some(profile.volume_mm.z), 0)) " mm" },
+            html! { b { (number(build.height_mm, 2)) " mm" } " of " (number(Some(profile.volume_mm.z).filter(|z| *z > 0.0), 0)) " mm" },
         ),
         ("Lower bound", html! { (number(build.lower_bound_mm, 2)) " mm: no build of these parts is lower" }),
         ("Layers", html! { (or_dash(build.layers)) " of " (profile.layer_mm) " mm" }),
@@ -108,26 +111,13 @@ pub(super) fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) ->
     ])
 }
 
-/// What a report is read of at most.
-const MAX_REPORT_BYTES: u64 = 32 << 20;
-
-/// How the height fell, as long as the report of the search lies beside the build file.
-pub(super) fn curve(folder: &path::Path, file_name: Option<&str>) -> Markup {
-    let read = || -> Option<Vec<(f64, f64)>> {
-        let stem = file_name?.strip_suffix(".build.3mf")?;
-        // Others may write into this folder.
-        let report = intake::read_start(&folder.join(format!("{stem}.report.json")), MAX_REPORT_BYTES).ok()??;
-        let report: serde_json::Value = serde_json::from_slice(&report).ok()?;
-        serde_json::from_value(report.get("curve")?.clone()).ok()
-    };
-    match read() {
-        Some(points) if points.len() > 1 => {
-            html! {
-                figure { figcaption { "Height while it was searched, mm over seconds" }
-                    (chart::plot("Height over time", std::iter::once(&points), &|secs| format!("{secs:.1} s"))) }
-            }
+/// How the height fell.
+pub(super) fn curve(points: &Vec<(f64, f64)>) -> Markup {
+    html! {
+        @if points.len() > 1 {
+            figure { figcaption { "Height while it was searched, mm over seconds" }
+                (chart::plot("Height over time", std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
         }
-        _ => html! {},
     }
 }
 

@@ -12,7 +12,7 @@ use super::{
     picture,
     problem::Answer,
     server::Web,
-    words::{age, count, number, percent, time},
+    words::{age, count, number, percent, prose, time_utc},
 };
 use crate::{
     farm::{Notice, fires_at, kept_notices},
@@ -58,7 +58,7 @@ fn needs_a_person(notices: &[Notice], now: Timestamp) -> Markup {
             section.needs aria-label="Needs a person" {
                 h2 { (count(notices.len() as u32, "thing needs a person", "things need a person")) }
                 ul { @for notice in notices { li {
-                    b { (notice.sentence()) } " " (notice.kind.remedy()) " Since " (age(notice.since, now)) "."
+                    b { (notice.sentence()) } " " (prose(notice.kind.remedy())) " (for " (age(notice.since, now)) ")"
                 } } }
             }
         }
@@ -80,10 +80,10 @@ fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {
 /// What hinders a machine, if anything: what somebody has ordered, or what the daemon sees.
 fn hindrance(status: &ProfileStatus, station: Option<&StationRow>) -> Vec<String> {
     let paused = status.paused.as_ref().map(|paused| {
-        format!("Paused by {} since {}: nothing is fired.", paused.paused_by, time(Some(paused.paused_at)))
+        format!("Paused by {} since {}: nothing is fired.", paused.paused_by, time_utc(paused.paused_at))
     });
     let trouble = station.filter(|station| !station.trouble.is_empty()).map(|station| {
-        let since = station.trouble_at.map(|at| format!(", since {}", time(Some(at)))).unwrap_or_default();
+        let since = station.trouble_at.map(|at| format!(", since {}", time_utc(at))).unwrap_or_default();
         format!("Unavailable{since}: {}", station.trouble)
     });
     paused.into_iter().chain(trouble).collect()
@@ -102,7 +102,7 @@ fn card(
     let height_mm = open.and_then(|open| open.height_mm);
     let oldest = status.oldest_at.map_or_else(|| "–".to_owned(), |at| age(at.0, now));
     let fires = fires_at(profile, status)
-        .map(|f| format!("when full, at the latest {}: {}", time(Some(Utc(f.at))), f.why(status)));
+        .map(|f| format!("when full, at the latest {}: {}", time_utc(Utc(f.at)), f.why(status)));
     html! {
         section.card aria-label=(name) {
             h2 { (name) }
@@ -131,7 +131,7 @@ fn card(
             }
             @if let Some(last) = &status.last_published {
                 p { "Last: build " a href=(format!("/builds/{}", last.build)) { (last.build) } ", "
-                    (number(last.height_mm, 1)) " mm, " (time(Some(last.published_at))) }
+                    (number(last.height_mm, 1)) " mm, " (time_utc(last.published_at)) }
             }
             div.buttons {
                 (button(web, CommandKind::Flush, "Flush", &format!("{name}: publish what waits now"), name, None))

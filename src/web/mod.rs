@@ -12,6 +12,7 @@ mod farm;
 mod footprint;
 mod guard;
 mod history;
+mod labels;
 mod live;
 mod metrics;
 mod order;
@@ -23,6 +24,7 @@ mod problem;
 mod reduce;
 mod report;
 mod scene;
+mod search;
 mod server;
 mod words;
 

@@ -11,7 +11,7 @@ use super::{
     page::{facts, page},
     problem::{Answer, Problem},
     server::Web,
-    words::{DASH, count, number, or_dash, text, time},
+    words::{DASH, count, number, or_dash, prose, text, time},
 };
 use crate::ledger::{CommandKind, PartId, PartRow, PartState, PlacementRow};
 
@@ -62,28 +62,28 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
             button type="submit" { "Show" }
         }
         @if asked.name.is_empty() { p { "Parts that are claimed, wait, are in a build that is being made, or were refused. Those that are built are found by name." } }
-        (table(&parts, all))
+        (table(&parts, all, "Copies"))
     };
     Ok(page("Parts", "/parts", None, &content))
 }
 
-/// Parts as a table.
-pub(super) fn table(parts: &[PartRow], all: usize) -> Markup {
+/// Parts as a table; `copies` is what their copies are counted of.
+pub(super) fn table(parts: &[PartRow], all: usize, copies: &str) -> Markup {
     html! {
         @if parts.is_empty() { p { "No parts." } }
         @else {
             div.wide tabindex="0" role="region" aria-label="Parts" {
                 table {
-                    caption { (all) " parts" @if all > parts.len() { ", the newest " (parts.len()) } }
+                    caption { (count(all as u32, "part", "parts")) @if all > parts.len() { ", the newest " (parts.len()) } }
                     thead { tr {
                         th scope="col" { "Part" } th scope="col" { "File" } th scope="col" { "Order" } th scope="col" { "Profile" }
-                        th scope="col" { "State" } th.n scope="col" { "Copies" } th scope="col" { "Due" } th scope="col" { "Reason or warning" }
+                        th scope="col" { "State" } th.n scope="col" { (copies) } th scope="col" { "Due" } th scope="col" { "Reason or warning" }
                     } }
                     tbody { @for part in parts { tr {
                         td { a href=(format!("/parts/{}", part.id)) { (part.id) } }
                         td { (part.full_name()) } td { (text(&part.order_name)) } td { (part.profile) } td { (part.state) }
                         td.n { (part.copies) } td { (time(part.due_at)) }
-                        td { (if part.reason.is_empty() { text(&part.warnings) } else { &part.reason }) }
+                        td { (prose(if part.reason.is_empty() { text(&part.warnings) } else { &part.reason })) }
                     } } }
                 }
             }
@@ -104,8 +104,8 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
     let about = format!("part {number}");
     let content = html! {
         h1 { "Part " (number) ": " (part.full_name()) }
-        @if !part.reason.is_empty() { p.bad role="status" { (part.reason) } }
-        @for warning in part.warnings.lines() { p.warn { (warning) } }
+        @if !part.reason.is_empty() { p.bad role="status" { (prose(&part.reason)) } }
+        @for warning in part.warnings.lines() { p.warn { (prose(warning)) } }
         (what_it_is(&part))
         div.buttons {
             @if part.state == PartState::Rejected { (button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
@@ -127,7 +127,7 @@ fn newest(mut parts: Vec<PartRow>) -> Markup {
     let all = parts.len();
     parts.reverse();
     parts.truncate(MOST_PARTS);
-    table(&parts, all)
+    table(&parts, all, "Copies")
 }
 
 fn what_it_is(part: &PartRow) -> Markup {
@@ -152,7 +152,8 @@ fn what_it_is(part: &PartRow) -> Markup {
 fn copies(part: &PartRow, placements: &[PlacementRow]) -> Markup {
     let waiting = part.copies.saturating_sub(placements.len() as u32);
     html! {
-        @if waiting > 0 && part.state != PartState::Rejected {
+        @if part.state == PartState::Rejected { p { "In no build: the part was refused or cancelled." } }
+        @else if waiting > 0 {
             p { (count(waiting, "copy is", "copies are")) " in no build yet." }
         }
         @if !placements.is_empty() {

@@ -11,6 +11,7 @@ use super::{
     page::facts,
     pick,
     scene::packed,
+    search::Told,
     words::{count, number, or_dash, percent, text},
 };
 use crate::{
@@ -79,7 +80,7 @@ impl Report<'_> {
     }
 
     fn content(&self, title: &str, number: i64) -> Markup {
-        let copies = self.cake.copies() as u32;
+        let (copies, told) = (self.cake.copies() as u32, self.told());
         html! {
             h1 { (title) }
             @if self.cake.missing() > 0 {
@@ -87,13 +88,12 @@ impl Report<'_> {
             }
             (view(number, copies, ""))
             (self.facts(copies))
-            (self.curve())
+            (curve(&told.curve))
             h2 { "Parts" }
             (self.parts())
             h2 { "Pick map" }
-            p { (pick::LEGEND) }
-            img.cake alt="The build from the front" width=(PICTURE.0) height=(PICTURE.1) src=(self.picture());
-            (pick::bands(self.cake, |_| None))
+            img.cake alt=(pick::PICTURE) width=(PICTURE.0) height=(PICTURE.1) src=(self.picture());
+            (pick::sheets(self.cake, &told.order, |_| None))
         }
     }
 
@@ -126,12 +126,12 @@ impl Report<'_> {
         }
     }
 
-    fn curve(&self) -> Markup {
+    fn told(&self) -> Told {
         match self.source {
-            Source::Ledger(build, profile) => curve(&profile.folders.queue, build.file_name.as_deref()),
+            Source::Ledger(build, profile) => Told::beside(&profile.folders.queue, build.file_name.as_deref()),
             Source::File(file, _) => {
                 let name = file.file_name().and_then(|name| name.to_str());
-                curve(file.parent().unwrap_or(Path::new(".")), name)
+                Told::beside(file.parent().unwrap_or(Path::new(".")), name)
             }
         }
     }

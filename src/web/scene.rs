@@ -40,6 +40,8 @@ struct Scene {
     volume_mm: [f64; 3],
     height_mm: Option<f64>,
     layer_mm: f64,
+    /// Copies whose originals are past their keeping.
+    missing_copies: usize,
     meshes: Vec<Shown>,
 }
 
@@ -140,7 +142,9 @@ pub(super) fn packed(
         bytes.extend(light.vertices.iter().flatten().flat_map(|v| v.to_le_bytes()));
         bytes.extend(light.triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
     }
-    let scene = Scene { build, volume_mm: cake.volume_mm.to_array(), height_mm, layer_mm, meshes };
+    let gone = cake.parts.iter().filter(|part| part.mesh.is_none());
+    let missing_copies = gone.map(|part| part.copies.len()).sum();
+    let scene = Scene { build, volume_mm: cake.volume_mm.to_array(), height_mm, layer_mm, missing_copies, meshes };
     let mut text = serde_json::to_vec(&scene)?;
     text.resize(text.len().next_multiple_of(4), b' ');
     let mut whole = (text.len() as u32).to_le_bytes().to_vec();

@@ -129,7 +129,7 @@ async fn a_name_that_is_code_is_shown_as_text() {
             assert!(!text.contains("<script>alert") && !text.contains("\"onload=\""), "{page} {name}");
         }
         let asked = format!("/parts?name={}", super::history::encoded(name));
-        assert!(dashboard.get(&asked).await.text.contains("1 parts"), "{name} is found by its name");
+        assert!(dashboard.get(&asked).await.text.contains("1 part<"), "{name} is found by its name");
     }
 }
 
@@ -335,4 +335,23 @@ async fn the_builds_of_a_machine_that_was_sold_stay_to_be_looked_at() {
     for path in ["/", "/history", "/builds/1", "/builds/1/pick", "/builds/1/picture", "/builds/1/scene"] {
         assert_eq!(dashboard.get(path).await.status, StatusCode::OK, "{path}");
     }
+}
+
+#[tokio::test]
+async fn the_page_of_a_build_counts_the_copies_that_stand_in_it_and_has_a_picture_without_javascript() {
+    let dashboard = Dashboard::new(|_| ()).await;
+    let part = crate::ledger::NewPart { profile: "cube".to_owned(), ..fixtures::new_part("a", 9) };
+    let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
+    dashboard.ledger.accept(id, &[fixtures::solid(0, 9)]).await.unwrap();
+    let build = dashboard.ledger.open_build("cube").await.unwrap().id;
+    dashboard.ledger.begin_nesting(build, "flush", &[(id, 4)]).await.unwrap();
+    let placed = fixtures::placed(&[(id, 4)]);
+    dashboard.ledger.verify_build(build, &fixtures::verified(build, 1), &placed).await.unwrap();
+    let page = dashboard.get("/builds/1").await.text;
+    let table = page.split("Copies here").nth(1).unwrap();
+    assert!(table.contains("<td class=\"n\">1</td>") && !table.contains("<td class=\"n\">9</td>"), "{table}");
+    let without = page.split("<noscript>").nth(1).unwrap();
+    assert!(without.split("</noscript>").next().unwrap().contains("src=\"/builds/1/picture\""));
+    let map = dashboard.get("/builds/1/pick").await.text;
+    assert!(map.contains("1 copy.") && map.contains("1 part is listed without a place"), "the original is not there");
 }

@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use jiff::{Span, SpanRound, Timestamp, Unit};
+use maud::{Markup, html};
 
 use crate::ledger::Utc;
 
@@ -44,6 +45,21 @@ pub(super) fn time(time: Option<Utc>) -> String {
     time.map_or_else(|| DASH.to_owned(), |t| t.0.strftime("%Y-%m-%d %H:%M").to_string())
 }
 
+/// A time with its zone.
+pub(super) fn time_utc(moment: Utc) -> String {
+    time(Some(moment)) + " UTC"
+}
+
+/// A text in which commands and options stand between backticks.
+pub(super) fn prose(text: &str) -> Markup {
+    let pieces: Vec<&str> = text.split('`').collect();
+    // A tick that nobody closes is a tick.
+    if pieces.len() % 2 == 0 {
+        return html! { (text) };
+    }
+    html! { @for (at, piece) in pieces.iter().enumerate() { @if at % 2 == 1 { code { (piece) } } @else { (piece) } } }
+}
+
 /// How long from `since` to `now`, to one unit below days.
 pub(super) fn age(since: Timestamp, now: Timestamp) -> String {
     let span: Result<Span, _> = now.since(since).and_then(|span| {
@@ -61,6 +77,13 @@ pub(super) fn age(since: Timestamp, now: Timestamp) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn commands_in_a_text_are_code_and_a_lone_tick_is_a_tick() {
+        let shown = |text: &str| prose(text).into_string();
+        assert_eq!(shown("run `nestd <check>`."), "run <code>nestd &lt;check&gt;</code>.");
+        assert_eq!((shown("a`b.stl"), shown("plain")), ("a`b.stl".to_owned(), "plain".to_owned()));
+    }
 
     #[test]
     fn what_rounds_to_nothing_has_no_sign() {

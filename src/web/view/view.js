@@ -10,6 +10,7 @@ const colourOf = (number) => {
   return new Color(`rgb(${COLOURS[number % COLOURS.length].map((c) => Math.round(shade(c))).join(",")})`);
 };
 const section = document.querySelector("#view");
+const HINT = "Point at a copy to see what it is; click to see its siblings.";
 
 // A report carries its scene with it and asks nobody.
 async function fetched(build) {
@@ -37,11 +38,14 @@ function show(data) {
   const renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
   renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
   renderer.localClippingEnabled = true;
-  const scene = new Scene(); scene.background = new Color("#f4f5f6");
+  const scene = new Scene(), style = (name) => new Color(getComputedStyle(section).getPropertyValue(name).trim() || "#f4f5f6");
   const [x, y, z] = data.volume_mm, size = Math.hypot(x, y, z), middle = new Vector3(x / 2, y / 2, z / 2);
   const camera = new PerspectiveCamera(35, 1, size / 200, size * 10); camera.up.set(0, 0, 1);
   const sun = new DirectionalLight("#ffffff", 2.2); camera.add(sun); sun.position.set(-0.4, 0.8, 0.5);
-  scene.add(camera, new AmbientLight("#ffffff", 1.1), new Box3Helper(new Box3(new Vector3(), new Vector3(x, y, z)), "#5c6670"));
+  const box = new Box3Helper(new Box3(new Vector3(), new Vector3(x, y, z)));
+  scene.add(camera, new AmbientLight("#ffffff", 1.1), box);
+  const theme = () => { scene.background = style("--canvas"); box.material.color.copy(style("--box")); };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { theme(); draw(); });
   const knife = new Plane(new Vector3(0, 0, -1), z + 1);
   const instanced = [], chosen = new Color("#d40000"), turn = new Quaternion(), one = new Vector3(1, 1, 1), place = new Vector3(), matrix = new Matrix4();
   data.meshes.forEach((mesh, number) => {
@@ -105,7 +109,7 @@ function show(data) {
   canvas.addEventListener("pointermove", (event) => { if (event.buttons || performance.now() < waiting) return; const began = performance.now();
     const found = under(event); waiting = performance.now() + 2 * (performance.now() - began);
     hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm`
-      : "Point at a part to see what it is; click to see its siblings."; });
+      : HINT; });
   let down = null;
   canvas.addEventListener("pointerdown", (e) => { down = [e.clientX, e.clientY]; });
   canvas.addEventListener("click", (e) => { if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return; const found = under(e); marked = found && marked !== found.mesh.part ? found.mesh.part : null; paint(); draw(); });
@@ -117,7 +121,12 @@ function show(data) {
     else return;
     e.preventDefault(); camera.position.copy(controls.target).add(arm); controls.update(); draw();
   });
-  pose(0); paint(); slice(); fit(); home();
+  if (data.missing_copies > 0) {
+    const gone = document.createElement("p"), all = section.dataset.copies;
+    gone.className = "bad"; gone.textContent = `${data.missing_copies} of ${all} ${all === "1" ? "copy is" : "copies are"} not shown: the originals are no longer kept.`;
+    section.prepend(gone);
+  }
+  theme(); pose(0); paint(); slice(); fit(); home();
 }
 
 if (section) load(section.dataset.build).then(show).catch((error) => { section.querySelector("#hover").textContent = `No 3D view: ${error.message}.`; });

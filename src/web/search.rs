@@ -26,8 +26,8 @@ impl Told {
         let read = || -> Option<serde_json::Value> {
             let stem = file_name?.strip_suffix(".build.3mf")?;
             // Others may write into this folder.
-            let file = folder.join(format!("{stem}.report.json"));
-            serde_json::from_slice(&intake::read_start(&file, MAX_REPORT_BYTES).ok()??).ok()
+            let report = intake::read_start(&folder.join(format!("{stem}.report.json")), MAX_REPORT_BYTES).ok()??;
+            serde_json::from_slice(&report).ok()
         };
         let report = read().unwrap_or_default();
         let apart = &report["separable"];

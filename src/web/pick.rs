@@ -68,13 +68,11 @@ impl Pick<'_> {
 pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
     let (build, profile) = build_of(&web, number_of_build).await?;
     let title = format!("Pick map of build {}", build.id);
-    let kept = Kept { cache: |web| &web.picks, key: version(&build) };
     let link = |part| Some(format!("/parts/{part}"));
-    let (queue, file_name) = (profile.folders.queue.clone(), build.file_name.clone());
-    let map = move |cake: &Cake| {
-        let order = Told::beside(&queue, file_name.as_deref()).order;
-        Ok((cake.copies(), sheets(cake, &order, link)))
-    };
+    let order = Told::of_build(&web, &profile, &build).await.order;
+    // A map by height gives way once the order can be read.
+    let kept = Kept { cache: |web| &web.picks, key: format!("{} {}", version(&build), order.len()) };
+    let map = move |cake: &Cake| Ok((cake.copies(), sheets(cake, &order, link)));
     let (copies, sheets) = of_cake(&web, &build, &profile, kept, map).await?;
     let content = html! {
         h1 { (title) }

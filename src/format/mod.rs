@@ -47,6 +47,7 @@ pub use build_write::write_build;
 pub use error::{ReadError, WriteError};
 pub use file_end::has_end;
 pub use file_name::build_file_name;
+pub use model_write::safe as name_in_build_file;
 pub use pick_map::{PickRow, pick_rows, write_pick_map};
 pub use read::{Contents, Solid, read};
 pub use second_reader::cross_check;

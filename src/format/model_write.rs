@@ -200,8 +200,8 @@ fn transform(pose: &Pose) -> String {
     numbers.join(" ")
 }
 
-/// A name in characters that need no escape: a well-known reader gets escapes wrong.
-fn safe(name: &str) -> String {
+/// A name as it stands in build files, in characters that need no escape: a well-known reader gets escapes wrong.
+pub fn safe(name: &str) -> String {
     let unsafe_character = |c: char| is_invisible(c) || matches!(c, '&' | '<' | '>' | '"' | '\'');
     name.chars().take(MAX_NAME).map(|c| if unsafe_character(c) { '_' } else { c }).collect()
 }

@@ -19,6 +19,7 @@ use super::{
 };
 use crate::{
     farm::{Cake, CakePart, Standing},
+    format::name_in_build_file,
     geometry::Bounds,
     nest::DrawnCopy,
 };
@@ -131,13 +132,14 @@ fn in_order(picks: &mut Vec<Pick<'_>>, order: &[DrawnCopy]) -> bool {
         return false;
     }
     // The report names the file that a part was dropped as; the cake its solid as well.
-    let is = |pick: &Pick<'_>, drawn: &DrawnCopy| {
-        let rest = pick.part.name.strip_prefix(drawn.part.as_str());
-        pick.copy == drawn.copy + 1 && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
+    let names: Vec<String> = picks.iter().map(|pick| name_in_build_file(&pick.part.name)).collect();
+    let is = |at: usize, drawn: &DrawnCopy| {
+        let rest = names[at].strip_prefix(drawn.part.as_str());
+        picks[at].copy == drawn.copy + 1 && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
     };
     let mut at = Vec::with_capacity(order.len());
     for drawn in order {
-        let mut found = (0..picks.len()).filter(|&at| is(&picks[at], drawn));
+        let mut found = (0..picks.len()).filter(|&at| is(at, drawn));
         match (found.next(), found.next()) {
             (Some(one), None) => at.push(one),
             // Two parts of one name: which of them is meant is not said.
@@ -145,17 +147,15 @@ fn in_order(picks: &mut Vec<Pick<'_>>, order: &[DrawnCopy]) -> bool {
         }
     }
     let mut place = vec![usize::MAX; picks.len()];
-    for (number, (&at, drawn)) in at.iter().zip(order).enumerate() {
-        place[at] = number;
-        picks[at].way = Some(drawn.way);
+    at.iter().enumerate().for_each(|(number, &at)| place[at] = number);
+    if place.contains(&usize::MAX) {
+        return false;
     }
-    let is_all = place.iter().all(|&number| number < usize::MAX);
+    at.iter().zip(order).for_each(|(&at, drawn)| picks[at].way = Some(drawn.way));
     let mut placed: Vec<_> = place.into_iter().zip(std::mem::take(picks)).collect();
-    if is_all {
-        placed.sort_by_key(|(number, _)| *number);
-    }
+    placed.sort_by_key(|(number, _)| *number);
     picks.extend(placed.into_iter().map(|(_, pick)| pick));
-    is_all
+    true
 }
 
 fn by_number<'p, 'c>(picks: &'p [Pick<'c>]) -> Vec<(String, &'p [Pick<'c>])> {

@@ -70,10 +70,10 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let (build, profile) = build_of(&web, number_of_build).await?;
     let title = format!("Pick map of build {}", build.id);
     let link = |part| Some(format!("/parts/{part}"));
-    let order = Told::of_build(&web, &profile, &build).await.order;
+    let search = Told::of_build(&web, &profile, &build).await;
     // A map by height gives way once the order can be read.
-    let kept = Kept { cache: |web| &web.picks, key: format!("{} {}", version(&build), order.len()) };
-    let map = move |cake: &Cake| Ok((cake.copies(), sheets(cake, &order, link)));
+    let kept = Kept { cache: |web| &web.picks, key: format!("{} {}", version(&build), search.order.len()) };
+    let map = move |cake: &Cake| Ok((cake.copies(), sheets(cake, &search.order, link)));
     let (copies, sheets) = of_cake(&web, &build, &profile, kept, map).await?;
     let content = html! {
         h1 { (title) }

@@ -1,8 +1,8 @@
 //! What the report of the search tells of a build, as long as it lies beside the build file.
 
-use std::{path::Path, time::Duration};
+use std::{path::Path, sync::Arc, time::Duration};
 
-use super::server::Web;
+use super::{scene::version, server::Web};
 use crate::{intake, ledger::BuildRow, nest::DrawnCopy, settings::Profile};
 
 /// A queue folder that does not answer within this time is not waited for.
@@ -10,6 +10,9 @@ const PATIENCE: Duration = Duration::from_secs(2);
 
 /// What a report is read of at most.
 const MAX_REPORT_BYTES: u64 = 32 << 20;
+
+/// Reports that are kept.
+pub(super) const KEPT: usize = 8;
 
 /// What pages show of it.
 #[derive(Debug, Default)]
@@ -40,7 +43,20 @@ impl Told {
     }
 
     /// Of a build in the ledger; nothing while the queue folder is away or does not answer.
-    pub(super) async fn of_build(web: &Web, profile: &Profile, build: &BuildRow) -> Self {
+    pub(super) async fn of_build(web: &Web, profile: &Profile, build: &BuildRow) -> Arc<Self> {
+        let key = version(build);
+        if let Some(told) = web.told.get(&key) {
+            return told;
+        }
+        let told = Arc::new(Self::read(web, profile, build).await);
+        // A report that could not be read may be readable later.
+        if !told.curve.is_empty() {
+            web.told.put(key, told.clone());
+        }
+        told
+    }
+
+    async fn read(web: &Web, profile: &Profile, build: &BuildRow) -> Self {
         let stations = web.ledger.stations().await.unwrap_or_default();
         if stations.iter().any(|station| station.profile == profile.name && !station.trouble.is_empty()) {
             return Self::default();

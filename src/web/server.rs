@@ -25,7 +25,7 @@ use super::{
     cache::Cache,
     farm as farm_page, guard, history, live, metrics, order, part, pick, picture,
     problem::{Answer, Problem},
-    scene,
+    scene, search,
 };
 use crate::{
     access, farm,
@@ -50,6 +50,7 @@ pub(super) struct Web {
     pub(super) form_key: String,
     pub(super) scenes: Cache<Bytes>,
     pub(super) picks: Cache<pick::Map>,
+    pub(super) told: Cache<Arc<search::Told>>,
     pub(super) metrics: Metrics,
     pub(super) pictures: Cache<Bytes>,
     /// Who holds it makes one of these three: looking takes one core and the meshes of one build from the farm at most.
@@ -96,6 +97,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         form_key: format!("{:032x}", rand::random::<u128>()),
         scenes: Cache::new(scene::KEPT),
         picks: Cache::new(pick::KEPT),
+        told: Cache::new(search::KEPT),
         metrics: Metrics::default(),
         pictures: Cache::new(picture::KEPT),
         looking: Arc::new(Semaphore::new(1)),

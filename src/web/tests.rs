@@ -51,6 +51,7 @@ impl Dashboard {
             form_key: "key".to_owned(),
             scenes: Cache::new(2),
             picks: Cache::new(2),
+            told: Cache::new(2),
             metrics: Default::default(),
             pictures: Cache::new(2),
             looking: Arc::new(Semaphore::new(1)),

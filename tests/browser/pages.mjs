@@ -46,13 +46,13 @@ const checks = {
       await page.context().close();
       return milliseconds;
     };
-    // A machine that is busy with other things paints a line of plain text late, too: that much is its own.
+    // A machine that is busy with other things paints a line of plain text late, too, which takes an idle one 40 ms.
     const told = [];
     for (const name of ["farm", "history", "parts", "part", "pick"]) {
       let [best, plain] = [Infinity, Infinity];
       for (let n = 0; n < 20 && !(best < 200); n += 1) [best, plain] = [Math.min(best, await paint(PAGES[name])), Math.min(plain, await paint("/healthz"))];
       told.push(`${name} ${best.toFixed(0)} ms (plain text ${plain.toFixed(0)} ms)`);
-      assert.ok(best < 200 || best - plain < 150, told.at(-1));
+      assert.ok(best < 200 * Math.max(1, plain / 40), told.at(-1));
     }
     return told.join(", ");
   },

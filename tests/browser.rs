@@ -8,7 +8,7 @@ use std::{
     net::TcpListener,
     path::{Path, PathBuf},
     process::Command,
-    sync::{LazyLock, Mutex, PoisonError},
+    sync::{LazyLock, Mutex, MutexGuard, PoisonError},
 };
 
 use nestd::{
@@ -31,6 +31,15 @@ const NASTY: [&str; 3] =
 
 /// One test after the other: they measure how long pages take.
 static ALONE: Mutex<()> = Mutex::new(());
+
+/// The browser that is asked for, and the right to use it.
+fn browser() -> Option<(PathBuf, MutexGuard<'static, ()>)> {
+    let chromium = std::env::var_os("NESTD_BROWSER").map(PathBuf::from);
+    if chromium.is_none() {
+        println!("left out: NESTD_BROWSER is not set");
+    }
+    Some((chromium?, ALONE.lock().unwrap_or_else(PoisonError::into_inner)))
+}
 
 /// A farm with a machine of its own, beside that of the other tests.
 struct Dashboard {
@@ -109,11 +118,7 @@ impl Dashboard {
 
 #[test]
 fn every_page_is_what_it_should_be_in_a_real_browser() {
-    let Some(chromium) = std::env::var_os("NESTD_BROWSER").map(PathBuf::from) else {
-        println!("left out: NESTD_BROWSER is not set");
-        return;
-    };
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some((chromium, _alone)) = browser() else { return };
     let dashboard = Dashboard::start();
     let farm = set_up(&dashboard, &chromium);
     let tools = tools();
@@ -128,11 +133,7 @@ const OPENS_WITHIN_SECS: f64 = 3.0;
 
 #[test]
 fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
-    let Some(chromium) = std::env::var_os("NESTD_BROWSER").map(PathBuf::from) else {
-        println!("left out: NESTD_BROWSER is not set");
-        return;
-    };
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some((chromium, _alone)) = browser() else { return };
     let dashboard = Dashboard::start();
     let large = "volume_mm = [380, 284, 2000]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0\n";
     dashboard.farm.write_profile(MACHINE, large);

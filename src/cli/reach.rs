@@ -1,7 +1,7 @@
 //! Reaching a farm: its settings, its ledger, and times as people write and read them.
 
 use anyhow::{Context, Result};
-use jiff::{Span, SpanRound, Timestamp, Unit, civil::Date, tz::TimeZone};
+use jiff::{Span, Timestamp, civil::Date, tz::TimeZone};
 
 use super::{Common, Usage, table::tell};
 use crate::{
@@ -96,17 +96,7 @@ pub fn brief(time: Option<Utc>) -> String {
 
 /// How long ago, to two units: '3h 5m'.
 pub fn age(since: Option<Utc>, now: Timestamp) -> String {
-    let Some(since) = since else { return "-".to_owned() };
-    let rounded = now.since(*since).and_then(|span| {
-        let days = span.round(SpanRound::new().largest(Unit::Day).days_are_24_hours())?;
-        let smallest = match (days.get_days(), days.get_hours(), days.get_minutes()) {
-            (0, 0, 0) => Unit::Second,
-            (0, _, _) => Unit::Minute,
-            _ => Unit::Hour,
-        };
-        span.round(SpanRound::new().largest(Unit::Day).smallest(smallest).days_are_24_hours())
-    });
-    rounded.map_or_else(|_| "-".to_owned(), |span| format!("{span:#}"))
+    since.and_then(|since| since.age(now)).unwrap_or_else(|| "-".to_owned())
 }
 
 #[cfg(test)]

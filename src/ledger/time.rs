@@ -2,7 +2,7 @@
 
 use std::{fmt, ops::Deref};
 
-use jiff::Timestamp;
+use jiff::{SpanRound, Timestamp, Unit};
 use serde::{Serialize, Serializer};
 use sqlx::{
     Decode, Encode, Sqlite, Type,
@@ -14,6 +14,24 @@ use sqlx::{
 /// A point in time in a row; prints as '2026-11-20T04:49:00.000Z'.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Utc(pub Timestamp);
+
+impl Utc {
+    /// How long ago it is, to two units: '3h 5m'. `None` = longer than can be told.
+    pub fn age(self, now: Timestamp) -> Option<String> {
+        let days = now.since(self.0).and_then(|span| span.round(in_days())).ok()?;
+        let smallest = match (days.get_days(), days.get_hours(), days.get_minutes()) {
+            (0, 0, 0) => Unit::Second,
+            (0, _, _) => Unit::Minute,
+            _ => Unit::Hour,
+        };
+        let rounded = now.since(self.0).and_then(|span| span.round(in_days().smallest(smallest)));
+        rounded.ok().map(|span| format!("{span:#}"))
+    }
+}
+
+fn in_days() -> SpanRound<'static> {
+    SpanRound::new().largest(Unit::Day).days_are_24_hours()
+}
 
 impl From<Timestamp> for Utc {
     fn from(time: Timestamp) -> Self {

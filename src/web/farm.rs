@@ -12,7 +12,7 @@ use super::{
     picture,
     problem::Answer,
     server::Web,
-    words::{age, count, number, percent, prose, time_utc},
+    words::{DASH, age, count, number, percent, prose, time_utc},
 };
 use crate::{
     farm::{Notice, fires_at, kept_notices},
@@ -100,7 +100,7 @@ fn card(
     let volume_z_mm = profile.volume_mm.z;
     let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
     let height_mm = open.and_then(|open| open.height_mm);
-    let oldest = status.oldest_at.map_or_else(|| "–".to_owned(), |at| age(at.0, now));
+    let oldest = status.oldest_at.map_or_else(|| DASH.to_owned(), |at| age(at.0, now));
     let fires = fires_at(profile, status)
         .map(|f| format!("when full, at the latest {}: {}", time_utc(Utc(f.at)), f.why(status)));
     html! {

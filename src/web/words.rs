@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use jiff::{Span, SpanRound, Timestamp, Unit};
+use jiff::Timestamp;
 use maud::{Markup, html};
 
 use crate::ledger::Utc;
@@ -62,16 +62,7 @@ pub(super) fn prose(text: &str) -> Markup {
 
 /// How long from `since` to `now`, to one unit below days.
 pub(super) fn age(since: Timestamp, now: Timestamp) -> String {
-    let span: Result<Span, _> = now.since(since).and_then(|span| {
-        let days = span.round(SpanRound::new().largest(Unit::Day).days_are_24_hours())?;
-        let smallest = match (days.get_days(), days.get_hours(), days.get_minutes()) {
-            (0, 0, 0) => Unit::Second,
-            (0, _, _) => Unit::Minute,
-            _ => Unit::Hour,
-        };
-        span.round(SpanRound::new().largest(Unit::Day).smallest(smallest).days_are_24_hours())
-    });
-    span.map_or_else(|_| DASH.to_owned(), |span| format!("{span:#}"))
+    Utc(since).age(now).unwrap_or_else(|| DASH.to_owned())
 }
 
 #[cfg(test)]

@@ -27,14 +27,28 @@ const MOST_ROWS: u32 = 500;
 #[derive(Debug, Clone, Default, Deserialize, Serialize)]
 #[serde(default)]
 pub(super) struct Asked {
+    #[serde(skip_serializing_if = "String::is_empty")]
     profile: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     state: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     part: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     since: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     until: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     sort: String,
     /// The last build of the page before.
+    #[serde(skip_serializing_if = "String::is_empty")]
     after: String,
+}
+
+impl Asked {
+    /// As the query of an address.
+    fn query(&self) -> Answer<String> {
+        Ok(serde_urlencoded::to_string(self).map_err(anyhow::Error::from)?)
+    }
 }
 
 /// Columns that a page can be sorted by.
@@ -105,7 +119,8 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
     let (rows, more) = page_of(&web, &asked).await?;
     let next = rows.last().filter(|_| more).map(|last| Asked { after: last.build.to_string(), ..asked.clone() });
     let settings = web.settings();
-    let query = serde_urlencoded_of(&asked);
+    let next = next.map(|next| next.query()).transpose()?;
+    let query = asked.query()?;
     let content = html! {
         h1 { "History" }
         (filters(&asked, settings.profiles.keys()))
@@ -114,30 +129,10 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
         (chart::charts(&rows))
         (table(&rows, &asked))
         @if let Some(next) = next {
-            p { a rel="next" href=(format!("/history?{}", serde_urlencoded_of(&next))) { "The builds that come after these" } }
+            p { a rel="next" href=(format!("/history?{next}")) { "The builds that come after these" } }
         }
     };
     Ok(page("History", "/history", None, &content))
-}
-
-fn serde_urlencoded_of(asked: &Asked) -> String {
-    let fields = [
-        ("profile", &asked.profile),
-        ("state", &asked.state),
-        ("part", &asked.part),
-        ("since", &asked.since),
-        ("until", &asked.until),
-        ("sort", &asked.sort),
-        ("after", &asked.after),
-    ];
-    let given = fields.into_iter().filter(|(_, value)| !value.is_empty());
-    given.map(|(name, value)| format!("{name}={}", encoded(value))).collect::<Vec<_>>().join("&")
-}
-
-/// A text as a part of an address.
-pub(super) fn encoded(text: &str) -> String {
-    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_.~".contains(&b);
-    text.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
 }
 
 fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Markup {

@@ -129,7 +129,7 @@ async fn a_name_that_is_code_is_shown_as_text() {
             let text = dashboard.get(page).await.text;
             assert!(!text.contains("<script>alert") && !text.contains("\"onload=\""), "{page} {name}");
         }
-        let asked = format!("/parts?name={}", super::history::encoded(name));
+        let asked = format!("/parts?{}", serde_urlencoded::to_string([("name", name)]).unwrap());
         assert!(dashboard.get(&asked).await.text.contains("1 part<"), "{name} is found by its name");
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     format::{self, BuildInfo, Drawn, PlacedMesh, Viewpoint},
     geometry::{Bounds, Mesh, Pose},
     intake::Store,
-    ledger::{BuildRow, BuildState, Ledger, LedgerError, PartId, PartRow},
+    ledger::{BuildRow, BuildState, DrawnOut, Ledger, LedgerError, PartId, PartRow},
     settings::{Profile, Settings},
 };
 
@@ -50,6 +50,8 @@ pub struct Standing {
     pub copy: u32,
     /// Mesh frame -> machine frame, mm.
     pub pose: Pose,
+    /// How it comes out of the cake; `None` = not proved.
+    pub drawn: Option<DrawnOut>,
 }
 
 /// The parts of a build with their copies: of one that is past nesting as proved, else as in its layout so far.
@@ -62,12 +64,13 @@ pub async fn standing(
     if matches!(build.state, BuildState::Open | BuildState::Nesting) {
         for placed in placed_from_json(build.layout.as_deref().unwrap_or_default()) {
             let pose = Pose { translation: placed.pose.translation + profile.origin_mm(), ..placed.pose };
-            by_part.entry(placed.copy.0).or_default().push(Standing { copy: placed.copy.1 + 1, pose });
+            by_part.entry(placed.copy.0).or_default().push(Standing { copy: placed.copy.1 + 1, pose, drawn: None });
         }
     } else {
         for row in ledger.placements_of_build(build.id).await? {
             if let Some(pose) = row.pose() {
-                by_part.entry(row.part_id).or_default().push(Standing { copy: row.copy + 1, pose });
+                let standing = Standing { copy: row.copy + 1, pose, drawn: row.drawn() };
+                by_part.entry(row.part_id).or_default().push(standing);
             }
         }
     }
@@ -119,7 +122,7 @@ impl Cake {
             });
             let copies = &mut parts[at].copies;
             let copy = item.copy.unwrap_or(copies.len() as u32 + 1);
-            copies.push(Standing { copy, pose: item.pose });
+            copies.push(Standing { copy, pose: item.pose, drawn: None });
         }
         Self { volume_mm, parts }
     }

@@ -1,7 +1,11 @@
 //! The step "verified": a layout is written as a build file under its dot-name, read back, and proved on the triangles of
 //! what was written. Runs on a job's thread.
 
-use std::{collections::BTreeSet, path::Path, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+    sync::Arc,
+};
 
 use anyhow::{Context, Result, bail, ensure};
 use glam::DVec3;
@@ -14,8 +18,8 @@ use super::{
 use crate::{
     format::{self, BuildFile, BuildItem, BuildObject, Drawn, Limits, PlacedMesh, Viewpoint},
     geometry::{Mesh, Pose},
-    ledger::{self, BuildRow, Verified},
-    nest::{self, Body, LayerAreas, Proof, Separability},
+    ledger::{self, BuildRow, DrawnOut, Verified},
+    nest::{self, Body, Interlock, LayerAreas, Proof, Separability},
     queue::Queue,
     settings::{KeepOut, Profile},
 };
@@ -70,15 +74,15 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
     let name = file_name(&order.profile.name, &order.build);
     let description = describe(order, nested);
     let staged = order.queue.stage(&name, |file| format::write_build(&description, file))?;
-    let (proof, separable) = match prove_written(&staged, order, &nested.batch, &nested.layout.placed) {
+    let proved = match prove_written(&staged, order, &nested.batch, &nested.layout.placed) {
         Ok(proved) => proved,
         Err(error) => {
             order.queue.discard(&name).context("taking back a build that could not be proved")?;
             return Err(error.context(Unproved));
         }
     };
-    let locked = separable.as_ref().map(Separability::locked_text).unwrap_or_default();
-    write_sidecars(order, nested, &description, (&proof, separable), &name)?;
+    let locked = proved.separable.as_ref().map(Separability::locked_text).unwrap_or_default();
+    write_sidecars(order, nested, &description, &proved, &name)?;
     let (file_hash, file_bytes) = hash_of(&staged)?;
     let height_mm = nested.layout.height_mm + order.profile.origin_mm().z;
     Ok(Written {
@@ -94,7 +98,7 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
             part_volume_mm3: nested.layout.part_volume_mm3,
             copies: nested.layout.placed.len() as u32,
             clearance_mm: order.profile.clearance_mm,
-            clearance_proved_mm: proof.clearance_proved_mm,
+            clearance_proved_mm: proved.proof.clearance_proved_mm,
             cpu_secs: nested.cpu_secs,
             wall_secs: nested.wall_secs,
             evaluations: nested.layout.evaluations,
@@ -102,8 +106,11 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
             method: serde_word(&order.profile.nest.method),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             profile_snapshot: serde_json::to_string(&*order.profile).context("writing down the profile")?,
+            curve: curve(order, nested),
         },
-        placed: (nested.layout.placed.iter()).map(|p| in_machine_frame(&order.profile, p)).collect(),
+        placed: (nested.layout.placed.iter())
+            .map(|p| in_machine_frame(&order.profile, p, proved.drawn.get(&p.copy).copied()))
+            .collect(),
         unplaced: nested.layout.unplaced.clone(),
         locked,
     })
@@ -113,13 +120,19 @@ fn machine_pose(profile: &Profile, pose: &Pose) -> Pose {
     Pose { rotation: pose.rotation, translation: pose.translation + profile.origin_mm() }
 }
 
-fn in_machine_frame(profile: &Profile, placed: &PlacedCopy) -> ledger::PlacedCopy {
+/// How the height fell, on the machine's floor.
+fn curve(order: &WriteOrder, nested: &Nested) -> Vec<(f64, f64)> {
+    nested.curve.iter().map(|(secs, height_mm)| (*secs, height_mm + order.profile.origin_mm().z)).collect()
+}
+
+fn in_machine_frame(profile: &Profile, placed: &PlacedCopy, drawn: Option<DrawnOut>) -> ledger::PlacedCopy {
     let pose = machine_pose(profile, &placed.pose);
     ledger::PlacedCopy {
         part: placed.copy.0,
         copy: placed.copy.1,
         rotation: pose.rotation.to_array(),
         translation_mm: pose.translation.to_array(),
+        drawn,
     }
 }
 
@@ -187,14 +200,18 @@ fn picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
     format::picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
 }
 
+/// What was found out about a written file.
+struct Proved {
+    proof: Proof,
+    /// `None` where locked parts are allowed and nobody looked.
+    separable: Option<Separability>,
+    /// How its copies come out of the cake, as far as they do.
+    drawn: BTreeMap<Copy, DrawnOut>,
+}
+
 /// Reads the written file back and proves it: walls, clearance, containment, orientation, every copy exactly once, and that
 /// it comes apart.
-fn prove_written(
-    staged: &Path,
-    order: &WriteOrder,
-    batch: &Batch,
-    placed: &[PlacedCopy],
-) -> Result<(Proof, Option<Separability>)> {
+fn prove_written(staged: &Path, order: &WriteOrder, batch: &Batch, placed: &[PlacedCopy]) -> Result<Proved> {
     let read = format::read_build(staged, &order.limits).context("reading the written build back")?;
     ensure!(
         read.len() == placed.len(),
@@ -203,10 +220,12 @@ fn prove_written(
         placed.len()
     );
     let mut seen: BTreeSet<Copy> = BTreeSet::new();
+    let mut copies: Vec<Copy> = Vec::with_capacity(read.len());
     let mut bodies = Vec::with_capacity(read.len());
     for item in &read {
         let (copy, body) = body_of(item, order, batch)?;
         ensure!(seen.insert(copy), "copy {} of part {} is in the written build twice", copy.1, copy.0);
+        copies.push(copy);
         bodies.push(body);
     }
     let asked: BTreeSet<Copy> = placed.iter().map(|p| p.copy).collect();
@@ -227,11 +246,15 @@ fn prove_written(
         (source, read[at].copy.unwrap_or(1) - 1)
     };
     let rule = profile.nest.interlock();
-    let separable = Separability::look(rule, &bodies, profile.clearance_mm, name);
+    let apart = (rule != Interlock::Allow).then(|| nest::take_apart(&bodies));
+    let separable = apart.as_ref().map(|apart| Separability::new(apart, profile.clearance_mm, name));
     if let Some(found) = separable.as_ref().filter(|found| !found.obeys(rule)) {
         bail!("the written build is not proved: {}", found.in_words());
     }
-    Ok((proof, separable))
+    let order = apart.iter().flat_map(|apart| &apart.order);
+    let drawn =
+        (1..).zip(order).map(|(place, (at, way))| (copies[*at], DrawnOut { place, way: way.to_array() })).collect();
+    Ok(Proved { proof, separable, drawn })
 }
 
 /// The read-back item as the judge wants it, in the build volume's frame, compared with the part that it should be.
@@ -283,13 +306,7 @@ pub fn faults_of(proof: &Proof, bodies: &[Body]) -> String {
 }
 
 /// Report, pick map, picture and, where asked for, the whole build as STL; all under the build's stem.
-fn write_sidecars(
-    order: &WriteOrder,
-    nested: &Nested,
-    build: &BuildFile,
-    proved: (&Proof, Option<Separability>),
-    name: &str,
-) -> Result<()> {
+fn write_sidecars(order: &WriteOrder, nested: &Nested, build: &BuildFile, proved: &Proved, name: &str) -> Result<()> {
     let stem = name.strip_suffix(".build.3mf").unwrap_or(name);
     let stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
         use std::io::Write;
@@ -308,12 +325,7 @@ fn write_sidecars(
     Ok(())
 }
 
-fn report(
-    order: &WriteOrder,
-    nested: &Nested,
-    build: &BuildFile,
-    (proof, separable): (&Proof, Option<Separability>),
-) -> Result<Vec<u8>> {
+fn report(order: &WriteOrder, nested: &Nested, build: &BuildFile, proved: &Proved) -> Result<Vec<u8>> {
     let report = nest::Report {
         height_mm: build.height_mm,
         density: build.density,
@@ -323,15 +335,15 @@ fn report(
         packed_density: 0.0,
         mean_distance_mm: 0.0,
         layers: LayerAreas::default(),
-        clearance_proved_mm: proof.clearance_proved_mm,
-        separable,
+        clearance_proved_mm: proved.proof.clearance_proved_mm,
+        separable: proved.separable.clone(),
         placed: build.items.len(),
         unplaced: Vec::new(),
         seed: order.seed,
         evaluations: nested.layout.evaluations,
         cpu_secs: nested.cpu_secs,
         wall_secs: nested.wall_secs,
-        curve: nested.curve.clone(),
+        curve: curve(order, nested),
         placements: (build.items.iter())
             .map(|i| nest::PlacedPart { part: i.source_name.clone(), copy: i.copy - 1, pose: i.pose.rows() })
             .collect(),

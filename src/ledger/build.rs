@@ -5,6 +5,9 @@ use sqlx::FromRow;
 
 use super::{BuildId, BuildState, Ledger, Utc, error::Result};
 
+/// Points of a curve that are kept.
+const MOST_POINTS: usize = 300;
+
 /// A build. Of an open build height, density and copies are those of its layout so far.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
 pub struct BuildRow {
@@ -71,6 +74,16 @@ pub struct BuildRow {
     pub version: Option<String>,
     /// JSON, the profile as it was.
     pub profile_snapshot: Option<String>,
+    /// JSON, how the height fell: see [`BuildRow::curve`]; faces leave it out as they do with the layout.
+    #[serde(skip)]
+    pub curve: Option<String>,
+}
+
+impl BuildRow {
+    /// How the height fell: (wall seconds, build height in mm) of the search's improvements; empty until verified.
+    pub fn curve(&self) -> Vec<(f64, f64)> {
+        self.curve.as_deref().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
+    }
 }
 
 /// The layout of an open build as it is kept.
@@ -129,6 +142,20 @@ pub struct Verified {
     pub version: String,
     /// JSON, the profile as it was.
     pub profile_snapshot: String,
+    /// How the height fell: (wall seconds, build height in mm) of every improvement.
+    pub curve: Vec<(f64, f64)>,
+}
+
+impl Verified {
+    /// The curve as the ledger keeps it, of a few hundred points at most, the last one always.
+    pub(super) fn curve_json(&self) -> String {
+        let step = self.curve.len().div_ceil(MOST_POINTS).max(1);
+        let kept = self.curve.iter().rev().step_by(step);
+        let rounded = |&(secs, mm): &(f64, f64)| ((1e3 * secs).round() / 1e3, (1e4 * mm).round() / 1e4);
+        let mut points: Vec<(f64, f64)> = kept.map(rounded).collect();
+        points.reverse();
+        serde_json::to_string(&points).unwrap_or_default()
+    }
 }
 
 impl Ledger {

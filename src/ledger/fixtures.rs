@@ -91,17 +91,19 @@ pub fn verified(build: BuildId, copies: u32) -> Verified {
         method: "nestd".to_owned(),
         version: "0.1.0".to_owned(),
         profile_snapshot: "{}".to_owned(),
+        curve: vec![(0.1, 99.5), (2.5, 87.5)],
     }
 }
 
 pub fn placed(copies: &[(PartId, u32)]) -> Vec<PlacedCopy> {
-    let pose = |&(part, copy): &(PartId, u32)| PlacedCopy {
+    let pose = |(at, &(part, copy)): (usize, &(PartId, u32))| PlacedCopy {
         part,
         copy,
         rotation: [0.0, 0.0, 0.0, 1.0],
         translation_mm: [f64::from(copy), 2.0, 3.0],
+        drawn: Some(DrawnOut { place: at as u32 + 1, way: [0.0, 0.0, 1.0] }),
     };
-    copies.iter().map(pose).collect()
+    copies.iter().enumerate().map(pose).collect()
 }
 
 /// A build that has fired with these copies.

@@ -18,6 +18,17 @@ pub struct PlacedCopy {
     pub rotation: [f64; 4],
     /// Translation after the rotation, machine frame, mm.
     pub translation_mm: [f64; 3],
+    /// How it comes out of the cake; `None` = not proved.
+    pub drawn: Option<DrawnOut>,
+}
+
+/// How a copy is drawn out of the cake, after all whose place is before its own, as it was proved on the triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnOut {
+    /// Its place in the order, from 1.
+    pub place: u32,
+    /// The straight line that it takes: a unit vector in the machine's frame.
+    pub way: [f64; 3],
 }
 
 /// A copy that is in a build.
@@ -47,6 +58,14 @@ pub struct PlacementRow {
     pub ty_mm: Option<f64>,
     /// Translation along z, mm.
     pub tz_mm: Option<f64>,
+    /// As which copy it is drawn out of the cake, from 1; `None` = not proved.
+    pub drawn: Option<u32>,
+    /// The straight line that it takes: a unit vector in the machine's frame.
+    pub way_x: Option<f64>,
+    /// Second part of the line.
+    pub way_y: Option<f64>,
+    /// Third part of the line.
+    pub way_z: Option<f64>,
 }
 
 impl PlacementRow {
@@ -54,6 +73,11 @@ impl PlacementRow {
     pub fn pose(&self) -> Option<Pose> {
         let turn = DQuat::from_xyzw(self.qx?, self.qy?, self.qz?, self.qw?);
         Some(Pose::new(turn, DVec3::new(self.tx_mm?, self.ty_mm?, self.tz_mm?)))
+    }
+
+    /// How the copy comes out of the cake; `None` = not proved.
+    pub fn drawn(&self) -> Option<DrawnOut> {
+        Some(DrawnOut { place: self.drawn?, way: [self.way_x?, self.way_y?, self.way_z?] })
     }
 }
 

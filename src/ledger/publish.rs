@@ -60,7 +60,7 @@ async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) 
         "UPDATE build SET file_name = ?, queue_id = ?, file_hash = ?, file_bytes = ?, height_mm = ?, density = ?, \
          lower_bound_mm = ?, layers = ?, part_volume_mm3 = ?, copies = ?, clearance_mm = ?, clearance_proved_mm = ?, \
          cpu_secs = coalesce(cpu_secs, 0) + ?, wall_secs = ?, evaluations = ?, seed = ?, method = ?, version = ?, \
-         profile_snapshot = ? WHERE id = ?",
+         profile_snapshot = ?, curve = ? WHERE id = ?",
     )
     .bind(&verified.file_name)
     .bind(&verified.queue_id)
@@ -81,6 +81,7 @@ async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) 
     .bind(&verified.method)
     .bind(&verified.version)
     .bind(&verified.profile_snapshot)
+    .bind(verified.curve_json())
     .bind(build)
     .execute(change.db())
     .await?;
@@ -89,9 +90,10 @@ async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) 
 
 async fn write_pose(change: &mut Change, build: BuildId, placed: &PlacedCopy) -> Result<()> {
     let ([qx, qy, qz, qw], [x, y, z]) = (placed.rotation, placed.translation_mm);
+    let way = |axis: usize| placed.drawn.map(|drawn| drawn.way[axis]);
     sqlx::query(
-        "UPDATE placement SET qx = ?, qy = ?, qz = ?, qw = ?, tx_mm = ?, ty_mm = ?, tz_mm = ? \
-         WHERE part_id = ? AND copy = ? AND build_id = ?",
+        "UPDATE placement SET qx = ?, qy = ?, qz = ?, qw = ?, tx_mm = ?, ty_mm = ?, tz_mm = ?, \
+         drawn = ?, way_x = ?, way_y = ?, way_z = ? WHERE part_id = ? AND copy = ? AND build_id = ?",
     )
     .bind(qx)
     .bind(qy)
@@ -100,6 +102,10 @@ async fn write_pose(change: &mut Change, build: BuildId, placed: &PlacedCopy) ->
     .bind(x)
     .bind(y)
     .bind(z)
+    .bind(placed.drawn.map(|drawn| drawn.place))
+    .bind(way(0))
+    .bind(way(1))
+    .bind(way(2))
     .bind(placed.part)
     .bind(placed.copy)
     .bind(build)

@@ -13,15 +13,14 @@ use serde::Serialize;
 
 use super::{
     history::{self, Asked},
+    part,
     problem::{Answer, Problem},
     server::Web,
+    sheets::{BuildSheet, Part, PartSheet},
 };
 use crate::{
     farm::{FiredBy, fires_at, kept_notices, notice_in_json},
-    ledger::{
-        BuildId, BuildRow, DaemonRow, EventRow, HistoryRow, OutcomeRow, PartId, PartRow, PlacementRow, ProfileStatus,
-        Utc,
-    },
+    ledger::{BuildId, DaemonRow, HistoryRow, PartId, ProfileStatus, Utc},
 };
 
 /// The farm as it stands.
@@ -45,23 +44,6 @@ struct Machine {
     /// Why not.
     trouble: Option<String>,
     trouble_at: Option<Utc>,
-}
-
-/// A build with all that belongs to it.
-#[derive(Serialize)]
-pub(super) struct BuildSheet {
-    build: BuildRow,
-    parts: Vec<PartRow>,
-    placements: Vec<PlacementRow>,
-    outcomes: Vec<OutcomeRow>,
-}
-
-/// A part with all that belongs to it.
-#[derive(Serialize)]
-pub(super) struct PartSheet {
-    part: PartRow,
-    placements: Vec<PlacementRow>,
-    events: Vec<EventRow>,
 }
 
 /// The farm as it stands.
@@ -100,7 +82,17 @@ pub(super) async fn build(State(web): State<Arc<Web>>, Path(number): Path<i64>) 
     let parts = web.ledger.parts_of_build(id).await?;
     let placements = web.ledger.placements_of_build(id).await?;
     let outcomes = web.ledger.outcomes(id).await?;
-    Ok(Json(BuildSheet { build, parts, placements, outcomes }))
+    Ok(Json(BuildSheet {
+        build: build.into(),
+        parts: all(parts),
+        placements: all(placements),
+        outcomes: all(outcomes),
+    }))
+}
+
+/// Parts, filtered as the page is.
+pub(super) async fn parts(State(web): State<Arc<Web>>, Query(asked): Query<part::Asked>) -> Answer<Json<Vec<Part>>> {
+    Ok(Json(all(part::page_of(&web, &asked).await?.0)))
 }
 
 /// A part.
@@ -108,7 +100,14 @@ pub(super) async fn part(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
     let id = PartId(number);
     let part = web.ledger.part(id).await?.ok_or_else(|| Problem::NotFound(format!("part {number}")))?;
     let (placements, events) = (web.ledger.placements_of_part(id).await?, web.ledger.events_of_part(id).await?);
-    Ok(Json(PartSheet { part, placements, events }))
+    let same = web.ledger.parts_of_content(&part.content_hash).await?;
+    let same_content = same.into_iter().map(|other| other.id).filter(|other| *other != id).collect();
+    Ok(Json(PartSheet { part: part.into(), placements: all(placements), events: all(events), same_content }))
+}
+
+/// Rows of the ledger as they are told.
+fn all<T, R: From<T>>(rows: Vec<T>) -> Vec<R> {
+    rows.into_iter().map(R::from).collect()
 }
 
 /// What describes the interface.

@@ -13,7 +13,6 @@ use super::{
     pick::PICTURE,
     problem::Answer,
     scene::{build_of, version},
-    search::Told,
     server::Web,
     words::{age, count, number, or_dash, percent, prose, text, time},
 };
@@ -40,10 +39,10 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         @if copies > 0 { (view(build.id.0, copies, &standing_now(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         (what_is_known(&build, &profile, copies))
-        (curve(&Told::of_build(&web, &profile, &build).await.curve))
+        (curve(&build.curve()))
         (told(&outcomes))
         h2 { "Parts" }
-        (part::table(&rows, rows.len(), "Copies here"))
+        (part::table(&rows, false, "Copies here"))
     };
     Ok(page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
 }

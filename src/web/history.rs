@@ -9,9 +9,10 @@ use axum::{
 };
 use jiff::{Timestamp, ToSpan, civil::Date, tz::TimeZone};
 use maud::{Markup, html};
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize};
 
 use super::{
+    asked::{known, query},
     chart,
     page::page,
     problem::{Answer, Problem},
@@ -42,13 +43,6 @@ pub(super) struct Asked {
     /// The last build of the page before.
     #[serde(skip_serializing_if = "String::is_empty")]
     after: String,
-}
-
-impl Asked {
-    /// As the query of an address.
-    fn query(&self) -> Answer<String> {
-        Ok(serde_urlencoded::to_string(self).map_err(anyhow::Error::from)?)
-    }
 }
 
 /// Columns that a page can be sorted by.
@@ -90,18 +84,6 @@ async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<HistoryRow>, bool)> {
     Ok((rows, more))
 }
 
-/// A value of a known kind; nothing when the field is empty.
-fn known<T: DeserializeOwned>(text: &str, what: &str) -> Answer<Option<T>> {
-    let value = || text.parse::<i64>().map_or_else(|_| text.into(), serde_json::Value::from);
-    match text {
-        "" => Ok(None),
-        _ => match serde_json::from_value(value()) {
-            Ok(value) => Ok(Some(value)),
-            Err(_) => Err(Problem::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is not {what}"))),
-        },
-    }
-}
-
 /// The first moment of a day, UTC, or of the day `later` days after it.
 fn day(text: &str, later: i64) -> Answer<Option<Timestamp>> {
     if text.is_empty() {
@@ -119,8 +101,8 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
     let (rows, more) = page_of(&web, &asked).await?;
     let next = rows.last().filter(|_| more).map(|last| Asked { after: last.build.to_string(), ..asked.clone() });
     let settings = web.settings();
-    let next = next.map(|next| next.query()).transpose()?;
-    let query = asked.query()?;
+    let next = next.map(|next| query(&next)).transpose()?;
+    let query = query(&asked)?;
     let content = html! {
         h1 { "History" }
         (filters(&asked, settings.profiles.keys()))

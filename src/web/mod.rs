@@ -4,6 +4,7 @@
 //! Everything is embedded in the binary, and no page asks another host for anything.
 
 mod api;
+mod asked;
 mod assets;
 mod build;
 mod cache;
@@ -26,6 +27,7 @@ mod report;
 mod scene;
 mod search;
 mod server;
+mod sheets;
 mod words;
 
 #[cfg(test)]

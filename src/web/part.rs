@@ -4,56 +4,66 @@ use std::sync::Arc;
 
 use axum::extract::{Path, Query, State};
 use maud::{Markup, html};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{
+    asked::{known, query},
     order::button,
     page::{facts, page},
     problem::{Answer, Problem},
     server::Web,
     words::{DASH, count, number, or_dash, prose, text, time},
 };
-use crate::ledger::{CommandKind, PartId, PartRow, PartState, PlacementRow};
+use crate::ledger::{CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow};
 
 /// Parts on a page.
-const MOST_PARTS: usize = 500;
+const MOST_PARTS: u32 = 500;
 
-/// What is asked for.
-#[derive(Debug, Default, Deserialize)]
+/// What is asked for; empty fields ask for nothing.
+#[derive(Debug, Clone, Default, Deserialize, Serialize)]
 #[serde(default)]
 pub(super) struct Asked {
+    #[serde(skip_serializing_if = "String::is_empty")]
     state: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     profile: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     name: String,
+    /// The last part of the page before.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    after: String,
+}
+
+/// The parts of a page, the newest first, and whether there are more.
+pub(super) async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<PartRow>, bool)> {
+    let some = |text: &str| Some(text.to_owned()).filter(|text| !text.is_empty());
+    let query = PartQuery {
+        name: some(&asked.name),
+        state: known(&asked.state, "a state of a part")?,
+        profile: some(&asked.profile),
+        before: known::<i64>(&asked.after, "the number of a part")?.map(PartId),
+        limit: MOST_PARTS + 1,
+    };
+    let mut parts = web.ledger.parts(&query).await?;
+    let more = parts.len() > MOST_PARTS as usize;
+    parts.truncate(MOST_PARTS as usize);
+    Ok((parts, more))
 }
 
 /// Parts by state, or of a name or an order.
 pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Markup> {
-    let ledger = &web.ledger;
-    let states = [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Rejected];
-    let mut parts = Vec::new();
-    if asked.name.is_empty() {
-        for state in states.into_iter().filter(|s| asked.state.is_empty() || s.to_string() == asked.state) {
-            parts.extend(ledger.parts_in_state(state).await?);
-        }
-    } else {
-        parts.extend(ledger.parts_named(&asked.name).await?);
-        parts.extend(ledger.order(&asked.name).await?);
-        parts.retain(|part| asked.state.is_empty() || part.state.to_string() == asked.state);
-    }
-    parts.retain(|part| asked.profile.is_empty() || part.profile == asked.profile);
-    parts.sort_by_key(|part| std::cmp::Reverse(part.id));
-    parts.dedup_by_key(|part| part.id);
-    let all = parts.len();
-    parts.truncate(MOST_PARTS);
+    let (parts, more) = page_of(&web, &asked).await?;
+    let next = parts.last().filter(|_| more).map(|last| Asked { after: last.id.to_string(), ..asked.clone() });
+    let next = next.map(|next| query(&next)).transpose()?;
     let settings = web.settings();
+    let states = PartState::ALL.map(|s| s.to_string());
     let content = html! {
         h1 { "Parts" }
         form.filters method="get" action="/parts" {
             label { "File or order" input name="name" value=(asked.name); }
             label { "State" select name="state" {
                 option value="" { "all" }
-                @for state in states.map(|s| s.to_string()) { option value=(state) selected[state == asked.state] { (state) } }
+                @for state in &states { option value=(state) selected[*state == asked.state] { (state) } }
             } }
             label { "Profile" select name="profile" {
                 option value="" { "all" }
@@ -61,20 +71,23 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
             } }
             button type="submit" { "Show" }
         }
-        @if asked.name.is_empty() { p { "Parts that are claimed, wait, are in a build that is being made, or were refused. Those that are built are found by name." } }
-        (table(&parts, all, "Copies"))
+        @if asked.name.is_empty() && asked.state.is_empty() {
+            p { "Parts that are claimed, wait, are in a build that is being made, or were refused. Ask for those that are built by state or name." }
+        }
+        (table(&parts, more, "Copies"))
+        @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { "The parts before these" } } }
     };
     Ok(page("Parts", "/parts", None, &content))
 }
 
-/// Parts as a table; `copies` is what their copies are counted of.
-pub(super) fn table(parts: &[PartRow], all: usize, copies: &str) -> Markup {
+/// Parts as a table, of which there are more or not; `copies` is what their copies are counted of.
+pub(super) fn table(parts: &[PartRow], more: bool, copies: &str) -> Markup {
     html! {
         @if parts.is_empty() { p { "No parts." } }
         @else {
             div.wide tabindex="0" role="region" aria-label="Parts" {
                 table {
-                    caption { (count(all as u32, "part", "parts")) @if all > parts.len() { ", the newest " (parts.len()) } }
+                    caption { (count(parts.len() as u32, "part", "parts")) @if more { ", the newest of more" } }
                     thead { tr {
                         th scope="col" { "Part" } th scope="col" { "File" } th scope="col" { "Order" } th scope="col" { "Profile" }
                         th scope="col" { "State" } th.n scope="col" { (copies) } th scope="col" { "Due" } th scope="col" { "Reason or warning" }
@@ -124,10 +137,10 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
 }
 
 fn newest(mut parts: Vec<PartRow>) -> Markup {
-    let all = parts.len();
+    let more = parts.len() > MOST_PARTS as usize;
     parts.reverse();
-    parts.truncate(MOST_PARTS);
-    table(&parts, all, "Copies")
+    parts.truncate(MOST_PARTS as usize);
+    table(&parts, more, "Copies")
 }
 
 fn what_it_is(part: &PartRow) -> Markup {

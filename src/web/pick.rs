@@ -2,9 +2,13 @@
 
 use std::sync::Arc;
 
-use axum::extract::{Path, State};
+use axum::{
+    Json,
+    extract::{Path, State},
+};
 use glam::DVec2;
 use maud::{Markup, html};
+use serde::Serialize;
 
 use super::{
     cache::Kept,
@@ -13,15 +17,14 @@ use super::{
     page::page,
     problem::Answer,
     scene::{build_of, of_cake, version},
-    search::Told,
     server::Web,
     words::{count, number, text},
 };
 use crate::{
     farm::{Cake, CakePart, Standing},
-    format::name_in_build_file,
     geometry::Bounds,
-    nest::DrawnCopy,
+    ledger::{BuildRow, DrawnOut},
+    settings::Profile,
 };
 
 /// Corners of a footprint are no closer, mm.
@@ -36,8 +39,38 @@ const OF_SHEET: usize = 16;
 /// Maps that are kept; some 100 kB each.
 pub(super) const KEPT: usize = 8;
 
-/// How many copies are on a map, and its sheets.
-pub(super) type Map = (usize, Markup);
+/// A pick map as it is kept.
+#[derive(Clone)]
+pub(super) struct Map {
+    copies: usize,
+    sheets: Markup,
+    list: Arc<List>,
+}
+
+/// The copies of a build in the order in which they come out of the cake.
+#[derive(Serialize)]
+pub(super) struct List {
+    build: i64,
+    /// Whether it is proved on the triangles that each comes out on a straight line past all that are listed after it; else
+    /// they are listed from the top down.
+    is_proved: bool,
+    copies: Vec<Listed>,
+}
+
+#[derive(Serialize)]
+struct Listed {
+    number: usize,
+    part: i64,
+    name: String,
+    order: String,
+    copy: u32,
+    top_mm: Option<f64>,
+    bottom_mm: Option<f64>,
+    center_x_mm: Option<f64>,
+    center_y_mm: Option<f64>,
+    /// Whereto it is drawn: a unit vector in the machine's frame.
+    way: Option<[f64; 3]>,
+}
 
 /// A copy to take out of the cake.
 struct Pick<'c> {
@@ -47,8 +80,7 @@ struct Pick<'c> {
     bounds: Option<Bounds>,
     /// What it covers, from above.
     footprint: Vec<DVec2>,
-    /// The straight line that it takes out, as it was proved.
-    way: Option<[f64; 3]>,
+    drawn: Option<DrawnOut>,
 }
 
 impl Pick<'_> {
@@ -69,12 +101,7 @@ impl Pick<'_> {
 pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
     let (build, profile) = build_of(&web, number_of_build).await?;
     let title = format!("Pick map of build {}", build.id);
-    let link = |part| Some(format!("/parts/{part}"));
-    let search = Told::of_build(&web, &profile, &build).await;
-    // A map by height gives way once the order can be read.
-    let kept = Kept { cache: |web| &web.picks, key: format!("{} {}", version(&build), search.order.len()) };
-    let map = move |cake: &Cake| Ok((cake.copies(), sheets(cake, &search.order, link)));
-    let (copies, sheets) = of_cake(&web, &build, &profile, kept, map).await?;
+    let Map { copies, sheets, .. } = map_of(&web, &build, &profile).await?;
     let content = html! {
         h1 { (title) }
         p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(copies as u32, "copy", "copies")) "." }
@@ -86,15 +113,53 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     Ok(page(&title, "", None, &content))
 }
 
+/// The list, for machines.
+pub(super) async fn list(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Json<Arc<List>>> {
+    let (build, profile) = build_of(&web, number_of_build).await?;
+    Ok(Json(map_of(&web, &build, &profile).await?.list))
+}
+
+async fn map_of(web: &Arc<Web>, build: &BuildRow, profile: &Profile) -> Answer<Map> {
+    let kept = Kept { cache: |web| &web.picks, key: version(build) };
+    let number_of_build = build.id.0;
+    let map = move |cake: &Cake| {
+        let (picks, is_proved) = in_order(cake);
+        let copies = (1..).zip(&picks).map(|(number, pick)| listed(number, pick)).collect();
+        let list = Arc::new(List { build: number_of_build, is_proved, copies });
+        let sheets = sheets(cake, (&picks, is_proved), |part| Some(format!("/parts/{part}")));
+        Ok(Map { copies: cake.copies(), sheets, list })
+    };
+    of_cake(web, build, profile, kept, map).await
+}
+
+fn listed(number: usize, pick: &Pick<'_>) -> Listed {
+    let center_mm = pick.center_mm();
+    Listed {
+        number,
+        part: pick.part.part,
+        name: pick.part.name.clone(),
+        order: pick.part.order.clone(),
+        copy: pick.copy,
+        top_mm: pick.top_mm(),
+        bottom_mm: pick.low_mm(),
+        center_x_mm: center_mm.map(|c| c.x),
+        center_y_mm: center_mm.map(|c| c.y),
+        way: pick.drawn.map(|drawn| drawn.way),
+    }
+}
+
 /// What the picture beside a map shows.
 pub(super) const PICTURE: &str = "The build, seen from the front, a little from the right and from above";
 
-/// Sheet by sheet, in the order in which copies come out of the cake: the proved one (`order`) where it names them all, else
-/// from the top down; `link` gives the address of a part.
-pub(super) fn sheets(cake: &Cake, order: &[DrawnCopy], link: impl Fn(i64) -> Option<String>) -> Markup {
-    let mut picks = picks(cake);
-    let is_proved = in_order(&mut picks, order);
-    let sheets = if is_proved { by_number(&picks) } else { by_height(&picks) };
+/// A whole map of a cake without links.
+pub(super) fn map(cake: &Cake) -> Markup {
+    let (picks, is_proved) = in_order(cake);
+    sheets(cake, (&picks, is_proved), |_| None)
+}
+
+/// Sheet by sheet; `link` gives the address of a part.
+fn sheets(cake: &Cake, (picks, is_proved): (&[Pick<'_>], bool), link: impl Fn(i64) -> Option<String>) -> Markup {
+    let sheets = if is_proved { by_number(picks) } else { by_height(picks) };
     let mut first = 1;
     html! {
         p { (if is_proved { PROVED } else { BY_HEIGHT }) " x from the left, y from the front, top and bottom from the floor, mm." }
@@ -126,36 +191,16 @@ const PROVED: &str = "Each copy comes out on a straight line past all that are l
 /// How to read a map without one.
 const BY_HEIGHT: &str = "By height, from the top down; whether each comes out past the others is not said here.";
 
-/// Brings copies into a proved order; says whether it names them all, each once.
-fn in_order(picks: &mut Vec<Pick<'_>>, order: &[DrawnCopy]) -> bool {
-    if order.len() != picks.len() || order.is_empty() {
-        return false;
+/// The copies in the proved order where that is known of them all, else from the top down; says which.
+fn in_order(cake: &Cake) -> (Vec<Pick<'_>>, bool) {
+    let mut picks = picks(cake);
+    let is_proved = !picks.is_empty() && picks.iter().all(|pick| pick.drawn.is_some());
+    match is_proved {
+        true => picks.sort_by_key(|pick| pick.drawn.map(|drawn| drawn.place)),
+        // Half an order is none.
+        false => picks.iter_mut().for_each(|pick| pick.drawn = None),
     }
-    // The report names the file that a part was dropped as; the cake its solid as well.
-    let names: Vec<String> = picks.iter().map(|pick| name_in_build_file(&pick.part.name)).collect();
-    let is = |at: usize, drawn: &DrawnCopy| {
-        let rest = names[at].strip_prefix(drawn.part.as_str());
-        picks[at].copy == drawn.copy + 1 && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
-    };
-    let mut at = Vec::with_capacity(order.len());
-    for drawn in order {
-        let mut found = (0..picks.len()).filter(|&at| is(at, drawn));
-        match (found.next(), found.next()) {
-            (Some(one), None) => at.push(one),
-            // Two parts of one name: which of them is meant is not said.
-            _ => return false,
-        }
-    }
-    let mut place = vec![usize::MAX; picks.len()];
-    at.iter().enumerate().for_each(|(number, &at)| place[at] = number);
-    if place.contains(&usize::MAX) {
-        return false;
-    }
-    at.iter().zip(order).for_each(|(&at, drawn)| picks[at].way = Some(drawn.way));
-    let mut placed: Vec<_> = place.into_iter().zip(std::mem::take(picks)).collect();
-    placed.sort_by_key(|(number, _)| *number);
-    picks.extend(placed.into_iter().map(|(_, pick)| pick));
-    true
+    (picks, is_proved)
 }
 
 fn by_number<'p, 'c>(picks: &'p [Pick<'c>]) -> Vec<(String, &'p [Pick<'c>])> {
@@ -190,7 +235,7 @@ fn row(number_of: usize, pick: &Pick<'_>, link: Option<String>) -> Markup {
     html! { tr {
         td { "\u{2610}" } td.n { (number_of) } td.n { (number(pick.top_mm(), 1)) } td.n { (number(pick.low_mm(), 1)) }
         td.n { (number(center_mm.map(|c| c.x), 0)) } td.n { (number(center_mm.map(|c| c.y), 0)) }
-        @if let Some(way) = pick.way { td { (whereto(way)) } }
+        @if let Some(drawn) = pick.drawn { td { (whereto(drawn.way)) } }
         td { @if let Some(link) = link { a href=(link) { (pick.part.name) } } @else { (pick.part.name) } }
         td { (text(&pick.part.order)) } td.n { (pick.copy) }
     } }
@@ -239,7 +284,7 @@ fn picks(cake: &Cake) -> Vec<Pick<'_>> {
             copy: standing.copy,
             bounds: part.bounds(standing),
             footprint: covered(part, standing),
-            way: None,
+            drawn: standing.drawn,
         }));
     }
     let top = |pick: &Pick<'_>| pick.top_mm().unwrap_or(f64::NEG_INFINITY);

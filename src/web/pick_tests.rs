@@ -3,11 +3,12 @@
 use glam::{DQuat, DVec3};
 
 use super::*;
-use crate::{geometry::Pose, samples};
+use crate::{geometry::Pose, nest::DrawnCopy, samples, web::search::Told};
 
 /// A cake of two parts: two copies of one, one of the other, whose original is or is not kept.
 fn cake(is_kept: bool) -> Cake {
-    let at = |copy: u32, z: f64| Standing { copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, z)) };
+    let at =
+        |copy: u32, z: f64| Standing { copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, z)), drawn: None };
     let part = |number: i64, name: &str, mesh, copies| CakePart {
         part: number,
         name: name.to_owned(),
@@ -28,6 +29,13 @@ fn drawn(part: &str, copy: u32, way: [f64; 3]) -> DrawnCopy {
     DrawnCopy { part: part.to_owned(), copy, way }
 }
 
+/// The map of a cake beside whose file a report lies.
+fn map_with(mut cake: Cake, order: &[DrawnCopy]) -> String {
+    Told { order: order.to_vec(), ..Told::default() }.mark(&mut cake);
+    let (picks, is_proved) = in_order(&cake);
+    sheets(&cake, (&picks, is_proved), |part| Some(format!("/p/{part}-"))).into_string()
+}
+
 /// Where each of some texts stands in a page.
 fn places<const N: usize>(page: &str, texts: [&str; N]) -> [usize; N] {
     texts.map(|text| page.find(text).unwrap_or_else(|| panic!("{text} is not in {page}")))
@@ -35,25 +43,23 @@ fn places<const N: usize>(page: &str, texts: [&str; N]) -> [usize; N] {
 
 #[test]
 fn copies_come_in_the_proved_order_where_it_names_them_all_and_else_by_height() {
-    let cake = cake(true);
     let rows = ["/p/2-", "/p/1-"];
-    let link = |part| Some(format!("/p/{part}-"));
-    let by_height = sheets(&cake, &[], link).into_string();
+    let by_height = map_with(cake(true), &[]);
     assert!(by_height.contains("By height") && places(&by_height, rows)[0] < places(&by_height, rows)[1]);
     let ways = [[0.0, 0.0, 1.0], [0.9, 0.0, 0.4], [0.0, -1.0, 0.0]];
     let order = [drawn("low.3mf", 1, ways[0]), drawn("low.3mf", 0, ways[1]), drawn("h_i_gh.stl", 0, ways[2])];
-    let proved = sheets(&cake, &order, link).into_string();
+    let proved = map_with(cake(true), &order);
     assert!(proved.contains("proved on the triangles") && places(&proved, rows)[1] < places(&proved, rows)[0]);
     let [up, right, front] = places(&proved, ["<td>up</td>", "<td>up, right</td>", "<td>front</td>"]);
     assert!(up < right && right < front, "{proved}");
     for wrong in [&order[..2], &[order[0].clone(), order[0].clone(), order[2].clone()]] {
-        assert!(sheets(&cake, wrong, link).into_string().contains("By height"));
+        assert!(map_with(cake(true), wrong).contains("By height"));
     }
 }
 
 #[test]
 fn a_copy_whose_original_is_gone_has_dashes_and_no_place() {
-    let page = sheets(&cake(false), &[], |_| None).into_string();
+    let page = map_with(cake(false), &[]);
     assert!(page.contains("1 part is listed without a place") && page.contains("Originals no longer kept"));
     let gone = page.rsplit("<tr>").next().unwrap();
     assert!(gone.contains("h&lt;i&gt;gh.stl") && gone.matches('\u{2013}').count() >= 4, "{gone}");

@@ -1,7 +1,7 @@
 //! The report of a build: one HTML file to mail, with everything in it. It asks no host for anything, and its policy forbids it
 //! to; it is looked at in a browser without the farm, and printed.
 
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -80,7 +80,8 @@ impl Report<'_> {
     }
 
     fn content(&self, title: &str, number: i64) -> Markup {
-        let (copies, told) = (self.cake.copies() as u32, self.told());
+        let copies = self.cake.copies() as u32;
+        let (points, cake) = self.searched();
         html! {
             h1 { (title) }
             @if self.cake.missing() > 0 {
@@ -88,12 +89,12 @@ impl Report<'_> {
             }
             (view(number, copies, ""))
             (self.facts(copies))
-            (curve(&told.curve))
+            (curve(&points))
             h2 { "Parts" }
             (self.parts())
             h2 { "Pick map" }
             img.cake alt=(pick::PICTURE) width=(PICTURE.0) height=(PICTURE.1) src=(self.picture());
-            (pick::sheets(self.cake, &told.order, |_| None))
+            (pick::map(&cake))
         }
     }
 
@@ -126,12 +127,14 @@ impl Report<'_> {
         }
     }
 
-    fn told(&self) -> Told {
+    /// How the height fell, and the cake with how its copies come out.
+    fn searched(&self) -> (Vec<(f64, f64)>, Cow<'_, Cake>) {
         match self.source {
-            Source::Ledger(build, profile) => Told::beside(&profile.folders.queue, build.file_name.as_deref()),
+            Source::Ledger(build, _) => (build.curve(), Cow::Borrowed(self.cake)),
             Source::File(file, _) => {
-                let name = file.file_name().and_then(|name| name.to_str());
-                Told::beside(file.parent().unwrap_or(Path::new(".")), name)
+                let (told, mut cake) = (Told::beside(file), self.cake.clone());
+                told.mark(&mut cake);
+                (told.curve, Cow::Owned(cake))
             }
         }
     }

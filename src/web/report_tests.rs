@@ -16,8 +16,11 @@ const NAMES: [&str; 4] =
 
 fn cake(name: &str) -> Cake {
     let mesh = Arc::new(samples::ring(40.0, 28.0, 8.0));
-    let standing =
-        |copy| Standing { copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, 20.0 * copy as f64)) };
+    let standing = |copy| Standing {
+        copy,
+        pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, 20.0 * copy as f64)),
+        drawn: None,
+    };
     let part = CakePart {
         part: 7,
         name: name.to_owned(),

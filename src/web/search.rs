@@ -1,68 +1,61 @@
-//! What the report of the search tells of a build, as long as it lies beside the build file.
+//! What the report of the search tells of a build file that it lies beside; of a build in the ledger its rows tell the same.
 
-use std::{path::Path, sync::Arc, time::Duration};
+use std::path::Path;
 
-use super::{scene::version, server::Web};
-use crate::{intake, ledger::BuildRow, nest::DrawnCopy, settings::Profile};
-
-/// A queue folder that does not answer within this time is not waited for.
-const PATIENCE: Duration = Duration::from_secs(2);
+use crate::{
+    farm::{Cake, Standing},
+    format::name_in_build_file,
+    intake,
+    ledger::DrawnOut,
+    nest::DrawnCopy,
+};
 
 /// What a report is read of at most.
 const MAX_REPORT_BYTES: u64 = 32 << 20;
-
-/// Reports that are kept.
-pub(super) const KEPT: usize = 8;
 
 /// What pages show of it.
 #[derive(Debug, Default)]
 pub(super) struct Told {
     /// (seconds, height in mm) of every improvement.
     pub(super) curve: Vec<(f64, f64)>,
-    /// The copies in an order in which they can be drawn out, as it was proved; empty where that is not known of all.
+    /// The copies in an order in which they can be drawn out, as it was proved.
     pub(super) order: Vec<DrawnCopy>,
 }
 
 impl Told {
     /// From the folder that a build file lies in; nothing when there is no report.
-    pub(super) fn beside(folder: &Path, file_name: Option<&str>) -> Self {
+    pub(super) fn beside(file: &Path) -> Self {
         let read = || -> Option<serde_json::Value> {
-            let stem = file_name?.strip_suffix(".build.3mf")?;
+            let stem = file.file_name()?.to_str()?.strip_suffix(".build.3mf")?;
+            let folder = file.parent().unwrap_or(Path::new("."));
             // Others may write into this folder.
             let report = intake::read_start(&folder.join(format!("{stem}.report.json")), MAX_REPORT_BYTES).ok()??;
             serde_json::from_slice(&report).ok()
         };
         let report = read().unwrap_or_default();
-        let apart = &report["separable"];
-        let is_whole = apart["locked"].as_array().is_some_and(Vec::is_empty);
-        let order = serde_json::from_value(apart["order"].clone()).ok().filter(|_| is_whole);
         Self {
             curve: serde_json::from_value(report["curve"].clone()).unwrap_or_default(),
-            order: order.unwrap_or_default(),
+            order: serde_json::from_value(report["separable"]["order"].clone()).unwrap_or_default(),
         }
     }
 
-    /// Of a build in the ledger; nothing while the queue folder is away or does not answer.
-    pub(super) async fn of_build(web: &Web, profile: &Profile, build: &BuildRow) -> Arc<Self> {
-        let key = version(build);
-        if let Some(told) = web.told.get(&key) {
-            return told;
+    /// Marks how the copies come out of the cake. Where the report names two parts by the same name, which of them it means
+    /// is not said, and they stay unmarked.
+    pub(super) fn mark(&self, cake: &mut Cake) {
+        for (place, drawn) in (1..).zip(&self.order) {
+            let mut meant: Vec<&mut Standing> = Vec::new();
+            for part in cake.parts.iter_mut().filter(|part| is_of(&part.name, &drawn.part)) {
+                meant.extend(part.copies.iter_mut().filter(|standing| standing.copy == drawn.copy + 1));
+            }
+            if let [one] = &mut meant[..] {
+                one.drawn = Some(DrawnOut { place, way: drawn.way });
+            }
         }
-        let told = Arc::new(Self::read(web, profile, build).await);
-        // A report that could not be read may be readable later.
-        if !told.curve.is_empty() {
-            web.told.put(key, told.clone());
-        }
-        told
     }
+}
 
-    async fn read(web: &Web, profile: &Profile, build: &BuildRow) -> Self {
-        let stations = web.ledger.stations().await.unwrap_or_default();
-        if stations.iter().any(|station| station.profile == profile.name && !station.trouble.is_empty()) {
-            return Self::default();
-        }
-        let (folder, name) = (profile.folders.queue.clone(), build.file_name.clone());
-        let read = tokio::task::spawn_blocking(move || Self::beside(&folder, name.as_deref()));
-        tokio::time::timeout(PATIENCE, read).await.ok().and_then(Result::ok).unwrap_or_default()
-    }
+/// Whether a part is the one that a report names: by the file that it was dropped as; the cake names its solid as well.
+fn is_of(name: &str, reported: &str) -> bool {
+    let name = name_in_build_file(name);
+    name.strip_prefix(reported).is_some_and(|rest| rest.is_empty() || rest.starts_with(" ("))
 }

@@ -25,7 +25,7 @@ use super::{
     cache::Cache,
     farm as farm_page, guard, history, live, metrics, order, part, pick, picture,
     problem::{Answer, Problem},
-    scene, search,
+    scene,
 };
 use crate::{
     access, farm,
@@ -50,7 +50,6 @@ pub(super) struct Web {
     pub(super) form_key: String,
     pub(super) scenes: Cache<Bytes>,
     pub(super) picks: Cache<pick::Map>,
-    pub(super) told: Cache<Arc<search::Told>>,
     pub(super) metrics: Metrics,
     pub(super) pictures: Cache<Bytes>,
     /// Who holds it makes one of these three: looking takes one core and the meshes of one build from the farm at most.
@@ -66,10 +65,10 @@ impl Web {
 
     /// A text that changes when anything does that pages show.
     pub(super) async fn pulse(&self) -> Answer<String> {
-        let status = self.ledger.status().await?;
+        let (status, last) = (self.ledger.status().await?, self.ledger.last_event_id().await?);
         let alive = self.ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
         let notices = farm::kept_notices(&self.settings().state_dir);
-        Ok(format!("{alive} {status:?} {notices:?}"))
+        Ok(format!("{alive} {last} {status:?} {notices:?}"))
     }
 }
 
@@ -97,7 +96,6 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         form_key: format!("{:032x}", rand::random::<u128>()),
         scenes: Cache::new(scene::KEPT),
         picks: Cache::new(pick::KEPT),
-        told: Cache::new(search::KEPT),
         metrics: Metrics::default(),
         pictures: Cache::new(picture::KEPT),
         looking: Arc::new(Semaphore::new(1)),
@@ -132,6 +130,8 @@ pub(super) fn routes(web: Arc<Web>) -> Router {
         .route("/api/v1/farm", get(api::farm))
         .route("/api/v1/builds", get(api::builds))
         .route("/api/v1/builds/{build}", get(api::build))
+        .route("/api/v1/builds/{build}/pick", get(pick::list))
+        .route("/api/v1/parts", get(api::parts))
         .route("/api/v1/parts/{part}", get(api::part))
         .route("/metrics", get(metrics::metrics))
         .route("/healthz", get(|| async { "alive\n" }))

@@ -51,7 +51,6 @@ impl Dashboard {
             form_key: "key".to_owned(),
             scenes: Cache::new(2),
             picks: Cache::new(2),
-            told: Cache::new(2),
             metrics: Default::default(),
             pictures: Cache::new(2),
             looking: Arc::new(Semaphore::new(1)),
@@ -263,6 +262,10 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/farm", "/api/v1/farm"),
         ("/api/v1/builds", "/api/v1/builds"),
         ("/api/v1/builds/{build}", "/api/v1/builds/1"),
+        ("/api/v1/builds/{build}/pick", "/api/v1/builds/1/pick"),
+        ("/api/v1/parts", "/api/v1/parts"),
+        ("/api/v1/parts", "/api/v1/parts?state=built&profile=cube"),
+        ("/api/v1/parts", "/api/v1/parts?name=bracket.stl"),
         ("/api/v1/parts/{part}", "/api/v1/parts/1"),
     ] {
         let value: serde_json::Value = serde_json::from_str(&dashboard.get(asked).await.text).unwrap();
@@ -270,6 +273,38 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         unlike(schema, &value, &all, path, &mut faults);
     }
     assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[tokio::test]
+async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_by_page() {
+    let dashboard = with_a_build("bracket.stl").await;
+    for (claim, profile) in [("b", "cube"), ("c", "cube"), ("d", "other")] {
+        let part = crate::ledger::NewPart { profile: profile.to_owned(), ..fixtures::new_part(claim, 1) };
+        dashboard.ledger.record_claim(&part).await.unwrap();
+    }
+    let numbers = async |asked: &str| -> Vec<i64> {
+        let json = dashboard.get(&format!("/api/v1/parts{asked}")).await.text;
+        let parts: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
+        parts.iter().map(|part| part["part"].as_i64().unwrap()).collect()
+    };
+    assert_eq!(numbers("").await, [4, 3, 2], "built ones are asked for by state or name");
+    assert_eq!(numbers("?state=built").await, [1]);
+    assert_eq!(numbers("?profile=cube").await, [3, 2]);
+    assert_eq!(numbers("?state=claimed&profile=other&name=").await, [4]);
+    assert_eq!(numbers("?name=bracket.stl").await, [1], "by its file and by its order it is the same part");
+    assert_eq!(numbers("?name=bracket.stl&state=waiting").await, [0_i64; 0]);
+    assert_eq!(numbers("?after=3").await, [2]);
+    assert_eq!(dashboard.get("/parts?state=lost").await.status, StatusCode::BAD_REQUEST);
+}
+
+#[tokio::test]
+async fn an_outcome_that_is_told_changes_the_pulse_of_the_pages() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let before = dashboard.web.pulse().await.ok().unwrap();
+    assert_eq!(dashboard.web.pulse().await.ok().unwrap(), before);
+    let printed = crate::ledger::Outcome::Complete;
+    dashboard.ledger.record_outcome(crate::ledger::BuildId(1), printed, "", "me@here").await.unwrap();
+    assert_ne!(dashboard.web.pulse().await.ok().unwrap(), before);
 }
 
 #[tokio::test]

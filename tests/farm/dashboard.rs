@@ -49,24 +49,29 @@ fn a_lost_write_ahead_log_is_noticed_before_the_dashboard_looks() {
 }
 
 #[test]
-fn a_pipe_in_the_place_of_a_report_holds_up_neither_farm_nor_page() {
+fn curve_and_proved_order_stay_when_the_printer_has_emptied_its_folder_and_two_parts_share_a_name() {
     let mut farm = farm();
     farm.start();
     wait_for_dashboard(&farm);
-    farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
+    for (number, size) in [(1, 20.0), (2, 30.0)] {
+        farm.drop_part("block.stl", &block(size, size, size));
+        farm.wait_for_parts(PartState::Waiting, number);
+    }
     farm.flush();
     let build = farm.wait_for_queued(1).remove(0);
     let report = build.to_string_lossy().replace(".build.3mf", ".report.json");
     wait_until_or("the report is there", 20.0, || farm.log(), || fs::exists(&report).unwrap());
+    fs::remove_file(&build).unwrap();
     fs::remove_file(&report).unwrap();
+    // A pipe in its place holds up nobody, either.
     rustix::fs::mkfifoat(rustix::fs::CWD, &report, rustix::fs::Mode::RWXU).unwrap();
-    for _ in 0..4 {
-        let page = get(&farm, "/builds/1").expect("the page of the build");
-        assert!(page.contains("Build 1 on test"), "{page}");
-    }
-    farm.drop_part("another.stl", &block(10.0, 10.0, 10.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
+    let sheet = get(&farm, "/api/v1/builds/1").expect("the build for machines");
+    assert!(sheet.contains("\"curve\":[{\"wall_secs\":"), "{sheet}");
+    assert!(get(&farm, "/builds/1").expect("its page").contains("Build 1 on test"));
+    let map = get(&farm, "/builds/1/pick").expect("its pick map");
+    assert!(map.contains("proved on the triangles") && map.matches("<td>up").count() == 2, "{map}");
+    let list = get(&farm, "/api/v1/builds/1/pick").expect("the same for machines");
+    assert!(list.contains("\"is_proved\":true") && list.contains("\"way\":["), "{list}");
     farm.stop();
 }
 

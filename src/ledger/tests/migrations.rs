@@ -15,7 +15,7 @@ const ROWS: &str = "
     INSERT INTO build (id, profile, state, opened_at, nesting_at, verified_at, published_at, state_at, file_name, height_mm, copies)
         VALUES (4, 'paper-200', 'complete', '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z',
                 '2026-11-02T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'x.build.3mf', 87.5, 1);
-    INSERT INTO placement VALUES (1, 0, 4, 0, 0, 0, 1, 1, 2, 3);
+    INSERT INTO placement (part_id, copy, build_id, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm) VALUES (1, 0, 4, 0, 0, 0, 1, 1, 2, 3);
     INSERT INTO event (id, at, kind, profile, part_id, build_id, detail) VALUES (1, '2026-11-01T00:00:00.000Z', 'built', 'paper-200', 1, NULL, ''),
         (2, '2026-11-01T00:00:00.000Z', 'rejected', 'paper-200', 7, NULL, 'too large'),
         (3, '2026-11-03T00:00:00.000Z', 'complete', 'paper-200', NULL, 4, '');

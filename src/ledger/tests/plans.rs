@@ -75,11 +75,28 @@ fn histories() -> Vec<String> {
     all
 }
 
+/// Every kind of question that is asked for a list of parts; that for built ones walks, until it has as many as are asked for.
+fn part_lists() -> Vec<String> {
+    let mut all = Vec::new();
+    for name in [None, Some("a.stl".to_owned())] {
+        for state in [None, Some(PartState::Waiting), Some(PartState::Rejected)] {
+            for profile in [None, Some("m".to_owned())] {
+                for before in [None, Some(PartId(7))] {
+                    let query = PartQuery { name: name.clone(), state, profile: profile.clone(), before, limit: 500 };
+                    all.push(super::super::part_list::sql(&query));
+                }
+            }
+        }
+    }
+    all
+}
+
 #[tokio::test]
 async fn no_query_walks_through_a_table_that_grows() {
     let ledger = fresh().await;
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/ledger");
     let mut all = histories();
+    all.extend(part_lists());
     for entry in std::fs::read_dir(folder).unwrap().map(Result::unwrap) {
         let name = entry.file_name().into_string().unwrap();
         if name.ends_with(".rs") && !WHOLE.contains(&name.as_str()) && !name.contains("fixtures") {

@@ -1,6 +1,9 @@
 //! `nestd run`: the daemon in the foreground.
 
-use std::sync::{Arc, PoisonError, RwLock};
+use std::{
+    sync::{Arc, Mutex, PoisonError, RwLock},
+    time::Duration,
+};
 
 use anyhow::{Context, Result};
 use tokio::runtime::Runtime;
@@ -13,6 +16,9 @@ use crate::{
     settings::{self, Settings, Shared},
     web,
 };
+
+/// Between two looks whether anybody is to be told anything.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -31,24 +37,24 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     demand_little(&settings, args.allow_root)?;
     logging::start(&settings.log)?;
     let runtime = threads("nestd", 512)?;
-    // Whoever watches has threads of its own: one that hangs, on a share or a pipe, holds up nobody but the others there.
-    let watching = threads("nestd-watch", 8)?;
     let web = settings.web.clone();
     let shared: Shared = Arc::new(RwLock::new(Arc::new(settings)));
-    let told = shared.clone();
+    let (told, served) = (shared.clone(), web.clone());
     let load = move || {
         let settings = load()?;
+        if settings.web != served {
+            tracing::warn!("What [web] says now is taken at the next start.");
+        }
         *told.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
         Ok(settings)
     };
     let outside = farm::Outside::default();
-    tell_watchers(&watching, &shared, &outside);
-    if let Some(web) = web {
-        watching.spawn(serve(shared, web, outside.clone()));
-    }
+    runtime.spawn(watch(shared, web, outside.clone()));
     let result = runtime.block_on(farm::run(Box::new(load), outside));
     // Jobs run on threads of their own; what has not ended by now finds its work again at the next start.
-    watching.shutdown_background();
+    if let Some(watching) = WATCHING.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        watching.shutdown_background();
+    }
     runtime.shutdown_background();
     result.map(|()| Exit::Success)
 }
@@ -58,6 +64,37 @@ fn threads(name: &str, blocking: usize) -> Result<Runtime> {
     let mut builder = tokio::runtime::Builder::new_multi_thread();
     builder.worker_threads(2).max_blocking_threads(blocking).thread_name(name).enable_all();
     builder.build().context("starting the runtime")
+}
+
+/// Whoever watches has threads of its own: one that hangs, on a share or a pipe, holds up nobody but the others there. A farm
+/// that nobody watches has none.
+static WATCHING: Mutex<Option<Runtime>> = Mutex::new(None);
+
+/// Begins to show and to tell as soon as somebody is to be shown or told anything; the settings may change that at any time.
+async fn watch(shared: Shared, web: Option<settings::Web>, outside: farm::Outside) {
+    let begun = async {
+        if let Err(failure) = outbox::forget_others(&shared).await {
+            tracing::debug!("Receivers that are not configured could not be forgotten: {failure:#}.");
+        }
+        while !is_anybody_told(&shared) && web.is_none() {
+            tokio::time::sleep(LOOK_EVERY).await;
+        }
+        let watching = match threads("nestd-watch", 8) {
+            Ok(watching) => watching,
+            Err(failure) => return outside.fails(&format!("{failure:#}")),
+        };
+        watching.spawn(tell(shared.clone(), outside.clone()));
+        if let Some(web) = web {
+            watching.spawn(serve(shared, web, outside.clone()));
+        }
+        *WATCHING.lock().unwrap_or_else(PoisonError::into_inner) = Some(watching);
+    };
+    outside.while_open(begun).await;
+}
+
+fn is_anybody_told(shared: &Shared) -> bool {
+    let settings = shared.read().unwrap_or_else(PoisonError::into_inner);
+    settings.metrics.is_some() || !outbox::configured(&settings.notify).is_empty()
 }
 
 /// The dashboard, while the farm is open: the ledger may be opened only when it was found whole, and the address be taken only
@@ -72,15 +109,12 @@ async fn serve(shared: Shared, web: settings::Web, outside: farm::Outside) {
 }
 
 /// Those who watch the farm from outside are told by tasks beside it, while its ledger is open.
-fn tell_watchers(runtime: &Runtime, shared: &Shared, outside: &farm::Outside) {
-    let (shared, outside) = (shared.clone(), outside.clone());
-    runtime.spawn(async move {
-        let trouble = |receiver: Receiver, why| outside.receiver(&receiver.to_string(), why);
-        let telling = async {
-            tokio::join!(metrics::keep(shared.clone()), outbox::serve(shared.clone(), trouble));
-        };
-        outside.while_open(telling).await;
-    });
+async fn tell(shared: Shared, outside: farm::Outside) {
+    let trouble = |receiver: Receiver, why| outside.receiver(&receiver.to_string(), why);
+    let telling = async {
+        tokio::join!(metrics::keep(shared.clone()), outbox::serve(shared.clone(), trouble));
+    };
+    outside.while_open(telling).await;
 }
 
 /// The daemon takes files out of folders that anybody may write to: it must not be able to do more than that.

@@ -229,11 +229,13 @@ pub(super) fn sql(query: &HistoryQuery) -> String {
         };
     }
     let first = order.map(|(key, is_falling)| format!("{key}{}, ", if is_falling { " DESC" } else { "" }));
-    format!(
-        "SELECT {COLUMNS} FROM {from} WHERE b.state NOT IN ('open', 'nesting') AND {TIME} >= coalesce(?1, '') \
-         AND {end}{given} ORDER BY {}{TIME} DESC, b.id DESC LIMIT ?3",
-        first.unwrap_or_default()
-    )
+    let order = format!("ORDER BY {}{TIME} DESC, b.id DESC", first.unwrap_or_default());
+    // Of the rows that are shown alone the parts are counted.
+    let numbers = format!(
+        "SELECT b.id FROM {from} WHERE b.state NOT IN ('open', 'nesting') AND {TIME} >= coalesce(?1, '') \
+         AND {end}{given} {order} LIMIT ?3"
+    );
+    format!("SELECT {COLUMNS} FROM build b WHERE b.id IN ({numbers}) {order}")
 }
 
 /// Those that hold a copy of a part of that file name or order.

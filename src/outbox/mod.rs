@@ -16,5 +16,5 @@ mod tests;
 
 pub use message::{Message, kinds};
 pub use send::{configured, send};
-pub use serve::serve;
+pub use serve::{forget_others, serve};
 pub use webhook::signature;

@@ -3,7 +3,7 @@
 
 use std::{
     sync::{Arc, PoisonError},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use anyhow::{Context, Result};
@@ -27,8 +27,8 @@ const FIRST_WAIT: Duration = Duration::from_secs(1);
 const LONGEST_WAIT: Duration = Duration::from_secs(300);
 /// A receiver that cannot be told for so long needs a person.
 const TROUBLE_AFTER: SignedDuration = SignedDuration::from_mins(5);
-/// The place of a receiver is written down when so many events were not for it.
-const NOTE_AFTER: i64 = 1000;
+/// The place of a receiver behind events that were not for it is written down so often at most.
+const NOTE_EVERY: Duration = Duration::from_secs(60);
 /// What sends must end within its timeout; a thread that does not is left to itself.
 const GRACE: Duration = Duration::from_secs(5);
 
@@ -37,6 +37,28 @@ const GRACE: Duration = Duration::from_secs(5);
 pub async fn serve(settings: Shared, trouble: impl Fn(Receiver, Option<String>)) {
     let tell = |receiver| Telling::new(settings.clone(), receiver).run(&trouble);
     tokio::join!(tell(Receiver::Webhook), tell(Receiver::Command));
+}
+
+/// Forgets the places of receivers that are not configured; for where nobody is told anything.
+///
+/// # Errors
+/// When the ledger does not answer.
+pub async fn forget_others(settings: &Shared) -> Result<()> {
+    let settings = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
+    let known = configured(&settings.notify);
+    let others: Vec<Receiver> =
+        [Receiver::Webhook, Receiver::Command].into_iter().filter(|receiver| !known.contains(receiver)).collect();
+    forget(&settings, &others).await
+}
+
+async fn forget(settings: &Settings, receivers: &[Receiver]) -> Result<()> {
+    let ledger = Ledger::open_existing(&settings.ledger).await?;
+    let mut forgotten = Ok(());
+    for receiver in receivers {
+        forgotten = forgotten.and(ledger.forget_receiver(*receiver).await);
+    }
+    ledger.close().await;
+    Ok(forgotten?)
 }
 
 /// What came of one step.
@@ -56,8 +78,8 @@ struct Telling {
     ledger: Option<Ledger>,
     /// The latest event that it has, or that is not for it; `None` = not asked for yet.
     at: Option<i64>,
-    /// The same as it stands in the ledger.
-    noted: i64,
+    /// The same as it stands in the ledger, and since when.
+    noted: (i64, Instant),
     /// Whether the ledger knows that the receiver is not configured.
     is_forgotten: bool,
     /// Why it could not be told last.
@@ -67,7 +89,7 @@ struct Telling {
 impl Telling {
     fn new(settings: Shared, receiver: Receiver) -> Self {
         let (ledger, at, failing) = (None, None, String::new());
-        Self { settings, receiver, ledger, at, noted: 0, is_forgotten: false, failing }
+        Self { settings, receiver, ledger, at, noted: (0, Instant::now()), is_forgotten: false, failing }
     }
 
     fn settings(&self) -> Arc<Settings> {
@@ -125,34 +147,28 @@ impl Telling {
             Some(at) => at,
             None => {
                 let row = ledger.receiver(self.receiver).await?;
-                (self.noted, self.at) = (row.told_id, Some(row.told_id));
+                (self.at, self.noted) = (Some(row.told_id), (row.told_id, Instant::now()));
                 row.told_id
             }
         };
         let last = ledger.last_event_id().await?;
-        if last <= at {
-            return Ok(Step::Idle);
+        if last > at
+            && let Some(event) = ledger.next_event(at, &kinds(&settings.notify.events)).await?
+        {
+            return self.tell(settings, &ledger, &event).await;
         }
-        match ledger.next_event(at, &kinds(&settings.notify.events)).await? {
-            Some(event) => self.tell(settings, &ledger, &event).await,
-            None => {
-                self.at = Some(last);
-                if last - self.noted >= NOTE_AFTER {
-                    ledger.told(self.receiver, last).await?;
-                    self.noted = last;
-                }
-                Ok(Step::Idle)
-            }
+        self.at = Some(last.max(at));
+        if last > self.noted.0 && self.noted.1.elapsed() >= NOTE_EVERY {
+            ledger.told(self.receiver, last).await?;
+            self.noted = (last, Instant::now());
         }
+        Ok(Step::Idle)
     }
 
     /// Nobody is to be told: when somebody is again, he is told of what happens from then on.
     async fn forget(&mut self, settings: &Settings) -> Result<Step> {
         if !self.is_forgotten {
-            let ledger = Ledger::open_existing(&settings.ledger).await?;
-            let forgotten = ledger.forget_receiver(self.receiver).await;
-            ledger.close().await;
-            forgotten?;
+            forget(settings, &[self.receiver]).await?;
             (self.is_forgotten, self.at, self.ledger) = (true, None, None);
         }
         Ok(Step::Idle)
@@ -170,7 +186,7 @@ impl Telling {
         match sent {
             Ok(()) => {
                 ledger.told(receiver, event.id).await?;
-                (self.at, self.noted) = (Some(event.id), event.id);
+                (self.at, self.noted) = (Some(event.id), (event.id, Instant::now()));
                 if !std::mem::take(&mut self.failing).is_empty() {
                     info!("The {receiver} can be told again.");
                 }

@@ -12,7 +12,7 @@ use super::{
     page::{facts, page},
     problem::{Answer, Problem},
     server::Web,
-    words::{DASH, count, number, or_dash, prose, text, time},
+    words::{DASH, count, number, prose, text, time},
 };
 use crate::ledger::{CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow};
 
@@ -154,7 +154,11 @@ fn what_it_is(part: &PartRow) -> Markup {
         ("Size", html! { (size) }),
         (
             "Volume",
-            html! { (number(part.volume_mm3.map(|v| v / 1000.0), 2)) " cm3, " (or_dash(part.triangles)) " triangles" },
+            html! {
+                @if let (Some(volume_mm3), Some(triangles)) = (part.volume_mm3, part.triangles) {
+                    (number(Some(volume_mm3 / 1000.0), 2)) " cm3, " (triangles) " triangles"
+                } @else { "not read yet" }
+            },
         ),
         ("Orientation", html! { (format!("{:?}", part.orientation).to_lowercase()) }),
         ("Note", html! { (text(&part.note)) }),
@@ -178,7 +182,9 @@ fn copies(part: &PartRow, placements: &[PlacementRow]) -> Markup {
                         td.n { (placed.copy + 1) }
                         td { a href=(format!("/builds/{}#part-{}", placed.build_id, part.id)) { (placed.build_id) ", marked" } }
                         td { (placed.build_state) } td { (time(placed.published_at)) }
-                        td { (number(placed.tx_mm, 1)) ", " (number(placed.ty_mm, 1)) ", " (number(placed.tz_mm, 1)) }
+                        td { @if placed.tx_mm.is_some() {
+                            (number(placed.tx_mm, 1)) ", " (number(placed.ty_mm, 1)) ", " (number(placed.tz_mm, 1))
+                        } @else { "not placed yet" } }
                     } } }
                 }
             }

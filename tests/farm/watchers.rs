@@ -24,6 +24,34 @@ fn farm(hook: &Hook, more: &str) -> TestFarm {
     farm
 }
 
+/// Threads of the farm's daemon whose name begins so.
+fn threads(farm: &TestFarm, name: &str) -> usize {
+    let threads = fs::read_dir(format!("/proc/{}/task", farm.pid())).unwrap().flatten();
+    threads.filter(|thread| fs::read_to_string(thread.path().join("comm")).is_ok_and(|is| is.starts_with(name))).count()
+}
+
+#[test]
+fn a_farm_that_nobody_watches_has_no_threads_for_it_and_begins_when_the_settings_say_so() {
+    let mut farm = TestFarm::new(QUICK);
+    farm.start();
+    farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(nestd::ledger::PartState::Waiting, 1);
+    assert_eq!(threads(&farm, "nestd-watch"), 0);
+    let file = farm.root().join("nestd.prom");
+    let config = fs::read_to_string(farm.config()).unwrap();
+    let more = format!(
+        "{config}[metrics]\ntextfile = \"{}\"\nevery_secs = 1\n[web]\nlisten = \"unix:{}\"\n",
+        file.display(),
+        farm.root().join("web.sock").display()
+    );
+    fs::write(farm.config(), more).unwrap();
+    farm.reload();
+    wait_until_or("the metrics are written", 20.0, || farm.log(), || file.is_file());
+    assert!(threads(&farm, "nestd-watch") > 0);
+    assert!(farm.log().contains("What [web] says now is taken at the next start"), "{}", farm.log());
+    farm.stop();
+}
+
 #[test]
 fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     let hook = Hook::answering(&[500]);

@@ -137,8 +137,10 @@ async fn the_history_of_any_span_comes_from_its_index_in_order() {
         for after in [None, Some(BuildId(7))] {
             let query = HistoryQuery { profile: one.clone(), after, ..Default::default() };
             let plan = plan(&ledger, &super::super::history::sql(&query)).await;
-            assert!(plan[0].contains("SEARCH b") && plan[0].contains(index), "{plan:?}");
-            assert!(plan.iter().all(|step| !step.contains("TEMP B-TREE FOR ORDER BY")), "{plan:?}");
+            assert!(plan.iter().any(|step| step.contains("SEARCH b") && step.contains(index)), "{plan:?}");
+            // Only the rows of the page are sorted.
+            let sorts = plan.iter().filter(|step| step.contains("TEMP B-TREE FOR ORDER BY")).count();
+            assert!(sorts == 1 && plan.last().unwrap().contains("ORDER BY"), "{plan:?}");
         }
     }
 }

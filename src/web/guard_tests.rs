@@ -65,3 +65,40 @@ async fn pages_that_listen_for_changes_leave_room_for_those_that_ask() {
     let request = Request::get("/live").header("host", "localhost").body(Body::empty()).unwrap();
     assert_eq!(routes(dashboard.web.clone()).oneshot(request).await.unwrap().status(), StatusCode::OK);
 }
+
+#[tokio::test]
+async fn pages_of_other_sites_get_nothing_but_links_that_a_person_follows() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let ask = async |method: &str, told: &[(&str, &str)]| {
+        let mut request = Request::builder().method(method).uri("/builds/1/scene").header("host", "localhost:7878");
+        for (name, value) in told {
+            request = request.header(*name, *value);
+        }
+        let request = request.body(Body::empty()).unwrap();
+        routes(dashboard.web.clone()).oneshot(request).await.unwrap()
+    };
+    let link = [("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document")];
+    let program: [(&str, &str); 0] = [];
+    let own = [("sec-fetch-site", "same-origin"), ("sec-fetch-mode", "cors"), ("sec-fetch-dest", "empty")];
+    for told in [&program[..], &own, &[("sec-fetch-site", "none")], &link, &link[..2]] {
+        let answer = ask("GET", told).await;
+        assert_eq!(answer.status(), StatusCode::OK, "{told:?}");
+        assert_eq!(answer.headers()["cross-origin-resource-policy"], "same-origin");
+    }
+    for site in ["cross-site", "same-site"] {
+        for told in [
+            &[("sec-fetch-mode", "no-cors"), ("sec-fetch-dest", "image")][..],
+            &[("sec-fetch-mode", "cors"), ("sec-fetch-dest", "empty")],
+            &[("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "iframe")],
+            &[("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document"), ("sec-purpose", "prefetch;prerender")],
+            &[],
+        ] {
+            let told: Vec<_> = [("sec-fetch-site", site)].into_iter().chain(told.iter().copied()).collect();
+            let answer = ask("GET", &told).await;
+            assert_eq!(answer.status(), StatusCode::FORBIDDEN, "{told:?}");
+            assert_eq!(answer.headers()["cross-origin-resource-policy"], "same-origin");
+        }
+    }
+    assert_eq!(ask("HEAD", &link).await.status(), StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.get("/").await.status, StatusCode::OK);
+}

@@ -223,8 +223,11 @@ fn a_narrow_terminal_shows_all_of_the_status() {
     let args = ["-c", &config(), "--root", ".", "status", "--watch"];
     let mut terminal = Terminal::wide(nestd(dir.path(), &args), false, 60);
     terminal.until("the farm is shown", |seen| seen.contains("Ctrl-C"));
-    let shown = terminal.seen.split("Every 2 s").next().unwrap().replace("\x1b[2J", "").replace("\x1b[H", "");
-    let lines: Vec<&str> = shown.split("\x1b[K\r\n").collect();
+    let mut shown = terminal.seen.split("Every 2 s").next().unwrap().to_owned();
+    for control in ["\x1b[2J", "\x1b[H", "\x1b[K", "\r"] {
+        shown = shown.replace(control, "");
+    }
+    let lines: Vec<&str> = shown.lines().collect();
     assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
     for told in ["NOW: paused by", "@a-desk-in-the-office", "REJECTED: 0", "LAST PUBLISHED (UTC): -"] {
         assert!(shown.contains(told), "{told}: {lines:#?}");

@@ -1,5 +1,6 @@
 //! Who may ask: names of this machine only (a page of another site must not reach the farm through a browser here), the
-//! bearer token where one is asked for, from pages of other sites nothing but links that a person follows, and orders only from our own. Every answer forbids what pages do not need.
+//! bearer token where one is asked for, for pages of other sites only links that a person follows, and orders from our own
+//! pages. Every answer forbids what pages do not need.
 
 use std::sync::Arc;
 
@@ -10,7 +11,10 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use super::{problem::Problem, server::Web};
+use super::{
+    problem::{Problem, in_form},
+    server::Web,
+};
 
 /// No other host, no inline script, no frame around our pages.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
@@ -18,10 +22,12 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
 
 /// Lets a request through or refuses it.
 pub(super) async fn guard(State(web): State<Arc<Web>>, request: Request, next: Next) -> Response {
-    let mut response = match judge(&web, &request) {
+    let path = request.uri().path().to_owned();
+    let response = match judge(&web, &request) {
         Ok(()) => next.run(request).await,
         Err(problem) => problem.into_response(),
     };
+    let mut response = in_form(response, &path);
     let fixed = [
         (header::CONTENT_SECURITY_POLICY, POLICY),
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
@@ -59,7 +65,7 @@ fn judge(web: &Web, request: &Request) -> Result<(), Problem> {
     if !is_link && !is_from_us(&said) {
         return refused(
             StatusCode::FORBIDDEN,
-            "this farm answers other sites' pages to links that a person follows only",
+            "to other sites' pages this farm answers only when a person follows a link, and orders are taken from its own pages",
         );
     }
     Ok(())

@@ -119,7 +119,7 @@ fn a_report_of_a_file_is_whole_and_shows_names_as_text() {
     assert!(html.contains("Pick map") && html.contains("data-copies=\"5\"") && html.ends_with("</html>"));
 }
 
-/// What a process writes to a terminal of 100 x 30, and how it is stopped.
+/// What a process writes to a terminal 30 rows high, and how it is stopped.
 struct Terminal {
     child: std::process::Child,
     written: mpsc::Receiver<Vec<u8>>,
@@ -128,8 +128,13 @@ struct Terminal {
 
 impl Terminal {
     /// Runs a command whose output (or errors) is a terminal.
-    fn of(mut command: Command, errors: bool) -> Self {
-        let size = Winsize { ws_row: 30, ws_col: 100, ws_xpixel: 0, ws_ypixel: 0 };
+    fn of(command: Command, errors: bool) -> Self {
+        Self::wide(command, errors, 100)
+    }
+
+    /// The same with so many columns.
+    fn wide(mut command: Command, errors: bool, columns: u16) -> Self {
+        let size = Winsize { ws_row: 30, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
         let pty = openpty(&size, None).unwrap();
         let (mine, theirs): (OwnedFd, OwnedFd) = (pty.master, pty.slave);
         match errors {
@@ -204,6 +209,29 @@ fn status_is_redrawn_in_place_until_ctrl_c() {
     let pid = nix::unistd::Pid::from_raw(terminal.child.id() as i32);
     nix::sys::signal::kill(pid, interrupt()).unwrap();
     assert_eq!(terminal.child.wait().unwrap().code(), None, "it ends by the signal");
+}
+
+#[test]
+fn a_narrow_terminal_shows_all_of_the_status() {
+    let dir = tempfile::tempdir().unwrap();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let ledger = Ledger::open(&dir.path().join("state/nestd.db")).await.unwrap();
+        ledger.pause("fuse-1", "a-person-with-a-long-name@a-desk-in-the-office").await.unwrap();
+        ledger.close().await;
+    });
+    let args = ["-c", &config(), "--root", ".", "status", "--watch"];
+    let mut terminal = Terminal::wide(nestd(dir.path(), &args), false, 60);
+    terminal.until("the farm is shown", |seen| seen.contains("Ctrl-C"));
+    let mut shown = terminal.seen.split("Every 2 s").next().unwrap().to_owned();
+    for control in ["\x1b[2J", "\x1b[H", "\x1b[K", "\r"] {
+        shown = shown.replace(control, "");
+    }
+    let lines: Vec<&str> = shown.lines().collect();
+    assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
+    for told in ["NOW: paused by", "@a-desk-in-the-office", "REJECTED: 0", "LAST PUBLISHED (UTC): -"] {
+        assert!(shown.contains(told), "{told}: {lines:#?}");
+    }
 }
 
 #[test]

@@ -66,7 +66,7 @@ struct Machine {
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let settings = settings_to_look(common)?;
     if args.watch {
-        watch(|| {
+        watch(|columns| {
             let attention = farm::kept_notices(&settings.state_dir);
             let status = looked(settings.clone(), args.parts);
             // The ledger itself may be what needs a person.
@@ -74,7 +74,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
                 text if text.is_empty() => error,
                 text => anyhow::anyhow!("{error:#}\n\n{text}"),
             })?;
-            Ok(FarmStatus { attention, ..status }.print(Timestamp::now()))
+            Ok(FarmStatus { attention, ..status }.print(Timestamp::now(), columns))
         })?;
         return Ok(Exit::Success);
     }
@@ -93,7 +93,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     };
     match args.json {
         true => say_json(&status)?,
-        false => say(&status.print(Timestamp::now()))?,
+        false => say(&status.print(Timestamp::now(), usize::MAX))?,
     }
     Ok(Exit::Success)
 }
@@ -137,8 +137,8 @@ async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
 }
 
 impl FarmStatus {
-    /// For people.
-    pub fn print(&self, now: Timestamp) -> String {
+    /// For people; tables that are wider than so many columns are lists.
+    pub fn print(&self, now: Timestamp, columns: usize) -> String {
         let mut table = Table::new(&[
             "PROFILE",
             ">WAITING",
@@ -155,9 +155,9 @@ impl FarmStatus {
         }
         let attention = attention_text(&self.attention);
         let gap = if attention.is_empty() { "" } else { "\n" };
-        let mut text = format!("{}\n{gap}{attention}\n{table}", self.daemon_line(now));
+        let mut text = format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.within(columns));
         if let Some(parts) = &self.parts {
-            text += &format!("\n{}", parts_table(parts));
+            text += &format!("\n{}", parts_table(parts).within(columns));
         }
         text
     }

@@ -33,6 +33,31 @@ impl Table {
         self.rows.is_empty()
     }
 
+    /// The table where it fits so many columns of a terminal; where not, each row as a list of its cells with their headings.
+    pub fn within(&self, columns: usize) -> String {
+        let table = self.to_string();
+        if self.is_empty() || table.lines().all(|line| line.chars().count() <= columns) {
+            return table;
+        }
+        self.rows.iter().map(|row| self.list(row, columns)).collect()
+    }
+
+    /// "PART: 3  PROFILE: mjf", as many in a line as fit, the first line further out.
+    fn list(&self, row: &[String], columns: usize) -> String {
+        let mut lines: Vec<String> = Vec::new();
+        for (head, cell) in self.heads.iter().zip(row) {
+            let pair = format!("{}: {cell}", head.trim_start_matches('>'));
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 2 + pair.chars().count() <= columns => {
+                    *line += &format!("  {pair}")
+                }
+                Some(_) => lines.push(format!("  {pair}")),
+                None => lines.push(pair),
+            }
+        }
+        lines.iter().map(|line| format!("{line}\n")).collect()
+    }
+
     fn width(&self, column: usize) -> usize {
         let head = self.heads[column].trim_start_matches('>').chars().count();
         self.rows.iter().map(|row| row[column].chars().count()).fold(head, usize::max)
@@ -134,6 +159,18 @@ mod tests {
         table.row(vec!["größe.stl".into(), "3".into(), "waiting".into()]);
         table.row(vec!["a\u{1b}".into(), "12".into(), String::new()]);
         assert_eq!(table.to_string(), "NAME       COPIES  STATE\ngröße.stl       3  waiting\na\\u{1b}        12\n");
+    }
+
+    #[test]
+    fn a_table_that_is_too_wide_is_a_list_that_leaves_nothing_out() {
+        let mut table = Table::new(&["PROFILE", ">WAITING", "NEXT BUILD", "NOW"]);
+        table.row(vec!["mjf".into(), "3".into(), "55.61 mm, 11 copies".into(), "collecting".into()]);
+        table.row(vec!["sls".into(), "0".into(), "-".into(), "idle".into()]);
+        assert_eq!(table.within(49), table.to_string());
+        let list = "PROFILE: mjf  WAITING: 3\n  NEXT BUILD: 55.61 mm, 11 copies\n  NOW: collecting\n\
+                    PROFILE: sls  WAITING: 0  NEXT BUILD: -\n  NOW: idle\n";
+        assert_eq!(table.within(48), list);
+        assert_eq!(table.within(12).matches(": ").count(), 8, "however narrow it is");
     }
 
     #[test]

@@ -74,11 +74,12 @@ async fn status_shows_every_machine_and_what_it_does() {
     nesting(&ledger, &[(a, 1)]).await;
     ledger.cancel(b, Refusal::Cancelled, "not\nneeded").await.unwrap();
     ledger.pause("sold", "ann@farm").await.unwrap();
-    let stopped = status::look(&ledger, &["fuse-1", "paper-200"], false).await.unwrap().print(Timestamp::now());
+    let stopped =
+        status::look(&ledger, &["fuse-1", "paper-200"], false).await.unwrap().print(Timestamp::now(), usize::MAX);
     assert!(stopped.starts_with("The daemon does not run.\n"), "{stopped}");
     beat(&ledger).await;
     let farm = status::look(&ledger, &["fuse-1", "paper-200"], true).await.unwrap();
-    let text = farm.print(Timestamp::now());
+    let text = farm.print(Timestamp::now(), usize::MAX);
     assert!(text.starts_with("The daemon runs on farm (process 4711, version 0.1.0)"), "{text}");
     let line = |name: &str| text.lines().find(|l| l.starts_with(name)).unwrap().split_whitespace().collect::<Vec<_>>();
     assert_eq!(line("fuse-1")[..7], ["fuse-1", "0", "0", "-", "-", "-", "idle"]);

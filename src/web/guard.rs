@@ -1,5 +1,6 @@
 //! Who may ask: names of this machine only (a page of another site must not reach the farm through a browser here), the
-//! bearer token where one is asked for, and orders only from our own pages. Every answer forbids what pages do not need.
+//! bearer token where one is asked for, for pages of other sites only links that a person follows, and orders from our own
+//! pages. Every answer forbids what pages do not need.
 
 use std::sync::Arc;
 
@@ -32,6 +33,7 @@ pub(super) async fn guard(State(web): State<Arc<Web>>, request: Request, next: N
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         (header::X_FRAME_OPTIONS, "DENY"),
         (header::REFERRER_POLICY, "same-origin"),
+        (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
     ];
     let headers = response.headers_mut();
     for (name, value) in fixed {
@@ -46,27 +48,40 @@ pub(super) async fn guard(State(web): State<Arc<Web>>, request: Request, next: N
 
 fn judge(web: &Web, request: &Request) -> Result<(), Problem> {
     let refused = |status, text: &str| Err(Problem::Refused(status, text.to_owned()));
-    let said = |name| request.headers().get(name).and_then(|value| value.to_str().ok());
+    let said = |name: &'static str| request.headers().get(name).and_then(|value| value.to_str().ok());
     // A watchdog asks without a token whether the process lives.
     if request.uri().path() == "/healthz" {
         return Ok(());
     }
     if let Some(token) = &web.token {
-        let given = said(header::AUTHORIZATION).and_then(|value| value.strip_prefix("Bearer ")).unwrap_or_default();
+        let given = said("authorization").and_then(|value| value.strip_prefix("Bearer ")).unwrap_or_default();
         if !is_same(given, token) {
             return refused(StatusCode::UNAUTHORIZED, "this farm asks for a bearer token");
         }
-    } else if !is_own_name(web, said(header::HOST).unwrap_or_default()) {
+    } else if !is_own_name(web, said("host").unwrap_or_default()) {
         return refused(StatusCode::MISDIRECTED_REQUEST, "this farm does not answer to that name; see web.hosts");
     }
-    if *request.method() != Method::GET && *request.method() != Method::HEAD {
-        let from_us = said(header::HeaderName::from_static("sec-fetch-site"))
-            .is_none_or(|site| site == "same-origin" || site == "none");
-        if !from_us {
-            return refused(StatusCode::FORBIDDEN, "orders are taken from this farm's own pages only");
-        }
+    let is_link = *request.method() == Method::GET && is_followed_link(&said);
+    if !is_link && !is_from_us(&said) {
+        return refused(
+            StatusCode::FORBIDDEN,
+            "to other sites' pages this farm answers only when a person follows a link, and orders are taken from its own pages",
+        );
     }
     Ok(())
+}
+
+/// Whether our own pages, a person (the address bar) or a program asks. What other sites' pages ask for, also those of our
+/// neighbours and of other ports of this machine, they may not read; answering would only make this machine work.
+fn is_from_us<'r>(said: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
+    said("sec-fetch-site").is_none_or(|site| site == "same-origin" || site == "none")
+}
+
+/// Whether a page is opened as a page of its own: not fetched, not an image, not in a frame, not in case somebody wants it.
+fn is_followed_link<'r>(said: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
+    said("sec-fetch-mode") == Some("navigate")
+        && said("sec-fetch-dest").is_none_or(|place| place == "document")
+        && said("sec-purpose").is_none()
 }
 
 /// Compares in a time that does not tell how much is right.

@@ -3,12 +3,14 @@
 //!
 //! Everything is embedded in the binary, and no page asks another host for anything.
 
+mod admit;
 mod api;
 mod asked;
 mod assets;
 mod build;
 mod cache;
 mod chart;
+mod door;
 mod farm;
 mod footprint;
 mod guard;

@@ -1,12 +1,8 @@
 //! The server: what all handlers share, the routes, and where it listens.
 
-use std::{
-    os::unix::{fs::FileTypeExt, net::UnixStream},
-    path::Path,
-    sync::{Arc, PoisonError},
-};
+use std::sync::{Arc, PoisonError};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result};
 use axum::{
     Router,
     body::Bytes,
@@ -14,15 +10,14 @@ use axum::{
     middleware,
     routing::{get, post},
 };
-use tokio::{
-    net::{TcpListener, UnixListener},
-    sync::{Semaphore, watch},
-};
+use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{
+    admit::{self, Admitting, Answering},
     api, assets, build,
     cache::Cache,
+    door::Door,
     farm as farm_page, guard, history, live, metrics, order, part, pick, picture,
     problem::{Answer, Problem},
     scene,
@@ -31,11 +26,11 @@ use crate::{
     access, farm,
     ledger::Ledger,
     metrics::Metrics,
-    settings::{Listen, Settings, Shared, Web as WebSettings},
+    settings::{Settings, Shared, Web as WebSettings},
 };
 
 /// Largest form, bytes.
-const MOST_BODY: usize = 4096;
+pub(super) const MOST_BODY: usize = 4096;
 
 /// What all handlers share.
 pub(super) struct Web {
@@ -102,10 +97,10 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         changes: changes.clone(),
     });
     tokio::spawn(live::look(shared.clone(), changes));
-    let routes = routes(shared);
+    let routes = routes(shared).into_make_service_with_connect_info::<Answering>();
     match door {
-        Door::Tcp(listener) => axum::serve(listener, routes).await,
-        Door::Unix(listener) => axum::serve(listener, routes).await,
+        Door::Tcp(listener) => axum::serve(Admitting::usual(listener), routes).await,
+        Door::Unix(listener) => axum::serve(Admitting::usual(listener), routes).await,
     }
     .context("serving the dashboard")
 }
@@ -138,6 +133,7 @@ pub(super) fn routes(web: Arc<Web>) -> Router {
         .route("/healthz", get(|| async { "alive\n" }))
         .route("/readyz", get(metrics::readyz))
         .fallback(|| async { Problem::NotFound("page of that address".to_owned()) })
+        .layer(middleware::from_fn(admit::answer))
         .layer(middleware::from_fn_with_state(web.clone(), guard::guard))
         .layer(DefaultBodyLimit::max(MOST_BODY))
         .with_state(web)
@@ -150,84 +146,5 @@ impl Drop for CloseAtEnd {
     fn drop(&mut self) {
         let ledger = self.0.clone();
         tokio::spawn(async move { ledger.close().await });
-    }
-}
-
-/// The socket of a daemon that is gone would be in the way; one that answers is somebody's.
-fn remove_left(path: &Path) -> Result<()> {
-    if !std::fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_socket()) {
-        return Ok(());
-    }
-    ensure!(UnixStream::connect(path).is_err(), "somebody else listens there");
-    Ok(std::fs::remove_file(path)?)
-}
-
-/// A socket that is listened on.
-enum Door {
-    Tcp(TcpListener),
-    Unix(UnixListener),
-}
-
-impl Door {
-    async fn open(listen: &Listen) -> Result<Self> {
-        let cannot = || format!("listening on {listen}");
-        match listen {
-            Listen::Tcp(address) => TcpListener::bind(address).await.map(Self::Tcp).with_context(cannot),
-            Listen::Unix(path) => {
-                remove_left(path).with_context(cannot)?;
-                UnixListener::bind(path).map(Self::Unix).with_context(cannot)
-            }
-            Listen::Systemd => Self::of_systemd().with_context(cannot),
-        }
-    }
-
-    /// Other machines may ask only with a token, whoever opened the socket.
-    fn demand_token(&self, token: Option<&str>) -> Result<()> {
-        let Self::Tcp(listener) = self else { return Ok(()) };
-        let address = listener.local_addr()?;
-        ensure!(
-            token.is_some() || address.ip().is_loopback(),
-            "{address} can be reached from other machines: set web.token_file, or listen to this machine only"
-        );
-        Ok(())
-    }
-
-    fn of_systemd() -> Result<Self> {
-        let mut sockets = listenfd::ListenFd::from_env();
-        if let Ok(Some(socket)) = sockets.take_tcp_listener(0) {
-            socket.set_nonblocking(true)?;
-            return Ok(Self::Tcp(TcpListener::from_std(socket)?));
-        }
-        if let Ok(Some(socket)) = sockets.take_unix_listener(0) {
-            socket.set_nonblocking(true)?;
-            return Ok(Self::Unix(UnixListener::from_std(socket)?));
-        }
-        bail!("systemd passed no socket: start nestd by its socket unit")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[tokio::test]
-    async fn whoever_opened_the_socket_other_machines_ask_only_with_a_token() {
-        for (address, reachable) in [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true)] {
-            let Ok(listener) = TcpListener::bind(address).await else { continue };
-            let door = Door::Tcp(listener);
-            assert_eq!(door.demand_token(None).is_err(), reachable, "{address}");
-            assert!(door.demand_token(Some("a token of some letters")).is_ok());
-        }
-    }
-
-    #[tokio::test]
-    async fn a_socket_that_answers_is_left_and_one_that_is_left_over_goes() {
-        let folder = tempfile::tempdir().unwrap();
-        let listen = Listen::Unix(folder.path().join("web.sock"));
-        let first = Door::open(&listen).await.unwrap();
-        let refused = Door::open(&listen).await.map(drop).unwrap_err();
-        assert!(format!("{refused:#}").contains("somebody else"), "{refused:#}");
-        drop(first);
-        assert!(Door::open(&listen).await.is_ok());
     }
 }

@@ -20,6 +20,8 @@ use crate::{
 
 #[path = "api_tests.rs"]
 mod api;
+#[path = "guard_tests.rs"]
+mod guard;
 
 struct Asked {
     status: StatusCode,
@@ -136,60 +138,6 @@ async fn a_name_that_is_code_is_shown_as_text() {
 }
 
 #[tokio::test]
-async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {
-    let dashboard = Dashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
-    let ask = async |host: &str| {
-        let request = Request::get("/").header("host", host).body(Body::empty()).unwrap();
-        dashboard.send(request).await.status
-    };
-    assert_eq!(ask("evil.example.com").await, StatusCode::MISDIRECTED_REQUEST);
-    assert_eq!(ask("localhost.evil.example.com:7878").await, StatusCode::MISDIRECTED_REQUEST);
-    for own in ["localhost", "127.0.0.1:7878", "[::1]:7878", "farm.example.org"] {
-        assert_eq!(ask(own).await, StatusCode::OK, "{own}");
-    }
-}
-
-#[tokio::test]
-async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
-    let dashboard = Dashboard::new(|web| web.token = Some("a-token-of-some-length".to_owned())).await;
-    let ask = async |given: &str| {
-        let request = Request::get("/").header("host", "farm").header("authorization", given);
-        dashboard.send(request.body(Body::empty()).unwrap()).await.status
-    };
-    assert_eq!(ask("Bearer a-token-of-some-lengtH").await, StatusCode::UNAUTHORIZED);
-    assert_eq!(ask("Basic x").await, StatusCode::UNAUTHORIZED);
-    assert_eq!(ask("Bearer a-token-of-some-length").await, StatusCode::OK);
-    assert_eq!(dashboard.get("/metrics").await.status, StatusCode::UNAUTHORIZED);
-    assert_eq!(dashboard.get("/healthz").await.status, StatusCode::OK);
-}
-
-#[tokio::test]
-async fn an_order_is_taken_from_our_own_pages_only() {
-    let dashboard = Dashboard::new(|_| ()).await;
-    let flush = "key=key&kind=flush&profile=cube";
-    assert_eq!(dashboard.post(flush, "cross-site").await.status, StatusCode::FORBIDDEN);
-    assert_eq!(dashboard.post("key=wrong&kind=flush&profile=cube", "same-origin").await.status, StatusCode::FORBIDDEN);
-    assert_eq!(dashboard.post("key=key&kind=flush&profile=other", "same-origin").await.status, StatusCode::NOT_FOUND);
-    assert!(dashboard.ledger.asked().await.unwrap().is_empty());
-    let ledger = (*dashboard.ledger).clone();
-    let daemon = tokio::spawn(async move {
-        loop {
-            if let Some(order) = ledger.asked().await.unwrap().first() {
-                ledger.answer(order.id, true, "done").await.unwrap();
-                return (order.kind, order.profile.clone(), order.asked_by.clone());
-            }
-            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
-        }
-    });
-    assert_eq!(dashboard.post(flush, "same-origin").await.status, StatusCode::SEE_OTHER);
-    let (kind, profile, by) = daemon.await.unwrap();
-    assert_eq!((kind, profile.as_str(), by.as_str()), (crate::ledger::CommandKind::Flush, "cube", "dashboard"));
-    let silent = Dashboard::new(|web| web.orders = false).await;
-    assert_eq!(silent.post(flush, "same-origin").await.status, StatusCode::FORBIDDEN);
-    assert!(!silent.get("/").await.text.contains("<form class=\"order\""), "no buttons where there are no orders");
-}
-
-#[tokio::test]
 async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
     let dashboard = with_a_build("bracket.stl").await;
     let rows = dashboard.ledger.history(&Default::default()).await.unwrap();
@@ -299,5 +247,8 @@ async fn the_page_of_a_build_counts_the_copies_that_stand_in_it_and_has_a_pictur
     let without = page.split("<noscript>").nth(1).unwrap();
     assert!(without.split("</noscript>").next().unwrap().contains("src=\"/builds/1/picture\""));
     let map = dashboard.get("/builds/1/pick").await.text;
-    assert!(map.contains("1 copy, verified") && map.contains("1 part is listed without a place"), "the original is not there");
+    assert!(
+        map.contains("1 copy, verified") && map.contains("1 part is listed without a place"),
+        "the original is not there"
+    );
 }

@@ -86,3 +86,26 @@ fn a_second_daemon_that_is_refused_leaves_the_first_ones_dashboard_alone() {
     }
     farm.stop();
 }
+
+#[test]
+fn four_hundred_who_connect_and_say_nothing_take_no_files_from_the_farm() {
+    let mut farm = farm();
+    farm.start_with_open_files(256);
+    wait_for_dashboard(&farm);
+    let connected = |_| {
+        let mut stream = UnixStream::connect(farm.root().join("web.sock")).unwrap();
+        stream.set_write_timeout(Some(Duration::from_secs(2))).unwrap();
+        stream.write_all(b"GET / HTTP/1.1\r\nHost: loc").unwrap();
+        stream
+    };
+    let silent: Vec<UnixStream> = (0..400).map(connected).collect();
+    let files = || fs::read_dir(format!("/proc/{}/fd", farm.pid())).unwrap().count();
+    std::thread::sleep(Duration::from_secs(1));
+    assert!(files() < 160, "{} files are open", files());
+    farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    assert!(!farm.log().contains("Too many open files"), "{}", farm.log());
+    drop(silent);
+    wait_for_dashboard(&farm);
+    farm.stop();
+}

@@ -63,8 +63,21 @@ impl TestFarm {
     }
 
     pub fn start(&mut self) {
+        self.start_as(self.command(&["run"]));
+    }
+
+    /// Starts the daemon where so many files may be open.
+    pub fn start_with_open_files(&mut self, most: u32) {
+        let daemon = self.command(&["run"]);
+        let mut command = Command::new("sh");
+        command.arg("-c").arg(format!("ulimit -n {most}; exec \"$0\" \"$@\"")).arg(daemon.get_program());
+        command.args(daemon.get_args()).current_dir(self.root()).env("NESTD_ALLOW_ROOT", "1");
+        self.start_as(command);
+    }
+
+    fn start_as(&mut self, mut command: Command) {
         let log = fs::File::options().create(true).append(true).open(self.root().join("log")).unwrap();
-        let child = self.command(&["run"]).stdout(Stdio::null()).stderr(log).spawn().unwrap();
+        let child = command.stdout(Stdio::null()).stderr(log).spawn().unwrap();
         self.daemon = Some(child);
         let inbox = self.folder("inbox");
         wait_until("the daemon makes its folders", 10.0, || inbox.is_dir());

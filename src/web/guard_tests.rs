@@ -1,0 +1,104 @@
+//! Who may ask the dashboard, and for what.
+
+use super::*;
+
+#[tokio::test]
+async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {
+    let dashboard = Dashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
+    let ask = async |host: &str| {
+        let request = Request::get("/").header("host", host).body(Body::empty()).unwrap();
+        dashboard.send(request).await.status
+    };
+    assert_eq!(ask("evil.example.com").await, StatusCode::MISDIRECTED_REQUEST);
+    assert_eq!(ask("localhost.evil.example.com:7878").await, StatusCode::MISDIRECTED_REQUEST);
+    for own in ["localhost", "127.0.0.1:7878", "[::1]:7878", "farm.example.org"] {
+        assert_eq!(ask(own).await, StatusCode::OK, "{own}");
+    }
+}
+
+#[tokio::test]
+async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
+    let dashboard = Dashboard::new(|web| web.token = Some("a-token-of-some-length".to_owned())).await;
+    let ask = async |given: &str| {
+        let request = Request::get("/").header("host", "farm").header("authorization", given);
+        dashboard.send(request.body(Body::empty()).unwrap()).await.status
+    };
+    assert_eq!(ask("Bearer a-token-of-some-lengtH").await, StatusCode::UNAUTHORIZED);
+    assert_eq!(ask("Basic x").await, StatusCode::UNAUTHORIZED);
+    assert_eq!(ask("Bearer a-token-of-some-length").await, StatusCode::OK);
+    assert_eq!(dashboard.get("/metrics").await.status, StatusCode::UNAUTHORIZED);
+    assert_eq!(dashboard.get("/healthz").await.status, StatusCode::OK);
+}
+
+#[tokio::test]
+async fn an_order_is_taken_from_our_own_pages_only() {
+    let dashboard = Dashboard::new(|_| ()).await;
+    let flush = "key=key&kind=flush&profile=cube";
+    assert_eq!(dashboard.post(flush, "cross-site").await.status, StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.post("key=wrong&kind=flush&profile=cube", "same-origin").await.status, StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.post("key=key&kind=flush&profile=other", "same-origin").await.status, StatusCode::NOT_FOUND);
+    assert!(dashboard.ledger.asked().await.unwrap().is_empty());
+    let ledger = (*dashboard.ledger).clone();
+    let daemon = tokio::spawn(async move {
+        loop {
+            if let Some(order) = ledger.asked().await.unwrap().first() {
+                ledger.answer(order.id, true, "done").await.unwrap();
+                return (order.kind, order.profile.clone(), order.asked_by.clone());
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+    });
+    assert_eq!(dashboard.post(flush, "same-origin").await.status, StatusCode::SEE_OTHER);
+    let (kind, profile, by) = daemon.await.unwrap();
+    assert_eq!((kind, profile.as_str(), by.as_str()), (crate::ledger::CommandKind::Flush, "cube", "dashboard"));
+    let silent = Dashboard::new(|web| web.orders = false).await;
+    assert_eq!(silent.post(flush, "same-origin").await.status, StatusCode::FORBIDDEN);
+    assert!(!silent.get("/").await.text.contains("<form class=\"order\""), "no buttons where there are no orders");
+}
+
+#[tokio::test]
+async fn pages_that_listen_for_changes_leave_room_for_those_that_ask() {
+    let dashboard = Dashboard::new(|_| ()).await;
+    let listening: Vec<_> = (0..crate::web::live::MOST_LISTENING).map(|_| dashboard.web.changes.subscribe()).collect();
+    assert_eq!(dashboard.get("/live").await.status, StatusCode::TOO_MANY_REQUESTS);
+    drop(listening);
+    let request = Request::get("/live").header("host", "localhost").body(Body::empty()).unwrap();
+    assert_eq!(routes(dashboard.web.clone()).oneshot(request).await.unwrap().status(), StatusCode::OK);
+}
+
+#[tokio::test]
+async fn pages_of_other_sites_get_nothing_but_links_that_a_person_follows() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let ask = async |method: &str, told: &[(&str, &str)]| {
+        let mut request = Request::builder().method(method).uri("/builds/1/scene").header("host", "localhost:7878");
+        for (name, value) in told {
+            request = request.header(*name, *value);
+        }
+        let request = request.body(Body::empty()).unwrap();
+        routes(dashboard.web.clone()).oneshot(request).await.unwrap()
+    };
+    let link = [("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document")];
+    let program: [(&str, &str); 0] = [];
+    let own = [("sec-fetch-site", "same-origin"), ("sec-fetch-mode", "cors"), ("sec-fetch-dest", "empty")];
+    for told in [&program[..], &own, &[("sec-fetch-site", "none")], &link, &link[..2]] {
+        let answer = ask("GET", told).await;
+        assert_eq!(answer.status(), StatusCode::OK, "{told:?}");
+        assert_eq!(answer.headers()["cross-origin-resource-policy"], "same-origin");
+    }
+    for site in ["cross-site", "same-site"] {
+        for told in [
+            &[("sec-fetch-mode", "no-cors"), ("sec-fetch-dest", "image")][..],
+            &[("sec-fetch-mode", "cors"), ("sec-fetch-dest", "empty")],
+            &[("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "iframe")],
+            &[("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document"), ("sec-purpose", "prefetch;prerender")],
+            &[],
+        ] {
+            let told: Vec<_> = [("sec-fetch-site", site)].into_iter().chain(told.iter().copied()).collect();
+            let answer = ask("GET", &told).await;
+            assert_eq!(answer.status(), StatusCode::FORBIDDEN, "{told:?}");
+            assert_eq!(answer.headers()["cross-origin-resource-policy"], "same-origin");
+        }
+    }
+    assert_eq!(ask("HEAD", &link).await.status(), StatusCode::FORBIDDEN);
+    assert_eq!(dashboard.get("/").await.status, StatusCode::OK);
+}

@@ -8,7 +8,7 @@ use super::{
     reach::{brief, look_at_ledger, time_argument},
     table::{Table, number, or_dash, percent, say, say_json, text},
 };
-use crate::ledger::{HistoryQuery, HistoryRow};
+use crate::ledger::{HeightSum, HistoryQuery, HistoryRow};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -53,25 +53,38 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         limit: args.limit,
         ..HistoryQuery::default()
     };
-    let rows = look_at_ledger(common, async |settings, ledger| {
+    let (rows, sums) = look_at_ledger(common, async |settings, ledger| {
         let rows = ledger.history(&query).await?;
         match &args.profile {
             // The history of a machine that was sold stays readable.
             Some(profile) if rows.is_empty() && !settings.profiles.contains_key(profile) => {
                 Err(Usage(format!("there is no profile '{profile}', and no build of one")).into())
             }
-            _ => Ok(rows),
+            _ => Ok((rows, ledger.height_sums(&query).await?)),
         }
     })?;
     match if args.json { Format::Json } else { args.format } {
         Format::Table if rows.is_empty() => say("No builds.")?,
-        Format::Table => say(&table(&rows).to_string())?,
+        // The sum of a few of them would be taken for that of all.
+        Format::Table if args.limit.is_some() => say(&table(&rows).to_string())?,
+        Format::Table => say(&format!("{}\n{}", table(&rows), sums_table(sums)))?,
         Format::Json => say_json(&rows)?,
         Format::Csv => say(&HistoryRow::csv(&rows)?)?,
     }
     Ok(Exit::Success)
 }
 
+/// What was published comes to, by machine.
+fn sums_table(sums: Vec<HeightSum>) -> Table {
+    let mut table = Table::new(&["PUBLISHED", ">HEIGHT mm", ">BUILDS", ">COPIES", ">MEAN DENSITY %"]);
+    for sum in HeightSum::with_all(sums) {
+        let (height, density) = (number(Some(sum.height_mm), 2), percent(sum.mean_density));
+        table.row(vec![sum.profile, height, sum.builds.to_string(), sum.copies.to_string(), density]);
+    }
+    table
+}
+
+/// The builds.
 pub fn table(rows: &[HistoryRow]) -> Table {
     let mut table = Table::new(&[
         ">BUILD",

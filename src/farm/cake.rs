@@ -83,6 +83,12 @@ pub async fn standing(
     Ok(parts)
 }
 
+/// How many copies of a part stand in the layout that an open build has so far.
+pub fn copies_so_far(build: &BuildRow, part: PartId) -> u32 {
+    let layout = placed_from_json(build.layout.as_deref().unwrap_or_default());
+    layout.iter().filter(|placed| placed.copy.0 == part).count() as u32
+}
+
 impl Cake {
     /// From what the ledger knows and the originals that are kept: in the store as long as they wait there, then in the
     /// archive. Reads files.

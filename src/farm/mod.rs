@@ -46,7 +46,7 @@ mod watched;
 pub use attention::{Attention, Notice};
 pub use budget::Budget;
 pub use cache::DiskCache;
-pub use cake::{Cake, CakePart, Standing, file_in_queue, standing, volume_of};
+pub use cake::{Cake, CakePart, Standing, copies_so_far, file_in_queue, standing, volume_of};
 pub use farm::{Load, run};
 pub use invariants::{Invariant, Looked, Violation, Witness, invariants};
 pub use notices::{Outside, in_json as notice_in_json, kept_notices};

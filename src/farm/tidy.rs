@@ -14,7 +14,7 @@ use tracing::{info, warn};
 use super::{attention::Attention, event::Event, farm::Farm, jobs::JobKey, prove::file_name};
 use crate::{
     intake,
-    ledger::{BuildState, PartRow, PartState},
+    ledger::{BuildState, PartRow, PartState, REFUSED_COUNTS},
     queue::Queue,
 };
 
@@ -23,7 +23,7 @@ pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 /// How often the house is tidied.
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Refused files stay in the store so long, so that `nestd retry` finds them.
-pub const KEEP_REFUSED_SECS: f64 = 30.0 * 86_400.0;
+pub const KEEP_REFUSED_SECS: f64 = REFUSED_COUNTS.as_secs() as f64;
 /// Ends the name of the file beside a refused one.
 const REASON: &str = ".reason.txt";
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.

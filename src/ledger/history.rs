@@ -99,6 +99,40 @@ pub struct HistoryRow {
     pub note: String,
 }
 
+/// What the published builds of a machine come to: a powder-bed machine is paid by its height.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct HeightSum {
+    /// Machine profile.
+    pub profile: String,
+    /// Builds that came into the queue.
+    pub builds: u32,
+    /// Copies in them.
+    pub copies: u32,
+    /// Sum of their heights, mm.
+    pub height_mm: f64,
+    /// Mean of their densities, 0..1.
+    pub mean_density: Option<f64>,
+}
+
+impl HeightSum {
+    /// The sums with that of all machines at the end, where there are several.
+    pub fn with_all(mut sums: Vec<Self>) -> Vec<Self> {
+        if sums.len() > 1 {
+            let builds: u32 = sums.iter().map(|sum| sum.builds).sum();
+            let known = sums.iter().filter_map(|sum| Some((sum.mean_density?, sum.builds)));
+            let (density, of) = known.fold((0.0, 0), |(sum, of), (mean, n)| (sum + mean * f64::from(n), of + n));
+            sums.push(Self {
+                profile: "all machines".to_owned(),
+                builds,
+                copies: sums.iter().map(|sum| sum.copies).sum(),
+                height_mm: sums.iter().map(|sum| sum.height_mm).sum(),
+                mean_density: (of > 0).then(|| density / f64::from(of)),
+            });
+        }
+        sums
+    }
+}
+
 /// What a row of the history is made of.
 const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
     b.height_mm, \
@@ -187,6 +221,17 @@ impl Ledger {
             .bind(query.after);
         Ok(rows.fetch_all(self.reader()).await?)
     }
+
+    /// What the published builds of a history come to, by machine; of all of them, whatever its limit and its page.
+    pub async fn height_sums(&self, query: &HistoryQuery) -> Result<Vec<HeightSum>> {
+        let rows = sqlx::query_as(sqlx::AssertSqlSafe(sums(query)))
+            .bind(query.since.map(Utc))
+            .bind(query.until.map(Utc))
+            .bind(&query.profile)
+            .bind(query.state)
+            .bind(&query.part);
+        Ok(rows.fetch_all(self.reader()).await?)
+    }
 }
 
 /// The time of a build.
@@ -197,22 +242,7 @@ const TIME: &str = "coalesce(b.published_at, b.state_at)";
 /// all of them and ':' after.
 pub(super) fn sql(query: &HistoryQuery) -> String {
     let of_after = |what: &str| format!("(SELECT {} FROM build n WHERE n.id = ?7)", what.replace("b.", "n."));
-    let is_rare = !matches!(query.state, None | Some(BuildState::Published | BuildState::Complete));
-    let from = match (&query.part, is_rare) {
-        (Some(_), _) => "build b NOT INDEXED",
-        (None, true) => "build b INDEXED BY build_by_state",
-        (None, false) => "build b",
-    };
-    let mut given = String::new();
-    if query.profile.is_some() {
-        given += " AND b.profile = ?4";
-    }
-    if query.state.is_some() {
-        given += " AND b.state = ?5";
-    }
-    if query.part.is_some() {
-        given += WITH_PART;
-    }
+    let (from, mut given) = (from(query), given(query));
     let (mut end, order) = (format!("{TIME} < coalesce(?2, ':')"), query.sort.order());
     if query.after.is_some() {
         let newer = format!("({TIME}, b.id) < ({}, ?7)", of_after(TIME));
@@ -236,6 +266,43 @@ pub(super) fn sql(query: &HistoryQuery) -> String {
          AND {end}{given} {order} LIMIT ?3"
     );
     format!("SELECT {COLUMNS} FROM build b WHERE b.id IN ({numbers}) {order}")
+}
+
+/// Where rows are looked for.
+fn from(query: &HistoryQuery) -> &'static str {
+    let is_rare = !matches!(query.state, None | Some(BuildState::Published | BuildState::Complete));
+    match (&query.part, is_rare) {
+        (Some(_), _) => "build b NOT INDEXED",
+        (None, true) => "build b INDEXED BY build_by_state",
+        (None, false) => "build b",
+    }
+}
+
+/// What is demanded of them beside their time.
+fn given(query: &HistoryQuery) -> String {
+    let mut given = String::new();
+    if query.profile.is_some() {
+        given += " AND b.profile = ?4";
+    }
+    if query.state.is_some() {
+        given += " AND b.state = ?5";
+    }
+    if query.part.is_some() {
+        given += WITH_PART;
+    }
+    given
+}
+
+/// The question for sums, of published builds.
+fn sums(query: &HistoryQuery) -> String {
+    format!(
+        "SELECT b.profile, count(*) AS builds, coalesce(sum(b.copies), 0) AS copies, \
+         coalesce(sum(b.height_mm), 0.0) AS height_mm, avg(b.density) AS mean_density FROM {} \
+         WHERE b.state NOT IN ('open', 'nesting') AND b.published_at IS NOT NULL \
+         AND {TIME} >= coalesce(?1, '') AND {TIME} < coalesce(?2, ':'){} GROUP BY b.profile ORDER BY b.profile",
+        from(query),
+        given(query).replace("?4", "?3").replace("?5", "?4").replace("?6", "?5")
+    )
 }
 
 /// Those that hold a copy of a part of that file name or order.

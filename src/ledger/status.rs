@@ -2,10 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use jiff::{SignedDuration, Timestamp};
 use serde::Serialize;
 use sqlx::{FromRow, SqliteConnection};
 
 use super::{BuildId, BuildState, Ledger, Utc, error::Result};
+
+/// So long a refused part can be retried, and counts as refused.
+pub const REFUSED_COUNTS: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// A machine profile as it stands. Profiles about which the ledger knows nothing have none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -18,7 +22,7 @@ pub struct ProfileStatus {
     pub waiting_parts: u32,
     /// Copies that wait.
     pub waiting_copies: u32,
-    /// Rejected parts.
+    /// Parts that were refused within [`REFUSED_COUNTS`] and nobody has taken back; cancelled ones do not count.
     pub rejected_parts: u32,
     /// When the oldest waiting part was claimed.
     pub oldest_at: Option<Utc>,
@@ -110,12 +114,6 @@ struct Counts {
     due_at: Option<Utc>,
 }
 
-/// How many of a profile's parts were rejected.
-#[derive(FromRow)]
-struct Rejected {
-    parts: u32,
-}
-
 /// What is due first.
 #[derive(FromRow)]
 struct Due {
@@ -130,8 +128,10 @@ const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_part
     min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p \
     WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
 
-/// Counted in the index alone: over the years many are rejected.
-const REJECTED: &str = "SELECT profile, count(*) AS parts FROM part WHERE state = 'rejected' GROUP BY profile";
+/// Over the years many are rejected: those count that can still be retried, and that nobody has cancelled.
+const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.state = 'rejected' AND p.state_at >= ? \
+    AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'rejected' ORDER BY e.id DESC LIMIT 1), '') \
+    <> 'cancelled' GROUP BY p.profile";
 
 /// Of each profile the part that is due first; SQLite takes the other columns from the row of the least.
 const DUE: &str = "SELECT profile, CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of, \
@@ -171,8 +171,10 @@ impl Ledger {
             };
             profiles.insert(profile, counted);
         }
-        for Of { profile, row } in all::<Rejected>(db, REJECTED).await? {
-            of(&mut profiles, &profile).rejected_parts = row.parts;
+        let refused_since = Utc(self.now().checked_sub(REFUSED_COUNTS).unwrap_or(Timestamp::MIN));
+        let rejected = sqlx::query_as::<_, (String, u32)>(REJECTED).bind(refused_since).fetch_all(&mut *db).await?;
+        for (profile, parts) in rejected {
+            of(&mut profiles, &profile).rejected_parts = parts;
         }
         for Of { profile, row } in all::<Due>(db, DUE).await? {
             of(&mut profiles, &profile).due_of = row.due_of;

@@ -15,12 +15,13 @@ use super::{
     history::{self, Asked},
     part,
     problem::{Answer, Problem},
+    scene::build_of,
     server::Web,
-    sheets::{BuildSheet, Part, PartSheet},
+    sheets::{Build, BuildSheet, Part, PartSheet, Placement},
 };
 use crate::{
-    farm::{FiredBy, fires_at, kept_notices, notice_in_json},
-    ledger::{BuildId, DaemonRow, HistoryRow, PartId, ProfileStatus, Utc},
+    farm::{FiredBy, fires_at, kept_notices, notice_in_json, standing},
+    ledger::{BuildState, DaemonRow, HeightSum, HistoryRow, PartId, ProfileStatus, Utc},
 };
 
 /// The farm as it stands.
@@ -75,19 +76,26 @@ pub(super) async fn builds(State(web): State<Arc<Web>>, Query(asked): Query<Aske
     Ok(Json(history::rows(&web, &asked).await?))
 }
 
-/// A build.
+/// What the published builds of the history come to, by machine; filtered as the page is.
+pub(super) async fn heights(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Json<Vec<HeightSum>>> {
+    Ok(Json(history::sums(&web, &asked).await?))
+}
+
+/// A build; one that is not proved yet with what stands in it so far, as on its page.
 pub(super) async fn build(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Json<BuildSheet>> {
-    let id = BuildId(number);
-    let build = web.ledger.build(id).await?.ok_or_else(|| Problem::NotFound(format!("build {number}")))?;
-    let parts = web.ledger.parts_of_build(id).await?;
-    let placements = web.ledger.placements_of_build(id).await?;
-    let outcomes = web.ledger.outcomes(id).await?;
-    Ok(Json(BuildSheet {
-        build: build.into(),
-        parts: all(parts),
-        placements: all(placements),
-        outcomes: all(outcomes),
-    }))
+    let (build, profile) = build_of(&web, number).await?;
+    let outcomes = all(web.ledger.outcomes(build.id).await?);
+    let (mut parts, mut placements) = (Vec::new(), Vec::new());
+    if matches!(build.state, BuildState::Open | BuildState::Nesting) {
+        for (part, copies) in standing(&web.ledger, &build, &profile).await? {
+            placements.extend(copies.iter().map(|copy| Placement::so_far(&build, part.id, copy)));
+            parts.push(part.into());
+        }
+    } else {
+        parts = all(web.ledger.parts_of_build(build.id).await?);
+        placements = all(web.ledger.placements_of_build(build.id).await?);
+    }
+    Ok(Json(BuildSheet { build: Build::new(build, &profile), parts, placements, outcomes }))
 }
 
 /// Parts, filtered as the page is.

@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
-    chart,
+    chart, farm,
     page::{facts, page},
     part,
     pick::PICTURE,
@@ -38,6 +38,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         }
         @if copies > 0 { (view(build.id.0, copies, &standing_now(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
+        @if let Some(fires) = fires(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
         (what_is_known(&build, &profile, copies))
         (curve(&build.curve()))
         (told(&outcomes))
@@ -45,6 +46,15 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         (part::table(&rows, false, "Copies here"))
     };
     Ok(page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
+}
+
+/// When an open build fires, and why.
+async fn fires(web: &Web, build: &BuildRow, profile: &Profile) -> Answer<Option<String>> {
+    if build.state != BuildState::Open {
+        return Ok(None);
+    }
+    let status = web.ledger.status().await?;
+    Ok(status.iter().find(|status| status.profile == build.profile).and_then(|status| farm::fires(profile, status)))
 }
 
 /// A text that is another one when something else stands in the build; what is proved stays.
@@ -81,33 +91,53 @@ pub(super) fn view(build: i64, copies: u32, version: &str) -> Markup {
     }
 }
 
+/// What is known of a build; of an open one less.
 pub(super) fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) -> Markup {
-    facts(&[
-        (
-            "Height",
-            html! { b { (number(build.height_mm, 2)) " mm" } " of " (number(Some(profile.volume_mm.z).filter(|z| *z > 0.0), 0)) " mm" },
-        ),
-        ("Lower bound", html! { (number(build.lower_bound_mm, 2)) " mm: no build of these parts is lower" }),
-        ("Layers", html! { (or_dash(build.layers)) " of " (profile.layer_mm) " mm" }),
-        ("Density", html! { (percent(build.density)) }),
-        ("Copies", html! { (copies) ", " (number(build.part_volume_mm3.map(|v| v / 1000.0), 1)) " cm3" }),
-        (
-            "Clearance",
-            html! { (number(build.clearance_mm, 2)) " mm asked, " (number(build.clearance_proved_mm, 3)) " mm proved on the triangles" },
-        ),
-        (
-            "Search",
-            html! { (or_dash(build.method.as_ref())) ", seed " (or_dash(build.seed)) ", "
-            (or_dash(build.evaluations)) " evaluations, " (number(build.cpu_secs, 1)) " CPU s, " (number(build.wall_secs, 1)) " s" },
-        ),
-        ("Fired by", html! { (text(&build.fired_by)) }),
-        ("Opened", html! { (time(Some(build.opened_at))) }),
-        (
-            "Published",
-            html! { (time(build.published_at)) @if let Some(at) = build.published_at { ", " (age(at.0, Timestamp::now())) " ago" } },
-        ),
-        ("File", html! { (build.file_name.as_deref().unwrap_or("–")) }),
-    ])
+    let volume_z_mm = Some(profile.volume_mm.z).filter(|z| *z > 0.0);
+    let layers = build.layers.or(build.height_mm.map(|height_mm| (height_mm / profile.layer_mm).ceil() as u32));
+    let mut known =
+        vec![("Height", html! { b { (number(build.height_mm, 2)) " mm" } " of " (number(volume_z_mm, 0)) " mm" })];
+    if build.lower_bound_mm.is_some() {
+        known
+            .push(("Lower bound", html! { (number(build.lower_bound_mm, 2)) " mm: no build of these parts is lower" }));
+    }
+    if let Some(layers) = layers {
+        known.push(("Layers", html! { (layers) " of " (profile.layer_mm) " mm" }));
+    }
+    if build.density.is_some() {
+        known.push(("Density", html! { (percent(build.density)) }));
+    }
+    let volume_cm3 = build.part_volume_mm3.map(|v| v / 1000.0);
+    known.push(("Copies", html! { (copies) @if volume_cm3.is_some() { ", " (number(volume_cm3, 1)) " cm3" } }));
+    known.push(("Clearance", clearance(build, profile)));
+    if let Some(method) = &build.method {
+        let search = html! { (method) ", seed " (or_dash(build.seed)) ", " (or_dash(build.evaluations)) " evaluations, "
+        (number(build.cpu_secs, 1)) " CPU s, " (number(build.wall_secs, 1)) " s" };
+        known.push(("Search", search));
+    }
+    if !build.fired_by.is_empty() {
+        known.push(("Fired by", html! { (build.fired_by) }));
+    }
+    known.push(("Opened", html! { (time(Some(build.opened_at))) }));
+    if let Some(at) = build.published_at {
+        known.push(("Published", html! { (time(Some(at))) ", " (age(at.0, Timestamp::now())) " ago" }));
+    }
+    if let Some(file) = &build.file_name {
+        known.push(("File", html! { (file) }));
+    }
+    facts(&known)
+}
+
+fn clearance(build: &BuildRow, profile: &Profile) -> Markup {
+    let asked_mm = build.clearance_mm.or(Some(profile.clearance_mm));
+    html! {
+        (number(asked_mm, 2)) " mm asked"
+        @match (build.clearance_proved_mm, build.verified_at) {
+            (Some(proved_mm), _) => { ", " (number(Some(proved_mm), 3)) " mm proved on the triangles" }
+            (None, Some(_)) => { ", proved: no two are near" }
+            (None, None) => { ", proved once it is fired" }
+        }
+    }
 }
 
 /// How the height fell.

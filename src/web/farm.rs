@@ -89,6 +89,12 @@ fn hindrance(status: &ProfileStatus, station: Option<&StationRow>) -> Vec<String
     paused.into_iter().chain(trouble).collect()
 }
 
+/// When the open build of a machine fires, and why.
+pub(super) fn fires(profile: &Profile, status: &ProfileStatus) -> Option<String> {
+    let fires = fires_at(profile, status)?;
+    Some(format!("when full, at the latest {}: {}", time_utc(Utc(fires.at)), fires.why(status)))
+}
+
 fn card(
     web: &Web,
     profile: &Profile,
@@ -101,8 +107,7 @@ fn card(
     let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
     let height_mm = open.and_then(|open| open.height_mm);
     let oldest = status.oldest_at.map_or_else(|| DASH.to_owned(), |at| age(at.0, now));
-    let fires = fires_at(profile, status)
-        .map(|f| format!("when full, at the latest {}: {}", time_utc(Utc(f.at)), f.why(status)));
+    let fires = fires(profile, status);
     html! {
         section.card aria-label=(name) {
             h2 { (name) }

@@ -19,7 +19,7 @@ use super::{
     server::Web,
     words::{count, number, or_dash, percent, text, time},
 };
-use crate::ledger::{BuildId, HistoryQuery, HistoryRow, HistorySort};
+use crate::ledger::{BuildId, HeightSum, HistoryQuery, HistoryRow, HistorySort};
 
 /// Builds on a page.
 const MOST_ROWS: u32 = 500;
@@ -59,10 +59,10 @@ pub(super) async fn rows(web: &Web, asked: &Asked) -> Answer<Vec<HistoryRow>> {
     Ok(page_of(web, asked).await?.0)
 }
 
-/// The rows of a page, and whether there are more.
-async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<HistoryRow>, bool)> {
-    let some = |text: &str| Some(text.to_owned()).filter(|text| !text.is_empty());
-    let query = HistoryQuery {
+/// What is asked of the ledger.
+fn query_of(asked: &Asked) -> Answer<HistoryQuery> {
+    let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
+    Ok(HistoryQuery {
         since: day(&asked.since, 0)?,
         until: day(&asked.until, 1)?,
         profile: some(&asked.profile),
@@ -77,8 +77,12 @@ async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<HistoryRow>, bool)> {
         },
         after: known::<i64>(&asked.after, "the number of a build")?.map(BuildId),
         limit: Some(MOST_ROWS + 1),
-    };
-    let mut rows = web.ledger.history(&query).await?;
+    })
+}
+
+/// The rows of a page, and whether there are more.
+async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<HistoryRow>, bool)> {
+    let mut rows = web.ledger.history(&query_of(asked)?).await?;
     let more = rows.len() > MOST_ROWS as usize;
     rows.truncate(MOST_ROWS as usize);
     Ok((rows, more))
@@ -96,9 +100,15 @@ fn day(text: &str, later: i64) -> Answer<Option<Timestamp>> {
     }
 }
 
+/// What the published builds come to that are asked for, on all pages.
+pub(super) async fn sums(web: &Web, asked: &Asked) -> Answer<Vec<HeightSum>> {
+    Ok(web.ledger.height_sums(&query_of(asked)?).await?)
+}
+
 /// The page.
 pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Markup> {
     let (rows, more) = page_of(&web, &asked).await?;
+    let sums = HeightSum::with_all(sums(&web, &asked).await?);
     let next = rows.last().filter(|_| more).map(|last| Asked { after: last.build.to_string(), ..asked.clone() });
     let settings = web.settings();
     let next = next.map(|next| query(&next)).transpose()?;
@@ -108,6 +118,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
         (filters(&asked, settings.profiles.keys()))
         p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
             a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
+        (sums_table(&sums))
         (chart::charts(&rows))
         (table(&rows, &asked))
         @if let Some(next) = next {
@@ -129,7 +140,7 @@ fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Mar
                 option value="" { "all" }
                 @for state in states { option value=(state) selected[state == asked.state] { (state) } }
             } }
-            label { "Part or order" input name="part" value=(asked.part); }
+            label { "Part or order, whole name" input name="part" value=(asked.part); }
             label { "Since" input type="date" name="since" value=(asked.since); }
             label { "Until" input type="date" name="until" value=(asked.until); }
             label { "Sorted by" select name="sort" {
@@ -137,6 +148,24 @@ fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Mar
                 @for (value, label) in &SORTED[1..] { option value=(value) selected[*value == asked.sort] { (label) } }
             } }
             button type="submit" { "Show" }
+        }
+    }
+}
+
+fn sums_table(sums: &[HeightSum]) -> Markup {
+    html! {
+        @if !sums.is_empty() {
+            div.wide tabindex="0" role="region" aria-label="Heights" {
+                table {
+                    caption { "What was published in that time" }
+                    thead { tr { th scope="col" { "Machine" } th.n scope="col" { "Height, mm" } th.n scope="col" { "Builds" }
+                        th.n scope="col" { "Copies" } th.n scope="col" { "Mean density" } } }
+                    tbody { @for sum in sums { tr {
+                        td { (sum.profile) } td.n { b { (number(Some(sum.height_mm), 2)) } } td.n { (sum.builds) } td.n { (sum.copies) }
+                        td.n { (percent(sum.mean_density)) }
+                    } } }
+                }
+            }
         }
     }
 }

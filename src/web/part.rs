@@ -14,7 +14,10 @@ use super::{
     server::Web,
     words::{DASH, count, number, prose, text, time},
 };
-use crate::ledger::{CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow};
+use crate::{
+    farm::copies_so_far,
+    ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow},
+};
 
 /// Parts on a page.
 const MOST_PARTS: u32 = 500;
@@ -36,7 +39,7 @@ pub(super) struct Asked {
 
 /// The parts of a page, the newest first, and whether there are more.
 pub(super) async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<PartRow>, bool)> {
-    let some = |text: &str| Some(text.to_owned()).filter(|text| !text.is_empty());
+    let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let query = PartQuery {
         name: some(&asked.name),
         state: known(&asked.state, "a state of a part")?,
@@ -60,7 +63,7 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
     let content = html! {
         h1 { "Parts" }
         form.filters method="get" action="/parts" {
-            label { "File or order" input name="name" value=(asked.name); }
+            label { "File or order begins with" input name="name" value=(asked.name); }
             label { "State" select name="state" {
                 option value="" { "all" }
                 @for state in &states { option value=(state) selected[*state == asked.state] { (state) } }
@@ -72,7 +75,7 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
             button type="submit" { "Show" }
         }
         @if asked.name.is_empty() && asked.state.is_empty() {
-            p { "Parts that are claimed, wait, are in a build that is being made, or were refused. Ask for those that are built by state or name." }
+            p { "Parts that are claimed, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
         }
         (table(&parts, more, "Copies"))
         @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { "The parts before these" } } }
@@ -114,6 +117,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
     let same = others(web.ledger.parts_of_content(&part.content_hash).await?);
     let mut named = others(web.ledger.parts_named(&part.name).await?);
     named.retain(|other| other.content_hash != part.content_hash);
+    let open = open_build_with(&web, &part).await?;
     let about = format!("part {number}");
     let content = html! {
         h1 { "Part " (number) ": " (part.full_name()) }
@@ -125,7 +129,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
             @if part.state == PartState::Waiting { (button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
         }
         h2 { "Where its copies are" }
-        (copies(&part, &placements))
+        (copies(&part, &placements, open))
         h2 { "What happened" }
         ul { @for event in &events { li { (time(Some(event.at))) " " (event.kind)
             @if let Some(build) = event.build_id { " (build " a href=(format!("/builds/{build}")) { (build) } ")" }
@@ -166,12 +170,27 @@ fn what_it_is(part: &PartRow) -> Markup {
     ])
 }
 
-fn copies(part: &PartRow, placements: &[PlacementRow]) -> Markup {
+/// The open build in whose layout copies of a part stand so far, and how many.
+async fn open_build_with(web: &Web, part: &PartRow) -> Answer<Option<(BuildId, u32)>> {
+    if part.state != PartState::Waiting {
+        return Ok(None);
+    }
+    let open = web.ledger.builds_in_state(BuildState::Open).await?;
+    let build = open.into_iter().find(|build| build.profile == part.profile);
+    Ok(build.map(|build| (build.id, copies_so_far(&build, part.id))).filter(|(_, copies)| *copies > 0))
+}
+
+fn copies(part: &PartRow, placements: &[PlacementRow], open: Option<(BuildId, u32)>) -> Markup {
     let waiting = part.copies.saturating_sub(placements.len() as u32);
     html! {
         @if part.state == PartState::Rejected { p { "In no build: the part was refused or cancelled." } }
         @else if waiting > 0 {
-            p { (count(waiting, "copy is", "copies are")) " in no build yet." }
+            p { (count(waiting, "copy waits", "copies wait"))
+                @if let Some((build, copies)) = open {
+                    "; in the open build " a href=(format!("/builds/{build}#part-{}", part.id)) { (build) ", marked" }
+                    " so far: " (count(copies, "copy", "copies")) "."
+                } @else { ", in no build yet." }
+            }
         }
         @if !placements.is_empty() {
             div.wide tabindex="0" role="region" aria-label="Copies" {

@@ -18,12 +18,12 @@ use super::{
     problem::Answer,
     scene::{build_of, of_cake, version},
     server::Web,
-    words::{count, number, text},
+    words::{count, number, text, time_utc},
 };
 use crate::{
     farm::{Cake, CakePart, Standing},
     geometry::Bounds,
-    ledger::{BuildRow, DrawnOut},
+    ledger::{BuildRow, BuildState, DrawnOut},
     settings::Profile,
 };
 
@@ -111,7 +111,12 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let Map { copies, sheets, .. } = map_of(&web, &build, &profile).await?;
     let content = html! {
         h1 { (title) }
-        p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(copies as u32, "copy", "copies")) "." }
+        p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(copies as u32, "copy", "copies")) ", " (build.state)
+            @if let Some(at) = build.published_at { " " (time_utc(at)) }
+            @if let Some(file) = &build.file_name { ": " (file) } "." }
+        @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
+            p.warn { "A forecast: what stands where changes until the build is published. Not for breaking out." }
+        }
         @if copies > 0 {
             img.cake alt=(PICTURE) width="640" height="480" src=(format!("/builds/{}/picture", build.id));
         }

@@ -1,9 +1,12 @@
 //! What a page answers when it cannot answer.
 
 use axum::{
+    Json,
     http::StatusCode,
     response::{IntoResponse, Response},
 };
+
+use serde_json::json;
 
 use super::page;
 use crate::ledger::LedgerError;
@@ -45,6 +48,31 @@ impl IntoResponse for Problem {
         if status.is_server_error() {
             tracing::warn!("A page could not be answered: {self}.");
         }
-        (status, page::error(status, &self.to_string())).into_response()
+        let text = self.to_string();
+        let mut response = (status, page::error(status, &text)).into_response();
+        response.extensions_mut().insert(Why(text));
+        response
     }
+}
+
+/// What a response says is wrong, for who puts it into another form.
+#[derive(Debug, Clone)]
+struct Why(String);
+
+/// An answer that tells an error, in the form that is expected at an address: JSON below `/api/`, else a page.
+pub(super) fn in_form(response: Response, path: &str) -> Response {
+    let status = response.status();
+    if !status.is_client_error() && !status.is_server_error() {
+        return response;
+    }
+    let why = response.extensions().get::<Why>().map(|why| why.0.clone());
+    if path.starts_with("/api/") {
+        let reason = || status.canonical_reason().unwrap_or("error").to_lowercase();
+        return (status, Json(json!({ "error": why.unwrap_or_else(reason) }))).into_response();
+    }
+    // Of the library, in one line of plain text: an address whose number is none, a form that is none.
+    if why.is_none() && status.is_client_error() {
+        return (status, page::error(status, "This address or this form cannot be understood")).into_response();
+    }
+    response
 }

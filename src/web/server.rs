@@ -129,6 +129,7 @@ pub(super) fn routes(web: Arc<Web>) -> Router {
         .route("/api/v1/openapi.json", get(api::openapi))
         .route("/api/v1/farm", get(api::farm))
         .route("/api/v1/builds", get(api::builds))
+        .route("/api/v1/heights", get(api::heights))
         .route("/api/v1/builds/{build}", get(api::build))
         .route("/api/v1/builds/{build}/pick", get(pick::list))
         .route("/api/v1/parts", get(api::parts))

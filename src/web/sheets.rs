@@ -4,11 +4,13 @@
 use serde::Serialize;
 
 use crate::{
+    farm::Standing,
     format::Unit,
     ledger::{
         BuildId, BuildRow, BuildState, EventRow, Outcome, OutcomeRow, PartId, PartRow, PartState, PlacementRow, Utc,
     },
     nest::OrientationRule,
+    settings::Profile,
 };
 
 /// A build with all that belongs to it.
@@ -61,6 +63,9 @@ pub(super) struct Build {
     method: Option<String>,
     version: Option<String>,
     curve: Vec<Point>,
+    /// The machine's as it was when the build was made.
+    volume_mm: [f64; 3],
+    layer_mm: f64,
 }
 
 /// A point of the curve along which the height fell.
@@ -145,8 +150,9 @@ impl From<EventRow> for Event {
     }
 }
 
-impl From<BuildRow> for Build {
-    fn from(row: BuildRow) -> Self {
+impl Build {
+    /// A build with the machine that it was made for.
+    pub(super) fn new(row: BuildRow, profile: &Profile) -> Self {
         let curve = row.curve().into_iter().map(|(wall_secs, height_mm)| Point { wall_secs, height_mm }).collect();
         Self {
             build: row.id,
@@ -178,6 +184,8 @@ impl From<BuildRow> for Build {
             method: row.method,
             version: row.version,
             curve,
+            volume_mm: profile.volume_mm.to_array(),
+            layer_mm: profile.layer_mm,
         }
     }
 }
@@ -210,6 +218,23 @@ impl From<PartRow> for Part {
             size_mm,
             claimed_at: row.claimed_at,
             state_at: row.state_at,
+        }
+    }
+}
+
+impl Placement {
+    /// A copy in the layout that a build has so far.
+    pub(super) fn so_far(build: &BuildRow, part: PartId, standing: &Standing) -> Self {
+        Self {
+            part,
+            copy: standing.copy,
+            build: build.id,
+            build_state: build.state,
+            published_at: build.published_at,
+            rotation_xyzw: Some(standing.pose.rotation.to_array()),
+            translation_mm: Some(standing.pose.translation.to_array()),
+            drawn_place: None,
+            drawn_way: None,
         }
     }
 }

@@ -226,7 +226,7 @@ const checks = {
 
   async "history shows the figures of the ledger, filtered and sorted"() {
     const page = await open(browser, base, "/history?sort=height");
-    const shown = await page.$$eval("main .wide tbody tr", (rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent.trim())));
+    const shown = await page.$$eval("[aria-label=Builds] tbody tr", (rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent.trim())));
     const known = new Map(farm.history.map((row) => [String(row.build), row]));
     const heights = shown.map((cells) => Number(cells[4])).filter((height) => height > 0);
     assert.deepEqual(heights, [...heights].sort((a, b) => a - b), "sorted by height");
@@ -239,6 +239,8 @@ const checks = {
       assert.equal(cells[7], `${(100 * row.height_mm / row.volume_z_mm).toFixed(1)} %`);
       assert.equal(Number(cells[9]), row.copies);
     }
+    const sum = Number(await page.textContent("[aria-label=Heights] tbody tr:last-child b"));
+    assert.ok(Math.abs(sum - heights.reduce((sum, height) => sum + height, 0)) < 0.01 * heights.length, `${sum} mm in all`);
     assert.ok(await page.locator(".charts svg polyline").count() >= 3, "three charts");
     const csv = await (await fetch(`${base}/history.csv?sort=height`)).text();
     assert.equal(csv.trim().split("\n").length, shown.length + 1);
@@ -259,6 +261,8 @@ const checks = {
     const sheets = pdf.toString("latin1").match(/\/Type\s*\/Page\b/g).length;
     const list = await page.$$eval("main tbody tr", (rows) => rows.length);
     assert.equal(list, farm.copies, "every copy is on the list");
+    const gap = await page.evaluate(() => document.querySelector(".sheet td").getBoundingClientRect().left - document.querySelector(".plan").getBoundingClientRect().right);
+    assert.ok(gap >= 0, `the plan reaches ${-gap} px into the table`);
     if (farm.shots) writeFileSync(join(farm.root, "pick.pdf"), pdf);
     await page.context().close();
     return `${sheets} sheets for ${list} copies`;
@@ -285,10 +289,10 @@ async function pictured(page) {
 
 /** Pictures of each page for the documentation. */
 async function shoot() {
-  for (const [name, width, scheme] of [["farm", 1280, "light"], ["farm", 360, "dark"], ["build", 1280, "light"], ["build", 1280, "dark"], ["pick", 1280, "light"],
+  for (const [name, width, scheme] of [["farm", 1280, "light"], ["farm", 360, "dark"], ["build", 1280, "light"], ["build", 1280, "dark"], ["open", 1280, "light"], ["pick", 1280, "light"],
     ["history", 1280, "light"], ["history", 1280, "dark"], ["parts", 1280, "light"], ["part", 1280, "light"], ["refused", 360, "light"]]) {
     const page = await open(browser, base, PAGES[name], { width, scheme });
-    if (name === "build") await drawn(page);
+    if (SPATIAL.includes(name)) await drawn(page);
     await pictured(page);
     await page.screenshot({ path: join(farm.shots, `${name}-${width}-${scheme}.png`), fullPage: true });
     await page.context().close();

@@ -286,6 +286,52 @@ async fn the_views_answer_an_operator_with_sqlite3() {
 }
 
 #[tokio::test]
+async fn heights_are_summed_by_machine_as_the_view_sums_them_and_filtered_as_the_history_is() {
+    let ledger = fresh().await;
+    let (a, b) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 1).await);
+    published(&ledger, &[(a, 0), (a, 1)]).await;
+    published(&ledger, &[(a, 2), (b, 0)]).await;
+    let failed = waiting(&ledger, "c", 1).await;
+    let failed = nesting(&ledger, &[(failed, 0)]).await;
+    ledger.fail_build(failed, "no").await.unwrap();
+    let view: (String, u32, u32, f64, f64) =
+        sqlx::query_as("SELECT profile, builds, copies, height_mm, mean_density FROM v_height_by_day")
+            .fetch_one(ledger.reader())
+            .await
+            .unwrap();
+    let sums = ledger.height_sums(&HistoryQuery { limit: Some(1), ..Default::default() }).await.unwrap();
+    let told =
+        |sum: &HeightSum| (sum.profile.clone(), sum.builds, sum.copies, sum.height_mm, sum.mean_density.unwrap());
+    assert_eq!(sums.iter().map(told).collect::<Vec<_>>(), [view]);
+    for (part, builds) in [("b.stl", 1), ("a.stl", 2)] {
+        let query =
+            HistoryQuery { part: Some(part.to_owned()), state: Some(BuildState::Published), ..Default::default() };
+        assert_eq!(ledger.height_sums(&query).await.unwrap()[0].builds, builds, "{part}");
+    }
+    let none = HistoryQuery { profile: Some("other".to_owned()), ..Default::default() };
+    assert!(ledger.height_sums(&none).await.unwrap().is_empty());
+    let two = HeightSum { profile: "fuse-1".to_owned(), builds: 6, mean_density: Some(0.05), ..sums[0].clone() };
+    let all = HeightSum::with_all(vec![sums[0].clone(), two]).pop().unwrap();
+    assert_eq!((all.builds, all.height_mm, (all.mean_density.unwrap() * 1e4).round()), (8, 350.0, 900.0));
+}
+
+#[tokio::test]
+async fn what_was_cancelled_or_refused_long_ago_does_not_count_as_refused() {
+    let ledger = fresh().await;
+    let cancelled = waiting(&ledger, "a", 1).await;
+    ledger.cancel(cancelled, Refusal::Cancelled, "Cancelled by me@here.").await.unwrap();
+    let refused = ledger.record_claim(&new_part("b", 1)).await.unwrap().id;
+    ledger.reject(refused, Refusal::Format, "torn").await.unwrap();
+    let counts = async |ledger: &Ledger| {
+        let listed = ledger.parts(&PartQuery { limit: 10, ..Default::default() }).await.unwrap().len();
+        (ledger.status().await.unwrap().first().map_or(0, |status| status.rejected_parts), listed)
+    };
+    assert_eq!(counts(&ledger).await, (1, 2));
+    let later = Timestamp::now() + REFUSED_COUNTS + jiff::SignedDuration::from_hours(1);
+    assert_eq!(counts(&(*ledger).clone().with_clock(move || later)).await, (0, 0));
+}
+
+#[tokio::test]
 async fn the_truth_teller_sees_a_part_whose_state_was_changed_behind_its_back() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 1).await;

@@ -48,10 +48,10 @@ function place(fresh) {
 let shown = null;
 async function fetched() {
   const answer = await fetch(location.href, { headers: { accept: "text/html" }, signal: AbortSignal.timeout(PATIENCE_MS) });
-  if (answer.status >= 500) throw new Error(`the farm answers ${answer.status}`);
-  if (!answer.ok) return;
+  if (!answer.ok) throw new Error(`the farm answers ${answer.status}`);
   const fresh = new DOMParser().parseFromString(await answer.text(), "text/html").querySelector("#main");
-  if (!fresh || fresh.innerHTML === shown || isTyping()) { dirty ||= isTyping(); return; }
+  if (!fresh) throw new Error("another page came, perhaps that of a login");
+  if (fresh.innerHTML === shown || isTyping()) { dirty ||= isTyping(); return; }
   const before = shown ?? main.innerHTML;
   shown = fresh.innerHTML;
   if (shown === before) return;

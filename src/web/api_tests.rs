@@ -1,0 +1,143 @@
+//! The JSON interface: every answer is as `openapi.json` says, and tells what the pages tell.
+
+use super::*;
+use crate::{ledger::OpenLayout, web::api::OPENAPI};
+
+/// Whether a value is as a schema of `openapi.json` says; what is not, by its path.
+fn unlike(
+    schema: &serde_json::Value,
+    value: &serde_json::Value,
+    all: &serde_json::Value,
+    path: &str,
+    faults: &mut Vec<String>,
+) {
+    if let Some(name) = schema.get("$ref").and_then(|r| r.as_str()) {
+        let target = name.rsplit('/').next().unwrap();
+        return unlike(&all["components"]["schemas"][target], value, all, path, faults);
+    }
+    let kinds: Vec<&str> = match &schema["type"] {
+        serde_json::Value::String(kind) => vec![kind],
+        serde_json::Value::Array(kinds) => kinds.iter().filter_map(|k| k.as_str()).collect(),
+        _ => return faults.push(format!("{path}: no type in the description")),
+    };
+    let kind = match value {
+        serde_json::Value::Null => "null",
+        serde_json::Value::Bool(_) => "boolean",
+        serde_json::Value::Number(n) if n.is_f64() => "number",
+        serde_json::Value::Number(_) => "integer",
+        serde_json::Value::String(_) => "string",
+        serde_json::Value::Array(_) => "array",
+        serde_json::Value::Object(_) => "object",
+    };
+    if !(kinds.contains(&kind) || kind == "integer" && kinds.contains(&"number")) {
+        return faults.push(format!("{path}: {kind} is none of {kinds:?}"));
+    }
+    if let Some(list) = value.as_array() {
+        list.iter().for_each(|one| unlike(&schema["items"], one, all, &format!("{path}[]"), faults));
+    }
+    if let Some(object) = value.as_object() {
+        let told = schema["properties"].as_object().unwrap();
+        for (name, one) in object {
+            match told.get(name) {
+                Some(schema) => unlike(schema, one, all, &format!("{path}.{name}"), faults),
+                None => faults.push(format!("{path}.{name} is not described")),
+            }
+        }
+        for name in schema["required"].as_array().into_iter().flatten().filter_map(|n| n.as_str()) {
+            if !object.contains_key(name) {
+                faults.push(format!("{path}.{name} is described and not there"));
+            }
+        }
+    }
+}
+
+#[tokio::test]
+async fn every_answer_of_the_json_interface_is_as_described() {
+    let all: serde_json::Value = serde_json::from_str(OPENAPI).unwrap();
+    let dashboard = with_a_build("bracket.stl").await;
+    let mut faults = Vec::new();
+    for (path, asked) in [
+        ("/api/v1/farm", "/api/v1/farm"),
+        ("/api/v1/builds", "/api/v1/builds"),
+        ("/api/v1/heights", "/api/v1/heights"),
+        ("/api/v1/builds/{build}", "/api/v1/builds/1"),
+        ("/api/v1/builds/{build}/pick", "/api/v1/builds/1/pick"),
+        ("/api/v1/parts", "/api/v1/parts"),
+        ("/api/v1/parts", "/api/v1/parts?state=built&profile=cube"),
+        ("/api/v1/parts", "/api/v1/parts?name=bracket.stl"),
+        ("/api/v1/parts/{part}", "/api/v1/parts/1"),
+    ] {
+        let value: serde_json::Value = serde_json::from_str(&dashboard.get(asked).await.text).unwrap();
+        let schema = &all["paths"][path]["get"]["responses"]["200"]["content"]["application/json"]["schema"];
+        unlike(schema, &value, &all, path, &mut faults);
+    }
+    for (path, asked, status) in [
+        ("/api/v1/builds/{build}", "/api/v1/builds/77", StatusCode::NOT_FOUND),
+        ("/api/v1/builds/{build}/pick", "/api/v1/builds/one/pick", StatusCode::BAD_REQUEST),
+        ("/api/v1/parts", "/api/v1/parts?state=lost", StatusCode::BAD_REQUEST),
+        ("/api/v1/heights", "/api/v1/heights?since=today", StatusCode::BAD_REQUEST),
+    ] {
+        let answer = dashboard.get(asked).await;
+        assert_eq!(answer.status, status, "{asked}");
+        let value = serde_json::from_str(&answer.text).unwrap_or_else(|_| panic!("{asked}: {}", answer.text));
+        let schema = &all["paths"][path]["get"]["responses"][status.as_str()]["content"]["application/json"]["schema"];
+        unlike(schema, &value, &all, asked, &mut faults);
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+    let page = dashboard.get("/builds/one").await;
+    assert!(page.status == StatusCode::BAD_REQUEST && page.text.contains("</html>"), "a page's error is a page");
+}
+
+#[tokio::test]
+async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_by_page() {
+    let dashboard = with_a_build("bracket.stl").await;
+    for (claim, profile) in [("b", "cube"), ("c", "cube"), ("d", "other")] {
+        let part = crate::ledger::NewPart { profile: profile.to_owned(), ..fixtures::new_part(claim, 1) };
+        dashboard.ledger.record_claim(&part).await.unwrap();
+    }
+    let numbers = async |asked: &str| -> Vec<i64> {
+        let json = dashboard.get(&format!("/api/v1/parts{asked}")).await.text;
+        let parts: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
+        parts.iter().map(|part| part["part"].as_i64().unwrap()).collect()
+    };
+    assert_eq!(numbers("").await, [4, 3, 2], "built ones are asked for by state or name");
+    assert_eq!(numbers("?state=built").await, [1]);
+    assert_eq!(numbers("?profile=cube").await, [3, 2]);
+    assert_eq!(numbers("?state=claimed&profile=other&name=").await, [4]);
+    assert_eq!(numbers("?name=bracket.stl").await, [1], "by its file and by its order it is the same part");
+    assert_eq!(numbers("?name=bracket.stl&state=waiting").await, [0_i64; 0]);
+    assert_eq!(numbers("?after=3").await, [2]);
+    assert_eq!(dashboard.get("/parts?state=lost").await.status, StatusCode::BAD_REQUEST);
+}
+
+#[tokio::test]
+async fn what_stands_in_an_open_build_is_told_by_its_page_by_its_parts_and_to_machines() {
+    let dashboard = Dashboard::new(|_| ()).await;
+    let part = crate::ledger::NewPart { profile: "cube".to_owned(), ..fixtures::new_part("a", 3) };
+    let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
+    dashboard.ledger.accept(id, &[fixtures::solid(0, 3)]).await.unwrap();
+    let build = dashboard.ledger.open_build("cube").await.unwrap().id;
+    let layout = format!("[[{id},0,[0,0,0,1],[5,5,0]],[{id},2,[0,0,0,1],[45,5,0]]]");
+    let layout = OpenLayout { layout, height_mm: 30.0, density: 0.1, copies: 2, part_volume_mm3: 2000.0 };
+    dashboard.ledger.save_layout(build, &layout).await.unwrap();
+    let page = dashboard.get("/parts/1").await.text;
+    assert!(
+        page.contains("3 copies wait")
+            && page.contains("href=\"/builds/1#part-1\"")
+            && page.contains("so far: 2 copies")
+    );
+    let sheet: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/builds/1").await.text).unwrap();
+    assert_eq!((sheet["parts"].as_array().unwrap().len(), sheet["placements"].as_array().unwrap().len()), (1, 2));
+    assert_eq!(
+        (&sheet["placements"][1]["copy"], &sheet["placements"][1]["translation_mm"][0]),
+        (&3.into(), &45.0.into())
+    );
+    assert_eq!((&sheet["build"]["volume_mm"][2], &sheet["build"]["layer_mm"]), (&200.0.into(), &0.1.into()));
+    let page = dashboard.get("/builds/1").await.text;
+    let facts = page.split("<dl").nth(1).unwrap().split("</dl>").next().unwrap();
+    assert!(
+        facts.contains("300 of 0.1 mm") && !facts.contains('\u{2013}'),
+        "no dashes where nothing is known yet: {facts}"
+    );
+    assert!(dashboard.get("/builds/1/pick").await.text.contains("A forecast"));
+}

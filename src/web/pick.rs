@@ -36,6 +36,9 @@ const BAND_MM: f64 = 10.0;
 /// Copies of a sheet of the map when they come in a proved order.
 const OF_SHEET: usize = 16;
 
+/// What of a way, a unit vector, goes to a side so little is not told.
+const SLIGHT: f64 = 0.2;
+
 /// Maps that are kept; some 100 kB each.
 pub(super) const KEPT: usize = 8;
 
@@ -94,6 +97,10 @@ impl Pick<'_> {
 
     fn center_mm(&self) -> Option<DVec2> {
         self.bounds.map(|bounds| 0.5 * (bounds.min + bounds.max).truncate())
+    }
+
+    fn goes_down(&self) -> bool {
+        self.drawn.is_some_and(|drawn| drawn.way[2] < -SLIGHT)
     }
 }
 
@@ -168,6 +175,7 @@ fn sheets(cake: &Cake, (picks, is_proved): (&[Pick<'_>], bool), link: impl Fn(i6
     let mut first = 1;
     html! {
         p { (if is_proved { PROVED } else { BY_HEIGHT }) " x from the left, y from the front, top and bottom from the floor, mm." }
+        @if picks.iter().any(Pick::goes_down) { p { (DOWN) } }
         @if cake.missing() > 0 {
             p.bad { (count(cake.missing() as u32, "part is", "parts are"))
                 " listed without a place: the originals are no longer kept." }
@@ -193,6 +201,8 @@ fn sheets(cake: &Cake, (picks, is_proved): (&[Pick<'_>], bool), link: impl Fn(i6
 /// How to read a map in the proved order.
 const PROVED: &str = "Each copy comes out on a straight line past all that are listed after it, as it was proved on the triangles; \
     the way says whereto.";
+/// What is said of ways through the floor of the cake.
+const DOWN: &str = "Copies that go down come out when the cake is lifted or turned.";
 /// How to read a map without one.
 const BY_HEIGHT: &str = "By height, from the top down; whether each comes out past the others is not said here.";
 
@@ -225,7 +235,6 @@ fn by_height<'p, 'c>(picks: &'p [Pick<'c>]) -> Vec<(String, &'p [Pick<'c>])> {
 
 /// A way in words: the sides that it goes to.
 fn whereto([x, y, z]: [f64; 3]) -> String {
-    const SLIGHT: f64 = 0.2;
     let side = |value: f64, towards: &'static str, away: &'static str| match value {
         value if value > SLIGHT => Some(towards),
         value if value < -SLIGHT => Some(away),

@@ -58,6 +58,17 @@ fn copies_come_in_the_proved_order_where_it_names_them_all_and_else_by_height() 
 }
 
 #[test]
+fn a_map_with_ways_down_says_that_the_cake_is_lifted_first() {
+    let map_to = |z: f64| {
+        let way = |z: f64| [(1.0 - z * z).sqrt(), 0.0, z];
+        let order = [drawn("low.3mf", 1, way(1.0)), drawn("low.3mf", 0, way(z)), drawn("h_i_gh.stl", 0, way(0.0))];
+        map_with(cake(true), &order)
+    };
+    assert_eq!(map_to(-0.6).matches("come out when the cake is lifted or turned").count(), 1);
+    assert!([0.6, 0.0, -0.1].iter().all(|&z| !map_to(z).contains("lifted")));
+}
+
+#[test]
 fn a_copy_whose_original_is_gone_has_dashes_and_no_place() {
     let page = map_with(cake(false), &[]);
     assert!(page.contains("1 part is listed without a place") && page.contains("Originals no longer kept"));

@@ -1,7 +1,7 @@
 //! The independent judge of separability: can the bodies of a finished layout be drawn out one after the other? It asks the
 //! kernel about every pair that matters itself and takes nothing over from the search.
 
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 use glam::{DVec3, IVec3};
 
@@ -15,7 +15,8 @@ use crate::{
 #[derive(Debug, Clone, PartialEq)]
 pub struct TakenApart {
     /// Bodies in the order in which they can be drawn out, each with the way that it takes: a unit vector in the build's
-    /// frame. On its way a body keeps [`drawing_gap_mm`] from all bodies that come later.
+    /// frame. On its way a body keeps [`drawing_gap_mm`] from all bodies that come later. A way falls only where none of those
+    /// who are still there can go up or sideways.
     pub order: Vec<(usize, DVec3)>,
     /// Bodies that are locked into each other, in order.
     pub locked: Vec<usize>,
@@ -27,7 +28,6 @@ pub struct TakenApart {
 pub fn take_apart(bodies: &[Body]) -> TakenApart {
     let mut judge = Judge::new(bodies);
     let mut order = Vec::new();
-    // Whoever can leaves upwards; only when nobody can, the highest leaves on whatever way it finds.
     while let Some((at, way)) = judge.next_to_leave() {
         let body = judge.left.remove(at);
         order.push((body, judge.ways[way]));
@@ -37,12 +37,17 @@ pub fn take_apart(bodies: &[Body]) -> TakenApart {
     TakenApart { order, locked }
 }
 
-/// All directions, straight up first.
+/// The first of [`all_ways`] that falls.
+const FALLING: usize = 17;
+
+/// All directions: those that rise, straight up first, then those along the floor, then those that fall; simple ones before
+/// slanted ones.
 fn all_ways() -> Vec<DVec3> {
     let range = || -1..=1;
     let all = range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| IVec3::new(x, y, z))));
-    let others = all.filter(|&way| way != IVec3::ZERO && way != IVec3::Z).map(|way| way.as_dvec3().normalize());
-    std::iter::once(DVec3::Z).chain(others).collect()
+    let mut ways: Vec<IVec3> = all.filter(|&way| way != IVec3::ZERO).collect();
+    ways.sort_by_key(|way| (-way.z, way.length_squared()));
+    ways.into_iter().map(|way| way.as_dvec3().normalize()).collect()
 }
 
 struct Judge<'a> {
@@ -75,13 +80,14 @@ impl<'a> Judge<'a> {
 
     /// Who can leave now, as a place among those who are left, and along which way.
     fn next_to_leave(&mut self) -> Option<(usize, usize)> {
-        let upwards = (0..self.left.len()).find(|&at| !self.is_barred(self.left[at], 0));
-        let anyhow = |judge: &mut Self| {
-            let ways = 1..judge.ways.len();
-            let mut tries = (0..judge.left.len()).flat_map(|at| ways.clone().map(move |way| (at, way)));
-            tries.find(|&(at, way)| !judge.is_barred(judge.left[at], way))
-        };
-        upwards.map(|at| (at, 0)).or_else(|| anyhow(self))
+        // Whoever can leaves upwards; when nobody can, the highest of those who find a way that does not fall. The cake stands
+        // on a floor: what goes down waits until it is lifted.
+        [0..1, 1..FALLING, FALLING..self.ways.len()].into_iter().find_map(|ways| self.next_on(ways))
+    }
+
+    fn next_on(&mut self, ways: Range<usize>) -> Option<(usize, usize)> {
+        let mut tries = (0..self.left.len()).flat_map(|at| ways.clone().map(move |way| (at, way)));
+        tries.find(|&(at, way)| !self.is_barred(self.left[at], way))
     }
 
     /// Whether anybody who is left bars the way of a body.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
-use super::{super::Body, TakenApart, take_apart};
+use super::{super::Body, FALLING, Judge, TakenApart, all_ways, take_apart};
 use crate::{
     geometry::{Mesh, Pose},
     nest::testing::{block, cells, hollow, range},
@@ -132,25 +132,140 @@ fn the_order_is_one_in_which_all_can_leave() {
     assert_eq!(take_apart(&[]), TakenApart { order: Vec::new(), locked: Vec::new() });
 }
 
+/// Two hooks that hold each other along z and slip off each other sideways, the second higher than the first.
+fn clasp() -> [Body; 2] {
+    let column = |x: i32, low: i32| range([x, 0, low], [x + 1, 1, low + 7]);
+    let arms =
+        |x: i32, low: i32| range([x, 0, low], [x + 4, 1, low + 1]).chain(range([x, 0, low + 6], [x + 4, 1, low + 7]));
+    [column(0, 0).chain(arms(1, 0)), column(7, 3).chain(arms(3, 3))].map(|hook| body(&cells(CELL, hook), [0.0; 3]))
+}
+
+/// A bell, a bar that is stuck through two of its walls, and a block in the bell that keeps the bar's fin from leaving through
+/// the wider window. All stand `z` mm above the floor.
+fn bell_with_bar_and_block(z: f64) -> [Body; 3] {
+    let inside = |c: &[i32; 3]| (1..6).contains(&c[0]) && (1..4).contains(&c[1]) && c[2] < 5;
+    let windows = |c: &[i32; 3]| c[2] == 2 && (c[0] == 0 && (1..4).contains(&c[1]) || c[0] == 6 && c[1] == 1);
+    let bell = cells(CELL, range([0, 0, 0], [7, 5, 6]).filter(|c| !inside(c) && !windows(c)));
+    let bar = cells(2.0, range([-4, 0, 0], [18, 1, 1]).chain(range([8, 1, 0], [9, 4, 1])));
+    let block = block(DVec3::new(4.0, 4.0, 12.0));
+    [body(&bell, [0.0, 0.0, z]), body(&bar, [0.0, 5.0, z + 9.0]), body(&block, [8.0, 9.0, z + 3.0])]
+}
+
+#[test]
+fn nobody_is_told_to_go_down_while_a_way_up_is_free() {
+    let [low, high] = clasp();
+    let plate = body(&block(DVec3::new(40.0, 40.0, 4.0)), [0.0, 0.0, 60.0]);
+    let found = take_apart(&[low, plate, high]);
+    assert_eq!(found.order.iter().map(|&(body, _)| body).collect::<Vec<_>>(), [1, 2, 0]);
+    assert!(found.order.iter().all(|&(_, way)| way.z > 0.0), "{found:?}");
+}
+
+#[test]
+fn a_part_under_a_bell_that_can_only_go_down_is_not_locked() {
+    let bell = bell_with_bar_and_block(20.0);
+    let found = take_apart(&bell);
+    assert_eq!(found.locked, NOBODY);
+    assert_eq!(found.order[0], (2, -DVec3::Z));
+    assert!(found.order[1..].iter().all(|&(_, way)| way.z >= 0.0), "{found:?}");
+}
+
+#[test]
+fn whoever_can_only_go_down_waits_for_lower_ones_that_need_not() {
+    let [low, high] = clasp();
+    let low = [low, high].map(|hook| Body { pose: Pose { translation: DVec3::X * 60.0, ..hook.pose }, ..hook });
+    let bodies: Vec<Body> = bell_with_bar_and_block(50.0).into_iter().chain(low).collect();
+    let found = take_apart(&bodies);
+    assert_eq!(found.locked, NOBODY);
+    assert_eq!(found.order.iter().position(|&(_, way)| way.z < 0.0), Some(2), "{found:?}");
+    assert_eq!(found.order[2], (2, -DVec3::Z));
+}
+
+#[test]
+fn ways_are_the_26_of_a_cube_from_up_to_down() {
+    let ways = all_ways();
+    assert_eq!((ways.len(), ways[0]), (26, DVec3::Z));
+    for (at, way) in ways.iter().enumerate() {
+        assert!((way.length() - 1.0).abs() < 1e-12);
+        assert!(ways[..at].iter().all(|other| other.distance(*way) > 0.3), "{way} is there twice");
+        assert_eq!((way.z > 0.0, way.z < 0.0), (at < 9, at >= FALLING), "{at}: {way}");
+    }
+}
+
+type Place = (f64, f64, f64, usize, usize);
+
+fn place() -> impl Strategy<Value = Place> {
+    (0.0..40.0f64, 0.0..40.0f64, 0.0..40.0f64, 0usize..4, 0usize..24)
+}
+
+/// Bodies at those of the places that keep their clearance from all before.
+fn build(places: Vec<Place>) -> Vec<Body> {
+    let meshes = [frame(5), frame(4), rod(true, false), cells(CELL, range([0, 0, 0], [3, 1, 1]))];
+    let turns = crate::nest::turns::axis_turns();
+    let mut bodies: Vec<Body> = Vec::new();
+    for (x, y, z, kind, turn) in places {
+        let next = Body { pose: Pose::new(turns[turn], DVec3::new(x, y, z)), ..body(&meshes[kind], [0.0; 3]) };
+        bodies.push(next);
+        let good = super::super::prove(&bodies, DVec3::splat(1e4));
+        if !good.too_close.is_empty() || !good.inside.is_empty() {
+            bodies.pop();
+        }
+    }
+    bodies
+}
+
+/// Who cannot leave when always the first who can does so, along ways in any order and remembering nothing.
+fn locked_along(bodies: &[Body], ways: &[DVec3]) -> Vec<usize> {
+    let judge = Judge::new(bodies);
+    let mut left: Vec<usize> = (0..bodies.len()).collect();
+    while let Some(at) = (0..left.len()).find(|&at| ways.iter().any(|&way| is_free(&judge, &left, left[at], way))) {
+        left.remove(at);
+    }
+    left
+}
+
+fn is_free(judge: &Judge<'_>, left: &[usize], leaver: usize, way: DVec3) -> bool {
+    left.iter().all(|&other| other == leaver || !judge.bars(other, leaver, way))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn who_is_locked_does_not_depend_on_the_order_of_the_ways(
+        places in proptest::collection::vec(place(), 4..12),
+        ways in Just(all_ways()).prop_shuffle()
+    ) {
+        let bodies = build(places);
+        prop_assert_eq!(take_apart(&bodies).locked, locked_along(&bodies, &ways));
+    }
+
+    #[test]
+    fn every_step_is_free_and_goes_down_only_where_nobody_can_go_otherwise(
+        places in proptest::collection::vec(place(), 4..12)
+    ) {
+        let bodies = build(places);
+        let judge = Judge::new(&bodies);
+        let mut left: Vec<usize> = (0..bodies.len()).collect();
+        for (leaver, way) in take_apart(&bodies).order {
+            prop_assert!(is_free(&judge, &left, leaver, way));
+            if way.z < 0.0 {
+                let others = all_ways().into_iter().filter(|way| way.z >= 0.0);
+                for other in others {
+                    prop_assert!(!left.iter().any(|&body| is_free(&judge, &left, body, other)), "{}", other);
+                }
+            }
+            left.retain(|&body| body != leaver);
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     /// Every step of the order is walked in small steps, past all that come later.
     #[test]
-    fn a_told_order_can_be_walked(
-        places in proptest::collection::vec((0.0..40.0f64, 0.0..40.0f64, 0.0..40.0f64, 0usize..4, 0usize..24), 4..9)
-    ) {
-        let meshes = [frame(5), frame(4), rod(true, false), cells(CELL, range([0, 0, 0], [3, 1, 1]))];
-        let turns = crate::nest::turns::axis_turns();
-        let mut bodies: Vec<Body> = Vec::new();
-        for (x, y, z, kind, turn) in places {
-            let next = Body { pose: Pose::new(turns[turn], DVec3::new(x, y, z)), ..body(&meshes[kind], [0.0; 3]) };
-            bodies.push(next);
-            let good = super::super::prove(&bodies, DVec3::splat(1e4));
-            if !good.too_close.is_empty() || !good.inside.is_empty() {
-                bodies.pop();
-            }
-        }
+    fn a_told_order_can_be_walked(places in proptest::collection::vec(place(), 4..9)) {
+        let bodies = build(places);
         let found = take_apart(&bodies);
         prop_assert_eq!(found.order.len() + found.locked.len(), bodies.len());
         let mut left = bodies.clone();

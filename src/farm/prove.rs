@@ -19,7 +19,7 @@ use crate::{
     format::{self, BuildFile, BuildItem, BuildObject, Drawn, Limits, PlacedMesh, Viewpoint},
     geometry::{Mesh, Pose},
     ledger::{self, BuildRow, DrawnOut, Verified},
-    nest::{self, Body, Interlock, LayerAreas, Proof, Separability},
+    nest::{self, Body, LayerAreas, Proof, Separability},
     queue::Queue,
     settings::{KeepOut, Profile},
 };
@@ -246,7 +246,7 @@ fn prove_written(staged: &Path, order: &WriteOrder, batch: &Batch, placed: &[Pla
         (source, read[at].copy.unwrap_or(1) - 1)
     };
     let rule = profile.nest.interlock();
-    let apart = (rule != Interlock::Allow).then(|| nest::take_apart(&bodies));
+    let apart = Separability::apart(rule, &bodies);
     let separable = apart.as_ref().map(|apart| Separability::new(apart, profile.clearance_mm, name));
     if let Some(found) = separable.as_ref().filter(|found| !found.obeys(rule)) {
         bail!("the written build is not proved: {}", found.in_words());

@@ -214,10 +214,10 @@ impl Ledger {
         let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query)))
             .bind(query.since.map(Utc))
             .bind(query.until.map(Utc))
-            .bind(query.limit.map_or(-1, i64::from))
             .bind(&query.profile)
             .bind(query.state)
             .bind(&query.part)
+            .bind(query.limit.map_or(-1, i64::from))
             .bind(query.after);
         Ok(rows.fetch_all(self.reader()).await?)
     }
@@ -263,7 +263,7 @@ pub(super) fn sql(query: &HistoryQuery) -> String {
     // Of the rows that are shown alone the parts are counted.
     let numbers = format!(
         "SELECT b.id FROM {from} WHERE b.state NOT IN ('open', 'nesting') AND {TIME} >= coalesce(?1, '') \
-         AND {end}{given} {order} LIMIT ?3"
+         AND {end}{given} {order} LIMIT ?6"
     );
     format!("SELECT {COLUMNS} FROM build b WHERE b.id IN ({numbers}) {order}")
 }
@@ -282,10 +282,10 @@ fn from(query: &HistoryQuery) -> &'static str {
 fn given(query: &HistoryQuery) -> String {
     let mut given = String::new();
     if query.profile.is_some() {
-        given += " AND b.profile = ?4";
+        given += " AND b.profile = ?3";
     }
     if query.state.is_some() {
-        given += " AND b.state = ?5";
+        given += " AND b.state = ?4";
     }
     if query.part.is_some() {
         given += WITH_PART;
@@ -301,14 +301,14 @@ fn sums(query: &HistoryQuery) -> String {
          WHERE b.state NOT IN ('open', 'nesting') AND b.published_at IS NOT NULL \
          AND {TIME} >= coalesce(?1, '') AND {TIME} < coalesce(?2, ':'){} GROUP BY b.profile ORDER BY b.profile",
         from(query),
-        given(query).replace("?4", "?3").replace("?5", "?4").replace("?6", "?5")
+        given(query)
     )
 }
 
 /// Those that hold a copy of a part of that file name or order.
 const WITH_PART: &str = " AND b.id IN (SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
-    WHERE p.name = ?6 UNION SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
-    WHERE p.order_name = ?6 AND p.order_name <> '')";
+    WHERE p.name = ?5 UNION SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
+    WHERE p.order_name = ?5 AND p.order_name <> '')";
 
 impl HistorySort {
     /// What is sorted by before the time, and whether the greatest comes first; what is not known comes last.

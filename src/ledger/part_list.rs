@@ -1,8 +1,6 @@
 //! Lists of parts for people and programs, the newest first, so many at a time.
 
-use jiff::Timestamp;
-
-use super::{Ledger, PartId, PartRow, PartState, REFUSED_COUNTS, Utc, error::Result};
+use super::{Ledger, PartId, PartRow, PartState, error::Result};
 
 /// Which parts to list.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -23,13 +21,12 @@ pub struct PartQuery {
 impl Ledger {
     /// The parts that are asked for, the newest first.
     pub async fn parts(&self, query: &PartQuery) -> Result<Vec<PartRow>> {
-        let refused_since = Utc(self.now().checked_sub(REFUSED_COUNTS).unwrap_or(Timestamp::MIN));
         let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query)))
             .bind(&query.name)
             .bind(&query.profile)
             .bind(query.before)
             .bind(query.limit)
-            .bind(refused_since);
+            .bind(self.refused_since());
         Ok(rows.fetch_all(self.reader()).await?)
     }
 }

@@ -155,6 +155,11 @@ const LAST: &str = "WITH RECURSIVE machine (profile) AS (\
     ORDER BY coalesce(n.published_at, n.state_at) DESC, n.id DESC LIMIT 1)";
 
 impl Ledger {
+    /// What was refused before does not count any more.
+    pub(super) fn refused_since(&self) -> Utc {
+        Utc(self.now().checked_sub(REFUSED_COUNTS).unwrap_or(Timestamp::MIN))
+    }
+
     /// Every profile of which the ledger knows something, by name.
     pub async fn status(&self) -> Result<Vec<ProfileStatus>> {
         let mut snapshot = self.snapshot().await?;
@@ -171,8 +176,8 @@ impl Ledger {
             };
             profiles.insert(profile, counted);
         }
-        let refused_since = Utc(self.now().checked_sub(REFUSED_COUNTS).unwrap_or(Timestamp::MIN));
-        let rejected = sqlx::query_as::<_, (String, u32)>(REJECTED).bind(refused_since).fetch_all(&mut *db).await?;
+        let rejected =
+            sqlx::query_as::<_, (String, u32)>(REJECTED).bind(self.refused_since()).fetch_all(&mut *db).await?;
         for (profile, parts) in rejected {
             of(&mut profiles, &profile).rejected_parts = parts;
         }

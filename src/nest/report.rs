@@ -80,13 +80,18 @@ impl Separability {
     }
 
     /// Takes bodies apart as far as a rule asks for it: `None` where nobody looks.
+    pub fn apart(rule: Interlock, bodies: &[Body]) -> Option<TakenApart> {
+        (rule != Interlock::Allow).then(|| take_apart(bodies))
+    }
+
+    /// What [`Separability::apart`] finds, with names.
     pub fn look(
         rule: Interlock,
         bodies: &[Body],
         clearance_mm: f64,
         name: impl Fn(usize) -> (String, u32),
     ) -> Option<Self> {
-        (rule != Interlock::Allow).then(|| Self::new(&take_apart(bodies), clearance_mm, name))
+        Self::apart(rule, bodies).map(|apart| Self::new(&apart, clearance_mm, name))
     }
 
     /// Whether a rule lets pass what was found.

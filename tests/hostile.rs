@@ -144,6 +144,51 @@ fn lies_about_structure_are_refused_by_name() {
 }
 
 #[test]
+fn words_for_people_do_not_decide_whether_a_file_is_read() {
+    let scratch = Scratch::new();
+    let with = |words: &str| threemf(honest().replacen("<resources>", &format!("{words}<resources>"), 1).as_bytes());
+    for words in [
+        r#"<metadata name="Description">a</metadata><metadata name="Description">b</metadata>"#,
+        "<metadata>nameless</metadata>",
+        r#"<metadata name="nobody:declared">x</metadata>"#,
+    ] {
+        let contents = scratch.read(&with(words), "a.3mf").unwrap();
+        assert!(
+            contents.warnings[0].starts_with("1 metadata entry breaks the rules of 3MF"),
+            "{:?}",
+            contents.warnings
+        );
+    }
+}
+
+#[test]
+fn every_refusal_of_a_foreign_file_says_what_to_do() {
+    let scratch = Scratch::new();
+    let zip = |name: &str| package(&[(name, &b"solid x"[..])], CompressionMethod::Stored);
+    let obj = "# Blender\nmtllib a.mtl\no Cube\nv 1.0 1.0 -1.0\nv 1 -1 -1\nf 1 2 3\n";
+    let torn = &binary_stl()[..200];
+    for (bytes, name, what, remedy) in [
+        (&b""[..], "a.stl", "empty", "Copy it once more"),
+        (torn, "a.stl", "truncated", "Copy the whole file"),
+        (obj.as_bytes(), "a.obj", "OBJ", "as STL or 3MF"),
+        (obj.as_bytes(), "a.stl", "OBJ", "as STL or 3MF"),
+        (&b"ISO-10303-21;\nHEADER;"[..], "a.step", "STEP", "as STL or 3MF"),
+        (&b"%PDF-1.4 x"[..], "a.pdf", "PDF", "no shape to print"),
+        (&zip("a.stl"), "a.zip", "ZIP archive", "Unpack it"),
+        (&zip("parts/a.STL"), "a.3mf", "ZIP archive", "Unpack it"),
+        (&b"\x01\x02"[..], "a.sldprt", "CAD program", "as STL or 3MF"),
+        (&b"hello"[..], "readme.txt", "words", "no shape to print"),
+    ] {
+        let error = scratch.read(bytes, name).unwrap_err();
+        assert!(
+            error.to_string().contains(what) && error.remedy().contains(remedy),
+            "{name}: {error} {}",
+            error.remedy()
+        );
+    }
+}
+
+#[test]
 fn two_entries_of_one_name_are_refused_whatever_their_case() {
     let scratch = Scratch::new();
     let model = honest();

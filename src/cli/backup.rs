@@ -27,6 +27,9 @@ pub struct RestoreArgs {
     /// There is no backup: begin a new ledger with what the folders tell
     #[arg(long, conflicts_with = "file")]
     empty: bool,
+    /// A folder of which it is known that nothing is in it: it is lost for good, or truly new
+    #[arg(long, value_name = "DIR")]
+    new_folder: Vec<PathBuf>,
 }
 
 /// Runs `nestd backup`.
@@ -40,7 +43,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
 pub fn restore(common: &Common, args: &RestoreArgs) -> Result<Exit> {
     let settings = settings(common)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
-    let restored = runtime.block_on(farm::restore(&settings, args.file.as_deref()))?;
+    let restored = runtime.block_on(farm::restore(&settings, args.file.as_deref(), &args.new_folder))?;
     let mut text = match &args.file {
         Some(file) => format!("{} is the ledger now.\n", file.display()),
         None => "A new ledger was begun.\n".to_owned(),

@@ -26,6 +26,9 @@ pub struct Args {
     /// Take what the folders tell into a ledger that is older than they are; only while no daemon runs
     #[arg(long, requires = "deep")]
     repair: bool,
+    /// With --repair: a folder of which it is known that nothing is in it: it is lost for good, or truly new
+    #[arg(long, value_name = "DIR", requires = "repair")]
+    new_folder: Vec<std::path::PathBuf>,
 }
 
 /// Runs the command: exit code 0 when all is well or there are only warnings, which hinder no daemon, 1 when something around the daemon is wrong, 2 when the configuration is.
@@ -41,7 +44,7 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         Err(error) => return Err(Usage(error.to_string()).into()),
     };
     if args.repair {
-        deep::repair(&settings, &mut report)?;
+        deep::repair(&settings, &args.new_folder, &mut report)?;
     }
     look(&settings, &mut report)?;
     if args.deep {

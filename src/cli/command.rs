@@ -98,7 +98,7 @@ pub async fn give(ledger: &Ledger, order: &Order, patience: Duration) -> Result<
 }
 
 async fn is_alive(ledger: &Ledger) -> Result<bool> {
-    Ok(ledger.daemon().await?.is_some_and(|daemon| daemon.alive))
+    Ok(ledger.is_served().await?)
 }
 
 /// The answered order, `None` when patience ends before.

@@ -16,7 +16,10 @@ use self::{
     farm::{DemoFarm, Dropped, PROFILE, TORN},
 };
 use super::{Common, Exit, Usage};
-use crate::ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild};
+use crate::{
+    format::counted,
+    ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild},
+};
 
 /// The demo gives up after so long; it takes about twenty seconds on an idle machine.
 const PATIENCE_SECS: u64 = 150;
@@ -57,7 +60,7 @@ async fn play(farm: &DemoFarm) -> Result<()> {
     println!("The daemon runs (process {}, log {}).", daemon.pid(), farm.log().display());
     let mut watch = Watch::begin(farm, &mut daemon).await?;
     let dropped = farm.drop_parts()?;
-    println!("Dropped {} files into {}.", dropped.files, farm.folder("inbox").display());
+    println!("Dropped {} into {}.", counted(dropped.files, "file", "files"), farm.folder("inbox").display());
 
     watch.until_all_are_read(dropped).await?;
     watch.until_all_are_built(farm).await?;
@@ -205,12 +208,17 @@ impl<'d> Watch<'d> {
 
 fn in_words(status: &ProfileStatus) -> String {
     if let Some(build) = status.nesting.first() {
-        return format!("build {}: {} copies, {}", build.build.0, build.copies, build.state);
+        return format!("build {}: {}, {}", build.build.0, counted(build.copies, "copy", "copies"), build.state);
     }
     let forecast = (status.open.as_ref().and_then(|o| o.height_mm))
         .map_or(String::new(), |height_mm| format!("; the open build is {height_mm:.1} mm high"));
     let (parts, copies) = (status.waiting_parts, status.waiting_copies);
-    format!("{parts} parts wait, {copies} copies; {} refused{forecast}", status.rejected_parts)
+    format!(
+        "{}, {}; {} refused{forecast}",
+        counted(parts, "part waits", "parts wait"),
+        counted(copies, "copy", "copies"),
+        status.rejected_parts
+    )
 }
 
 /// Runs a command as an operator would, shown with its output.

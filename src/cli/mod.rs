@@ -2,11 +2,13 @@
 //! configuration.
 #![allow(clippy::print_stdout, clippy::print_stderr)] // the only room that speaks to a terminal
 
+mod adopt;
 mod asked;
 mod backup;
 mod check;
 mod command;
 mod demo;
+mod dismiss;
 mod draft;
 mod history;
 mod logging;
@@ -34,6 +36,8 @@ use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+
+use crate::farm;
 
 /// How a command ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -115,10 +119,20 @@ enum Command {
         #[arg(value_parser = values::part_number)]
         part: i64,
     },
+    /// Leave a profile's refused files where they lie, and need nobody for them any more
+    Dismiss {
+        /// Machine profile
+        profile: String,
+    },
     /// Tell what became of a published build
     Outcome(outcome::Args),
     /// Look into the hot folders now
     Scan,
+    /// Take over the files that another nestd, which is gone, has claimed in a hot folder
+    Adopt {
+        /// Machine profile
+        profile: String,
+    },
     /// Copy the ledger to a file while the farm runs
     Backup(backup::Args),
     /// Put a backup of the ledger back; nothing that was published since is printed again
@@ -131,6 +145,9 @@ enum Command {
     Nest(Box<nest::Args>),
     /// Prove a build file on its triangles
     Verify(verify::Args),
+    /// Read a file for the daemon, which asks on standard input
+    #[command(name = farm::READ_PART, hide = true)]
+    ReadPart,
 }
 
 /// Parses the command line, runs the command and prints an error chain once.
@@ -163,13 +180,16 @@ fn dispatch(cli: &Cli) -> Result<Exit> {
         Command::Resume { profile } => command::run(common, &Order::Resume(profile.clone())),
         Command::Retry { part } => command::run(common, &Order::Retry(*part)),
         Command::Cancel { part } => command::run(common, &Order::Cancel(*part)),
+        Command::Dismiss { profile } => dismiss::run(common, profile),
         Command::Outcome(args) => outcome::run(common, args),
         Command::Scan => command::run(common, &Order::Scan),
+        Command::Adopt { profile } => adopt::run(common, profile),
         Command::Backup(args) => backup::run(common, args),
         Command::Restore(args) => backup::restore(common, args),
         Command::Notify(args) => notify::run(common, args),
         Command::Metrics => metrics::run(common),
         Command::Nest(args) => nest::run(common, args),
         Command::Verify(args) => verify::run(common, args),
+        Command::ReadPart => farm::read_for_the_farm(std::io::stdin(), std::io::stdout()).map(|()| Exit::Success),
     }
 }

@@ -39,6 +39,9 @@ pub struct Args {
 pub struct FarmStatus {
     /// The daemon that serves or served the ledger.
     daemon: Option<DaemonRow>,
+    /// Whether a daemon holds the ledger, also one that has not written into it yet.
+    #[serde(skip)]
+    is_served: bool,
     /// What a person must see to.
     #[serde(serialize_with = "attention_as_json")]
     attention: Vec<Notice>,
@@ -124,7 +127,8 @@ pub async fn look(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Res
     profiles.extend(known.into_iter().map(|status| Machine::new(is_configured(&status.profile), status)));
     profiles.sort_by(|a, b| a.status.profile.cmp(&b.status.profile));
     let parts = if with_parts { Some(parts(ledger).await?) } else { None };
-    Ok(FarmStatus { daemon: ledger.daemon().await?, attention: Vec::new(), profiles, parts })
+    let (daemon, is_served) = (ledger.daemon().await?, ledger.is_served().await?);
+    Ok(FarmStatus { daemon, is_served, attention: Vec::new(), profiles, parts })
 }
 
 async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
@@ -164,18 +168,36 @@ impl FarmStatus {
 
     fn daemon_line(&self, now: Timestamp) -> String {
         match &self.daemon {
+            None if self.is_served => {
+                "A daemon is starting, or waits for something: its log says for what, and `nestd check` finds most causes."
+                    .to_owned()
+            }
             None => "The daemon does not run.".to_owned(),
             Some(d) if !d.alive => {
                 format!("The daemon does not run; its last sign of life was {} ago.", age(Some(d.beat_at), now))
             }
             Some(d) => {
                 let since = age(Some(d.started_at), now);
-                format!(
-                    "The daemon runs on {} (process {}, version {}) for {since}: {}.",
-                    d.host, d.pid, d.version, d.status
-                )
+                let runs = format!("The daemon runs on {} (process {}, version {}) for {since}", d.host, d.pid, d.version);
+                match d.is_silent(now) {
+                    true => format!(
+                        "{runs}, but has not written into the ledger for {}: what stands here may be as old. Where \
+                         the disk of the state folder is full, free some room; `nestd check` says more.",
+                        age(Some(d.beat_at), now)
+                    ),
+                    false => format!("{runs}: {}.", self.does(d)),
+                }
             }
         }
+    }
+
+    /// What the daemon does, by the same rows as the table below.
+    fn does(&self, daemon: &DaemonRow) -> String {
+        if daemon.status.starts_with(farm::HALTED) {
+            return daemon.status.clone();
+        }
+        let machines = self.profiles.iter().filter(|machine| machine.configured).count();
+        farm::summary(machines, self.profiles.iter().map(|machine| &machine.status))
     }
 }
 

@@ -7,7 +7,7 @@ use std::{
 
 use anyhow::{Context, Result};
 
-use crate::format::{is_invisible, visible, visible_lines};
+use crate::format::{counted, is_invisible, visible, visible_lines};
 
 /// A table; the columns of a heading that starts with '>' stand to the right.
 #[derive(Debug, Clone)]
@@ -132,7 +132,7 @@ pub fn or_dash(value: Option<impl fmt::Display>) -> String {
 
 /// '1 copy', '2 copies'.
 pub fn copies(count: u32) -> String {
-    if count == 1 { "1 copy".to_owned() } else { format!("{count} copies") }
+    counted(count, "copy", "copies")
 }
 
 /// A share 0..1 in percent.

@@ -14,18 +14,28 @@ pub enum Attention {
     LedgerBehind,
     /// The ledger is gone, and its farm is not.
     LedgerLost,
+    /// The ledger's file was removed or replaced while the daemon had it open.
+    LedgerReplaced,
     /// A changed configuration was not taken.
     ConfigurationWrong,
     /// A hot folder cannot be looked at.
     HotFolderAway,
     /// A queue folder cannot be used.
     QueueAway,
+    /// An archive cannot be used.
+    ArchiveAway,
+    /// An error folder cannot be used.
+    ErrorFolderAway,
+    /// Claims of another farm lie in a hot folder.
+    ForeignClaims,
     /// A machine's folders cannot be made.
     FoldersMissing,
     /// Files cannot be taken out of a hot folder.
     TakingFails,
     /// A file that was taken cannot be read.
     ReadingFails,
+    /// A stored file does not hold what was dropped.
+    FileDamaged,
     /// A refused or taken file cannot be put where it belongs.
     EndingFails,
     /// A build cannot be begun.
@@ -38,6 +48,8 @@ pub enum Attention {
     QueueReplaced,
     /// Parts wait for a machine that is not configured.
     MachineGone,
+    /// Parts and order lists do not fit together, and wait.
+    Incomplete,
     /// Refused files lie in an error folder.
     Refused,
     /// Files lie beside the hot folders.
@@ -50,24 +62,38 @@ pub enum Attention {
     StepFails,
 }
 
+/// What to do about a stored file that rotted.
+const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once more: it is taken in place of the damaged one, not as another \
+     order. Without it, `nestd cancel PART` ends the part. Check the disk of the state folder; what was damaged lies in \
+     its folder damaged/.";
+/// What to do about a ledger that is gone.
+const PUT_BACK: &str = "Put the newest backup back with `nestd restore FILE`; without one, `nestd restore --empty` begins a new ledger \
+     from what the folders tell.";
+
 impl Attention {
     /// Every kind.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 26] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
+        Self::LedgerReplaced,
         Self::ConfigurationWrong,
         Self::HotFolderAway,
         Self::QueueAway,
+        Self::ArchiveAway,
+        Self::ErrorFolderAway,
+        Self::ForeignClaims,
         Self::FoldersMissing,
         Self::TakingFails,
         Self::ReadingFails,
+        Self::FileDamaged,
         Self::EndingFails,
         Self::NestingFails,
         Self::BuildFailed,
         Self::PublishingFails,
         Self::QueueReplaced,
         Self::MachineGone,
+        Self::Incomplete,
         Self::Refused,
         Self::Stray,
         Self::DashboardDown,
@@ -80,21 +106,29 @@ impl Attention {
         match self {
             Self::LedgerDamaged => "The ledger is damaged: nestd takes and publishes nothing",
             Self::LedgerBehind => {
-                "The ledger is older than the folders: nestd does not start, for it would print parts twice"
+                "The ledger is older than the folders: nestd takes and prints nothing, for it would be twice or never"
             }
             Self::LedgerLost => "The ledger is gone: nestd does not start, for it would forget all that it has taken",
+            Self::LedgerReplaced => {
+                "The ledger's file was removed or replaced while nestd ran: nestd takes and publishes nothing"
+            }
             Self::ConfigurationWrong => "The changed configuration was not taken; the one before still holds",
             Self::HotFolderAway => "The hot folder is unavailable",
             Self::QueueAway => "The queue folder cannot be used",
+            Self::ArchiveAway => "The archive cannot be used",
+            Self::ErrorFolderAway => "The error folder cannot be used",
+            Self::ForeignClaims => "Another nestd has claimed files in the hot folder, and they are left to it",
             Self::FoldersMissing => "The folders cannot be made",
             Self::TakingFails => "Files cannot be taken out of the hot folder",
             Self::ReadingFails => "A file that was taken cannot be read",
+            Self::FileDamaged => "A file that was taken is not what was dropped any more, and is not printed",
             Self::EndingFails => "A file that was taken cannot be put where it belongs",
             Self::NestingFails => "A build cannot be made now",
             Self::BuildFailed => "A build failed, and its profile is paused",
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
             Self::MachineGone => "Parts wait for a machine that is not configured",
+            Self::Incomplete => "Files and order lists do not fit together, and wait",
             Self::Refused => "Refused files lie in the error folder",
             Self::Stray => "Files lie beside the hot folders, where nobody prints them",
             Self::DashboardDown => "The dashboard is not served; the farm works without it",
@@ -110,18 +144,34 @@ impl Attention {
                 "Stop nestd, keep the ledger's files, check the disk, and put the newest backup back with `nestd restore FILE`."
             }
             Self::LedgerBehind => {
-                "Run `nestd check --deep --repair`: it takes the builds that the folders tell of into the ledger."
+                "Stop nestd, run `nestd check --deep --repair`, which takes into the ledger what the folders tell, see to what it \
+                 says, and start nestd."
             }
-            Self::LedgerLost => {
-                "Put the newest backup back with `nestd restore FILE`; without one, `nestd restore --empty` begins a new ledger \
-                 from what the folders tell."
+            Self::LedgerLost => PUT_BACK,
+            Self::LedgerReplaced => {
+                "Stop nestd. Put the copy back that nestd saved, with `nestd restore FILE`, and start nestd; another ledger that \
+                 is there now is kept aside."
             }
             Self::ConfigurationWrong => "Run `nestd check`, mend what it names, and reload nestd.",
             Self::HotFolderAway => {
-                "Mount it again, and let nestd's user read, write and enter it; `nestd check` says more."
+                "Mount it again, and let nestd's user read, write and enter it; `nestd check` says more. If it was replaced on \
+                 purpose, accept the folder that is there now: touch its .nestd-owner."
             }
             Self::QueueAway => {
-                "Mount it again, and let nestd's user write into it; `nestd check` says more. Builds wait until then."
+                "Mount it again, and let nestd's user write into it; `nestd check` says more. Builds wait until then. If it was \
+                 replaced on purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::ArchiveAway => {
+                "Mount it again, and let nestd's user write into it. No build is made or published until then. If it was replaced \
+                 on purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::ErrorFolderAway => {
+                "Mount it again, and let nestd's user write into it. What is refused stays where it is until then. If it was \
+                 replaced on purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::ForeignClaims => {
+                "Let that nestd go on, and it takes them up itself. If it is gone for good, or another one takes its place, take \
+                 them over with `nestd adopt PROFILE`."
             }
             Self::FoldersMissing => "Mount or make the folder above them, and let nestd's user write there.",
             Self::TakingFails => {
@@ -129,9 +179,17 @@ impl Attention {
                  stay where they are until then."
             }
             Self::ReadingFails => "Check the disk of the state folder, and free some room where it is full.",
+            Self::FileDamaged => DROP_AGAIN,
             Self::EndingFails => {
                 "Free some room where the disk is full, and let nestd's user write into the error folder."
             }
+            _ => self.remedy_of_builds_and_watchers(),
+        }
+    }
+
+    /// [`Attention::remedy`] of what hinders builds and those who are told of them.
+    fn remedy_of_builds_and_watchers(self) -> &'static str {
+        match self {
             Self::NestingFails => "Free some room where the disk is full; `nestd check` says more.",
             Self::BuildFailed => {
                 "See the reason, mend it, then `nestd resume PROFILE`: the parts wait. A part that is the reason goes with \
@@ -148,9 +206,12 @@ impl Attention {
                 "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
                  them."
             }
+            Self::Incomplete => {
+                "Add the rows or files that are missing; after `incomplete_secs` the rest is refused, each with its reason."
+            }
             Self::Refused => {
                 "Read the .reason.txt beside each; mend the file and drop it again, or take it back with `nestd retry PART`. Then \
-                 remove both from there."
+                 remove both from there, or say `nestd dismiss PROFILE`: they stay there, and nobody is told of them any more."
             }
             Self::Stray => "Move them into the folder of the machine that they are for.",
             Self::DashboardDown => "Mend what the reason names (`[web]` in the configuration), and restart nestd.",
@@ -158,13 +219,21 @@ impl Attention {
                 "Mend what the reason names (`[notify]` in the configuration); `nestd notify --test` tries it. What is not older \
                  than `keep_secs` is told then."
             }
-            Self::StepFails => "See the reason; `nestd check` looks for its cause.",
+            _ => "See the reason; `nestd check` looks for its cause.",
         }
     }
 
     /// Whether it concerns everybody, not only those who use one machine.
     fn is_of_the_farm(self) -> bool {
-        let own = [Self::Refused, Self::BuildFailed, Self::ReadingFails, Self::EndingFails, Self::NestingFails];
+        let own = [
+            Self::Incomplete,
+            Self::Refused,
+            Self::BuildFailed,
+            Self::ReadingFails,
+            Self::FileDamaged,
+            Self::EndingFails,
+            Self::NestingFails,
+        ];
         !own.contains(&self)
     }
 }

@@ -57,7 +57,9 @@ pub fn is_of_the_disk(failure: &anyhow::Error) -> bool {
         let io = cause.downcast_ref::<std::io::Error>();
         let queue = cause.downcast_ref::<crate::queue::QueueError>();
         io.is_some_and(|e| e.raw_os_error().is_some() || e.kind() == std::io::ErrorKind::WriteZero)
+            || matches!(cause.downcast_ref(), Some(super::read::Unread::Later(_)))
             || matches!(queue, Some(crate::queue::QueueError::Unavailable { .. }))
+            || cause.is::<super::owner::OwnerError>()
     })
 }
 

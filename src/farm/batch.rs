@@ -8,18 +8,17 @@ use tracing::{info, warn};
 
 use super::{
     budget::Budget,
-    claimed::reason_text,
     event::Event,
     farm::Farm,
     jobs::JobKey,
     layout::{Copy, Layout, copies_of},
-    nest::{Best, NestOrder, Nested},
+    nest::{Best, Lost, NestOrder, Nested},
     priority::give_way,
     station::Search,
     trigger::{Facts, FiredBy, fired_by},
 };
 use crate::{
-    intake,
+    format::counted,
     ledger::{BuildId, OpenLayout, PartId, PartRow, Refusal, WaitingPart},
 };
 
@@ -34,7 +33,7 @@ impl Farm {
     pub(super) async fn batch_when_rested(&mut self, name: &str) -> Result<()> {
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
         let began = Instant::now();
-        if began < station.batch_at {
+        if began < station.batch_at || station.agrees.is_none() {
             station.is_settled = false;
             return Ok(());
         }
@@ -47,7 +46,11 @@ impl Farm {
 
     /// Keeps a profile's open build current and fires it when it is time.
     pub(super) async fn batch(&mut self, name: &str) -> Result<()> {
-        let waiting = self.ledger.waiting_copies(name).await?;
+        if self.stations.get(name).is_some_and(|station| !station.holds.are_fresh()) {
+            return Ok(());
+        }
+        let mut waiting = self.ledger.waiting_copies(name).await?;
+        waiting.retain(|waiting| !self.leaving.contains_key(&waiting.part.id));
         let flush = self.stations.get(name).is_some_and(|s| !s.flush.is_empty());
         let being_read = flush && self.is_being_read(name).await?;
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
@@ -82,8 +85,7 @@ impl Farm {
                 return self.fire(name, by, &wanted).await;
             }
         }
-        self.improve(name, cut, wanted);
-        Ok(())
+        self.improve(name, cut, wanted).await
     }
 
     /// Whether a part of the profile is claimed but not read: an order by hand waits for it, unless the disk keeps it from
@@ -94,16 +96,23 @@ impl Farm {
     }
 
     /// Begins a search for the open build where one is wanted and a slot is free.
-    fn improve(&mut self, name: &str, cut: Vec<WaitingPart>, wanted: BTreeSet<Copy>) {
+    async fn improve(&mut self, name: &str, cut: Vec<WaitingPart>, wanted: BTreeSet<Copy>) -> Result<()> {
         if !self.has_free_slot() {
-            return;
+            return Ok(());
         }
         let key = JobKey::Improve(name.to_owned());
         let meshes = self.meshes.clone();
-        let Some(station) = self.stations.get_mut(name) else { return };
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
         if !station.open.wants_search(&wanted, Instant::now()) || self.jobs.runs(&key) {
-            return;
+            return Ok(());
         }
+        let build = self.ledger.open_build(name).await?;
+        let parts: Vec<&PartRow> = cut.iter().map(|waiting| &waiting.part).collect();
+        if self.is_wary(&build, build.searches, &parts) {
+            return Ok(());
+        }
+        self.ledger.begin_search(build.id).await?;
+        let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
         let open = &mut station.open;
         open.rounds += 1;
         let (round, best) = (open.rounds, Best::default());
@@ -123,11 +132,14 @@ impl Farm {
             give_way();
             Event::Improved { profile, round, nested: order.run(&meshes) }
         });
+        Ok(())
     }
 
     /// Takes in what a search for an open build found.
     pub(super) async fn on_improved(&mut self, name: &str, round: u64, nested: Result<Nested>) -> Result<()> {
         self.jobs.ended(&JobKey::Improve(name.to_owned()));
+        let build = self.ledger.open_build(name).await?;
+        self.has_ended_well(&build).await?;
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
         if station.open.search.as_ref().is_none_or(|search| search.round != round) {
             return Ok(());
@@ -135,15 +147,17 @@ impl Farm {
         let nested = match nested {
             Ok(nested) => nested,
             Err(failure) => {
-                warn!(profile = %name, "The open build could not be nested: {failure:#}.");
                 station.open.ended(round, None);
+                if let Some(lost) = Lost::of(&failure) {
+                    return self.ask_again(lost).await;
+                }
+                warn!(profile = %name, "The open build could not be nested: {failure:#}.");
                 return Ok(());
             }
         };
         station.open.ended(round, Some(nested.layout.clone()));
-        let build = self.ledger.open_build(name).await?.id;
-        self.save_layout(build, &nested.layout).await?;
-        self.ledger.add_cpu_secs(build, nested.cpu_secs).await?;
+        self.save_layout(build.id, &nested.layout).await?;
+        self.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
         self.refuse_what_fits_nowhere(name, &nested.layout).await
     }
 
@@ -154,17 +168,12 @@ impl Farm {
         if !station.open.placed_nothing(layout.unplaced.len()) {
             return Ok(());
         }
-        let reason = format!("It was tried and found no place in the empty build volume of {name}.");
+        let reason = format!(
+            "It was tried and found no place in the empty build volume of {name}. Drop it for a larger machine, or with a freer \
+             orientation or a smaller clearance_mm in its ticket."
+        );
         warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-        let refused =
-            self.refuse_waiting(part, Refusal::TooLarge, &reason).await.context("refusing a part that fits nowhere");
-        if refused.is_err()
-            && let Some(station) = self.stations.get_mut(name)
-        {
-            // Tried once more, so that it is refused when that can be done.
-            station.open.forget_tried();
-        }
-        refused
+        self.refuse_waiting(part, Refusal::TooLarge, &reason).await
     }
 
     /// A part on which the search panics must not keep the others from being built: half of the line is tried next, and
@@ -176,29 +185,17 @@ impl Farm {
         let (true, Some(&(part, _))) = (station.open.placed_nothing(copies.len()), copies.first()) else {
             return Ok(());
         };
-        let reason = format!("The search failed on it: {message}.");
-        self.refuse_waiting(part, Refusal::Failure, &reason).await.context("refusing a part that the search fails on")
+        let reason = format!(
+            "The search failed on it: {message}. Take it back to try once more; where that fails too, export it again."
+        );
+        self.refuse_waiting(part, Refusal::Failure, &reason).await
     }
 
     /// waiting -> rejected, with a copy of the original in the error folder.
-    async fn refuse_waiting(&self, part: PartId, cause: Refusal, reason: &str) -> Result<()> {
-        if let Some(row) = self.ledger.part(part).await? {
-            self.copy_into_error(&row, reason)?;
-        }
-        Ok(self.ledger.cancel(part, cause, reason).await?)
-    }
-
-    /// The original was let go when the part began to wait: a copy from the store goes into the error folder. The same
-    /// copy again changes nothing.
-    pub(super) fn copy_into_error(&self, row: &PartRow, reason: &str) -> Result<()> {
-        let Some(station) = self.stations.get(&row.profile) else { return Ok(()) };
-        let (stored, error_dir) = (self.meshes.store.path(&row.content_hash)?, &station.profile.folders.error);
-        let text = reason_text(row, reason);
-        match super::tidy::refused_files(error_dir, row)?.first() {
-            Some((_, known)) => intake::rewrite_reason(known, &text),
-            None => intake::refuse_copy(&stored, error_dir, &format!("part-{}", row.id), &row.name, &text),
-        }
-        .with_context(|| format!("copying {} into the error folder", row.name))
+    async fn refuse_waiting(&mut self, part: PartId, cause: Refusal, reason: &str) -> Result<()> {
+        let row = self.ledger.part(part).await?.context("a part that waits has no row")?;
+        self.begin_leaving(row, cause, reason, None);
+        Ok(())
     }
 
     /// Keeps a layout in the ledger, so that a restart goes on from it.
@@ -233,14 +230,23 @@ impl Farm {
         self.fresh_builds.insert(build);
         station.open.clear();
         let flush = std::mem::take(&mut station.flush);
-        info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {} copies: {by}.", copies.len());
+        info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", counted(copies.len(), "copy", "copies"));
         self.save_layout(build, &layout).await?;
-        self.answer(&flush, &format!("build {build} is being nested with {} copies", copies.len())).await
+        self.answer(&flush, &format!("build {build} is being nested with {}", counted(copies.len(), "copy", "copies")))
+            .await
     }
 
-    /// Whether another search may run beside those that do.
+    /// Whether another search may run beside those that do. One whose time is over does not count: proving or preparing a
+    /// build for long must not keep other machines from theirs.
     pub(super) fn has_free_slot(&self) -> bool {
-        let searches = self.jobs.count(|key| matches!(key, JobKey::Improve(_) | JobKey::Final(_)));
+        let is_due = |budget: Option<&Budget>| budget.is_none_or(|budget| !budget.is_overdue());
+        let searches = self.jobs.count(|key| match key {
+            JobKey::Improve(name) => {
+                is_due(self.stations.get(name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
+            }
+            JobKey::Final(build) => is_due(self.finals.get(build).map(|(budget, _)| budget)),
+            _ => false,
+        });
         searches < self.nest_slots
     }
 }

@@ -10,6 +10,9 @@ use std::{
 
 use crate::nest::Stop;
 
+/// A search may end so much after its time before others begin beside it.
+const OVERDUE: Duration = Duration::from_secs(2);
+
 /// A budget of wall seconds that can be cancelled from another thread.
 #[derive(Debug, Clone)]
 pub struct Budget {
@@ -31,6 +34,11 @@ impl Budget {
     /// Ends the search soon; what it has found so far counts.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether the search goes on although its time was over a while ago: it must not keep others from theirs.
+    pub fn is_overdue(&self) -> bool {
+        self.began.elapsed() > self.limit + OVERDUE
     }
 
     /// Wall seconds since the start.

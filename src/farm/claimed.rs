@@ -6,21 +6,24 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use jiff::{Timestamp, tz::TimeZone};
-use tracing::{info, warn};
+use jiff::Timestamp;
+use tracing::{debug, info, warn};
 
 use super::{
     attention::Attention,
     event::Event,
     farm::Farm,
+    holds::Holds,
     jobs::JobKey,
+    nest::READS_IN_THE_DAEMON,
     read::{ReadOutcome, read_part},
     receive::{Drop, Gate, Received},
+    taken::Taken,
 };
 use crate::{
-    intake::{self, Claim, Given, Released, Source, Stored},
-    ledger::{NewPart, NewTicket, PartId, PartRow, PartState, Refusal, TicketSource, Tilts, Utc},
-    nest::Orientation,
+    format::counted,
+    intake::{self, TicketError},
+    ledger::{NewPart, PartId, PartRow, PartState, Refusal, Utc},
     settings::{Duplicates, Profile},
 };
 
@@ -43,16 +46,24 @@ impl Farm {
     pub(super) fn receive(&mut self) {
         let orphan_secs = self.settings.orphan_ticket_secs;
         for (name, station) in &mut self.stations {
-            if Instant::now() < station.look_at || self.jobs.runs(&JobKey::Receive(name.clone())) {
+            if !station.may_take
+                || !station.holds.are_fresh()
+                || Instant::now() < station.look_at
+                || self.jobs.runs(&JobKey::Receive(name.clone()))
+            {
                 continue;
             }
             let Some(mut gate) = station.gate.take() else { continue };
+            if std::mem::take(&mut station.relist) {
+                gate.relist();
+            }
             let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
-            let mut hold = station.holds.inbox.clone();
-            let (name, status) = (name.clone(), station.told(&self.notices));
+            let mut holds = station.holds.clone();
+            let (name, status) = (name.clone(), station.told(&self.notices, self.settings.scan_secs));
             self.jobs.start(JobKey::Receive(name.clone()), move || {
-                let mut received = gate.look(&profile, &mut hold, &store, orphan_secs);
-                if status.1.is_empty() || received.unavailable.is_some() {
+                let mut received = gate.look(&profile, &mut holds, &store, orphan_secs);
+                // What is told is not written into an empty mount point that took the folder's place meanwhile.
+                if status.1.is_empty() || received.unavailable.is_some() || holds.inbox.check().is_err() {
                     return Event::Received { profile: name, gate, received };
                 }
                 if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
@@ -66,6 +77,14 @@ impl Farm {
     /// Takes in a look: each claimed part gets its row, and is read. What cannot be recorded now is tried at the next look.
     pub(super) async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, received: Received) -> Result<()> {
         self.jobs.ended(&JobKey::Receive(name.to_owned()));
+        let rows: Vec<&NewPart> = received.drops.iter().map(|drop| &drop.row).collect();
+        // One change for all costs as much as one row. Where it fails, each is written by itself below, and told.
+        if rows.len() > 1
+            && self.stations.contains_key(name)
+            && let Err(failure) = self.ledger.record_claims(&rows).await
+        {
+            debug!("The rows of a look are written one by one: {failure}.");
+        }
         for drop in received.drops {
             if let Err(failure) = self.record(name, &drop).await {
                 self.trouble(Attention::TakingFails, name, "recording a drop", &failure);
@@ -81,10 +100,17 @@ impl Farm {
             station.look_at = Instant::now() + Duration::from_secs_f64(next_secs);
             station.refused_kept = received.refused_kept.unwrap_or(station.refused_kept);
             let error_dir = station.profile.folders.error.display();
+            match received.is_cut || received.unavailable.is_some() {
+                true => {}
+                false if received.held.is_empty() => self.notices.clear(Attention::Incomplete, name, ""),
+                false => self.notices.raise(Attention::Incomplete, name, "", &few(&received.held)),
+            }
             match station.refused_kept {
                 0 => self.notices.clear(Attention::Refused, name, ""),
-                1 => self.notices.raise(Attention::Refused, name, "", &format!("1 file in {error_dir}")),
-                files => self.notices.raise(Attention::Refused, name, "", &format!("{files} files in {error_dir}")),
+                files => {
+                    let detail = format!("{} in {error_dir}", counted(files, "file", "files"));
+                    self.notices.raise(Attention::Refused, name, "", &detail);
+                }
             }
         }
         match &received.unavailable {
@@ -113,56 +139,53 @@ impl Farm {
 
     /// The row of a claimed part; an earlier run may have written it already.
     async fn record(&mut self, name: &str, drop: &Drop) -> Result<()> {
-        let Some(profile) = self.stations.get(name).map(|s| s.profile.clone()) else { return Ok(()) };
-        let Drop { claim, stored, given } = drop;
-        let row = new_part(&profile, claim, stored, given.as_ref().ok());
-        let recorded = self.ledger.record_claim(&row).await?;
-        // Between the copy and the row, the end of an earlier part of the same content may have taken the copy away.
+        if !self.stations.contains_key(name) {
+            return Ok(());
+        }
+        let Drop { claim, stored, given, row } = drop;
+        if given.is_ok() && self.is_replacement(name, claim, stored).await? {
+            return Ok(());
+        }
+        let recorded = self.ledger.record_claim(row).await?;
+        // Between the copy and the row, the end of an earlier part of the same content may have taken both away.
         if !self.meshes.store.path(&stored.hash)?.exists() {
             self.meshes.store.put_claimed(claim)?;
+            let note = Taken::of(self.owner.farm(), row.clone(), given.as_ref().err());
+            self.meshes.store.note(&stored.hash, &claim.id, &note.to_text())?;
         }
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
         if part.content_hash != stored.hash {
             // It was written to after its row was committed, and then nestd crashed: a new revision.
             intake::give_back(claim)?;
+            self.meshes.store.forget_note(&stored.hash, &claim.id)?;
+            if !self.is_needed(&stored.hash).await? {
+                self.meshes.store.remove(&stored.hash)?;
+            }
             return Ok(());
         }
         self.claims.insert(claim.id.clone(), claim.clone());
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {
-                let reason = format!("{error}. {COPIES_UNKNOWN}: mend the ticket and drop both again.");
+                let remedy = match error {
+                    TicketError::Unlisted(_) => {
+                        "drop it again together with a list that has a row for it, or with a ticket of its own"
+                    }
+                    _ => "mend the ticket and drop both again",
+                };
+                let reason = format!("{error}. {COPIES_UNKNOWN}: {remedy}.");
                 self.refuse(&part, Refusal::Ticket, &reason).await
             }
-            _ => self.settle_claim(&part),
-        }
-    }
-
-    /// Ends the claims of parts that were read or refused; what failed earlier (an error folder that could not be
-    /// written to) is tried again.
-    pub(super) async fn settle_claims(&mut self) -> Result<()> {
-        for claim in self.claims.keys().cloned().collect::<Vec<_>>() {
-            let parts = self.ledger.parts_of_claim(&claim).await?;
-            let Some(part) = parts.first() else { continue };
-            if let Err(failure) = self.settle_claim(part) {
-                let (part, profile) = (part.name.clone(), part.profile.clone());
-                self.trouble(Attention::EndingFails, &profile, &part, &failure);
+            _ => {
+                self.settle_claim(&part);
+                Ok(())
             }
-        }
-        Ok(())
-    }
-
-    fn settle_claim(&mut self, part: &PartRow) -> Result<()> {
-        match part.state {
-            PartState::Claimed => Ok(()),
-            PartState::Rejected => self.put_into_error(part, &part.reason),
-            // It was read: only its original is left to let go.
-            _ => self.let_go(part),
         }
     }
 
     /// Starts reading claimed parts.
     pub(super) async fn read(&mut self) -> Result<()> {
-        let profiles: Vec<Arc<Profile>> = self.stations.values().map(|s| s.profile.clone()).collect();
+        let profiles: Vec<Arc<Profile>> =
+            (self.stations.values()).filter(|s| s.may_take && s.holds.are_fresh()).map(|s| s.profile.clone()).collect();
         // Each time another machine comes first, so that none waits for the end of another one's line.
         self.reads_begun = self.reads_begun.wrapping_add(1);
         for at in 0..profiles.len() {
@@ -172,22 +195,48 @@ impl Farm {
                 break;
             }
             let parts = self.ledger.claimed_parts(&profile.name, READERS + reading + self.read_again.len()).await?;
-            parts.into_iter().for_each(|part| self.begin_read(part, profile));
+            for part in parts {
+                self.begin_read(part, profile).await?;
+            }
         }
         Ok(())
     }
 
-    fn begin_read(&mut self, part: PartRow, profile: &Arc<Profile>) {
+    async fn begin_read(&mut self, mut part: PartRow, profile: &Arc<Profile>) -> Result<()> {
         let waits = self.read_again.rests(&part.id);
-        let is_full = self.jobs.count(|key| matches!(key, JobKey::Read(_))) >= READERS;
-        if waits || is_full || self.jobs.runs(&JobKey::Read(part.id)) {
-            return;
+        let reading = self.jobs.count(|key| matches!(key, JobKey::Read(_)));
+        // What has ended the process before is read when nothing else is, so that only it can be the reason.
+        let most = if part.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
+        if reading == 0 {
+            self.is_reading_alone = false;
         }
+        if waits
+            || self.is_ending(&part)
+            || reading >= most
+            || self.is_reading_alone
+            || self.jobs.runs(&JobKey::Read(part.id))
+        {
+            return Ok(());
+        }
+        let was_rejected = self.ledger.was_rejected(part.id).await?;
+        part.reads = self.ledger.begin_read(part.id).await?;
+        self.is_reading_alone = part.reads > READS_IN_THE_DAEMON;
         let (profile, meshes) = (profile.clone(), self.meshes.clone());
-        self.jobs.start(JobKey::Read(part.id), move || Event::Read {
-            part: part.id,
-            outcome: read_part(&part, &profile, &meshes),
+        let claim = self.claims.get(&part.claim).cloned();
+        let holds = self.stations.get(&profile.name).map(|station| station.holds.clone());
+        // After a retry the refused file and its reason have no business in the error folder any more.
+        let refused_before = holds.filter(|_| was_rejected);
+        self.jobs.start(JobKey::Read(part.id), move || {
+            let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
+            // Before it waits: a crash after must not leave its file in two places.
+            if let (Some(holds), ReadOutcome::Solids(_)) = (refused_before, &outcome)
+                && let Err(failure) = remove_refused(&holds, &profile, &part)
+            {
+                outcome = ReadOutcome::Later(format!("removing what was refused of it: {failure:#}"));
+            }
+            Event::Read { part: part.id, outcome }
         });
+        Ok(())
     }
 
     /// Takes in what a reader found.
@@ -200,9 +249,15 @@ impl Farm {
         match outcome {
             ReadOutcome::Solids(mut solids) => {
                 if let Some(warning) = match self.duplicate_of(&part).await? {
+                    Some((earlier, _)) if self.is_in_another_unit(&part, earlier, &solids).await? => Some(format!(
+                        "The same file as part {earlier}, but in another unit: it is a part of another size."
+                    )),
                     Some((earlier, Duplicates::Reject)) => {
-                        let reason =
-                            format!("It is the same file as part {earlier}, and this profile takes no file twice.");
+                        let reason = format!(
+                            "It is the same file as part {earlier}, and this profile takes no file twice. Where \
+                             more copies are meant, set duplicates = \"warn\" in the profile {}, reload nestd and take it back.",
+                            part.profile
+                        );
                         return self.refuse(&part, Refusal::Duplicate, &reason).await;
                     }
                     Some((earlier, Duplicates::Warn)) => {
@@ -212,128 +267,36 @@ impl Farm {
                 } {
                     solids[0].warnings.push(warning);
                 }
-                // Before it waits: a crash after must not leave its file in two places.
-                if let Err(failure) = self.tidy_error_folder(&part).await {
-                    self.read_again.failed(id);
-                    return Err(
-                        failure.context(format!("removing what was refused of part {id} from the error folder"))
-                    );
-                }
                 let ids = self.ledger.accept(id, &solids).await?;
-                let copies: u32 = solids.iter().map(|s| s.copies).sum();
-                let parts = ids.len();
-                info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts} parts, {copies} copies.", part.name, part.profile);
-                self.let_go(&part)
+                let copies = counted(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");
+                let parts = counted(ids.len(), "part", "parts");
+                info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts}, {copies}.", part.name, part.profile);
+                self.let_go(&part);
+                Ok(())
             }
             ReadOutcome::Refused(cause, reason) => self.refuse(&part, cause, &reason).await,
+            ReadOutcome::Lost(lost) => self.ask_again(&lost).await,
             ReadOutcome::Later(why) => {
                 self.read_again.failed(id);
+                self.ledger.forget_read(id).await?;
                 let about = format!("part {id} ({})", part.name);
                 self.notices.trouble(Attention::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
                 Ok(())
             }
         }
     }
+}
 
-    async fn duplicate_of(&self, part: &PartRow) -> Result<Option<(PartId, Duplicates)>> {
-        let Some(station) = self.stations.get(&part.profile) else { return Ok(None) };
-        let earlier = self.ledger.earlier_with_hash(&part.profile, &part.content_hash, part.id).await?;
-        Ok(earlier.map(|earlier| (earlier, station.profile.duplicates)))
-    }
-
-    /// claimed -> rejected, then the file goes into the error folder; a crash between is caught up by `record`.
-    async fn refuse(&mut self, part: &PartRow, cause: Refusal, reason: &str) -> Result<()> {
-        warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
-        self.ledger.reject(part.id, cause, reason).await?;
-        self.put_into_error(part, reason)
-    }
-
-    fn put_into_error(&mut self, part: &PartRow, reason: &str) -> Result<()> {
-        self.read_again.done(&part.id);
-        let Some(station) = self.stations.get(&part.profile) else { return Ok(()) };
-        let folders = &station.profile.folders;
-        let Some(claim) = self.claims.get(&part.claim) else {
-            // One that was taken back and is refused again; a claim that is still to be found brings its original itself.
-            let is_in_work = intake::claim_dir(&folders.inbox, &part.claim).exists();
-            return if is_in_work { Ok(()) } else { self.copy_into_error(part, reason) };
-        };
-        intake::refuse(claim, &folders.error, &reason_text(part, reason))?;
-        self.claims.remove(&part.claim);
-        Ok(())
-    }
-
-    /// Lets the claimed original go: the store has it, and its row is committed.
-    fn let_go(&mut self, part: &PartRow) -> Result<()> {
-        self.read_again.done(&part.id);
-        let Some(claim) = self.claims.get(&part.claim) else { return Ok(()) };
-        if let Released::GivenBack(path) = intake::release(claim)? {
-            let file = path.display();
-            warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
-        }
-        self.claims.remove(&part.claim);
-        Ok(())
-    }
-
-    /// After a successful retry the refused file and its reason have no business in the error folder any more.
-    async fn tidy_error_folder(&self, part: &PartRow) -> Result<()> {
-        match self.stations.get(&part.profile) {
-            Some(station) if self.ledger.was_rejected(part.id).await? => {
-                super::tidy::remove_refused(&station.profile.folders.error, part)
-            }
-            _ => Ok(()),
-        }
+/// The first of many things that wait.
+fn few(held: &[String]) -> String {
+    const MOST: usize = 5;
+    match held.len() {
+        0..=MOST => held.join("; "),
+        all => format!("{}; and {} more", held[..MOST].join("; "), all - MOST),
     }
 }
 
-/// What a refused part's reason says below the reason itself.
-pub(super) fn reason_text(part: &PartRow, reason: &str) -> String {
-    let again = match reason.contains(COPIES_UNKNOWN) {
-        true => String::new(),
-        false => format!(" To take it back: nestd retry {}", part.id),
-    };
-    format!("{}\n\n{}{again}\n", reason.trim_end(), super::tidy::part_line(part))
-}
-
-fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given: Option<&Given>) -> NewPart {
-    let ticket = given.map(|g| g.ticket.clone()).unwrap_or_default();
-    let mut warnings = given.map(|g| g.warnings.clone()).unwrap_or_default();
-    let due_at = ticket.due.and_then(|due| match due.at(&TimeZone::system()) {
-        Ok(at) => Some(at),
-        Err(error) => {
-            warnings.push(format!("Its due date is no date here: {error}."));
-            None
-        }
-    });
-    let source = given.and_then(|g| g.sources.first()).map(|s| NewTicket {
-        source: match s.source {
-            Source::Name => TicketSource::Name,
-            Source::Sidecar => TicketSource::Sidecar,
-            Source::OrderList => TicketSource::OrderList,
-        },
-        file_name: s.file_name.clone(),
-        text: s.text.clone(),
-    });
-    let orientation = Orientation::new(
-        ticket.orientation.unwrap_or(profile.orientation),
-        ticket.keep_up.as_deref().unwrap_or(&profile.keep_up),
-        ticket.not_down.as_deref().unwrap_or(&profile.not_down),
-    );
-    NewPart {
-        claim: claim.id.clone(),
-        profile: profile.name.clone(),
-        name: claim.display_name(),
-        order_name: ticket.order.unwrap_or_else(|| claim.order.clone()),
-        content_hash: stored.hash.clone(),
-        bytes: stored.bytes,
-        copies: ticket.copies.unwrap_or(1),
-        priority: ticket.priority.unwrap_or(50),
-        due_at,
-        orientation: orientation.rule,
-        tilts: Tilts(orientation.tilts),
-        clearance_mm: ticket.clearance_mm,
-        unit: ticket.unit,
-        note: ticket.note.unwrap_or_default(),
-        warnings,
-        ticket: source,
-    }
+fn remove_refused(holds: &Holds, profile: &Profile, part: &PartRow) -> Result<()> {
+    holds.demand_error()?;
+    super::tidy::remove_refused(&profile.folders.error, part)
 }

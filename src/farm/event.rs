@@ -1,14 +1,16 @@
 //! Everything that can happen to the farm.
 
 use super::{
+    current::Compared,
     holds::Holds,
     jobs::JobKey,
     nest::Nested,
     prove::Written,
     read::ReadOutcome,
     receive::{Gate, Received},
+    staged::Step,
 };
-use crate::ledger::{BuildId, PartId};
+use crate::ledger::{BuildId, PartId, PartRow};
 
 /// What the event loop hears from its jobs and from the watcher.
 #[derive(Debug)]
@@ -47,12 +49,12 @@ pub enum Event {
         /// What came out.
         written: anyhow::Result<Box<Written>>,
     },
-    /// A verified build was published, or could not be.
+    /// A verified build came a step further into the queue, or could not.
     Published {
         /// Which build.
         build: BuildId,
-        /// What the queue folder said.
-        published: anyhow::Result<crate::queue::Published>,
+        /// How far it came.
+        step: anyhow::Result<Step>,
     },
     /// It was shown that a profile's folders are served, or somebody else serves them.
     Held {
@@ -60,6 +62,29 @@ pub enum Event {
         profile: String,
         /// The holds, with what is wrong with each.
         holds: Box<Holds>,
+    },
+    /// A machine's folders were held against the ledger.
+    Compared {
+        /// Which profile.
+        profile: String,
+        /// What came of it.
+        compared: Compared,
+    },
+    /// Stored files that were damaged are whole again, by content.
+    Whole(Vec<String>),
+    /// A claimed file was put where it belongs, or could not be.
+    Ended {
+        /// Its part.
+        part: Box<PartRow>,
+        /// Whether its original is let go by this farm; what the disk said.
+        ended: anyhow::Result<bool>,
+    },
+    /// A waiting part's original was copied into the error folder, or could not be.
+    Copied {
+        /// Which part.
+        part: PartId,
+        /// What the disk said.
+        copied: anyhow::Result<()>,
     },
     /// There was no thread for a job: nothing was done.
     NotStarted {

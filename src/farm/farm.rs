@@ -16,6 +16,7 @@ use super::{
     back_off::BackOff,
     budget::Budget,
     clock::Clock,
+    ending::Leaving,
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
@@ -43,6 +44,9 @@ const STOP_WITHIN: Duration = Duration::from_secs(8);
 const CLAIMS_AGAIN: Duration = Duration::from_secs(20);
 /// Events between two beats at most, so that orders and signals are heard in between.
 const EVENTS_PER_BEAT: usize = 64;
+/// While files are being read one after the other, all other steps look for work so often only: each of them asks the ledger,
+/// and together they cost more than a small file.
+const BEAT_WHILE_READING: Duration = Duration::from_millis(100);
 
 /// Reads the configuration, at start and at each reload.
 pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
@@ -61,12 +65,20 @@ pub struct Farm {
     pub(super) nest_slots: usize,
     /// Claims whose originals still lie in the hot folder's `.claimed`, by claim id.
     pub(super) claims: HashMap<String, Claim>,
+    /// Waiting parts that are refused once their originals are copied.
+    pub(super) leaving: HashMap<PartId, Leaving>,
+    /// Claims that this process has let go.
+    pub(super) let_go: HashSet<String>,
     /// Parts whose reading failed for the disk's sake.
     pub(super) read_again: BackOff<PartId>,
     /// Times that parts were looked for to read.
     pub(super) reads_begun: usize,
+    /// Whether the file that is read now has ended the process before.
+    pub(super) is_reading_alone: bool,
     /// Builds fired by this process that have not been begun.
     pub(super) fresh_builds: HashSet<BuildId>,
+    /// Builds of which the ledger was told just now that the first rename is tried.
+    pub(super) untried: HashSet<BuildId>,
     /// Final searches that run.
     pub(super) finals: HashMap<BuildId, (Budget, Best)>,
     /// How often the making of builds has failed in this run, and why last.
@@ -117,16 +129,25 @@ impl Farm {
     async fn serve(&mut self, signals: &mut Signals) -> Result<()> {
         let mut beat = tokio::time::interval(BEAT);
         beat.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+        let mut worked_at = Instant::now();
         loop {
+            let mut only_read = false;
             tokio::select! {
                 signal = signals.next() => match signal {
                     Signal::Stop => return Ok(()),
                     Signal::Reload => self.reload().await,
                 },
-                Some(event) = self.events.recv() => self.on_events(event).await,
+                Some(event) = self.events.recv() => only_read = self.on_events(event).await,
                 _ = beat.tick() => {}
             }
+            if only_read && !self.is_halted && worked_at.elapsed() < BEAT_WHILE_READING {
+                self.tell("reading", Self::read).await;
+                if self.jobs.count(|key| matches!(key, JobKey::Read(_))) > 0 {
+                    continue;
+                }
+            }
             self.beat().await;
+            worked_at = Instant::now();
         }
     }
 
@@ -134,9 +155,17 @@ impl Farm {
     pub(super) async fn beat(&mut self) {
         sd::alive();
         self.tell_people();
+        if !self.is_halted
+            && let Err(replaced) = self.ledger.demand_in_place()
+        {
+            self.leave_ledger(&replaced).await;
+        }
         if self.is_halted {
             return;
         }
+        // Before anything else: while this process stood still, another farm may have taken folders and claims.
+        let is_due = self.last_hold.elapsed() >= super::lease::beat_every();
+        self.keep_holds(is_due);
         self.tell("looking at the clock", Self::look_at_clock).await;
         self.receive();
         if self.may_have_work() {
@@ -149,16 +178,14 @@ impl Farm {
         if self.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
             self.last_watch_check = Instant::now();
             self.make_missing_folders();
+            self.compare_folders();
             self.check_watch();
             self.look_for_stray_files();
-        }
-        if self.last_hold.elapsed() >= super::owner::BEAT_EVERY {
-            self.last_hold = Instant::now();
-            self.keep_holds();
         }
         if self.last_claims.elapsed() >= CLAIMS_AGAIN {
             self.last_claims = Instant::now();
             self.tell("settling claims", Self::settle_claims).await;
+            self.tell("looking at damaged files", Self::look_at_damaged).await;
         }
         if Instant::now() >= self.tidy_at {
             self.tidy_at = Instant::now() + super::tidy::TIDY_EVERY;
@@ -180,7 +207,7 @@ impl Farm {
         self.tell("status", Self::show_status).await;
     }
 
-    async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
+    pub(super) async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
         if self.steps.rests(&what.to_owned()) {
             return;
         }
@@ -199,18 +226,24 @@ impl Farm {
     /// Something failed and is tried again, unless the ledger is damaged: then nothing is.
     pub(super) fn trouble(&mut self, kind: Attention, profile: &str, about: &str, failure: &anyhow::Error) {
         match super::open::of_the_ledger(failure) {
-            Some((_, detail)) => self.halt(&detail),
+            // The next beat sees it and saves what is known.
+            Some((Attention::LedgerReplaced, _)) => {}
+            Some((kind, detail)) => self.halt(kind, &detail),
             None => self.notices.trouble(kind, profile, about, &format!("{about}: {failure:#}")),
         }
     }
 
-    /// Takes in an event and those that wait behind it: one beat serves them all.
-    async fn on_events(&mut self, first: Event) {
+    /// Takes in an event and those that wait behind it: one beat serves them all. Returns whether all told of parts that were
+    /// read.
+    async fn on_events(&mut self, first: Event) -> bool {
+        let mut only_read = matches!(first, Event::Read { .. });
         self.on_event(first).await;
         for _ in 0..EVENTS_PER_BEAT {
-            let Ok(event) = self.events.try_recv() else { return };
+            let Ok(event) = self.events.try_recv() else { break };
+            only_read &= matches!(event, Event::Read { .. });
             self.on_event(event).await;
         }
+        only_read
     }
 
     async fn on_event(&mut self, event: Event) {
@@ -229,15 +262,22 @@ impl Farm {
             Event::Read { part, outcome } => self.on_read(part, outcome).await,
             Event::Improved { profile, round, nested } => self.on_improved(&profile, round, nested).await,
             Event::Written { build, written } => self.on_written(build, written).await,
-            Event::Published { build, published } => self.on_published(build, published).await,
-            Event::Held { profile, holds } => {
-                self.on_held(&profile, *holds);
+            Event::Published { build, step } => self.on_published(build, step).await,
+            Event::Ended { part, ended } => {
+                self.on_ended(&part, ended);
+                Ok(())
+            }
+            Event::Copied { part, copied } => self.on_copied(part, copied).await,
+            Event::Held { profile, holds } => self.on_held(&profile, *holds).await,
+            Event::Compared { profile, compared } => {
+                self.on_compared(&profile, compared);
                 Ok(())
             }
             Event::NotStarted { key, why } => {
                 self.on_not_started(key, &why);
                 Ok(())
             }
+            Event::Whole(hashes) => self.on_whole(&hashes).await,
             Event::Purged => {
                 self.jobs.ended(&JobKey::Purge);
                 Ok(())
@@ -266,14 +306,30 @@ impl Farm {
                 Ok(())
             }
             JobKey::Read(part) => {
-                let outcome =
-                    super::read::ReadOutcome::Refused(Refusal::Failure, format!("The reader failed on it: {message}."));
+                let outcome = super::read::ReadOutcome::Refused(
+                    Refusal::Failure,
+                    format!(
+                        "The reader failed on it: {message}. Export it again, as STL or 3MF; where that fails too, send it to \
+                     nestd's makers."
+                    ),
+                );
                 self.on_read(part, outcome).await
             }
-            JobKey::Improve(name) => self.on_search_panicked(&name, message).await,
+            JobKey::Improve(name) => {
+                let build = self.ledger.open_build(&name).await?;
+                self.has_ended_well(&build).await?;
+                self.on_search_panicked(&name, message).await
+            }
             JobKey::Final(build) => self.on_final_panicked(build, message).await,
             JobKey::Publish(build) => self.on_published(build, Err(anyhow::anyhow!("panicked: {message}"))).await,
-            JobKey::Purge | JobKey::Hold(_) | JobKey::Stray | JobKey::Tell(_) => Ok(()),
+            JobKey::Copy(part) => self.on_copied(part, Err(anyhow::anyhow!("panicked: {message}"))).await,
+            JobKey::End(_)
+            | JobKey::Damaged
+            | JobKey::Purge
+            | JobKey::Hold(_)
+            | JobKey::Compare(_)
+            | JobKey::Stray
+            | JobKey::Tell(_) => Ok(()),
         }
     }
 
@@ -285,20 +341,18 @@ impl Farm {
         let deadline = Instant::now() + STOP_WITHIN;
         self.finals.values().for_each(|(budget, _)| budget.cancel());
         self.stations.values().filter_map(|s| s.open.search.as_ref()).for_each(|search| search.budget.cancel());
-        while !self.jobs.is_idle() {
-            let left = deadline.saturating_duration_since(Instant::now());
-            match tokio::time::timeout(left, self.events.recv()).await {
-                Ok(Some(event)) => self.on_event(event).await,
-                _ => break,
-            }
-            sd::alive();
-        }
+        self.wait_for_jobs(deadline).await;
         if self.is_halted {
+            self.say_farewell().await;
             // Nothing is written into a damaged ledger, and no seal vouches for it.
             self.end_holds();
-            return self.ledger.close().await;
+            if self.ledger.demand_in_place().is_ok() {
+                self.ledger.close().await;
+            }
+            return;
         }
         self.keep_layouts().await;
+        self.say_farewell().await;
         self.end_holds();
         if let Err(failure) = self.ledger.farewell().await {
             warn!("The ledger could not be told of the stop: {failure}.");
@@ -309,6 +363,18 @@ impl Farm {
             Err(failure) => warn!("The ledger could not be closed in order: {failure}."),
         }
         info!("The farm is closed.");
+    }
+
+    /// Takes in what jobs have done until none runs, or until a moment.
+    pub(super) async fn wait_for_jobs(&mut self, deadline: Instant) {
+        while !self.jobs.is_idle() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            match tokio::time::timeout(left, self.events.recv()).await {
+                Ok(Some(event)) => self.on_event(event).await,
+                _ => break,
+            }
+            sd::alive();
+        }
     }
 
     /// What searches have found that did not end in time.

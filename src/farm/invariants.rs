@@ -98,7 +98,22 @@ pub async fn invariants(settings: &Settings, ledger: &Ledger, witness: &Witness)
     files::dropped(ledger, &folders, witness, &mut looked).await?;
     files::untouched(witness, &mut looked);
     builds::visible(settings, ledger, witness, &mut looked).await?;
+    unknown(settings, ledger, &mut looked).await?;
     Ok(looked)
+}
+
+/// What the folders tell and the ledger does not know.
+async fn unknown(settings: &Settings, ledger: &Ledger, looked: &mut Looked) -> Result<()> {
+    let (unknown, away) = super::current::unknown(settings, ledger).await?;
+    for what in unknown {
+        let text = format!("the folders tell of {what}, and the ledger does not know it");
+        looked.found(Invariant::I1, text, super::Attention::LedgerBehind.remedy());
+    }
+    for away in away {
+        let text = format!("{} cannot be looked at ({})", away.folder.display(), away.why);
+        looked.found(Invariant::I1, text, "mount it again, let nestd's user read it, and look once more");
+    }
+    Ok(())
 }
 
 const LEDGER_BROKEN: &str = "stop the daemon, put the last backup of the ledger back and report this to nestd's makers";

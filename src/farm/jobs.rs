@@ -28,6 +28,14 @@ pub enum JobKey {
     Publish(BuildId),
     /// Showing that a profile's folders are served.
     Hold(String),
+    /// Holding a profile's folders against the ledger.
+    Compare(String),
+    /// Looking at stored files that were damaged.
+    Damaged,
+    /// Putting a claimed file where it belongs.
+    End(String),
+    /// Copying the original of a waiting part that is refused.
+    Copy(PartId),
     /// Going through the archives.
     Purge,
     /// Looking for files beside the hot folders.

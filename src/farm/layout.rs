@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     geometry::{Mesh, Pose},
-    ledger::{PartId, PartRow, WaitingPart},
+    ledger::{PartId, PartRow, PlacementRow, WaitingPart},
     nest::{Instance, InstanceError, Item, Placement, Solution},
     settings::Profile,
 };
@@ -144,6 +144,14 @@ pub fn placed_from_json(json: &str) -> Vec<PlacedCopy> {
             pose: Pose::new(DQuat::from_array(rotation), DVec3::from_array(translation)),
         })
         .filter(|p| p.pose.rotation.is_finite() && p.pose.translation.is_finite())
+        .collect()
+}
+
+/// The placed copies of a build that was proved, from the poses that the ledger has of them in the machine's frame.
+pub fn placed_from_rows(rows: &[PlacementRow], origin_mm: DVec3) -> Vec<PlacedCopy> {
+    let in_volume = |pose: Pose| Pose { translation: pose.translation - origin_mm, ..pose };
+    rows.iter()
+        .filter_map(|row| Some(PlacedCopy { copy: (row.part_id, row.copy), pose: in_volume(row.pose()?) }))
         .collect()
 }
 

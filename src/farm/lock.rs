@@ -4,6 +4,8 @@ use std::{
     fs::File,
     io::{Read, Write},
     path::Path,
+    thread,
+    time::Duration,
 };
 
 use anyhow::{Context, Result, bail};
@@ -11,7 +13,11 @@ use jiff::Timestamp;
 use rustix::fs::{FlockOperation, flock};
 
 /// The lock's file in the state directory.
-pub const NAME: &str = "nestd.lock";
+pub use crate::ledger::LOCK_NAME as NAME;
+
+/// Whoever only looks whether a daemon runs holds the lock for a moment; who holds it longer is a daemon.
+const TRIES: u32 = 10;
+const PAUSE: Duration = Duration::from_millis(50);
 
 /// Held for as long as the daemon runs; the kernel lets it go when the process ends, however it ends.
 #[derive(Debug)]
@@ -30,7 +36,16 @@ impl Lock {
             .write(true)
             .open(&path)
             .with_context(|| format!("opening the lock {}", path.display()))?;
-        match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+        let lock = || flock(&file, FlockOperation::NonBlockingLockExclusive);
+        let mut locked = lock();
+        for _ in 1..TRIES {
+            if locked != Err(rustix::io::Errno::WOULDBLOCK) {
+                break;
+            }
+            thread::sleep(PAUSE);
+            locked = lock();
+        }
+        match locked {
             Ok(()) => {
                 let who = format!(
                     "process {} on {} since {}\n",
@@ -53,8 +68,11 @@ impl Lock {
     }
 }
 
-/// The name of this server.
+/// The name of this server; `NESTD_TEST_HOST` is another one for tests of two servers, and for nothing else.
 pub fn host_name() -> String {
+    if let Ok(name) = std::env::var("NESTD_TEST_HOST") {
+        return name;
+    }
     rustix::system::uname().nodename().to_string_lossy().into_owned()
 }
 

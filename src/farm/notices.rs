@@ -170,14 +170,33 @@ impl Notices {
         over.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
     }
 
-    /// What stands now.
-    pub fn all(&self) -> impl Iterator<Item = &Notice> {
-        self.standing.values().map(|(notice, _)| notice)
+    /// What stands now, each thing once: steps that fail for one reason are one notice that names them.
+    pub fn all(&self) -> impl Iterator<Item = Notice> {
+        let mut told: Vec<(Notice, String, Vec<&str>)> = Vec::new();
+        for ((_, _, about), (notice, _)) in &self.standing {
+            let why = notice.detail.strip_prefix(&format!("{about}: ")).unwrap_or(&notice.detail);
+            let is_same = |(known, reason, _): &&mut (Notice, String, Vec<&str>)| {
+                (known.kind, known.profile.as_str(), reason.as_str()) == (notice.kind, notice.profile.as_str(), why)
+            };
+            match told.iter_mut().find(is_same) {
+                Some((known, _, others)) => {
+                    known.since = known.since.min(notice.since);
+                    others.push(about);
+                }
+                None => told.push((notice.clone(), why.to_owned(), vec![about])),
+            }
+        }
+        told.into_iter().map(|(notice, why, about)| match about.as_slice() {
+            several if several.len() > 1 && notice.detail != why => {
+                Notice { detail: format!("{}: {why}", several.join(", ")), ..notice }
+            }
+            _ => notice,
+        })
     }
 
     /// What is told in the hot folder of a profile: lines for people.
     pub fn text_for(&self, profile: &str) -> String {
-        let told: Vec<&Notice> = self.all().filter(|notice| notice.is_told_in(profile)).collect();
+        let told: Vec<Notice> = self.all().filter(|notice| notice.is_told_in(profile)).collect();
         let mut text = String::new();
         for notice in told.iter().take(MAX_TOLD) {
             text += &format!("ATTENTION: {}\n    {}\n", notice.sentence(), notice.kind.remedy());
@@ -190,12 +209,12 @@ impl Notices {
 
     /// Likewise, for programs.
     pub fn json_for(&self, profile: &str) -> serde_json::Value {
-        self.all().filter(|notice| notice.is_told_in(profile)).map(in_json).collect()
+        self.all().filter(|notice| notice.is_told_in(profile)).map(|notice| in_json(&notice)).collect()
     }
 
     /// Keeps them for `nestd status`, when there is news.
     pub fn keep(&mut self, state_dir: &Path) {
-        let now: Vec<Notice> = self.all().cloned().collect();
+        let now: Vec<Notice> = self.all().collect();
         if self.written.as_ref() == Some(&now) {
             return;
         }
@@ -270,6 +289,21 @@ mod tests {
     }
 
     #[test]
+    fn one_thing_is_told_once() {
+        let mut notices = Notices::default();
+        for step in ["reading", "nesting", "status"] {
+            notices.raise(Attention::StepFails, "", step, &format!("{step}: the disk is full"));
+        }
+        notices.raise(Attention::StepFails, "", "tidying", "tidying: permission denied");
+        for about in ["one", "two"] {
+            notices.raise(Attention::QueueAway, "p", about, "not mounted");
+        }
+        let told: Vec<String> = notices.all().map(|notice| notice.detail).collect();
+        assert_eq!(told, ["not mounted", "nesting, reading, status: the disk is full", "tidying: permission denied"]);
+        assert_eq!(notices.text_for("p").matches("not mounted").count(), 1);
+    }
+
+    #[test]
     fn what_is_kept_is_read_again() {
         let dir = tempfile::tempdir().expect("a folder");
         let mut notices = Notices::default();
@@ -278,7 +312,7 @@ mod tests {
             notices.raise(kind, "p", "x", "detail");
         }
         notices.keep(dir.path());
-        assert_eq!(kept_notices(dir.path()), notices.all().cloned().collect::<Vec<_>>());
+        assert_eq!(kept_notices(dir.path()), notices.all().collect::<Vec<_>>());
         assert_eq!(kept_notices(dir.path()).len(), Attention::ALL.len());
         fs::write(dir.path().join(FILE), "{").expect("can be written");
         assert_eq!(kept_notices(dir.path()), []);

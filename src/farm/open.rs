@@ -14,14 +14,14 @@ use super::{
     attention::Attention,
     back_off::{BackOff, is_of_the_disk},
     clock::Clock,
+    current::{Behind, demand_current},
     farm::{BEAT, Farm, Load},
     jobs::Jobs,
     lock::Lock,
     nest::Meshes,
     notices::{Notices, Outside},
-    owner::Owner,
+    owner::{Owner, OwnerError},
     quiet::Quiet,
-    reconcile::{Behind, demand_current},
     sd,
     shelf::Shelf,
     signals::{Signal, Signals},
@@ -29,7 +29,7 @@ use super::{
 use crate::{
     access,
     intake::{self, Store},
-    ledger::{Ledger, LedgerError},
+    ledger::{self, Ledger, LedgerError},
     settings::Settings,
 };
 
@@ -108,9 +108,13 @@ impl Farm {
             jobs: Jobs::new(sender),
             nest_slots: 1,
             claims: HashMap::new(),
+            let_go: HashSet::new(),
             read_again: BackOff::default(),
             reads_begun: 0,
+            leaving: Default::default(),
+            is_reading_alone: false,
             fresh_builds: HashSet::new(),
+            untried: HashSet::new(),
             finals: HashMap::new(),
             failures: HashMap::new(),
             resting: BackOff::default(),
@@ -151,10 +155,12 @@ impl Parts {
         access::create_private_folders(&settings.state_dir)
             .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
         let lock = Lock::take(&settings.state_dir, since)?;
-        let owner = Owner::of_this_process(&settings.state_dir, since)
-            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
+        ledger::clear_unfinished(&settings.ledger)?;
         sd::status("looking through the ledger");
         let ledger = open_ledger(settings).await?;
+        // After the ledger: a farm with a number has had one.
+        let owner = Owner::of_this_process(&settings.state_dir, since)
+            .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
         let store = Store::open(settings.state_dir.join("store"))?;
         Ok(Self { lock, owner, ledger, store })
     }
@@ -162,6 +168,11 @@ impl Parts {
 
 /// Whether what hinders the start may pass by itself: a full disk, a share that hangs.
 fn may_pass(failure: &anyhow::Error) -> bool {
+    // Another daemon that serves a folder is not waited for: whoever started this one must know.
+    let is_served = |cause: &OwnerError| matches!(cause, OwnerError::Other { .. });
+    if failure.chain().any(|cause| cause.downcast_ref().is_some_and(is_served)) {
+        return false;
+    }
     is_of_the_disk(failure)
         || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_of_the_disk))
 }
@@ -176,8 +187,7 @@ struct Lost {
 /// The ledger, when it is whole and is this farm's.
 async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     let path = &settings.ledger;
-    if !std::fs::metadata(path).is_ok_and(|meta| meta.len() > 0) && holds_files(&settings.state_dir.join("store")) {
-        let detail = format!("there is no ledger at {}, but files that were taken are in the store", path.display());
+    if let Some(detail) = lost(settings) {
         return Err(Lost { detail }.into());
     }
     let ledger = Ledger::open_whole(path).await?;
@@ -199,12 +209,30 @@ pub fn of_the_ledger(failure: &anyhow::Error) -> Option<(Attention, String)> {
     failure.chain().find_map(|error| match error.downcast_ref()? {
         LedgerError::Damaged { path, what } => Some((Attention::LedgerDamaged, format!("{}: {what}", path.display()))),
         LedgerError::Corrupt(what) => Some((Attention::LedgerDamaged, what.clone())),
+        LedgerError::Replaced { what, .. } => Some((Attention::LedgerReplaced, what.clone())),
         _ => None,
     })
 }
 
-fn holds_files(folder: &std::path::Path) -> bool {
-    intake::files_below(folder).is_ok_and(|files| !files.is_empty())
+/// How it is known that there was a ledger where none is now; `None` = there is one, or there never was.
+pub fn lost(settings: &Settings) -> Option<String> {
+    let path = &settings.ledger;
+    match std::fs::metadata(path) {
+        Ok(meta) if meta.len() > 0 => return None,
+        // What cannot be looked at is told by opening it.
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return None,
+        _ => {}
+    }
+    let holds =
+        |folder: &str| intake::files_below(&settings.state_dir.join(folder)).is_ok_and(|files| !files.is_empty());
+    let known_by = if holds("store") {
+        "files that were taken are in the store"
+    } else if settings.state_dir.join(super::owner::FARM).exists() {
+        "this farm has worked before"
+    } else {
+        return None;
+    };
+    Some(format!("there is no ledger at {}, but {known_by}", path.display()))
 }
 
 /// Tells in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use tracing::info;
 
-use super::{attention::Attention, claimed::COPIES_UNKNOWN, farm::Farm};
+use super::{attention::Attention, claimed::COPIES_UNKNOWN, farm::Farm, refused::CANCELLED};
 use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState, Refusal};
 
 impl Farm {
@@ -20,14 +20,14 @@ impl Farm {
                 continue;
             }
             match self.order(&command).await {
-                Ok(answer) => {
+                // It waits for something: a build, a file.
+                Ok(None) => {}
+                Ok(Some(answer)) => {
                     self.steps.done(&about);
                     self.notices.clear(Attention::StepFails, &command.profile, &about);
-                    match answer {
-                        Some(Ok(done)) => self.ledger.answer(command.id, true, &done).await?,
-                        Some(Err(refused)) => self.ledger.answer(command.id, false, &refused).await?,
-                        None => {}
-                    }
+                    let done = answer.is_ok();
+                    let (Ok(text) | Err(text)) = answer;
+                    self.ledger.answer(command.id, done, &text).await?;
                 }
                 Err(failure) => {
                     self.trouble(Attention::StepFails, &command.profile, &about, &failure);
@@ -62,7 +62,7 @@ impl Farm {
                 Ok("the hot folders are being looked through".to_owned())
             }
             CommandKind::Retry | CommandKind::Cancel => match command.part_id {
-                Some(part) => self.about_part(command, part).await?,
+                Some(part) => return self.about_part(command, part).await,
                 None => Err("no part was named".to_owned()),
             },
         }))
@@ -80,38 +80,45 @@ impl Farm {
         None
     }
 
-    async fn about_part(&mut self, command: &CommandRow, part: PartId) -> Result<Result<String, String>> {
-        let Some(row) = self.ledger.part(part).await? else { return Ok(Err(format!("there is no part {part}"))) };
+    async fn about_part(&mut self, command: &CommandRow, part: PartId) -> Result<Option<Result<String, String>>> {
+        let Some(row) = self.ledger.part(part).await? else { return Ok(Some(Err(format!("there is no part {part}")))) };
+        if self.is_ending(&row) {
+            return Ok(None);
+        }
         let done = match command.kind {
             CommandKind::Retry if row.reason.contains(COPIES_UNKNOWN) => {
-                return Ok(Err(format!("the ticket of part {part} could not be read: mend it and drop both again")));
+                let refused = format!("the ticket of part {part} could not be read: mend it and drop both again");
+                return Ok(Some(Err(refused)));
             }
             CommandKind::Retry => self.ledger.retry(part).await.map(|()| format!("part {part} is read again")),
-            _ => {
-                let reason = format!("Cancelled by {}.", command.asked_by);
-                self.cancel(&row, &reason).await?.map(|()| format!("part {part} is cancelled"))
-            }
+            _ => match self.cancel(&row, command).await {
+                Ok(false) => return Ok(None),
+                Ok(true) => Ok(format!("part {part} is cancelled")),
+                Err(refused) => Err(refused),
+            },
         };
         match done {
             Ok(done) => {
                 info!(part.id = %part, asked_by = %command.asked_by, "An order by hand: {done}.");
-                Ok(Ok(done))
+                Ok(Some(Ok(done)))
             }
             // The disk or the database failed: the order stays open and is tried again.
             Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => Err(error.into()),
-            Err(refused) => Ok(Err(refused.to_string())),
+            Err(refused) => Ok(Some(Err(refused.to_string()))),
         }
     }
 
     /// The copy is in the error folder before the ledger says so: after a crash between, the order is carried out again.
-    async fn cancel(&self, row: &PartRow, reason: &str) -> Result<Result<(), LedgerError>> {
-        if let Err(refused) = self.ledger.demand_cancellable(row.id).await {
-            return Ok(Err(refused));
+    /// `false` = it is being copied; the order is answered after that.
+    async fn cancel(&mut self, row: &PartRow, command: &CommandRow) -> Result<bool, LedgerError> {
+        self.ledger.demand_cancellable(row.id).await?;
+        let reason = format!("{CANCELLED}{}.", command.asked_by);
+        if row.state == PartState::Waiting && self.stations.contains_key(&row.profile) {
+            self.begin_leaving(row.clone(), Refusal::Cancelled, &reason, Some(command));
+            return Ok(false);
         }
-        if row.state == PartState::Waiting {
-            self.copy_into_error(row, reason)?;
-        }
-        Ok(self.ledger.cancel(row.id, Refusal::Cancelled, reason).await)
+        self.ledger.cancel(row.id, Refusal::Cancelled, &reason).await?;
+        Ok(true)
     }
 
     /// Answers orders that were waiting for something.

@@ -1,16 +1,17 @@
-//! Who serves a hot folder or a queue folder. Two daemons with different ledgers on one folder would each take half of the
-//! parts and overwrite each other's files, and locks do not travel over every share: so a daemon writes its name into
-//! `.nestd-owner` and keeps a number there moving for as long as it lives. Whoever finds another name there looks whether
-//! that daemon lives: on its own server by its lock, elsewhere by whether the number moves.
+//! Who serves a folder of a machine: hot folder, queue, archive, error folder. Two daemons with different ledgers on one folder
+//! would each take half of the parts and overwrite each other's files, and locks do not travel over every share: so a daemon
+//! writes its name into `.nestd-owner` and keeps a number there moving for as long as it lives. Whoever finds another name
+//! there looks whether that daemon lives: on its own server by its lock, elsewhere by whether the number moves.
 //!
-//! The same file tells an empty directory in the place of an unmounted share from a folder that somebody emptied.
+//! The same file tells an empty directory in the place of an unmounted share from a folder that somebody emptied; `marked`
+//! remembers over restarts which folders had one.
 
 use std::{
     fs::{self, File, OpenOptions},
     io::{self, Read, Write},
     os::unix::fs::{FileExt, MetadataExt, OpenOptionsExt},
     path::{Path, PathBuf},
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 use jiff::Timestamp;
@@ -18,18 +19,17 @@ use rustix::fs::{FlockOperation, flock};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::lock;
+use super::{
+    lease::{Stamp, dead_after},
+    lock, marked,
+};
 
-/// In each hot folder and each queue folder; a dot-file, which no scan and no printer takes.
-const NAME: &str = ".nestd-owner";
+/// In each folder; a dot-file, which no scan and no printer takes.
+pub(super) const NAME: &str = ".nestd-owner";
 /// In the state directory.
-const FARM: &str = "nestd.farm";
+pub const FARM: &str = "nestd.farm";
 /// The file is always this long, so that a beat is one write and never makes it shorter.
 const BYTES: usize = 1024;
-/// Between two beats.
-pub const BEAT_EVERY: Duration = Duration::from_secs(4);
-/// A number of a daemon on another server that has not moved for so long belongs to nobody.
-const DEAD_AFTER: Duration = Duration::from_secs(15);
 
 /// A daemon, as its marker names it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,18 +75,25 @@ pub enum OwnerError {
     },
     /// It is another directory than before, and nobody's: an empty mount point.
     #[error(
-        "{} is another directory than before and its marker {NAME} is missing; mount it again, or, if it was replaced on \
-         purpose, reload or restart nestd", .0.display()
+        "{} is not the folder that was there before: its marker {NAME} is missing. Mount it again; if it was replaced or \
+         emptied on purpose: touch {}", .0.display(), .0.join(NAME).display()
     )]
     Replaced(PathBuf),
+    /// Files of its parts are claimed still, by this farm or by one that took them over.
+    #[error("{claims} of the claims in {} are not let go yet", .folder.display())]
+    NotLetGo {
+        /// The hot folder.
+        folder: PathBuf,
+        /// How many.
+        claims: usize,
+    },
     /// The system said no.
-    #[error("{} cannot be used: {source}", .folder.display())]
+    #[error("{} cannot be used: {why}", .folder.display())]
     Io {
         /// The folder.
         folder: PathBuf,
-        /// The error of the system.
-        #[source]
-        source: io::Error,
+        /// The error of the system; told already, so that a chain of errors does not tell it again.
+        why: io::Error,
     },
 }
 
@@ -97,16 +104,54 @@ pub struct Hold {
     folder: PathBuf,
     /// Device and inode of the directory while it was ours.
     seen: Option<(u64, u64)>,
+    /// That it is ours is written down for the next start.
+    is_known: bool,
     /// Another one's beat, and since when it stands still.
     foreign: Option<(Owner, Instant)>,
 }
 
+/// What the marker of a folder says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Mark {
+    /// There is none.
+    Missing,
+    /// There is one without a name: a person accepts the folder as it is, or a crash tore it.
+    Blank,
+    /// The daemon that served it last.
+    Of(Box<Owner>),
+}
+
 impl Owner {
+    /// Number of its farm.
+    pub fn farm(&self) -> &str {
+        &self.farm
+    }
+
     /// The daemon of this process.
     pub fn of_this_process(state_dir: &Path, since: Timestamp) -> io::Result<Self> {
         let farm = farm_number(state_dir)?;
         let state_dir = fs::canonicalize(state_dir)?;
         Ok(Self { farm, host: lock::host_name(), state_dir, pid: std::process::id(), since, beat: 0, stopped: false })
+    }
+
+    /// Whether the farm of a state directory has a number yet.
+    pub(super) fn is_made(state_dir: &Path) -> bool {
+        state_dir.join(FARM).exists()
+    }
+
+    /// Its state directory.
+    pub(super) fn state_dir(&self) -> &Path {
+        &self.state_dir
+    }
+
+    /// Whether it is a daemon of this server.
+    pub(super) fn is_here(&self) -> bool {
+        self.host == lock::host_name()
+    }
+
+    /// Whether it may live, as far as can be told at once: it has not stopped, and holds its lock or is of another server.
+    pub(super) fn may_live(&self) -> bool {
+        !(self.stopped || self.is_here() && self.lock_is_held() == Some(false))
     }
 
     /// The same farm: its state directory is locked by this process, so that an earlier daemon of it is dead. A copy of a
@@ -121,6 +166,10 @@ impl Owner {
         if self.host != asks.host || self.state_dir == asks.state_dir {
             return None;
         }
+        self.lock_is_held()
+    }
+
+    fn lock_is_held(&self) -> Option<bool> {
         let nofollow = (rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK).bits();
         let path = self.state_dir.join(lock::NAME);
         let file = OpenOptions::new().read(true).custom_flags(nofollow as i32).open(path).ok()?;
@@ -135,7 +184,27 @@ impl Owner {
 impl Hold {
     /// A hold that is not taken yet.
     pub fn new(me: Owner, folder: &Path) -> Self {
-        Self { me, folder: folder.to_owned(), seen: None, foreign: None }
+        Self { me, folder: folder.to_owned(), seen: None, is_known: false, foreign: None }
+    }
+
+    /// Where it is.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The number of this farm.
+    pub fn farm(&self) -> &str {
+        &self.me.farm
+    }
+
+    /// Whether the marker names this farm at this moment: what is done in the folder right after is not done in another's.
+    pub fn demand_mine(&self) -> Result<(), OwnerError> {
+        let folder = self.folder.clone();
+        match read(&self.folder).map_err(|source| self.io(source))? {
+            Mark::Of(owner) if self.me.is_same_farm(&owner) => Ok(()),
+            Mark::Of(owner) => Err(OwnerError::Other { folder, owner }),
+            Mark::Missing | Mark::Blank => Err(OwnerError::Replaced(folder)),
+        }
     }
 
     /// Whether it is on the same folder as another hold.
@@ -143,29 +212,44 @@ impl Hold {
         self.folder == other.folder
     }
 
-    /// Device and inode of the folder while it was ours; `None` = it never was.
+    /// Whether the folder was never served: then it may be made. An empty directory in the place of one that was would
+    /// hinder whoever mounts it again.
+    pub fn is_new(&self) -> bool {
+        self.seen.is_none() && !marked::is_known(&self.me.state_dir, &self.folder)
+    }
+
+    /// Device and inode of the folder while it was ours in this run; `None` = it never was.
     pub fn seen(&self) -> Option<(u64, u64)> {
         self.seen
     }
 
     /// Takes hold of the folder, or shows that this daemon still serves it. To be called at every beat.
     pub fn keep(&mut self) -> Result<(), OwnerError> {
+        let looked = Stamp::now();
         self.check()?;
         self.me.beat += 1;
-        write(&self.folder, &self.me).map_err(|source| self.io(source))?;
-        self.seen = Some(identity(&self.folder).map_err(|source| self.io(source))?);
+        write(&self.folder, &self.me, looked).map_err(|source| self.io(source))?;
+        let now = identity(&self.folder).map_err(|source| self.io(source))?;
+        if !self.is_known || self.seen != Some(now) {
+            // On a full disk the folder is served all the same; the next beat tries again.
+            self.is_known = marked::remember(&self.me.state_dir, &self.folder, now).is_ok();
+        }
+        self.seen = Some(now);
         Ok(())
     }
 
     /// Whether the folder may be used: it is there, it is the same as before, and nobody else serves it.
     pub fn check(&mut self) -> Result<(), OwnerError> {
         let now = identity(&self.folder).map_err(|source| self.io(source))?;
-        let Some(owner) = read(&self.folder).map_err(|source| self.io(source))? else {
-            self.foreign = None;
-            return match self.seen {
-                Some(seen) if seen != now => Err(OwnerError::Replaced(self.folder.clone())),
-                _ => Ok(()),
-            };
+        let owner = match read(&self.folder).map_err(|source| self.io(source))? {
+            Mark::Of(owner) => *owner,
+            mark => {
+                self.foreign = None;
+                return match self.is_in_its_place(&mark, now) {
+                    true => Ok(()),
+                    false => Err(OwnerError::Replaced(self.folder.clone())),
+                };
+            }
         };
         if owner.stopped || self.me.is_same_farm(&owner) {
             self.foreign = None;
@@ -180,7 +264,7 @@ impl Hold {
             None => {}
         }
         match &self.foreign {
-            Some((known, since)) if *known == owner && since.elapsed() >= DEAD_AFTER => Ok(()),
+            Some((known, since)) if *known == owner && since.elapsed() >= dead_after() => Ok(()),
             Some((known, _)) if *known == owner => Err(OwnerError::Unclear { folder, owner: boxed }),
             known => {
                 let moved = known.as_ref().is_some_and(|(known, _)| known.beat != owner.beat);
@@ -193,35 +277,25 @@ impl Hold {
         }
     }
 
-    /// As [`Hold::keep`], and waits until it is clear whether another daemon that is named there lives.
-    pub fn keep_at_start(&mut self) -> Result<(), OwnerError> {
-        let mut is_told = false;
-        loop {
-            match self.keep() {
-                Err(unclear @ OwnerError::Unclear { .. }) => {
-                    if !is_told {
-                        tracing::info!("{unclear}; that takes up to {} s.", DEAD_AFTER.as_secs());
-                    }
-                    is_told = true;
-                    std::thread::sleep(Duration::from_secs(1));
-                }
-                other => return other,
-            }
+    /// Says that this daemon serves it no more; a folder that is not ours is left alone.
+    pub fn end(&mut self) {
+        let looked = Stamp::now();
+        let is_ours = |mark| matches!(mark, Mark::Of(owner) if self.me.is_same_farm(&owner));
+        if self.seen.is_some() && read(&self.folder).is_ok_and(is_ours) {
+            self.me.stopped = true;
+            // What is not written looks like a daemon that was killed.
+            let _ = write(&self.folder, &self.me, looked);
         }
     }
 
-    /// Says that this daemon serves it no more; a folder that is not ours is left alone.
-    pub fn end(&mut self) {
-        if self.seen.is_some() && read(&self.folder).is_ok_and(|owner| owner.is_some_and(|o| self.me.is_same_farm(&o)))
-        {
-            self.me.stopped = true;
-            // What is not written looks like a daemon that was killed.
-            let _ = write(&self.folder, &self.me);
-        }
+    /// Whether a folder that names nobody is the one that was served, or one that may be served.
+    fn is_in_its_place(&self, mark: &Mark, now: (u64, u64)) -> bool {
+        let was = self.seen.or_else(|| marked::known(&self.me.state_dir, &self.folder));
+        *mark == Mark::Blank || was.is_none_or(|was| was == now)
     }
 
     fn io(&self, source: io::Error) -> OwnerError {
-        OwnerError::Io { folder: self.folder.clone(), source }
+        OwnerError::Io { folder: self.folder.clone(), why: source }
     }
 }
 
@@ -242,7 +316,8 @@ fn farm_number(state_dir: &Path) -> io::Result<String> {
     Ok(number)
 }
 
-fn identity(folder: &Path) -> io::Result<(u64, u64)> {
+/// Device and inode of a folder.
+pub(super) fn identity(folder: &Path) -> io::Result<(u64, u64)> {
     let meta = fs::metadata(folder)?;
     match meta.is_dir() {
         true => Ok((meta.dev(), meta.ino())),
@@ -251,7 +326,7 @@ fn identity(folder: &Path) -> io::Result<(u64, u64)> {
 }
 
 /// The marker of a folder; one that nobody can read is nobody's.
-fn read(folder: &Path) -> io::Result<Option<Owner>> {
+pub(super) fn read(folder: &Path) -> io::Result<Mark> {
     let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
     let mut text = String::new();
     match OpenOptions::new().read(true).custom_flags(flags.bits() as i32).open(folder.join(NAME)) {
@@ -259,90 +334,38 @@ fn read(folder: &Path) -> io::Result<Option<Owner>> {
             Err(error) if error.raw_os_error().is_some() => return Err(error),
             _ => {}
         },
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Mark::Missing),
         Err(error) => return Err(error),
     }
-    Ok(serde_json::from_str(text.trim_end()).ok())
+    Ok(serde_json::from_str(text.trim_end()).map_or(Mark::Blank, |owner| Mark::Of(Box::new(owner))))
 }
 
-/// In place, at full length: a reader sees the old beat or the new one.
-fn write(folder: &Path, owner: &Owner) -> io::Result<()> {
+/// In place, at full length: a reader sees the old beat or the new one. Not when `looked` is long ago: who stood still since
+/// would write over the name of one that took the folder meanwhile.
+fn write(folder: &Path, owner: &Owner, looked: Stamp) -> io::Result<()> {
     let mut text = serde_json::to_string(owner).map_err(io::Error::other)?;
     text.extend(std::iter::repeat_n(' ', BYTES.saturating_sub(text.len() + 1)));
     text.push('\n');
     let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
-    let file: File = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .custom_flags(flags.bits() as i32)
-        .open(folder.join(NAME))?;
+    let mut open = OpenOptions::new();
+    open.write(true).create(true).truncate(false).custom_flags(flags.bits() as i32);
+    let file = match open.open(folder.join(NAME)) {
+        // An administrator made it, to accept the folder: the folder is ours, and so is the name in it.
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied && read(folder)? == Mark::Blank => {
+            fs::remove_file(folder.join(NAME))?;
+            open.open(folder.join(NAME))?
+        }
+        other => other?,
+    };
     if file.metadata()?.len() == 0 {
         crate::access::of_file(&file)?;
     }
-    file.write_all_at(text.as_bytes(), 0)
+    match looked.holds() {
+        true => file.write_all_at(text.as_bytes(), 0),
+        false => Err(io::ErrorKind::TimedOut.into()),
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn owner(host: &str, state_dir: &Path) -> Owner {
-        Owner { host: host.to_owned(), ..Owner::of_this_process(state_dir, Timestamp::UNIX_EPOCH).unwrap() }
-    }
-
-    #[test]
-    fn a_folder_has_one_owner_at_a_time_and_the_refusal_names_it() {
-        let dir = tempfile::tempdir().unwrap();
-        let (a, b, folder) = (dir.path().join("a"), dir.path().join("b"), dir.path().join("inbox"));
-        for made in [&a, &b, &folder] {
-            fs::create_dir(made).unwrap();
-        }
-        let lock = lock::Lock::take(&a, Timestamp::UNIX_EPOCH).unwrap();
-        let mut first = Hold::new(owner(&lock::host_name(), &a), &folder);
-        first.keep().unwrap();
-        first.keep().unwrap();
-        let mut second = Hold::new(owner(&lock::host_name(), &b), &folder);
-        let refused = second.keep().unwrap_err().to_string();
-        let pid = std::process::id();
-        assert!(refused.contains(&format!("process {pid} on {}", lock::host_name())), "{refused}");
-        assert!(refused.contains("since 1970-01-01") && refused.contains("Stop that one"), "{refused}");
-        drop(lock);
-        second.keep().unwrap();
-        assert!(fs::metadata(folder.join(NAME)).unwrap().len() == BYTES as u64);
-    }
-
-    #[test]
-    fn a_daemon_on_another_server_lives_while_its_number_moves() {
-        let dir = tempfile::tempdir().unwrap();
-        let mut far = Hold::new(owner("far", dir.path()), dir.path());
-        let mut near = Hold::new(owner("near", dir.path()), dir.path());
-        far.keep().unwrap();
-        assert!(matches!(near.keep(), Err(OwnerError::Unclear { .. })));
-        assert!(matches!(near.keep(), Err(OwnerError::Unclear { .. })));
-        far.keep().unwrap();
-        assert!(matches!(near.keep(), Err(OwnerError::Other { .. })));
-        far.end();
-        near.keep().unwrap();
-        assert!(matches!(far.keep(), Err(OwnerError::Unclear { .. })));
-    }
-
-    #[test]
-    fn an_empty_directory_in_its_place_is_not_the_folder_and_a_lost_marker_is_made_again() {
-        let dir = tempfile::tempdir().unwrap();
-        let folder = dir.path().join("inbox");
-        fs::create_dir(&folder).unwrap();
-        let mut hold = Hold::new(owner("here", dir.path()), &folder);
-        hold.keep().unwrap();
-        fs::remove_file(folder.join(NAME)).unwrap();
-        hold.keep().unwrap();
-        fs::rename(&folder, dir.path().join("away")).unwrap();
-        assert!(matches!(hold.keep(), Err(OwnerError::Io { .. })));
-        fs::create_dir(&folder).unwrap();
-        assert!(matches!(hold.keep(), Err(OwnerError::Replaced(_))));
-        assert!(!folder.join(NAME).exists());
-        fs::remove_dir(&folder).unwrap();
-        fs::rename(dir.path().join("away"), &folder).unwrap();
-        hold.keep().unwrap();
-    }
-}
+#[path = "owner_tests.rs"]
+mod tests;

@@ -73,6 +73,8 @@ pub fn file_name(profile: &str, build: &BuildRow) -> String {
 pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
     let name = file_name(&order.profile.name, &order.build);
     let description = describe(order, nested);
+    // Of an earlier attempt: what it left visible would be taken for somebody else's.
+    order.queue.discard(&name).context("removing what was staged before")?;
     let staged = order.queue.stage(&name, |file| format::write_build(&description, file))?;
     let proved = match prove_written(&staged, order, &nested.batch, &nested.layout.placed) {
         Ok(proved) => proved,
@@ -82,7 +84,7 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
         }
     };
     let locked = proved.separable.as_ref().map(Separability::locked_text).unwrap_or_default();
-    write_sidecars(order, nested, &description, &proved, &name)?;
+    let sidecars = write_sidecars(order, nested, &description, &proved, &name)?;
     let (file_hash, file_bytes) = hash_of(&staged)?;
     let height_mm = nested.layout.height_mm + order.profile.origin_mm().z;
     Ok(Written {
@@ -91,6 +93,7 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
             queue_id: order.queue.id().to_owned(),
             file_hash,
             file_bytes,
+            sidecars,
             height_mm,
             density: nested.layout.density,
             lower_bound_mm: nested.lower_bound_mm,
@@ -305,12 +308,22 @@ pub fn faults_of(proof: &Proof, bodies: &[Body]) -> String {
     close.chain(outside).chain(inside).chain(intruding).take(5).collect::<Vec<_>>().join("; ")
 }
 
-/// Report, pick map, picture and, where asked for, the whole build as STL; all under the build's stem.
-fn write_sidecars(order: &WriteOrder, nested: &Nested, build: &BuildFile, proved: &Proved, name: &str) -> Result<()> {
+/// Report, pick map, picture and, where asked for, the whole build as STL; all under the build's stem. Returns name and BLAKE3
+/// of each.
+fn write_sidecars(
+    order: &WriteOrder,
+    nested: &Nested,
+    build: &BuildFile,
+    proved: &Proved,
+    name: &str,
+) -> Result<Vec<(String, String)>> {
     let stem = name.strip_suffix(".build.3mf").unwrap_or(name);
-    let stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
+    let mut written = Vec::new();
+    let mut stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
         use std::io::Write;
-        order.queue.stage(&format!("{stem}{suffix}"), |file| file.write_all(bytes))?;
+        let name = format!("{stem}{suffix}");
+        order.queue.stage(&name, |file| file.write_all(bytes))?;
+        written.push((name, blake3::hash(bytes).to_hex().to_string()));
         Ok(())
     };
     stage(".report.json", &report(order, nested, build, proved)?)?;
@@ -320,9 +333,11 @@ fn write_sidecars(order: &WriteOrder, nested: &Nested, build: &BuildFile, proved
     stage(".png", &picture(build, PICTURE_SIZE))?;
     if order.profile.stl_output {
         let placed = build.items.iter().map(|i| (&*build.objects[i.object].mesh, &i.pose));
-        order.queue.stage(&format!("{stem}.stl"), |file| format::write_stl(placed, std::io::BufWriter::new(file)))?;
+        let name = format!("{stem}.stl");
+        let staged = order.queue.stage(&name, |file| format::write_stl(placed, std::io::BufWriter::new(file)))?;
+        written.push((name, hash_of(&staged)?.0));
     }
-    Ok(())
+    Ok(written)
 }
 
 fn report(order: &WriteOrder, nested: &Nested, build: &BuildFile, proved: &Proved) -> Result<Vec<u8>> {

@@ -13,15 +13,17 @@ use super::{
     event::Event,
     farm::Farm,
     jobs::JobKey,
-    layout::placed_from_json,
-    nest::{Best, NestOrder},
+    layout::{placed_from_json, placed_from_rows},
+    nest::{Best, Lost, NestOrder},
+    owner::Hold,
     prove::{Unproved, WriteOrder, Written, file_name, write_and_prove},
-    record,
+    staged::{Replaced, Staged, Step},
 };
 use crate::{
+    format::counted,
     intake,
-    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow, Verified},
-    queue::{Published, Queue, StagedState},
+    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow, PartState, Verified},
+    queue::{Published, StagedState},
     settings::Profile,
 };
 
@@ -51,6 +53,11 @@ impl Farm {
         if self.rests(build.id) || self.jobs.runs(&key) || !self.has_free_slot() || !self.has_queue(&build.profile) {
             return Ok(());
         }
+        let parts = self.ledger.parts_of_build(build.id).await?;
+        if self.is_wary(&build, build.searches, &parts.iter().collect::<Vec<_>>()) {
+            return Ok(());
+        }
+        self.ledger.begin_search(build.id).await?;
         let attempts = match self.fresh_builds.remove(&build.id) {
             true => build.attempts,
             false => self.ledger.begin_attempt(build.id).await?,
@@ -70,11 +77,14 @@ impl Farm {
     /// Whether the queue folder of a profile is there; one that went away is opened anew, and its absence costs no attempt.
     fn has_queue(&mut self, profile: &str) -> bool {
         let Some(station) = self.stations.get_mut(profile) else { return false };
-        let is_held = station.holds.queue.check().is_ok();
+        if station.agrees.is_none() {
+            return false;
+        }
+        let is_held = station.holds.queue.check().is_ok() && station.holds.archive.check().is_ok();
         if station.queue.as_ref().is_some_and(|queue| !is_held || queue.check().is_err()) {
             station.queue = None;
         }
-        station.queue.is_some()
+        station.queue.is_some() && station.holds.are_fresh()
     }
 
     async fn start_final(&mut self, build: BuildRow, attempts: u32, key: JobKey) -> Result<()> {
@@ -85,22 +95,29 @@ impl Farm {
         // Each further attempt gets half the time: an attempt that a crash or a restart cut short should come through.
         let secs = profile.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
         let budget = Budget::starting_now(secs);
+        let start = match build.layout.as_deref() {
+            Some(layout) => placed_from_json(layout),
+            // It was proved once, and its file was spoilt.
+            None => placed_from_rows(&self.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
+        };
         let seed =
             profile.nest.seed.wrapping_add(build.id.0.unsigned_abs()).wrapping_add(u64::from(attempts - 1) << 32);
-        let order = NestOrder {
-            profile: profile.clone(),
-            wanted,
-            start: build.layout.as_deref().map(placed_from_json).unwrap_or_default(),
-            budget: budget.clone(),
-            seed,
-            best: Best::default(),
-        };
+        let mut holds = station.holds.clone();
+        let unsure =
+            wanted.iter().map(|(part, _)| part.claim.clone()).filter(|claim| !self.let_go.contains(claim)).collect();
+        let order =
+            NestOrder { profile: profile.clone(), wanted, start, budget: budget.clone(), seed, best: Best::default() };
         self.finals.insert(build.id, (budget, order.best.clone()));
         let write = WriteOrder { profile, queue, build, seed, limits: self.meshes.limits.clone() };
         let meshes = self.meshes.clone();
         self.jobs.start(key, move || {
             let build = write.build.id;
-            Event::Written { build, written: nest_write_and_prove(&order, &write, &meshes).map(Box::new) }
+            Event::Written {
+                build,
+                written: (super::adopt::demand_let_go(&order.profile, holds.inbox.farm(), &unsure).map_err(Into::into))
+                    .and_then(|()| nest_write_and_prove(&order, &write, &mut holds.archive, &meshes))
+                    .map(Box::new),
+            }
         });
         Ok(())
     }
@@ -119,6 +136,9 @@ impl Farm {
     pub(super) async fn on_written(&mut self, build: BuildId, written: Result<Box<Written>>) -> Result<()> {
         self.jobs.ended(&JobKey::Final(build));
         self.finals.remove(&build);
+        if let Some(build) = self.ledger.build(build).await? {
+            self.has_ended_well(&build).await?;
+        }
         if written.is_ok() {
             self.failures.remove(&build);
             self.resting.done(&build);
@@ -131,6 +151,7 @@ impl Farm {
                 info!(build.id = %build, "A build was left for the next start: {failure:#}.");
                 return Ok(());
             }
+            Err(failure) if Lost::of(&failure).is_some() => return self.go_on_without(build, &failure).await,
             Err(failure) if is_of_the_disk(&failure) => {
                 // No fault of the build's: it costs no attempt, and the parts stay in it.
                 self.fresh_builds.insert(build);
@@ -153,7 +174,7 @@ impl Farm {
             return self.note_failure(build, &format!("{why:#}")).await;
         }
         if !written.unplaced.is_empty() {
-            info!(build.id = %build, "{} copies found no place in build {build} and wait for the next.", written.unplaced.len());
+            info!(build.id = %build, "{} in build {build}: left for the next.", counted(written.unplaced.len(), "copy found no place", "copies found no place"));
             self.ledger.release_copies(build, &written.unplaced).await?;
         }
         self.ledger.verify_build(build, &written.verified, &written.placed).await?;
@@ -179,49 +200,71 @@ impl Farm {
         Ok(())
     }
 
-    /// Publishes every verified build: one rename, on a thread of its own, for a queue folder may be a share that hangs.
+    /// Takes every verified build one step further into the queue: it is looked at, the ledger is told that it will be tried,
+    /// it is compared with what was proved and renamed.
     pub(super) async fn publish(&mut self) -> Result<()> {
         for build in self.ledger.builds_in_state(BuildState::Verified).await? {
-            if self.rests(build.id) {
-                continue;
-            }
             let id = build.id;
-            let Some(station) = self.stations.get(&build.profile) else {
-                // The notice of a machine that is gone tells it.
-                continue;
-            };
-            let Some(queue) = station.queue.clone() else { continue };
-            if self.jobs.runs(&JobKey::Publish(id)) {
+            if self.rests(id) || self.jobs.runs(&JobKey::Publish(id)) {
                 continue;
             }
-            let (archive, record) = (station.profile.folders.archive.clone(), self.ledger.record_of_build(id).await?);
+            // The notice of a machine that is gone tells it.
+            let Some(station) = self.stations.get(&build.profile) else { continue };
+            let is_served = station.agrees.is_some() && station.holds.are_fresh();
+            let Some(queue) = station.queue.clone().filter(|_| is_served) else { continue };
+            let (is_tried, archive) = (build.publishing_at.is_some(), station.profile.folders.archive.clone());
+            let (record, is_first) = (self.ledger.record_of_build(id).await?, self.untried.remove(&id));
+            let staged = Staged { queue, build, archive, holds: station.holds.clone() };
             self.jobs.start(JobKey::Publish(id), move || {
-                let published = record::keep(&archive, &build, &record).and_then(|()| rename(&queue, &build));
-                Event::Published { build: id, published }
+                let step = match staged.holds.demand_published() {
+                    Err(away) if is_first => Ok(Step::Untried(away.into())),
+                    Err(away) => Err(away.into()),
+                    Ok(()) if is_tried => staged.publish(&record, is_first),
+                    Ok(()) => staged.look(),
+                };
+                Event::Published { build: id, step }
             });
         }
         Ok(())
     }
 
-    /// Commits what was published.
-    pub(super) async fn on_published(&mut self, id: BuildId, published: Result<Published>) -> Result<()> {
+    /// Commits what a build's step into the queue has brought.
+    pub(super) async fn on_published(&mut self, id: BuildId, step: Result<Step>) -> Result<()> {
         self.jobs.ended(&JobKey::Publish(id));
-        let published = match published {
-            Ok(published) => published,
-            Err(failure) => {
-                self.resting.failed(id);
-                let profile = self.ledger.build(id).await?.map(|b| b.profile).unwrap_or_default();
-                let about = format!("build {id}");
-                match failure.downcast_ref::<Replaced>() {
-                    Some(replaced) => {
-                        let detail = format!("{about}: {replaced}");
-                        self.notices.raise(Attention::QueueReplaced, &profile, &about, &detail);
-                    }
-                    None => self.trouble(Attention::PublishingFails, &profile, &about, &failure),
-                }
-                return Ok(());
+        match step {
+            Ok(Step::Ready) => {
+                self.ledger.begin_publishing(id).await?;
+                self.untried.insert(id);
+                self.publish().await
             }
-        };
+            Ok(Step::Done(published)) => self.on_appeared(id, published).await,
+            Ok(Step::Spoilt(why)) => {
+                warn!(build.id = %id, "Build {id} is made again: {why}.");
+                self.resting.failed(id);
+                Ok(self.ledger.write_again(id, &format!("made again: {why}")).await?)
+            }
+            Ok(Step::Untried(failure)) => {
+                self.ledger.end_publishing(id).await?;
+                self.not_published(id, &failure).await
+            }
+            Err(failure) => self.not_published(id, &failure).await,
+        }
+    }
+
+    async fn not_published(&mut self, id: BuildId, failure: &anyhow::Error) -> Result<()> {
+        self.resting.failed(id);
+        let profile = self.ledger.build(id).await?.map(|b| b.profile).unwrap_or_default();
+        let about = format!("build {id}");
+        match failure.downcast_ref::<Replaced>() {
+            Some(replaced) => {
+                self.notices.raise(Attention::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
+            }
+            None => self.trouble(Attention::PublishingFails, &profile, &about, failure),
+        }
+        Ok(())
+    }
+
+    async fn on_appeared(&mut self, id: BuildId, published: Published) -> Result<()> {
         self.ledger.publish_build(id).await?;
         self.resting.done(&id);
         let Some(build) = self.ledger.build(id).await? else { return Ok(()) };
@@ -246,6 +289,9 @@ impl Farm {
             if !self.is_needed(&part.content_hash).await? {
                 self.meshes.store.remove(&part.content_hash)?;
                 self.meshes.shelf.keep(|key| key.content_hash != part.content_hash);
+            } else if self.ledger.parts_of_claim(&part.claim).await?.iter().all(|p| p.state == PartState::Built) {
+                // The file is kept for another claim: a note of this one would have it printed again.
+                self.meshes.store.forget_note(&part.content_hash, &part.claim)?;
             }
         }
         Ok(())
@@ -278,33 +324,22 @@ impl Farm {
     /// A build's job panicked.
     pub(super) async fn on_final_panicked(&mut self, build: BuildId, message: &str) -> Result<()> {
         self.finals.remove(&build);
+        self.ledger.end_search(build).await?;
         self.note_failure(build, &format!("panicked: {message}")).await
     }
 }
 
-/// The queue folder is another one than the build was staged in, and the file is not in it.
-#[derive(Debug, thiserror::Error)]
-#[error("{name} was staged in the queue folder whose .nestd-queue says {was}, and is not in the one that is there now")]
-struct Replaced {
-    name: String,
-    was: String,
-}
-
-/// The one rename that publishes.
-fn rename(queue: &Queue, build: &BuildRow) -> Result<Published> {
-    let name = build.file_name.as_deref().context("its row names no file")?;
-    // In another folder than it was staged in, "gone" does not mean published: a person must look.
-    if build.queue_id.as_deref() != Some(queue.id()) && queue.state(name)? == StagedState::Gone {
-        return Err(Replaced { name: name.to_owned(), was: build.queue_id.clone().unwrap_or_default() }.into());
-    }
-    Ok(queue.publish(name)?)
-}
-
 /// The whole final job: search, write, prove, archive the originals.
-fn nest_write_and_prove(order: &NestOrder, write: &WriteOrder, meshes: &super::nest::Meshes) -> Result<Written> {
+fn nest_write_and_prove(
+    order: &NestOrder,
+    write: &WriteOrder,
+    archive: &mut Hold,
+    meshes: &super::nest::Meshes,
+) -> Result<Written> {
     let nested = order.run(meshes)?;
     ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
     let written = write_and_prove(write, &nested)?;
+    archive.check()?;
     archive_originals(&write.profile, &write.build, &nested, meshes)?;
     Ok(written)
 }
@@ -321,7 +356,7 @@ fn archive_originals(
     let stem = name.strip_suffix(".build.3mf").unwrap_or(&name);
     for part in &nested.batch.parts {
         if nested.layout.placed.iter().any(|p| p.copy.0 == part.part.id) {
-            let stored = meshes.store.path(&part.part.content_hash)?;
+            let stored = meshes.stored(&part.part)?;
             intake::archive(&stored, &profile.folders.archive, stem, &part.part.name)
                 .with_context(|| format!("archiving {}", part.part.name))?;
         }

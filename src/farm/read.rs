@@ -2,11 +2,16 @@
 
 use std::sync::Arc;
 
-use super::{nest::Meshes, receive::chain, shelf::MeshKey};
+use super::{
+    nest::{Lost, Meshes},
+    receive::chain,
+    shelf::MeshKey,
+};
 use crate::{
     format::ReadError,
     format::{self, Solid, Unit},
     geometry::Defects,
+    intake::Claim,
     ledger::{PartRow, Refusal, SolidFacts},
     nest::{self, OrientationRule},
     settings::{MeshErrors, Profile},
@@ -19,36 +24,67 @@ pub enum ReadOutcome {
     Solids(Vec<SolidFacts>),
     /// It cannot be printed; whole sentences for the technician.
     Refused(Refusal, String),
+    /// The stored file is damaged: the part waits for it to be dropped again.
+    Lost(Lost),
     /// The disk failed, not the file: it is tried again.
     Later(String),
 }
 
-/// Reads and checks; the meshes go onto the shelf.
-pub fn read_part(part: &PartRow, profile: &Arc<Profile>, meshes: &Meshes) -> ReadOutcome {
-    let file = match meshes.store.path(&part.content_hash) {
-        Ok(file) => file,
-        Err(error) => return ReadOutcome::Later(chain(&error)),
-    };
-    match file.try_exists() {
-        Ok(true) => {}
-        Ok(false) => {
-            return ReadOutcome::Refused(Refusal::Other, "Its file is no longer kept. Drop it again.".to_owned());
+/// Why a file gave no meshes.
+#[derive(Debug, thiserror::Error)]
+pub enum Unread {
+    /// It cannot be read; whole sentences for the technician.
+    #[error("{1}")]
+    Refused(Refusal, String),
+    /// The disk failed, not the file.
+    #[error("{0}")]
+    Later(String),
+}
+
+impl Unread {
+    /// What a reader's error says of a file.
+    pub fn of(name: &str, error: &ReadError) -> Self {
+        match error.is_io() {
+            true => Self::Later(chain(error)),
+            // What it quotes of the file is for people.
+            false => {
+                let reason = format!("{name}: {}. {}", format::visible(&chain(error)), error.remedy());
+                Self::Refused(kind_of(error), reason)
+            }
         }
-        Err(error) => return ReadOutcome::Later(format!("{}: {error}", file.display())),
     }
-    let contents = match format::read(&file, &part.name, part.unit, profile.unit, &meshes.limits) {
-        Ok(contents) => contents,
-        Err(error) if error.is_io() => return ReadOutcome::Later(chain(&error)),
-        // What it quotes of the file is for people.
-        Err(error) => {
-            let reason = format!("{}: {}.", part.name, format::visible(&chain(&error)));
-            return ReadOutcome::Refused(kind_of(&error), reason);
+}
+
+/// Reads and checks; the meshes go onto the shelf.
+///
+/// A stored file that is damaged is put there again from the claimed original, as long as that lies in the hot folder.
+pub fn read_part(part: &PartRow, claim: Option<&Claim>, profile: &Arc<Profile>, meshes: &Meshes) -> ReadOutcome {
+    let heal = |failure: anyhow::Error| match (Lost::of(&failure), claim) {
+        (Some(_), Some(claim)) if meshes.store.put_claimed(claim).is_ok() => meshes.stored(part),
+        _ => Err(failure),
+    };
+    let file = match meshes.stored(part).or_else(heal) {
+        Ok(file) => file,
+        Err(failure) => {
+            return match failure.downcast::<Lost>() {
+                Ok(Lost { aside: None, .. }) if claim.is_none() => {
+                    ReadOutcome::Refused(Refusal::Other, "Its file is no longer kept. Drop it again.".to_owned())
+                }
+                Ok(lost) => ReadOutcome::Lost(lost),
+                Err(failure) => ReadOutcome::Later(format!("{failure:#}")),
+            };
         }
+    };
+    let contents = match meshes.contents(file, part, profile.unit) {
+        Ok(contents) => contents,
+        Err(Unread::Later(why)) => return ReadOutcome::Later(why),
+        Err(Unread::Refused(cause, reason)) => return ReadOutcome::Refused(cause, reason),
     };
     let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
     if copies > meshes.limits.max_copies {
         let reason = format!(
-            "It asks for {copies} copies; one file may ask for {} at most (limits.max_copies).",
+            "It asks for {copies} copies; one file may ask for {} at most (limits.max_copies). Drop it again with fewer, or \
+             raise that limit in the configuration and reload nestd.",
             meshes.limits.max_copies
         );
         return ReadOutcome::Refused(Refusal::Limit, reason);
@@ -82,9 +118,10 @@ fn kind_of(error: &ReadError) -> Refusal {
         ReadError::TooLarge { .. } => Refusal::Limit,
         ReadError::NoSolid { .. } => Refusal::NotClosed,
         ReadError::Io(_) => Refusal::Unreadable,
-        ReadError::Unknown(_) | ReadError::Truncated(_) | ReadError::Invalid { .. } | ReadError::Unsupported(_) => {
-            Refusal::Format
-        }
+        ReadError::Unknown { .. }
+        | ReadError::Truncated(_)
+        | ReadError::Invalid { .. }
+        | ReadError::Unsupported { .. } => Refusal::Format,
     }
 }
 
@@ -122,13 +159,17 @@ fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<(Refusal
 
 fn defects_text(defects: &Defects) -> String {
     [
-        (defects.open_edges, "open edges"),
-        (defects.non_manifold_edges, "edges of more than two triangles"),
-        (defects.inconsistent_edges, "edges whose triangles face opposite ways"),
+        (defects.open_edges, "open edge", "open edges"),
+        (defects.non_manifold_edges, "edge of more than two triangles", "edges of more than two triangles"),
+        (
+            defects.inconsistent_edges,
+            "edge whose triangles face opposite ways",
+            "edges whose triangles face opposite ways",
+        ),
     ]
     .iter()
-    .filter(|(count, _)| *count > 0)
-    .map(|(count, what)| format!("{count} {what}"))
+    .filter(|(count, ..)| *count > 0)
+    .map(|&(count, one, several)| format::counted(count, one, several))
     .collect::<Vec<_>>()
     .join(", ")
 }
@@ -141,7 +182,7 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
     let misfit = nest::fits(&solid.mesh, &part.turning(), &volume).err()?;
     if misfit.is_forbidden {
         return Some(format!(
-            "{}: no rotation obeys all of its orientation rules ({}{}).",
+            "{}: no rotation obeys all of its orientation rules ({}{}). Take one of them out of its ticket and drop both again.",
             solid.name,
             rule_name(rule),
             tilts_text(part)
@@ -176,6 +217,11 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
                 size.x, size.y, size.z
             ));
         }
+    }
+    if !reason.contains("unit = ") {
+        reason.push_str(
+            " Drop it for a larger machine, or split it; where its ticket holds it upright or fixed, a freer orientation may fit.",
+        );
     }
     Some(reason)
 }

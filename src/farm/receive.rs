@@ -8,14 +8,19 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::owner::Hold;
+use super::{
+    holds::Holds,
+    owner::Hold,
+    refused::RefusedFiles,
+    taken::{Taken, new_part},
+};
 use crate::{
     format,
     intake::{
-        self, Claim, Given, Inbox, Kind, LeftFolders, ListEnd, Ready, ScanLimits, SettleRules, Settler, Store,
-        StoreError, Stored, TicketError,
+        self, Claim, Given, Inbox, Judged, Kind, LeftFolders, ListEnd, ListRules, Lists, Ready, ScanLimits, Seen,
+        SettleRules, Settler, Store, StoreError, Stored, TicketError,
     },
-    ledger::Refusal,
+    ledger::{NewPart, Refusal},
     settings::Profile,
 };
 
@@ -23,6 +28,8 @@ use crate::{
 /// of what stands there, so that the looks at very many files do not cost more than the files.
 const CLAIMS_PER_LOOK: usize = 100;
 const SHARE_PER_LOOK: usize = 20;
+/// Rows without a file are told after the list stood still for so many settle times.
+const TOLD_AFTER_SETTLES: f64 = 2.0;
 /// A file that nestd may not read is refused when that lasts so long.
 const DENIED_FOR: Duration = Duration::from_secs(5);
 
@@ -34,18 +41,23 @@ const COUNT_AGAIN: Duration = Duration::from_secs(2);
 pub struct Gate {
     inbox: Inbox,
     settler: Settler,
+    lists: Lists,
     began: Instant,
     /// Order folders whose files were claimed; they go when they stay empty.
     left: LeftFolders,
     /// Claims that are not in the store yet; `None` = what lies in `.claimed/` is to be listed: at the start, after the hot
     /// folder was away, after something went wrong there.
     pending: Option<Vec<Claim>>,
-    /// When the refused files were counted last.
+    /// The refused files that somebody must see to.
+    refused: RefusedFiles,
+    /// When they were counted last.
     counted: Option<Instant>,
     /// Device and inode of the hot folder at the last look.
     at: Option<(u64, u64)>,
     /// Claims with a file that may not be read, and since when.
     unreadable: HashMap<String, Instant>,
+    /// Number of the farm that takes.
+    farm: String,
 }
 
 /// A claimed part that is in the store.
@@ -57,6 +69,8 @@ pub struct Drop {
     pub stored: Stored,
     /// What is said about it.
     pub given: Result<Given, TicketError>,
+    /// Its row as it is to be recorded, which is noted beside its copy already.
+    pub row: NewPart,
 }
 
 /// What one look found.
@@ -70,10 +84,16 @@ pub struct Received {
     pub next_secs: Option<f64>,
     /// Things that were refused without becoming a part: display name, kind and reason.
     pub refused: Vec<(String, Refusal, String)>,
+    /// What waits because it and an order list do not fit together: parts of sentences.
+    pub held: Vec<String>,
+    /// Whether more is ready than one look takes: `held` is not all.
+    pub is_cut: bool,
     /// What went wrong and will be tried again.
     pub troubles: Vec<String>,
-    /// Refused files that lie in the error folder; `None` = not counted this time.
+    /// Refused files that somebody must see to; `None` = not counted this time.
     pub refused_kept: Option<usize>,
+    /// Whether things may be put into the error folder and the archive.
+    may_refuse: bool,
     /// A part may stand in a claim that nobody knows: claims are listed anew, and no order list is ended for its seeming to
     /// be served.
     in_doubt: bool,
@@ -85,12 +105,15 @@ impl Gate {
         Self {
             inbox: Inbox::new(&profile.folders.inbox, ScanLimits::default()),
             settler: Settler::new(rules(profile, orphan_secs)),
+            lists: Lists::default(),
             began: Instant::now(),
             left: LeftFolders::default(),
             pending: None,
+            refused: RefusedFiles::default(),
             counted: None,
             at: None,
             unreadable: HashMap::new(),
+            farm: String::new(),
         }
     }
 
@@ -99,14 +122,20 @@ impl Gate {
         self.inbox.path() == profile.folders.inbox
     }
 
+    /// What lies in `.claimed/` is listed anew at the next look.
+    pub fn relist(&mut self) {
+        self.pending = None;
+    }
+
     /// A claim that could not be recorded: the next look brings it again.
     pub fn take_back(&mut self, claim: Claim) {
         self.wait(claim);
     }
 
     /// One look: claims what has settled and copies it into the store.
-    pub fn look(&mut self, profile: &Profile, hold: &mut Hold, store: &Store, orphan_secs: f64) -> Received {
+    pub fn look(&mut self, profile: &Profile, holds: &mut Holds, store: &Store, orphan_secs: f64) -> Received {
         let mut received = Received::default();
+        let hold = &mut holds.inbox;
         if let Err(error) = hold.check() {
             received.unavailable = Some(error.to_string());
             self.pending = None;
@@ -118,26 +147,16 @@ impl Gate {
             self.pending = None;
         }
         self.at = hold.seen();
+        received.may_refuse = holds.error.check().is_ok() && holds.archive.check().is_ok();
+        hold.farm().clone_into(&mut self.farm);
         self.settler.set_rules(rules(profile, orphan_secs));
-        let mut claims = self.claims_so_far(&mut received);
+        let mut claims = self.claims_so_far(holds.inbox.farm(), &mut received);
         match self.inbox.scan() {
             Ok(listing) => {
                 received
                     .troubles
                     .extend(listing.troubles.iter().map(|(path, why)| format!("{}: {why}", path.display())));
-                let now_secs = self.began.elapsed().as_secs_f64();
-                let most = CLAIMS_PER_LOOK.max(listing.seen.len() / SHARE_PER_LOOK);
-                let mut is_cut = false;
-                let inbox = self.inbox.path();
-                let has_end = |file: &Path, name: &str| format::has_end(&mut intake::open_dropped(inbox, file)?, name);
-                for ready in self.settler.ready(&listing.seen, now_secs, has_end) {
-                    if claims.len() >= most {
-                        is_cut = true;
-                        break;
-                    }
-                    claims.extend(take(inbox, profile, &ready, orphan_secs, &mut received));
-                }
-                received.next_secs = if is_cut { Some(0.0) } else { self.settler.next_secs(now_secs) };
+                self.take_what_is_ready(profile, holds, &listing.seen, &mut claims, &mut received);
             }
             Err(error) => received.unavailable = Some(error.to_string()),
         }
@@ -154,9 +173,39 @@ impl Gate {
         self.left.sweep(self.inbox.path(), LeftFolders::MIN_AGE);
         if self.counted.is_none_or(|at| at.elapsed() >= COUNT_AGAIN) || !received.refused.is_empty() {
             self.counted = Some(Instant::now());
-            received.refused_kept = Some(refused_kept(&profile.folders.error));
+            received.refused_kept = received.may_refuse.then(|| self.refused.count(&profile.folders.error));
         }
         received
+    }
+
+    /// Claims what has settled and fits what its order list says.
+    fn take_what_is_ready(
+        &mut self,
+        profile: &Profile,
+        holds: &Holds,
+        seen: &[Seen],
+        claims: &mut Vec<Claim>,
+        received: &mut Received,
+    ) {
+        let now_secs = self.began.elapsed().as_secs_f64();
+        let most = CLAIMS_PER_LOOK.max(seen.len() / SHARE_PER_LOOK);
+        let inbox = self.inbox.path();
+        let list_rules = ListRules { incomplete_secs: profile.incomplete_secs, unlisted: profile.unlisted };
+        let has_end = |file: &Path, name: &str| format::has_end(&mut intake::open_dropped(inbox, file)?, name);
+        self.lists.observe(seen);
+        for ready in self.settler.ready(seen, now_secs, has_end) {
+            if claims.len() >= most || !holds.may_take() {
+                received.is_cut = true;
+                break;
+            }
+            let may_be_part =
+                |file: &Path| format::may_be_part(&mut intake::open_dropped(inbox, file)?, &name_of(file));
+            match self.lists.judge(inbox, ready, list_rules, may_be_part) {
+                Judged::Take(ready) => claims.extend(take(&holds.inbox, profile, &ready, &mut self.lists, received)),
+                Judged::Wait(why) => received.held.push(why),
+            }
+        }
+        received.next_secs = if received.is_cut { Some(0.0) } else { self.settler.next_secs(now_secs) };
     }
 
     /// Copies a claimed part into the store. What fails stays claimed, and is tried at the next look.
@@ -171,7 +220,15 @@ impl Gate {
                 }
                 given => {
                     self.unreadable.remove(&claim.id);
-                    received.drops.push(Drop { claim, stored, given });
+                    let row = new_part(profile, &claim, &stored, given.as_ref().ok());
+                    let note = Taken::of(&self.farm, row, given.as_ref().err());
+                    match store.note(&stored.hash, &claim.id, &note.to_text()) {
+                        Ok(()) => received.drops.push(Drop { claim, stored, given, row: note.part }),
+                        Err(error) => {
+                            received.troubles.push(chain(&error));
+                            self.wait(claim);
+                        }
+                    }
                 }
             },
             // Somebody still writes into it: it goes back and settles anew.
@@ -210,11 +267,11 @@ impl Gate {
     }
 
     /// Claims that wait for the store; at the first look those that an earlier run left.
-    fn claims_so_far(&mut self, received: &mut Received) -> Vec<Claim> {
+    fn claims_so_far(&mut self, farm: &str, received: &mut Received) -> Vec<Claim> {
         if let Some(pending) = self.pending.take() {
             return pending;
         }
-        match intake::claims(self.inbox.path()) {
+        match intake::claims(self.inbox.path(), farm) {
             Ok((claims, troubles)) => {
                 received.in_doubt = !troubles.is_empty();
                 received.troubles.extend(troubles);
@@ -230,10 +287,14 @@ impl Gate {
 }
 
 /// Does with one thing what is to be done; a part becomes a claim.
-fn take(inbox: &Path, profile: &Profile, ready: &Ready, orphan_secs: f64, received: &mut Received) -> Option<Claim> {
+fn take(hold: &Hold, profile: &Profile, ready: &Ready, lists: &mut Lists, received: &mut Received) -> Option<Claim> {
+    let inbox = hold.folder();
     match ready {
-        Ready::Part { .. } => match intake::claim(inbox, ready) {
-            Ok(claim) => return Some(claim),
+        Ready::Part { .. } => match intake::claim_as(inbox, ready, hold.farm()) {
+            Ok(claim) => {
+                lists.served(ready);
+                return Some(claim);
+            }
             // It is still being written to or was taken away: the next look tells.
             Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
             Err(error) => {
@@ -241,14 +302,19 @@ fn take(inbox: &Path, profile: &Profile, ready: &Ready, orphan_secs: f64, receiv
                 received.troubles.push(chain(&error));
             }
         },
+        // It stays where it is until they are there again; a notice tells.
+        Ready::List { .. } | Ready::Refuse { .. } if !received.may_refuse => {}
         Ready::List { .. } if received.in_doubt => {}
-        Ready::List { list, .. } => {
-            let folders = &profile.folders;
-            match intake::end_list(inbox, ready, orphan_secs, &folders.archive, &folders.error) {
+        Ready::List { list, quiet_secs } => {
+            let (folders, incomplete_secs) = (&profile.folders, profile.incomplete_secs);
+            match intake::end_list(inbox, lists, ready, incomplete_secs, &folders.archive, &folders.error) {
                 Ok(ListEnd::Refused(reason)) => {
                     received.refused.push((name_of(&list.path), Refusal::Ticket, reason));
                 }
-                Ok(ListEnd::Awaited | ListEnd::Archived(_)) => {}
+                // It may only be the first of its order to be copied.
+                Ok(ListEnd::Awaited) if *quiet_secs < TOLD_AFTER_SETTLES * profile.settle_secs => {}
+                Ok(ListEnd::Awaited) => received.held.extend(lists.missing(list)),
+                Ok(ListEnd::Archived(_)) => {}
                 Err(error) => received.troubles.push(chain(&error)),
             }
         }
@@ -268,14 +334,11 @@ fn kind_of(ready: &Ready) -> Refusal {
     }
 }
 
-/// The reasons that lie in an error folder: one for each file that somebody must see to.
-fn refused_kept(error_dir: &std::path::Path) -> usize {
-    let is_reason = |file: &&std::path::PathBuf| file.as_os_str().as_encoded_bytes().ends_with(b".reason.txt");
-    intake::files_below(error_dir).map_or(0, |files| files.iter().filter(is_reason).count())
-}
-
 /// A file that nestd may not read has no hash and so no row: it goes straight to the error folder. Returns whether it did.
 fn refuse_unreadable(profile: &Profile, claim: &Claim, why: &std::io::Error, received: &mut Received) -> bool {
+    if !received.may_refuse {
+        return false;
+    }
     let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
     let refused = intake::refuse(claim, &profile.folders.error, &reason);
     match &refused {

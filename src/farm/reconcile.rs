@@ -3,14 +3,23 @@
 //!
 //! What is doubtful is not printed: a person is told, and can have it printed; a cake that was printed twice cannot be undone.
 
-use std::{collections::HashSet, fs, path::Path};
+use std::{
+    collections::{HashMap, HashSet},
+    fs,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, Result};
 use serde_json::json;
 
-use super::{attention::Attention, lock::Lock, record, tidy};
+use super::{
+    ending::reason_text,
+    record, taken, tidy,
+    told::{self, Known},
+};
 use crate::{
     format, intake,
+    intake::Store,
     ledger::{BuildState, Ledger, PartId, PartRow, PartState, Refusal, TakenIn},
     queue::{Queue, StagedState},
     settings::{Profile, Settings},
@@ -26,6 +35,20 @@ pub struct Reconciled {
     pub done: Vec<String>,
     /// What a person should look at.
     pub doubts: Vec<String>,
+    /// What is to be done in the folders once this ledger is the farm's; before that, the one in place may need them as they
+    /// are.
+    pub(super) later: Vec<Later>,
+}
+
+/// A step in the folders that follows.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Later {
+    /// A stored file of which nobody knows what was asked.
+    SetFileAside(String),
+    /// A record that cannot be taken in.
+    SetRecordAside(PathBuf),
+    /// A file in the error folder belongs to a part of another number now: its reason says so.
+    Rename(PathBuf, String),
 }
 
 /// A build of which the folders tell and the ledger does not.
@@ -35,25 +58,23 @@ pub struct Unknown {
     pub name: String,
     profile: String,
     record: String,
+    /// Where its record is, if it has one.
+    file: Option<PathBuf>,
     is_published: bool,
 }
 
-/// Takes what the folders tell into the ledger of a farm that no daemon serves.
+/// Takes what the folders tell into a ledger that nobody uses yet.
 ///
 /// # Errors
-/// A daemon serves the farm, or ledger and folders cannot be read.
-pub async fn repair(settings: &Settings) -> Result<Reconciled> {
-    let _lock = Lock::take(&settings.state_dir, jiff::Timestamp::now())?;
-    let ledger = Ledger::open_whole(&settings.ledger).await?;
-    let reconciled = reconcile(settings, &ledger).await;
-    ledger.close_sealed().await?;
-    reconciled
-}
-
-/// Likewise, for a ledger that is open and locked.
-pub async fn reconcile(settings: &Settings, ledger: &Ledger) -> Result<Reconciled> {
+/// A folder cannot be asked, or the ledger cannot be changed.
+pub async fn reconcile(settings: &Settings, ledger: &Ledger, known: &Known) -> Result<Reconciled> {
+    known.demand_all(settings)?;
     let mut found = Reconciled::default();
-    let unknown = unknown_builds(settings, ledger, true).await?;
+    let mut unclear = HashSet::new();
+    let mut unknown = Vec::new();
+    for profile in settings.profiles.values() {
+        unknown.extend(unknown_builds(settings, ledger, profile, known, &mut unclear).await?);
+    }
     if !unknown.is_empty() {
         give_up_plans(ledger, &unknown, &mut found).await?;
     }
@@ -67,60 +88,118 @@ pub async fn reconcile(settings: &Settings, ledger: &Ledger) -> Result<Reconcile
                 ));
                 found.doubts.extend(doubts);
             }
-            Err(error) => found.doubts.push(format!("the record of {} cannot be taken in: {error}", build.name)),
+            Err(error) => {
+                found.doubts.push(format!(
+                    "the record of {} cannot be taken in: {error}. `nestd show` does not know its parts: see that none of \
+                     them is printed again",
+                    build.name
+                ));
+                found.later.extend(build.file.clone().map(Later::SetRecordAside));
+            }
         }
     }
+    let refused = Refused::read(settings, known)?;
     for profile in settings.profiles.values() {
-        take_out_what_was_refused(ledger, settings, profile, &mut found).await?;
+        take_out_what_was_refused(ledger, settings, profile, &refused, &mut found).await?;
+        put_back_what_was_taken_back(ledger, settings, profile, &refused, &mut found).await?;
     }
-    tell_unknown_files(ledger, settings, &mut found).await?;
+    let forgotten = taken::forgotten(settings, ledger).await?;
+    let mut again = super::recall::Recall { settings, ledger, refused: &refused, unclear: &unclear, found: &mut found };
+    for one in forgotten {
+        again.take(one).await?;
+    }
     if found != Reconciled::default() {
         ledger.leave_gap_in_numbers(GAP).await?;
     }
     Ok(found)
 }
 
-/// Builds of which the folders tell and the ledger does not. When not `all` are asked for, only those that are younger than
-/// the ledger's youngest: with them, the ledger is older than its folders.
-pub async fn unknown_builds(settings: &Settings, ledger: &Ledger, all: bool) -> Result<Vec<Unknown>> {
-    let (newest, fired) = ledger.newest_build().await?;
-    let fired = fired.map(|at| at.strftime("%Y%m%dT%H%M%SZ").to_string()).unwrap_or_default();
-    let may_be_unknown = |name: &str| {
-        record::fired_and_number(name).is_some_and(|(at, number)| all || number > newest || at > fired.as_str())
-    };
-    let mut unknown = Vec::new();
-    for profile in settings.profiles.values() {
-        let mut seen = HashSet::new();
-        for (name, file) in record::all(&profile.folders.archive) {
-            if may_be_unknown(&name) && !ledger.knows_build_file(&name).await? {
-                let record = fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
-                let is_published = !is_staged(&profile.folders.queue, &name);
-                seen.insert(name.clone());
-                unknown.push(Unknown { name, profile: profile.name.clone(), record, is_published });
-            }
-        }
-        for name in build_files(&profile.folders.queue) {
-            if may_be_unknown(&name) && !seen.contains(&name) && !ledger.knows_build_file(&name).await? {
-                unknown.extend(from_build_file(settings, ledger, profile, &name).await?);
-            }
+impl Reconciled {
+    /// Does what follows in the folders; what fails is told.
+    pub(super) fn finish(&mut self, settings: &Settings) {
+        let store = Store::at(settings.state_dir.join("store"));
+        for step in std::mem::take(&mut self.later) {
+            let failed = match &step {
+                Later::SetFileAside(hash) => store.set_aside(hash, &settings.state_dir.join(UNKNOWN)).err(),
+                Later::SetRecordAside(record) => record::set_aside(record).err(),
+                Later::Rename(reason, text) => intake::rewrite_reason(reason, text).err().map(std::io::Error::other),
+            };
+            self.doubts.extend(failed.map(|error| format!("a step in the folders failed ({step:?}): {error}")));
         }
     }
-    unknown.sort_by(|a, b| a.name.cmp(&b.name));
+}
+
+/// In the state folder: stored files of which nobody knows what was asked.
+pub(super) const UNKNOWN: &str = "unknown";
+
+/// The files of the error folders by content: profile and BLAKE3.
+pub(super) struct Refused(HashMap<(String, String), Vec<PathBuf>>);
+
+impl Refused {
+    fn read(settings: &Settings, known: &Known) -> Result<Self> {
+        let mut files: HashMap<_, Vec<PathBuf>> = HashMap::new();
+        for profile in settings.profiles.values() {
+            if !known.is_there(&profile.folders.error)? {
+                continue;
+            }
+            let error_dir = &profile.folders.error;
+            let listed = intake::files_below(error_dir).with_context(|| format!("listing {}", error_dir.display()))?;
+            for file in listed {
+                let name = file.file_name().unwrap_or_default().as_encoded_bytes();
+                if name.starts_with(b".") || name.ends_with(tidy::REASON.as_bytes()) {
+                    continue;
+                }
+                let hash = intake::hash_file(&file).with_context(|| format!("reading {}", file.display()))?;
+                files.entry((profile.name.clone(), hash)).or_default().push(file);
+            }
+        }
+        Ok(Self(files))
+    }
+
+    /// Where a content lies in the error folder of a profile.
+    pub(super) fn of(&self, profile: &str, hash: &str) -> &[PathBuf] {
+        self.0.get(&(profile.to_owned(), hash.to_owned())).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// Builds of which a machine's folders tell and the ledger does not. Into `unclear` go the contents of build files that tell of
+/// parts that the ledger never knew: they may be printed already.
+///
+/// # Errors
+/// A folder cannot be asked.
+pub async fn unknown_builds(
+    settings: &Settings,
+    ledger: &Ledger,
+    profile: &Profile,
+    known: &Known,
+    unclear: &mut HashSet<String>,
+) -> Result<Vec<Unknown>> {
+    let told = told::builds(profile, known)?;
+    let names: Vec<String> = told.iter().map(|build| build.name.clone()).collect();
+    let names: HashSet<String> = ledger.unknown_build_files(&names).await?.into_iter().collect();
+    let mut unknown = Vec::new();
+    for told::ToldBuild { name, record: file } in told.into_iter().filter(|build| names.contains(&build.name)) {
+        if record::fired_and_number(&name).is_none() {
+            continue;
+        }
+        let Some(file) = file else {
+            unknown.extend(from_build_file(settings, ledger, profile, &name, unclear).await?);
+            continue;
+        };
+        let record = fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
+        let is_published = !is_staged(&profile.folders.queue, &name)?;
+        unknown.push(Unknown { name, profile: profile.name.clone(), record, file: Some(file), is_published });
+    }
     Ok(unknown)
 }
 
 /// Whether the file waits under its dot-name: its record was written, and then it was not published.
-fn is_staged(queue: &Path, name: &str) -> bool {
-    queue.is_dir()
-        && Queue::open(queue).and_then(|queue| queue.state(name)).is_ok_and(|state| state == StagedState::Staged)
-}
-
-fn build_files(queue: &Path) -> Vec<String> {
-    let entries = fs::read_dir(queue).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-    names.retain(|name| !name.starts_with('.') && name.ends_with(".build.3mf"));
-    names.sort();
-    names
+fn is_staged(queue: &Path, name: &str) -> Result<bool> {
+    if !queue.try_exists().with_context(|| format!("looking at {}", queue.display()))? {
+        return Ok(false);
+    }
+    let state = Queue::open(queue).and_then(|queue| queue.state(name));
+    Ok(state.with_context(|| format!("looking for {name} in {}", queue.display()))? == StagedState::Staged)
 }
 
 /// What a build file without a record tells of parts that the ledger knows; `None` when it holds none of them, so that
@@ -130,8 +209,10 @@ async fn from_build_file(
     ledger: &Ledger,
     profile: &Profile,
     name: &str,
+    unclear: &mut HashSet<String>,
 ) -> Result<Option<Unknown>> {
     let file = profile.folders.queue.join(name);
+    fs::File::open(&file).with_context(|| format!("reading {}", file.display()))?;
     // What is no build file of ours tells nothing.
     let Ok(placed) = format::read_build(&file, &settings.limits) else { return Ok(None) };
     let (mut parts, mut placements, mut height_mm) = (Vec::new(), Vec::new(), 0.0_f64);
@@ -140,6 +221,7 @@ async fn from_build_file(
         let number = item.part_number.as_deref().and_then(|number| number.parse().ok()).map(PartId);
         let (Some(id), Some(hash), Some(copy)) = (number, &item.source_hash, item.copy) else { continue };
         if !ledger.is_part_of_content(id, hash).await? {
+            unclear.insert(hash.clone());
             continue;
         }
         if !parts.iter().any(|part: &serde_json::Value| part["id"] == id.0) {
@@ -162,7 +244,8 @@ async fn from_build_file(
         "height_mm": height_mm, "copies": placements.len(), "reason": "taken in from the build file in the queue",
     });
     let record = json!({ "builds": [build], "parts": parts, "placements": placements }).to_string();
-    Ok(Some(Unknown { name: name.to_owned(), profile: profile.name.clone(), record, is_published: true }))
+    let (name, profile) = (name.to_owned(), profile.name.clone());
+    Ok(Some(Unknown { name, profile, record, file: None, is_published: true }))
 }
 
 /// What was being nested when the backup was made has long become something else: its copies wait again.
@@ -185,15 +268,17 @@ async fn take_out_what_was_refused(
     ledger: &Ledger,
     settings: &Settings,
     profile: &Profile,
+    refused: &Refused,
     found: &mut Reconciled,
 ) -> Result<()> {
     let mut live = ledger.parts_in_state(PartState::Waiting).await?;
     live.extend(ledger.parts_in_state(PartState::Claimed).await?);
     for part in live.into_iter().filter(|part| part.profile == profile.name) {
-        if intake::claim_dir(&profile.folders.inbox, &part.claim).exists() {
+        if is_in_work(profile, &part)? {
             continue;
         }
-        let why = if !tidy::refused_files(&profile.folders.error, &part)?.is_empty() {
+        let may_be_refused = !refused.of(&profile.name, &part.content_hash).is_empty();
+        let why = if may_be_refused && !tidy::refused_files(&profile.folders.error, &part)?.is_empty() {
             "It lies in the error folder: it was refused or cancelled after the backup was made."
         } else if !is_stored(settings, &part)? {
             "Its file is no longer kept: it was built, refused or cancelled after the backup was made."
@@ -212,47 +297,50 @@ async fn take_out_what_was_refused(
     Ok(())
 }
 
-fn is_stored(settings: &Settings, part: &PartRow) -> Result<bool> {
-    let hash = &part.content_hash;
-    let folder = hash.get(..2).context("a part without a hash")?;
-    Ok(settings.state_dir.join("store").join(folder).join(hash).exists())
-}
-
-/// Files that were taken after the backup was made and are in no build: their names and copies are not known.
-async fn tell_unknown_files(ledger: &Ledger, settings: &Settings, found: &mut Reconciled) -> Result<()> {
-    let known: HashSet<String> = ledger.drops_by_hash().await?.into_iter().map(|(hash, _)| hash).collect();
-    let mut refused = HashSet::new();
-    for profile in settings.profiles.values() {
-        for file in intake::files_below(&profile.folders.error).unwrap_or_default() {
-            refused.extend(intake::hash_file(&file).ok());
+/// Parts that are refused in the ledger and were taken back after the backup was made: their files went from the error folder
+/// then. What became of them is not known, so that a person decides; the file lies where he looks for it.
+async fn put_back_what_was_taken_back(
+    ledger: &Ledger,
+    settings: &Settings,
+    profile: &Profile,
+    refused: &Refused,
+    found: &mut Reconciled,
+) -> Result<()> {
+    for part in ledger.parts_in_state(PartState::Rejected).await? {
+        if part.profile != profile.name || is_in_work(profile, &part)? || !is_stored(settings, &part)? {
+            continue;
         }
-    }
-    for file in intake::files_below(&settings.state_dir.join("store")).unwrap_or_default() {
-        let hash = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if hash.len() == 64 && !known.contains(&hash) && !refused.contains(&hash) {
-            let bytes = fs::metadata(&file).map_or(0, |meta| meta.len());
-            found.doubts.push(format!(
-                "{} ({bytes} bytes) was taken after the backup was made and is not built: look at it, and drop it again with \
-                 its copies",
-                file.display()
-            ));
+        let lies = !refused.of(&profile.name, &part.content_hash).is_empty();
+        if lies && !tidy::refused_files(&profile.folders.error, &part)?.is_empty() {
+            continue;
         }
+        put_into_error(settings, profile, &part)?;
+        found.doubts.push(format!(
+            "part {} ({}) was refused before the backup was made and taken back or tidied away after it; its file lies in {} \
+             again. `nestd retry {}` takes it back",
+            part.id,
+            part.name,
+            profile.folders.error.display(),
+            part.id
+        ));
     }
     Ok(())
 }
 
-/// Refuses to serve a farm whose ledger is older than its folders.
-pub async fn demand_current(settings: &Settings, ledger: &Ledger) -> Result<()> {
-    let unknown = unknown_builds(settings, ledger, false).await?;
-    let Some(first) = unknown.first() else { return Ok(()) };
-    let more = if unknown.len() > 1 { format!(" and {} more", unknown.len() - 1) } else { String::new() };
-    Err(Behind { detail: format!("it does not know {}{more}", first.name) }.into())
+/// A refused part's file and its reason in the error folder, from the store.
+pub(super) fn put_into_error(settings: &Settings, profile: &Profile, part: &PartRow) -> Result<()> {
+    let stored = Store::at(settings.state_dir.join("store")).path(&part.content_hash)?;
+    let (folder, text) = (format!("part-{}", part.id), reason_text(part, &part.reason));
+    intake::refuse_copy(Some(&stored), &profile.folders.error, &folder, &part.name, &text)
+        .with_context(|| format!("copying {} into the error folder", part.name))
 }
 
-/// The ledger is older than the folders.
-#[derive(Debug, thiserror::Error)]
-#[error("the ledger is older than the folders: {detail}. {}", Attention::LedgerBehind.remedy())]
-pub struct Behind {
-    /// What it does not know.
-    pub detail: String,
+fn is_in_work(profile: &Profile, part: &PartRow) -> Result<bool> {
+    let dir = intake::claim_dir(&profile.folders.inbox, &part.claim);
+    dir.try_exists().with_context(|| format!("looking at {}", dir.display()))
+}
+
+fn is_stored(settings: &Settings, part: &PartRow) -> Result<bool> {
+    let stored = Store::at(settings.state_dir.join("store")).path(&part.content_hash)?;
+    stored.try_exists().with_context(|| format!("looking at {}", stored.display()))
 }

@@ -8,12 +8,14 @@ use std::{
 
 use super::{
     budget::Budget,
+    current::Seen,
     holds::Holds,
     layout::{Copy, Layout, PlacedCopy, placed_from_json},
     nest::Best,
     notices::Notices,
     owner::Owner,
     receive::Gate,
+    status::stamp,
 };
 use crate::{
     ledger::{BuildRow, CommandId, Utc, WaitingPart},
@@ -41,10 +43,17 @@ pub struct Station {
     pub refused_kept: usize,
     /// That this daemon serves its folders.
     pub holds: Holds,
+    /// Its archive and queue as they were when the ledger knew all that they tell; `None` = nothing is printed.
+    pub agrees: Option<Seen>,
+    /// Whether files are taken and read: not before its folders were held against the ledger, and not while they tell of what
+    /// the ledger does not know. Folders that are away only hold up printing.
+    pub may_take: bool,
     /// Its printer queue folder, once it could be opened.
     pub queue: Option<Queue>,
     /// The build that is being gathered.
     pub open: OpenBuild,
+    /// Claims were adopted: what lies in `.claimed/` is to be listed anew.
+    pub relist: bool,
     /// Orders to publish now that have not been carried out.
     pub flush: Vec<CommandId>,
     /// Whether all that waits is nested as far as it will be: only news from the ledger or the clock bring work.
@@ -100,8 +109,11 @@ impl Station {
             look_at: Instant::now(),
             scanned_at: None,
             refused_kept: 0,
+            agrees: None,
+            may_take: false,
             queue: None,
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
+            relist: false,
             flush: Vec::new(),
             is_settled: false,
             batch_at: Instant::now(),
@@ -113,14 +125,18 @@ impl Station {
 
 impl Station {
     /// What is written into its hot folder, with what a person must see to; empty before the ledger was asked.
-    pub fn told(&self, notices: &Notices) -> (String, String) {
+    pub fn told(&self, notices: &Notices, scan_secs: f64) -> (String, String) {
         let (text, json) = &self.status;
         if json.is_null() {
             return Default::default();
         }
         let mut json = json.clone();
+        let (stamp, written_at, renewed_within_secs) = stamp(scan_secs);
         json["attention"] = notices.json_for(&self.profile.name);
-        (notices.text_for(&self.profile.name) + text, format!("{json:#}\n"))
+        json["running"] = true.into();
+        json["written_at"] = written_at.to_string().into();
+        json["renewed_within_secs"] = renewed_within_secs.into();
+        (notices.text_for(&self.profile.name) + text + &stamp, format!("{json:#}\n"))
     }
 }
 

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use tracing::{info, warn};
 
-use super::{
-    attention::Attention, cache::DiskCache, event::Event, farm::Farm, holds::Holds, owner::Hold, sd, station::Station,
-};
+use super::{attention::Attention, cache::DiskCache, event::Event, farm::Farm, holds::Holds, sd, station::Station};
 use crate::{
     access,
     intake::Watcher,
@@ -32,8 +30,7 @@ impl Farm {
         for (name, profile) in self.settings.profiles.clone() {
             self.make_folders(&profile);
             match self.stations.get_mut(&name) {
-                // What was replaced on purpose is accepted by a reload.
-                Some(station) if *station.profile == profile => station.holds = Holds::new(&self.owner, &profile),
+                Some(station) if *station.profile == profile => (station.agrees, station.may_take) = (None, false),
                 Some(station) => {
                     // Another volume or clearance makes the layout worthless; another hot folder needs another gate.
                     let row = self.ledger.open_build(&name).await?;
@@ -54,6 +51,7 @@ impl Farm {
             }
         }
         self.watch();
+        self.compare_folders();
         Ok(())
     }
 
@@ -90,6 +88,9 @@ impl Farm {
                 self.notices.raise(Attention::ConfigurationWrong, "", "", &detail);
             }
         }
+        // Machines may have come or gone: what is shown follows at once.
+        self.shown_at = None;
+        self.tell("status", Self::show_status).await;
         sd::ready(&self.status_line);
     }
 
@@ -107,18 +108,22 @@ impl Farm {
     /// empty directory in its place would hinder whoever puts it back.
     fn make_folders(&mut self, profile: &Profile) {
         let holds = self.stations.get(&profile.name).map(|station| &station.holds);
-        let is_new = |hold: Option<&Hold>| hold.is_none_or(|hold| hold.seen().is_none());
-        let (inbox, queue) = (is_new(holds.map(|h| &h.inbox)), is_new(holds.map(|h| &h.queue)));
+        let fresh = Holds::new(&self.owner, profile);
+        let Holds { inbox, queue, archive, error, .. } = holds.unwrap_or(&fresh);
         let folders = &profile.folders;
         let wanted =
-            [(&folders.inbox, inbox), (&folders.queue, queue), (&folders.error, true), (&folders.archive, true)];
-        for (folder, _) in wanted.into_iter().filter(|(_, is_new)| *is_new) {
+            [(&folders.inbox, inbox), (&folders.queue, queue), (&folders.error, error), (&folders.archive, archive)];
+        let mut failed = Vec::new();
+        // One that cannot be made does not hinder the others.
+        for (folder, _) in wanted.into_iter().filter(|(_, hold)| hold.is_new()) {
             if let Err(error) = access::create_folders(folder) {
-                let detail = format!("creating {}: {error}", folder.display());
-                return self.notices.raise(Attention::FoldersMissing, &profile.name, "", &detail);
+                failed.push(format!("creating {}: {error}", folder.display()));
             }
         }
-        self.notices.clear(Attention::FoldersMissing, &profile.name, "");
+        match failed.is_empty() {
+            true => self.notices.clear(Attention::FoldersMissing, &profile.name, ""),
+            false => self.notices.raise(Attention::FoldersMissing, &profile.name, "", &failed.join("; ")),
+        }
     }
 
     /// Folders that could not be made at the start are made when they can be.

@@ -10,18 +10,25 @@ use serde_json::json;
 use super::{
     attention::Attention,
     event::Event,
-    farm::Farm,
+    farm::{BEAT, Farm},
     jobs::JobKey,
+    layout::Layout,
     publish::GAVE_UP,
     sd,
     station::Station,
     trigger::{Facts, FiredBy, fires_next},
 };
 use crate::{
+    format::counted,
     intake,
-    ledger::{Beat, ProfileStatus},
+    ledger::{Beat, LedgerError, ProfileStatus},
     settings::Profile,
 };
+
+/// How the line of a farm begins that does nothing any more.
+pub const HALTED: &str = "halted";
+/// After the farm has stopped, its hot folders are told so within this time; a share that hangs is not waited for longer.
+const FAREWELL_WITHIN: Duration = Duration::from_secs(1);
 
 /// Troubles that did not come again for so long, or for three scans, are over.
 const TROUBLES_LAST: Duration = Duration::from_secs(150);
@@ -43,12 +50,12 @@ impl Farm {
         }
         self.notice_what_the_ledger_says(&rows).await?;
         self.look_at_due_dates().await?;
-        let waiting: u32 = rows.iter().map(|r| r.waiting_copies).sum();
-        let nesting: usize = rows.iter().map(|r| r.nesting.len()).sum();
-        let line = format!("{} profiles, {waiting} copies wait, {nesting} builds in work", self.stations.len());
+        let line = summary(self.stations.len(), rows.iter());
         if line != self.status_line {
             sd::status(&line);
             self.status_line = line;
+            // Whoever asks the ledger is not told what was.
+            self.sign_of_life = None;
         }
         Ok(())
     }
@@ -71,7 +78,8 @@ impl Farm {
         for row in rows.iter().filter(|row| !self.stations.contains_key(&row.profile)) {
             let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
             if parts > 0 || builds > 0 {
-                let detail = format!("{parts} parts and {builds} builds that have fired");
+                let (parts, builds) = (counted(parts, "part", "parts"), counted(builds, "build", "builds"));
+                let detail = format!("{parts} and {builds} in work");
                 self.notices.raise(Attention::MachineGone, &row.profile, "", &detail);
                 gone.push(row.profile.clone());
             }
@@ -97,8 +105,11 @@ impl Farm {
         }
         self.shown_at = Some(Instant::now());
         for (name, station) in &self.stations {
-            let (profile, inbox, (text, json)) =
-                (name.clone(), station.profile.folders.inbox.clone(), station.told(&self.notices));
+            let (profile, inbox, (text, json)) = (
+                name.clone(),
+                station.profile.folders.inbox.clone(),
+                station.told(&self.notices, self.settings.scan_secs),
+            );
             self.jobs.start(JobKey::Tell(name.clone()), move || {
                 if let Err(error) = intake::write_status(&inbox, &text, &json) {
                     tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
@@ -108,17 +119,73 @@ impl Farm {
         }
     }
 
-    /// The ledger is damaged: nothing is taken and nothing published any more, for nobody would know of it.
-    pub(super) fn halt(&mut self, why: &str) {
+    /// The ledger's file is not there any more: what the daemon knows is saved beside it, and nothing is done any more.
+    pub(super) async fn leave_ledger(&mut self, why: &LedgerError) {
+        let mut file = self.settings.ledger.clone().into_os_string();
+        file.push(Timestamp::now().strftime(".saved-%Y%m%dT%H%M%SZ").to_string());
+        let (file, ledger) = (std::path::PathBuf::from(file), self.ledger.clone());
+        let saving = ledger.backup(&file);
+        tokio::pin!(saving);
+        let saved = loop {
+            tokio::select! {
+                saved = &mut saving => break saved,
+                () = tokio::time::sleep(BEAT) => sd::alive(),
+            }
+        };
+        let what = match why {
+            LedgerError::Replaced { what, .. } => what.clone(),
+            other => other.to_string(),
+        };
+        let detail = match saved {
+            Ok(_) => format!("{what}; all that nestd knew is saved as {}", file.display()),
+            Err(error) => format!("{what}; it could not be saved ({error}), so put the newest backup back"),
+        };
+        self.halt(Attention::LedgerReplaced, &detail);
+        // Closing it, SQLite would remove the log of the ledger that stands there now.
+        std::mem::forget(self.ledger.clone());
+    }
+
+    /// The ledger cannot be relied on: nothing is taken and nothing published any more, for nobody would know of it.
+    pub(super) fn halt(&mut self, kind: Attention, why: &str) {
         if !self.is_halted {
             self.is_halted = true;
             self.outside.set_open(false);
             self.finals.values().for_each(|(budget, _)| budget.cancel());
             self.stations.values_mut().for_each(|station| station.open.clear());
-            self.notices.raise(Attention::LedgerDamaged, "", "", why);
-            self.status_line = "halted: the ledger is damaged".to_owned();
+            self.notices.raise(kind, "", "", why);
+            let what = if kind == Attention::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
+            self.status_line = format!("{HALTED}: the ledger {what}");
             sd::status(&self.status_line);
         }
+    }
+
+    /// Says in each hot folder that nobody looks there any more: what stood there before promised builds.
+    pub(super) async fn say_farewell(&mut self) {
+        let rows = match self.is_halted {
+            true => Vec::new(),
+            false => self.ledger.status().await.unwrap_or_default(),
+        };
+        for (name, station) in &self.stations {
+            // A job that did not end hangs in that folder, and so would this one.
+            if self.jobs.runs(&JobKey::Receive(name.clone())) {
+                continue;
+            }
+            let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
+            let (text, json) = last_words(station, &row);
+            let (profile, inbox) = (name.clone(), station.profile.folders.inbox.clone());
+            let mut hold = station.holds.inbox.clone();
+            self.jobs.start(JobKey::Tell(name.clone()), move || {
+                // An empty mount point is told nothing.
+                if hold.seen().is_some()
+                    && hold.check().is_ok()
+                    && let Err(error) = intake::write_status(&inbox, &text, &json)
+                {
+                    tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
+                }
+                Event::Told { profile }
+            });
+        }
+        self.wait_for_jobs(Instant::now() + FAREWELL_WITHIN).await;
     }
 
     /// Writes a sign of life into the ledger.
@@ -148,12 +215,12 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
     }
     lines.push(match row.waiting_parts {
         0 => "Nothing waits.".to_owned(),
-        parts => format!("{} copies of {parts} parts wait.", row.waiting_copies),
+        _ => waiting_text(row) + ".",
     });
     if row.claimed_parts > 0 {
-        lines.push(format!("{} files are being read.", row.claimed_parts));
+        lines.push(counted(row.claimed_parts, "file is being read.", "files are being read."));
     }
-    if row.waiting_parts > 0 && station.open.layout.height_mm > 0.0 {
+    if is_forecast(station, row) {
         let (height_mm, volume_z_mm) = (station.open.layout.height_mm, profile.build_volume().size_mm.z);
         lines.push(format!(
             "Open build: {height_mm:.1} mm high, {:.0} % of the volume's height.",
@@ -164,7 +231,7 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
         lines.push(format!("It fires when it is full, at the latest {}: {}.", local(at.at), at.why(row)));
     }
     for build in &row.nesting {
-        lines.push(format!("Build {} is being made: {} copies.", build.build, build.copies));
+        lines.push(format!("Build {} is being made: {}.", build.build, counted(build.copies, "copy", "copies")));
     }
     if let Some(last) = &row.last_published {
         let height_mm = last.height_mm.unwrap_or_default();
@@ -173,8 +240,38 @@ fn status_text(station: &Station, row: &ProfileStatus) -> String {
     lines.join("\n") + "\n"
 }
 
+/// What waits, in words.
+fn waiting_text(row: &ProfileStatus) -> String {
+    let parts = counted(row.waiting_parts, "part", "parts");
+    format!(
+        "{} of {parts} {}",
+        counted(row.waiting_copies, "copy", "copies"),
+        if row.waiting_copies == 1 { "waits" } else { "wait" }
+    )
+}
+
+/// Whether the open layout is of what waits now.
+fn is_forecast(station: &Station, row: &ProfileStatus) -> bool {
+    let layout = &station.open.layout;
+    row.waiting_parts > 0 && layout.height_mm > 0.0 && layout.placed.len() <= row.waiting_copies as usize
+}
+
+/// One line on what machines do.
+pub fn summary<'r>(machines: usize, rows: impl Iterator<Item = &'r ProfileStatus>) -> String {
+    let (mut waiting, mut nesting) = (0, 0);
+    for row in rows {
+        waiting += row.waiting_copies;
+        nesting += row.nesting.len();
+    }
+    let machines = counted(machines, "machine", "machines");
+    let waiting = counted(waiting, "copy waits", "copies wait");
+    format!("{machines}, {waiting}, {} in work", counted(nesting, "build", "builds"))
+}
+
 fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
     let fires = fires_at(&station.profile, row);
+    let nothing = Layout::default();
+    let open = if is_forecast(station, row) { &station.open.layout } else { &nothing };
     json!({
         "profile": row.profile,
         "paused": row.paused.is_some(),
@@ -183,10 +280,10 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
         "waiting_copies": row.waiting_copies,
         "refused_files": station.refused_kept,
         "open_build": {
-            "height_mm": station.open.layout.height_mm,
-            "density": station.open.layout.density,
-            "copies": station.open.layout.placed.len(),
-            "height_share": station.open.layout.height_mm / station.profile.build_volume().size_mm.z,
+            "height_mm": open.height_mm,
+            "density": open.density,
+            "copies": open.placed.len(),
+            "height_share": open.height_mm / station.profile.build_volume().size_mm.z,
         },
         "fires_at_latest": fires.map(|fires| fires.at.to_string()),
         "fires_by": fires.map(|fires| fires.by),
@@ -195,6 +292,50 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
             "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,
         })),
     })
+}
+
+/// `STATUS.txt` and `status.json` of a farm that has stopped: what is known, and that nothing happens.
+fn last_words(station: &Station, row: &ProfileStatus) -> (String, String) {
+    let (name, now) = (&station.profile.name, Timestamp::now());
+    let mut text = format!(
+        "{name}: nestd was stopped on {}: nobody looks here now, and nothing is built. What is dropped here is taken when it runs \
+         again.\n",
+        zoned(now)
+    );
+    if row.waiting_parts > 0 {
+        text += &format!("{} until then.\n", waiting_text(row));
+    }
+    let json = json!({
+        "profile": name,
+        "running": false,
+        "written_at": minute(now).to_string(),
+        "waiting_parts": row.waiting_parts,
+        "waiting_copies": row.waiting_copies,
+        "fires_at_latest": null,
+    });
+    (text, format!("{json:#}\n"))
+}
+
+/// The line of `STATUS.txt` by which everybody sees whether it is of now, and the same for `status.json`.
+pub(super) fn stamp(scan_secs: f64) -> (String, Timestamp, u64) {
+    // A look through very many files takes its time too.
+    let minutes = (scan_secs / 60.0).ceil() as u64 + 1;
+    let now = minute(Timestamp::now());
+    let line = format!(
+        "Written {}, and anew at least every {} while nestd runs: where this is older, nobody looks here.\n",
+        zoned(now),
+        counted(minutes, "minute", "minutes")
+    );
+    (line, now, 60 * minutes)
+}
+
+/// To the minute: what says nothing new is not written within one.
+fn minute(time: Timestamp) -> Timestamp {
+    Timestamp::from_second(time.as_second().div_euclid(60) * 60).unwrap_or(time)
+}
+
+fn zoned(time: Timestamp) -> String {
+    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M %Z").to_string()
 }
 
 /// When a machine's next build fires at the latest.

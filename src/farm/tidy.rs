@@ -11,10 +11,10 @@ use anyhow::{Context, Result};
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{attention::Attention, event::Event, farm::Farm, jobs::JobKey, prove::file_name};
+use super::{attention::Attention, event::Event, farm::Farm, jobs::JobKey, owner::Hold, prove::file_name, taken};
 use crate::{
     intake,
-    ledger::{BuildState, PartRow, PartState, REFUSED_COUNTS},
+    ledger::{BuildId, BuildState, Ledger, PartRow, PartState, REFUSED_COUNTS},
     queue::Queue,
 };
 
@@ -25,7 +25,7 @@ pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Refused files stay in the store so long, so that `nestd retry` finds them.
 pub const KEEP_REFUSED_SECS: f64 = REFUSED_COUNTS.as_secs() as f64;
 /// Ends the name of the file beside a refused one.
-const REASON: &str = ".reason.txt";
+pub(super) const REASON: &str = ".reason.txt";
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
@@ -36,12 +36,21 @@ impl Farm {
         if !self.clock.may_delete() {
             return Ok(());
         }
-        let archives: Vec<(PathBuf, u32)> = (self.stations.values())
-            .map(|s| (s.profile.folders.archive.clone(), s.profile.archive_days))
-            .filter(|(_, days)| *days > 0)
+        let archives: Vec<(Hold, PathBuf, u32)> = (self.stations.values())
+            .map(|s| (s.holds.archive.clone(), s.profile.folders.archive.clone(), s.profile.archive_days))
+            .filter(|(.., days)| *days > 0)
             .collect();
+        let (settings, ledger, store) = (self.settings.clone(), self.ledger.clone(), self.meshes.store.clone());
+        let runtime = tokio::runtime::Handle::current();
         self.jobs.start(JobKey::Purge, move || {
-            archives.iter().for_each(|(archive, days)| purge(archive, *days));
+            if let Err(failure) = runtime.block_on(taken::drop_taken_over(&settings, &ledger, &store)) {
+                warn!("What is stored of claims that another nestd has taken over is dropped later: {failure:#}.");
+            }
+            for (mut hold, archive, days) in archives {
+                if hold.check().is_ok() {
+                    purge(&archive, days);
+                }
+            }
             Event::Purged
         });
         self.sweep_store().await
@@ -107,7 +116,14 @@ impl Farm {
             }
             match Queue::open(&station.profile.folders.queue) {
                 Ok(queue) => {
-                    let swept = match queue.sweep(&staged) {
+                    // What this farm has not fired is staged by another one, and left alone.
+                    let mut keep = staged.clone();
+                    for file in queue.staged_builds().unwrap_or_default() {
+                        if !is_own(&self.ledger, name, &file).await? {
+                            keep.push(file);
+                        }
+                    }
+                    let swept = match queue.sweep(&keep) {
                         Ok(swept) => swept,
                         Err(error) => {
                             closed.push((name.clone(), super::receive::chain(&error)));
@@ -130,6 +146,12 @@ impl Farm {
         }
         Ok(())
     }
+}
+
+/// Whether a build file is one of this farm's builds.
+async fn is_own(ledger: &Ledger, profile: &str, file: &str) -> Result<bool> {
+    let Some((_, number)) = super::record::fired_and_number(file) else { return Ok(false) };
+    Ok(ledger.build(BuildId(number)).await?.is_some_and(|build| file_name(profile, &build) == file))
 }
 
 fn ago(now: Timestamp, secs: f64) -> Timestamp {

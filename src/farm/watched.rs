@@ -13,9 +13,11 @@ use crate::ledger::StationSeen;
 const LASTS: SignedDuration = SignedDuration::from_secs(10);
 
 /// What keeps a machine from taking parts or from giving builds.
-const KINDS: [Attention; 5] = [
+const KINDS: [Attention; 7] = [
     Attention::HotFolderAway,
     Attention::QueueAway,
+    Attention::ArchiveAway,
+    Attention::ErrorFolderAway,
     Attention::QueueReplaced,
     Attention::FoldersMissing,
     Attention::BuildFailed,
@@ -31,7 +33,7 @@ impl Farm {
     pub(super) fn stations_seen(&self) -> Vec<StationSeen> {
         let now = Timestamp::now();
         let stations = self.stations.iter().map(|(name, station)| {
-            let notices: Vec<&Notice> =
+            let notices: Vec<Notice> =
                 self.notices.all().filter(|notice| notice.profile == *name && KINDS.contains(&notice.kind)).collect();
             let is = |kind: Attention| notices.iter().any(|notice| notice.kind == kind);
             let lasts = notices.iter().find(|notice| now.duration_since(notice.since) >= LASTS);

@@ -141,7 +141,11 @@ impl Reader<'_> {
         part_number: Option<String>,
     ) -> Result<(), ReadError> {
         if self.placed.len() as u64 >= self.limit {
-            return Err(ReadError::TooLarge { what: "the number of placements".to_owned(), limit: self.limit });
+            return Err(ReadError::TooLarge {
+                what: "it has too many placements".to_owned(),
+                limit: self.limit,
+                key: "max_instances",
+            });
         }
         let pose = rigid(transform, self.scale).ok_or_else(|| {
             ReadError::threemf(format!("the transform of {what} is not a rotation and a translation"))

@@ -128,6 +128,31 @@ fn what_is_written_is_read_back_exactly() {
 }
 
 #[test]
+fn no_coordinate_of_a_build_is_below_zero() {
+    for arrangement in [Arrangement::Items, Arrangement::Locked] {
+        let mut build = sample(Instances::Shared, arrangement);
+        let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.2, 0.1);
+        for (item, rotation) in build.items.iter_mut().zip([DQuat::IDENTITY, DQuat::from_rotation_z(1.5), turned]) {
+            let at = build.objects[item.object].mesh.bounds_at(&Pose::new(rotation, DVec3::ZERO)).min;
+            item.pose = Pose::new(rotation, -at - DVec3::splat(4e-7));
+        }
+        let mut bytes = Cursor::new(Vec::new());
+        write_build(&build, &mut bytes).unwrap();
+        let placed = with_file(bytes.get_ref(), |file| read_build(file, &Limits::default())).unwrap();
+        for one in &placed {
+            let lowest = one.mesh.bounds_at(&one.pose).min;
+            assert!(lowest.min_element() >= 0.0 && lowest.max_element() < 2e-9, "{lowest}");
+        }
+        build.items[0].pose.translation.x -= 1.0;
+        let mut bytes = Cursor::new(Vec::new());
+        write_build(&build, &mut bytes).unwrap();
+        let placed = with_file(bytes.get_ref(), |file| read_build(file, &Limits::default())).unwrap();
+        let lowest = placed[0].mesh.bounds_at(&placed[0].pose).min.x;
+        assert!(lowest < -0.99, "what really stands outside is not hidden: {lowest}");
+    }
+}
+
+#[test]
 fn the_same_build_gives_the_same_bytes() {
     let build = sample(Instances::Shared, Arrangement::Items);
     let first = bytes(&build);

@@ -12,9 +12,14 @@ pub enum ReadError {
     /// The disk failed, not the file: worth another try.
     #[error("cannot read the file")]
     Io(#[from] io::Error),
-    /// Neither STL nor 3MF; says what it looks like.
-    #[error("is no STL or 3MF file: {0}")]
-    Unknown(String),
+    /// Neither STL nor 3MF.
+    #[error("is no STL or 3MF file: {what}")]
+    Unknown {
+        /// What it looks like.
+        what: String,
+        /// What gives a file that can be read; a sentence.
+        remedy: &'static str,
+    },
     /// The file ends before its content does.
     #[error("the file is truncated: {0}")]
     Truncated(String),
@@ -27,15 +32,22 @@ pub enum ReadError {
         reason: String,
     },
     /// Valid, but it asks for something that is not supported.
-    #[error("{0}")]
-    Unsupported(String),
+    #[error("{what}")]
+    Unsupported {
+        /// What it asks for.
+        what: String,
+        /// What gives a file that can be read; a sentence.
+        remedy: &'static str,
+    },
     /// A limit is passed.
-    #[error("too large: {what} is more than {limit}")]
+    #[error("{what}; at most {limit} are taken (limits.{key})")]
     TooLarge {
         /// What was counted.
         what: String,
         /// The limit of [`super::Limits`] that it passes.
         limit: u64,
+        /// Its name in the configuration.
+        key: &'static str,
     },
     /// A surface that is no solid.
     #[error("{name} is no solid")]
@@ -52,6 +64,32 @@ impl ReadError {
     /// Whether the disk failed rather than the file: a second try may help.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Io(_))
+    }
+
+    /// What to do about it; a sentence, "" where it is not for the one who dropped the file.
+    pub fn remedy(&self) -> String {
+        let text = match self {
+            Self::Io(_) => "",
+            Self::Unknown { remedy, .. } | Self::Unsupported { remedy, .. } => remedy,
+            Self::Truncated(_) => {
+                "Copy the whole file once more; where the original is cut off too, export it from the CAD program again."
+            }
+            Self::Invalid { .. } => "Export it again from the CAD program, as binary STL or 3MF.",
+            Self::TooLarge { key, .. } => {
+                return format!(
+                    "Make it smaller, or drop it in several files; or raise limits.{key} in the configuration, reload nestd \
+                     and drop the file again."
+                );
+            }
+            Self::NoSolid { source: MeshError::Empty, .. } => {
+                "There is nothing to print in it: export the part itself, as a solid or closed mesh."
+            }
+            Self::NoSolid { source: MeshError::NoVolume, .. } => {
+                "A surface without thickness cannot be printed: give it a thickness in the CAD program and export it again."
+            }
+            Self::NoSolid { .. } => "Export it again from the CAD program, as binary STL or 3MF.",
+        };
+        text.to_owned()
     }
 
     pub(super) fn stl(reason: impl Into<String>) -> Self {

@@ -35,6 +35,14 @@ pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
     }
 }
 
+/// Whether a file may hold a part: STL or 3MF by its bytes, or by its name while it has none to tell by.
+pub fn may_be_part(opened: &mut File, name: &str) -> io::Result<bool> {
+    let len = opened.metadata()?.len();
+    let mut head = Vec::new();
+    opened.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
+    Ok(is_barely_begun(&head, name) || !matches!(kind(&head, len, name), Kind::Other(_)))
+}
+
 /// Too little, or allocated but not yet written: an STL or 3MF may still come of it.
 fn is_barely_begun(head: &[u8], name: &str) -> bool {
     let extension = name.rsplit_once('.').map_or(String::new(), |(_, e)| e.to_ascii_lowercase());

@@ -48,13 +48,13 @@ impl<'a> Flattener<'a> {
             return Err(ReadError::threemf(format!("object {} is a component of itself", key.id())));
         }
         if above.len() as u64 > u64::from(self.limits.max_depth) {
-            let what = "the depth of components".to_owned();
-            return Err(ReadError::TooLarge { what, limit: self.limits.max_depth.into() });
+            let what = "its components are nested too deeply".to_owned();
+            return Err(ReadError::TooLarge { what, limit: self.limits.max_depth.into(), key: "max_depth" });
         }
         self.instances += 1;
         if self.instances > self.limits.max_instances {
-            let what = "the number of component instances".to_owned();
-            return Err(ReadError::TooLarge { what, limit: self.limits.max_instances });
+            let what = "it has too many component instances".to_owned();
+            return Err(ReadError::TooLarge { what, limit: self.limits.max_instances, key: "max_instances" });
         }
         let object = self.document.object(key);
         check_object(key, object, transform)?;
@@ -84,8 +84,8 @@ impl<'a> Flattener<'a> {
         self.vertices += vertices.len() as u64;
         // Vertices count too: they are copied even where no triangle names them.
         if self.triangles.max(self.vertices / 3) > self.limits.max_triangles {
-            let what = "the number of triangles of all instances".to_owned();
-            return Err(ReadError::TooLarge { what, limit: self.limits.max_triangles });
+            let what = "all its instances together have too many triangles".to_owned();
+            return Err(ReadError::TooLarge { what, limit: self.limits.max_triangles, key: "max_triangles" });
         }
         let first = flat.vertices.len() as u32;
         if transform == DAffine3::IDENTITY {
@@ -105,8 +105,10 @@ impl<'a> Flattener<'a> {
 /// Refuses what the triangles do not tell, and transforms that flatten.
 fn check_object(key: ObjectKey, object: &Object, transform: DAffine3) -> Result<(), ReadError> {
     if object.lattice {
-        let reason = format!("object {} is a beam lattice: its shape is in beams, not in triangles", key.id());
-        return Err(ReadError::Unsupported(reason));
+        return Err(ReadError::Unsupported {
+            what: format!("object {} is a beam lattice: its shape is in beams, not in triangles", key.id()),
+            remedy: "Turn the beams into a mesh in the CAD program, and export that.",
+        });
     }
     if !transform.is_finite() || transform.matrix3.determinant().abs() < 1e-12 {
         let reason = format!("object {} has a transform that is singular, so no volume", key.id());

@@ -45,7 +45,11 @@ impl<R> Guard<R> {
 
     fn check(&mut self) -> io::Result<()> {
         let reason = if self.unpacked > self.budget {
-            ReadError::TooLarge { what: "the unpacked package".to_owned(), limit: self.limit }
+            ReadError::TooLarge {
+                what: "the unpacked package has too many bytes".to_owned(),
+                limit: self.limit,
+                key: "max_unpacked_bytes",
+            }
         } else if self.token > MAX_TOKEN_BYTES {
             ReadError::threemf(format!("an XML token is longer than {MAX_TOKEN_BYTES} bytes"))
         } else if self.unpacked > RATIO_FREE_BYTES && self.unpacked / MAX_RATIO > self.packed {

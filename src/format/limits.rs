@@ -22,6 +22,8 @@ pub struct Limits {
     pub max_shells: u64,
     /// Copies that one dropped file may ask for, all its parts together.
     pub max_copies: u64,
+    /// Memory of a process that reads a file alone because reading it has ended the daemon before, bytes.
+    pub read_memory_bytes: u64,
 }
 
 impl Default for Limits {
@@ -35,6 +37,7 @@ impl Default for Limits {
             max_depth: 16,
             max_shells: 10_000,
             max_copies: 20_000,
+            read_memory_bytes: 4 << 30,
         }
     }
 }
@@ -51,6 +54,7 @@ impl Limits {
             max_depth: 4,
             max_shells: 100,
             max_copies: 500,
+            read_memory_bytes: 512 << 20,
         }
     }
 }

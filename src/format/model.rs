@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use glam::{DAffine3, DVec3};
 
-use super::{Limits, ReadError, Unit, model_parse, package::Package, xml::Space};
+use super::{Limits, ReadError, Unit, counted, model_parse, package::Package, xml::Space};
 
 /// Metadata without a namespace or under our own.
 #[derive(Debug, Clone, Default)]
@@ -97,6 +97,8 @@ pub(super) struct Document {
 pub(super) struct Budget {
     limits: Limits,
     left: [u64; 6],
+    /// Metadata that breaks a rule and is passed over.
+    pub(super) odd_metadata: u32,
 }
 
 /// Things that are counted.
@@ -115,7 +117,7 @@ impl Budget {
     const METADATA_BYTES_PER_INSTANCE: u64 = 1024;
 
     pub(super) fn new(limits: &Limits) -> Self {
-        let mut budget = Self { limits: limits.clone(), left: [0; 6] };
+        let mut budget = Self { limits: limits.clone(), left: [0; 6], odd_metadata: 0 };
         use Counted::*;
         for counted in [Triangles, Vertices, Objects, Components, Items, MetadataBytes] {
             budget.left[counted as usize] = budget.limit(counted);
@@ -142,15 +144,15 @@ impl Budget {
     }
 
     fn passed(&self, counted: Counted) -> ReadError {
-        let what = match counted {
-            Counted::Triangles => "the number of triangles",
-            Counted::Vertices => "the number of vertices",
-            Counted::Objects => "the number of objects",
-            Counted::Components => "the number of components",
-            Counted::Items => "the number of build items",
-            Counted::MetadataBytes => "the metadata in bytes",
+        let (what, key) = match counted {
+            Counted::Triangles => ("it has too many triangles", "max_triangles"),
+            Counted::Vertices => ("it has too many vertices", "max_triangles"),
+            Counted::Objects => ("it has too many objects", "max_instances"),
+            Counted::Components => ("it has too many components", "max_instances"),
+            Counted::Items => ("it has too many build items", "max_instances"),
+            Counted::MetadataBytes => ("its metadata has too many bytes", "max_instances"),
         };
-        ReadError::TooLarge { what: what.to_owned(), limit: self.limit(counted) }
+        ReadError::TooLarge { what: what.to_owned(), limit: self.limit(counted), key }
     }
 }
 
@@ -174,6 +176,11 @@ impl Document {
             wanted.extend(named_paths(&part));
             document.paths.insert(key, document.parts.len());
             document.parts.push(part);
+        }
+        if budget.odd_metadata > 0 {
+            let odd = counted(budget.odd_metadata, "metadata entry breaks", "metadata entries break");
+            let why = "the rules of 3MF (a name that is double, missing or not declared): ignored";
+            document.warnings.push(format!("{odd} {why}"));
         }
         let unit = document.start().unit;
         if document.parts.iter().any(|part| part.unit != unit && !part.objects.is_empty()) {

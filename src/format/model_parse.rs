@@ -75,20 +75,31 @@ fn required_extensions<R: BufRead>(xml: &Input<R>) -> Result<(), ReadError> {
         };
         if !KNOWN_EXTENSIONS.contains(&namespace.as_str()) {
             let what = if namespace.contains("securecontent") { "encrypted content" } else { "an extension" };
-            return Err(ReadError::Unsupported(format!("the file requires {what} that is not supported: {namespace}")));
+            return Err(ReadError::Unsupported {
+                what: format!("the file requires {what} that is not supported: {namespace}"),
+                remedy: "Export the part as plain 3MF (core specification) or as STL.",
+            });
         }
     }
     Ok(())
 }
 
-/// A `<metadata>`; keeps names without a namespace and our own.
+/// A `<metadata>`; keeps names without a namespace and our own. Words for people do not change the shape: of two that have one
+/// name the first counts, and one without a name or of a prefix that nobody declared is passed over. Our own decide what is
+/// proved of a build, so that they stand there once.
 fn metadata<R: BufRead>(xml: &mut Input<R>, budget: &mut Budget, into: &mut Metadata) -> Result<(), ReadError> {
-    let name = xml.plain("name").ok_or_else(|| xml.invalid("metadata without a name"))?.to_owned();
+    let Some(name) = xml.plain("name").map(str::to_owned) else {
+        budget.odd_metadata += 1;
+        return xml.skip();
+    };
     let (space, local) = match name.split_once(':') {
         None => (Space::None, name.as_str()),
         Some((prefix, local)) => match xml.namespace(prefix) {
             Some(namespace) => (Space::of(&namespace), local),
-            None => return Err(xml.invalid(&format!("the namespace of the metadata {name:?} is not declared"))),
+            None => {
+                budget.odd_metadata += 1;
+                return xml.skip();
+            }
         },
     };
     let value = xml.text_inside()?;
@@ -98,7 +109,11 @@ fn metadata<R: BufRead>(xml: &mut Input<R>, budget: &mut Budget, into: &mut Meta
     budget.take(Counted::MetadataBytes, (local.len() + value.len() + 64) as u64)?;
     // A well-formed group has each name once; a quick look back bounds the time that a hostile one costs.
     if into.0.len() < 100 && into.0.iter().any(|(s, n, _)| *s == space && n == local) {
-        return Err(xml.invalid(&format!("it has the metadata {name:?} twice")));
+        if space == Space::Nestd {
+            return Err(xml.invalid(&format!("it has the metadata {name:?} twice")));
+        }
+        budget.odd_metadata += 1;
+        return Ok(());
     }
     into.0.push((space, local.to_owned(), value));
     Ok(())

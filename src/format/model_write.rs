@@ -10,8 +10,12 @@ use super::{
     uuid::uuid,
     xml::{CORE, NESTD, PRODUCTION},
 };
-use crate::geometry::{Mesh, Pose};
+use crate::geometry::Mesh;
 
+/// What stands out of the volume by more than rounding is no rounding: it is written as it is, for the proof to refuse.
+const MOVED_IN_MM: f64 = 1e-6;
+/// So far from zero the rounding of whoever multiplies does not reach.
+const CLEAR_OF_ZERO_MM: f64 = 1e-9;
 /// Longest name that is written; more is cut off.
 const MAX_NAME: usize = 200;
 
@@ -176,7 +180,7 @@ fn locked_object(build: &BuildFile, ids: &Ids, out: &mut impl Write) -> io::Resu
     writeln!(out, "<components>")?;
     for (number, item) in build.items.iter().enumerate() {
         let uuid = uuid(&[&build.build_id, "component", &number.to_string()]);
-        let transform = transform(&item.pose);
+        let transform = transform(item, build);
         writeln!(out, r#"<component objectid="{}" transform="{transform}" p:UUID="{uuid}"/>"#, first + number)?;
     }
     writeln!(out, "</components>\n</object>")?;
@@ -186,14 +190,24 @@ fn locked_object(build: &BuildFile, ids: &Ids, out: &mut impl Write) -> io::Resu
 fn build_item(build: &BuildFile, number: usize, item: &BuildItem, id: usize, out: &mut impl Write) -> io::Result<()> {
     let described = &build.objects[item.object];
     let uuid = uuid(&[&build.build_id, "item", &described.content_hash, &number.to_string()]);
-    let (transform, part) = (transform(&item.pose), safe(&described.part_number));
+    let (transform, part) = (transform(item, build), safe(&described.part_number));
     writeln!(out, r#"<item objectid="{id}" transform="{transform}" partnumber="{part}" p:UUID="{uuid}">"#)?;
     item_metadata(item, out)?;
     writeln!(out, "</item>")
 }
 
-/// Twelve numbers that multiply row vectors: the images of x, y and z, then the translation, mm.
-fn transform(pose: &Pose) -> String {
+/// Twelve numbers that multiply row vectors: the images of x, y and z, then the translation, mm. 3MF wants no coordinate below
+/// zero, but a part as large as its volume may stand less than a millionth of a millimetre outside: it is moved in.
+fn transform(item: &BuildItem, build: &BuildFile) -> String {
+    let mut pose = item.pose;
+    let mesh = &build.objects[item.object].mesh;
+    let local = mesh.bounds();
+    let reach = local.min.abs().max(local.max.abs()).length();
+    if pose.translation.min_element() <= reach + CLEAR_OF_ZERO_MM {
+        let lowest = mesh.bounds_at(&pose).min;
+        let out = (DVec3::splat(CLEAR_OF_ZERO_MM) - lowest).clamp(DVec3::ZERO, DVec3::splat(MOVED_IN_MM));
+        pose.translation += out;
+    }
     let matrix = pose.matrix();
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis, pose.translation];
     let numbers: Vec<String> = columns.iter().flat_map(|v| v.to_array()).map(|n| (n + 0.0).to_string()).collect();

@@ -42,12 +42,20 @@ impl Package {
         let mut opened = File::open(file)?;
         let len = opened.metadata()?.len();
         if len > limits.max_bytes {
-            return Err(ReadError::TooLarge { what: format!("{len} bytes"), limit: limits.max_bytes });
+            return Err(ReadError::TooLarge {
+                what: format!("it is {len} bytes long"),
+                limit: limits.max_bytes,
+                key: "max_bytes",
+            });
         }
         let claimed = claimed_entries(&mut opened, len)?
             .ok_or_else(|| ReadError::Truncated("the end of the ZIP package is missing".to_owned()))?;
         if claimed > limits.max_entries {
-            return Err(ReadError::TooLarge { what: format!("{claimed} package entries"), limit: limits.max_entries });
+            return Err(ReadError::TooLarge {
+                what: format!("the package has {claimed} entries"),
+                limit: limits.max_entries,
+                key: "max_entries",
+            });
         }
         let archive = ZipArchive::new(BufReader::new(opened)).map_err(zip_error)?;
         if archive.len() as u64 != claimed {
@@ -73,7 +81,7 @@ impl Package {
         let index = *self.entries.get(&name).ok_or_else(|| ReadError::threemf(format!("there is no {path:?}")))?;
         let entry = self.archive.by_index(index).map_err(zip_error)?;
         if entry.encrypted() {
-            return Err(ReadError::Unsupported("the package is encrypted".to_owned()));
+            return Err(encrypted());
         }
         let packed = entry.compressed_size();
         let guard =
@@ -87,6 +95,12 @@ impl Package {
     /// The path of the model that the package starts from, and how many it names (it should be one).
     pub(super) fn start_part(&mut self) -> Result<(String, usize), ReadError> {
         if !self.entries.contains_key("_rels/.rels") {
+            if self.entries.keys().any(|name| name.ends_with(".stl") || name.ends_with(".3mf")) {
+                return Err(ReadError::Unknown {
+                    what: "it is a ZIP archive with part files in it".to_owned(),
+                    remedy: "Unpack it, and drop the files that are in it.",
+                });
+            }
             return Err(ReadError::threemf("the package has no relationships, so no 3D model"));
         }
         let mut targets = self.parse("_rels/.rels", relationship_targets)?;
@@ -143,16 +157,22 @@ pub(super) fn end_record(tail: &[u8]) -> Option<usize> {
     })
 }
 
+fn encrypted() -> ReadError {
+    ReadError::Unsupported {
+        what: "the package is encrypted".to_owned(),
+        remedy: "Save it without a password, and drop that.",
+    }
+}
+
 /// A ZIP error in our words: a fault of the disk stays one.
 fn zip_error(error: ZipError) -> ReadError {
     match error {
         ZipError::Io(error) if error.raw_os_error().is_some() => ReadError::Io(error),
-        ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => {
-            ReadError::Unsupported("the package is encrypted".to_owned())
-        }
-        ZipError::UnsupportedArchive(what) => {
-            ReadError::Unsupported(format!("the package is packed in a way that 3MF does not allow: {what}"))
-        }
+        ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => encrypted(),
+        ZipError::UnsupportedArchive(what) => ReadError::Unsupported {
+            what: format!("the package is packed in a way that 3MF does not allow: {what}"),
+            remedy: "Open it in the program that wrote it, and save it as a plain 3MF.",
+        },
         other => ReadError::threemf(format!("the ZIP package is damaged: {other}")),
     }
 }

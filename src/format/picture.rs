@@ -14,6 +14,8 @@ use crate::geometry::{Mesh, Pose};
 const SAMPLES: usize = 8 << 20;
 /// Samples per pixel along each axis: at least, at most.
 const FINE: (usize, usize) = (2, 4);
+/// Looks at each sample at most, on average, while bodies are drawn: those after are drawn as boxes.
+const MOST_LOOKS: usize = 100;
 /// Direction to the light, from the upper left behind the eye.
 const LIGHT: DVec3 = DVec3::new(-0.35, -0.75, 1.0);
 /// Share of the picture that stays free on each side.
@@ -74,8 +76,9 @@ pub fn picture(bodies: &[Drawn], volume_mm: DVec3, viewpoint: Viewpoint, size: (
     let free = canvas.height - caption.as_ref().map_or(0, |caption| caption.strip);
     let view = View::fit(forward, up, &corners, canvas.width, free, MARGIN);
     draw_floor(&mut canvas, &view, volume_mm);
+    let mut left = MOST_LOOKS * canvas.width * canvas.height;
     for (index, body) in bodies.iter().enumerate() {
-        draw_body(&mut canvas, &view, forward, body, index);
+        draw_body(&mut canvas, &view, forward, body, index, &mut left);
     }
     draw_wires(&mut canvas, &view, volume_mm, fine);
     if top_mm > 0.0 && has_line {
@@ -153,21 +156,40 @@ fn draw_floor(canvas: &mut Canvas, view: &View, volume_mm: DVec3) {
     canvas.triangle([a, c, d], TAG_FLOOR);
 }
 
-fn draw_body(canvas: &mut Canvas, view: &View, forward: DVec3, body: &Drawn, index: usize) {
-    let light = LIGHT.normalize();
+/// Draws a body, or its box once `left` samples are used up: very many large triangles would take minutes.
+fn draw_body(canvas: &mut Canvas, view: &View, forward: DVec3, body: &Drawn, index: usize, left: &mut usize) {
     let placed: Vec<DVec3> = body.mesh.vertices().iter().map(|&v| body.pose.point(v)).collect();
     let projected: Vec<Vec3> = placed.iter().map(|&p| view.project(p)).collect();
     for corners in body.mesh.triangles() {
-        let [a, b, c] = corners.map(|v| placed[v as usize]);
-        let normal = (b - a).cross(c - a);
-        // What faces away is hidden by what faces the eye.
-        if normal.dot(forward) < 0.0 {
-            let lit = normal.normalize_or_zero().dot(light);
-            // Half-Lambert: also what the light misses keeps its shape.
-            let brightness = 0.42 + 0.58 * (0.5 + 0.5 * lit).powi(2);
-            canvas.triangle(corners.map(|v| projected[v as usize]), body_tag(index, brightness));
+        if *left == 0 {
+            return draw_box(canvas, view, forward, body, index);
+        }
+        if let Some(brightness) = brightness(corners.map(|v| placed[v as usize]), forward) {
+            let looks = canvas.triangle(corners.map(|v| projected[v as usize]), body_tag(index, brightness));
+            *left = left.saturating_sub(looks);
         }
     }
+}
+
+fn draw_box(canvas: &mut Canvas, view: &View, forward: DVec3, body: &Drawn, index: usize) {
+    const FACES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let bounds = body.mesh.bounds();
+    for face in FACES {
+        let [a, b, c, d] = face.map(|at| body.pose.point(bounds.min + corner(at, bounds.size())));
+        if let Some(brightness) = brightness([a, b, c], forward) {
+            for half in [[a, b, c], [a, c, d]] {
+                canvas.triangle(half.map(|p| view.project(p)), body_tag(index, brightness));
+            }
+        }
+    }
+}
+
+/// How bright a triangle is; `None` when it faces away, for it is hidden by what faces the eye.
+fn brightness([a, b, c]: [DVec3; 3], forward: DVec3) -> Option<f64> {
+    let normal = (b - a).cross(c - a);
+    let lit = normal.normalize_or_zero().dot(LIGHT.normalize());
+    // Half-Lambert: also what the light misses keeps its shape.
+    (normal.dot(forward) < 0.0).then_some(0.42 + 0.58 * (0.5 + 0.5 * lit).powi(2))
 }
 
 /// The volume's twelve edges.

@@ -106,7 +106,7 @@ fn the_frame_is_hidden_where_a_body_is_before_it_only() {
         let (forward, up) = Viewpoint::Iso.directions();
         let corners: Vec<DVec3> = (0..8).map(|c| corner(c, VOLUME)).collect();
         let view = View::fit(forward, up, &corners, 400, 300, MARGIN);
-        bodies.iter().for_each(|body| draw_body(&mut canvas, &view, forward, body, 0));
+        bodies.iter().for_each(|body| draw_body(&mut canvas, &view, forward, body, 0, &mut { usize::MAX }));
         draw_wires(&mut canvas, &view, VOLUME, 1);
         canvas.tags.iter().filter(|&&tag| tag == TAG_WIRE).count()
     };
@@ -143,7 +143,7 @@ fn the_nearer_body_hides_the_farther_one_whatever_their_order() {
         let (forward, up) = Viewpoint::Iso.directions();
         let view = View::fit(forward, up, &[DVec3::ZERO, VOLUME], 100, 100, 0.0);
         for (index, y) in order.into_iter().enumerate() {
-            draw_body(&mut canvas, &view, forward, &at(&mesh, 0, 20.0, y, 0.0), index);
+            draw_body(&mut canvas, &view, forward, &at(&mesh, 0, 20.0, y, 0.0), index, &mut { usize::MAX });
         }
         let count = |body: usize| canvas.tags.iter().filter(|&&tag| body_of(tag) == Some(body)).count();
         (count(0), count(1))

@@ -66,8 +66,8 @@ impl Canvas {
         }
     }
 
-    /// Fills a projected triangle whichever way it runs.
-    pub(super) fn triangle(&mut self, [a, mut b, mut c]: [Vec3; 3], tag: u32) {
+    /// Fills a projected triangle whichever way it runs; how many samples were looked at.
+    pub(super) fn triangle(&mut self, [a, mut b, mut c]: [Vec3; 3], tag: u32) -> usize {
         let mut area = (b - a).truncate().perp_dot((c - a).truncate());
         if area < 0.0 {
             std::mem::swap(&mut b, &mut c);
@@ -80,7 +80,7 @@ impl Canvas {
         let (x0, x1) = (first(low.x), end(high.x, self.width));
         let (y0, y1) = (first(low.y), end(high.y, self.height));
         if area <= 0.0 || area.is_nan() || x0 >= x1 || y0 >= y1 {
-            return;
+            return 0;
         }
         let edge = |from: Vec3, to: Vec3| {
             let run = (to - from).truncate();
@@ -100,6 +100,7 @@ impl Canvas {
                 weights += step;
             }
         }
+        (x1 - x0) * (y1 - y0)
     }
 
     /// How far away every sample is, mm; infinite where nothing is.

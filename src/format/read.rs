@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use super::{
     Limits, ReadError, Unit,
-    sniff::{HEAD_BYTES, Kind, kind},
+    sniff::{Foreign, HEAD_BYTES, Kind, kind},
     solid,
     stl_read::{StlSoup, read_ascii, read_binary},
     threemf_read,
@@ -52,7 +52,11 @@ pub fn read(
     let mut opened = File::open(file)?;
     let len = opened.metadata()?.len();
     if len > limits.max_bytes {
-        return Err(ReadError::TooLarge { what: format!("{len} bytes"), limit: limits.max_bytes });
+        return Err(ReadError::TooLarge {
+            what: format!("it is {len} bytes long"),
+            limit: limits.max_bytes,
+            key: "max_bytes",
+        });
     }
     let mut head = Vec::new();
     (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
@@ -62,13 +66,13 @@ pub fn read(
         Kind::Package => threemf_read::read_dropped(file, &stem, unit, limits),
         Kind::TextStl => stl_contents(read_ascii(File::open(file)?, limits)?, stem, stl_unit),
         Kind::BinaryStl => stl_contents(read_binary(opened, &head, len, limits)?, stem, stl_unit),
-        Kind::Other(what) => Err(ReadError::Unknown(what)),
+        Kind::Other(Foreign { what, remedy }) => Err(ReadError::Unknown { what, remedy }),
     }?;
     for solid in &contents.solids {
         let shells = solid.mesh.shells() as u64;
         if shells > limits.max_shells {
-            let what = format!("{} is made of {shells} pieces that do not hang together, which", solid.name);
-            return Err(ReadError::TooLarge { what, limit: limits.max_shells });
+            let what = format!("{} is made of {shells} pieces that do not hang together", solid.name);
+            return Err(ReadError::TooLarge { what, limit: limits.max_shells, key: "max_shells" });
         }
     }
     Ok(contents)

@@ -1,6 +1,9 @@
 //! Which format a file is in: by its first bytes and its size, then by its name.
 
-use super::stl_read::{binary_len, claimed_count};
+use super::{
+    number::decimal,
+    stl_read::{binary_len, claimed_count},
+};
 
 /// Bytes of the head that the decision needs.
 pub(super) const HEAD_BYTES: u64 = 1024;
@@ -12,15 +15,35 @@ pub(super) enum Kind {
     Package,
     TextStl,
     BinaryStl,
-    /// Nothing that we read; says what it looks like.
-    Other(String),
+    /// Nothing that we read.
+    Other(Foreign),
 }
+
+/// A file that is none of ours.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Foreign {
+    /// What it looks like.
+    pub(super) what: String,
+    /// What gives a file that can be read; a sentence.
+    pub(super) remedy: &'static str,
+}
+
+/// Of a solid or mesh in another format.
+const EXPORT: &str = "Export the part from the CAD program as STL or 3MF, and drop that.";
+/// Of packed files.
+const UNPACK: &str = "Unpack it, and drop the STL or 3MF files that are in it.";
+/// Of text in 16 bits a character.
+const AS_TEXT: &str = "Save it as plain text (ASCII or UTF-8), or export the part as binary STL.";
+/// Of what holds no shape.
+const NO_SHAPE: &str = "It holds no shape to print: drop the part as STL or 3MF.";
+/// Of what nobody knows.
+const UNKNOWN: &str = "Drop STL or 3MF files, named so; export other formats from the CAD program.";
 
 /// Decides from the head (up to [`HEAD_BYTES`]), the size and the dropped name.
 pub(super) fn kind(head: &[u8], len: u64, name: &str) -> Kind {
     let extension = name.rsplit_once('.').map_or(String::new(), |(_, e)| e.to_ascii_lowercase());
     if len == 0 {
-        return Kind::Other("the file is empty".to_owned());
+        return other("the file is empty", "Copy it once more; where the original is empty too, export it again.");
     }
     let exact = claimed_count(head).is_some_and(|count| count > 0 && binary_len(count) == len);
     if exact {
@@ -29,11 +52,14 @@ pub(super) fn kind(head: &[u8], len: u64, name: &str) -> Kind {
     if head.starts_with(b"PK\x03\x04") {
         return match extension.as_str() {
             "3mf" | "stl" | "zip" | "" => Kind::Package,
-            other => Kind::Other(format!("it is a ZIP package named `.{other}`")),
+            "amf" => other("it is a packed AMF file", EXPORT),
+            named => {
+                foreign_name(named).unwrap_or_else(|| other(format!("it is a ZIP package named `.{named}`"), UNPACK))
+            }
         };
     }
-    if let Some(what) = foreign(head) {
-        return Kind::Other(what);
+    if let Some(foreign) = foreign(head) {
+        return foreign;
     }
     if claims_binary_facets(head) {
         return Kind::BinaryStl;
@@ -42,28 +68,68 @@ pub(super) fn kind(head: &[u8], len: u64, name: &str) -> Kind {
         return Kind::TextStl;
     }
     match extension.as_str() {
-        "stl" if is_text(head) && head.len() > 84 => Kind::Other("it is text without `solid`".to_owned()),
+        "stl" if is_text(head) && head.len() > 84 => other("it is text without `solid`", EXPORT),
         "stl" => Kind::BinaryStl,
         // A package may follow other bytes; the reader finds its directory at the end or says that there is none.
         "3mf" => Kind::Package,
-        _ => Kind::Other(format!("neither its first bytes nor its name `.{extension}` are known")),
+        "" => other("its first bytes are not known, and its name has no ending", UNKNOWN),
+        _ => foreign_name(&extension).unwrap_or_else(|| {
+            other(format!("neither its first bytes nor its name `.{extension}` are known"), UNKNOWN)
+        }),
     }
 }
 
-/// Formats that are known not to be ours.
-fn foreign(head: &[u8]) -> Option<String> {
-    let known: [(&[u8], &str); 9] = [
-        (b"version https://git-lfs", "it is a Git LFS pointer, not the file itself"),
-        (b"\xff\xfe", "it is UTF-16 text"),
-        (b"\xfe\xff", "it is UTF-16 text"),
-        (b"ply", "it is a PLY file"),
-        (b"OFF", "it is an OFF file"),
-        (b"\x00\x05\x16\x07", "it is an AppleDouble side file of macOS"),
-        (b"ISO-10303-21", "it is a STEP file"),
-        (b"<", "it is XML outside a package (AMF?)"),
-        (b"%PDF", "it is a PDF file"),
+fn other(what: impl Into<String>, remedy: &'static str) -> Kind {
+    Kind::Other(Foreign { what: what.into(), remedy })
+}
+
+/// Formats that are known not to be ours, by their first bytes.
+fn foreign(head: &[u8]) -> Option<Kind> {
+    let known: [(&[u8], &str, &'static str); 12] = [
+        (
+            b"version https://git-lfs",
+            "it is a Git LFS pointer, not the file itself",
+            "Run `git lfs pull`, then drop it.",
+        ),
+        (b"\xff\xfe", "it is UTF-16 text", AS_TEXT),
+        (b"\xfe\xff", "it is UTF-16 text", AS_TEXT),
+        (b"ply", "it is a PLY file", EXPORT),
+        (b"OFF", "it is an OFF file", EXPORT),
+        (b"\x00\x05\x16\x07", "it is an AppleDouble side file of macOS", "Drop the file that it belongs to."),
+        (b"ISO-10303-21", "it is a STEP file", EXPORT),
+        (b"glTF", "it is a glTF file", EXPORT),
+        (b"<", "it is XML outside a package (AMF?)", EXPORT),
+        (b"%PDF", "it is a PDF file", NO_SHAPE),
+        (b"\x89PNG", "it is a picture", NO_SHAPE),
+        (b"\xff\xd8\xff", "it is a picture", NO_SHAPE),
     ];
-    known.iter().find(|(start, _)| trimmed(head).starts_with(start)).map(|(_, what)| (*what).to_owned())
+    let start = trimmed(head);
+    let by_bytes = known.iter().find(|(bytes, ..)| start.starts_with(bytes));
+    let by_bytes = by_bytes.map(|(_, what, remedy)| other(*what, remedy));
+    by_bytes.or_else(|| looks_like_obj(start).then(|| other("it is an OBJ file", EXPORT)))
+}
+
+/// Formats whose names say that they are not ours.
+fn foreign_name(extension: &str) -> Option<Kind> {
+    let (what, remedy) = match extension {
+        "rar" | "7z" | "gz" | "tar" | "tgz" => ("it is an archive", UNPACK),
+        "step" | "stp" | "iges" | "igs" | "sldprt" | "sldasm" | "ipt" | "f3d" | "x_t" | "catpart" | "obj" => {
+            ("it is a file of a CAD program", EXPORT)
+        }
+        "gcode" | "sla" | "cli" => ("it is a file for a printer, not a part", EXPORT),
+        "doc" | "docx" | "xls" | "xlsx" | "txt" | "md" | "csv" => ("it holds words, not a shape", NO_SHAPE),
+        _ => return None,
+    };
+    Some(other(format!("{what} (`.{extension}`)"), remedy))
+}
+
+/// Whether the first lines are vertices as OBJ writes them.
+fn looks_like_obj(start: &[u8]) -> bool {
+    let is_vertex = |line: &[u8]| {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        words.next() == Some(b"v") && words.take(3).filter(|word| decimal(word).is_some()).count() == 3
+    };
+    is_text(start) && start.split(|&b| b == b'\n' || b == b'\r').any(is_vertex)
 }
 
 /// Whether the head reads `solid`, after a byte order mark, white space and comments.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{ReadError, Solid, Unit};
+use super::{ReadError, Solid, Unit, counted};
 use crate::geometry::{Mesh, MeshError};
 
 /// Parts whose largest extent is smaller were probably drawn in metres or inches.
@@ -25,12 +25,25 @@ pub(super) fn solid(
     if mesh.defects().inverted {
         warnings.push("the surface was inside out and has been turned".to_owned());
     }
+    let welded = mesh.defects().welded_vertices;
+    if welded > 0 {
+        warnings.push(format!(
+            "{} closer together than 32-bit coordinates tell apart {} been welded, to close the surface",
+            counted(welded, "corner that lay", "corners that lay"),
+            if welded == 1 { "has" } else { "have" }
+        ));
+    }
+    if mesh.defects().equal_triangles > 0 {
+        let left_out = mesh.defects().equal_triangles;
+        warnings
+            .push(format!("equal pieces stand in one place: one of each is kept, {left_out} triangles are left out"));
+    }
     let dropped = mesh.defects().degenerate_triangles;
     let kept = (0..mesh.triangles().len()).filter(|&t| has_no_area(mesh.corners(t))).count();
     if dropped + kept > 0 {
         warnings.push(format!(
-            "{} triangles without an area ({dropped} left out, {kept} kept to stay closed)",
-            dropped + kept
+            "{} without an area ({dropped} left out, {kept} kept to stay closed)",
+            counted(dropped + kept, "triangle", "triangles")
         ));
     }
     warnings.extend(suspicious_size(mesh.bounds().size().max_element(), unit));
@@ -41,8 +54,10 @@ pub(super) fn solid(
 pub(super) fn checked_mesh(name: &str, vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Mesh, ReadError> {
     let no_solid = |source: MeshError| ReadError::NoSolid { name: format!("{name:?}"), source };
     if let Some(far) = vertices.iter().position(|v| v.is_finite() && v.abs().max_element() > MAX_COORDINATE_MM) {
-        let reason = format!("vertex {} of {name:?} lies farther than 10 km from the origin", far + 1);
-        return Err(ReadError::Unsupported(reason));
+        return Err(ReadError::Unsupported {
+            what: format!("vertex {} of {name:?} lies farther than 10 km from the origin", far + 1),
+            remedy: "Move the part to the origin in the CAD program, or say the right unit in a ticket; then drop it again.",
+        });
     }
     Mesh::new(vertices, triangles).map_err(no_solid)
 }

@@ -9,7 +9,7 @@ use std::{
 use glam::DVec3;
 
 use super::{
-    Limits, ReadError,
+    Limits, ReadError, counted,
     stl_text::{Soup, read_text},
 };
 
@@ -67,12 +67,19 @@ pub(super) fn read_binary(mut file: File, head: &[u8], len: u64, limits: &Limits
         return Err(ReadError::Truncated(reason));
     }
     if count > limits.max_triangles {
-        return Err(ReadError::TooLarge { what: format!("{count} triangles"), limit: limits.max_triangles });
+        return Err(ReadError::TooLarge {
+            what: format!("it has {count} triangles"),
+            limit: limits.max_triangles,
+            key: "max_triangles",
+        });
     }
     let mut warnings = Vec::new();
     if len > wanted {
         check_trailer(&mut file, wanted, len - wanted, count)?;
-        warnings.push(format!("{} bytes after the last of {count} triangles are ignored", len - wanted));
+        warnings.push(format!(
+            "{} ignored",
+            counted(len - wanted, "byte after the last triangle is", "bytes after the last triangle are")
+        ));
     }
     let mut neutral = NeutralHeader { file, at: 0 };
     neutral.seek(SeekFrom::Start(0))?;

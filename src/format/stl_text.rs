@@ -29,40 +29,61 @@ pub(super) struct Soup {
 pub(super) fn read_text(input: impl BufRead, limits: &Limits) -> Result<Soup, ReadError> {
     let mut words = Words::new(input);
     let mut soup = Soup::default();
-    while words.advance()? {
-        words.word.make_ascii_lowercase();
-        match words.word.as_slice() {
-            b"solid" => {
+    let mut next = words.next()?;
+    loop {
+        next = match (next, words.word.as_slice()) {
+            (Next::End, _) => return Ok(soup),
+            (Next::Loop, _) => {
+                // A name's line that goes on with facets: another solid, if the one before was closed.
+                soup.solids += u32::from(soup.ended);
+                soup.ended = false;
+                facet(&mut words, &mut soup.corners, true, limits)?
+            }
+            (Next::Word, b"solid") => {
                 soup.solids += 1;
                 soup.ended = false;
-                words.skip_line()?;
+                words.pass_name()?
             }
-            b"endsolid" => {
+            (Next::Word, b"endsolid") => {
                 soup.ended = true;
-                words.skip_line()?;
+                words.pass_name()?
             }
-            b"facet" => {
-                if soup.corners.len() as u64 / 3 >= limits.max_triangles {
-                    let what = "the number of triangles".to_owned();
-                    return Err(ReadError::TooLarge { what, limit: limits.max_triangles });
-                }
-                facet(&mut words, &mut soup.corners)?;
-            }
-            _ => return Err(words.unexpected("`facet` or `endsolid`")),
-        }
+            (Next::Word, b"facet") => facet(&mut words, &mut soup.corners, false, limits)?,
+            (Next::Word, _) => return Err(words.unexpected("`facet` or `endsolid`")),
+        };
     }
-    Ok(soup)
 }
 
-/// Everything after the word `facet` up to `endfacet`. The normal is not trusted, so not read.
-fn facet<R: BufRead>(words: &mut Words<R>, corners: &mut Vec<DVec3>) -> Result<(), ReadError> {
+/// What follows in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    /// A word, in lower case.
+    Word,
+    /// The vertices of a facet: its words up to `outer loop` are read.
+    Loop,
+    /// Nothing.
+    End,
+}
+
+/// Words that a name's line may be followed by, never the numbers of a normal.
+const KEYWORDS: [&[u8]; 8] = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"vertex"];
+
+/// Everything after the word `facet` up to `endfacet`, and the word after it. The normal is not trusted, so not read.
+fn facet<R: BufRead>(
+    words: &mut Words<R>,
+    corners: &mut Vec<DVec3>,
+    mut in_loop: bool,
+    limits: &Limits,
+) -> Result<Next, ReadError> {
+    if corners.len() as u64 / 3 >= limits.max_triangles {
+        let what = "it has too many triangles".to_owned();
+        return Err(ReadError::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" });
+    }
     let first = corners.len();
-    let mut in_loop = false;
     loop {
         if !words.advance()? {
             return Err(ReadError::Truncated(format!("it ends within facet {}", first / 3 + 1)));
         }
-        words.word.make_ascii_lowercase();
         match words.word.as_slice() {
             b"vertex" => corners.push(vertex(words)?),
             b"loop" => in_loop = true,
@@ -77,7 +98,7 @@ fn facet<R: BufRead>(words: &mut Words<R>, corners: &mut Vec<DVec3>) -> Result<(
     if found != 3 {
         return Err(words.invalid(format!("facet {} has {found} vertices instead of 3", first / 3 + 1)));
     }
-    Ok(())
+    words.next()
 }
 
 fn vertex<R: BufRead>(words: &mut Words<R>) -> Result<DVec3, ReadError> {
@@ -100,16 +121,20 @@ struct Words<R> {
     input: R,
     word: Vec<u8>,
     line: u64,
+    /// The line that the word stands in.
+    word_line: u64,
+    /// Names may have words of any length; no more of one is kept than of others.
+    in_name: bool,
     /// The byte before, so that CR, LF and CR LF each count as one line end.
     last: u8,
 }
 
 impl<R: BufRead> Words<R> {
     fn new(input: R) -> Self {
-        Self { input, word: Vec::new(), line: 1, last: 0 }
+        Self { input, word: Vec::new(), line: 1, word_line: 1, in_name: false, last: 0 }
     }
 
-    /// Reads the next word into `self.word`; `false` at the end of the file. `#` starts a comment.
+    /// Reads the next word into `self.word`, in lower case; `false` at the end of the file. `#` starts a comment.
     fn advance(&mut self) -> Result<bool, ReadError> {
         self.word.clear();
         loop {
@@ -126,16 +151,50 @@ impl<R: BufRead> Words<R> {
             let length = bytes.iter().position(|&b| is_blank(b)).unwrap_or(bytes.len());
             let is_cut = length == bytes.len();
             self.word.extend_from_slice(&bytes[..length.min(MAX_WORD + 1)]);
+            self.word_line = self.line;
             self.input.consume(length);
             self.last = 0;
-            if self.word.len() > MAX_WORD {
+            if self.word.len() > MAX_WORD && self.in_name {
+                self.word.truncate(MAX_WORD);
+            } else if self.word.len() > MAX_WORD {
                 return Err(self.invalid(format!("a word is longer than {MAX_WORD} bytes")));
             }
             if !is_cut {
                 break;
             }
         }
+        self.word.make_ascii_lowercase();
         Ok(!self.word.is_empty())
+    }
+
+    fn next(&mut self) -> Result<Next, ReadError> {
+        Ok(if self.advance()? { Next::Word } else { Next::End })
+    }
+
+    /// Passes over the name of a solid, which ends with its line, or where the words of a facet follow it: some programs
+    /// write a whole file in one line.
+    fn pass_name(&mut self) -> Result<Next, ReadError> {
+        let line = self.line;
+        // How many of the words of `facet [normal x y z] outer loop` were seen.
+        let mut seen = 0;
+        loop {
+            self.in_name = true;
+            let next = self.next();
+            self.in_name = false;
+            if next? == Next::End {
+                return Ok(Next::End);
+            }
+            let word = self.word.as_slice();
+            seen = match (seen, word) {
+                (1, b"normal") => 2,
+                (1 | 5, b"outer") => 6,
+                (6, b"loop") => return Ok(Next::Loop),
+                (2..5, number) if !KEYWORDS.contains(&number) => seen + 1,
+                _ if self.word_line != line => return Ok(Next::Word),
+                (_, b"facet") => 1,
+                _ => 0,
+            };
+        }
     }
 
     fn skip_line(&mut self) -> io::Result<()> {
@@ -160,7 +219,16 @@ impl<R: BufRead> Words<R> {
         self.last = byte;
     }
 
-    fn unexpected(&self, wanted: &str) -> ReadError {
+    /// What stands here instead; the last word of a file may be half of what was wanted.
+    fn unexpected(&mut self, wanted: &str) -> ReadError {
+        let is_word = self.word.iter().all(u8::is_ascii_graphic);
+        match self.peek() {
+            Ok(None) if is_word => {
+                return ReadError::Truncated(format!("it ends in line {}, before {wanted}", self.line));
+            }
+            Ok(_) => {}
+            Err(error) => return error.into(),
+        }
         let word: String = self.word.escape_ascii().map(char::from).take(EXCERPT).collect();
         let more = if self.word.escape_ascii().count() > EXCERPT { "..." } else { "" };
         self.invalid(format!("expected {wanted}, found `{word}`{more}"))
@@ -197,6 +265,18 @@ mod tests {
     }
 
     #[test]
+    fn a_file_in_one_line_is_read() {
+        let two = format!("solid a part {FACET}{FACET}endsolid a part solid b {FACET}endsolid b\n").replace('\n', " ");
+        let soup = text(&two).unwrap();
+        assert_eq!((soup.corners.len(), soup.solids, soup.ended), (9, 2, true));
+        assert_eq!(text(&two.replace("normal 0 0 1", "")).unwrap().corners.len(), 9);
+        assert_eq!(text(&format!("solid my facet\n{FACET}endsolid my facet normal\n")).unwrap().corners.len(), 3);
+        assert_eq!(text(&format!("solid {}\n{FACET}endsolid", "x".repeat(3000))).unwrap().corners.len(), 3);
+        let broken = format!("solid a facet normal 0 0\n1 {}", &FACET[19..]);
+        assert_eq!(text(&broken).unwrap().corners.len(), 3);
+    }
+
+    #[test]
     fn a_missing_end_is_no_error_but_told() {
         assert!(!text(&format!("solid\n{FACET}")).unwrap().ended);
     }
@@ -204,6 +284,15 @@ mod tests {
     #[test]
     fn a_facet_cut_off_is_truncated() {
         assert!(matches!(text(&format!("solid\n{}", &FACET[..40])), Err(ReadError::Truncated(_))));
+    }
+
+    #[test]
+    fn a_file_cut_off_anywhere_in_its_facets_is_truncated() {
+        let whole = format!("solid a\n{FACET}{FACET}");
+        let (from, to) = ("solid a\n".len() + FACET.len(), whole.len() - "endfacet\n".len());
+        for cut in (from + "facet".len()..to).filter(|&cut| !whole[..cut].ends_with(['0', '1'])) {
+            assert!(matches!(text(&whole[..cut]), Err(ReadError::Truncated(_))), "{}", &whole[from..cut]);
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::{collections::HashMap, path::Path};
 use glam::{DAffine3, DMat3};
 
 use super::{
-    Contents, Limits, ReadError, Solid, Unit,
+    Contents, Limits, ReadError, Solid, Unit, counted,
     flatten::{Flat, Flattener},
     model::{Document, Item, ObjectKey},
     solid, visible,
@@ -92,10 +92,16 @@ fn groups(document: &Document, warnings: &mut Vec<String>) -> Result<Vec<Group>,
         groups[at].copies += 1;
     }
     if unprintable > 0 {
-        warnings.push(format!("{unprintable} build items are marked as not printable and left out"));
+        warnings.push(format!(
+            "{} as not printable and left out",
+            counted(unprintable, "build item is marked", "build items are marked")
+        ));
     }
     if helpers > 0 {
-        warnings.push(format!("{helpers} build items are supports or other helpers and left out"));
+        warnings.push(format!(
+            "{}, not parts, and left out",
+            counted(helpers, "build item is supports or another helper", "build items are supports or other helpers")
+        ));
     }
     if groups.is_empty() {
         return Err(ReadError::threemf("none of its build items is a part to print"));

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::{
     Bounds, Pose,
+    equal::one_of_equal_pieces,
     weld::{edge_defects, mend, weld},
 };
 
@@ -46,6 +47,10 @@ pub struct Defects {
     pub inconsistent_edges: usize,
     /// Triangles without an area, dropped.
     pub degenerate_triangles: usize,
+    /// Corners that were moved onto another one, at a distance that is the rounding of 32-bit coordinates.
+    pub welded_vertices: usize,
+    /// Triangles of pieces that are there several times in one place, left out.
+    pub equal_triangles: usize,
     /// The whole surface was inside out and has been turned.
     pub inverted: bool,
 }
@@ -83,19 +88,24 @@ impl Mesh {
         let (mut vertices, mut triangles) = weld(&vertices, triangles);
         let mut defects = edge_defects(&triangles, vertices.len(), |_, _| {});
         if !defects.is_closed() {
+            let apart = vertices.len();
             (vertices, triangles) = mend(&vertices, triangles);
             defects = edge_defects(&triangles, vertices.len(), |_, _| {});
+            defects.welded_vertices = apart - vertices.len();
         }
         if triangles.is_empty() {
             return Err(MeshError::Empty);
         }
+        defects.degenerate_triangles = given - triangles.len();
+        let with_equal = triangles.len();
+        triangles = one_of_equal_pieces(triangles, vertices.len());
+        defects.equal_triangles = with_equal - triangles.len();
         let bounds = Bounds::around(vertices.iter().copied());
         let mut volume_mm3 = signed_volume(&vertices, &triangles, bounds.center());
         let size = bounds.size();
         if volume_mm3.abs() <= 1e-9 * size.max_element().powi(3) || size.min_element() <= 0.0 {
             return Err(MeshError::NoVolume);
         }
-        defects.degenerate_triangles = given - triangles.len();
         if volume_mm3 < 0.0 {
             volume_mm3 = -volume_mm3;
             defects.inverted = true;

@@ -5,6 +5,7 @@ mod box_tree;
 mod clearance;
 mod contact;
 mod eigen;
+mod equal;
 mod extremes;
 mod inside;
 mod mesh;

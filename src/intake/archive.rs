@@ -56,10 +56,11 @@ pub fn purge(archive_dir: &Path, before: SystemTime) -> io::Result<usize> {
         return Ok(0);
     }
     let mut count = 0;
-    for file in disk::files_below(archive_dir)? {
-        let came = disk::as_time(disk::ctime_ns(&fs::symlink_metadata(&file)?));
+    // What lies in the archive itself is not of a build: the marker of the folder.
+    for file in disk::files_below(archive_dir)?.iter().filter(|file| file.parent() != Some(archive_dir)) {
+        let came = disk::as_time(disk::ctime_ns(&fs::symlink_metadata(file)?));
         if came < before {
-            fs::remove_file(&file)?;
+            fs::remove_file(file)?;
             count += 1;
             if let Some(folder) = file.parent() {
                 disk::remove_empty_up_to(folder, archive_dir);

@@ -5,10 +5,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Kind, Seen, scan::is_part_name};
+use super::{Kind, Seen, same_name::folded_path, scan::is_part_name};
 
 /// The name of an order list.
 pub(super) const LIST_NAME: &str = "order.csv";
+/// In a claim: what the order list says about its part. A dot-name, which is never taken out of a hot folder.
+pub(super) const SAID_NAME: &str = ".said.json";
 
 /// What a file is by its name.
 #[derive(Debug, PartialEq, Eq)]
@@ -24,7 +26,7 @@ pub(super) enum Role {
 /// Tells parts from tickets and order lists; case does not count.
 pub(super) fn role(path: &Path) -> Role {
     let Some(name) = path.file_name() else { return Role::Part };
-    if name.eq_ignore_ascii_case(LIST_NAME) {
+    if name.eq_ignore_ascii_case(LIST_NAME) || name == SAID_NAME {
         return Role::List;
     }
     let is_ticket = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml") || e.eq_ignore_ascii_case("json"));
@@ -55,6 +57,8 @@ pub(super) enum Owner<'a> {
 pub(super) struct Beside<'a> {
     /// All parts.
     pub parts: HashSet<&'a Path>,
+    /// By what people do not tell apart: whole names, and short ones.
+    by_folded_name: HashMap<PathBuf, Vec<&'a Path>>,
     by_short_name: HashMap<PathBuf, Vec<&'a Path>>,
     all_tickets: Vec<&'a Seen>,
     tickets: HashMap<&'a Path, Vec<&'a Seen>>,
@@ -66,14 +70,22 @@ impl<'a> Beside<'a> {
     pub fn of(seen: &'a [Seen], is_clear: impl Fn(&Path) -> bool) -> Self {
         let mut beside = Self {
             parts: HashSet::new(),
+            by_folded_name: HashMap::new(),
             by_short_name: HashMap::new(),
             all_tickets: Vec::new(),
             tickets: HashMap::new(),
             lists: HashMap::new(),
         };
-        for one in seen.iter().filter(|one| one.kind == Kind::File) {
+        let files = || seen.iter().filter(|one| one.kind == Kind::File);
+        let has_tickets = files().any(|one| matches!(role(&one.path), Role::Ticket { .. }));
+        for one in files() {
             match role(&one.path) {
-                Role::Part => beside.add_part(&one.path),
+                Role::Part => {
+                    beside.parts.insert(&one.path);
+                    if has_tickets {
+                        beside.add_names(&one.path);
+                    }
+                }
                 Role::Ticket { .. } => beside.all_tickets.push(one),
                 Role::List => {
                     beside.lists.entry(one.path.parent().unwrap_or(Path::new(""))).or_insert(one);
@@ -82,7 +94,7 @@ impl<'a> Beside<'a> {
         }
         for ticket in beside.all_tickets.clone() {
             if let Owner::Part(part) = beside.owner(&ticket.path)
-                && (is_clear(&ticket.path) || ticket.path.with_extension("") == part)
+                && (is_clear(&ticket.path) || beside.is_in_full(&ticket.path, part))
             {
                 beside.tickets.entry(part).or_default().push(ticket);
             }
@@ -90,22 +102,33 @@ impl<'a> Beside<'a> {
         beside
     }
 
-    fn add_part(&mut self, part: &'a Path) {
-        self.parts.insert(part);
-        if let Some(short) = short_name(part) {
+    fn add_names(&mut self, part: &'a Path) {
+        let folded = folded_path(part);
+        if let Some(short) = short_name(&folded) {
             self.by_short_name.entry(short).or_default().push(part);
         }
+        self.by_folded_name.entry(folded).or_default().push(part);
     }
 
-    /// Whose a ticket is: the part that it names in full, else the one part that it names in short.
+    /// Whether a ticket names this part to its end, in whatever letters.
+    fn is_in_full(&self, ticket: &Path, part: &Path) -> bool {
+        folded_path(&ticket.with_extension("")) == folded_path(part)
+    }
+
+    /// Whose a ticket is: the part that it names in full, else the one part that it names so in other letters, else the one
+    /// that it names in short.
     fn owner(&self, ticket: &Path) -> Owner<'a> {
         let name = ticket.with_extension("");
-        let in_full = self.parts.get(name.as_path()).map(|&part| Owner::Part(part));
-        in_full.unwrap_or_else(|| match self.by_short_name.get(&name).map(Vec::as_slice) {
+        if let Some(&part) = self.parts.get(name.as_path()) {
+            return Owner::Part(part);
+        }
+        let folded = folded_path(&name);
+        let found = self.by_folded_name.get(&folded).or_else(|| self.by_short_name.get(&folded));
+        match found.map(Vec::as_slice) {
             None | Some([]) => Owner::Nobody,
             Some(&[part]) => Owner::Part(part),
             Some(_) => Owner::Several,
-        })
+        }
     }
 
     /// Tickets that could be of several parts.
@@ -146,8 +169,8 @@ impl Unseen {
         for path in paths {
             match role(path) {
                 Role::List => _ = unseen.folders.insert(path.parent().unwrap_or(Path::new("")).to_owned()),
-                Role::Ticket { part } => _ = unseen.names.insert(part),
-                Role::Part => unseen.short_names.extend(short_name(path)),
+                Role::Ticket { part } => _ = unseen.names.insert(folded_path(&part)),
+                Role::Part => unseen.short_names.extend(short_name(&folded_path(path))),
             }
         }
         unseen
@@ -155,10 +178,14 @@ impl Unseen {
 
     /// Whether some of it may belong to a part.
     pub fn may_belong_to(&self, part: &Path) -> bool {
-        let short = short_name(part);
+        if self.folders.is_empty() && self.names.is_empty() && self.short_names.is_empty() {
+            return false;
+        }
+        let folded = folded_path(part);
+        let short = short_name(&folded);
         let is_in = |names: &HashSet<PathBuf>| short.as_ref().is_some_and(|short| names.contains(short));
         part.parent().is_some_and(|folder| self.folders.contains(folder))
-            || self.names.contains(part)
+            || self.names.contains(&folded)
             || is_in(&self.names)
             || is_in(&self.short_names)
     }

@@ -6,8 +6,7 @@
 
 use std::{
     ffi::OsString,
-    fs,
-    io::{self, Read, Write},
+    fs, io,
     os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
     sync::{
@@ -21,11 +20,12 @@ use tracing::warn;
 
 use super::{
     Ready, Seen,
-    beside::{LIST_NAME, Role, role},
-    disk, display_name,
+    adopt::{find, folder_name, id_and_farm, taken_over_name},
+    beside::{Role, SAID_NAME, role},
+    disk, display_name, given_back,
     list_end::mark_served,
+    listed::Said,
     name::order_name,
-    order_list::OrderList,
     recover::{give_back_files, remove_claim_dir},
 };
 
@@ -39,11 +39,11 @@ pub(super) const DONE: &str = ".done-";
 /// A claimed part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Claim {
-    /// Unique for ever, sortable by time; also the name of its folder.
+    /// Unique for ever, sortable by time; begins the name of its folder.
     pub id: String,
     /// The hot folder it was claimed from.
     pub inbox: PathBuf,
-    /// Its folder, `.claimed/<id>`.
+    /// Its folder, `.claimed/<id>@<farm>`.
     pub dir: PathBuf,
     /// The claimed file.
     pub part: PathBuf,
@@ -55,12 +55,14 @@ pub struct Claim {
     pub order: String,
     /// Sidecar tickets that were claimed with it.
     pub tickets: Vec<PathBuf>,
-    /// Copy of the order list of its folder.
+    /// What the order list of its folder says about it; of an older nestd a copy of the whole list.
     pub list: Option<PathBuf>,
     /// Size, bytes.
     pub size: u64,
     /// Last change of contents, nanoseconds since 1970.
     pub mtime_ns: i128,
+    /// Last change of contents or attributes, nanoseconds since 1970: nobody can set it.
+    pub ctime_ns: i128,
 }
 
 impl Claim {
@@ -70,8 +72,8 @@ impl Claim {
     }
 
     /// Reads a claim from its folder; `None` if it does not hold exactly one part.
-    pub(super) fn load(inbox: &Path, id: &str) -> io::Result<Option<Self>> {
-        let dir = inbox.join(CLAIMED_DIR).join(id);
+    pub(super) fn load(inbox: &Path, name: &str) -> io::Result<Option<Self>> {
+        let dir = inbox.join(CLAIMED_DIR).join(name);
         let (mut parts, mut tickets, mut list) = (Vec::new(), Vec::new(), None);
         for file in disk::files_below(&dir)? {
             match role(&file) {
@@ -84,7 +86,7 @@ impl Claim {
         let meta = fs::symlink_metadata(part)?;
         let order_path = part.parent().and_then(|p| p.strip_prefix(&dir).ok()).unwrap_or(Path::new("")).to_owned();
         Ok(Some(Self {
-            id: id.to_owned(),
+            id: id_and_farm(name).0.to_owned(),
             inbox: inbox.to_owned(),
             part: part.clone(),
             name: part.file_name().unwrap_or_default().to_owned(),
@@ -94,6 +96,7 @@ impl Claim {
             list,
             size: meta.len(),
             mtime_ns: disk::mtime_ns(&meta),
+            ctime_ns: disk::ctime_ns(&meta),
             dir,
         }))
     }
@@ -132,27 +135,39 @@ pub enum Released {
     Removed,
     /// Somebody wrote into it after it was claimed: it is back in the hot folder, as a new revision.
     GivenBack(PathBuf),
+    /// Another farm has taken the claim over: what was read of it is not this farm's any more.
+    TakenOver,
 }
 
 /// Where a claim lies, or would lie.
 pub fn claim_dir(inbox: &Path, id: &str) -> PathBuf {
-    inbox.join(CLAIMED_DIR).join(id)
+    find(inbox, id).unwrap_or_else(|| inbox.join(CLAIMED_DIR).join(id))
 }
 
-/// Claims a [`Ready::Part`] out of `inbox`.
+/// Claims a [`Ready::Part`] out of `inbox` for no farm in particular.
 pub fn claim(inbox: &Path, ready: &Ready) -> Result<Claim, ClaimError> {
-    claim_stepwise(inbox, ready, &mut || {})
+    claim_as(inbox, ready, "")
+}
+
+/// Claims a [`Ready::Part`] out of `inbox`, for the farm of this number.
+pub fn claim_as(inbox: &Path, ready: &Ready, farm: &str) -> Result<Claim, ClaimError> {
+    claim_stepwise(inbox, ready, farm, &mut || {})
 }
 
 /// `step` is called between any two steps that a crash could part; tests stop there.
-pub(super) fn claim_stepwise(inbox: &Path, ready: &Ready, step: &mut dyn FnMut()) -> Result<Claim, ClaimError> {
-    let (part, tickets, list) = match ready {
-        Ready::Part { part, tickets, list, .. } => (part, tickets, list.as_ref()),
+pub(super) fn claim_stepwise(
+    inbox: &Path,
+    ready: &Ready,
+    farm: &str,
+    step: &mut dyn FnMut(),
+) -> Result<Claim, ClaimError> {
+    let (part, tickets, listed) = match ready {
+        Ready::Part { part, tickets, list, said, .. } => (part, tickets, (list.as_ref(), said.as_ref())),
         Ready::List { list: seen, .. } | Ready::Refuse { seen, .. } => return Err(ClaimError::Gone(seen.path.clone())),
     };
     let _only_one = claiming();
-    let (id, new) = begin(inbox)?;
-    let whole = take(inbox, &new, part, tickets, list, step).and_then(|()| finish(inbox, &new, &id, step));
+    let (name, new) = begin(inbox, farm)?;
+    let whole = take(inbox, &new, part, tickets, listed, step).and_then(|()| finish(inbox, &new, &name, step));
     if let Err(error) = whole {
         if let Err(error) = give_back_files(inbox, &new) {
             warn!(claim = %new.display(), %error, "Could not give back a half made claim; the next look does it.");
@@ -160,7 +175,7 @@ pub(super) fn claim_stepwise(inbox: &Path, ready: &Ready, step: &mut dyn FnMut()
         return Err(error);
     }
     let claim =
-        Claim::load(inbox, &id).map_err(|e| io_error("read the claim", &inbox.join(CLAIMED_DIR).join(&id), e))?;
+        Claim::load(inbox, &name).map_err(|e| io_error("read the claim", &inbox.join(CLAIMED_DIR).join(&name), e))?;
     claim.ok_or_else(|| ClaimError::Gone(part.path.clone()))
 }
 
@@ -171,14 +186,14 @@ pub(super) fn claiming() -> MutexGuard<'static, ()> {
     CLAIMING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn begin(inbox: &Path) -> Result<(String, PathBuf), ClaimError> {
+fn begin(inbox: &Path, farm: &str) -> Result<(String, PathBuf), ClaimError> {
     let claimed = inbox.join(CLAIMED_DIR);
     disk::create_dirs_beneath(inbox, Path::new(CLAIMED_DIR)).map_err(|e| io_error("create", &claimed, e))?;
-    let id = new_id();
-    let new = claimed.join(format!("{NEW}{id}"));
+    let name = folder_name(&new_id(), farm);
+    let new = claimed.join(format!("{NEW}{name}"));
     // Its name is on disk before anything is moved into it: what power loss took it from under would be lost.
     disk::create_dirs(&new).map_err(|e| io_error("create", &new, e))?;
-    Ok((id, new))
+    Ok((name, new))
 }
 
 /// Time, a counter for claims of the same millisecond, and chance against clocks that are set back.
@@ -194,13 +209,13 @@ fn new_id() -> String {
     )
 }
 
-/// The list's copy first, then the tickets, the part last: a part is never without what is said about it.
+/// What the list says first, then the tickets, the part last: a part is never without what is said about it.
 fn take(
     inbox: &Path,
     new: &Path,
     part: &Seen,
     tickets: &[Seen],
-    list: Option<&Seen>,
+    (list, said): (Option<&Seen>, Option<&Said>),
     step: &mut dyn FnMut(),
 ) -> Result<(), ClaimError> {
     let relative = below(inbox, part)?;
@@ -209,12 +224,17 @@ fn take(
     disk::create_dirs(&folder).map_err(|e| io_error("create", &folder, e))?;
     step();
     if let Some(list) = list {
-        copy_list(list, &folder.join(LIST_NAME)).map_err(|e| gone_or(e, "copy", list))?;
+        let meta = fs::symlink_metadata(&list.path).map_err(|e| gone_or(e, "look at", list))?;
+        if !disk::is_still(list, &meta) {
+            return Err(ClaimError::Changed(list.path.clone()));
+        }
+    }
+    if let Some(said) = said {
+        said.save(&folder.join(SAID_NAME)).map_err(|e| io_error("write", &folder, e))?;
         step();
-        let content = OrderList::read(&folder.join(LIST_NAME)).map_err(|e| gone_or(e, "read", list))?;
-        let name = part.path.file_name().unwrap_or_default();
-        if let Ok(Some(row)) = content.row_for(name) {
-            mark_served(inbox, list, row).map_err(|e| io_error("mark a row as served of", &list.path, e))?;
+        if let (Some(list), Some(row)) = (list, &said.file) {
+            let name = part.path.file_name().unwrap_or_default();
+            mark_served(inbox, list, row, name).map_err(|e| io_error("mark a row as served of", &list.path, e))?;
         }
         step();
     }
@@ -227,13 +247,14 @@ fn take(
             return Err(ClaimError::Changed(seen.path.clone()));
         }
     }
+    given_back::forget(inbox, part);
     disk::fsync_dir(&folder).map_err(|e| io_error("fsync", &folder, e))
 }
 
-fn finish(inbox: &Path, new: &Path, id: &str, step: &mut dyn FnMut()) -> Result<(), ClaimError> {
+fn finish(inbox: &Path, new: &Path, name: &str, step: &mut dyn FnMut()) -> Result<(), ClaimError> {
     let claimed = inbox.join(CLAIMED_DIR);
     step();
-    disk::rename_noreplace(new, &claimed.join(id)).map_err(|e| io_error("claim", new, e))?;
+    disk::rename_noreplace(new, &claimed.join(name)).map_err(|e| io_error("claim", new, e))?;
     step();
     // The claim is whole; that its name is not on disk yet only means that a power cut would undo it.
     let _ = disk::fsync_dir(&claimed);
@@ -262,30 +283,24 @@ fn is_same(seen: &Seen, now_at: &Path) -> bool {
     })
 }
 
-/// Copies the settled list; `InvalidData` if it is not the settled one any more.
-fn copy_list(list: &Seen, to: &Path) -> io::Result<()> {
-    let file = disk::open_regular(&list.path)?;
-    let mut bytes = Vec::new();
-    (&file).take(list.size + 1).read_to_end(&mut bytes)?;
-    let meta = file.metadata()?;
-    let print = (meta.ino(), disk::ctime_ns(&meta), bytes.len() as u64, disk::is_second_name_of_a_secret(&meta));
-    if print != (list.inode, list.ctime_ns, list.size, false) {
-        return Err(io::ErrorKind::InvalidData.into());
-    }
-    let mut copy = disk::create_anew(to)?;
-    copy.write_all(&bytes)?;
-    copy.sync_all()
+/// Lets the original go after its copy is in the store under `hash` and its row is committed. Safe to repeat.
+///
+/// Whoever wrote into it may have set its time back, and whoever changed its mode wrote nothing: the ctime tells that
+/// something was done, the bytes tell what.
+pub fn release(claim: &Claim, hash: &str) -> Result<Released, ClaimError> {
+    release_stepwise(claim, hash, &mut || {})
 }
 
-/// Lets the original go after its copy is in the store and its row is committed. Safe to repeat.
-pub fn release(claim: &Claim) -> Result<Released, ClaimError> {
-    release_stepwise(claim, &mut || {})
-}
-
-pub(super) fn release_stepwise(claim: &Claim, step: &mut dyn FnMut()) -> Result<Released, ClaimError> {
+pub(super) fn release_stepwise(claim: &Claim, hash: &str, step: &mut dyn FnMut()) -> Result<Released, ClaimError> {
     match fs::symlink_metadata(&claim.part) {
-        Ok(meta) if (meta.len(), disk::mtime_ns(&meta)) != (claim.size, claim.mtime_ns) => {
-            return give_back(claim).map(Released::GivenBack);
+        Ok(meta)
+            if (meta.len(), disk::mtime_ns(&meta), disk::ctime_ns(&meta))
+                != (claim.size, claim.mtime_ns, claim.ctime_ns) =>
+        {
+            let bytes = disk::hash_file(&claim.part).map_err(|e| io_error("read", &claim.part, e))?;
+            if bytes != hash {
+                return give_back(claim).map(Released::GivenBack);
+            }
         }
         // An earlier try went further.
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
@@ -294,8 +309,11 @@ pub(super) fn release_stepwise(claim: &Claim, step: &mut dyn FnMut()) -> Result<
     }
     step();
     let _only_one = claiming();
-    remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))?;
-    Ok(Released::Removed)
+    // The one rename in there decides between this farm and one that takes the claim over.
+    match remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))? {
+        false if disk::is_there(&taken_over_name(&claim.dir)) => Ok(Released::TakenOver),
+        _ => Ok(Released::Removed),
+    }
 }
 
 /// Puts a claimed part and its tickets back into the hot folder, to be settled and claimed anew: for one that changed

@@ -2,6 +2,7 @@
 
 use std::{
     ffi::OsStr,
+    io::Write,
     os::unix::{ffi::OsStrExt, fs::symlink},
 };
 
@@ -29,15 +30,16 @@ fn a_claim_takes_the_part_with_its_ticket_and_a_copy_of_the_list() {
     assert_eq!((claim.name.as_os_str(), claim.order.as_str()), (OsStr::new("part_x2.stl"), "kit 1"));
     assert_eq!(claim.part, claim.dir.join("kit 1/part_x2.stl"));
     assert_eq!(claim.tickets, [claim.dir.join("kit 1/part_x2.stl.toml")]);
-    assert_eq!(fs::read_to_string(claim.list.as_ref().unwrap()).unwrap(), LIST);
-    assert_eq!(claims(&farm.inbox).unwrap().0, std::slice::from_ref(&claim));
+    let said = Said::load(claim.list.as_ref().unwrap()).unwrap().unwrap();
+    assert_eq!(said.row.as_deref(), Some(LIST.trim_end()));
+    assert_eq!(claims(&farm.inbox, "").unwrap().0, std::slice::from_ref(&claim));
     let given = claim.given().unwrap();
     assert_eq!((given.ticket.copies, given.ticket.priority), (Some(7), Some(90)));
     let sources: Vec<Source> = given.sources.iter().map(|s| s.source).collect();
     assert_eq!(sources, [Source::Sidecar, Source::OrderList, Source::Name]);
-    assert_eq!(release(&claim).unwrap(), Released::Removed);
-    assert_eq!(release(&claim).unwrap(), Released::Removed);
-    assert!(farm.claimed().is_empty() && claims(&farm.inbox).unwrap().0.is_empty());
+    assert_eq!(release(&claim, "").unwrap(), Released::Removed);
+    assert_eq!(release(&claim, "").unwrap(), Released::Removed);
+    assert!(farm.claimed().is_empty() && claims(&farm.inbox, "").unwrap().0.is_empty());
 }
 
 #[test]
@@ -55,11 +57,11 @@ fn a_claim_stopped_anywhere_leaves_the_part_with_its_ticket_at_exactly_one_place
     for stop in 1.. {
         let farm = dropped();
         let ready = farm.ready_part();
-        if !stops_at(stop, |step| claim_stepwise(&farm.inbox, &ready, step)) {
+        if !stops_at(stop, |step| claim_stepwise(&farm.inbox, &ready, "", step)) {
             assert!(stop > 8 && both[0] > 5 && both[1] > 0, "{stop} {both:?}");
             return;
         }
-        let claims = claims(&farm.inbox).unwrap().0;
+        let claims = claims(&farm.inbox, "").unwrap().0;
         let all = ["kit 1/order.csv", "kit 1/part_x2.stl", "kit 1/part_x2.stl.toml"];
         match &claims[..] {
             [] => {
@@ -83,13 +85,13 @@ fn a_release_stopped_anywhere_leaves_a_whole_claim_or_none() {
     for stop in 1.. {
         let farm = dropped();
         let claim = farm.claim();
-        if !stops_at(stop, |step| release_stepwise(&claim, step)) {
+        if !stops_at(stop, |step| release_stepwise(&claim, "", step)) {
             assert!(stop > 3);
             return;
         }
-        let left = claims(&farm.inbox).unwrap().0;
+        let left = claims(&farm.inbox, "").unwrap().0;
         assert!(left.is_empty() || left == [claim.clone()], "stop {stop}: {left:?}");
-        assert_eq!(release(&claim).unwrap(), Released::Removed);
+        assert_eq!(release(&claim, "").unwrap(), Released::Removed);
         assert!(farm.claimed().is_empty());
         assert_eq!(farm.dropped(), ["kit 1/order.csv"]);
     }
@@ -108,7 +110,14 @@ fn a_part_that_changed_after_it_settled_stays_in_the_hot_folder() {
     farm.drop_file("kit 1/order.csv", "file,copies\npart_x2.stl,8\n");
     assert!(matches!(claim(&farm.inbox, &ready), Err(ClaimError::Changed(_))));
     fs::remove_file(farm.inbox.join("kit 1/part_x2.stl")).unwrap();
-    let ready = Ready::Part { part: seen_part(&ready), tickets: Vec::new(), list: None, unfinished: false };
+    let ready = Ready::Part {
+        part: seen_part(&ready),
+        tickets: Vec::new(),
+        list: None,
+        said: None,
+        still_secs: 9.0,
+        unfinished: false,
+    };
     assert!(matches!(claim(&farm.inbox, &ready), Err(ClaimError::Gone(_))));
     assert_eq!(farm.dropped().len(), 2);
     assert!(farm.claimed().is_empty());
@@ -128,10 +137,32 @@ fn a_part_that_is_written_after_it_was_claimed_comes_back_as_a_new_revision() {
     farm.drop_file("a.stl", "another");
     late.write_all(b" more").unwrap();
     let back = farm.inbox.join("a (2).stl");
-    assert_eq!(release(&claim).unwrap(), Released::GivenBack(back.clone()));
+    assert_eq!(release(&claim, "").unwrap(), Released::GivenBack(back.clone()));
     assert_eq!(fs::read_to_string(back).unwrap(), "solid more");
     assert_eq!(farm.dropped(), ["a (2).stl", "a.stl"]);
     assert!(farm.claimed().is_empty());
+}
+
+#[test]
+fn a_revision_whose_time_was_set_back_is_not_lost_and_a_file_whose_mode_changed_is_not_doubled() {
+    use std::os::unix::fs::PermissionsExt;
+    let farm = TestInbox::new();
+    let path = farm.drop_file("a.stl", "solid one");
+    let mut held = fs::OpenOptions::new().write(true).open(&path).unwrap();
+    let claim = farm.claim();
+    let hash = blake3::hash(b"solid one").to_hex().to_string();
+    let before = held.metadata().unwrap().modified().unwrap();
+    held.write_all(b"solid two").unwrap();
+    held.set_modified(before).unwrap();
+    let back = farm.inbox.join("a.stl");
+    assert_eq!(release(&claim, &hash).unwrap(), Released::GivenBack(back.clone()));
+    assert_eq!(fs::read_to_string(&back).unwrap(), "solid two");
+    fs::remove_file(&back).unwrap();
+    farm.drop_file("a.stl", "solid one");
+    let claim = farm.claim();
+    fs::set_permissions(&claim.part, fs::Permissions::from_mode(0o600)).unwrap();
+    assert_eq!(release(&claim, &hash).unwrap(), Released::Removed);
+    assert!(farm.dropped().is_empty() && farm.claimed().is_empty());
 }
 
 #[test]
@@ -170,8 +201,8 @@ fn names_of_all_kinds_are_claimed() {
         assert_eq!(claim.name.as_bytes(), name);
         assert_eq!(claim.order, "k\\n\u{fc}");
         assert_eq!(fs::read(&claim.part).unwrap(), name);
-        assert_eq!(claims(&farm.inbox).unwrap().0, std::slice::from_ref(&claim));
-        release(&claim).unwrap();
+        assert_eq!(claims(&farm.inbox, "").unwrap().0, std::slice::from_ref(&claim));
+        release(&claim, "").unwrap();
     }
 }
 
@@ -215,8 +246,8 @@ fn strangers_in_the_folder_of_claims_do_no_harm() {
     let claim = farm.claim();
     fs::create_dir_all(farm.inbox.join(".claimed/empty")).unwrap();
     fs::write(farm.inbox.join(".claimed/a file"), "x").unwrap();
-    assert_eq!(claims(&farm.inbox).unwrap().0, [claim]);
-    assert!(claims(farm.dir.path()).unwrap().0.is_empty());
+    assert_eq!(claims(&farm.inbox, "").unwrap().0, [claim]);
+    assert!(claims(farm.dir.path(), "").unwrap().0.is_empty());
 }
 
 #[test]
@@ -242,7 +273,7 @@ fn a_ticket_without_the_parts_extension_goes_with_its_part_wherever_that_goes() 
     let claim = farm.claim();
     assert_eq!(claim.given().unwrap().ticket.copies, Some(4));
     assert_eq!(claim.given().unwrap().sources[0].file_name, "plain.toml");
-    assert_eq!(claims(&farm.inbox).unwrap().0, std::slice::from_ref(&claim));
+    assert_eq!(claims(&farm.inbox, "").unwrap().0, std::slice::from_ref(&claim));
     // Meanwhile its name would be unclear.
     farm.drop_file("plain.3mf", "PK");
     give_back(&claim).unwrap();
@@ -271,11 +302,11 @@ fn a_claim_with_a_short_ticket_stopped_anywhere_keeps_the_two_together() {
         farm.drop_file("plain.stl", "solid");
         farm.drop_file("plain.toml", "copies = 4");
         let ready = farm.ready_part();
-        if !stops_at(stop, |step| claim_stepwise(&farm.inbox, &ready, step)) {
+        if !stops_at(stop, |step| claim_stepwise(&farm.inbox, &ready, "", step)) {
             assert!(stop > 5, "{stop}");
             return;
         }
-        let claims = claims(&farm.inbox).unwrap().0;
+        let claims = claims(&farm.inbox, "").unwrap().0;
         let claim = claims.first().cloned().unwrap_or_else(|| farm.claim());
         assert_eq!(claim.given().unwrap().ticket.copies, Some(4), "stop {stop}");
     }

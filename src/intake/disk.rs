@@ -18,7 +18,7 @@ use rustix::{
     io::Errno,
 };
 
-use super::name::numbered;
+use super::{Seen, name::numbered};
 use crate::access;
 
 /// A name cannot be longer on the file systems that we know.
@@ -271,6 +271,13 @@ pub(super) fn is_there(path: &Path) -> bool {
 pub(super) fn is_second_name_of_a_secret(meta: &fs::Metadata) -> bool {
     const OTHERS_READ: u32 = 0o004;
     meta.is_file() && meta.nlink() > 1 && meta.mode() & OTHERS_READ == 0
+}
+
+/// Whether this is what a scan saw, unchanged, and no link to a secret.
+pub(super) fn is_still(seen: &Seen, meta: &fs::Metadata) -> bool {
+    meta.is_file()
+        && (meta.ino(), ctime_ns(meta), meta.len()) == (seen.inode, seen.ctime_ns, seen.size)
+        && !is_second_name_of_a_secret(meta)
 }
 
 /// Nanoseconds since 1970 of the last change of contents.

@@ -7,9 +7,12 @@ use std::{
 
 use super::{
     Claim, Ticket, TicketError,
+    beside::{LIST_NAME, SAID_NAME},
+    code_page::readings,
     copies::{MAX_COPIES, unclear_copies},
     copies_in_name, disk, display_name,
-    order_list::OrderList,
+    listed::Said,
+    order_list::{MAX_LIST_BYTES, OrderList},
     ticket::broken,
 };
 
@@ -73,11 +76,7 @@ impl Claim {
             given.add(Source::Sidecar, shown(path), parse(path, &text)?, text);
         }
         if let Some(path) = &self.list {
-            let list = OrderList::read(path).map_err(|error| unreadable(path, error))?;
-            if let Some(row) = list.row_for(&self.name).map_err(|why| broken(&shown(path), why))? {
-                let ticket = row.ticket.clone().map_err(|why| broken(&shown(path), why))?;
-                given.add(Source::OrderList, shown(path), ticket, row.text.clone());
-            }
+            self.add_what_the_list_says(path, &mut given)?;
         }
         let name = self.display_name();
         if let Some(copies) = copies_in_name(&name) {
@@ -87,8 +86,43 @@ impl Claim {
                 "Its name ends in \"{word}\", which is no clear number of copies from 1 to {MAX_COPIES}: taken as 1 copy."
             ));
         }
+        if given.ticket.copies.is_none() && given.sources.iter().any(|source| source.source == Source::OrderList) {
+            given.warnings.push(format!("Its row in {LIST_NAME} names no number of copies: taken as 1 copy."));
+        }
         Ok(given)
     }
+
+    fn add_what_the_list_says(&self, path: &Path, given: &mut Given) -> Result<(), TicketError> {
+        let said = match path.file_name() == Some(SAID_NAME.as_ref()) {
+            true => Said::load(path).map_err(|error| unreadable(path, error))?.unwrap_or_default(),
+            false => self.whole_list(path)?,
+        };
+        given.warnings.extend(said.warnings);
+        match said.problem {
+            Some(why) if said.is_unlisted => return Err(TicketError::Unlisted(why)),
+            Some(why) => return Err(broken(LIST_NAME, why)),
+            None => {}
+        }
+        if let Some(text) = said.row {
+            let ticket = OrderList::alone(&text).map_err(|why| broken(LIST_NAME, why))?;
+            given.add(Source::OrderList, LIST_NAME.to_owned(), ticket, text);
+        }
+        Ok(())
+    }
+
+    /// A claim of an older nestd holds a copy of the whole list.
+    fn whole_list(&self, path: &Path) -> Result<Said, TicketError> {
+        let bytes = read_bytes(path, MAX_LIST_BYTES).map_err(|error| unreadable(path, error))?;
+        let list = OrderList::parse_beside(&bytes, &[&self.name]);
+        let row = list.row_for(&self.name).map_err(|why| broken(&shown(path), why))?;
+        Ok(Said { row: row.map(|row| row.text.clone()), ..Said::default() })
+    }
+}
+
+/// A sidecar, read.
+pub(super) fn read_ticket(path: &Path) -> Result<Ticket, TicketError> {
+    let text = read_text(path).map_err(|error| unreadable(path, error))?;
+    parse(path, &text)
 }
 
 impl Given {
@@ -117,11 +151,19 @@ fn parse(path: &Path, text: &str) -> Result<Ticket, TicketError> {
     }
 }
 
+/// Text that can be read one way only: UTF-8, or UTF-16 as some editors write it.
 fn read_text(path: &Path) -> io::Result<String> {
-    let mut bytes = Vec::new();
-    disk::open_regular(path)?.take(MAX_TICKET_BYTES + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MAX_TICKET_BYTES {
-        return Err(io::Error::other(format!("it is longer than {MAX_TICKET_BYTES} bytes")));
+    match &mut readings(&read_bytes(path, MAX_TICKET_BYTES)?)[..] {
+        [text] => Ok(std::mem::take(text)),
+        _ => Err(io::Error::other("it is not UTF-8 text")),
     }
-    String::from_utf8(bytes).map_err(|_| io::Error::other("it is not UTF-8 text"))
+}
+
+fn read_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    disk::open_regular(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > most {
+        true => Err(io::Error::other(format!("it is longer than {most} bytes"))),
+        false => Ok(bytes),
+    }
 }

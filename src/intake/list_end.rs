@@ -2,14 +2,17 @@
 //! `.claimed/.lists/` say which rows were served, so that a restart does not forget.
 
 use std::{
+    collections::HashMap,
     ffi::{OsStr, OsString},
-    fs, io,
+    fs,
+    io::{self, Write},
+    os::unix::ffi::{OsStrExt, OsStringExt},
     path::{Path, PathBuf},
     time::Duration,
 };
 
 use super::{
-    Ready, RefuseError, Seen,
+    Lists, Ready, RefuseError, Seen,
     claim::CLAIMED_DIR,
     disk, display_name,
     order_list::{OrderList, Row},
@@ -33,21 +36,27 @@ pub enum ListEnd {
 }
 
 /// Ends the order list of a [`Ready::List`] when its time has come: archives it when all its files were claimed, refuses
-/// it when the others did not come for `orphan_secs` after the last one that did. A broken list stays as long, so that
-/// the files that it names are refused with it instead of printed in guessed numbers. To be called for each
-/// [`Ready::List`], after the claims of the same scan.
+/// it when the others did not come for `incomplete_secs` after the last one that did. It stays as long as parts stand beside
+/// it that it is for, or that wait because it does not name them. To be called for each [`Ready::List`], after the claims of
+/// the same scan.
 pub fn end_list(
     inbox: &Path,
+    lists: &mut Lists,
     ready: &Ready,
-    orphan_secs: f64,
+    incomplete_secs: f64,
     archive_dir: &Path,
     error_dir: &Path,
 ) -> Result<ListEnd, RefuseError> {
-    let Ready::List { list, quiet_secs, beside } = ready else { return Ok(ListEnd::Awaited) };
-    let content = OrderList::read(&list.path).map_err(|e| io_error("read", &list.path, e))?;
-    let marks = marks_dir(inbox, list);
-    let idle_secs = quiet_secs.min(age_secs(&marks).unwrap_or(f64::MAX));
-    let end = match verdict(&content, beside, &marks, idle_secs >= orphan_secs, orphan_secs) {
+    let Ready::List { list, quiet_secs } = ready else { return Ok(ListEnd::Awaited) };
+    let standing = lists.standing(inbox, list, incomplete_secs).map_err(|e| io_error("read", &list.path, e))?;
+    let (content, marks, is_needed) = standing;
+    let idle_secs = quiet_secs.min(age_secs(&marks.dir).unwrap_or(f64::MAX));
+    let verdict = match is_needed {
+        true => Verdict::Wait,
+        false => verdict(content, marks, idle_secs >= incomplete_secs, incomplete_secs),
+    };
+    let dir = marks.dir.clone();
+    let end = match verdict {
         Verdict::Wait => return Ok(ListEnd::Awaited),
         Verdict::Served => ListEnd::Archived(archive(inbox, list, archive_dir)?),
         Verdict::Refuse(reason) => {
@@ -55,7 +64,7 @@ pub fn end_list(
             ListEnd::Refused(reason)
         }
     };
-    let _ = fs::remove_dir_all(marks);
+    let _ = fs::remove_dir_all(dir);
     Ok(end)
 }
 
@@ -65,17 +74,17 @@ enum Verdict {
     Refuse(String),
 }
 
-fn verdict(content: &OrderList, beside: &[OsString], marks: &Path, is_over: bool, orphan_secs: f64) -> Verdict {
-    if beside.iter().any(|name| !matches!(content.row_for(name), Ok(None))) {
-        return Verdict::Wait;
-    }
+fn verdict(content: &OrderList, marks: &Marks, is_over: bool, incomplete_secs: f64) -> Verdict {
     let rows = match content.rows() {
-        Err(why) if is_over => return Verdict::Refuse(format!("This order list cannot be read: {why}.")),
+        Err(why) if is_over => {
+            return Verdict::Refuse(format!(
+                "This order list cannot be read: {why}. Mend it and drop it again together with its files."
+            ));
+        }
         Err(_) => return Verdict::Wait,
         Ok(rows) => rows,
     };
-    let missing: Vec<&Row> =
-        rows.iter().filter(|r| !r.file.is_empty() && !marks.join(mark(&r.file)).exists()).collect();
+    let missing: Vec<&Row> = rows.iter().filter(|r| !r.file.is_empty() && !marks.is_served(&r.file)).collect();
     let nameless = rows.iter().filter(|r| r.file.is_empty()).count();
     match missing[..] {
         [] if !rows.is_empty() && nameless == 0 => Verdict::Served,
@@ -85,7 +94,7 @@ fn verdict(content: &OrderList, beside: &[OsString], marks: &Path, is_over: bool
         _ => {
             let names: Vec<String> = missing.iter().map(|r| display_name(OsStr::new(&r.file))).collect();
             Verdict::Refuse(format!(
-                "No file came within {orphan_secs:.0} s for {} of {} rows of this order list: {}. The other rows were \
+                "No file came within {incomplete_secs:.0} s for {} of {} rows of this order list: {}. The other rows were \
                  served. Drop these files together with a list for them.",
                 names.len(),
                 rows.len(),
@@ -95,24 +104,68 @@ fn verdict(content: &OrderList, beside: &[OsString], marks: &Path, is_over: bool
     }
 }
 
-/// Notes on disk that a row of a list was served. Before the claim is whole: a part that is still there counts anyway.
-pub(super) fn mark_served(inbox: &Path, list: &Seen, row: &Row) -> io::Result<()> {
+/// Notes on disk that a row of a list was served, and by which file. Before the claim is whole: a part that is still there
+/// counts anyway.
+pub(super) fn mark_served(inbox: &Path, list: &Seen, row_file: &str, name: &OsStr) -> io::Result<()> {
     let marks = marks_dir(inbox, list);
     let below = marks.strip_prefix(inbox).unwrap_or(&marks);
     disk::create_dirs_beneath(inbox, below)?;
-    disk::create_anew(&marks.join(mark(&row.file)))?;
+    disk::create_anew(&marks.join(mark(row_file)))?.write_all(name.as_bytes())?;
     disk::fsync_dir(&marks)
 }
 
-/// Removes marks of lists that are long gone.
-pub(super) fn sweep_marks(inbox: &Path) {
-    let lists = inbox.join(CLAIMED_DIR).join(".lists");
-    if fs::symlink_metadata(&lists).is_ok_and(|meta| !meta.is_dir()) {
-        return;
+/// Which rows of a list were served, as the marks say.
+#[derive(Debug)]
+pub(super) struct Marks {
+    dir: PathBuf,
+    /// The file that served a row, by the row's mark.
+    served: HashMap<String, OsString>,
+}
+
+impl Marks {
+    /// Those on the disk; none that can be read are none.
+    pub fn load(inbox: &Path, list: &Seen) -> Self {
+        let dir = marks_dir(inbox, list);
+        let entries = fs::read_dir(&dir).into_iter().flatten().flatten();
+        let mark = |entry: fs::DirEntry| {
+            let bytes = disk::read_start(&entry.path(), disk::MAX_NAME_BYTES as u64).ok()??;
+            Some((entry.file_name().into_string().ok()?, OsString::from_vec(bytes)))
+        };
+        let served = entries.filter_map(mark).collect();
+        Self { dir, served }
     }
-    for entry in fs::read_dir(lists).into_iter().flatten().flatten() {
-        if age_secs(&entry.path()).is_some_and(|age| age > STALE_MARKS.as_secs_f64()) {
-            let _ = fs::remove_dir_all(entry.path());
+
+    /// One more, that is on the disk already.
+    pub fn add(&mut self, row_file: &str, name: &OsStr) {
+        self.served.insert(mark(row_file), name.to_owned());
+    }
+
+    /// Whether a row was served.
+    pub fn is_served(&self, row_file: &str) -> bool {
+        self.served.contains_key(&mark(row_file))
+    }
+
+    /// The files that served a row.
+    pub fn files(&self) -> impl Iterator<Item = &OsString> {
+        self.served.values().filter(|name| !name.is_empty())
+    }
+
+    /// When a row was last served.
+    pub fn last_ns(&self) -> Option<i128> {
+        fs::metadata(&self.dir).ok().map(|meta| disk::mtime_ns(&meta))
+    }
+}
+
+/// Removes marks of lists, and notes of parts that were given back, that are long gone.
+pub(super) fn sweep_marks(inbox: &Path) {
+    for folder in [".lists", ".given"].map(|name| inbox.join(CLAIMED_DIR).join(name)) {
+        if fs::symlink_metadata(&folder).is_ok_and(|meta| !meta.is_dir()) {
+            continue;
+        }
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            if age_secs(&entry.path()).is_some_and(|age| age > STALE_MARKS.as_secs_f64()) {
+                let _ = fs::remove_dir_all(entry.path()).or_else(|_| fs::remove_file(entry.path()));
+            }
         }
     }
 }

@@ -2,21 +2,44 @@
 
 use super::*;
 use crate::intake::{
-    claim, release,
+    Claim, Judged, ListRules, ScanLimits, Unlisted, claim, release, scan,
     test_inbox::{TestInbox, files},
 };
 
 const LIST: &str = "file,copies\na.stl,2\nb.stl,3\n";
 
-fn end(farm: &TestInbox, orphan_secs: f64) -> Vec<ListEnd> {
-    let lists = farm.ready().into_iter().filter(|r| matches!(r, Ready::List { .. }));
-    lists.map(|r| end_list(&farm.inbox, &r, orphan_secs, &farm.archive, &farm.error).unwrap()).collect()
+fn end(farm: &TestInbox, incomplete_secs: f64) -> Vec<ListEnd> {
+    let mut lists = Lists::default();
+    lists.observe(&scan(&farm.inbox, ScanLimits::default()).unwrap().seen);
+    let ready = farm.ready().into_iter().filter(|r| matches!(r, Ready::List { .. }));
+    ready.map(|r| end_list(&farm.inbox, &mut lists, &r, incomplete_secs, &farm.archive, &farm.error).unwrap()).collect()
+}
+
+/// What waits, and why.
+fn waits(farm: &TestInbox, incomplete_secs: f64) -> Vec<String> {
+    let rules = ListRules { incomplete_secs, unlisted: Unlisted::Reject };
+    let why = |judged| if let Judged::Wait(why) = judged { Some(why) } else { None };
+    farm.judged(rules).into_iter().filter_map(why).collect()
+}
+
+/// Names and copies, or why there are none, of all that may be taken after `incomplete_secs`.
+fn taken(farm: &TestInbox, incomplete_secs: f64, unlisted: Unlisted) -> Vec<(String, Result<Option<u32>, String>)> {
+    let judged = farm.judged(ListRules { incomplete_secs, unlisted });
+    let take = |judged| if let Judged::Take(ready) = judged { Some(ready) } else { None };
+    let parts = judged.into_iter().filter_map(take).filter(|ready| matches!(ready, Ready::Part { .. }));
+    let claims = parts.map(|ready| claim(&farm.inbox, &ready).unwrap());
+    let said = |claim: Claim| {
+        let given = claim.given().map(|given| given.ticket.copies).map_err(|why| why.to_string());
+        release(&claim, "").unwrap();
+        (claim.display_name(), given)
+    };
+    claims.map(said).collect()
 }
 
 fn claim_all(farm: &TestInbox) {
     for ready in farm.ready() {
         if matches!(ready, Ready::Part { .. }) {
-            release(&claim(&farm.inbox, &ready).unwrap()).unwrap();
+            release(&claim(&farm.inbox, &ready).unwrap(), "").unwrap();
         }
     }
 }
@@ -62,24 +85,100 @@ fn a_list_waits_for_a_file_that_is_beside_it_however_long_it_takes() {
 }
 
 #[test]
-fn a_broken_list_stays_for_the_files_that_it_names_and_is_refused_in_the_end() {
+fn a_list_that_is_not_understood_holds_all_files_of_its_folder_and_is_refused_after_them() {
     let farm = TestInbox::new();
-    farm.drop_file("order.csv", "file;amount\na.stl;2\n");
+    farm.drop_file("order.csv", "price;amount\na.stl;2\n");
     assert_eq!(end(&farm, 1000.0), [ListEnd::Awaited]);
     farm.drop_file("a.stl", "solid");
     farm.drop_file("other.stl", "solid");
-    let mut refused = 0;
-    for ready in farm.ready() {
-        if matches!(ready, Ready::Part { .. }) {
-            let claim = claim(&farm.inbox, &ready).unwrap();
-            assert_eq!(claim.given().is_err(), claim.name == "a.stl");
-            refused += usize::from(claim.given().is_err());
-        }
-    }
-    assert_eq!(refused, 1);
+    let why = waits(&farm, 1000.0);
+    assert!(why.len() == 2 && why[0].starts_with("a.stl stands beside order.csv, which is not understood"), "{why:?}");
+    assert_eq!(end(&farm, 0.5), [ListEnd::Awaited]);
+    let taken = taken(&farm, 50.0, Unlisted::Reject);
+    assert!(taken.len() == 2 && taken.iter().all(|(_, copies)| copies.is_err()), "{taken:?}");
     let ends = end(&farm, 0.0);
     let [ListEnd::Refused(reason)] = &ends[..] else { panic!("{ends:?}") };
-    assert!(reason.contains("amount"), "{reason}");
+    assert!(reason.contains("names its columns"), "{reason}");
+}
+
+#[test]
+fn a_part_that_the_list_does_not_name_waits_and_is_then_refused_or_taken_as_is_set() {
+    for (unlisted, is_taken) in [(Unlisted::Reject, false), (Unlisted::Warn, true)] {
+        let farm = TestInbox::new();
+        farm.drop_file("k/a.stl", "solid");
+        farm.drop_file("k/b.stl", "solid");
+        farm.drop_file("k/new.stl", "solid");
+        farm.drop_file("k/said.stl", "solid");
+        farm.drop_file("k/said.stl.toml", "copies = 4");
+        farm.drop_file("k/order.csv", LIST);
+        assert_eq!(waits(&farm, 1000.0), ["k/new.stl stands in none of the 2 rows of order.csv"]);
+        let copies = |name: &str, copies| (name.to_owned(), Ok(Some(copies)));
+        assert_eq!(taken(&farm, 1000.0, unlisted), [copies("a.stl", 2), copies("b.stl", 3), copies("said.stl", 4)]);
+        // All rows are served, and the list stays for the part that it may have forgotten.
+        assert_eq!(end(&farm, 1000.0), [ListEnd::Awaited]);
+        let late = taken(&farm, 50.0, unlisted);
+        assert_eq!((late.len(), late[0].1.is_ok()), (1, is_taken), "{late:?}");
+        assert!(matches!(&end(&farm, 1000.0)[..], [ListEnd::Archived(_)]));
+    }
+}
+
+#[test]
+fn what_comes_after_a_list_was_served_is_nothing_to_it() {
+    let farm = TestInbox::new();
+    farm.drop_file("order.csv", LIST);
+    farm.drop_file("a.stl", "solid");
+    farm.drop_file("b.stl", "solid");
+    claim_all(&farm);
+    std::thread::sleep(std::time::Duration::from_millis(30));
+    farm.drop_file("c.stl", "solid");
+    assert_eq!(waits(&farm, 1000.0), [""; 0]);
+    assert!(matches!(&end(&farm, 1000.0)[..], [ListEnd::Archived(_)]));
+}
+
+#[test]
+fn a_name_that_may_be_of_two_files_waits_until_it_is_clear() {
+    let farm = TestInbox::new();
+    farm.drop_file("order.csv", "file,copies\nlid,2\n");
+    farm.drop_file("lid.stl", "solid");
+    farm.drop_file("lid.3mf", "solid");
+    assert_eq!(waits(&farm, 1000.0).len(), 2);
+    fs::remove_file(farm.inbox.join("lid.3mf")).unwrap();
+    assert_eq!(taken(&farm, 1000.0, Unlisted::Reject), [("lid.stl".to_owned(), Ok(Some(2)))]);
+    // Its row is served; one more that it could mean is not.
+    farm.drop_file("lid.3mf", "solid");
+    assert_eq!(waits(&farm, 1000.0).len(), 1);
+}
+
+#[test]
+fn lists_in_other_code_pages_speak_for_the_files_beside_them() {
+    for list in [&b"datei;menge\r\nGr\x94\xe1e.stl;7\r\n"[..], b"datei;menge\r\n.\\Gr\xf6\xdfe;7\r\n"] {
+        let farm = TestInbox::new();
+        farm.drop_file("k/Gro\u{308}ße.stl", "solid");
+        fs::write(farm.inbox.join("k/order.csv"), list).unwrap();
+        assert_eq!(taken(&farm, 1000.0, Unlisted::Reject), [("Gro\u{308}ße.stl".to_owned(), Ok(Some(7)))], "{list:?}");
+        assert!(matches!(&end(&farm, 1000.0)[..], [ListEnd::Archived(_)]));
+    }
+}
+
+#[test]
+fn a_part_that_was_given_back_keeps_its_row_under_another_name_and_without_its_list() {
+    let farm = TestInbox::new();
+    farm.drop_file("k/a.stl", "solid");
+    farm.drop_file("k/order.csv", "file,copies\na.stl,7\n");
+    let claim = farm.claim();
+    assert!(matches!(&end(&farm, 1000.0)[..], [ListEnd::Archived(_)]));
+    farm.drop_file("k/a.stl", "another one");
+    let back = crate::intake::give_back(&claim).unwrap();
+    assert_eq!(back, farm.inbox.join("k/a (2).stl"));
+    let one = |name: &str, copies| (name.to_owned(), Ok(copies));
+    assert_eq!(taken(&farm, 1000.0, Unlisted::Reject), [one("a (2).stl", Some(7)), one("a.stl", None)]);
+    // With its list still there, too.
+    farm.drop_file("k/order.csv", "file,copies\na.stl,7\n");
+    farm.drop_file("k/a.stl", "solid");
+    let claim = farm.claim();
+    farm.drop_file("k/a.stl", "another one");
+    crate::intake::give_back(&claim).unwrap();
+    assert_eq!(taken(&farm, 1000.0, Unlisted::Reject), [one("a (2).stl", Some(7)), one("a.stl", Some(7))]);
 }
 
 #[test]

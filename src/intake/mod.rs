@@ -5,20 +5,28 @@
 //! What cannot be printed goes to the error folder by [`refuse`] or [`refuse_path`], always beside a reason.
 //! [`Watcher`] only says "look". After a crash [`claims`] finds what was being taken.
 
+mod adopt;
 mod archive;
 mod beside;
+mod cells;
 mod claim;
+mod code_page;
+mod columns;
 mod copies;
 mod disk;
 mod dropped;
 mod given;
+mod given_back;
 mod ignore;
 mod left_folders;
 mod list_end;
+mod listed;
 mod name;
+mod note;
 mod order_list;
 mod recover;
 mod refuse;
+mod same_name;
 mod scan;
 mod settle;
 mod status;
@@ -33,8 +41,9 @@ mod ticket;
 mod tricks_tests;
 mod watch;
 
+pub use adopt::{adopt, claim_id, foreign, not_let_go, taken_over};
 pub use archive::{archive, purge};
-pub use claim::{Claim, ClaimError, Released, claim, claim_dir, give_back, release};
+pub use claim::{Claim, ClaimError, Released, claim, claim_as, claim_dir, give_back, release};
 pub use copies::copies_in_name;
 pub use disk::{files_below, hash_file, read_start, write_by_rename};
 pub use dropped::{open_dropped, read_reason};
@@ -42,7 +51,9 @@ pub use given::{Given, Source, TicketSource};
 pub use ignore::is_ignored;
 pub use left_folders::LeftFolders;
 pub use list_end::{ListEnd, end_list};
+pub use listed::{Judged, ListRules, Lists, Said, Unlisted};
 pub use name::{display_name, raw_name};
+pub use note::Kept;
 pub use order_list::{OrderList, Row};
 
 pub use recover::{Work, claims, work};

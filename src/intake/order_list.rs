@@ -1,59 +1,88 @@
-//! Order lists: an `order.csv` says copies, due date, priority and orientation for the files of its own folder.
+//! Order lists: an `order.csv` says copies, due date, priority and more for the files of its own folder. It is read as
+//! people make it: in any code page, with any delimiter, with headers in their own words or none.
 
-use std::{
-    ffi::OsStr,
-    io::{self, Read},
-    path::Path,
-};
+use std::{borrow::Cow, ffi::OsStr};
 
 use super::{
-    Ticket, disk, display_name,
-    ticket::{copies, due, priority},
+    Ticket,
+    cells::{decimal, due_date, unit, whole},
+    code_page::readings,
+    columns::{Column, Columns, NO_HEADER},
+    display_name,
+    same_name::{Meaning, Meant},
+    scan::is_part_name,
+    ticket::{clearance, copies, priority, text},
 };
+use crate::format::{visible, visible_lines};
 
 /// A longer list is none.
-const MAX_LIST_BYTES: u64 = 4 << 20;
-const COLUMNS: [&str; 5] = ["file", "copies", "due", "priority", "orientation"];
-/// Other words for a column, as `nest --list` takes them.
-const OTHER_WORDS: [(&str, &str); 2] = [("quantity", "copies"), ("qty", "copies")];
+pub(super) const MAX_LIST_BYTES: u64 = 4 << 20;
+/// A header stands among so many lines: people write a title above it.
+const HEADER_WITHIN: usize = 10;
+const DELIMITERS: [u8; 4] = [b';', b'\t', b',', b'|'];
 
 /// A list as it stands there.
 #[derive(Debug)]
 pub struct OrderList {
-    text: String,
     content: Result<Vec<Row>, String>,
+    /// Headers of columns that mean nothing to nestd.
+    unknown: Vec<String>,
 }
 
 /// What a list says about one file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// The file's name; empty = the row names none.
+    /// The file's name as the list says it; empty = the row names none.
     pub file: String,
     /// What is said, or what is wrong with it.
     pub ticket: Result<Ticket, String>,
-    /// Header and row, as received.
+    /// Header and row, as received: a list of this row alone.
     pub text: String,
 }
 
 impl OrderList {
-    /// Reads a list from the disk; what is wrong inside is kept in it.
-    pub(super) fn read(path: &Path) -> io::Result<Self> {
-        let mut bytes = Vec::new();
-        disk::open_regular(path)?.take(MAX_LIST_BYTES + 1).read_to_end(&mut bytes)?;
-        Ok(Self::parse(bytes))
+    /// Reads a list whose files are not known.
+    pub fn parse(bytes: &[u8]) -> Self {
+        Self::parse_beside(bytes, &[])
     }
 
-    /// Spreadsheets write UTF-8 with or without a byte order mark, or Latin-1; with commas, semicolons or tabs.
-    pub fn parse(bytes: Vec<u8>) -> Self {
-        let is_too_long = bytes.len() as u64 > MAX_LIST_BYTES;
-        let text =
-            String::from_utf8(bytes).unwrap_or_else(|e| e.into_bytes().into_iter().map(char::from).collect::<String>());
-        let text = text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned();
-        let content = match is_too_long {
-            true => Err(format!("it is longer than {MAX_LIST_BYTES} bytes")),
-            false => rows(&text),
-        };
-        Self { text, content }
+    /// Reads a list beside `files`. A code page cannot be told from the bytes: the one in which the list names most of the
+    /// files is right.
+    pub fn parse_beside(bytes: &[u8], files: &[&OsStr]) -> Self {
+        if bytes.len() as u64 > MAX_LIST_BYTES {
+            let why = format!("it is longer than {MAX_LIST_BYTES} bytes");
+            return Self { content: Err(why), unknown: Vec::new() };
+        }
+        let mut lists = readings(bytes).into_iter().map(|text| Self::of_text(&text));
+        let Some(first) = lists.next() else { return Self::of_text("") };
+        let mut best = (first.fitness(files), first);
+        for list in lists {
+            let fitness = list.fitness(files);
+            if fitness > best.0 {
+                best = (fitness, list);
+            }
+        }
+        best.1
+    }
+
+    /// What the one row of [`Row::text`] says.
+    pub(super) fn alone(text: &str) -> Result<Ticket, String> {
+        match Self::of_text(text).content?.into_iter().next() {
+            Some(row) => row.ticket,
+            None => Err("its row is empty".to_owned()),
+        }
+    }
+
+    fn of_text(text: &str) -> Self {
+        match rows(text) {
+            Ok((rows, unknown)) => Self { content: Ok(rows), unknown },
+            Err(why) => Self { content: Err(why), unknown: Vec::new() },
+        }
+    }
+
+    /// How well it speaks for the files: whether it is understood at all, and how many of them it names.
+    fn fitness(&self, files: &[&OsStr]) -> (bool, usize) {
+        (self.content.is_ok(), self.meant(files.iter().copied()).found())
     }
 
     /// The rows, or why there are none.
@@ -61,192 +90,206 @@ impl OrderList {
         self.content.as_deref().map_err(String::as_str)
     }
 
-    /// The row for a file. `Err` says why its copies cannot be known: its row is broken, there are two, or the list is
-    /// broken and names the file somewhere.
+    /// Which rows are for which files.
+    pub(super) fn meant<'a>(&self, files: impl Iterator<Item = &'a OsStr>) -> Meant {
+        let said: Vec<&str> = self.rows().unwrap_or_default().iter().map(|row| row.file.as_str()).collect();
+        Meant::new(&said, files)
+    }
+
+    /// The row for a file that is alone with the list. `Err` says why its copies cannot be known: its row is broken, there
+    /// are two, or the list is broken.
     pub fn row_for(&self, name: &OsStr) -> Result<Option<&Row>, String> {
-        let rows = match &self.content {
-            Ok(rows) => rows,
-            Err(why) if name.to_str().is_some_and(|n| self.text.contains(n)) => return Err(why.clone()),
-            Err(_) => return Ok(None),
-        };
+        self.rows()?;
+        let meant = self.meant(std::iter::once(name));
+        meant.files.get(name).map(|meaning| self.row_of(meaning, name)).transpose()
+    }
+
+    /// The row that a file's name means.
+    pub(super) fn row_of(&self, meaning: &Meaning, name: &OsStr) -> Result<&Row, String> {
+        let rows = self.rows()?;
         let shown = display_name(name);
-        let mut found: Vec<&Row> = rows.iter().filter(|r| OsStr::new(&r.file) == name || r.file == shown).collect();
-        if found.is_empty() {
-            found = rows.iter().filter(|r| name.eq_ignore_ascii_case(&r.file)).collect();
+        match meaning {
+            Meaning::Only(at) => match at[..] {
+                [at] => {
+                    rows[at].ticket.as_ref().map(|_| &rows[at]).map_err(|why| format!("in the row of {shown}: {why}"))
+                }
+                _ => Err(format!("{} rows are for {shown}; leave one", at.len())),
+            },
+            Meaning::Unclear(at, others) => {
+                let (said, other) = (visible(&rows[*at].file), others.first().map_or("", String::as_str));
+                Err(format!("its row {said} may be for {shown} or for {}; write the whole name", visible(other)))
+            }
         }
-        match found[..] {
-            [] => Ok(None),
-            [row] => row.ticket.as_ref().map(|_| Some(row)).map_err(|why| format!("in the row of {shown}: {why}")),
-            _ => Err(format!("{} rows are for {shown}; leave one", found.len())),
+    }
+
+    /// What is to be told about it beside each part.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let names: Vec<String> = self.unknown.iter().map(|name| format!("{:?}", visible(name))).collect();
+        match names.len() {
+            0 => Vec::new(),
+            1 => vec![format!("The column {} of its order list means nothing to nestd and was passed over.", names[0])],
+            _ => {
+                let names = names.join(", ");
+                vec![format!("The columns {names} of its order list mean nothing to nestd and were passed over.")]
+            }
         }
     }
 }
 
-fn rows(text: &str) -> Result<Vec<Row>, String> {
-    let header = text.lines().next().unwrap_or("");
-    let delimiter = [b';', b'\t'].into_iter().find(|&d| header.contains(char::from(d))).unwrap_or(b',');
-    let mut reader =
-        csv::ReaderBuilder::new().delimiter(delimiter).flexible(true).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let columns = columns(reader.headers().map_err(|e| e.to_string())?)?;
-    let header = header.trim_end();
+/// The rows of a list and the columns that are not known.
+fn rows(text: &str) -> Result<(Vec<Row>, Vec<String>), String> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let (text, forced) = without_sep(text);
+    let delimiters: Vec<u8> = forced.map_or(DELIMITERS.to_vec(), |delimiter| vec![delimiter]);
+    let found = delimiters.iter().map(|&delimiter| (delimiter, header(text, delimiter)));
+    let mut best: Result<(u8, Header), String> = Err(NO_HEADER.to_owned());
+    for (delimiter, found) in found {
+        match (found, &best) {
+            (Ok(header), Ok((_, known))) if header.columns.known() <= known.columns.known() => {}
+            (Ok(header), _) => best = Ok((delimiter, header)),
+            (Err(why), Err(_)) if why != NO_HEADER => best = Err(why),
+            (Err(_), _) => {}
+        }
+    }
+    let (delimiter, header) = match best {
+        Ok(found) => found,
+        Err(why) => delimiters.iter().find_map(|&d| headless(text, d).map(|header| (d, header))).ok_or(why)?,
+    };
     let mut rows = Vec::new();
+    each_record(&text[header.end..], delimiter, |record, row| {
+        let row = match header.text {
+            "" => row.to_owned(),
+            header => format!("{header}\n{row}"),
+        };
+        let file = header.columns.cell(record, Column::File).to_owned();
+        rows.push(Row { ticket: ticket(&header.columns, record), file, text: row });
+        true
+    })?;
+    Ok((rows, header.columns.unknown))
+}
+
+/// A header as it was found.
+struct Header<'a> {
+    columns: Columns,
+    text: &'a str,
+    /// Where the rows begin.
+    end: usize,
+}
+
+/// What stands behind `sep=;`, by which Excel knows the delimiter.
+fn without_sep(text: &str) -> (&str, Option<u8>) {
+    let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+    match first.trim_end_matches('\r').as_bytes() {
+        [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', delimiter] => (rest, Some(*delimiter)),
+        _ => (text, None),
+    }
+}
+
+/// Calls `each` with every record that says anything and its text, until it says no.
+fn each_record(
+    text: &str,
+    delimiter: u8,
+    mut each: impl FnMut(&csv::StringRecord, &str) -> bool,
+) -> Result<usize, String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(delimiter)
+        .flexible(true)
+        .has_headers(false)
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
     let mut record = csv::StringRecord::new();
     loop {
         let from = reader.position().byte() as usize;
         if !reader.read_record(&mut record).map_err(|e| e.to_string())? {
-            return Ok(rows);
+            return Ok(text.len());
         }
-        let row = text[from..reader.position().byte() as usize].trim();
-        if record.iter().any(|cell| !cell.is_empty()) {
-            let file = columns.cell(&record, 0).to_owned();
-            rows.push(Row { ticket: columns.ticket(&record), file, text: format!("{header}\n{row}") });
+        let end = reader.position().byte() as usize;
+        let row = text[from..end].trim_matches(['\r', '\n']);
+        if record.iter().any(|cell| !cell.is_empty()) && !each(&record, row) {
+            return Ok(end);
         }
     }
 }
 
-/// Where each of [`COLUMNS`] stands in this list.
-struct Columns {
-    places: [Option<usize>; COLUMNS.len()],
-    count: usize,
-}
-
-fn columns(header: &csv::StringRecord) -> Result<Columns, String> {
-    let mut places = [None; COLUMNS.len()];
-    for (at, name) in header.iter().enumerate() {
-        let other = OTHER_WORDS.iter().find(|(other, _)| name.eq_ignore_ascii_case(other));
-        let word = other.map_or(name, |&(_, word)| word);
-        let known = COLUMNS.iter().position(|c| word.eq_ignore_ascii_case(c));
-        let known = known.ok_or_else(|| format!("it has a column {name:?}; known are {}", COLUMNS.join(", ")))?;
-        if places[known].replace(at).is_some() {
-            return Err(format!("it has two columns for {}", COLUMNS[known]));
-        }
-    }
-    match places[0] {
-        Some(_) => Ok(Columns { places, count: header.len() }),
-        None => Err(format!("its first line must name its columns, at least file; known are {}", COLUMNS.join(", "))),
-    }
-}
-
-impl Columns {
-    fn cell<'a>(&self, record: &'a csv::StringRecord, column: usize) -> &'a str {
-        self.places[column].and_then(|at| record.get(at)).unwrap_or("")
-    }
-
-    fn ticket(&self, record: &csv::StringRecord) -> Result<Ticket, String> {
-        let cell = |column| Some(self.cell(record, column)).filter(|cell| !cell.is_empty());
-        let whole = |column: usize| {
-            let number =
-                |text: &str| text.parse::<i64>().map_err(|_| format!("{} = {text:?} is no number", COLUMNS[column]));
-            cell(column).map(number).transpose()
+fn header(text: &str, delimiter: u8) -> Result<Header<'_>, String> {
+    let mut found = Err(NO_HEADER.to_owned());
+    let mut lines = 0;
+    let end = each_record(text, delimiter, |record, row| {
+        lines += 1;
+        let columns = Columns::of(record.iter());
+        let is_header = match &columns {
+            // A title may hold a word of a header; a header has two, or is a line of its own.
+            Ok(columns) => columns.known() > 1 || record.len() == 1,
+            Err(why) => why != NO_HEADER,
         };
-        if record.len() > self.count {
-            return Err(format!("it has {} cells for {} columns", record.len(), self.count));
+        if is_header {
+            let from = row.as_ptr() as usize - text.as_ptr() as usize;
+            found = columns.map(|columns| Header { columns, text: &text[from..from + row.len()], end: 0 });
         }
-        if self.cell(record, 0).contains('/') {
-            return Err("it names a path; a list is for the files of its own folder".to_owned());
-        }
-        let orientation = |text: &str| {
-            let word = serde::de::value::StrDeserializer::<serde::de::value::Error>::new(text);
-            serde::Deserialize::deserialize(word).map_err(|error| error.to_string())
-        };
-        Ok(Ticket {
-            copies: whole(1)?.map(copies).transpose()?,
-            due: cell(2).map(due).transpose()?,
-            priority: whole(3)?.map(priority).transpose()?,
-            orientation: cell(4).map(orientation).transpose()?,
-            ..Ticket::default()
-        })
+        !is_header && lines < HEADER_WITHIN
+    })?;
+    found.map(|header| Header { end, ..header })
+}
+
+/// A list of two columns without a header, where only one of them can be files and only the other copies.
+fn headless(text: &str, delimiter: u8) -> Option<Header<'_>> {
+    let mut file_at = None;
+    let mut is_clear = true;
+    each_record(text, delimiter, |record, _| {
+        let is_file = |at: usize| record.get(at).is_some_and(|cell| is_part_name(OsStr::new(cell)));
+        let is_count = |at: usize| record.get(at).is_some_and(|cell| whole("", cell).is_ok());
+        let here = (0..2).find(|&at| is_file(at) && is_count(1 - at) && !is_file(1 - at));
+        let has_more = record.iter().skip(2).any(|cell| !cell.is_empty());
+        is_clear = here.is_some() && !has_more && file_at.is_none_or(|at| Some(at) == here);
+        file_at = here;
+        is_clear
+    })
+    .ok()?;
+    let file = file_at.filter(|_| is_clear)?;
+    Some(Header { columns: Columns::without_header(file, 1 - file), text: "", end: 0 })
+}
+
+/// What a row says.
+fn ticket(columns: &Columns, record: &csv::StringRecord) -> Result<Ticket, String> {
+    let cell = |column| Some(columns.cell(record, column)).filter(|cell: &&str| !cell.is_empty());
+    let number = |column: Column| cell(column).map(|text| whole(column.word(), text)).transpose();
+    if record.iter().skip(columns.count).any(|cell| !cell.is_empty()) {
+        return Err(format!("it has {} cells for {} columns", record.len(), columns.count));
     }
+    if columns.cell(record, Column::File).split(['/', '\\']).any(|folder| folder == "..") {
+        return Err("it names a path; a list is for the files of its own folder".to_owned());
+    }
+    let orientation = |word: &str| {
+        let lower = word.to_lowercase();
+        let word = serde::de::value::StrDeserializer::<serde::de::value::Error>::new(&lower);
+        serde::Deserialize::deserialize(word).map_err(|error| error.to_string())
+    };
+    Ok(Ticket {
+        copies: number(Column::Copies)?.map(copies).transpose()?,
+        due: cell(Column::Due).map(due_date).transpose()?,
+        priority: number(Column::Priority)?.map(priority).transpose()?,
+        orientation: cell(Column::Orientation).map(orientation).transpose()?,
+        order: cell(Column::Order).map(|order| text("order", visible(order))).transpose()?,
+        unit: cell(Column::Unit).map(unit).transpose()?.flatten(),
+        clearance_mm: cell(Column::Clearance)
+            .map(|c| decimal("clearance", c))
+            .transpose()?
+            .map(clearance)
+            .transpose()?,
+        note: note(&cell).map(|note| text("note", visible_lines(&note))).transpose()?,
+        ..Ticket::default()
+    })
+}
+
+/// What is for people: the note, and what else a list says that a machine does not need.
+fn note<'a>(cell: &impl Fn(Column) -> Option<&'a str>) -> Option<String> {
+    let own = cell(Column::Note).map(Cow::from);
+    let others = [Column::Customer, Column::Material].into_iter();
+    let others = others.filter_map(|column| Some(Cow::from(format!("{}: {}", column.word(), cell(column)?))));
+    let all: Vec<Cow<str>> = own.into_iter().chain(others).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::nest::OrientationRule;
-
-    fn list(text: &str) -> OrderList {
-        OrderList::parse(text.into())
-    }
-
-    fn row<'a>(list: &'a OrderList, name: &str) -> &'a Row {
-        list.row_for(OsStr::new(name)).unwrap().unwrap_or_else(|| panic!("no row for {name}"))
-    }
-
-    #[test]
-    fn each_column_is_read() {
-        let list = list("file,copies,due,priority,orientation\na.stl,10,2026-11-25,80,fixed\nb.stl,,,,\n");
-        let ticket = row(&list, "a.stl").ticket.clone().unwrap();
-        assert_eq!((ticket.copies, ticket.priority), (Some(10), Some(80)));
-        assert_eq!(ticket.orientation, Some(OrientationRule::Fixed));
-        assert_eq!(ticket.due, Some(due("2026-11-25").unwrap()));
-        assert_eq!(row(&list, "a.stl").text, "file,copies,due,priority,orientation\na.stl,10,2026-11-25,80,fixed");
-        assert_eq!(row(&list, "b.stl").ticket, Ok(Ticket::default()));
-        assert_eq!(list.row_for(OsStr::new("c.stl")), Ok(None));
-    }
-
-    #[test]
-    fn lists_of_spreadsheets_are_read() {
-        for text in [
-            "\u{feff}File;Copies\r\n\"gr\u{f6}\u{df}e; 2.stl\";3\r\n;\r\n",
-            "copies\tfile\n3\tgr\u{f6}\u{df}e; 2.stl\n",
-            "file , copies\n gr\u{f6}\u{df}e; 2.stl , 3",
-        ] {
-            assert_eq!(row(&list(text), "größe; 2.stl").ticket.clone().unwrap().copies, Some(3), "{text:?}");
-        }
-        let latin1 = OrderList::parse(b"file,copies\ngr\xf6\xdfe.stl,3\n".to_vec());
-        assert_eq!(row(&latin1, "größe.stl").ticket.clone().unwrap().copies, Some(3));
-    }
-
-    #[test]
-    fn quantity_is_another_word_for_copies() {
-        for text in ["file,quantity\na.stl,3\n", "Qty;File\n3;a.stl\n", "file\tQUANTITY\na.stl\t3\n"] {
-            assert_eq!(row(&list(text), "a.stl").ticket.clone().unwrap().copies, Some(3), "{text:?}");
-        }
-        let both = list("file,copies,qty\na.stl,3,4\n");
-        assert_eq!(both.row_for(OsStr::new("a.stl")).unwrap_err(), "it has two columns for copies");
-    }
-
-    #[test]
-    fn letters_may_differ_in_case_where_no_row_fits_exactly() {
-        let list = list("file,copies\nPart.STL,3\na.stl,1\nA.stl,2\n");
-        assert_eq!(row(&list, "part.stl").ticket.clone().unwrap().copies, Some(3));
-        assert_eq!(row(&list, "A.stl").ticket.clone().unwrap().copies, Some(2));
-    }
-
-    #[test]
-    fn names_that_are_no_text_are_found_by_what_status_shows() {
-        use std::os::unix::ffi::OsStrExt;
-        let list = list("file,copies\na\\xff.stl,3\n");
-        assert!(list.row_for(OsStr::from_bytes(b"a\xff.stl")).unwrap().is_some());
-    }
-
-    #[test]
-    fn a_broken_row_speaks_for_its_own_file_only() {
-        let list = list(
-            "file,copies,priority\na.stl,ten,\nb.stl,0,\nc.stl,1,101\nd.stl,1,1,1\n../e.stl,1,\nf.stl,2,\nf.stl,3,\ng.stl,4\n",
-        );
-        for (name, said) in [
-            ("a.stl", "\"ten\" is no number"),
-            ("b.stl", "1 to 10000"),
-            ("c.stl", "0 to 100"),
-            ("d.stl", "4 cells"),
-            ("../e.stl", "a path"),
-            ("f.stl", "2 rows"),
-        ] {
-            let why = list.row_for(OsStr::new(name)).unwrap_err();
-            assert!(why.contains(said), "{name}: {why}");
-        }
-        assert_eq!(row(&list, "g.stl").ticket.clone().unwrap().copies, Some(4));
-    }
-
-    #[test]
-    fn a_broken_list_speaks_for_the_files_that_it_names() {
-        for text in ["a.stl,10\n", "file,amount\na.stl,10\n", "file,file\na.stl,10\n", "a.stl"] {
-            let list = list(text);
-            assert!(list.rows().is_err(), "{text}");
-            assert!(list.row_for(OsStr::new("a.stl")).is_err(), "{text}");
-            assert_eq!(list.row_for(OsStr::new("b.stl")), Ok(None), "{text}");
-        }
-        assert!(list("").rows().is_err());
-    }
-}
+#[path = "order_list_tests.rs"]
+mod tests;

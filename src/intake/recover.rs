@@ -8,17 +8,20 @@ use std::{
 
 use super::{
     Claim, ClaimError,
-    beside::{Role, role, short_name},
+    adopt::is_foreign,
+    beside::{Role, SAID_NAME, role, short_name},
     claim::{CLAIMED_DIR, DONE, NEW, claiming, io_error},
-    disk,
+    disk, given_back,
     list_end::sweep_marks,
+    listed::Said,
     name::numbered,
+    same_name::folded_path,
 };
 
-/// The claims that lie in `.claimed/`, oldest first, and what could not be recovered now; gives back what a crash left half
+/// The claims of a farm that lie in `.claimed/`, oldest first, and what could not be recovered now; gives back what a crash left half
 /// claimed and removes what it left half released. To be called before a scan: what it gives back is then listed like any
 /// other drop.
-pub fn claims(inbox: &Path) -> Result<(Vec<Claim>, Vec<String>), ClaimError> {
+pub fn claims(inbox: &Path, farm: &str) -> Result<(Vec<Claim>, Vec<String>), ClaimError> {
     let _only_one = claiming();
     let claimed = inbox.join(CLAIMED_DIR);
     if fs::symlink_metadata(&claimed).is_ok_and(|meta| !meta.is_dir()) {
@@ -31,6 +34,10 @@ pub fn claims(inbox: &Path) -> Result<(Vec<Claim>, Vec<String>), ClaimError> {
     let (mut claims, mut troubles) = (Vec::new(), Vec::new());
     for entry in entries {
         let dir = entry.map_err(|e| io_error("list", &claimed, e))?.path();
+        // Another farm's lies there until a person adopts it.
+        if is_foreign(&dir.file_name().unwrap_or_default().to_string_lossy(), farm) {
+            continue;
+        }
         match recover(inbox, &dir) {
             Ok(found) => claims.extend(found),
             // It stays where it is and is tried again: the other claims must not wait for it.
@@ -112,7 +119,8 @@ pub(super) fn give_back_files(inbox: &Path, dir: &Path) -> io::Result<Option<Pat
     let is_led = |file: &Path| files.iter().any(|part| follows(file, part));
     for file in files.iter().filter(|f| role(f) != Role::List && !is_led(f)) {
         let followers: Vec<&Path> = files.iter().map(PathBuf::as_path).filter(|f| follows(f, file)).collect();
-        let back = give_back_one(inbox, dir, file, &followers)?;
+        let said = file.parent().map(|folder| Said::load(&folder.join(SAID_NAME))).transpose()?.flatten();
+        let back = give_back_one(inbox, dir, file, &followers, said)?;
         if role(file) == Role::Part {
             part = part.or(Some(back));
         }
@@ -142,10 +150,17 @@ fn unmake(dir: &Path) -> io::Result<PathBuf> {
 
 fn follows(ticket: &Path, part: &Path) -> bool {
     let Role::Ticket { part: named } = role(ticket) else { return false };
-    role(part) == Role::Part && (named == part || short_name(part) == Some(named))
+    let (named, folded) = (folded_path(&named), folded_path(part));
+    role(part) == Role::Part && (named == folded || short_name(&folded) == Some(named))
 }
 
-fn give_back_one(inbox: &Path, dir: &Path, file: &Path, followers: &[&Path]) -> io::Result<PathBuf> {
+fn give_back_one(
+    inbox: &Path,
+    dir: &Path,
+    file: &Path,
+    followers: &[&Path],
+    said: Option<Said>,
+) -> io::Result<PathBuf> {
     let folder = file.parent().and_then(|p| p.strip_prefix(dir).ok()).unwrap_or(Path::new(""));
     let name = file.file_name().unwrap_or_default();
     for n in 1..=disk::MAX_NUMBER {
@@ -157,6 +172,9 @@ fn give_back_one(inbox: &Path, dir: &Path, file: &Path, followers: &[&Path]) -> 
         // The tickets first: a part in the hot folder is never without what is said about it.
         for (follower, target) in followers.iter().zip(&targets) {
             disk::rename_in(follower, inbox, &folder.join(target))?;
+        }
+        if role(file) == Role::Part && (said.is_some() || n > 1) {
+            given_back::keep(inbox, file, &folder.join(&leader), said.unwrap_or_default())?;
         }
         disk::rename_in(file, inbox, &folder.join(&leader))?;
         return Ok(inbox.join(folder).join(leader));
@@ -185,16 +203,20 @@ pub(super) fn follower_name(part: &OsStr, ticket: &Path) -> OsString {
 }
 
 /// Removes a claim so that it is there whole or not at all.
-pub(super) fn remove_claim_dir(dir: &Path, step: &mut dyn FnMut()) -> io::Result<()> {
+///
+/// Returns whether this call gave it its last name.
+pub(super) fn remove_claim_dir(dir: &Path, step: &mut dyn FnMut()) -> io::Result<bool> {
     let id = dir.file_name().unwrap_or_default().to_string_lossy();
     let done = dir.with_file_name(format!("{DONE}{}", id.trim_start_matches(NEW)));
-    match fs::rename(dir, &done) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+    let renamed = fs::rename(dir, &done);
+    match &renamed {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return renamed.map(|()| true),
         _ => step(),
     }
     match fs::remove_dir_all(&done) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => step(),
     }
-    dir.parent().map_or(Ok(()), disk::fsync_dir)
+    dir.parent().map_or(Ok(()), disk::fsync_dir)?;
+    Ok(renamed.is_ok())
 }

@@ -100,10 +100,10 @@ fn open_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
     }
 }
 
-/// Copies a stored file to `error_dir/<folder>/<name>`, after its reason; the same copy again changes nothing. For a part
-/// whose claim has ended.
+/// Copies a stored file, where there is one, to `error_dir/<folder>/<name>`, after its reason; the same copy again changes
+/// nothing. For a part whose claim has ended.
 pub fn refuse_copy(
-    stored: &Path,
+    stored: Option<&Path>,
     error_dir: &Path,
     folder: &str,
     display_name: &str,
@@ -113,6 +113,7 @@ pub fn refuse_copy(
     let name = raw_name(display_name).unwrap_or_else(|| display_name.into());
     let (to, reason_file) = (folder.join(&name), folder.join(with_suffix(&name, "", REASON)));
     disk::write_by_rename(&reason_file, reason.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
+    let Some(stored) = stored else { return Ok(()) };
     match disk::is_there(&to) && disk::same_bytes(stored, &to) {
         true => Ok(()),
         false => disk::copy_noreplace(stored, &to).map_err(|e| io_error("copy to the error folder", stored, e)),

@@ -39,7 +39,7 @@ fn a_refused_part_stands_beside_its_reason_and_its_ticket() {
         reason.starts_with("a.stl was refused.\n\nIt has no triangles. Export it again.\n\nFile: kit 1/a.stl\n"),
         "{reason}"
     );
-    assert!(farm.claimed().is_empty() && claims(&farm.inbox).unwrap().0.is_empty());
+    assert!(farm.claimed().is_empty() && claims(&farm.inbox, "").unwrap().0.is_empty());
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_refusal_stopped_anywhere_is_finished_by_the_next_one() {
             assert!(stop > 6);
             return;
         }
-        let left = claims(&farm.inbox).unwrap().0;
+        let left = claims(&farm.inbox, "").unwrap().0;
         let parts = files(&farm.error).iter().filter(|f| f.ends_with("a.stl")).count();
         assert_eq!(left.len() + parts, 1, "stop {stop}");
         for claim in &left {
@@ -98,7 +98,7 @@ fn a_refusal_across_file_systems_that_stopped_after_the_copy_leaves_one() {
     assert!(stops_at(2, |step| refuse_stepwise(&claim, memory.path(), "No.", step)));
     assert_eq!(files(memory.path()), REFUSED[1..2]);
     fs::copy(&claim.part, memory.path().join(REFUSED[0])).unwrap();
-    refuse(&claims(&farm.inbox).unwrap().0[0], memory.path(), "No.").unwrap();
+    refuse(&claims(&farm.inbox, "").unwrap().0[0], memory.path(), "No.").unwrap();
     assert_eq!(files(memory.path()), REFUSED);
     assert!(farm.claimed().is_empty());
 }
@@ -142,7 +142,7 @@ fn an_error_folder_that_cannot_be_written_leaves_the_claim_whole() {
     // The superuser may write anyway.
     if let Err(error) = result {
         assert!(error.to_string().contains("cannot create"), "{error}");
-        assert_eq!(claims(&farm.inbox).unwrap().0, [claim]);
+        assert_eq!(claims(&farm.inbox, "").unwrap().0, [claim]);
     }
 }
 

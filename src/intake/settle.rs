@@ -2,7 +2,6 @@
 
 use std::{
     collections::HashMap,
-    ffi::OsString,
     io,
     path::{Path, PathBuf},
 };
@@ -11,6 +10,7 @@ use super::{
     Kind, Seen,
     beside::{Beside, Role, role},
     display_name,
+    listed::Said,
 };
 
 /// A file with a hole may be a copy under way, or on a disk that compresses: it waits so many settle times.
@@ -37,6 +37,7 @@ impl Default for SettleRules {
 
 /// What may be taken out of the hot folder now. It is said again at every scan for as long as the thing stands there.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "nearly all are parts, and each is used up at once")]
 pub enum Ready {
     /// A part, to be claimed with what belongs to it.
     Part {
@@ -47,6 +48,10 @@ pub enum Ready {
         tickets: Vec<Seen>,
         /// The `order.csv` of its folder.
         list: Option<Seen>,
+        /// What that list says about it, once [`Lists::judge`](super::Lists::judge) has looked.
+        said: Option<Said>,
+        /// So long it and its list have stood unchanged, seconds.
+        still_secs: f64,
         /// Whether it stood still for [`SettleRules::unfinished_secs`] without its end: probably truncated.
         unfinished: bool,
     },
@@ -54,10 +59,8 @@ pub enum Ready {
     List {
         /// The list.
         list: Seen,
-        /// So long it has stood unchanged, seconds.
+        /// So long it has stood unchanged, in an order folder with all that stands beside it, seconds.
         quiet_secs: f64,
-        /// Names of the part files that stand beside it and are still to be claimed.
-        beside: Vec<OsString>,
     },
     /// No part: to be moved to the error folder by [`refuse_path`](super::refuse_path).
     Refuse {
@@ -140,12 +143,18 @@ impl Settler {
             self.watched.entry(ticket.to_owned()).and_modify(|watched| watched.is_unclear = true);
         }
         let this = &*self;
+        let orders = this.orders_since(seen);
         let settled = seen.iter().filter(move |one| this.is_settled(one, now_secs));
         settled.filter_map(move |one| {
-            let still_secs = now_secs - this.watched[&one.path].since_secs;
+            let of_order = orders.get(one.path.parent().unwrap_or(Path::new("")));
+            let still_secs = now_secs - of_order.map_or(this.watched[&one.path].since_secs, |order| order.since_secs);
+            // A folder is an order: what is copied last, a list perhaps, counts for all of it.
+            if of_order.is_some_and(|order| !this.stands_still(order, now_secs)) {
+                return None;
+            }
             match (one.kind, role(&one.path)) {
                 (Kind::File, _) if one.is_secret => Some(Ready::Refuse { seen: one.clone(), reason: of_secret(one) }),
-                (Kind::File, Role::Part) => this.part(one, &beside, now_secs, &mut has_end),
+                (Kind::File, Role::Part) => this.part(one, &beside, now_secs, still_secs, &mut has_end),
                 (Kind::File, Role::Ticket { part }) => this.orphan(one, &part, &beside, still_secs),
                 (Kind::File, Role::List) => list(one, &beside, still_secs),
                 (kind, _) => Some(Ready::Refuse { seen: one.clone(), reason: no_file(kind).to_owned() }),
@@ -176,8 +185,23 @@ impl Settler {
     }
 
     fn is_settled(&self, seen: &Seen, now_secs: f64) -> bool {
-        let Some(watched) = self.watched.get(&seen.path) else { return false };
+        self.watched.get(&seen.path).is_some_and(|watched| self.stands_still(watched, now_secs))
+    }
+
+    fn stands_still(&self, watched: &Watched, now_secs: f64) -> bool {
         watched.scans >= 2 && now_secs - watched.since_secs >= self.rules.settle_secs
+    }
+
+    /// What stands in each order folder as if it were one thing: since when nothing has changed in it.
+    fn orders_since<'a>(&self, seen: &'a [Seen]) -> HashMap<&'a Path, Watched> {
+        let mut orders: HashMap<&Path, Watched> = HashMap::new();
+        for one in seen.iter().filter(|one| !one.order.is_empty()) {
+            let (Some(folder), Some(&watched)) = (one.path.parent(), self.watched.get(&one.path)) else { continue };
+            let order = orders.entry(folder).or_insert(watched);
+            order.since_secs = order.since_secs.max(watched.since_secs);
+            order.scans = order.scans.min(watched.scans);
+        }
+        orders
     }
 
     /// A settled part is ready once what belongs to it has settled too and its end is there.
@@ -186,6 +210,7 @@ impl Settler {
         part: &Seen,
         beside: &Beside,
         now_secs: f64,
+        order_still_secs: f64,
         has_end: &mut impl FnMut(&Path, &str) -> io::Result<bool>,
     ) -> Option<Ready> {
         let tickets = beside.tickets_of(&part.path);
@@ -207,8 +232,10 @@ impl Settler {
         if unfinished && still_secs < self.rules.unfinished_secs {
             return None;
         }
+        let list_since = list.and_then(|list| self.watched.get(&list.path)).map(|watched| watched.since_secs);
+        let still_secs = list_since.map_or(order_still_secs, |since| order_still_secs.min(now_secs - since));
         let tickets = tickets.into_iter().cloned().collect();
-        Some(Ready::Part { part: part.clone(), tickets, list: list.cloned(), unfinished })
+        Some(Ready::Part { part: part.clone(), tickets, list: list.cloned(), said: None, still_secs, unfinished })
     }
 
     /// A ticket without its part, once it has waited long enough.
@@ -235,10 +262,7 @@ fn list(list: &Seen, beside: &Beside, still_secs: f64) -> Option<Ready> {
         let reason = "There is another order.csv in this folder, in other letters. Put all rows into one list.";
         return Some(Ready::Refuse { seen: list.clone(), reason: reason.to_owned() });
     }
-    let folder = list.path.parent();
-    let parts = beside.parts.iter().filter(|p| p.parent() == folder);
-    let beside = parts.filter_map(|p| p.file_name()).map(|n| n.to_owned()).collect();
-    Some(Ready::List { list: list.clone(), quiet_secs: still_secs, beside })
+    Some(Ready::List { list: list.clone(), quiet_secs: still_secs })
 }
 
 /// A hard link may be made by somebody who may not read the file himself.

@@ -173,12 +173,53 @@ fn a_part_takes_the_list_of_its_own_folder_along() {
     let scan = [seen("in/k/a.stl", 84, 1), seen("in/k/order.csv", 30, 1), seen("in/b.stl", 84, 1)];
     settler.observe(&scan, 0.0, whole);
     let ready = settler.observe(&scan, 5.0, whole);
-    let [Ready::Part { list: Some(list), .. }, Ready::List { beside, .. }, Ready::Part { list: None, .. }] = &ready[..]
-    else {
+    let [Ready::Part { list: Some(list), .. }, Ready::List { .. }, Ready::Part { list: None, .. }] = &ready[..] else {
         panic!("{ready:?}")
     };
     assert_eq!(list.path, Path::new("in/k/order.csv"));
-    assert_eq!(beside, &["a.stl"]);
+}
+
+#[test]
+fn a_folder_is_an_order_that_is_taken_when_nothing_in_it_changes_any_more() {
+    let mut settler = Settler::new(RULES);
+    let in_order = |path: &str, size, ctime| Seen { order: "k".into(), ..seen(path, size, ctime) };
+    let first = [in_order("in/k/a.stl", 84, 1), seen("in/loose.stl", 84, 1)];
+    settler.observe(&first, 0.0, whole);
+    // While one more is copied, and then the list, the others of the order wait; what is loose does not.
+    let [a, loose] = first;
+    let second = [a.clone(), in_order("in/k/b.stl", 50, 4), loose.clone()];
+    assert_eq!(parts(&settler.observe(&second, 5.0, whole)), ["in/loose.stl"]);
+    let third = [a.clone(), in_order("in/k/b.stl", 84, 8), in_order("in/k/order.csv", 30, 9), loose.clone()];
+    assert_eq!(parts(&settler.observe(&third, 9.0, whole)), ["in/loose.stl"]);
+    assert_eq!(parts(&settler.observe(&third, 13.9, whole)), ["in/loose.stl"]);
+    let ready = settler.observe(&third, 14.0, whole);
+    assert_eq!(parts(&ready), ["in/k/a.stl", "in/k/b.stl", "in/loose.stl"]);
+    let is_without_list = |one: &Ready| matches!(one, Ready::Part { part, list: None, .. } if part.order == "k");
+    assert!(!ready.iter().any(is_without_list), "{ready:?}");
+}
+
+#[test]
+fn a_ticket_finds_its_part_in_other_letters_where_only_one_can_be_meant() {
+    let mut settler = Settler::new(RULES);
+    let names = [
+        "in/Bracket.STL",
+        "in/bracket.stl.toml",
+        "in/Gro\u{308}ße.stl",
+        "in/größe.toml",
+        "in/a.stl",
+        "in/A.stl",
+        "in/A.STL.toml",
+    ];
+    let mut scan = names.map(|name| seen(name, 84, 1));
+    scan.sort_by(|a, b| a.path.cmp(&b.path));
+    settler.observe(&scan, 0.0, whole);
+    let expected = [
+        ("in/A.stl", vec![]),
+        ("in/Bracket.STL", vec!["in/bracket.stl.toml"]),
+        ("in/Gro\u{308}ße.stl", vec!["in/größe.toml"]),
+        ("in/a.stl", vec![]),
+    ];
+    assert_eq!(with_tickets(&settler.observe(&scan, 5.0, whole)), expected);
 }
 
 #[test]

@@ -10,11 +10,14 @@ use std::{
 };
 
 use thiserror::Error;
+use tracing::warn;
 
 use super::{Claim, disk};
 
 /// What is being copied has this prefix.
 const TEMPORARY: &str = "tmp-";
+/// Beside the store: what was found damaged in it.
+const DAMAGED: &str = "damaged";
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// The store, `state/store/ab/<BLAKE3, 64 hex digits>`.
@@ -66,6 +69,21 @@ pub enum StoreError {
     },
 }
 
+impl StoreError {
+    /// Whether the stored file is gone or holds other bytes: only the same file from elsewhere helps.
+    pub fn is_lost(&self) -> bool {
+        match self {
+            Self::Damaged(_) => true,
+            Self::Io { what: "open" | "read", source, .. } => {
+                let bad_sector = source.raw_os_error() == Some(rustix::io::Errno::IO.raw_os_error());
+                // What `open_regular` says of a folder or link in its place.
+                bad_sector || matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidInput)
+            }
+            _ => false,
+        }
+    }
+}
+
 fn io_error<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(io::Error) -> StoreError + 'a {
     move |source| StoreError::Io { what, path: path.to_owned(), source }
 }
@@ -102,7 +120,8 @@ impl Store {
         Self { dir: dir.into() }
     }
 
-    /// Copies a regular file in, hashing; on disk when it returns. Putting the same bytes again changes nothing.
+    /// Copies a regular file in, hashing; on disk when it returns. Putting the same bytes again changes nothing, unless what is
+    /// stored was damaged: that is set aside.
     pub fn put(&self, file: &Path) -> Result<Stored, StoreError> {
         self.put_opened(file, disk::open_regular(file), &mut || {})
     }
@@ -135,7 +154,12 @@ impl Store {
         step();
         let to = self.path(&stored.hash)?;
         let folder = to.parent().unwrap_or(&self.dir);
-        if !fs::metadata(&to).is_ok_and(|meta| meta.len() == stored.bytes) {
+        let is_there = disk::is_there(&to);
+        let is_whole = is_there && self.verify(&stored.hash).is_ok();
+        if !is_whole {
+            if is_there {
+                self.set_damaged_aside(&stored.hash)?;
+            }
             copy.as_file().sync_all().map_err(io_error("fsync", copy.path()))?;
             disk::create_dirs(folder).map_err(io_error("create", folder))?;
             step();
@@ -163,9 +187,29 @@ impl Store {
         if stored.hash == hash { Ok(()) } else { Err(StoreError::Damaged(path)) }
     }
 
-    /// Removes the bytes of a hash; that they are not there is no error.
+    /// Its folder.
+    pub(super) fn dir(&self) -> &Path {
+        &self.dir
+    }
+
+    /// Moves what is stored under a hash, and does not hold its bytes, to the folder `damaged` beside the store: nothing is
+    /// deleted. Returns where it is; `None` = nothing was there.
+    pub fn set_damaged_aside(&self, hash: &str) -> Result<Option<PathBuf>, StoreError> {
+        let path = self.path(hash)?;
+        if !disk::is_there(&path) {
+            return Ok(None);
+        }
+        let damaged = self.dir.with_file_name(DAMAGED);
+        disk::create_dirs(&damaged).map_err(io_error("create", &damaged))?;
+        let aside = disk::move_to_free_name(&path, &damaged, hash.as_ref()).map_err(io_error("set aside", &path))?;
+        warn!("{} does not hold what was stored; it is kept as {}.", path.display(), aside.display());
+        Ok(Some(aside))
+    }
+
+    /// Removes the bytes of a hash, and before them the notes beside them; that they are not there is no error.
     pub fn remove(&self, hash: &str) -> Result<(), StoreError> {
         let path = self.path(hash)?;
+        self.remove_notes(&path).map_err(io_error("remove the notes of", &path))?;
         match fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io_error("remove", &path)(error)),
             _ => Ok(()),
@@ -238,6 +282,25 @@ mod tests {
         fs::write(&path, "short").unwrap();
         store.put(&part).unwrap();
         store.verify(&stored.hash).unwrap();
+    }
+
+    #[test]
+    fn a_good_copy_heals_a_damaged_file_which_is_set_aside() {
+        let (dir, part, store) = farm();
+        let stored = store.put(&part).unwrap();
+        let path = store.path(&stored.hash).unwrap();
+        for (number, spoilt) in [vec![8; 3_000_000], vec![7; 2_999_999], Vec::new()].into_iter().enumerate() {
+            fs::write(&path, &spoilt).unwrap();
+            assert!(store.verify(&stored.hash).unwrap_err().is_lost());
+            assert_eq!(store.put(&part).unwrap(), stored);
+            store.verify(&stored.hash).unwrap();
+            let aside = disk::files_below(&dir.path().join("state/damaged")).unwrap();
+            assert_eq!(aside.len(), number + 1);
+            assert!(aside.iter().any(|file| fs::read(file).unwrap() == spoilt), "what was damaged is kept");
+        }
+        store.remove(&stored.hash).unwrap();
+        assert!(store.verify(&stored.hash).unwrap_err().is_lost());
+        assert_eq!(store.set_damaged_aside(&stored.hash).unwrap(), None);
     }
 
     #[test]

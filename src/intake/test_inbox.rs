@@ -33,10 +33,21 @@ impl TestInbox {
 
     /// What is ready once everything has stood still for the orphan time.
     pub fn ready(&self) -> Vec<Ready> {
+        let rules = ListRules { incomplete_secs: 1000.0, unlisted: Unlisted::Reject };
+        let judged = self.judged(rules).into_iter();
+        let take = |judged| if let Judged::Take(ready) = judged { Some(ready) } else { None };
+        judged.filter_map(take).collect()
+    }
+
+    /// The same, with what waits for its order list.
+    pub fn judged(&self, rules: ListRules) -> Vec<Judged> {
         let mut settler = Settler::new(SettleRules { settle_secs: 1.0, unfinished_secs: 2.0, orphan_secs: 100.0 });
         let seen = scan(&self.inbox, ScanLimits::default()).unwrap().seen;
         settler.observe(&seen, 0.0, |_, _| Ok(true));
-        settler.observe(&seen, 100.0, |_, _| Ok(true))
+        let mut lists = Lists::default();
+        lists.observe(&seen);
+        let ready = settler.observe(&seen, 100.0, |_, _| Ok(true)).into_iter();
+        ready.map(|ready| lists.judge(&self.inbox, ready, rules, |_| Ok(true))).collect()
     }
 
     /// The one part that is ready.
@@ -58,7 +69,10 @@ impl TestInbox {
 
     /// What lies in `.claimed/`.
     pub fn claimed(&self) -> Vec<String> {
-        files(&self.inbox.join(".claimed")).into_iter().filter(|f| !f.starts_with(".lists")).collect()
+        files(&self.inbox.join(".claimed"))
+            .into_iter()
+            .filter(|f| !f.starts_with(".lists") && !f.starts_with(".given"))
+            .collect()
     }
 }
 

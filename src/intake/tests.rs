@@ -42,7 +42,7 @@ fn serve(farm: &TestInbox, count: usize) -> Vec<(String, Vec<u8>)> {
         for ready in settler.observe(&seen, begun.elapsed().as_secs_f64(), has_end) {
             let claim = claim(&farm.inbox, &ready).unwrap();
             let stored = store.put(&claim.part).unwrap();
-            assert_eq!(release(&claim).unwrap(), Released::Removed);
+            assert_eq!(release(&claim, "").unwrap(), Released::Removed);
             taken.push((claim.display_name(), fs::read(store.path(&stored.hash).unwrap()).unwrap()));
         }
         if taken.len() >= count {

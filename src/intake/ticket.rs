@@ -91,6 +91,9 @@ pub enum TicketError {
         /// The error of the system.
         errno: i32,
     },
+    /// There is an order list, and it does not name the part.
+    #[error("{0}")]
+    Unlisted(String),
     /// Two sidecars for one part.
     #[error("there are two tickets for one part, {first} and {second}; leave one")]
     Two {
@@ -105,15 +108,15 @@ pub enum TicketError {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Words {
-    copies: Option<i64>,
-    order: Option<String>,
+    copies: Option<toml::Value>,
+    order: Option<toml::Value>,
     /// A string, or a date of TOML's own.
     due: Option<toml::Value>,
-    priority: Option<i64>,
+    priority: Option<toml::Value>,
     orientation: Option<OrientationRule>,
     keep_up: Option<Vec<Tilt>>,
     not_down: Option<Vec<NotDown>>,
-    clearance_mm: Option<f64>,
+    clearance_mm: Option<toml::Value>,
     unit: Option<Unit>,
     note: Option<String>,
 }
@@ -149,17 +152,51 @@ impl Ticket {
 
     fn check(words: Words) -> Result<Self, String> {
         Ok(Self {
-            copies: words.copies.map(copies).transpose()?,
-            order: words.order.map(|order| text("order", visible(&order))).transpose()?,
+            copies: words.copies.map(|value| copies(whole("copies", value)?)).transpose()?,
+            order: words.order.map(|order| text("order", visible(&order_name(order)?))).transpose()?,
             due: words.due.map(due_of_value).transpose()?,
-            priority: words.priority.map(priority).transpose()?,
+            priority: words.priority.map(|value| priority(whole("priority", value)?)).transpose()?,
             orientation: words.orientation,
             keep_up: words.keep_up.map(|tilts| few("keep_up", tilts)).transpose()?,
             not_down: words.not_down.map(|faces| few("not_down", faces)).transpose()?,
-            clearance_mm: words.clearance_mm.map(clearance).transpose()?,
+            clearance_mm: words.clearance_mm.map(|value| clearance(number("clearance_mm", value)?)).transpose()?,
             unit: words.unit,
             note: words.note.map(|note| text("note", visible_lines(&note))).transpose()?,
         })
+    }
+}
+
+/// A whole number; one in quotes is told how to write it.
+fn whole(word: &str, value: toml::Value) -> Result<i64, String> {
+    match value {
+        toml::Value::Integer(number) => Ok(number),
+        toml::Value::String(text) => Err(quoted::<i64>(word, &text)),
+        other => Err(format!("{word} = {other}; it must be a whole number such as 10")),
+    }
+}
+
+fn number(word: &str, value: toml::Value) -> Result<f64, String> {
+    match value {
+        toml::Value::Integer(number) => Ok(number as f64),
+        toml::Value::Float(number) => Ok(number),
+        toml::Value::String(text) => Err(quoted::<f64>(word, &text)),
+        other => Err(format!("{word} = {other}; it must be a number such as 2.5")),
+    }
+}
+
+fn quoted<N: std::str::FromStr>(word: &str, text: &str) -> String {
+    match text.trim().parse::<N>() {
+        Ok(_) => format!("{word} = {text:?} is text; write it without the quotes: {word} = {}", text.trim()),
+        Err(_) => format!("{word} = {text:?}; it must be a number without quotes, such as 10"),
+    }
+}
+
+/// Many orders have numbers for names.
+fn order_name(value: toml::Value) -> Result<String, String> {
+    match value {
+        toml::Value::String(name) => Ok(name),
+        toml::Value::Integer(number) => Ok(number.to_string()),
+        other => Err(format!("order = {other}; write its name in quotes, such as order = \"1042\"")),
     }
 }
 
@@ -185,7 +222,7 @@ pub(super) fn priority(priority: i64) -> Result<u8, String> {
     }
 }
 
-fn clearance(clearance_mm: f64) -> Result<f64, String> {
+pub(super) fn clearance(clearance_mm: f64) -> Result<f64, String> {
     match (0.0..=MAX_CLEARANCE_MM).contains(&clearance_mm) {
         true => Ok(clearance_mm),
         false => Err(format!("clearance_mm = {clearance_mm}; it must be 0 to {MAX_CLEARANCE_MM}")),
@@ -199,7 +236,7 @@ fn few<T>(word: &str, directions: Vec<T>) -> Result<Vec<T>, String> {
     }
 }
 
-fn text(word: &str, text: String) -> Result<String, String> {
+pub(super) fn text(word: &str, text: String) -> Result<String, String> {
     match text.len() <= MAX_TEXT_BYTES {
         true => Ok(text),
         false => Err(format!("{word} is {} bytes long; at most {MAX_TEXT_BYTES} are taken", text.len())),
@@ -261,6 +298,7 @@ mod tests {
         assert_eq!(Ticket::from_toml(toml, "t").unwrap(), expected);
         assert_eq!(Ticket::from_json(&format!("\u{feff}{json}"), "t").unwrap(), expected);
         assert_eq!(Ticket::from_toml("", "t").unwrap(), Ticket::default());
+        assert_eq!(Ticket::from_json("{\"order\":1042}", "t").unwrap().order.as_deref(), Some("1042"));
     }
 
     #[test]
@@ -270,7 +308,10 @@ mod tests {
             ("copies = 0", "1 to 10000"),
             ("copies = 10001", "10001"),
             ("copies = \"three\"", "copies"),
-            ("copies = 1.5", "copies"),
+            ("copies = 1.5", "whole number"),
+            ("copies = \"10\"", "without the quotes: copies = 10"),
+            ("clearance_mm = \"2.5\"", "without the quotes: clearance_mm = 2.5"),
+            ("order = 1.5", "in quotes"),
             ("priority = 101", "0 to 100"),
             ("priority = -1", "0 to 100"),
             ("orientation = \"sideways\"", "sideways"),

@@ -59,7 +59,7 @@ fn a_link_among_the_claims_is_not_taken_for_one() {
         let (folder, file) = precious(&farm);
         fs::create_dir(farm.inbox.join(".claimed")).unwrap();
         symlink(&folder, farm.inbox.join(".claimed").join(name)).unwrap();
-        assert!(claims(&farm.inbox).unwrap().0.is_empty());
+        assert!(claims(&farm.inbox, "").unwrap().0.is_empty());
         assert_eq!(fs::read_to_string(&file).unwrap(), "mine", "{name}");
         assert!(farm.dropped().is_empty(), "{name}: {:?}", farm.dropped());
     }
@@ -74,7 +74,7 @@ fn nothing_is_claimed_through_a_link_in_place_of_the_claims() {
     symlink(&folder, farm.inbox.join(".claimed")).unwrap();
     farm.drop_file("c.stl", "solid");
     assert!(claim(&farm.inbox, &farm.ready_part()).is_err());
-    assert!(claims(&farm.inbox).is_err());
+    assert!(claims(&farm.inbox, "").is_err());
     assert_eq!(farm.dropped(), ["c.stl"]);
     assert!(file.exists() && folder.join(".new-1/b.stl").exists());
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 2);
@@ -261,7 +261,7 @@ fn look_again_and_again(inbox: &Path, store_dir: &Path, during: Duration) -> (us
             if let Ok(stored) = store.put_claimed(&claim) {
                 taken.push(fs::read(store.path(&stored.hash).unwrap()).unwrap());
             }
-            let _ = release(&claim);
+            let _ = release(&claim, "");
         }
     }
     (looks, taken)

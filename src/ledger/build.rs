@@ -23,12 +23,16 @@ pub struct BuildRow {
     pub fired_by: String,
     /// How often nesting was begun.
     pub attempts: u32,
+    /// How often a search was begun since one came to its end.
+    pub searches: u32,
     /// When it was opened.
     pub opened_at: Utc,
     /// When it fired.
     pub nesting_at: Option<Utc>,
     /// When its file was proved.
     pub verified_at: Option<Utc>,
+    /// When the first rename that publishes it was about to be tried.
+    pub publishing_at: Option<Utc>,
     /// When it came into the queue.
     pub published_at: Option<Utc>,
     /// When its state was entered.
@@ -77,12 +81,20 @@ pub struct BuildRow {
     /// JSON, how the height fell: see [`BuildRow::curve`]; faces leave it out as they do with the layout.
     #[serde(skip)]
     pub curve: Option<String>,
+    /// JSON, what is staged beside the build file: see [`BuildRow::sidecars`].
+    #[serde(skip)]
+    pub sidecars: Option<String>,
 }
 
 impl BuildRow {
     /// How the height fell: (wall seconds, build height in mm) of the search's improvements; empty until verified.
     pub fn curve(&self) -> Vec<(f64, f64)> {
         self.curve.as_deref().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
+    }
+
+    /// Name and BLAKE3 of each file that is staged beside the build file; empty where that is not known.
+    pub fn sidecars(&self) -> Vec<(String, String)> {
+        self.sidecars.as_deref().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
     }
 }
 
@@ -112,6 +124,8 @@ pub struct Verified {
     pub file_hash: String,
     /// Size of the build file.
     pub file_bytes: u64,
+    /// Name and BLAKE3 of each file that is staged beside it.
+    pub sidecars: Vec<(String, String)>,
     /// Build height, mm.
     pub height_mm: f64,
     /// Part volume / (base area x height), 0..1.
@@ -162,7 +176,7 @@ impl Ledger {
     /// The open build of a profile; opened when there is none.
     pub async fn open_build(&self, profile: &str) -> Result<BuildRow> {
         let open = "SELECT * FROM build WHERE profile = ? AND state = 'open'";
-        if let Some(build) = sqlx::query_as(open).bind(profile).fetch_optional(self.reader()).await? {
+        if let Some(build) = sqlx::query_as(open).bind(profile).fetch_optional(self.reader()?).await? {
             return Ok(build);
         }
         let mut change = self.change().await?;
@@ -228,7 +242,7 @@ impl Ledger {
     /// All builds in a state, oldest first.
     pub async fn builds_in_state(&self, state: BuildState) -> Result<Vec<BuildRow>> {
         let query = sqlx::query_as("SELECT * FROM build WHERE state = ? ORDER BY id").bind(state);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The build of a profile that was given up last, and why.
@@ -237,12 +251,12 @@ impl Ledger {
             "SELECT id, reason FROM build WHERE state = 'failed' AND profile = ? AND published_at IS NULL \
              ORDER BY id DESC LIMIT 1",
         );
-        Ok(query.bind(profile).fetch_optional(self.reader()).await?)
+        Ok(query.bind(profile).fetch_optional(self.reader()?).await?)
     }
 
     /// A build.
     pub async fn build(&self, id: BuildId) -> Result<Option<BuildRow>> {
         let query = sqlx::query_as("SELECT * FROM build WHERE id = ?").bind(id);
-        Ok(query.fetch_optional(self.reader()).await?)
+        Ok(query.fetch_optional(self.reader()?).await?)
     }
 }

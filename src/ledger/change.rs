@@ -87,7 +87,7 @@ impl Change {
         let now = self.now;
         sqlx::query(
             "UPDATE build SET state = ?1, state_at = ?2, \
-             nesting_at = CASE ?1 WHEN 'nesting' THEN ?2 ELSE nesting_at END, \
+             nesting_at = CASE ?1 WHEN 'nesting' THEN coalesce(nesting_at, ?2) ELSE nesting_at END, \
              verified_at = CASE ?1 WHEN 'verified' THEN ?2 ELSE verified_at END, \
              published_at = CASE ?1 WHEN 'published' THEN ?2 ELSE published_at END, \
              layout = CASE ?1 WHEN 'nesting' THEN layout END, \

@@ -9,17 +9,40 @@ impl Ledger {
     /// Records a claim and its ticket; the same claim again gives the same part.
     pub async fn record_claim(&self, part: &NewPart) -> Result<Recorded> {
         let mut change = self.change().await?;
-        let Some(id) = insert_claim(&mut change, part).await? else {
+        let Some(id) = record(&mut change, part).await? else {
             let known = sqlx::query_scalar("SELECT id FROM part WHERE claim = ? AND object_index = 0");
             let id = known.bind(&part.claim).fetch_one(change.db()).await?;
             return Ok(Recorded { id, fresh: false });
         };
-        if let Some(ticket) = &part.ticket {
-            insert_ticket(&mut change, id, ticket).await?;
-        }
-        change.event("claimed", &part.profile, Some(id), None, &part.name).await?;
         change.commit().await?;
         Ok(Recorded { id, fresh: true })
+    }
+
+    /// Records many claims in one change, all or none; those that are known stay as they are.
+    pub async fn record_claims(&self, parts: &[&NewPart]) -> Result<()> {
+        let mut change = self.change().await?;
+        for part in parts {
+            record(&mut change, part).await?;
+        }
+        change.commit().await
+    }
+
+    /// Counts an attempt to read a claimed part's file; returns how many there are now.
+    pub async fn begin_read(&self, id: PartId) -> Result<u32> {
+        self.count_read(id, 1).await
+    }
+
+    /// An attempt that the disk hindered does not count.
+    pub async fn forget_read(&self, id: PartId) -> Result<u32> {
+        self.count_read(id, -1).await
+    }
+
+    async fn count_read(&self, id: PartId, more: i32) -> Result<u32> {
+        let mut change = self.change().await?;
+        let count = "UPDATE part SET reads = max(reads + ?, 0) WHERE id = ? RETURNING reads";
+        let reads = sqlx::query_scalar(count).bind(more).bind(id).fetch_one(change.db()).await?;
+        change.commit().await?;
+        Ok(reads)
     }
 
     /// claimed -> waiting: the solids that were read; further solids than 0 become parts of their own. Returns the
@@ -82,6 +105,33 @@ impl Ledger {
         change.commit().await
     }
 
+    /// The builds in work that hold copies of parts of these claims.
+    pub async fn nesting_builds_of_claims(&self, claims: &[String]) -> Result<Vec<BuildId>> {
+        let query = sqlx::query_scalar(
+            "SELECT DISTINCT b.id FROM build b JOIN placement l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
+             WHERE b.state = 'nesting' AND p.claim IN (SELECT value FROM json_each(?)) ORDER BY b.id",
+        );
+        Ok(query.bind(serde_json::json!(claims).to_string()).fetch_all(self.reader()?).await?)
+    }
+
+    /// claimed, waiting -> rejected: another farm has taken these claims over. Returns the parts that were given up now.
+    pub async fn give_up_claims(&self, claims: &[String], reason: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE state IN ('claimed', 'waiting') \
+             AND claim IN (SELECT value FROM json_each(?)) ORDER BY id",
+        );
+        let parts: Vec<PartRow> = query.bind(serde_json::json!(claims).to_string()).fetch_all(self.reader()?).await?;
+        if parts.is_empty() {
+            return Ok(parts);
+        }
+        let mut change = self.change().await?;
+        for part in &parts {
+            change.reject_part(part.id, Refusal::Cancelled, reason).await?;
+        }
+        change.commit().await?;
+        Ok(parts)
+    }
+
     /// rejected -> claimed: it is read again.
     pub async fn retry(&self, id: PartId) -> Result<()> {
         let mut change = self.change().await?;
@@ -110,6 +160,16 @@ async fn demand_cancellable(change: &mut Change, id: PartId) -> Result<()> {
         PartState::Built => Err(LedgerError::IsBuilt(id)),
         _ => Ok(()),
     }
+}
+
+/// A claim with its ticket and its event; `None` when it is recorded already.
+async fn record(change: &mut Change, part: &NewPart) -> Result<Option<PartId>> {
+    let Some(id) = insert_claim(change, part).await? else { return Ok(None) };
+    if let Some(ticket) = &part.ticket {
+        insert_ticket(change, id, ticket).await?;
+    }
+    change.event("claimed", &part.profile, Some(id), None, &part.name).await?;
+    Ok(Some(id))
 }
 
 /// `None` when the claim is recorded already.
@@ -169,9 +229,9 @@ async fn claimed_solid(change: &mut Change, file: &PartRow, solid: &SolidFacts) 
     let now = change.now;
     let id = sqlx::query_scalar(
         "INSERT INTO part (claim, object_index, profile, name, order_name, content_hash, bytes, state, warnings, \
-         priority, due_at, orientation, tilts, clearance_mm, unit, note, claimed_at, state_at) \
+         priority, due_at, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
          SELECT claim, ?, profile, name, order_name, content_hash, bytes, 'claimed', '', \
-         priority, due_at, orientation, tilts, clearance_mm, unit, note, claimed_at, ? FROM part WHERE id = ? RETURNING id",
+         priority, due_at, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, ? FROM part WHERE id = ? RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)

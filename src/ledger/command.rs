@@ -101,7 +101,7 @@ impl Ledger {
     /// The orders that are not answered, oldest first.
     pub async fn asked(&self) -> Result<Vec<CommandRow>> {
         let query = sqlx::query_as("SELECT * FROM command WHERE state = 'asked' ORDER BY id");
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// Answers an order, once.
@@ -126,7 +126,7 @@ impl Ledger {
     /// An order.
     pub async fn command(&self, id: CommandId) -> Result<Option<CommandRow>> {
         let query = sqlx::query_as("SELECT * FROM command WHERE id = ?").bind(id);
-        Ok(query.fetch_optional(self.reader()).await?)
+        Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// Pauses a profile; `true` = it was not paused.
@@ -158,6 +158,6 @@ impl Ledger {
     /// The paused profiles, by name.
     pub async fn paused(&self) -> Result<Vec<String>> {
         let query = sqlx::query_scalar("SELECT profile FROM pause ORDER BY profile");
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 }

@@ -50,7 +50,7 @@ impl Ledger {
             "SELECT id, claim, profile, name, content_hash, bytes, state, state_at FROM part \
              WHERE state <> 'built' ORDER BY id",
         );
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The parts of every build that was published since then, by build and part.
@@ -60,22 +60,23 @@ impl Ledger {
              JOIN placement l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
              WHERE b.published_at >= ? AND b.file_name IS NOT NULL ORDER BY b.id, p.id",
         );
-        Ok(query.bind(Utc(since)).fetch_all(self.reader()).await?)
+        Ok(query.bind(Utc(since)).fetch_all(self.reader()?).await?)
     }
 
     /// Whether a part was ever refused or cancelled.
     pub async fn was_rejected(&self, part: PartId) -> Result<bool> {
         let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM event WHERE part_id = ? AND kind = 'rejected')")
             .bind(part);
-        Ok(query.fetch_one(self.reader()).await?)
+        Ok(query.fetch_one(self.reader()?).await?)
     }
 
     /// How many files of each content were ever recorded, by hash.
     pub async fn drops_by_hash(&self) -> Result<Vec<(String, u32)>> {
         let query = sqlx::query_as(
-            "SELECT content_hash, count(DISTINCT claim) FROM part GROUP BY content_hash ORDER BY content_hash",
+            "SELECT content_hash, count(*) FROM (SELECT claim, content_hash FROM part \
+             UNION SELECT claim, content_hash FROM replacement) GROUP BY content_hash ORDER BY content_hash",
         );
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// A part of a profile that has this content.
@@ -84,12 +85,12 @@ impl Ledger {
             "SELECT id, claim, profile, name, content_hash, bytes, state, state_at FROM part \
              WHERE profile = ? AND content_hash = ? ORDER BY id DESC LIMIT 1",
         );
-        Ok(query.bind(profile).bind(hash).fetch_optional(self.reader()).await?)
+        Ok(query.bind(profile).bind(hash).fetch_optional(self.reader()?).await?)
     }
 
     /// The build of a profile that has this file name.
     pub async fn build_named(&self, profile: &str, file_name: &str) -> Result<Option<BuildRow>> {
         let query = sqlx::query_as("SELECT * FROM build WHERE profile = ? AND file_name = ?");
-        Ok(query.bind(profile).bind(file_name).fetch_optional(self.reader()).await?)
+        Ok(query.bind(profile).bind(file_name).fetch_optional(self.reader()?).await?)
     }
 }

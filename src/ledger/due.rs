@@ -32,7 +32,7 @@ impl Ledger {
              FROM part p WHERE p.due_at IS NOT NULL AND p.at_risk_at IS NULL \
              AND p.state IN ('claimed', 'waiting', 'batched') AND p.due_at <= ? ORDER BY p.due_at, p.id",
         );
-        Ok(query.bind(Utc(until)).fetch_all(self.reader()).await?)
+        Ok(query.bind(Utc(until)).fetch_all(self.reader()?).await?)
     }
 
     /// The due date of these parts, which are of one order, is at risk: one event, which names the first.

@@ -78,6 +78,18 @@ pub enum LedgerError {
         /// What is wrong with it.
         what: String,
     },
+    /// The file that is open is not the one that stands there.
+    #[error(
+        "the ledger {} was removed or replaced while it was open: {what}. Nothing more is done with it: put it back, or start \
+         this again to use the one that is there now",
+        .path.display()
+    )]
+    Replaced {
+        /// The ledger.
+        path: PathBuf,
+        /// Which file, and how.
+        what: String,
+    },
     /// SQLite came upon a page or a value that cannot be right.
     #[error(
         "the ledger is damaged: {0}. Nothing more is done with it: stop nestd, keep the ledger's files, and put back a backup \

@@ -54,13 +54,13 @@ impl Ledger {
         let query = sqlx::query_scalar(
             "SELECT at FROM event WHERE id = (SELECT seq FROM sqlite_sequence WHERE name = 'event')",
         );
-        Ok(query.fetch_optional(self.reader()).await?)
+        Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// The number of the latest event; 0 when there is none.
     pub async fn last_event_id(&self) -> Result<i64> {
         let query = "SELECT coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'event'), 0)";
-        Ok(sqlx::query_scalar(query).fetch_one(self.reader()).await?)
+        Ok(sqlx::query_scalar(query).fetch_one(self.reader()?).await?)
     }
 
     /// The clock was set by so much: the times at which the parts in the farm were claimed are set with it, so that each has
@@ -81,12 +81,12 @@ impl Ledger {
     /// The events of a part, oldest first.
     pub async fn events_of_part(&self, part: PartId) -> Result<Vec<EventRow>> {
         let query = sqlx::query_as("SELECT * FROM event WHERE part_id = ? ORDER BY id").bind(part);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The events of a build, oldest first; of its parts only those that name it.
     pub async fn events_of_build(&self, build: BuildId) -> Result<Vec<EventRow>> {
         let query = sqlx::query_as("SELECT * FROM event WHERE build_id = ? ORDER BY id").bind(build);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 }

@@ -76,6 +76,7 @@ pub fn verified(build: BuildId, copies: u32) -> Verified {
         queue_id: "queue".to_owned(),
         file_hash: "0".repeat(64),
         file_bytes: 4321,
+        sidecars: vec![("x.png".to_owned(), "1".repeat(64))],
         height_mm: 87.5,
         density: 0.21,
         lower_bound_mm: 40.0,

@@ -219,7 +219,7 @@ impl Ledger {
             .bind(&query.part)
             .bind(query.limit.map_or(-1, i64::from))
             .bind(query.after);
-        Ok(rows.fetch_all(self.reader()).await?)
+        Ok(rows.fetch_all(self.reader()?).await?)
     }
 
     /// What the published builds of a history come to, by machine; of all of them, whatever its limit and its page.
@@ -230,7 +230,7 @@ impl Ledger {
             .bind(&query.profile)
             .bind(query.state)
             .bind(&query.part);
-        Ok(rows.fetch_all(self.reader()).await?)
+        Ok(rows.fetch_all(self.reader()?).await?)
     }
 }
 

@@ -16,7 +16,9 @@ use super::{
     LedgerError, Utc,
     change::Change,
     error::{Result, SQLITE_BUSY, sqlite_code},
-    health, place, schema,
+    health,
+    in_place::InPlace,
+    place, schema,
 };
 
 /// A writer waits so long for another process before it gives up; changes take milliseconds.
@@ -34,6 +36,7 @@ pub struct Ledger {
     path: PathBuf,
     writer: SqlitePool,
     reader: SqlitePool,
+    in_place: Arc<InPlace>,
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
 }
 
@@ -99,11 +102,17 @@ impl Ledger {
         Ok(ledger)
     }
 
-    async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
+    pub(super) async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
         let failed = |error| LedgerError::Open { path: path.to_owned(), error };
         // A connection that only reads must say so: a query that writes by mistake would bypass the one writer.
         let reading = options.clone().create_if_missing(false).pragma("query_only", "ON");
+        let in_place = Arc::new(InPlace::of(path));
+        let opened = in_place.clone();
         let pool = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
+        let pool = pool.after_connect(move |_, _| {
+            opened.forget_beside();
+            Box::pin(async { Ok(()) })
+        });
         let mut attempt = 1;
         let writer = loop {
             match pool.clone().connect_with(options.clone()).await {
@@ -121,7 +130,8 @@ impl Ledger {
             tokio::time::sleep(OPEN_PAUSE).await;
         };
         let reader = SqlitePoolOptions::new().max_connections(READERS).connect_lazy_with(reading);
-        Ok(Self { path: path.to_owned(), writer, reader, clock: Arc::new(Timestamp::now) })
+        in_place.demand()?;
+        Ok(Self { path: path.to_owned(), writer, reader, in_place, clock: Arc::new(Timestamp::now) })
     }
 
     /// The same ledger with another clock, for tests that turn time by hand.
@@ -159,14 +169,24 @@ impl Ledger {
         &self.writer
     }
 
-    /// Connections that only read.
-    pub(super) fn reader(&self) -> &SqlitePool {
-        &self.reader
+    /// Connections that only read, as long as they read what stands in the ledger's place.
+    pub(super) fn reader(&self) -> Result<&SqlitePool> {
+        self.demand_in_place()?;
+        Ok(&self.reader)
+    }
+
+    /// Whether the files that are open are those that stand in the ledger's place; takes microseconds.
+    ///
+    /// # Errors
+    /// `Replaced` when somebody removed or replaced one.
+    pub fn demand_in_place(&self) -> Result<()> {
+        self.in_place.demand()
     }
 
     /// Begins a change. It takes the write lock at once: a deferred `BEGIN` that turns from reading to writing fails
     /// with "database is locked" when another process has written in between, whatever the busy timeout says.
     pub(super) async fn change(&self) -> Result<Change> {
+        self.demand_in_place()?;
         let transaction = match self.writer.begin_with("BEGIN IMMEDIATE").await {
             // SQLite itself took an earlier change back, as it may on a full disk, and the connection still waits for its end.
             Err(sqlx::Error::InvalidSavePointStatement | sqlx::Error::BeginFailed) => {
@@ -181,7 +201,7 @@ impl Ledger {
 
     /// Begins to read several tables as of one moment. It never writes, so that a deferred `BEGIN` is right here.
     pub(super) async fn snapshot(&self) -> Result<Transaction<'static, Sqlite>> {
-        Ok(self.reader.begin_with("BEGIN DEFERRED").await?)
+        Ok(self.reader()?.begin_with("BEGIN DEFERRED").await?)
     }
 }
 
@@ -192,7 +212,7 @@ impl std::fmt::Debug for Ledger {
 }
 
 /// FULL: a committed change survives a power cut, as "exactly once" needs.
-fn options(path: &Path) -> SqliteConnectOptions {
+pub(super) fn options(path: &Path) -> SqliteConnectOptions {
     SqliteConnectOptions::new()
         .filename(path)
         .synchronous(SqliteSynchronous::Full)

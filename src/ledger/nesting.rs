@@ -37,6 +37,22 @@ impl Ledger {
         Ok(attempts)
     }
 
+    /// Counts a search for a build, before it is begun.
+    pub async fn begin_search(&self, build: BuildId) -> Result<()> {
+        self.count_searches(build, "UPDATE build SET searches = searches + 1 WHERE id = ?").await
+    }
+
+    /// A search for a build came to its end.
+    pub async fn end_search(&self, build: BuildId) -> Result<()> {
+        self.count_searches(build, "UPDATE build SET searches = 0 WHERE id = ?").await
+    }
+
+    async fn count_searches(&self, build: BuildId, count: &'static str) -> Result<()> {
+        let mut change = self.change().await?;
+        sqlx::query(count).bind(build).execute(change.db()).await?;
+        change.commit().await
+    }
+
     /// Lets copies of a nesting build go: their parts wait again, with their age kept.
     pub async fn release_copies(&self, build: BuildId, copies: &[(PartId, u32)]) -> Result<()> {
         let mut change = self.change().await?;

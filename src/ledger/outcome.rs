@@ -81,6 +81,6 @@ impl Ledger {
     /// What was told of a build, oldest first.
     pub async fn outcomes(&self, build: BuildId) -> Result<Vec<OutcomeRow>> {
         let query = sqlx::query_as("SELECT * FROM outcome WHERE build_id = ? ORDER BY id").bind(build);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 }

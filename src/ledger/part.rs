@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// A claimed file, before it is read.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NewPart {
     /// Name of the claim, unique per dropped file; recording it twice gives the same part.
     pub claim: String,
@@ -48,7 +48,7 @@ pub struct NewPart {
 }
 
 /// Directions of a part's mesh that must stand near to straight up, all of them; in SQL a line of text.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Tilts(pub Vec<Tilt>);
 
@@ -67,7 +67,7 @@ impl std::fmt::Display for Tilts {
 }
 
 /// A ticket as received.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NewTicket {
     /// What kind of ticket.
     pub source: TicketSource,
@@ -174,10 +174,14 @@ pub struct PartRow {
     pub size_y_mm: Option<f64>,
     /// Height as dropped, mm.
     pub size_z_mm: Option<f64>,
+    /// How often reading its file was begun.
+    pub reads: u32,
     /// When it was claimed: its age in line.
     pub claimed_at: Utc,
     /// When its state was entered.
     pub state_at: Utc,
+    /// When its stored file was found damaged; it waits for the same file to be dropped again.
+    pub damaged_at: Option<Utc>,
 }
 
 impl PartRow {
@@ -206,13 +210,13 @@ impl Ledger {
     /// A part.
     pub async fn part(&self, id: PartId) -> Result<Option<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id);
-        Ok(query.fetch_optional(self.reader()).await?)
+        Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// All parts in a state, oldest first.
     pub async fn parts_in_state(&self, state: PartState) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE state = ? ORDER BY claimed_at, id").bind(state);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The parts that entered a state between two times, newest first; `most` of them.
@@ -226,13 +230,15 @@ impl Ledger {
         let query = sqlx::query_as(
             "SELECT * FROM part WHERE state = ? AND state_at >= ? AND state_at <= ? ORDER BY state_at DESC, id DESC LIMIT ?",
         );
-        Ok(query.bind(state).bind(Utc(since)).bind(Utc(until)).bind(most).fetch_all(self.reader()).await?)
+        Ok(query.bind(state).bind(Utc(since)).bind(Utc(until)).bind(most).fetch_all(self.reader()?).await?)
     }
 
-    /// Claimed parts of a profile that are not read yet, the first in line; `most` of them.
+    /// Claimed parts of a profile that are to be read, the first in line; `most` of them.
     pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE state = 'claimed' AND profile = ? ORDER BY id LIMIT ?");
-        Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()).await?)
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE state = 'claimed' AND profile = ? AND damaged_at IS NULL ORDER BY id LIMIT ?",
+        );
+        Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()?).await?)
     }
 
     /// The files of all parts in a state that was entered between two times.
@@ -240,31 +246,31 @@ impl Ledger {
         let query = sqlx::query_scalar(
             "SELECT DISTINCT content_hash FROM part WHERE state = ? AND state_at >= ? AND state_at <= ?",
         );
-        Ok(query.bind(state).bind(Utc(from)).bind(Utc(to)).fetch_all(self.reader()).await?)
+        Ok(query.bind(state).bind(Utc(from)).bind(Utc(to)).fetch_all(self.reader()?).await?)
     }
 
     /// All solids of a claim, by object index.
     pub async fn parts_of_claim(&self, claim: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE claim = ? ORDER BY object_index").bind(claim);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// All parts of an order, oldest first.
     pub async fn order(&self, name: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE order_name = ? AND order_name <> '' ORDER BY id");
-        Ok(query.bind(name).fetch_all(self.reader()).await?)
+        Ok(query.bind(name).fetch_all(self.reader()?).await?)
     }
 
     /// All parts of a file name as dropped, oldest first.
     pub async fn parts_named(&self, name: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE name = ? ORDER BY id").bind(name);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// All parts of the same content, whatever they are called.
     pub async fn parts_of_content(&self, hash: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE content_hash = ? ORDER BY id").bind(hash);
-        Ok(query.fetch_all(self.reader()).await?)
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// All parts with a copy in a build, in order of precedence.
@@ -273,7 +279,7 @@ impl Ledger {
             "SELECT * FROM part WHERE id IN (SELECT part_id FROM placement WHERE build_id = ?) \
              ORDER BY priority DESC, due_at IS NULL, due_at, claimed_at, id",
         );
-        Ok(query.bind(build).fetch_all(self.reader()).await?)
+        Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }
 
     /// The latest part of an earlier claim, not rejected, with the same content in the same profile.
@@ -282,7 +288,7 @@ impl Ledger {
             "SELECT id FROM part WHERE content_hash = ?1 AND profile = ?2 AND id < ?3 AND state <> 'rejected' \
              AND claim <> (SELECT claim FROM part WHERE id = ?3) ORDER BY id DESC LIMIT 1",
         );
-        Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()).await?)
+        Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()?).await?)
     }
 
     /// Whether a live part (claimed, waiting, batched) needs the stored file, or one that was rejected after
@@ -292,6 +298,6 @@ impl Ledger {
             "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = ? AND (state IN ('claimed', 'waiting', 'batched') \
              OR (state = 'rejected' AND state_at >= ?)))",
         );
-        Ok(query.bind(hash).bind(Utc(rejected_since)).fetch_one(self.reader()).await?)
+        Ok(query.bind(hash).bind(Utc(rejected_since)).fetch_one(self.reader()?).await?)
     }
 }

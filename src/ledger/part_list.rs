@@ -27,7 +27,7 @@ impl Ledger {
             .bind(query.before)
             .bind(query.limit)
             .bind(self.refused_since());
-        Ok(rows.fetch_all(self.reader()).await?)
+        Ok(rows.fetch_all(self.reader()?).await?)
     }
 }
 

@@ -88,7 +88,7 @@ impl Ledger {
             "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
              WHERE l.part_id = ? ORDER BY l.copy",
         );
-        Ok(query.bind(part).fetch_all(self.reader()).await?)
+        Ok(query.bind(part).fetch_all(self.reader()?).await?)
     }
 
     /// The copies in a build with their poses, by part and copy.
@@ -97,12 +97,12 @@ impl Ledger {
             "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
              WHERE l.build_id = ? ORDER BY l.part_id, l.copy",
         );
-        Ok(query.bind(build).fetch_all(self.reader()).await?)
+        Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }
 
     /// The copies taken into a build, by part and copy.
     pub async fn copies_of_build(&self, build: BuildId) -> Result<Vec<(PartId, u32)>> {
         let query = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy");
-        Ok(query.bind(build).fetch_all(self.reader()).await?)
+        Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }
 }

@@ -17,6 +17,40 @@ impl Ledger {
         change.commit().await
     }
 
+    /// The first rename that publishes a verified build is about to be tried: from now on "gone" means published.
+    pub async fn begin_publishing(&self, build: BuildId) -> Result<()> {
+        self.set_publishing(build, true).await
+    }
+
+    /// Nothing of a verified build was renamed, and it is certain: "gone" means removed by somebody again.
+    pub async fn end_publishing(&self, build: BuildId) -> Result<()> {
+        self.set_publishing(build, false).await
+    }
+
+    async fn set_publishing(&self, build: BuildId, is_tried: bool) -> Result<()> {
+        let mut change = self.change().await?;
+        change.demand(build, &[BuildState::Verified]).await?;
+        let at = is_tried.then_some(change.now);
+        let set = sqlx::query("UPDATE build SET publishing_at = ? WHERE id = ?").bind(at).bind(build);
+        set.execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// verified -> nesting: its staged file is not the proved one any more, so that it is made again, from the poses that its
+    /// copies have.
+    pub async fn write_again(&self, build: BuildId, why: &str) -> Result<()> {
+        let mut change = self.change().await?;
+        change.move_build(build, BuildState::Nesting, why).await?;
+        sqlx::query(
+            "UPDATE build SET verified_at = NULL, publishing_at = NULL, file_name = NULL, queue_id = NULL, \
+             file_hash = NULL, file_bytes = NULL, sidecars = NULL WHERE id = ?",
+        )
+        .bind(build)
+        .execute(change.db())
+        .await?;
+        change.commit().await
+    }
+
     /// verified -> published; parts whose last copy is published become built.
     pub async fn publish_build(&self, build: BuildId) -> Result<()> {
         let mut change = self.change().await?;
@@ -60,7 +94,7 @@ async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) 
         "UPDATE build SET file_name = ?, queue_id = ?, file_hash = ?, file_bytes = ?, height_mm = ?, density = ?, \
          lower_bound_mm = ?, layers = ?, part_volume_mm3 = ?, copies = ?, clearance_mm = ?, clearance_proved_mm = ?, \
          cpu_secs = coalesce(cpu_secs, 0) + ?, wall_secs = ?, evaluations = ?, seed = ?, method = ?, version = ?, \
-         profile_snapshot = ?, curve = ? WHERE id = ?",
+         profile_snapshot = ?, curve = ?, sidecars = ? WHERE id = ?",
     )
     .bind(&verified.file_name)
     .bind(&verified.queue_id)
@@ -82,6 +116,7 @@ async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) 
     .bind(&verified.version)
     .bind(&verified.profile_snapshot)
     .bind(verified.curve_json())
+    .bind(serde_json::to_string(&verified.sidecars).ok())
     .bind(build)
     .execute(change.db())
     .await?;

@@ -40,13 +40,13 @@ pub const DROPPED: &str = "messages_dropped";
 impl Ledger {
     /// The receivers that there are.
     pub async fn receivers(&self) -> Result<Vec<ReceiverRow>> {
-        Ok(sqlx::query_as("SELECT * FROM receiver ORDER BY name").fetch_all(self.reader()).await?)
+        Ok(sqlx::query_as("SELECT * FROM receiver ORDER BY name").fetch_all(self.reader()?).await?)
     }
 
     /// How far a receiver has been told. One that is new begins now.
     pub async fn receiver(&self, name: Receiver) -> Result<ReceiverRow> {
         let query = || sqlx::query_as("SELECT * FROM receiver WHERE name = ?").bind(name);
-        if let Some(known) = query().fetch_optional(self.reader()).await? {
+        if let Some(known) = query().fetch_optional(self.reader()?).await? {
             return Ok(known);
         }
         let mut change = self.change().await?;
@@ -73,14 +73,14 @@ impl Ledger {
         let query = sqlx::query_as(
             "SELECT * FROM event WHERE id > ? AND kind IN (SELECT value FROM json_each(?)) ORDER BY id LIMIT 1",
         );
-        Ok(query.bind(after).bind(json(kinds)).fetch_optional(self.reader()).await?)
+        Ok(query.bind(after).bind(json(kinds)).fetch_optional(self.reader()?).await?)
     }
 
     /// How many events of these kinds there are after another one.
     pub async fn events_after(&self, after: i64, kinds: &[&str]) -> Result<u64> {
         let query =
             sqlx::query_scalar("SELECT count(*) FROM event WHERE id > ? AND kind IN (SELECT value FROM json_each(?))");
-        Ok(query.bind(after).bind(json(kinds)).fetch_one(self.reader()).await?)
+        Ok(query.bind(after).bind(json(kinds)).fetch_one(self.reader()?).await?)
     }
 
     /// A receiver has all up to this event.

@@ -100,13 +100,13 @@ impl Ledger {
     /// Whether a part of this number has this content.
     pub async fn is_part_of_content(&self, id: PartId, hash: &str) -> Result<bool> {
         let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM part WHERE id = ? AND content_hash = ?)");
-        Ok(query.bind(id).bind(hash).fetch_one(self.reader()).await?)
+        Ok(query.bind(id).bind(hash).fetch_one(self.reader()?).await?)
     }
 
     /// Whether the ledger knows a build file of this name.
     pub async fn knows_build_file(&self, file_name: &str) -> Result<bool> {
         let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM build WHERE file_name = ?)");
-        Ok(query.bind(file_name).fetch_one(self.reader()).await?)
+        Ok(query.bind(file_name).fetch_one(self.reader()?).await?)
     }
 
     /// Leaves a gap in the numbers of parts and builds: those that were given out after a backup are not given out again.

@@ -97,7 +97,8 @@ impl BuildState {
         match (self, next) {
             (Open, Nesting) => Ok(next),
             (Nesting, Verified | Failed) => Ok(next),
-            (Verified, Published) => Ok(next),
+            // Its staged file is not the proved one any more.
+            (Verified, Published | Nesting) => Ok(next),
             (Published, Printing) => Ok(next),
             (Printing, Complete | Interrupted | Failed) => Ok(next),
             _ => Err(IllegalMove { thing: "build", from: self.to_string(), to: next.to_string() }),

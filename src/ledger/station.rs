@@ -41,7 +41,7 @@ pub struct StationRow {
 impl Ledger {
     /// The machines as the daemon saw them last, by name.
     pub async fn stations(&self) -> Result<Vec<StationRow>> {
-        Ok(sqlx::query_as("SELECT * FROM station ORDER BY profile").fetch_all(self.reader()).await?)
+        Ok(sqlx::query_as("SELECT * FROM station ORDER BY profile").fetch_all(self.reader()?).await?)
     }
 }
 

@@ -184,8 +184,14 @@ impl Ledger {
         for Of { profile, row } in all::<Due>(db, DUE).await? {
             of(&mut profiles, &profile).due_of = row.due_of;
         }
-        for Of { profile, row } in all(db, OPEN).await? {
-            of(&mut profiles, &profile).open = Some(row);
+        for Of { profile, row } in all::<OpenBuild>(db, OPEN).await? {
+            let status = of(&mut profiles, &profile);
+            // A layout of more copies than wait is of parts that were taken out since: a forecast of nothing.
+            let is_of_now = row.copies.unwrap_or(0) <= status.waiting_copies;
+            status.open = Some(match is_of_now {
+                true => row,
+                false => OpenBuild { height_mm: None, density: None, copies: None, ..row },
+            });
         }
         for Of { profile, row } in all(db, NESTING).await? {
             of(&mut profiles, &profile).nesting.push(row);

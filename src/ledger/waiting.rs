@@ -14,11 +14,11 @@ pub struct WaitingPart {
 }
 
 impl Ledger {
-    /// The waiting copies of a profile in order of precedence: priority, due date, age.
+    /// The waiting copies of a profile whose files are whole, in order of precedence: priority, due date, age.
     pub async fn waiting_copies(&self, profile: &str) -> Result<Vec<WaitingPart>> {
         let mut snapshot = self.snapshot().await?;
         let parts: Vec<PartRow> = sqlx::query_as(
-            "SELECT * FROM part WHERE profile = ? AND state = 'waiting' \
+            "SELECT * FROM part WHERE profile = ? AND state = 'waiting' AND damaged_at IS NULL \
              ORDER BY priority DESC, due_at IS NULL, due_at, claimed_at, id",
         )
         .bind(profile)

@@ -6,6 +6,9 @@ use glam::{DVec3, Vec3};
 use super::cache::{Packer, Unpacker};
 use crate::geometry::{Mesh, closest_point};
 
+/// Triangles between two looks at the clock: each may fill the whole grid.
+const LOOK_EVERY: usize = 64;
+
 /// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame less `center`.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DistanceField {
@@ -49,24 +52,30 @@ impl Lattice {
 }
 
 impl DistanceField {
-    /// Fills a grid of about `most_nodes` nodes that reaches `reach_mm` beyond the mesh.
-    pub(crate) fn new(mesh: &Mesh, center: DVec3, reach_mm: f64, most_nodes: usize) -> Self {
+    /// Fills a grid of about `most_nodes` nodes that reaches `reach_mm` beyond the mesh; `None` when the time is over before.
+    pub(crate) fn new(
+        mesh: &Mesh,
+        center: DVec3,
+        reach_mm: f64,
+        most_nodes: usize,
+        is_over: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let lattice = lattice_around(mesh, center, reach_mm, most_nodes);
         let corners = |t: usize| mesh.corners(t).map(|c| c - center);
         let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(corners).collect();
-        let distances = distances(&lattice, &triangles);
+        let distances = distances(&lattice, &triangles, is_over)?;
         let inside = super::inside::solid_nodes(lattice.dims, lattice.origin, lattice.step, &triangles);
         let greatest = distances.iter().fold(0.0_f32, |most, &d| most.max(d));
         let scale = greatest.max(1e-6) / 32_000.0;
         let node = |(d, inside): (&f32, &bool)| (if *inside { -d } else { *d } / scale).round() as i16;
-        Self {
+        Some(Self {
             origin: lattice.origin.as_vec3(),
             step: lattice.step as f32,
             inverse_step: 1.0 / lattice.step as f32,
             dims: lattice.dims,
             scale,
             nodes: distances.iter().zip(&inside).map(node).collect(),
-        }
+        })
     }
 
     /// As bytes.
@@ -149,10 +158,13 @@ fn lattice_around(mesh: &Mesh, center: DVec3, reach_mm: f64, most_nodes: usize) 
 }
 
 /// Distance of every node to the surface, mm: exact near it, carried outwards by closest points.
-fn distances(lattice: &Lattice, triangles: &[[DVec3; 3]]) -> Vec<f32> {
+fn distances(lattice: &Lattice, triangles: &[[DVec3; 3]], is_over: &dyn Fn() -> bool) -> Option<Vec<f32>> {
     let mut nearest = vec![(Vec3::ZERO, f32::INFINITY); lattice.len()];
     let band = 1.2 * lattice.step;
-    for triangle in triangles {
+    for (at, triangle) in triangles.iter().enumerate() {
+        if at % LOOK_EVERY == 0 && is_over() {
+            return None;
+        }
         let min = triangle[0].min(triangle[1]).min(triangle[2]) - band;
         let max = triangle[0].max(triangle[1]).max(triangle[2]) + band;
         let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or(DVec3::ZERO);
@@ -184,7 +196,7 @@ fn distances(lattice: &Lattice, triangles: &[[DVec3; 3]]) -> Vec<f32> {
     for backwards in [[false, false, true], [true, true, false], [true, false, false], [false, true, true]] {
         sweep(lattice, &mut nearest, backwards);
     }
-    nearest.into_iter().map(|(_, distance)| distance).collect()
+    Some(nearest.into_iter().map(|(_, distance)| distance).collect())
 }
 
 /// One pass in which every node looks at the closest points of the three nodes before it.
@@ -225,7 +237,7 @@ mod tests {
     #[test]
     fn a_box_knows_its_distances_inside_and_outside() {
         let size = DVec3::new(20.0, 10.0, 30.0);
-        let field = DistanceField::new(&block(size), size * 0.5, 4.0, 60_000);
+        let field = DistanceField::new(&block(size), size * 0.5, 4.0, 60_000, &|| false).unwrap();
         for (point, wanted) in [
             (Vec3::ZERO, -5.0),
             (Vec3::new(12.0, 0.0, 0.0), 2.0),
@@ -242,7 +254,7 @@ mod tests {
 
     #[test]
     fn a_sealed_cavity_is_solid() {
-        let field = DistanceField::new(&hollow(30.0, 1.0), DVec3::splat(15.0), 2.0, 20_000);
+        let field = DistanceField::new(&hollow(30.0, 1.0), DVec3::splat(15.0), 2.0, 20_000, &|| false).unwrap();
         assert!(field.distance(Vec3::ZERO) < 0.0);
         assert!(field.distance(Vec3::new(16.5, 0.0, 0.0)) > 0.0);
     }

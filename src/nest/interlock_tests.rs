@@ -149,7 +149,7 @@ fn where_two_links_fit_only_as_a_chain_one_stays_out() {
 fn task(instance: &Instance) -> Task {
     let workshop = Workshop::new(None, 1);
     let lineup = Lineup::new(instance, |meshes| workshop.outlines(meshes));
-    Task::new(Arc::new(lineup), BTreeSet::new(), &workshop, Organs::default(), 2000, 100)
+    Task::new(Arc::new(lineup), BTreeSet::new(), &workshop, Organs::default(), 2000, 100).unwrap()
 }
 
 fn pieces(task: &Task, placements: &[Placement]) -> Vec<Piece> {

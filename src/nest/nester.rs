@@ -51,6 +51,9 @@ pub fn nest_with(
     }
 }
 
+/// Share of the budget after which no mesh is prepared any more: boxes on boxes it is then. More than all of it, so that a
+/// layout to go on from is not given up for meshes that are nearly prepared.
+const PREPARING_SHARE: f64 = 2.0;
 /// Share of the budget for first layouts, after the first one.
 const START_SHARE: f64 = 0.1;
 /// Placement tests that cost about as much as one evaluation of the search.
@@ -97,13 +100,18 @@ impl<'a> Course<'a> {
         stop: &'a dyn Stop,
         listener: &'a mut dyn Listener,
     ) -> Self {
-        let workshop = Workshop::new(cache, config.threads);
+        let mut workshop = Workshop::new(cache, config.threads);
+        if instance.pinned().is_empty() {
+            workshop = workshop.until(stop, PREPARING_SHARE);
+        }
         Self { instance, config, workshop, stop, listener, best: Vec::new(), starts: Vec::new(), evaluations: 0 }
     }
 
     /// Only puts in what is lacking.
     pub(super) fn insert_only(mut self, start: &[Placement]) -> Solution {
-        let task = self.task(self.lineup());
+        let Some(task) = self.task(Arc::new(self.lineup())) else {
+            return solution(self.instance, &self.best, self.evaluations);
+        };
         let standing = standing(&task, self.instance, start);
         self.offer(standing.clone());
         self.insert_each(&task, &standing, &lacking(&task, &standing));
@@ -114,16 +122,16 @@ impl<'a> Course<'a> {
         Lineup::new(self.instance, |meshes| self.workshop.outlines(meshes))
     }
 
-    fn task(&self, lineup: Lineup) -> Task {
+    fn task(&self, lineup: Arc<Lineup>) -> Option<Task> {
         let pins = self.instance.reserved().pins();
         let (organs, workshop) = (self.config.organs, &self.workshop);
-        let mut task = Task::new(Arc::new(lineup), pins, workshop, organs, COARSE_NODES, COARSE_POINTS);
+        let mut task = Task::new(lineup, pins, workshop, organs, COARSE_NODES, COARSE_POINTS)?;
         task.separable = self.config.interlock() == Interlock::Forbid;
-        task
+        Some(task)
     }
 
     fn run(mut self, start: &[Placement]) -> Solution {
-        let lineup = self.lineup();
+        let lineup = Arc::new(self.lineup());
         if start.is_empty() && self.instance.pinned().is_empty() {
             self.stack_boxes(&lineup);
             if self.stop.spent(0) >= 1.0 {
@@ -131,7 +139,13 @@ impl<'a> Course<'a> {
             }
         }
         let begun = self.stop.spent(0);
-        let task = self.task(lineup);
+        let Some(task) = self.task(lineup.clone()) else {
+            // What stands already cannot be judged without the meshes: boxes need none.
+            if self.best.is_empty() {
+                self.stack_boxes(&lineup);
+            }
+            return solution(self.instance, &self.best, self.evaluations);
+        };
         let prepared = self.stop.spent(0) - begun;
         self.construct(&task, start);
         let task = self.refined(task, prepared);

@@ -52,7 +52,7 @@ pub(crate) struct Task {
 }
 
 impl Task {
-    /// Prepares every distinct mesh of a line-up. Locked parts are let be.
+    /// Prepares every distinct mesh of a line-up; `None` when the workshop's time is over before. Locked parts are let be.
     pub(crate) fn new(
         lineup: Arc<Lineup>,
         pins: BTreeSet<(usize, u32)>,
@@ -60,12 +60,12 @@ impl Task {
         organs: Organs,
         nodes: usize,
         points: usize,
-    ) -> Self {
+    ) -> Option<Self> {
         let detail = Detail { nodes, points, reach_mm: lineup.reach_mm + 0.5 };
         let zones = || lineup.zones.iter().map(|zone| &zone.mesh);
         let items = lineup.candidates.iter().flatten().map(|c| &c.mesh);
         let meshes: Vec<Arc<Mesh>> = items.chain(zones()).cloned().collect();
-        let mut shapes = workshop.shapes(&meshes, detail).into_iter();
+        let mut shapes = workshop.shapes(&meshes, detail)?.into_iter();
         let kind = |candidate: &Option<Candidate>| {
             let Candidate { orientation, clearance_mm, .. } = candidate.as_ref()?;
             Some(Kind { shape: shapes.next()?, orientation: orientation.clone(), clearance_mm: *clearance_mm })
@@ -92,15 +92,15 @@ impl Task {
         let first = task.lineup.candidates.len();
         let zones = task.lineup.zones.iter().enumerate();
         task.zones = zones.map(|(at, zone)| task.piece((first + at, 0), DQuat::IDENTITY, place(zone))).collect();
-        task
+        Some(task)
     }
 
-    /// Prepares some of the items at another detail.
+    /// Prepares some of the items at another detail; they stay as they are when the workshop's time is over before.
     pub(crate) fn refine(&mut self, items: Range<usize>, workshop: &Workshop<'_>, nodes: usize, points: usize) {
         let detail = Detail { nodes, points, reach_mm: self.reach_mm + 0.5 };
         let mut kinds: Vec<&mut Kind> = self.kinds[items].iter_mut().flatten().collect();
         let meshes: Vec<Arc<Mesh>> = kinds.iter().map(|kind| kind.shape.tree.mesh().clone()).collect();
-        let shapes = workshop.shapes(&meshes, detail);
+        let Some(shapes) = workshop.shapes(&meshes, detail) else { return };
         kinds.iter_mut().zip(shapes).for_each(|(kind, shape)| kind.shape = shape);
     }
 

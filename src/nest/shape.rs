@@ -50,16 +50,17 @@ pub(crate) struct Detail {
 }
 
 impl Shape {
-    /// Works out the guides, or takes them from what was kept under the mesh's name.
+    /// Works out the guides, or takes them from what was kept under the mesh's name; `None` when the time is over before.
     pub(crate) fn new(
         tree: Arc<ClearanceTree>,
         outline: &Outline,
         detail: Detail,
         kept: Option<(&dyn Cache, &str)>,
-    ) -> Self {
+        is_over: &dyn Fn() -> bool,
+    ) -> Option<Self> {
         let center = outline.obb.pose.translation;
-        let (field, fine, coarse) = guides(&tree, center, detail, kept);
-        Self {
+        let (field, fine, coarse) = guides(&tree, center, detail, kept, is_over)?;
+        Some(Self {
             center,
             frame: outline.obb.pose.rotation,
             radius_mm: outline.radius_mm,
@@ -69,7 +70,7 @@ impl Shape {
             fine,
             coarse,
             tree,
-        }
+        })
     }
 
     /// The pose of the mesh when its center stands at `place` after `turn`.
@@ -89,18 +90,22 @@ fn guides(
     center: DVec3,
     detail: Detail,
     kept: Option<(&dyn Cache, &str)>,
-) -> (DistanceField, Body, Body) {
+    is_over: &dyn Fn() -> bool,
+) -> Option<(DistanceField, Body, Body)> {
     let kind = || format!("guides-{}-{}-{:016x}", detail.nodes, detail.points, detail.reach_mm.to_bits());
     let slot = kept.map(|(cache, name)| (cache, cache::key_of(&kind(), name)));
     let known = slot.as_ref().and_then(|(cache, key)| cache::unpack_guides(&cache.fetch(key)?));
-    if let Some(known) = known {
+    if known.is_some() {
         return known;
     }
     let mesh = tree.mesh();
-    let field = DistanceField::new(mesh, center, detail.reach_mm, detail.nodes);
+    let field = DistanceField::new(mesh, center, detail.reach_mm, detail.nodes, is_over)?;
+    if is_over() {
+        return None;
+    }
     let (fine, coarse) = (Body::new(mesh, center, detail.points), Body::new(mesh, center, FEW_POINTS));
     if let Some((cache, key)) = slot {
         cache.keep(&key, &cache::pack_guides(&field, &fine, &coarse));
     }
-    (field, fine, coarse)
+    Some((field, fine, coarse))
 }

@@ -11,6 +11,7 @@ use std::{
 };
 
 use super::{
+    Stop,
     cache::{self, Cache},
     outline::Outline,
     shape::{Detail, Shape},
@@ -25,6 +26,8 @@ const MOST_SHAPES: usize = 3;
 pub(crate) struct Workshop<'a> {
     cache: Option<&'a dyn Cache>,
     threads: usize,
+    /// Whose time it is, and the share of it after which nothing more is prepared.
+    patience: Option<(&'a dyn Stop, f64)>,
 }
 
 /// What is in memory of one mesh.
@@ -45,16 +48,26 @@ impl<'a> Workshop<'a> {
     /// A workshop that keeps its work in `cache` and works on so many threads; 0 = one per core.
     pub(crate) fn new(cache: Option<&'a dyn Cache>, threads: usize) -> Self {
         let cores = || thread::available_parallelism().map_or(1, usize::from);
-        Self { cache, threads: if threads == 0 { cores() } else { threads } }
+        Self { cache, threads: if threads == 0 { cores() } else { threads }, patience: None }
+    }
+
+    /// The same, which prepares nothing more once this share of a budget is used up. What was prepared until then is kept.
+    pub(crate) fn until(self, stop: &'a dyn Stop, share: f64) -> Self {
+        Self { patience: Some((stop, share)), ..self }
+    }
+
+    fn is_over(&self) -> bool {
+        self.patience.is_some_and(|(stop, share)| stop.spent(0) >= share)
     }
 
     /// Outlines of meshes, in their order.
     pub(crate) fn outlines(&self, meshes: &[Arc<Mesh>]) -> Vec<Arc<Outline>> {
-        self.each(meshes, |mesh| self.outline(mesh))
+        // Without them there is no layout at all: they are always worked out.
+        self.each(meshes, |mesh| Some(self.outline(mesh))).unwrap_or_default()
     }
 
-    /// Shapes of meshes at a detail, in the order of the meshes.
-    pub(crate) fn shapes(&self, meshes: &[Arc<Mesh>], detail: Detail) -> Vec<Arc<Shape>> {
+    /// Shapes of meshes at a detail, in the order of the meshes; `None` when the time is over before.
+    pub(crate) fn shapes(&self, meshes: &[Arc<Mesh>], detail: Detail) -> Option<Vec<Arc<Shape>>> {
         self.each(meshes, |mesh| self.shape(mesh, detail))
     }
 
@@ -72,12 +85,15 @@ impl<'a> Workshop<'a> {
         at_bench(mesh, |bench| bench.outline.get_or_insert(outline).clone())
     }
 
-    fn shape(&self, mesh: &Arc<Mesh>, detail: Detail) -> Arc<Shape> {
+    fn shape(&self, mesh: &Arc<Mesh>, detail: Detail) -> Option<Arc<Shape>> {
         // Exactly this detail: a finer one at hand would make a build depend on what was nested before it.
         let known =
             |bench: &mut Bench| bench.shapes.iter().find(|(of, _)| *of == detail).map(|(_, shape)| shape.clone());
         if let Some(known) = at_bench(mesh, known) {
-            return known;
+            return Some(known);
+        }
+        if self.is_over() {
+            return None;
         }
         let outline = self.outline(mesh);
         let tree = at_bench(mesh, |bench| bench.tree.clone()).unwrap_or_else(|| {
@@ -86,17 +102,21 @@ impl<'a> Workshop<'a> {
         });
         let name = self.cache.map(|_| name_of(mesh));
         let kept = self.cache.zip(name.as_deref());
-        let shape = Arc::new(Shape::new(tree, &outline, detail, kept));
+        let shape = Arc::new(Shape::new(tree, &outline, detail, kept, &|| self.is_over())?);
         at_bench(mesh, |bench| {
             bench.shapes.push((detail, shape.clone()));
             let too_many = bench.shapes.len().saturating_sub(MOST_SHAPES);
             bench.shapes.drain(..too_many);
         });
-        shape
+        Some(shape)
     }
 
-    /// Does the same work on every distinct mesh, each on whichever thread is free.
-    fn each<T: Send + Sync>(&self, meshes: &[Arc<Mesh>], work: impl Fn(&Arc<Mesh>) -> Arc<T> + Sync) -> Vec<Arc<T>> {
+    /// Does the same work on every distinct mesh, each on whichever thread is free; `None` when any was not done.
+    fn each<T: Send + Sync>(
+        &self,
+        meshes: &[Arc<Mesh>],
+        work: impl Fn(&Arc<Mesh>) -> Option<Arc<T>> + Sync,
+    ) -> Option<Vec<Arc<T>>> {
         let mut distinct: Vec<&Arc<Mesh>> = meshes.iter().collect();
         distinct.sort_by_key(|mesh| Arc::as_ptr(mesh));
         distinct.dedup_by_key(|mesh| Arc::as_ptr(mesh));
@@ -104,25 +124,26 @@ impl<'a> Workshop<'a> {
         distinct.sort_by_key(|mesh| std::cmp::Reverse(mesh.triangles().len()));
         let next = AtomicUsize::new(0);
         let labour = || {
-            let mut done: Vec<(*const Mesh, Arc<T>)> = Vec::new();
+            let mut done: Vec<(usize, Arc<T>)> = Vec::new();
             while let Some(mesh) = distinct.get(next.fetch_add(1, Ordering::Relaxed)) {
-                done.push((Arc::as_ptr(mesh), work(mesh)));
+                done.push((Arc::as_ptr(mesh) as usize, work(mesh)?));
             }
-            done.into_iter().map(|(mesh, made)| (mesh as usize, made)).collect::<Vec<_>>()
+            Some(done)
         };
         let threads = self.threads.min(distinct.len());
         let mut made = if threads <= 1 {
-            labour()
+            labour()?
         } else {
             thread::scope(|scope| {
                 let handles: Vec<_> = (0..threads).map(|_| scope.spawn(labour)).collect();
                 let join = |handle: thread::ScopedJoinHandle<'_, _>| handle.join().unwrap_or_else(|p| resume_unwind(p));
-                handles.into_iter().flat_map(join).collect()
-            })
+                let made: Option<Vec<_>> = handles.into_iter().map(join).collect();
+                Some(made?.into_iter().flatten().collect::<Vec<_>>())
+            })?
         };
         made.sort_by_key(|(mesh, _)| *mesh);
         let find = |mesh: &Arc<Mesh>| made.binary_search_by_key(&(Arc::as_ptr(mesh) as usize), |(known, _)| *known);
-        meshes.iter().map(|mesh| made[find(mesh).expect("every mesh was worked on")].1.clone()).collect()
+        Some(meshes.iter().map(|mesh| made[find(mesh).expect("every mesh was worked on")].1.clone()).collect())
     }
 }
 

@@ -5,6 +5,7 @@ use jiff::Timestamp;
 use serde_json::{Value, json};
 
 use crate::{
+    format::counted,
     ledger::{BuildRow, DROPPED, EventRow, Ledger, PartRow, Refusal, Utc},
     settings::Told,
 };
@@ -122,7 +123,11 @@ fn sentence(event: &EventRow, detail: &str, part: Option<&PartRow>, build: Optio
     match (kind_of(&event.kind), part, build) {
         ("published", _, Some(build)) => {
             let (copies, height_mm) = (build.copies.unwrap_or_default(), build.height_mm.unwrap_or_default());
-            format!("Build {} of {profile} is in the queue: {copies} copies, {height_mm:.2} mm high.", build.id)
+            format!(
+                "Build {} of {profile} is in the queue: {}, {height_mm:.2} mm high.",
+                build.id,
+                counted(copies, "copy", "copies")
+            )
         }
         ("refused", Some(part), _) if event.cause == Refusal::Cancelled.to_string() => {
             format!("Part {} ({}) of {profile} was taken out. {first}", part.id, part.name)

@@ -84,6 +84,21 @@ pub enum QueueError {
     },
 }
 
+impl QueueError {
+    /// Whether publishing failed so that the build was certainly not renamed, and will not be: a share whose answer was lost
+    /// may still do what it was asked.
+    pub fn is_certainly_unpublished(&self) -> bool {
+        let refusals = [Errno::ACCESS, Errno::PERM, Errno::ROFS, Errno::NOSPC, Errno::DQUOT];
+        match self {
+            Self::Unavailable { .. } | Self::BadName(_) | Self::NameTaken(_) | Self::Write { .. } => true,
+            Self::Io { what: "publish", source, .. } => {
+                refusals.iter().any(|refusal| source.raw_os_error() == Some(refusal.raw_os_error()))
+            }
+            Self::Io { .. } => false,
+        }
+    }
+}
+
 fn io_error<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(io::Error) -> QueueError + 'a {
     move |source| QueueError::Io { what, path: path.to_owned(), source }
 }
@@ -204,22 +219,35 @@ impl Queue {
         })
     }
 
-    /// Removes a staged build and its sidecars, published ones too if the build itself is not. A published build is
-    /// left alone. Returns whether there was a staged build.
+    /// Removes a staged build and its sidecars, published ones too if the build itself is not visible. A visible build is
+    /// left alone. Only for a build that was not published: the printer may have taken the build and left the sidecars.
+    /// Returns whether there was a staged build.
     pub fn discard(&self, build_name: &str) -> Result<bool, QueueError> {
         let stem = names::build_stem(build_name)?;
         let was_staged = self.state(build_name)? == StagedState::Staged;
         for suffix in names::SIDECARS {
             let sidecar = format!("{stem}{suffix}");
             remove(&self.staged_path(&sidecar))?;
-            if was_staged && !is_there(&self.published_path(build_name))? {
-                remove(&self.published_path(&sidecar))?;
+            let visible = self.published_path(&sidecar);
+            if is_there(&visible)? && !is_there(&self.published_path(build_name))? {
+                remove(&visible)?;
             }
         }
         // The build last, so that a crash before leaves it to be discarded again.
         remove(&self.staged_path(build_name))?;
         self.fsync()?;
         Ok(was_staged)
+    }
+
+    /// The names of the builds of which dot-files lie here, whoever staged them.
+    pub fn staged_builds(&self) -> Result<Vec<String>, QueueError> {
+        let entries = fs::read_dir(&self.dir).map_err(io_error("list", &self.dir))?;
+        let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+        let mut builds: Vec<String> =
+            names.filter_map(|name| Some(format!("{}{}", names::stem_of_dot_name(&name)?, names::BUILD))).collect();
+        builds.sort();
+        builds.dedup();
+        Ok(builds)
     }
 
     /// Removes dot-files of our pattern whose build (`*.build.3mf`) is not in `keep`. Returns their names.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::{Duplicates, KeepOut, LogFormat, MeshErrors, Told, duration::Secs, off::OrOff};
-use crate::{format, nest};
+use crate::{format, intake, nest};
 
 /// The farm file, `nestd.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -178,6 +178,8 @@ pub(super) struct ProfileInputs {
     pub not_down: Vec<nest::NotDown>,
     pub settle_secs: Secs,
     pub unfinished_secs: Secs,
+    pub incomplete_secs: Secs,
+    pub unlisted: intake::Unlisted,
     pub duplicates: Duplicates,
     pub mesh_errors: MeshErrors,
     pub final_secs: Secs,
@@ -211,6 +213,8 @@ impl Default for ProfileInputs {
             not_down: Vec::new(),
             settle_secs: Secs(5.0),
             unfinished_secs: Secs(120.0),
+            incomplete_secs: Secs(600.0),
+            unlisted: intake::Unlisted::default(),
             duplicates: Duplicates::default(),
             mesh_errors: MeshErrors::default(),
             final_secs: Secs(60.0),

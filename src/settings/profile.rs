@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::KeepOut;
-use crate::{format::Unit, geometry::Bounds, nest};
+use crate::{format::Unit, geometry::Bounds, intake::Unlisted, nest};
 
 /// Where a profile's files live.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -102,6 +102,10 @@ pub struct Profile {
     /// A file whose end is missing (a copy that stalled, a torn upload) is taken, to be refused with a reason, after it
     /// stood still so long, seconds.
     pub unfinished_secs: f64,
+    /// A part that the order list beside it does not name, and a row without its file, wait so long, seconds.
+    pub incomplete_secs: f64,
+    /// What then becomes of the part.
+    pub unlisted: Unlisted,
     /// What to do with identical files.
     pub duplicates: Duplicates,
     /// What to do with meshes that are not closed.

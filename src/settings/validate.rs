@@ -39,6 +39,7 @@ pub(super) fn farm(inputs: &FarmInputs, judge: &mut Judge) {
     judge.within("limits.max_depth", limits.max_depth, 1..=1000);
     judge.within("limits.max_shells", limits.max_shells, 1..=u64::MAX);
     judge.within("limits.max_copies", limits.max_copies, 1..=1_000_000);
+    judge.within("limits.read_memory_bytes", limits.read_memory_bytes, 64 << 20..=u64::MAX);
     if let Err(error) = tracing_subscriber::EnvFilter::try_new(&inputs.log.filter) {
         let remedy =
             "write a level (error, warn, info, debug, trace) or levels by module, as in \"info,nestd::intake=debug\"";
@@ -114,6 +115,8 @@ pub(super) fn profile(name: &str, inputs: ProfileInputs, folders: Folders, judge
         not_down: inputs.not_down,
         settle_secs: inputs.settle_secs.0,
         unfinished_secs: inputs.unfinished_secs.0,
+        incomplete_secs: inputs.incomplete_secs.0,
+        unlisted: inputs.unlisted,
         duplicates: inputs.duplicates,
         mesh_errors: inputs.mesh_errors,
         trigger: trigger(&inputs.trigger, judge),
@@ -158,6 +161,7 @@ fn values(inputs: &ProfileInputs, judge: &mut Judge) {
     }
     judge.within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
     judge.within("unfinished_secs", inputs.unfinished_secs.0, 0.0..=604_800.0);
+    judge.within("incomplete_secs", inputs.incomplete_secs.0, 0.0..=604_800.0);
     judge.within("final_secs", inputs.final_secs.0, 0.0..=MAX_SEARCH_SECS);
     judge.within("arrival_secs", inputs.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
     judge.within("max_attempts", inputs.max_attempts, 1..=100);

@@ -15,7 +15,7 @@ use super::{
     words::{DASH, age, count, number, percent, prose, time_utc},
 };
 use crate::{
-    farm::{Notice, fires_at, kept_notices},
+    farm::{HALTED, Notice, fires_at, kept_notices, summary},
     ledger::{CommandKind, DaemonRow, ProfileStatus, StationRow, Utc},
     settings::Profile,
 };
@@ -37,7 +37,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
     let content = html! {
         h1 { "Farm" }
-        (daemon_line(daemon.as_ref(), now))
+        (daemon_line(daemon.as_ref(), &summary(settings.profiles.len(), status.iter()), now))
         (needs_a_person(&kept_notices(&settings.state_dir), now))
         div.cards {
             @for card in &cards { (card) }
@@ -65,10 +65,18 @@ fn needs_a_person(notices: &[Notice], now: Timestamp) -> Markup {
     }
 }
 
-fn daemon_line(daemon: Option<&DaemonRow>, now: Timestamp) -> Markup {
+/// `does` is what it does, by the rows that the page shows.
+fn daemon_line(daemon: Option<&DaemonRow>, does: &str, now: Timestamp) -> Markup {
+    let does = daemon.map(|d| d.status.as_str()).filter(|said| said.starts_with(HALTED)).unwrap_or(does);
     match daemon {
+        Some(d) if d.is_silent(now) => html! {
+            p.bad role="alert" {
+                "The daemon runs on " (d.host) ", but has not written into the ledger for " (age(d.beat_at.0, now))
+                ": what stands here may be as old. Free some room where the disk of the state folder is full."
+            }
+        },
         Some(d) if d.alive => html! {
-            p.ok.daemon { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (d.status) "." }
+            p.ok.daemon { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (does) "." }
         },
         Some(d) => html! {
             p.bad role="alert" { "The daemon does not run; its last sign of life was " (age(d.beat_at.0, now)) " ago." }

@@ -68,7 +68,27 @@ fn judge(web: &Web, request: &Request) -> Result<(), Problem> {
             "to other sites' pages this farm answers only when a person follows a link, and orders are taken from its own pages",
         );
     }
+    if !request.method().is_safe() && !is_from_our_site(web, &said) {
+        return refused(
+            StatusCode::FORBIDDEN,
+            "orders are taken from this farm's own pages, and another site's page asks; behind a proxy its name must be in web.hosts",
+        );
+    }
     Ok(())
+}
+
+/// Whether what changes something was sent by a page of ours, or by no page. Over plain http to another name than localhost
+/// browsers do not say `Sec-Fetch-Site`, but they name the page's site in `Origin`, or the page in `Referer`.
+fn is_from_our_site<'r>(web: &Web, said: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
+    if said("sec-fetch-site").is_some() {
+        return true; // judged above
+    }
+    let Some(site) = said("origin").or_else(|| said("referer")) else { return true };
+    let Some((_, rest)) = site.split_once("://") else { return false }; // "null": a page that hides where it is from
+    let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();
+    let is_here = said("host").is_some_and(|host| host.eq_ignore_ascii_case(authority));
+    // A proxy may ask under another name than the browser; it listens on its scheme's own port.
+    is_here || web.hosts.iter().any(|host| host.eq_ignore_ascii_case(authority))
 }
 
 /// Whether our own pages, a person (the address bar) or a program asks. What other sites' pages ask for, also those of our

@@ -57,6 +57,32 @@ async fn an_order_is_taken_from_our_own_pages_only() {
 }
 
 #[tokio::test]
+async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin() {
+    let dashboard = Dashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
+    let ask = async |host: &str, told: &[(&str, &str)]| {
+        let mut request = Request::post("/orders").header("host", host);
+        for (name, value) in told {
+            request = request.header(*name, *value);
+        }
+        let form = request.header("content-type", "application/x-www-form-urlencoded");
+        // An order that is let in is about a profile that is not there.
+        let body = Body::from("key=key&kind=flush&profile=other");
+        dashboard.send(form.body(body).unwrap()).await.status
+    };
+    let (own, here) = ("http://farm.example.org", "farm.example.org");
+    for other in ["http://evil.example.com", "null", "http://farm.example.org.evil.com", "http://farm.example.org:81"] {
+        assert_eq!(ask(here, &[("origin", other)]).await, StatusCode::FORBIDDEN, "{other}");
+    }
+    assert_eq!(ask(here, &[("referer", "http://evil.example.com/farm.example.org")]).await, StatusCode::FORBIDDEN);
+    assert_eq!(ask("localhost:7878", &[("origin", "http://localhost:3000")]).await, StatusCode::FORBIDDEN);
+    for told in [&[("origin", own)][..], &[("referer", "http://farm.example.org/builds/1?a#b")], &[]] {
+        assert_eq!(ask(here, told).await, StatusCode::NOT_FOUND, "{told:?}");
+    }
+    assert_eq!(ask("localhost:7878", &[("origin", "http://localhost:7878")]).await, StatusCode::NOT_FOUND);
+    assert_eq!(ask("127.0.0.1:7878", &[("origin", "https://farm.example.org")]).await, StatusCode::NOT_FOUND);
+}
+
+#[tokio::test]
 async fn pages_that_listen_for_changes_leave_room_for_those_that_ask() {
     let dashboard = Dashboard::new(|_| ()).await;
     let listening: Vec<_> = (0..crate::web::live::MOST_LISTENING).map(|_| dashboard.web.changes.subscribe()).collect();

@@ -27,9 +27,10 @@ pub(super) async fn readyz(State(web): State<Arc<Web>>) -> Answer<Response> {
         .filter(|folder| !folder.is_dir())
         .map(|f| format!("{} is not there\n", f.display()))
         .collect();
-    Ok(match (daemon.is_some_and(|d| d.alive), gone.is_empty()) {
+    Ok(match (daemon.is_some_and(|d| d.alive && !d.is_silent(jiff::Timestamp::now())), gone.is_empty()) {
         (true, true) => "ready\n".into_response(),
-        (false, _) => (StatusCode::SERVICE_UNAVAILABLE, "the daemon does not beat\n").into_response(),
+        (false, _) => (StatusCode::SERVICE_UNAVAILABLE, "the daemon does not run, or cannot write into the ledger\n")
+            .into_response(),
         (true, false) => (StatusCode::SERVICE_UNAVAILABLE, gone.concat()).into_response(),
     })
 }

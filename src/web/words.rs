@@ -36,9 +36,7 @@ pub(super) fn text(value: &str) -> &str {
 }
 
 /// '1 copy', '2 copies'.
-pub(super) fn count(number: u32, one: &str, several: &str) -> String {
-    if number == 1 { format!("1 {one}") } else { format!("{number} {several}") }
-}
+pub(super) use crate::format::counted as count;
 
 /// A time of the table, UTC.
 pub(super) fn time(time: Option<Utc>) -> String {

@@ -4,10 +4,10 @@ use std::{fs, os::unix::fs::FileExt, path::Path};
 
 use nestd::{
     farm::{Attention, Notice},
-    ledger::PartState,
+    ledger::{BuildState, PartState},
 };
 
-use super::support::{QUICK, TestFarm, block, wait_until_or};
+use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or};
 
 const SECOND: &str = "second";
 
@@ -106,6 +106,7 @@ fn folders_that_are_away_and_refused_and_stray_files_are_told_and_it_is_told_whe
     fs::remove_file(farm.root().join("inbox/forgotten.stl")).unwrap();
     fs::remove_dir_all(farm.folder("error")).unwrap();
     fs::create_dir(farm.folder("error")).unwrap();
+    fs::write(farm.folder("error").join(".nestd-owner"), "").unwrap();
     is_over(&farm, Attention::QueueAway);
     is_over(&farm, Attention::Stray);
     is_over(&farm, Attention::Refused);
@@ -116,26 +117,29 @@ fn folders_that_are_away_and_refused_and_stray_files_are_told_and_it_is_told_whe
 
 #[test]
 fn a_build_that_is_given_up_is_told_until_its_profile_is_resumed_also_after_a_restart() {
-    let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
+    let profile = QUICK.replace("max_attempts = 50", "max_attempts = 1");
+    let mut farm = TestFarm::new(&profile.replace("final_secs = 0.5", "final_secs = 60"));
     farm.start();
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
-    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
-    // What is in memory would hide that the stored file is damaged.
-    farm.stop();
-    let stored = farm.root().join("state/store").join(&part.content_hash[..2]).join(&part.content_hash);
-    let whole = fs::read(&stored).unwrap();
-    fs::write(&stored, vec![0; whole.len()]).unwrap();
-    fs::remove_dir_all(farm.root().join("state/cache")).unwrap();
-    farm.start();
+    farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
+    let is_fired = || !farm.ask(async |ledger| ledger.builds_in_state(BuildState::Nesting).await).unwrap().is_empty();
+    wait_until("the build is fired", 20.0, is_fired);
+    farm.kill();
+    // The machine has become too small for what is being nested.
+    farm.write_profile(PROFILE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
+    farm.start();
     is_told_everywhere(&farm, Attention::BuildFailed, "test");
+    farm.wait_for_parts(PartState::Rejected, 1);
     farm.stop();
     fs::write(farm.root().join("log"), "").unwrap();
-    fs::write(&stored, whole).unwrap();
+    farm.write_profile(PROFILE, &profile);
     farm.start();
     is_told_everywhere(&farm, Attention::BuildFailed, "test");
     farm.nestd_ok(&["resume", "test"]);
     is_over(&farm, Attention::BuildFailed);
+    farm.nestd_ok(&["retry", "1"]);
+    farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
 }

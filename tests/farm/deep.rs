@@ -32,8 +32,8 @@ fn at_rest(farm: &TestFarm) -> Vec<String> {
 
 fn only_file(folder: PathBuf) -> PathBuf {
     let mut files = nestd::intake::files_below(&folder).unwrap();
-    // The record of a build is for nestd itself.
-    files.retain(|file| !file.ends_with(".nestd-build.json"));
+    // The record of a build and the marker of a folder are for nestd itself.
+    files.retain(|file| !file.ends_with(".nestd-build.json") && !file.ends_with(".nestd-owner"));
     assert_eq!(files.len(), 1, "{files:?}");
     files[0].clone()
 }
@@ -97,6 +97,7 @@ fn a_cancelled_part_that_is_taken_back_leaves_no_second_copy_in_the_error_folder
     farm.nestd_ok(&["retry", "1"]);
     farm.wait_for_parts(PartState::Waiting, 1);
     wait_until("it is gone from the error folder", 5.0, || {
-        nestd::intake::files_below(&farm.folder("error")).unwrap().is_empty()
+        let files = nestd::intake::files_below(&farm.folder("error")).unwrap();
+        files.iter().all(|file| file.ends_with(".nestd-owner"))
     });
 }

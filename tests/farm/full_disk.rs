@@ -131,3 +131,23 @@ fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
     farm.wait_for_parts(PartState::Built, 1);
     farm.stop();
 }
+
+#[test]
+fn a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same() {
+    let mut farm = TestFarm::new(QUICK);
+    let Some(disk) = SmallDisk::new(&farm.root().join("state"), 3 << 20) else { return };
+    farm.start();
+    says(&farm, "The farm is open");
+    disk.fill();
+    // Longer than a sign of life lasts.
+    let until = std::time::Instant::now() + Duration::from_secs(20);
+    while std::time::Instant::now() < until {
+        let status = farm.nestd(&["status"]);
+        let told = String::from_utf8_lossy(&status.stdout).into_owned();
+        assert!(status.status.success() && told.contains("The daemon runs"), "{told}\n{}", farm.log());
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    disk.free();
+    farm.stop();
+    assert!(farm.nestd_ok(&["status"]).contains("The daemon does not run."));
+}

@@ -66,3 +66,38 @@ fn an_outcome_is_told_of_a_published_build() {
     farm.nestd_ok(&["outcome", &id.to_string(), "complete", "--note", "fine"]);
     assert!(farm.nestd_ok(&["show", &format!("b{id}")]).contains("complete"));
 }
+
+#[test]
+fn a_large_file_is_copied_beside_the_loop_when_its_part_is_cancelled() {
+    let farm = TestFarm::running(QUICK);
+    let large = super::greedy::padded(200 << 20);
+    farm.drop_bytes("a.3mf", &large);
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    let tasks = format!("/proc/{}/task", farm.pid());
+    let copies = || {
+        let names = std::fs::read_dir(&tasks).unwrap().flatten();
+        names
+            .filter_map(|task| std::fs::read_to_string(task.path().join("comm")).ok())
+            .any(|name| name.starts_with("Copy("))
+    };
+    let mut cancel = farm.command(&["cancel", &part.id.to_string()]).spawn().unwrap();
+    super::support::wait_until_or("a thread of its own copies", 20.0, || farm.log(), copies_soon(&copies));
+    cancel.wait().unwrap();
+    farm.wait_for_parts(PartState::Rejected, 1);
+    let copy = farm.folder("error").join(format!("part-{}", part.id)).join("a.3mf");
+    assert!(std::fs::read(copy).unwrap() == large, "the original is given back whole");
+}
+
+/// Looks often: a copy may take a tenth of a second.
+fn copies_soon(copies: &impl Fn() -> bool) -> impl FnMut() -> bool {
+    move || {
+        let until = std::time::Instant::now() + Duration::from_secs(1);
+        while std::time::Instant::now() < until {
+            if copies() {
+                return true;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        false
+    }
+}

@@ -1,12 +1,12 @@
 //! Backup and restore as an operator does them: nothing that was published since the backup is printed again.
 
-use std::{fs, path::PathBuf, process::Output};
+use std::{collections::BTreeMap, fs, path::PathBuf, process::Output};
 
 use nestd::ledger::PartState;
 
-use super::support::{QUICK, TestFarm, block};
+use super::support::{PROFILE, QUICK, TestFarm, block, stl, wait_until};
 
-fn text(output: &Output) -> String {
+pub fn text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
@@ -33,7 +33,20 @@ fn farm_and_backup() -> (TestFarm, PathBuf) {
     (farm, backup)
 }
 
-/// Lets the farm run, and asserts that nothing of `a` and `b` is printed once more.
+/// How often each content stands in a build file.
+pub fn printed(file: &std::path::Path) -> BTreeMap<String, usize> {
+    let mut counts = BTreeMap::new();
+    for placed in nestd::format::read_build(file, &Default::default()).unwrap() {
+        *counts.entry(placed.source_hash.unwrap()).or_default() += 1;
+    }
+    counts
+}
+
+pub fn hash_of(mesh: &nestd::geometry::Mesh) -> String {
+    blake3::hash(&stl(mesh)).to_hex().to_string()
+}
+
+/// Lets the farm run, and asserts that nothing of `a` and `b` is printed once more, and `c` with its copies.
 fn runs_and_prints_nothing_again(farm: &mut TestFarm) {
     let parts = farm.parts(PartState::Built);
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
@@ -41,14 +54,22 @@ fn runs_and_prints_nothing_again(farm: &mut TestFarm) {
     let before = farm.queued();
     farm.start();
     farm.drop_part("new.stl", &block(23.0, 20.0, 20.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.wait_for_parts(PartState::Waiting, 2);
     farm.flush();
-    farm.wait_for_parts(PartState::Built, 3);
+    farm.wait_for_parts(PartState::Built, 4);
     let now = farm.wait_for_queued(before.len() + 1);
     let new = now.iter().find(|file| !before.contains(file)).unwrap();
-    let placed = nestd::format::read_build(new, &Default::default()).unwrap();
-    assert_eq!(placed.len(), 1, "only what was dropped after the restore");
-    assert!(placed[0].part_number.as_deref().unwrap().parse::<i64>().unwrap() > 3, "a number was given out twice");
+    let wanted = [(hash_of(&block(22.0, 20.0, 20.0)), 4), (hash_of(&block(23.0, 20.0, 20.0)), 1)];
+    assert_eq!(
+        printed(new),
+        BTreeMap::from(wanted),
+        "what waited with its copies, and what was dropped after the restore"
+    );
+    let numbers = nestd::format::read_build(new, &Default::default()).unwrap();
+    let number =
+        |name: &str| numbers.iter().find(|p| p.source_hash.as_deref() == Some(name)).unwrap().part_number.clone();
+    let fresh = number(&hash_of(&block(23.0, 20.0, 20.0))).unwrap();
+    assert!(fresh.parse::<i64>().unwrap() > 3, "a number was given out twice");
     assert_eq!(farm.ask(async |ledger| ledger.faults().await.unwrap()), Vec::<String>::new());
     farm.stop();
 }
@@ -58,8 +79,10 @@ fn a_restored_backup_learns_from_the_folders_what_was_published_since() {
     let (mut farm, backup) = farm_and_backup();
     let said = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
     assert_eq!(said.matches("was published; its copies are taken in").count(), 2, "{said}");
-    let stored = said.lines().find(|line| line.contains("LOOK AT")).unwrap_or_else(|| panic!("c is not told: {said}"));
-    assert!(stored.contains("/store/") && stored.contains("drop it again"), "{stored}");
+    assert!(
+        said.contains("c_x4.stl, 4 copies, for test) was taken after the backup was made"),
+        "c is not told: {said}"
+    );
     assert!(said.contains("The one before is kept as"), "{said}");
     let history = farm.nestd_ok(&["history", "--json"]);
     assert_eq!(history.matches("\"height_mm\": 19.99").count(), 2, "the heights are back: {history}");
@@ -94,9 +117,16 @@ fn a_backup_that_was_copied_back_by_hand_is_not_served_until_it_is_repaired() {
 #[test]
 fn without_records_the_build_files_in_the_queue_tell() {
     let (mut farm, backup) = farm_with_a_published();
-    let said = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    let before = fs::read(farm.root().join("state/nestd.db")).unwrap();
+    let refused = text(&farm.nestd(&["restore", backup.to_str().unwrap()]));
+    assert!(refused.contains("archive/test cannot be looked at") && refused.contains("--new-folder"), "{refused}");
+    assert_eq!(fs::read(farm.root().join("state/nestd.db")).unwrap(), before, "the ledger was touched");
+    let archive = farm.folder("archive");
+    let said = farm.nestd_ok(&["restore", backup.to_str().unwrap(), "--new-folder", archive.to_str().unwrap()]);
     assert_eq!(said.matches("was published; its copies are taken in").count(), 1, "{said}");
     assert_eq!(farm.parts(PartState::Built).len(), 1);
+    // An empty marker: a person accepts the folder as it is.
+    fs::write(archive.join(".nestd-owner"), "").unwrap();
     farm.start();
     farm.flush();
     std::thread::sleep(std::time::Duration::from_millis(1500));
@@ -114,6 +144,7 @@ fn farm_with_a_published() -> (TestFarm, PathBuf) {
     farm.wait_for_parts(PartState::Built, 1);
     farm.stop();
     fs::remove_dir_all(farm.folder("archive")).unwrap();
+    fs::create_dir(farm.folder("archive")).unwrap();
     (farm, backup)
 }
 
@@ -165,4 +196,195 @@ fn a_restore_is_refused_while_the_daemon_runs_and_from_what_is_no_whole_backup()
     let refused = farm.nestd(&["restore", backup.to_str().unwrap()]);
     assert!(!refused.status.success() && text(&refused).contains("is damaged"), "{}", text(&refused));
     assert_eq!(fs::read(farm.root().join("state/nestd.db")).unwrap(), before, "the ledger was touched");
+}
+
+/// A ledger as of now, put over the present one by hand once more has happened.
+pub fn copy_ledger(farm: &TestFarm) -> PathBuf {
+    let copy = farm.root().join("copied.db");
+    farm.nestd_ok(&["backup", copy.to_str().unwrap()]);
+    copy
+}
+
+pub fn put_over(farm: &TestFarm, copy: &std::path::Path) {
+    let ledger = farm.root().join("state/nestd.db");
+    for suffix in ["-wal", "-shm", ".b3"] {
+        let _ = fs::remove_file(format!("{}{suffix}", ledger.display()));
+    }
+    fs::copy(copy, ledger).unwrap();
+}
+
+#[test]
+fn a_ledger_rolled_back_with_no_build_in_between_forgets_no_order() {
+    let mut farm = TestFarm::running(QUICK);
+    let copy = copy_ledger(&farm);
+    farm.drop_bytes("kit/order.csv", b"file;copies\none.stl;3\n");
+    farm.drop_part("kit/one.stl", &block(20.0, 20.0, 20.0));
+    farm.drop_bytes("two.stl.toml", b"copies = 2\nnote = \"by hand\"\n");
+    farm.drop_part("two.stl", &block(21.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    farm.stop();
+    put_over(&farm, &copy);
+    let refused = text(&farm.nestd(&["run"]));
+    assert!(refused.contains("older than the folders") && refused.contains("--repair"), "{refused}");
+    for args in [vec!["check"], vec!["check", "--deep"]] {
+        let told = farm.nestd(&args);
+        assert!(!told.status.success() && text(&told).contains("kit/one.stl (3 copies for test)"), "{}", text(&told));
+        assert!(text(&told).contains("two.stl (2 copies for test)"), "{}", text(&told));
+    }
+    let said = farm.nestd_ok(&["check", "--deep", "--repair"]);
+    assert!(said.contains("kit/one.stl, 3 copies, for test) was taken after"), "{said}");
+    farm.start();
+    let parts = farm.wait_for_parts(PartState::Waiting, 2);
+    let known = |name: &str| parts.iter().find(|part| part.name == name).unwrap();
+    assert_eq!((known("one.stl").copies, known("one.stl").order_name.as_str()), (3, "kit"));
+    assert_eq!((known("two.stl").copies, known("two.stl").note.as_str()), (2, "by hand"));
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, 2);
+    let wanted = [(hash_of(&block(20.0, 20.0, 20.0)), 3), (hash_of(&block(21.0, 20.0, 20.0)), 2)];
+    assert_eq!(printed(&farm.wait_for_queued(1)[0]), BTreeMap::from(wanted));
+    farm.stop();
+    let store = nestd::intake::Store::at(farm.root().join("state/store"));
+    assert!(store.kept().unwrap().is_empty(), "what is built leaves no note: {:?}", store.kept());
+}
+
+#[test]
+fn a_write_ahead_log_that_was_removed_with_its_index_forgets_no_order() {
+    let mut farm = TestFarm::running(QUICK);
+    farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.kill();
+    for suffix in ["-wal", "-shm"] {
+        fs::remove_file(farm.root().join(format!("state/nestd.db{suffix}"))).unwrap();
+    }
+    let refused = text(&farm.nestd(&["run"]));
+    assert!(refused.contains("older than the folders") || refused.contains("nestd restore"), "{refused}");
+    if refused.contains("--repair") {
+        farm.nestd_ok(&["check", "--deep", "--repair"]);
+        farm.start();
+        assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].copies, 2);
+    }
+}
+
+#[test]
+fn a_stored_file_of_which_nothing_is_noted_is_told_by_name_and_kept() {
+    let mut farm = TestFarm::running(QUICK);
+    let copy = copy_ledger(&farm);
+    farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.stop();
+    put_over(&farm, &copy);
+    let store = nestd::intake::Store::at(farm.root().join("state/store"));
+    let hash = hash_of(&block(20.0, 20.0, 20.0));
+    for claim in &store.kept().unwrap()[&hash].claims {
+        fs::remove_file(store.note_path(&hash, claim).unwrap()).unwrap();
+    }
+    assert!(!farm.nestd(&["run"]).status.success());
+    let said = farm.nestd_ok(&["check", "--deep", "--repair"]);
+    assert!(said.contains("LOOK AT") && said.contains(&format!("state/unknown/{hash}")), "{said}");
+    assert_eq!(fs::read(farm.root().join("state/unknown").join(&hash)).unwrap(), stl(&block(20.0, 20.0, 20.0)));
+    farm.start();
+    farm.drop_part("new.stl", &block(9.0, 9.0, 9.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+}
+
+#[test]
+fn a_ledger_that_is_gone_is_a_problem_to_check() {
+    let mut farm = TestFarm::running(QUICK);
+    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, 1);
+    farm.stop();
+    for suffix in ["", ".b3"] {
+        fs::remove_file(farm.root().join(format!("state/nestd.db{suffix}"))).unwrap();
+    }
+    for args in [vec!["check"], vec!["check", "--deep"]] {
+        let told = farm.nestd(&args);
+        assert!(!told.status.success() && text(&told).contains("there is no ledger"), "{}", text(&told));
+        assert!(text(&told).contains("nestd restore"), "{}", text(&told));
+    }
+    let refused = text(&farm.nestd(&["run"]));
+    assert!(refused.contains("there is no ledger") && refused.contains("nestd restore"), "{refused}");
+}
+
+#[test]
+fn a_part_that_was_taken_back_after_the_backup_is_refused_where_people_see_it() {
+    let mut farm = TestFarm::running(QUICK);
+    let backup = farm.root().join("ledger.backup");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1)[0].id;
+    farm.nestd_ok(&["cancel", &part.to_string()]);
+    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
+    farm.nestd_ok(&["retry", &part.to_string()]);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.stop();
+    let said = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    assert!(said.contains("LOOK AT: part 1 (a.stl)") && said.contains("`nestd retry 1` takes it back"), "{said}");
+    let file = farm.folder("error").join("part-1/a.stl");
+    assert_eq!(fs::read(&file).unwrap(), stl(&block(20.0, 20.0, 20.0)), "the file is to be seen");
+    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
+    farm.start();
+    farm.nestd_ok(&["retry", "1"]);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    assert!(!file.exists(), "it is in one place only");
+}
+
+#[test]
+fn a_ledger_that_is_removed_or_replaced_is_left_at_once_and_saved() {
+    for replaced in [false, true] {
+        let mut farm = TestFarm::running(QUICK);
+        let copy = copy_ledger(&farm);
+        farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
+        farm.wait_for_parts(PartState::Waiting, 1);
+        let ledger = farm.root().join("state/nestd.db");
+        match replaced {
+            true => fs::rename(&copy, &ledger).unwrap(),
+            false => fs::remove_file(&ledger).unwrap(),
+        }
+        wait_until("the daemon notices it", 5.0, || farm.log().contains("removed or replaced while nestd ran"));
+        farm.drop_part("b.stl", &block(21.0, 20.0, 20.0));
+        std::thread::sleep(std::time::Duration::from_millis(1500));
+        assert!(farm.folder("inbox").join("b.stl").exists(), "it takes files into nowhere");
+        let told = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
+        assert!(told.contains("ATTENTION") && told.contains("nestd restore"), "{told}");
+        farm.stop();
+        let saved = fs::read_dir(farm.root().join("state")).unwrap().map(|entry| entry.unwrap().path());
+        let is_saved = |file: &PathBuf| file.to_string_lossy().contains(".saved-") && !file.ends_with(".b3");
+        let saved = saved.filter(is_saved).find(|file| file.extension().is_none_or(|end| end != "b3")).unwrap();
+        farm.nestd_ok(&["restore", saved.to_str().unwrap()]);
+        farm.start();
+        let parts = farm.wait_for_parts(PartState::Waiting, 2);
+        assert_eq!(parts.iter().map(|part| part.copies).sum::<u32>(), 3);
+    }
+}
+
+#[test]
+fn what_a_returning_machine_tells_is_held_against_the_ledger_at_a_reload() {
+    let mut farm = TestFarm::running(QUICK);
+    farm.write_profile("other", QUICK);
+    farm.reload();
+    let backup = farm.root().join("ledger.backup");
+    farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
+    farm.flush();
+    farm.wait_for_parts(PartState::Built, 1);
+    farm.stop();
+    // Its machine is not configured while the ledger is restored, and comes back by a reload.
+    let profile = farm.root().join(format!("config/profiles/{PROFILE}.toml"));
+    fs::rename(&profile, farm.root().join("kept.toml")).unwrap();
+    farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    farm.start();
+    std::thread::sleep(std::time::Duration::from_millis(800));
+    fs::rename(farm.root().join("kept.toml"), &profile).unwrap();
+    farm.reload();
+    wait_until("it is told", 10.0, || farm.nestd_ok(&["status"]).contains("older than the folders"));
+    let _ = farm.nestd(&["flush", PROFILE]);
+    std::thread::sleep(std::time::Duration::from_millis(3000));
+    assert_eq!(farm.queued().len(), 1, "printed twice\n{}", farm.log());
+    farm.stop();
+    farm.nestd_ok(&["check", "--deep", "--repair"]);
+    farm.start();
+    farm.wait_for_parts(PartState::Built, 1);
 }

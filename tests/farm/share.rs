@@ -77,7 +77,7 @@ fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_fo
     fs::rename(&inbox, &away).unwrap();
     says(&farm, "The hot folder is unavailable");
     fs::create_dir(&inbox).unwrap();
-    says(&farm, "is another directory than before and its marker .nestd-owner is missing");
+    says(&farm, "is not the folder that was there before: its marker .nestd-owner is missing");
     fs::write(inbox.join("b.stl"), super::support::stl(&block(10.0, 20.0, 10.0))).unwrap();
     std::thread::sleep(Duration::from_secs(2));
     assert_eq!(farm.parts(PartState::Waiting).len(), 1, "a part was taken out of an empty mount point");
@@ -91,14 +91,18 @@ fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_fo
 }
 
 #[test]
-fn a_hot_folder_that_was_replaced_on_purpose_is_taken_after_a_reload() {
+fn a_hot_folder_that_was_replaced_on_purpose_is_taken_when_somebody_says_so() {
     let farm = TestFarm::running(QUICK);
     let inbox = farm.folder("inbox");
     says(&farm, "The farm is open");
     fs::rename(&inbox, farm.root().join("old")).unwrap();
     fs::create_dir(&inbox).unwrap();
-    says(&farm, "reload or restart nestd");
+    says(&farm, "if it was replaced or emptied on purpose: touch");
     farm.reload();
+    says(&farm, "The configuration was read again");
+    std::thread::sleep(Duration::from_secs(5));
+    assert_eq!(fs::read_dir(&inbox).unwrap().count(), 0, "a reload took an empty mount point for the hot folder");
+    fs::write(inbox.join(".nestd-owner"), "").unwrap();
     says(&farm, "No longer so: test: The hot folder is unavailable");
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -121,6 +125,40 @@ fn a_build_is_not_staged_in_an_empty_directory_in_the_place_of_the_queue() {
     fs::rename(&away, &queue).unwrap();
     farm.wait_for_queued(1);
     farm.wait_for_parts(PartState::Built, 1);
+}
+
+#[test]
+fn an_archive_or_error_folder_that_is_away_is_never_taken_for_an_empty_one() {
+    let mut farm = TestFarm::running(QUICK);
+    says(&farm, "The farm is open");
+    let folders = ["archive", "error"].map(|kind| (farm.folder(kind), farm.root().join(format!("{kind}-away"))));
+    for (folder, _) in &folders {
+        wait_until_or("it is marked", 10.0, || farm.log(), || folder.join(".nestd-owner").exists());
+    }
+    farm.stop();
+    for (folder, away) in &folders {
+        fs::rename(folder, away).unwrap();
+        fs::create_dir(folder).unwrap();
+    }
+    farm.start();
+    says(&farm, "The archive cannot be used");
+    says(&farm, "The error folder cannot be used");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    farm.drop_bytes("bad.stl", b"solid nonsense\nendsolid\n");
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.flush();
+    std::thread::sleep(Duration::from_secs(3));
+    assert!(farm.queued().is_empty(), "a build was published beside its archive");
+    for (folder, away) in &folders {
+        assert_eq!(fs::read_dir(folder).unwrap().count(), 0, "something was put into an empty mount point");
+        fs::remove_dir(folder).unwrap();
+        fs::rename(away, folder).unwrap();
+    }
+    farm.wait_for_queued(1);
+    farm.wait_for_parts(PartState::Built, 1);
+    let refused = farm.folder("error").join("bad.stl");
+    wait_until_or("the refused file is put there", 60.0, || farm.log(), || refused.exists());
 }
 
 #[test]

@@ -68,14 +68,39 @@ impl TestFarm {
 
     /// Starts the daemon where so many files may be open.
     pub fn start_with_open_files(&mut self, most: u32) {
+        self.start_under(&format!("ulimit -n {most}"));
+    }
+
+    /// Starts the daemon with so much address space, bytes.
+    pub fn start_with_memory(&mut self, most: u64) {
+        // One arena: what malloc only sets aside would count too.
+        self.start_under(&format!("ulimit -v {}; export MALLOC_ARENA_MAX=1", most / 1024));
+    }
+
+    /// Starts the daemon again if it has ended by itself, as the service manager does.
+    pub fn start_again_where_it_ended(&mut self, most: u64) -> bool {
+        let has_ended = self.has_ended();
+        if has_ended {
+            self.daemon = None;
+            self.start_with_memory(most);
+        }
+        has_ended
+    }
+
+    /// Whether the daemon has ended by itself.
+    pub fn has_ended(&mut self) -> bool {
+        self.daemon.as_mut().is_none_or(|child| child.try_wait().unwrap().is_some())
+    }
+
+    fn start_under(&mut self, words: &str) {
         let daemon = self.command(&["run"]);
         let mut command = Command::new("sh");
-        command.arg("-c").arg(format!("ulimit -n {most}; exec \"$0\" \"$@\"")).arg(daemon.get_program());
+        command.arg("-c").arg(format!("{words}; exec \"$0\" \"$@\"")).arg(daemon.get_program());
         command.args(daemon.get_args()).current_dir(self.root()).env("NESTD_ALLOW_ROOT", "1");
         self.start_as(command);
     }
 
-    fn start_as(&mut self, mut command: Command) {
+    pub fn start_as(&mut self, mut command: Command) {
         let log = fs::File::options().create(true).append(true).open(self.root().join("log")).unwrap();
         let child = command.stdout(Stdio::null()).stderr(log).spawn().unwrap();
         self.daemon = Some(child);

@@ -152,7 +152,7 @@ pub fn ticket_json(bytes: &[u8]) {
 
 /// The bytes as an order list, asked for each file that it names and for one that it may not.
 pub fn order_csv(bytes: &[u8]) {
-    let list = OrderList::parse(bytes.to_vec());
+    let list = OrderList::parse(bytes);
     let _ = list.row_for(OsStr::new("a.stl"));
     for row in list.rows().unwrap_or_default().iter().take(50) {
         let found = list.row_for(OsStr::new(&row.file));

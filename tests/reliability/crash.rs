@@ -38,7 +38,7 @@ pub fn run(budget: &Budget) -> Row {
 fn one_life(point: u64) -> (u64, Row) {
     let mut life = Life::new();
     let root = life.farm.root().to_owned();
-    let watch = KillAfter { root, point, count: Arc::default(), foreign: Arc::default() };
+    let watch = KillAfter::new(&root, point);
     let (count, foreign) = (watch.count.clone(), watch.foreign.clone());
     let mut traced = Traced::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
     let end = life.play(traced.pid(), &mut || traced.has_ended());
@@ -72,6 +72,9 @@ fn one_life(point: u64) -> (u64, Row) {
     (changes, row)
 }
 
+/// Temporary files and folders that commands make.
+const MADE_BY_COMMANDS: [&[u8]; 3] = [b".nestd-backup-", b".nestd-check-", b".nestd-folders-"];
+
 /// The daemon's own temporary files, and what its part's state says is elsewhere now.
 fn may_be_deleted(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -83,6 +86,9 @@ fn may_be_deleted(path: &Path) -> bool {
         || is_below("state/cache")
         || name.starts_with("nestd.db-")
         || name == "nestd.db.b3"
+        || name.starts_with("nestd.db.restoring")
+        || name.starts_with("nestd.db.aside-")
+        || path.components().any(|part| MADE_BY_COMMANDS.iter().any(|with| part.as_os_str().as_encoded_bytes().starts_with(with)))
         || is_hidden(".nestd-", ".tmp")
         || (is_below("queue/test") && (is_hidden(".", ".part") || is_hidden(".", ".half")))
         // Of the part that was cancelled and taken back.
@@ -95,12 +101,30 @@ fn may_be_deleted(path: &Path) -> bool {
 /// Changes so far, and the last one in words.
 type Count = Arc<Mutex<(u64, String)>>;
 
-struct KillAfter {
+/// Kills the process after its n-th change.
+pub struct KillAfter {
     root: PathBuf,
     point: u64,
     count: Count,
     /// Deletions of what is not the daemon's own.
     foreign: Arc<Mutex<Vec<String>>>,
+}
+
+impl KillAfter {
+    /// Kills after so many changes below `root`.
+    pub fn new(root: &Path, point: u64) -> Self {
+        Self { root: root.to_owned(), point, count: Arc::default(), foreign: Arc::default() }
+    }
+
+    /// Changes so far.
+    pub fn changes(&self) -> u64 {
+        self.count.lock().unwrap().0
+    }
+
+    /// Deletions of what is not the daemon's own, as sentences.
+    pub fn foreign(&self) -> Vec<String> {
+        self.foreign.lock().unwrap().clone()
+    }
 }
 
 impl Watch for KillAfter {

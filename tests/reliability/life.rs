@@ -192,7 +192,7 @@ impl Life {
             ("bad.stl", b"solid nonsense\nendsolid\n".to_vec()),
         ];
         self.farm.drop_bytes("ring.stl.toml", b"copies = 2\norder = \"K-17\"\n");
-        self.farm.drop_bytes("order.csv", b"file,copies\nplate.stl,3\n");
+        self.farm.drop_bytes("order.csv", b"file,copies\nplate.stl,3\nbad.stl,1\n");
         self.farm.drop_bytes(FOREIGN, b"not nestd's");
         let foreign = self.farm.folder("inbox").join(FOREIGN);
         self.witness.untouched.push((foreign.clone(), intake::hash_file(&foreign).unwrap()));

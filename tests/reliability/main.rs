@@ -11,16 +11,26 @@ mod faults;
 mod flood;
 mod heavy;
 mod hostile;
+mod intake;
 mod kill;
 mod ledger;
 mod life;
+mod memory;
 mod pool;
 mod power;
+mod restore;
+mod rot;
 mod row;
+mod storm;
 mod table;
 mod torture;
 mod trace;
 
+#[allow(dead_code)] // shared with the tests of the farm
+#[path = "../farm/greedy.rs"]
+mod greedy;
+#[path = "../grid/mod.rs"]
+mod grid;
 #[allow(dead_code)] // shared with other tests, not all of it is used here
 #[path = "../farm/support.rs"]
 mod support;
@@ -40,15 +50,20 @@ struct Section {
 
 /// All sections, in the order of the table.
 #[rustfmt::skip]
-const SECTIONS: [Section; 9] = [
+const SECTIONS: [Section; 14] = [
     Section { name: "crash", weight: 4.0, run: crash::run },
     Section { name: "faults", weight: 8.0, run: faults::run },
     Section { name: "power", weight: 5.0, run: power::run },
     Section { name: "kill", weight: 3.0, run: kill::run },
+    Section { name: "storm", weight: 4.0, run: storm::run },
+    Section { name: "restore", weight: 4.0, run: restore::run },
     Section { name: "hostile", weight: 2.0, run: hostile::run },
     Section { name: "torture", weight: 0.5, run: torture::run },
     Section { name: "heavy", weight: 2.0, run: heavy::run },
     Section { name: "flood", weight: 22.0, run: flood::run },
+    Section { name: "intake", weight: 2.0, run: intake::run },
+    Section { name: "rot", weight: 2.0, run: rot::run },
+    Section { name: "memory", weight: 1.0, run: memory::run },
     Section { name: "ledger", weight: 3.0, run: ledger::run },
 ];
 

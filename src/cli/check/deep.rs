@@ -1,12 +1,13 @@
 //! `nestd check --deep`: reads every file that nestd keeps and holds it against the ledger.
 
-use std::time::Duration;
+use std::{path::PathBuf, time::Duration};
 
 use anyhow::{Context, Result};
 
 use super::report::Report;
 use crate::{
     farm::{self, Looked, Witness},
+    format::counted,
     ledger::{Ledger, LedgerError},
     settings::Settings,
 };
@@ -50,9 +51,9 @@ pub fn look(settings: &Settings, report: &mut Report) -> Result<()> {
 }
 
 /// Takes into the ledger what the folders tell.
-pub fn repair(settings: &Settings, report: &mut Report) -> Result<()> {
+pub fn repair(settings: &Settings, new_folders: &[PathBuf], report: &mut Report) -> Result<()> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("starting to repair")?;
-    match runtime.block_on(farm::repair(settings)) {
+    match runtime.block_on(farm::repair(settings, new_folders)) {
         Ok(reconciled) => {
             super::super::backup::tell(&reconciled).into_iter().for_each(|line| report.note("repair", line))
         }
@@ -80,6 +81,9 @@ fn tell(looked: &Looked, report: &mut Report) {
         }
     }
     if looked.violations.is_empty() {
-        report.ok(WHAT, format!("I1 to I4 hold: {} files and {} builds read", looked.files, looked.builds));
+        report.ok(WHAT, {
+            let (files, builds) = (counted(looked.files, "file", "files"), counted(looked.builds, "build", "builds"));
+            format!("I1 to I4 hold: {files} and {builds} read")
+        });
     }
 }

@@ -6,6 +6,8 @@ use anyhow::{Context, Result};
 
 use super::report::Report;
 use crate::{
+    farm,
+    format::counted,
     ledger::{BuildRow, BuildState, Ledger, LedgerError},
     settings::{Profile, Settings},
 };
@@ -26,7 +28,12 @@ async fn look_into(settings: &Settings, report: &mut Report) {
     let path = settings.ledger.display();
     let ledger = match Ledger::open_existing(&settings.ledger).await {
         Ok(ledger) => ledger,
-        Err(LedgerError::Missing { .. }) => return report.ok(WHAT, format!("{path} will be made by the daemon")),
+        Err(LedgerError::Missing { .. }) => {
+            return match farm::lost_ledger(settings) {
+                Some(detail) => report.problem(WHAT, detail, farm::Attention::LedgerLost.remedy()),
+                None => report.ok(WHAT, format!("{path} will be made by the daemon")),
+            };
+        }
         Err(error @ LedgerError::OlderSchema { .. }) => return report.note(WHAT, error.to_string()),
         Err(error) => {
             let remedy = "keep the file; if it is damaged, put back a copy together with its -wal file";
@@ -55,12 +62,20 @@ async fn look_at_rows(ledger: &Ledger, settings: &Settings, report: &mut Report)
         Some(daemon) if daemon.alive => {
             report.ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host))
         }
-        _ => report.note("daemon", "does not run"),
+        _ => {
+            report.note("daemon", "does not run");
+            look_at_claims(ledger, settings, report).await;
+        }
     }
+    look_at_folders(ledger, settings, report).await;
     for status in ledger.status().await? {
         let parts = status.claimed_parts + status.waiting_parts;
         if parts > 0 && !settings.profiles.contains_key(&status.profile) {
-            let text = format!("{parts} parts wait for {}, which has no file in profiles/", status.profile);
+            let text = format!(
+                "{} for {}, which has no file in profiles/",
+                counted(parts, "part waits", "parts wait"),
+                status.profile
+            );
             report.problem("configuration", text, "put its file back, or cancel the parts");
         }
     }
@@ -70,6 +85,36 @@ async fn look_at_rows(ledger: &Ledger, settings: &Settings, report: &mut Report)
         }
     }
     Ok(())
+}
+
+/// What the folders tell and the ledger does not know, and folders that cannot tell.
+async fn look_at_folders(ledger: &Ledger, settings: &Settings, report: &mut Report) {
+    match farm::unknown_to_ledger(settings, ledger).await {
+        Ok((unknown, away)) => {
+            for what in unknown {
+                let text = format!("does not know {what}, of which the folders tell: it is older than they are");
+                report.problem(WHAT, text, farm::Attention::LedgerBehind.remedy());
+            }
+            for folder in away {
+                let text = format!("{} cannot be looked at: {}", folder.folder.display(), folder.why);
+                report.problem(WHAT, text, "mount it again, and let nestd's user read it");
+            }
+        }
+        Err(error) => report.problem(WHAT, format!("cannot be compared with the folders: {error:#}"), "check the disk"),
+    }
+}
+
+/// Files that were taken from a hot folder, and nobody works on.
+async fn look_at_claims(ledger: &Ledger, settings: &Settings, report: &mut Report) {
+    match farm::left_claims(settings, ledger).await {
+        Ok(left) => left.iter().for_each(|claim| {
+            let text = format!("{} was taken from the hot folder and the ledger does not know it", claim.display());
+            let remedy = "start the daemon, which takes or gives back what lies there; what another nestd left, take over \
+                          with nestd adopt PROFILE";
+            report.problem("claims", text, remedy);
+        }),
+        Err(error) => report.problem("claims", format!("cannot be looked at: {error:#}"), "mount the folder again"),
+    }
 }
 
 /// A build is staged in one queue folder; published from another it would be printed twice or never.

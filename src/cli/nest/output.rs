@@ -85,7 +85,7 @@ fn describe(
     let drawn = |p: &Placement| Drawn { mesh: &parts[p.item].mesh, pose: p.pose, kind: p.item };
     let bodies: Vec<Drawn> = moved.placements.iter().map(drawn).collect();
     BuildFile {
-        title: format!("nestd nest, {} parts", moved.placements.len()),
+        title: format!("nestd nest, {}", format::counted(moved.placements.len(), "part", "parts")),
         profile: machine.name.clone(),
         build_id: "0".to_owned(),
         created: Timestamp::now().strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),

@@ -11,7 +11,8 @@ async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {
     let again = ledger.record_claim(&part).await.unwrap();
     assert_eq!((first.fresh, again.fresh), (true, false));
     assert_eq!(first.id, again.id);
-    let tickets: i64 = sqlx::query_scalar("SELECT count(*) FROM ticket").fetch_one(ledger.reader()).await.unwrap();
+    let tickets: i64 =
+        sqlx::query_scalar("SELECT count(*) FROM ticket").fetch_one(ledger.reader().unwrap()).await.unwrap();
     assert_eq!(tickets, 1);
     let row = ledger.part(first.id).await.unwrap().unwrap();
     assert_eq!((row.copies, row.state, row.warnings.as_str()), (3, PartState::Claimed, "odd name"));
@@ -158,6 +159,29 @@ async fn copies_that_find_no_place_wait_again() {
     assert_eq!(build_state(&ledger, build).await, BuildState::Verified);
     let row = &ledger.placements_of_build(build).await.unwrap()[0];
     assert_eq!((row.part_id, row.qw, row.tz_mm), (a, Some(1.0), Some(3.0)));
+}
+
+#[tokio::test]
+async fn a_proved_build_whose_staged_file_was_spoilt_is_nested_again_with_its_copies_and_poses() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 2).await;
+    let build = nesting(&ledger, &[(id, 0), (id, 1)]).await;
+    let fired = ledger.build(build).await.unwrap().unwrap().nesting_at;
+    ledger.verify_build(build, &verified(build, 2), &placed(&[(id, 0), (id, 1)])).await.unwrap();
+    assert_eq!(ledger.build(build).await.unwrap().unwrap().sidecars().len(), 1);
+    ledger.begin_publishing(build).await.unwrap();
+    assert!(ledger.build(build).await.unwrap().unwrap().publishing_at.is_some());
+    ledger.write_again(build, "it was removed").await.unwrap();
+    let row = ledger.build(build).await.unwrap().unwrap();
+    assert_eq!((row.state, row.nesting_at, row.verified_at), (BuildState::Nesting, fired, None));
+    assert_eq!((row.publishing_at, row.file_name, row.file_hash, row.sidecars), (None, None, None, None));
+    assert!(ledger.placements_of_build(build).await.unwrap().iter().all(|row| row.pose().is_some()));
+    ledger.verify_build(build, &verified(build, 2), &placed(&[(id, 0), (id, 1)])).await.unwrap();
+    ledger.publish_build(build).await.unwrap();
+    assert!(ledger.write_again(build, "no").await.is_err(), "what was published is never written again");
+    assert!(ledger.begin_publishing(build).await.is_err());
+    assert_eq!(part_state(&ledger, id).await, PartState::Built);
+    assert_eq!(ledger.faults().await.unwrap(), [""; 0]);
 }
 
 #[tokio::test]

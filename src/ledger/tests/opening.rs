@@ -21,7 +21,7 @@ async fn a_ledger_is_made_with_its_folder_and_opened_again() {
     let again = Ledger::open_existing(&path).await.unwrap();
     assert_eq!(part_state(&again, id).await, PartState::Waiting);
     assert_eq!(again.path(), path);
-    let mode: String = sqlx::query_scalar("PRAGMA journal_mode").fetch_one(again.reader()).await.unwrap();
+    let mode: String = sqlx::query_scalar("PRAGMA journal_mode").fetch_one(again.reader().unwrap()).await.unwrap();
     assert_eq!(mode, "wal");
     let mut change = again.change().await.unwrap();
     let full: i64 = sqlx::query_scalar("PRAGMA synchronous").fetch_one(change.db()).await.unwrap();
@@ -32,7 +32,7 @@ async fn a_ledger_is_made_with_its_folder_and_opened_again() {
 #[tokio::test]
 async fn a_reader_cannot_write() {
     let ledger = fresh().await;
-    let written = sqlx::query("DELETE FROM pause").execute(ledger.reader()).await.unwrap_err();
+    let written = sqlx::query("DELETE FROM pause").execute(ledger.reader().unwrap()).await.unwrap_err();
     assert!(matches!(LedgerError::from(written), LedgerError::ReadOnly));
 }
 
@@ -119,7 +119,7 @@ async fn processes_and_pools_that_write_at_once_never_see_a_locked_ledger() {
     second.await.unwrap();
     assert!(child.wait().unwrap().success(), "the second process failed");
     let ledger = Ledger::open_existing(&path).await.unwrap();
-    let all: i64 = sqlx::query_scalar("SELECT count(*) FROM part").fetch_one(ledger.reader()).await.unwrap();
+    let all: i64 = sqlx::query_scalar("SELECT count(*) FROM part").fetch_one(ledger.reader().unwrap()).await.unwrap();
     assert_eq!(all as usize, 3 * CHANGES);
     assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new());
 }

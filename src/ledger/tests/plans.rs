@@ -27,7 +27,7 @@ fn queries(source: &str) -> Vec<String> {
 async fn plan(ledger: &Ledger, query: &str) -> Vec<String> {
     let explain = format!("EXPLAIN QUERY PLAN {query}");
     let rows = sqlx::query_as::<_, (i64, i64, i64, String)>(sqlx::AssertSqlSafe(explain));
-    let rows = rows.fetch_all(ledger.reader()).await.unwrap_or_else(|error| panic!("{query}: {error}"));
+    let rows = rows.fetch_all(ledger.reader().unwrap()).await.unwrap_or_else(|error| panic!("{query}: {error}"));
     rows.into_iter().map(|(_, _, _, step)| step).collect()
 }
 

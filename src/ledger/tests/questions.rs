@@ -14,7 +14,7 @@ use super::*;
 async fn checked_words(ledger: &Ledger, table: &str, column: &str) -> BTreeSet<String> {
     let sql: String = sqlx::query_scalar("SELECT sql FROM sqlite_schema WHERE name = ?")
         .bind(table)
-        .fetch_one(ledger.reader())
+        .fetch_one(ledger.reader().unwrap())
         .await
         .unwrap();
     let list = sql.split(&format!("CHECK ({column} IN (")).nth(1).unwrap().split(')').next().unwrap().to_owned();
@@ -50,7 +50,7 @@ fn a_state_machine_allows_its_own_moves_and_no_other() {
     let legal: usize = (BuildState::ALL.iter())
         .flat_map(|from| BuildState::ALL.iter().filter(|to| from.move_to(**to).is_ok()))
         .count();
-    assert_eq!(legal, 8);
+    assert_eq!(legal, 9);
     let back = BuildState::Nesting.move_to(BuildState::Open).unwrap_err();
     assert_eq!(back.to_string(), "a build that is nesting cannot become open");
     assert!(PartState::Built.move_to(PartState::Waiting).is_err(), "what is built is never built again");
@@ -266,20 +266,20 @@ async fn the_views_answer_an_operator_with_sqlite3() {
     let build = published(&ledger, &[(id, 0)]).await;
     let builds: Vec<(i64, String, f64, i64, String)> =
         sqlx::query_as("SELECT build, state, height_mm, copies, file_name FROM v_build_history")
-            .fetch_all(ledger.reader())
+            .fetch_all(ledger.reader().unwrap())
             .await
             .unwrap();
     let name = verified(build, 1).file_name;
     assert_eq!(builds, [(build.0, "published".into(), 87.5, 1, name)]);
     let parts: Vec<(i64, i64, i64, String)> =
         sqlx::query_as("SELECT part, copies, copies_built, builds FROM v_part_history")
-            .fetch_all(ledger.reader())
+            .fetch_all(ledger.reader().unwrap())
             .await
             .unwrap();
     assert_eq!(parts, [(id.0, 2, 1, build.to_string())]);
     let days: Vec<(i64, i64, f64, f64)> =
         sqlx::query_as("SELECT builds, copies, height_mm, mean_density FROM v_height_by_day")
-            .fetch_all(ledger.reader())
+            .fetch_all(ledger.reader().unwrap())
             .await
             .unwrap();
     assert_eq!(days, [(1, 1, 87.5, 0.21)]);
@@ -296,7 +296,7 @@ async fn heights_are_summed_by_machine_as_the_view_sums_them_and_filtered_as_the
     ledger.fail_build(failed, "no").await.unwrap();
     let view: (String, u32, u32, f64, f64) =
         sqlx::query_as("SELECT profile, builds, copies, height_mm, mean_density FROM v_height_by_day")
-            .fetch_one(ledger.reader())
+            .fetch_one(ledger.reader().unwrap())
             .await
             .unwrap();
     let sums = ledger.height_sums(&HistoryQuery { limit: Some(1), ..Default::default() }).await.unwrap();

@@ -1,0 +1,240 @@
+//! The end of a dropped file: refused ones go into the error folder, originals that were read are let go. All that touches
+//! files runs on a job's thread: a folder may be slow or a share, and the event loop must not wait for it.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use tracing::{debug, info, warn};
+
+use super::{
+    attention::Attention,
+    claimed::COPIES_UNKNOWN,
+    event::Event,
+    farm::Farm,
+    holds::Holds,
+    jobs::JobKey,
+    nest::{Lost, Meshes},
+    tidy,
+};
+use crate::{
+    intake::{self, Claim, Released},
+    ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, Refusal},
+};
+
+/// A waiting part that is refused once a copy of its original is in the error folder. Until then it is not batched.
+#[derive(Debug)]
+pub(super) struct Leaving {
+    part: PartRow,
+    cause: Refusal,
+    reason: String,
+    /// The order by hand that asked for it.
+    command: Option<CommandRow>,
+}
+
+/// A refused part on its way into the error folder.
+struct Refused {
+    part: PartRow,
+    text: String,
+    inbox: PathBuf,
+    error_dir: PathBuf,
+    meshes: Meshes,
+    holds: Holds,
+    claim: Option<Claim>,
+}
+
+impl Refused {
+    fn put_into_error(&self) -> Result<()> {
+        self.holds.demand_error()?;
+        if let Some(claim) = &self.claim {
+            intake::refuse(claim, &self.error_dir, &self.text)?;
+            return Ok(());
+        }
+        // One that was taken back and is refused again; a claim that is still to be found brings its original itself.
+        let is_in_work = intake::claim_dir(&self.inbox, &self.part.claim).exists();
+        if is_in_work { Ok(()) } else { self.copy_into_error() }
+    }
+
+    /// The original was let go when the part began to wait: a copy from the store goes into the error folder. The same
+    /// copy again changes nothing.
+    fn copy_into_error(&self) -> Result<()> {
+        self.holds.demand_error()?;
+        let (row, error_dir, text) = (&self.part, &self.error_dir, &self.text);
+        let folder = format!("part-{}", row.id);
+        match tidy::refused_files(error_dir, row)?.first() {
+            Some((_, known)) => intake::rewrite_reason(known, text),
+            None => match self.meshes.stored(row) {
+                Ok(stored) => intake::refuse_copy(Some(&stored), error_dir, &folder, &row.name, text),
+                Err(failure) if Lost::of(&failure).is_some() => {
+                    let text = format!(
+                        "{text}\nThe file is not here, for nestd does not have it whole any more: {failure:#}.\n"
+                    );
+                    intake::refuse_copy(None, error_dir, &folder, &row.name, &text)
+                }
+                Err(failure) => return Err(failure),
+            },
+        }
+        .with_context(|| format!("copying {} into the error folder", row.name))
+    }
+}
+
+impl Farm {
+    /// claimed -> rejected, then the file goes into the error folder; a crash between is caught up by `record`.
+    pub(super) async fn refuse(&mut self, part: &PartRow, cause: Refusal, reason: &str) -> Result<()> {
+        warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
+        self.ledger.reject(part.id, cause, reason).await?;
+        self.put_into_error(part, reason);
+        Ok(())
+    }
+
+    /// Ends the claims of parts that were read or refused; what failed earlier (an error folder that could not be
+    /// written to) is tried again.
+    pub(super) async fn settle_claims(&mut self) -> Result<()> {
+        for claim in self.claims.keys().cloned().collect::<Vec<_>>() {
+            let parts = self.ledger.parts_of_claim(&claim).await?;
+            parts.first().into_iter().for_each(|part| self.settle_claim(part));
+        }
+        Ok(())
+    }
+
+    pub(super) fn settle_claim(&mut self, part: &PartRow) {
+        match part.state {
+            PartState::Claimed => {}
+            PartState::Rejected => self.put_into_error(part, &part.reason),
+            // It was read: only its original is left to let go.
+            _ => self.let_go(part),
+        }
+    }
+
+    /// Whether a job still puts a part's file where it belongs.
+    pub(super) fn is_ending(&self, part: &PartRow) -> bool {
+        self.jobs.runs(&JobKey::End(part.claim.clone())) || self.leaving.contains_key(&part.id)
+    }
+
+    fn refused(&self, part: &PartRow, reason: &str) -> Option<Refused> {
+        let station = self.stations.get(&part.profile)?;
+        let folders = &station.profile.folders;
+        Some(Refused {
+            part: part.clone(),
+            text: reason_text(part, reason),
+            inbox: folders.inbox.clone(),
+            error_dir: folders.error.clone(),
+            meshes: self.meshes.clone(),
+            holds: station.holds.clone(),
+            claim: self.claims.get(&part.claim).cloned(),
+        })
+    }
+
+    fn put_into_error(&mut self, part: &PartRow, reason: &str) {
+        self.read_again.done(&part.id);
+        let Some(refused) = self.refused(part, reason) else { return };
+        self.end(part, move || refused.put_into_error().map(|()| false));
+    }
+
+    /// Another farm has the file: a copy goes to the refused ones where there is one and the folder is ours.
+    pub(super) fn put_aside(&mut self, part: &PartRow, reason: &str) {
+        let Some(refused) = self.refused(part, reason) else { return };
+        let id = part.id;
+        self.end(part, move || {
+            if let Err(failure) = refused.copy_into_error() {
+                debug!(part.id = %id, "No copy of a part that was given up is in the error folder: {failure:#}.");
+            }
+            Ok(false)
+        });
+    }
+
+    /// Lets the claimed original go: the store has it, and its row is committed.
+    pub(super) fn let_go(&mut self, part: &PartRow) {
+        self.read_again.done(&part.id);
+        let Some(claim) = self.claims.get(&part.claim).cloned() else { return };
+        let content_hash = part.content_hash.clone();
+        self.end(part, move || {
+            match intake::release(&claim, &content_hash)? {
+                Released::GivenBack(path) => {
+                    let file = path.display();
+                    warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
+                }
+                // Its part is given up with the next look at the folders, and no build takes it before.
+                Released::TakenOver => return Ok(false),
+                Released::Removed => {}
+            }
+            Ok(true)
+        });
+    }
+
+    /// `work` says whether the original was let go by this farm.
+    fn end(&mut self, part: &PartRow, work: impl FnOnce() -> Result<bool> + Send + 'static) {
+        let part = part.clone();
+        self.jobs.start(JobKey::End(part.claim.clone()), move || {
+            let ended = work();
+            Event::Ended { part: Box::new(part), ended }
+        });
+    }
+
+    /// A claim has ended; one that could not is tried again.
+    pub(super) fn on_ended(&mut self, part: &PartRow, ended: Result<bool>) {
+        self.jobs.ended(&JobKey::End(part.claim.clone()));
+        match ended {
+            Ok(is_let_go) => {
+                self.claims.remove(&part.claim);
+                if is_let_go {
+                    self.let_go.insert(part.claim.clone());
+                }
+            }
+            Err(failure) => self.trouble(Attention::EndingFails, &part.profile, &part.name, &failure),
+        }
+    }
+
+    /// waiting -> rejected, once a copy of the original is in the error folder: after a crash between, whoever asked asks
+    /// again.
+    pub(super) fn begin_leaving(&mut self, part: PartRow, cause: Refusal, reason: &str, command: Option<&CommandRow>) {
+        let Some(refused) = self.refused(&part, reason) else { return };
+        let id = part.id;
+        self.leaving.insert(id, Leaving { part, cause, reason: reason.to_owned(), command: command.cloned() });
+        self.jobs.start(JobKey::Copy(id), move || Event::Copied { part: id, copied: refused.copy_into_error() });
+    }
+
+    /// A copy of a waiting part's original is in the error folder, or could not be put there.
+    pub(super) async fn on_copied(&mut self, id: PartId, copied: Result<()>) -> Result<()> {
+        self.jobs.ended(&JobKey::Copy(id));
+        if let Err(failure) = copied {
+            self.on_not_copied(id, &failure);
+            return Ok(());
+        }
+        let Some(Leaving { cause, reason, command, .. }) = self.leaving.remove(&id) else { return Ok(()) };
+        let left = self.ledger.cancel(id, cause, &reason).await;
+        let Some(command) = command else { return Ok(left?) };
+        match left {
+            Ok(()) => {
+                let done = format!("part {id} is cancelled");
+                info!(part.id = %id, asked_by = %command.asked_by, "An order by hand: {done}.");
+                self.ledger.answer(command.id, true, &done).await?;
+            }
+            Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
+            Err(refused) => self.ledger.answer(command.id, false, &refused.to_string()).await?,
+        }
+        Ok(())
+    }
+
+    /// The order by hand stays open, and a search tries the part once more.
+    pub(super) fn on_not_copied(&mut self, id: PartId, failure: &anyhow::Error) {
+        let Some(Leaving { part, command, .. }) = self.leaving.remove(&id) else { return };
+        if let Some(command) = command {
+            let about = format!("order {}", command.id);
+            self.trouble(Attention::StepFails, &command.profile, &about, failure);
+            return self.steps.failed(about);
+        }
+        self.trouble(Attention::EndingFails, &part.profile, &part.name, failure);
+        if let Some(station) = self.stations.get_mut(&part.profile) {
+            station.open.forget_tried();
+        }
+    }
+}
+
+/// What a refused part's reason says below the reason itself.
+pub(super) fn reason_text(part: &PartRow, reason: &str) -> String {
+    let again = match reason.contains(COPIES_UNKNOWN) {
+        true => String::new(),
+        false => format!(" To take it back: nestd retry {}", part.id),
+    };
+    format!("{}\n\n{}{again}\n", reason.trim_end(), tidy::part_line(part))
+}

@@ -1,0 +1,108 @@
+//! Parts whose stored file does not hold what was dropped: they wait until the same file is dropped again.
+
+use super::{Ledger, PartId, PartRow, error::Result};
+
+impl Ledger {
+    /// Every part that needs a stored file waits from now on, until the file is whole again.
+    pub async fn mark_damaged(&self, hash: &str, why: &str) -> Result<()> {
+        let mut change = self.change().await?;
+        let parts: Vec<(PartId, String)> = sqlx::query_as(
+            "SELECT id, profile FROM part WHERE content_hash = ? AND state IN ('claimed', 'waiting') AND damaged_at IS NULL",
+        )
+        .bind(hash)
+        .fetch_all(change.db())
+        .await?;
+        let now = change.now;
+        for (part, profile) in parts {
+            let mark = sqlx::query("UPDATE part SET damaged_at = ? WHERE id = ?").bind(now).bind(part);
+            mark.execute(change.db()).await?;
+            change.event("damaged", &profile, Some(part), None, why).await?;
+        }
+        change.commit().await
+    }
+
+    /// The stored file is whole again: its parts go on.
+    pub async fn mark_whole(&self, hash: &str) -> Result<()> {
+        let mut change = self.change().await?;
+        let mark = sqlx::query("UPDATE part SET damaged_at = NULL WHERE content_hash = ? AND damaged_at IS NOT NULL");
+        mark.bind(hash).execute(change.db()).await?;
+        change.commit().await
+    }
+
+    /// Takes a claim, whose file is in the store, in place of the damaged file of a part of the same machine; all parts of that
+    /// file go on. Returns the part; `None` when nobody asked for it again, so that it is an order. Safe to repeat.
+    pub async fn take_replacement(&self, claim: &str, profile: &str, hash: &str) -> Result<Option<PartId>> {
+        let mut change = self.change().await?;
+        let known = sqlx::query_scalar("SELECT part_id FROM replacement WHERE claim = ?").bind(claim);
+        if let Some(part) = known.fetch_optional(change.db()).await? {
+            return Ok(Some(part));
+        }
+        let asked: Option<PartId> = sqlx::query_scalar(
+            "SELECT id FROM part WHERE content_hash = ?1 AND profile = ?2 AND damaged_at IS NOT NULL \
+             AND state IN ('claimed', 'waiting', 'batched') \
+             AND NOT EXISTS (SELECT 1 FROM part WHERE claim = ?3) ORDER BY id LIMIT 1",
+        )
+        .bind(hash)
+        .bind(profile)
+        .bind(claim)
+        .fetch_optional(change.db())
+        .await?;
+        let whole = sqlx::query("UPDATE part SET damaged_at = NULL WHERE content_hash = ? AND damaged_at IS NOT NULL");
+        let healed = whole.bind(hash).execute(change.db()).await?.rows_affected();
+        let Some(part) = asked else {
+            if healed > 0 {
+                change.commit().await?;
+            }
+            return Ok(None);
+        };
+        let now = change.now;
+        sqlx::query("INSERT INTO replacement (claim, part_id, content_hash, taken_at) VALUES (?, ?, ?, ?)")
+            .bind(claim)
+            .bind(part)
+            .bind(hash)
+            .bind(now)
+            .execute(change.db())
+            .await?;
+        change.event("healed", profile, Some(part), None, "the same file was dropped again").await?;
+        change.commit().await?;
+        Ok(Some(part))
+    }
+
+    /// The parts that wait for their file to be dropped again, oldest first.
+    pub async fn damaged_parts(&self) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE damaged_at IS NOT NULL AND state IN ('claimed', 'waiting', 'batched') ORDER BY id",
+        );
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::*;
+
+    #[tokio::test]
+    async fn a_part_whose_file_is_damaged_waits_until_the_file_is_dropped_again_which_is_no_order() {
+        let ledger = fresh().await;
+        let id = waiting(&ledger, "a", 2).await;
+        let part = ledger.part(id).await.unwrap().unwrap();
+        let (profile, hash) = (part.profile.as_str(), part.content_hash.as_str());
+        assert_eq!(ledger.take_replacement("b", profile, hash).await.unwrap(), None, "nobody asked for it again");
+        ledger.mark_damaged(hash, "it was damaged").await.unwrap();
+        ledger.mark_damaged(hash, "it was damaged").await.unwrap();
+        assert!(ledger.waiting_copies(profile).await.unwrap().is_empty());
+        assert_eq!(ledger.damaged_parts().await.unwrap().len(), 1);
+        for _ in 0..2 {
+            assert_eq!(ledger.take_replacement("b", profile, hash).await.unwrap(), Some(id));
+        }
+        assert_eq!(ledger.take_replacement("c", profile, hash).await.unwrap(), None, "it was asked for once");
+        assert_eq!(ledger.waiting_copies(profile).await.unwrap()[0].copies, [0, 1]);
+        assert_eq!(ledger.drops_by_hash().await.unwrap(), [(hash.to_owned(), 2)]);
+        ledger.mark_damaged(hash, "it was damaged").await.unwrap();
+        assert_eq!(ledger.take_replacement("d", "another machine", hash).await.unwrap(), None, "it is an order there");
+        assert!(ledger.damaged_parts().await.unwrap().is_empty(), "and the file is whole");
+        ledger.mark_damaged(hash, "it was damaged").await.unwrap();
+        ledger.mark_whole(hash).await.unwrap();
+        assert!(ledger.damaged_parts().await.unwrap().is_empty());
+    }
+}

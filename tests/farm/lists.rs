@@ -1,0 +1,70 @@
+//! Order lists as people make them.
+
+use std::{fs, time::Duration};
+
+use nestd::ledger::PartState;
+
+use super::support::{QUICK, TestFarm, block, stl, wait_until};
+
+/// A farm that waits so long for what does not fit together.
+fn farm(incomplete_secs: f64) -> TestFarm {
+    TestFarm::running(&format!("{QUICK}incomplete_secs = {incomplete_secs}\n[trigger]\nmax_wait_secs = \"24h\"\n"))
+}
+
+/// Names and copies of what waits, sorted.
+fn copies(farm: &TestFarm, count: usize) -> Vec<(String, u32)> {
+    let mut parts: Vec<_> =
+        farm.wait_for_parts(PartState::Waiting, count).into_iter().map(|part| (part.name, part.copies)).collect();
+    parts.sort();
+    parts
+}
+
+#[test]
+fn a_list_that_is_copied_last_counts_for_every_file_of_its_order() {
+    let farm = farm(600.0);
+    for (at, name) in ["order-7/a.stl", "order-7/b.stl", "order-7/Gro\u{308}ße.stl"].into_iter().enumerate() {
+        farm.drop_bytes(name, &stl(&block(10.0 + at as f64, 10.0, 10.0)));
+        std::thread::sleep(Duration::from_millis(250));
+    }
+    // Excel's "Unicode Text", with names as a Windows computer writes them.
+    let text = "Datei\tStückzahl\tPreis\r\n.\\a.stl\t2\t1,50\r\nB\t3\t\r\nGröße.stl\t4\t\r\n";
+    let list: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    farm.drop_bytes("order-7/order.csv", &list);
+    let expected =
+        [("Gro\u{308}ße.stl", 4), ("a.stl", 2), ("b.stl", 3)].map(|(name, copies)| (name.to_owned(), copies));
+    assert_eq!(copies(&farm, 3), expected);
+    let warnings = farm.parts(PartState::Waiting).remove(0).warnings;
+    assert!(warnings.contains("Preis"), "{warnings}");
+    let archived = farm.folder("archive").join("order-lists/order-7/order.csv");
+    wait_until("the list is archived", 10.0, || archived.exists());
+}
+
+#[test]
+fn a_part_that_its_list_does_not_name_waits_is_told_and_is_refused_with_a_remedy_that_works() {
+    let farm = farm(4.0);
+    farm.drop_bytes("order-8/order.csv", b"file;copies\na.stl;2\nlost.stl;1\n");
+    farm.drop_bytes("order-8/a.stl", &stl(&block(10.0, 10.0, 10.0)));
+    farm.drop_bytes("order-8/new.stl", &stl(&block(12.0, 10.0, 10.0)));
+    let status = farm.folder("inbox").join("STATUS.txt");
+    let is_told = |text: &str| {
+        ["order-8/new.stl stands in none of the 2 rows of order.csv", "order.csv names lost.stl, which is not there"]
+            .iter()
+            .all(|said| text.contains(said))
+    };
+    wait_until("STATUS.txt tells it", 10.0, || fs::read_to_string(&status).is_ok_and(|text| is_told(&text)));
+    assert_eq!(copies(&farm, 1), [("a.stl".to_owned(), 2)]);
+    let reason = farm.folder("error").join("order-8/new.stl.reason.txt");
+    wait_until("it is refused", 15.0, || reason.exists());
+    let reason = fs::read_to_string(reason).unwrap();
+    assert!(
+        reason.contains("stands in none of the 2 rows") && reason.contains("a list that has a row for it"),
+        "{reason}"
+    );
+    let list = farm.folder("error").join("order-8/order.csv.reason.txt");
+    wait_until("the list is refused for its other row", 15.0, || list.exists());
+    assert!(fs::read_to_string(list).unwrap().contains("lost.stl"));
+    // The remedy.
+    farm.drop_bytes("order-9/new.stl", &stl(&block(12.0, 10.0, 10.0)));
+    farm.drop_bytes("order-9/order.csv", b"new.stl;5\n");
+    assert_eq!(copies(&farm, 2), [("a.stl".to_owned(), 2), ("new.stl".to_owned(), 5)]);
+}

@@ -1,0 +1,91 @@
+//! Files that take all memory that there is when they are read: under a limit of the daemon's address space it ends, is started
+//! again as the service manager does, and in the end refuses that file with its reason and prints the others.
+
+use std::{thread, time::Duration};
+
+use nestd::ledger::PartState;
+
+use super::{
+    budget::Budget,
+    greedy,
+    row::Row,
+    support::{PROFILE, QUICK, TestFarm, block},
+};
+
+/// Address space of the daemon, bytes; what a process of its own may take in reading; both below what the files need.
+const MEMORY: u64 = 400 << 20;
+const FARM: &str = "scan_secs = 0.5\n[limits]\nread_memory_bytes = 536870912\n[log]\nfilter = \"info\"\n";
+/// Starts after which the farm must not end any more: each file ends it twice at most.
+const STARTS_PER_FILE: u64 = 2;
+/// Seconds that a farm gets.
+const PATIENCE: f64 = 400.0;
+
+/// What makes a file.
+type Maker = fn() -> Vec<u8>;
+
+pub fn run(budget: &Budget) -> Row {
+    let mut row = Row::default();
+    let files: [(&str, Maker); 4] = [
+        ("many", || greedy::equal_components(99_000, 200)),
+        ("deep", || greedy::deep_components(15, 600)),
+        ("idle", || greedy::idle_vertices(12_000_000)),
+        ("wide", || greedy::equal_components(20_000, 990)),
+    ];
+    let most = budget.pick(1, files.len());
+    loop {
+        for (name, make) in &files[..most] {
+            one_farm(&mut row, &[(name, *make)]);
+        }
+        if budget.is_long {
+            one_farm(&mut row, &files);
+        }
+        if !budget.is_long || budget.is_spent() {
+            break;
+        }
+    }
+    row.note =
+        format!("{} of {} files were more than there was memory for; the others were read", row.points, row.files);
+    row
+}
+
+/// A farm with these files and an ordinary one: each is refused with its reason or read, the ordinary one is printed.
+fn one_farm(row: &mut Row, files: &[(&str, Maker)]) {
+    let mut farm = TestFarm::new(QUICK);
+    std::fs::write(farm.config(), FARM).unwrap();
+    farm.start_with_memory(MEMORY);
+    farm.drop_part("good.stl", &block(10.0, 12.0, 5.0));
+    files.iter().for_each(|(name, make)| farm.drop_bytes(&format!("{name}.3mf"), &make()));
+    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+    let (began, mut ends) = (std::time::Instant::now(), 0);
+    let is_read = |farm: &TestFarm| {
+        let count = |state| farm.parts(state).len();
+        count(PartState::Claimed) == 0 && count(PartState::Waiting) + count(PartState::Rejected) == files.len() + 1
+    };
+    while !is_read(&farm) {
+        ends += u64::from(farm.start_again_where_it_ended(MEMORY));
+        if began.elapsed().as_secs_f64() > PATIENCE {
+            row.broken.push(format!("{names:?}: not all is read after {PATIENCE} s and {ends} ends of the daemon"));
+            return;
+        }
+        thread::sleep(Duration::from_millis(100));
+    }
+    let refused = farm.parts(PartState::Rejected);
+    for part in &refused {
+        if part.name == "good.stl" || !part.reason.contains("limits.") {
+            row.broken.push(format!("{} is refused because: {}", part.name, part.reason));
+        }
+    }
+    if ends > STARTS_PER_FILE * files.len() as u64 {
+        row.broken.push(format!("{names:?} ended the daemon {ends} times"));
+    }
+    // What was read may be dropped from the build: only the ordinary one must be printed.
+    for part in farm.parts(PartState::Waiting).iter().filter(|part| part.name != "good.stl") {
+        farm.nestd(&["cancel", &part.id.to_string()]);
+    }
+    farm.nestd(&["flush", PROFILE]);
+    farm.wait_for_queued(1);
+    row.points += refused.len() as u64;
+    row.files += files.len() as u64 + 1;
+    row.faults += ends;
+    row.builds += 1;
+}

@@ -1,0 +1,128 @@
+//! A farm whose hot folder is behind the server, and what was sent to it.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs,
+    path::PathBuf,
+    process::{Child, Output},
+};
+
+use nestd::{format, ledger::PartState};
+
+use super::{
+    grid::gridded,
+    proxy::{self, Line},
+    server::{Server, open_to_its_user},
+    support::{TestFarm, wait_until_or},
+};
+
+/// A copy that stands still for a while is not given up: a cut one is for the client to send again.
+const MACHINE: &str = "volume_mm = [200, 200, 200]\nclearance_mm = 2.0\nsettle_secs = 0.4\nunfinished_secs = 60\nfinal_secs = 0.5\n\
+                       arrival_secs = 0.2\nduplicates = \"accept\"\nmax_attempts = 50\n";
+
+pub struct Shop {
+    pub farm: TestFarm,
+    pub server: Server,
+    /// Copies that must be printed, by content.
+    wanted: BTreeMap<String, u32>,
+    /// Contents that a client itself has written over, perhaps before they were taken.
+    replaced: BTreeSet<String>,
+    made: u32,
+}
+
+impl Shop {
+    pub fn open() -> Self {
+        let farm = TestFarm::running(MACHINE);
+        open_to_its_user(farm.root(), &farm.folder("inbox"));
+        let server = Server::start(&farm.folder("inbox"));
+        Self { farm, server, wanted: BTreeMap::new(), replaced: BTreeSet::new(), made: 0 }
+    }
+
+    /// A file on the client's side, unlike any other; of so many squares along an edge.
+    pub fn part(&mut self, squares: usize) -> PathBuf {
+        self.made += 1;
+        let bytes = gridded([12.0, 14.0, 10.0 + f64::from(self.made) * 0.05], squares);
+        let file = self.farm.root().join(format!("sent-{}", self.made));
+        fs::write(&file, bytes).unwrap();
+        file
+    }
+
+    /// The content of this file must be printed so often.
+    pub fn wants(&mut self, file: &PathBuf, copies: u32) {
+        *self.wanted.entry(hash(file)).or_default() += copies;
+    }
+
+    /// The content of this file was written over by the client.
+    pub fn is_replaced(&mut self, file: &PathBuf) {
+        self.replaced.insert(hash(file));
+    }
+
+    /// Does this over a good line; it must succeed.
+    pub fn does(&self, commands: &str) {
+        let output = self.server.does(commands);
+        assert!(output.status.success() && !said(&output).contains("NT_STATUS"), "{commands}: {}", said(&output));
+    }
+
+    /// Sends a new part of 2 kB under this name, wanted once.
+    pub fn sends(&mut self, name: &str) {
+        let file = self.part(2);
+        self.does(&format!("put \"{}\" \"{name}\"", file.display()));
+        self.wants(&file, 1);
+    }
+
+    /// A client that sends over a bad line.
+    pub fn sends_over(&self, line: Line, commands: &str) -> Child {
+        let port = proxy::serve(line, self.server.port());
+        self.server.client(port, commands).spawn().unwrap()
+    }
+
+    pub fn taken(&self) -> usize {
+        let states = [PartState::Claimed, PartState::Waiting, PartState::Batched, PartState::Built];
+        states.into_iter().map(|state| self.farm.parts(state).len()).sum()
+    }
+
+    pub fn wait_until_taken(&self, parts: usize) {
+        let told = || format!("{} taken\n{}", self.taken(), self.farm.log());
+        wait_until_or(&format!("{parts} parts are taken"), 60.0, told, || self.taken() >= parts);
+    }
+
+    /// Prints what waits, and holds what was sent, what was taken and what was printed against each other.
+    pub fn closes(mut self) {
+        let least: u32 = self.wanted.values().sum();
+        let printed = || self.printed().values().sum::<u32>();
+        let told = || format!("{} of {least} are printed\n{}", printed(), self.farm.log());
+        wait_until_or("everything is printed", 90.0, told, || {
+            if !self.farm.parts(PartState::Waiting).is_empty() {
+                self.farm.flush();
+            }
+            printed() >= least
+        });
+        assert_eq!(self.farm.parts(PartState::Rejected), [], "something was refused");
+        let mut printed = self.printed();
+        for hash in self.replaced.iter().filter(|hash| !self.wanted.contains_key(*hash)) {
+            assert!(printed.remove(hash).unwrap_or(1) == 1, "what the client replaced was printed twice");
+        }
+        assert_eq!(printed, self.wanted, "by content: printed, and asked for\n{}", self.farm.log());
+        self.farm.assert_nothing_lost_or_doubled();
+        self.farm.stop();
+    }
+
+    /// Copies in all build files, by content.
+    fn printed(&self) -> BTreeMap<String, u32> {
+        let mut printed = BTreeMap::new();
+        for file in self.farm.queued() {
+            for placed in format::read_build(&file, &format::Limits::default()).unwrap() {
+                *printed.entry(placed.source_hash.unwrap()).or_default() += 1;
+            }
+        }
+        printed
+    }
+}
+
+pub fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
+}
+
+fn hash(file: &PathBuf) -> String {
+    blake3::hash(&fs::read(file).unwrap()).to_hex().to_string()
+}

@@ -42,16 +42,30 @@ struct Refused {
     claim: Option<Claim>,
 }
 
+/// How the work on a claim has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ClaimEnd {
+    /// This farm let its original go.
+    LetGo,
+    /// Nothing is left to do for it.
+    Done,
+    /// It stands in the hot folder, but the look that finds it was not taken in yet: it ends after that.
+    ToBeFound,
+}
+
 impl Refused {
-    fn put_into_error(&self) -> Result<()> {
+    fn put_into_error(&self) -> Result<ClaimEnd> {
         self.holds.demand_error()?;
         if let Some(claim) = &self.claim {
             intake::refuse(claim, &self.error_dir, &self.text)?;
-            return Ok(());
+            return Ok(ClaimEnd::Done);
         }
-        // One that was taken back and is refused again; a claim that is still to be found brings its original itself.
-        let is_in_work = intake::claim_dir(&self.inbox, &self.part.claim).exists();
-        if is_in_work { Ok(()) } else { self.copy_into_error() }
+        // A claim that is still to be found brings its original itself.
+        if intake::claim_dir(&self.inbox, &self.part.claim).exists() {
+            return Ok(ClaimEnd::ToBeFound);
+        }
+        // One that was taken back and is refused again.
+        self.copy_into_error().map(|()| ClaimEnd::Done)
     }
 
     /// The original was let go when the part began to wait: a copy from the store goes into the error folder. The same
@@ -127,7 +141,7 @@ impl Farm {
     fn put_into_error(&mut self, part: &PartRow, reason: &str) {
         self.read_again.done(&part.id);
         let Some(refused) = self.refused(part, reason) else { return };
-        self.end(part, move || refused.put_into_error().map(|()| false));
+        self.end(part, move || refused.put_into_error());
     }
 
     /// Another farm has the file: a copy goes to the refused ones where there is one and the folder is ours.
@@ -138,7 +152,7 @@ impl Farm {
             if let Err(failure) = refused.copy_into_error() {
                 debug!(part.id = %id, "No copy of a part that was given up is in the error folder: {failure:#}.");
             }
-            Ok(false)
+            Ok(ClaimEnd::Done)
         });
     }
 
@@ -154,15 +168,14 @@ impl Farm {
                     warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
                 }
                 // Its part is given up with the next look at the folders, and no build takes it before.
-                Released::TakenOver => return Ok(false),
+                Released::TakenOver => return Ok(ClaimEnd::Done),
                 Released::Removed => {}
             }
-            Ok(true)
+            Ok(ClaimEnd::LetGo)
         });
     }
 
-    /// `work` says whether the original was let go by this farm.
-    fn end(&mut self, part: &PartRow, work: impl FnOnce() -> Result<bool> + Send + 'static) {
+    fn end(&mut self, part: &PartRow, work: impl FnOnce() -> Result<ClaimEnd> + Send + 'static) {
         let part = part.clone();
         self.jobs.start(JobKey::End(part.claim.clone()), move || {
             let ended = work();
@@ -170,13 +183,14 @@ impl Farm {
         });
     }
 
-    /// A claim has ended; one that could not is tried again.
-    pub(super) fn on_ended(&mut self, part: &PartRow, ended: Result<bool>) {
+    /// A claim has ended; one that could not, or was found while its end was worked at, is tried again.
+    pub(super) fn on_ended(&mut self, part: &PartRow, ended: Result<ClaimEnd>) {
         self.jobs.ended(&JobKey::End(part.claim.clone()));
         match ended {
-            Ok(is_let_go) => {
+            Ok(ClaimEnd::ToBeFound) => {}
+            Ok(end) => {
                 self.claims.remove(&part.claim);
-                if is_let_go {
+                if end == ClaimEnd::LetGo {
                     self.let_go.insert(part.claim.clone());
                 }
             }

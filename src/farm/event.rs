@@ -2,6 +2,7 @@
 
 use super::{
     current::Compared,
+    ending::ClaimEnd,
     holds::Holds,
     jobs::JobKey,
     nest::Nested,
@@ -76,8 +77,8 @@ pub enum Event {
     Ended {
         /// Its part.
         part: Box<PartRow>,
-        /// Whether its original is let go by this farm; what the disk said.
-        ended: anyhow::Result<bool>,
+        /// How; what the disk said.
+        ended: anyhow::Result<ClaimEnd>,
     },
     /// A waiting part's original was copied into the error folder, or could not be.
     Copied {

@@ -110,7 +110,9 @@ pub(super) fn mark_served(inbox: &Path, list: &Seen, row_file: &str, name: &OsSt
     let marks = marks_dir(inbox, list);
     let below = marks.strip_prefix(inbox).unwrap_or(&marks);
     disk::create_dirs_beneath(inbox, below)?;
-    disk::create_anew(&marks.join(mark(row_file)))?.write_all(name.as_bytes())?;
+    let mut file = disk::create_anew(&marks.join(mark(row_file)))?;
+    file.write_all(name.as_bytes())?;
+    file.sync_all()?;
     disk::fsync_dir(&marks)
 }
 

@@ -109,8 +109,8 @@ pub fn peak_mib(pid: i32) -> u64 {
 fn refused_above_the_limits(row: &mut Row) {
     let cube = stl(&samples::cuboid(DVec3::splat(10.0)));
     let cases = [
-        ("max_triangles = 11", "a.stl", "12 triangles is more than 11"),
-        ("max_bytes = 600", "a.stl", "684 bytes is more than 600"),
+        ("max_triangles = 11", "a.stl", "it has 12 triangles; at most 11 are taken"),
+        ("max_bytes = 600", "a.stl", "it is 684 bytes long; at most 600 are taken"),
         ("max_shells = 1", "two.stl", "2 pieces"),
         ("max_copies = 4", "a_x5.stl", "5 copies"),
     ];

@@ -325,7 +325,10 @@ impl Life {
             let log: String = self.farm.log();
             let tail: Vec<&str> = log.lines().rev().take(15).collect();
             let (step, tail) = (STEPS[self.at], tail.into_iter().rev().collect::<Vec<_>>().join("\n"));
-            self.broken.push(format!("the script ended as {end:?} at the step {step:?}; the log ends with\n{tail}"));
+            let left = intake::files_below(&self.farm.folder("inbox")).unwrap_or_default();
+            self.broken.push(format!(
+                "the script ended as {end:?} at the step {step:?}; in the hot folder stand {left:?}; the log ends with\n{tail}"
+            ));
             self.farm.kill();
             return;
         }

@@ -148,10 +148,12 @@ impl Farm {
     }
 }
 
-/// Whether a build file is one of this farm's builds.
+/// Whether a build file is one of the builds that this farm has fired. An open one has no file yet: what bears the name that it
+/// would have now is another farm's.
 async fn is_own(ledger: &Ledger, profile: &str, file: &str) -> Result<bool> {
     let Some((_, number)) = super::record::fired_and_number(file) else { return Ok(false) };
-    Ok(ledger.build(BuildId(number)).await?.is_some_and(|build| file_name(profile, &build) == file))
+    let build = ledger.build(BuildId(number)).await?;
+    Ok(build.is_some_and(|build| build.state != BuildState::Open && file_name(profile, &build) == file))
 }
 
 fn ago(now: Timestamp, secs: f64) -> Timestamp {

@@ -16,6 +16,7 @@ mod kill;
 mod ledger;
 mod life;
 mod memory;
+mod pair;
 mod pool;
 mod power;
 mod restore;
@@ -50,12 +51,13 @@ struct Section {
 
 /// All sections, in the order of the table.
 #[rustfmt::skip]
-const SECTIONS: [Section; 14] = [
+const SECTIONS: [Section; 15] = [
     Section { name: "crash", weight: 4.0, run: crash::run },
     Section { name: "faults", weight: 8.0, run: faults::run },
     Section { name: "power", weight: 5.0, run: power::run },
     Section { name: "kill", weight: 3.0, run: kill::run },
     Section { name: "storm", weight: 4.0, run: storm::run },
+    Section { name: "pair", weight: 4.0, run: pair::run },
     Section { name: "restore", weight: 4.0, run: restore::run },
     Section { name: "hostile", weight: 2.0, run: hostile::run },
     Section { name: "torture", weight: 0.5, run: torture::run },

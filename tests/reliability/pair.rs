@@ -1,0 +1,197 @@
+//! Two servers on one share: the first stands still after its n-th changing call for longer than its lease, the second takes the
+//! folders and adopts the claims, the first goes on. Copies are counted by content in the build files that the printer got:
+//! nothing twice, nothing lost.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::PathBuf,
+    process::Command,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
+
+use nestd::{format, intake};
+
+use super::{
+    budget::Budget,
+    life,
+    pool::{caught, in_parallel, spread},
+    row::Row,
+    support::{PROFILE, TestFarm, block, stl},
+    trace::{Call, Kind, Traced, Verdict, Watch, is_allowed},
+};
+
+/// What is dropped, by its edge in mm.
+const SIZES: [f64; 3] = [9.0, 10.0, 11.0];
+const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+    final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n";
+const TRIGGER: &str = "[trigger]\ncopies = 1\n";
+/// A lease is so many times shorter than in earnest.
+const HURRY: &str = "10";
+
+pub fn run(budget: &Budget) -> Row {
+    if !is_allowed() {
+        return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
+    }
+    // A short run has no time to count them first.
+    let (whole, mut row) = if budget.is_long { one_trial(u64::MAX) } else { (900, Row::default()) };
+    let points = spread(whole);
+    let all = points.len();
+    let rows =
+        in_parallel(points, budget, |point| caught(&format!("paused after change {point}"), || one_trial(point).1));
+    row.points = rows.iter().map(|r| r.points).sum();
+    row.faults = row.points;
+    row.files += rows.iter().map(|r| r.files).sum::<u64>();
+    row.builds += rows.iter().map(|r| r.builds).sum::<u64>();
+    row.note = format!("two servers, the first paused after the n-th changing call; {} of {all} points", rows.len());
+    row.broken.extend(rows.into_iter().flat_map(|r| r.broken));
+    row
+}
+
+/// Both servers' farms; the folders are those of the first.
+struct Pair {
+    first: TestFarm,
+    second: TestFarm,
+    printed: BTreeMap<String, u32>,
+    builds: u64,
+}
+
+fn one_trial(point: u64) -> (u64, Row) {
+    let mut pair = Pair::new();
+    let watch = PauseAfter { point, ..PauseAfter::default() };
+    let (count, paused, go_on) = (watch.count.clone(), watch.paused.clone(), watch.go_on.clone());
+    let first = as_host(pair.first.command(&["run"]), "first");
+    let traced = Traced::start(first, pair.first.root(), watch).unwrap();
+    let wanted = SIZES.len() as u32;
+    pair.wait(60.0, |pair| paused.load(Ordering::SeqCst) || pair.total() == wanted);
+    let is_paused = paused.load(Ordering::SeqCst);
+    let mut broken = Vec::new();
+    if is_paused {
+        pair.second.start_as(as_host(pair.second.command(&["run"]), "second"));
+        pair.adopt(&mut broken);
+        pair.wait(1.0, |_| false);
+        go_on.store(true, Ordering::SeqCst);
+        pair.wait(6.0, |pair| pair.total() >= wanted);
+        // It gives the folders back, and the first goes on with what is its own.
+        pair.second.stop();
+    }
+    pair.wait(60.0, |pair| pair.total() >= wanted);
+    pair.wait(0.5, |_| false);
+    let text = format!("{}\n---- second\n{}", pair.first.log(), pair.second.log());
+    go_on.store(true, Ordering::SeqCst);
+    drop(traced.kill());
+    for size in SIZES {
+        let hash = blake3::hash(&stl(&block(size, size, size))).to_hex().to_string();
+        let copies = pair.printed.get(&hash).copied().unwrap_or_default();
+        if copies != 1 {
+            broken.push(format!(
+                "paused after change {point}: the block of {size} mm was printed {copies} times\n{text}"
+            ));
+        }
+    }
+    let points = u64::from(is_paused);
+    (
+        count.load(Ordering::SeqCst),
+        Row { points, files: u64::from(wanted), builds: pair.builds, broken, ..Row::default() },
+    )
+}
+
+impl Pair {
+    fn new() -> Self {
+        let first = TestFarm::new(&format!("{MACHINE}{TRIGGER}"));
+        let shared = ["inbox", "queue"].map(|kind| format!("{kind} = {:?}\n", first.folder(kind))).concat();
+        let second = TestFarm::new(&format!("{MACHINE}[folders]\n{shared}{TRIGGER}"));
+        // Where the harness waits for the folders of a farm.
+        fs::create_dir_all(second.folder("inbox")).unwrap();
+        for farm in [&first, &second] {
+            fs::write(farm.config(), life::FARM).unwrap();
+        }
+        for size in SIZES {
+            first.drop_part(&format!("block-{size}.stl"), &block(size, size, size));
+        }
+        Self { first, second, printed: BTreeMap::new(), builds: 0 }
+    }
+
+    /// Waits until it holds; the printer takes what it sees meanwhile.
+    fn wait(&mut self, secs: f64, mut holds: impl FnMut(&Self) -> bool) {
+        let began = Instant::now();
+        while began.elapsed().as_secs_f64() < secs && !holds(self) {
+            self.print();
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        self.print();
+    }
+
+    fn print(&mut self) {
+        for file in self.first.queued() {
+            let to: PathBuf = self.first.root().join(format!("printed-{}", self.builds));
+            if fs::rename(&file, &to).is_err() {
+                continue;
+            }
+            self.builds += 1;
+            for placed in format::read_build(&to, &format::Limits::default()).unwrap() {
+                *self.printed.entry(placed.source_hash.unwrap()).or_default() += 1;
+            }
+        }
+    }
+
+    fn total(&self) -> u32 {
+        self.printed.values().sum()
+    }
+
+    /// A person takes over what the first has claimed, once the second serves.
+    fn adopt(&mut self, broken: &mut Vec<String>) {
+        let began = Instant::now();
+        let marker = self.first.folder("inbox").join(".nestd-owner");
+        let serves = || fs::read_to_string(&marker).is_ok_and(|text| text.contains("\"second\""));
+        self.wait(15.0, |_| serves());
+        let told = as_host(self.second.command(&["adopt", PROFILE]), "second").output().unwrap();
+        if !told.status.success() {
+            let text = String::from_utf8_lossy(&told.stderr).into_owned();
+            broken.push(format!("adopting was refused after {:?}: {text}\n{}", began.elapsed(), self.second.log()));
+        }
+        let left = intake::foreign(&self.first.folder("inbox"), "nobody").unwrap_or_default();
+        let former: Vec<_> = left.iter().filter(|name| name.starts_with(".new-")).collect();
+        if !former.is_empty() && !told.status.success() {
+            broken.push(format!("half made claims are left: {former:?}"));
+        }
+    }
+}
+
+fn as_host(mut command: Command, name: &str) -> Command {
+    command.env("NESTD_TEST_HOST", name).env("NESTD_TEST_HURRY", HURRY);
+    command
+}
+
+/// Lets the daemon stand still after its n-th changing call: who is traced does not go on while its tracer waits.
+#[derive(Default)]
+struct PauseAfter {
+    point: u64,
+    count: Arc<AtomicU64>,
+    paused: Arc<AtomicBool>,
+    go_on: Arc<AtomicBool>,
+}
+
+impl Watch for PauseAfter {
+    fn before(&mut self, _: &Call) -> Verdict {
+        Verdict::Let
+    }
+
+    fn after(&mut self, call: &Call, result: i64) -> bool {
+        if call.kind != Kind::Change || result < 0 {
+            return true;
+        }
+        if self.count.fetch_add(1, Ordering::SeqCst) + 1 == self.point {
+            self.paused.store(true, Ordering::SeqCst);
+            let began = Instant::now();
+            while !self.go_on.load(Ordering::SeqCst) && began.elapsed() < Duration::from_secs(60) {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
+        true
+    }
+}

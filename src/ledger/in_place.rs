@@ -39,11 +39,6 @@ impl InPlace {
         Self { ledger: opened(""), beside: [opened("-wal"), opened("-shm")] }
     }
 
-    /// The writer was opened anew, which may have made the files beside the ledger anew.
-    pub fn forget_beside(&self) {
-        self.beside.iter().for_each(|opened| opened.set(None));
-    }
-
     /// Whether all files are those that were opened.
     ///
     /// # Errors
@@ -59,10 +54,6 @@ impl InPlace {
 }
 
 impl Opened {
-    fn set(&self, identity: Option<Identity>) {
-        *self.identity.lock().unwrap_or_else(PoisonError::into_inner) = identity;
-    }
-
     fn changed(&self) -> Option<String> {
         let now = match fs::metadata(&self.path) {
             Ok(meta) => Some((meta.dev(), meta.ino())),

@@ -36,6 +36,9 @@ pub struct Ledger {
     path: PathBuf,
     writer: SqlitePool,
     reader: SqlitePool,
+    /// One connection that nobody uses: SQLite removes the files beside the ledger when its last connection is closed, and the
+    /// others are closed and made anew as they are needed.
+    anchor: SqlitePool,
     in_place: Arc<InPlace>,
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
 }
@@ -103,35 +106,16 @@ impl Ledger {
     }
 
     pub(super) async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
-        let failed = |error| LedgerError::Open { path: path.to_owned(), error };
         // A connection that only reads must say so: a query that writes by mistake would bypass the one writer.
         let reading = options.clone().create_if_missing(false).pragma("query_only", "ON");
         let in_place = Arc::new(InPlace::of(path));
-        let opened = in_place.clone();
-        let pool = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
-        let pool = pool.after_connect(move |_, _| {
-            opened.forget_beside();
-            Box::pin(async { Ok(()) })
-        });
-        let mut attempt = 1;
-        let writer = loop {
-            match pool.clone().connect_with(options.clone()).await {
-                Ok(writer) => break writer,
-                Err(error) if sqlite_code(&error) == Some(SQLITE_BUSY) && attempt < OPEN_ATTEMPTS => attempt += 1,
-                Err(error) => {
-                    let what = error.to_string();
-                    return Err(match LedgerError::from(error) {
-                        LedgerError::Corrupt(_) => LedgerError::Damaged { path: path.to_owned(), what },
-                        LedgerError::Sql(error) => failed(error),
-                        other => other,
-                    });
-                }
-            }
-            tokio::time::sleep(OPEN_PAUSE).await;
-        };
+        let writer = connect_one(path, options).await?;
+        let anchor = connect_one(path, reading.clone()).await?;
+        // SQLite opens the file when it is first asked.
+        sqlx::query("SELECT count(*) FROM sqlite_schema").execute(&anchor).await.map_err(|e| not_opened(path, e))?;
         let reader = SqlitePoolOptions::new().max_connections(READERS).connect_lazy_with(reading);
         in_place.demand()?;
-        Ok(Self { path: path.to_owned(), writer, reader, in_place, clock: Arc::new(Timestamp::now) })
+        Ok(Self { path: path.to_owned(), writer, reader, anchor, in_place, clock: Arc::new(Timestamp::now) })
     }
 
     /// The same ledger with another clock, for tests that turn time by hand.
@@ -147,6 +131,7 @@ impl Ledger {
     /// Ends all work in order.
     pub async fn close(&self) {
         self.reader.close().await;
+        self.anchor.close().await;
         self.writer.close().await;
     }
 
@@ -154,6 +139,7 @@ impl Ledger {
     /// because others use the ledger, the next start looks through it instead.
     pub async fn close_sealed(&self) -> Result<bool> {
         self.reader.close().await;
+        self.anchor.close().await;
         let sealed = health::seal(&self.path, &self.writer).await;
         self.writer.close().await;
         sealed
@@ -208,6 +194,29 @@ impl Ledger {
 impl std::fmt::Debug for Ledger {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Ledger").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+/// A pool of one connection that stays; waits while another process turns the file into WAL mode.
+async fn connect_one(path: &Path, options: SqliteConnectOptions) -> Result<SqlitePool> {
+    let pool = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
+    let mut attempt = 1;
+    loop {
+        match pool.clone().connect_with(options.clone()).await {
+            Ok(connected) => return Ok(connected),
+            Err(error) if sqlite_code(&error) == Some(SQLITE_BUSY) && attempt < OPEN_ATTEMPTS => attempt += 1,
+            Err(error) => return Err(not_opened(path, error)),
+        }
+        tokio::time::sleep(OPEN_PAUSE).await;
+    }
+}
+
+fn not_opened(path: &Path, error: sqlx::Error) -> LedgerError {
+    let what = error.to_string();
+    match LedgerError::from(error) {
+        LedgerError::Corrupt(_) => LedgerError::Damaged { path: path.to_owned(), what },
+        LedgerError::Sql(error) => LedgerError::Open { path: path.to_owned(), error },
+        other => other,
     }
 }
 

@@ -23,7 +23,7 @@ use super::{
 use crate::{
     format::counted,
     intake::{self, TicketError},
-    ledger::{NewPart, PartId, PartRow, PartState, Refusal, Utc},
+    ledger::{NewPart, PartId, PartRow, PartState, Recorded, Refusal, Utc},
     settings::{Duplicates, Profile},
 };
 
@@ -79,14 +79,15 @@ impl Farm {
         self.jobs.ended(&JobKey::Receive(name.to_owned()));
         let rows: Vec<&NewPart> = received.drops.iter().map(|drop| &drop.row).collect();
         // One change for all costs as much as one row. Where it fails, each is written by itself below, and told.
-        if rows.len() > 1
-            && self.stations.contains_key(name)
-            && let Err(failure) = self.ledger.record_claims(&rows).await
-        {
-            debug!("The rows of a look are written one by one: {failure}.");
+        let mut recorded = Vec::new();
+        if rows.len() > 1 && self.stations.contains_key(name) {
+            match self.ledger.record_claims(&rows).await {
+                Ok(all) => recorded = all,
+                Err(failure) => debug!("The rows of a look are written one by one: {failure}."),
+            }
         }
-        for drop in received.drops {
-            if let Err(failure) = self.record(name, &drop).await {
+        for (at, drop) in received.drops.into_iter().enumerate() {
+            if let Err(failure) = self.record(name, &drop, recorded.get(at).copied()).await {
                 self.trouble(Attention::TakingFails, name, "recording a drop", &failure);
                 gate.take_back(drop.claim);
             }
@@ -137,8 +138,8 @@ impl Farm {
         }
     }
 
-    /// The row of a claimed part; an earlier run may have written it already.
-    async fn record(&mut self, name: &str, drop: &Drop) -> Result<()> {
+    /// The row of a claimed part; an earlier run or the change for the whole look may have written it already.
+    async fn record(&mut self, name: &str, drop: &Drop, recorded: Option<Recorded>) -> Result<()> {
         if !self.stations.contains_key(name) {
             return Ok(());
         }
@@ -146,7 +147,13 @@ impl Farm {
         if given.is_ok() && self.is_replacement(name, claim, stored).await? {
             return Ok(());
         }
-        let recorded = self.ledger.record_claim(row).await?;
+        let recorded = match recorded {
+            Some(recorded) => recorded,
+            None => self.ledger.record_claim(row).await?,
+        };
+        if recorded.fresh {
+            self.counted_reads.insert(recorded.id);
+        }
         // Between the copy and the row, the end of an earlier part of the same content may have taken both away.
         if !self.meshes.store.path(&stored.hash)?.exists() {
             self.meshes.store.put_claimed(claim)?;
@@ -219,7 +226,9 @@ impl Farm {
             return Ok(());
         }
         let was_rejected = self.ledger.was_rejected(part.id).await?;
-        part.reads = self.ledger.begin_read(part.id).await?;
+        if !self.counted_reads.remove(&part.id) {
+            part.reads = self.ledger.begin_read(part.id).await?;
+        }
         self.is_reading_alone = part.reads > READS_IN_THE_DAEMON;
         let (profile, meshes) = (profile.clone(), self.meshes.clone());
         let claim = self.claims.get(&part.claim).cloned();

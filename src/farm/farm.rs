@@ -71,6 +71,8 @@ pub struct Farm {
     pub(super) let_go: HashSet<String>,
     /// Parts whose reading failed for the disk's sake.
     pub(super) read_again: BackOff<PartId>,
+    /// Parts whose first reading was counted with their claim and is not begun yet.
+    pub(super) counted_reads: HashSet<PartId>,
     /// Times that parts were looked for to read.
     pub(super) reads_begun: usize,
     /// Whether the file that is read now has ended the process before.

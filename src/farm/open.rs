@@ -110,6 +110,7 @@ impl Farm {
             claims: HashMap::new(),
             let_go: HashSet::new(),
             read_again: BackOff::default(),
+            counted_reads: HashSet::new(),
             reads_begun: 0,
             leaving: Default::default(),
             is_reading_alone: false,

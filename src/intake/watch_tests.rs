@@ -60,6 +60,36 @@ fn reading_and_what_nestd_writes_itself_do_not_wake() {
 }
 
 #[test]
+fn a_file_in_a_folder_that_was_made_later_wakes_and_claims_are_not_watched() {
+    let dir = tempfile::tempdir().unwrap();
+    let inbox = dir.path().join("inbox");
+    fs::create_dir(&inbox).unwrap();
+    fs::create_dir_all(dir.path().join("order/sub")).unwrap();
+    let (watcher, woken) = watched(&[&inbox]);
+    fs::create_dir_all(inbox.join("made/deep/er")).unwrap();
+    fs::create_dir_all(inbox.join(".claimed/x/y")).unwrap();
+    fs::rename(dir.path().join("order"), inbox.join("moved")).unwrap();
+    woken.recv_timeout(SOON).unwrap();
+    drain(&woken);
+    for folder in ["made/deep/er", "moved/sub"] {
+        fs::write(inbox.join(folder).join("a.stl"), "x").unwrap();
+        woken.recv_timeout(SOON).unwrap_or_else(|_| panic!("{folder} is not watched"));
+        drain(&woken);
+    }
+    let watched = lock(&watcher.folders).watched.clone();
+    assert!(!watched.iter().any(|folder| folder.starts_with(inbox.join(".claimed"))), "{watched:?}");
+}
+
+#[test]
+fn a_watcher_that_is_dropped_wakes_nobody_any_more() {
+    let dir = tempfile::tempdir().unwrap();
+    let (watcher, woken) = watched(&[dir.path()]);
+    drop(watcher);
+    fs::write(dir.path().join("a.stl"), "x").unwrap();
+    assert_eq!(woken.recv_timeout(SOON), Err(std::sync::mpsc::RecvTimeoutError::Disconnected));
+}
+
+#[test]
 fn many_events_are_few_wake_ups() {
     let dir = tempfile::tempdir().unwrap();
     let (_watcher, woken) = watched(&[dir.path()]);

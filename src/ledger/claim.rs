@@ -9,25 +9,26 @@ impl Ledger {
     /// Records a claim and its ticket; the same claim again gives the same part.
     pub async fn record_claim(&self, part: &NewPart) -> Result<Recorded> {
         let mut change = self.change().await?;
-        let Some(id) = record(&mut change, part).await? else {
-            let known = sqlx::query_scalar("SELECT id FROM part WHERE claim = ? AND object_index = 0");
-            let id = known.bind(&part.claim).fetch_one(change.db()).await?;
-            return Ok(Recorded { id, fresh: false });
-        };
-        change.commit().await?;
-        Ok(Recorded { id, fresh: true })
+        let recorded = record(&mut change, part).await?;
+        if recorded.fresh {
+            change.commit().await?;
+        }
+        Ok(recorded)
     }
 
     /// Records many claims in one change, all or none; those that are known stay as they are.
-    pub async fn record_claims(&self, parts: &[&NewPart]) -> Result<()> {
+    pub async fn record_claims(&self, parts: &[&NewPart]) -> Result<Vec<Recorded>> {
         let mut change = self.change().await?;
+        let mut recorded = Vec::with_capacity(parts.len());
         for part in parts {
-            record(&mut change, part).await?;
+            recorded.push(record(&mut change, part).await?);
         }
-        change.commit().await
+        change.commit().await?;
+        Ok(recorded)
     }
 
-    /// Counts an attempt to read a claimed part's file; returns how many there are now.
+    /// Counts a further attempt to read a claimed part's file; returns how many there are now. The first is counted with the
+    /// claim, which saves a change of the ledger for each file.
     pub async fn begin_read(&self, id: PartId) -> Result<u32> {
         self.count_read(id, 1).await
     }
@@ -162,14 +163,18 @@ async fn demand_cancellable(change: &mut Change, id: PartId) -> Result<()> {
     }
 }
 
-/// A claim with its ticket and its event; `None` when it is recorded already.
-async fn record(change: &mut Change, part: &NewPart) -> Result<Option<PartId>> {
-    let Some(id) = insert_claim(change, part).await? else { return Ok(None) };
+/// A claim with its ticket and its event, unless it is recorded already.
+async fn record(change: &mut Change, part: &NewPart) -> Result<Recorded> {
+    let Some(id) = insert_claim(change, part).await? else {
+        let known = sqlx::query_scalar("SELECT id FROM part WHERE claim = ? AND object_index = 0");
+        let id = known.bind(&part.claim).fetch_one(change.db()).await?;
+        return Ok(Recorded { id, fresh: false });
+    };
     if let Some(ticket) = &part.ticket {
         insert_ticket(change, id, ticket).await?;
     }
     change.event("claimed", &part.profile, Some(id), None, &part.name).await?;
-    Ok(Some(id))
+    Ok(Recorded { id, fresh: true })
 }
 
 /// `None` when the claim is recorded already.
@@ -177,8 +182,8 @@ async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<Part
     let now = change.now;
     let id = sqlx::query_scalar(
         "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
-         due_at, orientation, tilts, clearance_mm, unit, note, claimed_at, state_at) \
-         VALUES (?, ?, ?, ?, ?, ?, 'claimed', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) \
+         due_at, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
+         VALUES (?, ?, ?, ?, ?, ?, 'claimed', ?, ?, ?, ?, ?, ?, ?, ?, ?, 1, ?, ?) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)

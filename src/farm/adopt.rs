@@ -71,6 +71,7 @@ impl Farm {
         }
         for part in self.ledger.give_up_claims(claims, REASON).await? {
             warn!(part.id = %part.id, profile, "Part {} ({}) is given up: {REASON}", part.id, part.name);
+            self.mark_decided(&part).await;
             self.put_aside(&part, REASON);
         }
         claims.iter().for_each(|claim| drop(self.claims.remove(claim)));

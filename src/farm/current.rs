@@ -12,6 +12,7 @@ use anyhow::{Context, Result};
 
 use super::{
     attention::Attention,
+    decided,
     event::Event,
     farm::Farm,
     jobs::JobKey,
@@ -45,7 +46,8 @@ pub async fn unknown(settings: &Settings, ledger: &Ledger) -> Result<(Vec<String
             Err(error) => away.push(error.downcast::<Away>()?),
         }
     }
-    let mut files = taken::forgotten(settings, ledger).await?;
+    let kept = taken::kept(settings)?;
+    let mut files = taken::forgotten(settings, ledger, &kept).await?;
     // What is just being taken stands in a hot folder; one that is away hides it.
     files.retain(|file| {
         let profile = file.taken.as_ref().and_then(|taken| settings.profiles.get(&taken.part.profile));
@@ -55,6 +57,7 @@ pub async fn unknown(settings: &Settings, ledger: &Ledger) -> Result<(Vec<String
         Some(taken) => format!("{} ({} copies for {})", file.name(), taken.part.copies, taken.part.profile),
         None => file.name(),
     }));
+    told.extend(decided::since(settings, ledger, &kept).await?.iter().map(decided::name));
     Ok((told, away))
 }
 
@@ -147,9 +150,12 @@ async fn compare(settings: &Settings, ledger: &Ledger, profile: &Profile, before
     };
     let told = async {
         let mut told = unknown_to(settings, ledger, profile).await?;
-        let files = taken::forgotten(settings, ledger).await?;
+        let kept = taken::kept(settings)?;
+        let files = taken::forgotten(settings, ledger, &kept).await?;
         let is_of = |file: &taken::Forgotten| file.taken.as_ref().is_some_and(|t| t.part.profile == profile.name);
         told.extend(files.iter().filter(|file| is_of(file)).map(taken::Forgotten::name));
+        let decided = decided::since(settings, ledger, &kept).await?;
+        told.extend(decided.iter().filter(|claim| claim.profile == profile.name).map(decided::name));
         anyhow::Ok(told)
     };
     match told.await {

@@ -96,6 +96,7 @@ impl Farm {
     pub(super) async fn refuse(&mut self, part: &PartRow, cause: Refusal, reason: &str) -> Result<()> {
         warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
         self.ledger.reject(part.id, cause, reason).await?;
+        self.mark_decided(part).await;
         self.put_into_error(part, reason);
         Ok(())
     }
@@ -214,8 +215,11 @@ impl Farm {
             self.on_not_copied(id, &failure);
             return Ok(());
         }
-        let Some(Leaving { cause, reason, command, .. }) = self.leaving.remove(&id) else { return Ok(()) };
+        let Some(Leaving { part, cause, reason, command }) = self.leaving.remove(&id) else { return Ok(()) };
         let left = self.ledger.cancel(id, cause, &reason).await;
+        if left.is_ok() {
+            self.mark_decided(&part).await;
+        }
         let Some(command) = command else { return Ok(left?) };
         match left {
             Ok(()) => {

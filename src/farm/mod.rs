@@ -15,6 +15,7 @@ mod claimed;
 mod clock;
 mod current;
 mod damaged;
+mod decided;
 mod due;
 mod ending;
 mod event;

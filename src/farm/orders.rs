@@ -90,7 +90,13 @@ impl Farm {
                 let refused = format!("the ticket of part {part} could not be read: mend it and drop both again");
                 return Ok(Some(Err(refused)));
             }
-            CommandKind::Retry => self.ledger.retry(part).await.map(|()| format!("part {part} is read again")),
+            CommandKind::Retry => match self.ledger.retry(part).await {
+                Ok(()) => {
+                    self.mark_decided(&row).await;
+                    Ok(format!("part {part} is read again"))
+                }
+                Err(refused) => Err(refused),
+            },
             _ => match self.cancel(&row, command).await {
                 Ok(false) => return Ok(None),
                 Ok(true) => Ok(format!("part {part} is cancelled")),
@@ -118,6 +124,7 @@ impl Farm {
             return Ok(false);
         }
         self.ledger.cancel(row.id, Refusal::Cancelled, &reason).await?;
+        self.mark_decided(row).await;
         Ok(true)
     }
 

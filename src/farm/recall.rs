@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use super::{
     claimed::COPIES_UNKNOWN,
     ending::reason_text,
-    reconcile::{Later, Reconciled, Refused, UNKNOWN, put_into_error},
+    reconcile::{DECIDED_SINCE, Later, Reconciled, Refused, UNKNOWN, put_into_error},
     taken::{Forgotten, Taken},
     tidy::REASON,
 };
@@ -83,6 +83,7 @@ impl Recall<'_> {
                 Refusal::Other,
                 "A build file in the queue holds the same file, so it may be printed already.".to_owned(),
             ),
+            (None, None) if one.decisions > 0 => (Refusal::Other, format!("{DECIDED_SINCE}.")),
             (None, None) => {
                 let copies = if part.copies == 1 { "1 copy".to_owned() } else { format!("{} copies", part.copies) };
                 self.found.done.push(format!(
@@ -93,6 +94,7 @@ impl Recall<'_> {
             }
         };
         self.ledger.reject(id, cause, &why).await?;
+        self.ledger.raise_decisions(&part.claim, one.decisions).await?;
         let row = self.ledger.part(id).await?.context("a part that was recorded has no row")?;
         self.show_refused(&row, lies)?;
         self.found.doubts.push(format!("part {id} ({name}) is not printed. {why}"));

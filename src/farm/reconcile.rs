@@ -13,6 +13,7 @@ use anyhow::{Context, Result};
 use serde_json::json;
 
 use super::{
+    decided::Since,
     ending::reason_text,
     record, taken, tidy,
     told::{self, Known},
@@ -20,7 +21,7 @@ use super::{
 use crate::{
     format, intake,
     intake::Store,
-    ledger::{BuildState, Ledger, PartId, PartRow, PartState, Refusal, TakenIn},
+    ledger::{BuildState, Ledger, LedgerError, PartId, PartRow, PartState, Refusal, TakenIn},
     queue::{Queue, StagedState},
     settings::{Profile, Settings},
 };
@@ -99,11 +100,15 @@ pub async fn reconcile(settings: &Settings, ledger: &Ledger, known: &Known) -> R
         }
     }
     let refused = Refused::read(settings, known)?;
+    let kept = taken::kept(settings)?;
+    let mut since = Since::of(settings, ledger, &kept, &mut found).await?;
+    let look = Look { settings, ledger, refused: &refused };
     for profile in settings.profiles.values() {
-        take_out_what_was_refused(ledger, settings, profile, &refused, &mut found).await?;
-        put_back_what_was_taken_back(ledger, settings, profile, &refused, &mut found).await?;
+        take_out_what_was_refused(&look, profile, &mut since, &mut found).await?;
+        put_back_what_was_taken_back(&look, profile, &mut since, &mut found).await?;
     }
-    let forgotten = taken::forgotten(settings, ledger).await?;
+    since.agree(ledger, &mut found).await?;
+    let forgotten = taken::forgotten(settings, ledger, &kept).await?;
     let mut again = super::recall::Recall { settings, ledger, refused: &refused, unclear: &unclear, found: &mut found };
     for one in forgotten {
         again.take(one).await?;
@@ -112,6 +117,13 @@ pub async fn reconcile(settings: &Settings, ledger: &Ledger, known: &Known) -> R
         ledger.leave_gap_in_numbers(GAP).await?;
     }
     Ok(found)
+}
+
+/// What is held against one another.
+struct Look<'a> {
+    settings: &'a Settings,
+    ledger: &'a Ledger,
+    refused: &'a Refused,
 }
 
 impl Reconciled {
@@ -263,68 +275,100 @@ async fn give_up_plans(ledger: &Ledger, unknown: &[Unknown], found: &mut Reconci
     Ok(())
 }
 
-/// Parts that wait in the ledger, but lie refused or cancelled in the error folder or are kept nowhere any more.
+/// Why a part is taken out of which more was decided than the ledger knows.
+pub(super) const DECIDED_SINCE: &str = "It was refused, cancelled or taken back after the backup was made";
+
+/// Parts that wait in the ledger, but lie refused or cancelled in the error folder, were decided of since, or are kept nowhere
+/// any more.
 async fn take_out_what_was_refused(
-    ledger: &Ledger,
-    settings: &Settings,
+    look: &Look<'_>,
     profile: &Profile,
-    refused: &Refused,
+    since: &mut Since,
     found: &mut Reconciled,
 ) -> Result<()> {
+    let (ledger, settings) = (look.ledger, look.settings);
     let mut live = ledger.parts_in_state(PartState::Waiting).await?;
     live.extend(ledger.parts_in_state(PartState::Claimed).await?);
     for part in live.into_iter().filter(|part| part.profile == profile.name) {
-        if is_in_work(profile, &part)? {
+        let (is_in_work, is_decided) = (is_in_work(profile, &part)?, since.has(&part));
+        if is_in_work && !is_decided {
             continue;
         }
-        let may_be_refused = !refused.of(&profile.name, &part.content_hash).is_empty();
-        let why = if may_be_refused && !tidy::refused_files(&profile.folders.error, &part)?.is_empty() {
-            "It lies in the error folder: it was refused or cancelled after the backup was made."
-        } else if !is_stored(settings, &part)? {
-            "Its file is no longer kept: it was built, refused or cancelled after the backup was made."
-        } else {
+        let (lies, is_stored) = (lies(look.refused, profile, &part)?, is_stored(settings, &part)?);
+        let why = match () {
+            () if lies => {
+                "It lies in the error folder: it was refused or cancelled after the backup was made".to_owned()
+            }
+            () if !is_stored => {
+                "Its file is no longer kept: it was built, refused or cancelled after the backup was made".to_owned()
+            }
+            () if is_decided => DECIDED_SINCE.to_owned(),
+            () => continue,
+        } + ".";
+        if let Err(error) = take_out(ledger, &part, &why).await {
+            let LedgerError::BeingBuilt { build, .. } = error else { return Err(error.into()) };
+            let doubt = format!(
+                "part {} ({}) has copies in build {build}, which is to be published. {why} `nestd cancel {0}` takes out what \
+                 is left of it then",
+                part.id, part.name
+            );
+            since.tell(&part, found, doubt);
             continue;
-        };
-        match part.state {
-            PartState::Claimed => ledger.reject(part.id, Refusal::Other, why).await?,
-            _ => ledger.cancel(part.id, Refusal::Other, why).await?,
         }
-        found.doubts.push(format!(
-            "part {} ({}) is taken out. {why} `nestd retry {}` takes it back",
-            part.id, part.name, part.id
-        ));
+        if let Some(part) = ledger.part(part.id).await?
+            && !lies
+            && is_stored
+            && !is_in_work
+        {
+            put_into_error(settings, profile, &part)?;
+        }
+        let doubt = format!("part {} ({}) is taken out. {why} `nestd retry {0}` takes it back", part.id, part.name);
+        since.tell(&part, found, doubt);
     }
     Ok(())
+}
+
+/// waiting, claimed -> rejected; a claimed one takes its siblings with it.
+async fn take_out(ledger: &Ledger, part: &PartRow, why: &str) -> Result<(), LedgerError> {
+    match ledger.part(part.id).await?.map(|now| now.state) {
+        Some(PartState::Claimed) => ledger.reject(part.id, Refusal::Other, why).await,
+        Some(PartState::Waiting) => ledger.cancel(part.id, Refusal::Other, why).await,
+        _ => Ok(()),
+    }
 }
 
 /// Parts that are refused in the ledger and were taken back after the backup was made: their files went from the error folder
 /// then. What became of them is not known, so that a person decides; the file lies where he looks for it.
 async fn put_back_what_was_taken_back(
-    ledger: &Ledger,
-    settings: &Settings,
+    look: &Look<'_>,
     profile: &Profile,
-    refused: &Refused,
+    since: &mut Since,
     found: &mut Reconciled,
 ) -> Result<()> {
-    for part in ledger.parts_in_state(PartState::Rejected).await? {
-        if part.profile != profile.name || is_in_work(profile, &part)? || !is_stored(settings, &part)? {
+    for part in look.ledger.parts_in_state(PartState::Rejected).await? {
+        if part.profile != profile.name || since.is_told(&part) || is_in_work(profile, &part)? {
             continue;
         }
-        let lies = !refused.of(&profile.name, &part.content_hash).is_empty();
-        if lies && !tidy::refused_files(&profile.folders.error, &part)?.is_empty() {
+        if !is_stored(look.settings, &part)? || lies(look.refused, profile, &part)? {
             continue;
         }
-        put_into_error(settings, profile, &part)?;
-        found.doubts.push(format!(
+        put_into_error(look.settings, profile, &part)?;
+        let doubt = format!(
             "part {} ({}) was refused before the backup was made and taken back or tidied away after it; its file lies in {} \
-             again. `nestd retry {}` takes it back",
+             again. `nestd retry {0}` takes it back",
             part.id,
             part.name,
-            profile.folders.error.display(),
-            part.id
-        ));
+            profile.folders.error.display()
+        );
+        since.tell(&part, found, doubt);
     }
     Ok(())
+}
+
+/// Whether a part's file lies in the error folder with a reason that names it.
+fn lies(refused: &Refused, profile: &Profile, part: &PartRow) -> Result<bool> {
+    let may_lie = !refused.of(&profile.name, &part.content_hash).is_empty();
+    Ok(may_lie && !tidy::refused_files(&profile.folders.error, part)?.is_empty())
 }
 
 /// A refused part's file and its reason in the error folder, from the store.

@@ -1,14 +1,18 @@
 //! What was asked of a claim, as it is noted beside its stored file: a ledger that went back in time learns from it what it
 //! forgot.
 
-use std::{collections::HashMap, fs, path::Path};
+use std::{
+    collections::{BTreeMap, HashMap},
+    fs,
+    path::Path,
+};
 
 use anyhow::{Context, Result};
 use jiff::tz::TimeZone;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    intake::{self, Claim, Given, Source, Store, Stored, TicketError},
+    intake::{self, Claim, Given, Kept, Source, Store, Stored, TicketError},
     ledger::{Ledger, NewPart, NewTicket, TicketSource, Tilts},
     nest::Orientation,
     settings::{Profile, Settings},
@@ -49,6 +53,8 @@ pub struct Forgotten {
     pub taken: Option<Taken>,
     /// Whether its bytes are there.
     pub is_stored: bool,
+    /// How often it was refused, cancelled or taken back, by its note.
+    pub decisions: u32,
 }
 
 impl Forgotten {
@@ -62,17 +68,25 @@ impl Forgotten {
     }
 }
 
-/// What lies in the store and has no row, and is not just being taken.
+/// All that lies in the store, by hash. It is asked for before the ledger, which may then know more, and never less.
 ///
 /// # Errors
-/// The store, a hot folder or the ledger cannot be read.
-pub async fn forgotten(settings: &Settings, ledger: &Ledger) -> Result<Vec<Forgotten>> {
+/// The store cannot be read.
+pub fn kept(settings: &Settings) -> Result<BTreeMap<String, Kept>> {
+    let dir = settings.state_dir.join("store");
+    Store::at(dir.clone()).kept().with_context(|| format!("listing {}", dir.display()))
+}
+
+/// What of this has no row, and is not just being taken.
+///
+/// # Errors
+/// A note, a hot folder or the ledger cannot be read.
+pub async fn forgotten(settings: &Settings, ledger: &Ledger, kept: &BTreeMap<String, Kept>) -> Result<Vec<Forgotten>> {
     let store = Store::at(settings.state_dir.join("store"));
-    let kept = store.kept().with_context(|| format!("listing {}", settings.state_dir.join("store").display()))?;
     let (mut by_claim, mut contents) = (HashMap::new(), Vec::new());
-    for (hash, kept) in &kept {
-        for claim in &kept.claims {
-            by_claim.insert(claim.clone(), (hash.clone(), kept.is_stored));
+    for (hash, kept) in kept {
+        for (claim, decisions) in &kept.claims {
+            by_claim.insert(claim.clone(), (hash.clone(), kept.is_stored, *decisions));
         }
         if kept.claims.is_empty() {
             contents.push(hash.clone());
@@ -93,7 +107,7 @@ pub async fn forgotten(settings: &Settings, ledger: &Ledger) -> Result<Vec<Forgo
     unknown.sort();
     let mut found = Vec::new();
     for claim in unknown {
-        let Some((hash, is_stored)) = by_claim.remove(&claim) else { continue };
+        let Some((hash, is_stored, decisions)) = by_claim.remove(&claim) else { continue };
         let text = match fs::read_to_string(store.note_path(&hash, &claim)?) {
             // Its content was built or forgotten meanwhile.
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
@@ -102,9 +116,10 @@ pub async fn forgotten(settings: &Settings, ledger: &Ledger) -> Result<Vec<Forgo
         // A note that a power cut left empty tells nothing, and is told.
         let taken = serde_json::from_str::<Taken>(&text).ok();
         let taken = taken.filter(|taken| taken.part.claim == claim && taken.part.content_hash == hash);
-        found.push(Forgotten { hash, claim: Some(claim), taken, is_stored });
+        found.push(Forgotten { hash, claim: Some(claim), taken, is_stored, decisions });
     }
-    found.extend(nameless.into_iter().map(|hash| Forgotten { hash, claim: None, taken: None, is_stored: true }));
+    let without_note = |hash| Forgotten { hash, claim: None, taken: None, is_stored: true, decisions: 0 };
+    found.extend(nameless.into_iter().map(without_note));
     Ok(found)
 }
 
@@ -149,7 +164,7 @@ pub async fn drop_taken_over(settings: &Settings, ledger: &Ledger, store: &Store
         return Ok(());
     }
     for (hash, kept) in store.kept()? {
-        let gone: Vec<&String> = kept.claims.iter().filter(|claim| unknown.contains(claim)).collect();
+        let gone: Vec<&String> = kept.claims.keys().filter(|claim| unknown.contains(claim)).collect();
         if gone.is_empty() {
             continue;
         }

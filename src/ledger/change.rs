@@ -62,6 +62,7 @@ impl Change {
     pub async fn reject_part(&mut self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
         let profile = self.enter(id, PartState::Rejected, reason).await?;
+        self.count_decision(id).await?;
         self.refusal(&PartState::Rejected.to_string(), &profile, Some(id), cause, reason).await
     }
 

@@ -141,6 +141,7 @@ impl Ledger {
             return Err(LedgerError::NotRejected { part: id, state });
         }
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
+        change.count_decision(id).await?;
         change.commit().await
     }
 }

@@ -215,20 +215,23 @@ async fn take_build(change: &mut Change, build: &Row, is_published: bool) -> Res
 /// The part of a record in this ledger: a claim is the same file for ever.
 async fn take_part(change: &mut Change, part: &Row) -> Result<PartId> {
     let (claim, index) = (word(part, "claim"), number(part, "object_index")?);
-    let known: Option<(i64, PartState)> =
-        sqlx::query_as("SELECT id, state FROM part WHERE claim = ? AND object_index = ?")
+    let known: Option<(i64, PartState, i64)> =
+        sqlx::query_as("SELECT id, state, decisions FROM part WHERE claim = ? AND object_index = ?")
             .bind(claim)
             .bind(index)
             .fetch_optional(change.db())
             .await?;
     match known {
-        Some((id, PartState::Waiting | PartState::Batched | PartState::Built)) => Ok(PartId(id)),
+        Some((id, PartState::Waiting | PartState::Batched | PartState::Built, _)) => Ok(PartId(id)),
         // It was not read yet, or was refused and taken back later.
-        Some((id, _)) => {
+        Some((id, _, decisions)) => {
             let keep = ["id", "claim", "object_index", "claimed_at"];
             let mut row = part.clone();
             row.insert("state".to_owned(), "waiting".into());
             row.insert("reason".to_owned(), "".into());
+            // They only grow.
+            let more = part.get("decisions").and_then(Value::as_i64).unwrap_or(0);
+            row.insert("decisions".to_owned(), decisions.max(more).into());
             overwrite(change, "part", id, &row, &keep).await?;
             Ok(PartId(id))
         }

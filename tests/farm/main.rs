@@ -7,6 +7,7 @@ mod hook;
 mod attention;
 mod bad_input;
 mod dashboard;
+mod decided;
 mod deep;
 mod full_disk;
 #[allow(dead_code)] // shared with the reliability run

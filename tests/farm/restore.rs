@@ -275,7 +275,7 @@ fn a_stored_file_of_which_nothing_is_noted_is_told_by_name_and_kept() {
     put_over(&farm, &copy);
     let store = nestd::intake::Store::at(farm.root().join("state/store"));
     let hash = hash_of(&block(20.0, 20.0, 20.0));
-    for claim in &store.kept().unwrap()[&hash].claims {
+    for claim in store.kept().unwrap()[&hash].claims.keys() {
         fs::remove_file(store.note_path(&hash, claim).unwrap()).unwrap();
     }
     assert!(!farm.nestd(&["run"]).status.success());

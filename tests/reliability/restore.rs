@@ -1,8 +1,7 @@
 //! A ledger put back: `nestd restore` and `check --deep --repair` killed after each call that changes a file, after each
 //! action that may have followed the backup, with each folder away in turn. Then the daemon is started at once, or the command
 //! is given again to its end; what comes out is counted in the build files by content. Each dropped content is printed as often
-//! as it was asked for, or a person is told of it or `check --deep` names it (and nothing else does where a backup was copied
-//! over the ledger by hand after a `retry`); nothing is doubled; with a folder away the ledger stays as it was.
+//! as it was asked for, or a person is told of it; nothing is doubled; with a folder away the ledger stays as it was.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -11,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::{farm::Witness, format, geometry::Mesh, ledger::PartState};
+use nestd::{format, geometry::Mesh, ledger::PartState};
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 
@@ -282,7 +281,6 @@ impl Farm {
         let mut told: String = said.lines().filter(|line| line.contains("LOOK AT")).collect();
         told += &fs::read_to_string(self.farm.root().join("state/attention.json")).unwrap_or_default();
         self.farm.stop();
-        told += &self.farm.broken(&Witness::default()).join("\n");
         row.builds += self.farm.queued().len() as u64;
         row.broken.extend(self.judged(&told).map(|text| format!("{about}: {text}\n{said}\n{}", self.farm.log())));
     }

@@ -103,6 +103,41 @@ async fn a_waiting_part_is_rejected_by_cancel_only() {
 }
 
 #[tokio::test]
+async fn each_refusal_and_each_taking_back_of_a_claim_is_counted() {
+    let ledger = fresh().await;
+    let id = ledger.record_claim(&new_part("kit", 1)).await.unwrap().id;
+    let parts = ledger.accept(id, &[solid(0, 1), solid(1, 1)]).await.unwrap();
+    assert_eq!(ledger.decisions("kit").await.unwrap(), 0);
+    ledger.cancel(parts[1], Refusal::Cancelled, "").await.unwrap();
+    ledger.retry(parts[1]).await.unwrap();
+    ledger.reject(parts[1], Refusal::Format, "").await.unwrap();
+    ledger.give_up_claims(&["kit".to_owned()], "").await.unwrap();
+    ledger.retry(parts[0]).await.unwrap();
+    assert_eq!(ledger.decisions("kit").await.unwrap(), 5);
+}
+
+#[tokio::test]
+async fn a_ledger_that_knows_fewer_decisions_than_were_noted_says_so_until_it_counts_them() {
+    let ledger = fresh().await;
+    for claim in ["a", "b", "c"] {
+        let id = waiting(&ledger, claim, 1).await;
+        ledger.cancel(id, Refusal::Cancelled, "").await.unwrap();
+    }
+    let noted = |claims: &[(&str, u32)]| claims.iter().map(|(claim, count)| ((*claim).to_owned(), *count)).collect();
+    assert_eq!(ledger.decided_since(&noted(&[])).await.unwrap(), []);
+    assert_eq!(ledger.decided_since(&noted(&[("a", 1), ("b", 0), ("unknown", 7)])).await.unwrap(), []);
+    let since = ledger.decided_since(&noted(&[("a", 1), ("b", 2), ("c", 12)])).await.unwrap();
+    let since: Vec<_> = since.iter().map(|claim| (claim.claim.as_str(), claim.decisions)).collect();
+    assert_eq!(since, [("b", 2), ("c", 12)]);
+    for (least, now) in [(12, 12), (3, 12)] {
+        ledger.raise_decisions("c", least).await.unwrap();
+        assert_eq!(ledger.decisions("c").await.unwrap(), now);
+    }
+    ledger.raise_decisions("unknown", 3).await.unwrap();
+    assert_eq!(ledger.decided_since(&noted(&[("a", 1), ("c", 12)])).await.unwrap(), []);
+}
+
+#[tokio::test]
 async fn a_part_is_built_when_its_last_copy_is_published() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 3).await;

@@ -203,7 +203,8 @@ impl Originals {
     fn new(settings: &Settings, profile: &Profile, build: &BuildRow) -> Self {
         // Only to look: opening it would clear away what the daemon is just putting there.
         let store = Store::at(settings.state_dir.join("store"));
-        let meshes = Meshes { shelf: Shelf::default(), store, limits: settings.limits.clone(), cache: None };
+        let (shelf, limits, unreadable) = (Shelf::default(), settings.limits.clone(), Default::default());
+        let meshes = Meshes { shelf, store, limits, cache: None, unreadable };
         let stem = build.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
         let archive = stem.map(|stem| profile.folders.archive.join(stem));
         Self { meshes, profile: profile.clone(), archive, archived: OnceCell::new() }

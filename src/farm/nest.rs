@@ -2,8 +2,10 @@
 //! again from the store.
 
 use std::{
+    collections::HashMap,
     path::PathBuf,
     sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
 };
 
 use anyhow::{Context, Result};
@@ -19,7 +21,7 @@ use super::{
 use crate::{
     format::{Contents, Limits, Unit},
     geometry::Mesh,
-    intake::Store,
+    intake::{Store, StoreError},
     ledger::PartRow,
     nest::{self, Cache, Solution},
     settings::Profile,
@@ -39,7 +41,12 @@ pub struct Meshes {
     pub limits: Limits,
     /// Work on meshes, kept on disk; `None` = it is done anew after each start.
     pub cache: Option<Arc<DiskCache>>,
+    /// Since when stored files cannot be read, by content.
+    pub unreadable: Arc<Mutex<HashMap<String, Instant>>>,
 }
+
+/// A stored file that cannot be read for so long is taken for damaged; a cable or a share fails in passing.
+const UNREADABLE_FOR: Duration = Duration::from_secs(60);
 
 /// The stored file of a part does not hold what was dropped: only the same file, dropped again, helps.
 #[derive(Debug, thiserror::Error)]
@@ -108,14 +115,27 @@ impl Meshes {
     /// The stored file of a part, compared with what was dropped. What is damaged is set aside.
     pub fn stored(&self, part: &PartRow) -> Result<PathBuf> {
         let hash = &part.content_hash;
-        match self.store.verify(hash) {
+        let verified = self.store.verify(hash);
+        let is_unreadable = verified.as_ref().is_err_and(StoreError::is_unreadable);
+        let is_lasting = self.is_lasting(hash, is_unreadable);
+        match verified {
             Ok(()) => Ok(self.store.path(hash)?),
-            Err(error) if error.is_lost() => {
+            Err(error) if error.is_lost() || is_lasting => {
                 let aside = self.store.set_damaged_aside(hash)?;
                 Err(Lost { name: part.name.clone(), content_hash: hash.clone(), aside }.into())
             }
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// Whether a stored file has not been readable for long.
+    fn is_lasting(&self, hash: &str, is_unreadable: bool) -> bool {
+        let mut unreadable = self.unreadable.lock().unwrap_or_else(PoisonError::into_inner);
+        if !is_unreadable {
+            unreadable.remove(hash);
+            return false;
+        }
+        unreadable.entry(hash.to_owned()).or_insert_with(Instant::now).elapsed() >= UNREADABLE_FOR
     }
 
     /// What a part's file holds; one whose reading has ended the process before is read in a process of its own.

@@ -103,6 +103,7 @@ impl Farm {
                 store: parts.store,
                 limits: settings.limits.clone(),
                 cache: None,
+                unreadable: Default::default(),
             },
             stations: BTreeMap::new(),
             jobs: Jobs::new(sender),

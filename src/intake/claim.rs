@@ -16,7 +16,6 @@ use std::{
 };
 
 use thiserror::Error;
-use tracing::warn;
 
 use super::{
     Ready, Seen,
@@ -169,9 +168,8 @@ pub(super) fn claim_stepwise(
     let (name, new) = begin(inbox, farm)?;
     let whole = take(inbox, &new, part, tickets, listed, step).and_then(|()| finish(inbox, &new, &name, step));
     if let Err(error) = whole {
-        if let Err(error) = give_back_files(inbox, &new) {
-            warn!(claim = %new.display(), %error, "Could not give back a half made claim; the next look does it.");
-        }
+        // What cannot be given back now is no matter of the part any more: the next look lists all claims.
+        give_back_files(inbox, &new).map_err(|e| io_error("give back the half made claim", &new, e))?;
         return Err(error);
     }
     let claim =
@@ -310,9 +308,13 @@ pub(super) fn release_stepwise(claim: &Claim, hash: &str, step: &mut dyn FnMut()
     step();
     let _only_one = claiming();
     // The one rename in there decides between this farm and one that takes the claim over.
-    match remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))? {
-        false if disk::is_there(&taken_over_name(&claim.dir)) => Ok(Released::TakenOver),
-        _ => Ok(Released::Removed),
+    if remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))? {
+        return Ok(Released::Removed);
+    }
+    let trace = taken_over_name(&claim.dir);
+    match disk::try_is_there(&trace).map_err(|e| io_error("look at", &trace, e))? {
+        true => Ok(Released::TakenOver),
+        false => Ok(Released::Removed),
     }
 }
 

@@ -261,9 +261,18 @@ pub fn hash_file(path: &Path) -> io::Result<String> {
     Ok(hasher.finalize().to_hex().to_string())
 }
 
-/// Whether something stands under this name, a dangling link too.
+/// Whether something stands under this name, a dangling link too; what cannot be looked at is taken for gone.
 pub(super) fn is_there(path: &Path) -> bool {
-    fs::symlink_metadata(path).is_ok()
+    try_is_there(path).unwrap_or(false)
+}
+
+/// Whether something stands under this name, a dangling link too.
+pub(super) fn try_is_there(path: &Path) -> io::Result<bool> {
+    match fs::symlink_metadata(path) {
+        Ok(_) => Ok(true),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error),
+    }
 }
 
 /// Whether this is one of several names of a file that not everybody may read: whoever made a hard link to it may be one

@@ -137,6 +137,11 @@ impl Marks {
         Self { dir, served }
     }
 
+    /// Whether those on the disk are as many.
+    pub fn are_all(&self) -> bool {
+        fs::read_dir(&self.dir).map_or(0, Iterator::count) == self.served.len()
+    }
+
     /// One more, that is on the disk already.
     pub fn add(&mut self, row_file: &str, name: &OsStr) {
         self.served.insert(mark(row_file), name.to_owned());

@@ -198,6 +198,8 @@ impl Lists {
                 let beside = self.parts.get(folder);
                 let mut names: Vec<OsString> = beside.into_iter().flat_map(BTreeMap::keys).cloned().collect();
                 let known = match known {
+                    // A claim that went wrong half-way may be whole, and its mark on the disk alone.
+                    Some(known) if !known.marks.are_all() => Known { marks: Marks::load(inbox, seen), ..known },
                     Some(known) => known,
                     None => Known::new(print, read_settled(seen)?, Marks::load(inbox, seen)),
                 };

@@ -67,7 +67,7 @@ pub(super) fn refuse_stepwise(
     };
     for ticket in &claim.tickets {
         let name = follower_name(to.file_name().unwrap_or_default(), ticket);
-        if disk::is_there(ticket) {
+        if disk::try_is_there(ticket).map_err(|e| io_error("look at", ticket, e))? {
             disk::move_to_free_name(ticket, &folder, &name).map_err(|e| io_error("refuse", ticket, e))?;
         }
         step();

@@ -74,13 +74,18 @@ impl StoreError {
     pub fn is_lost(&self) -> bool {
         match self {
             Self::Damaged(_) => true,
+            // What `open_regular` says of a folder or link in its place.
             Self::Io { what: "open" | "read", source, .. } => {
-                let bad_sector = source.raw_os_error() == Some(rustix::io::Errno::IO.raw_os_error());
-                // What `open_regular` says of a folder or link in its place.
-                bad_sector || matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidInput)
+                matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidInput)
             }
             _ => false,
         }
+    }
+
+    /// Whether the disk cannot read the stored file: a bad sector says so for ever, a cable or a share in passing.
+    pub fn is_unreadable(&self) -> bool {
+        let io = rustix::io::Errno::IO.raw_os_error();
+        matches!(self, Self::Io { what: "open" | "read", source, .. } if source.raw_os_error() == Some(io))
     }
 }
 
@@ -154,12 +159,19 @@ impl Store {
         step();
         let to = self.path(&stored.hash)?;
         let folder = to.parent().unwrap_or(&self.dir);
-        let is_there = disk::is_there(&to);
-        let is_whole = is_there && self.verify(&stored.hash).is_ok();
+        let is_whole = match disk::try_is_there(&to).map_err(io_error("look at", &to))? {
+            false => false,
+            true => match self.verify(&stored.hash) {
+                Ok(()) => true,
+                // Its bytes are at hand, so that nothing is lost by it; what only cannot be looked at now stays.
+                Err(error) if error.is_lost() || error.is_unreadable() => {
+                    self.set_damaged_aside(&stored.hash)?;
+                    false
+                }
+                Err(error) => return Err(error),
+            },
+        };
         if !is_whole {
-            if is_there {
-                self.set_damaged_aside(&stored.hash)?;
-            }
             copy.as_file().sync_all().map_err(io_error("fsync", copy.path()))?;
             disk::create_dirs(folder).map_err(io_error("create", folder))?;
             step();
@@ -196,7 +208,7 @@ impl Store {
     /// deleted. Returns where it is; `None` = nothing was there.
     pub fn set_damaged_aside(&self, hash: &str) -> Result<Option<PathBuf>, StoreError> {
         let path = self.path(hash)?;
-        if !disk::is_there(&path) {
+        if !disk::try_is_there(&path).map_err(io_error("look at", &path))? {
             return Ok(None);
         }
         let damaged = self.dir.with_file_name(DAMAGED);

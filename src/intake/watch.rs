@@ -111,7 +111,9 @@ impl Watcher {
             .spawn(move || {
                 while receiver.recv().is_ok() {
                     let Some(folders) = watched.upgrade() else { return };
-                    watch_made(&folders, std::mem::take(&mut *lock(&made)));
+                    // Not locked while it is worked at: the thread that fills it is the one that makes watches.
+                    let new_folders = std::mem::take(&mut *lock(&made));
+                    watch_made(&folders, new_folders);
                     drop(folders);
                     wake();
                     thread::sleep(MIN_GAP);

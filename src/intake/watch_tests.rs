@@ -81,6 +81,19 @@ fn a_file_in_a_folder_that_was_made_later_wakes_and_claims_are_not_watched() {
 }
 
 #[test]
+fn folders_that_come_in_a_stream_hold_nobody_up() {
+    let dir = tempfile::tempdir().unwrap();
+    let (mut watcher, woken) = watched(&[dir.path()]);
+    for n in 0..3000 {
+        fs::create_dir(dir.path().join(n.to_string())).unwrap();
+    }
+    let (sender, checked) = channel();
+    thread::spawn(move || sender.send(watcher.check()).unwrap());
+    assert_eq!(checked.recv_timeout(SOON).unwrap(), [], "nobody waits for ever");
+    drain(&woken);
+}
+
+#[test]
 fn a_watcher_that_is_dropped_wakes_nobody_any_more() {
     let dir = tempfile::tempdir().unwrap();
     let (watcher, woken) = watched(&[dir.path()]);

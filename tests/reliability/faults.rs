@@ -45,7 +45,7 @@ pub fn run(budget: &Budget) -> Row {
         return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
     }
     let sites = sites();
-    let mut points: Vec<Point> = found_before().into();
+    let mut points = found_before();
     points.extend(in_turn(sites.iter().map(points_of).collect()));
     let all = points.len();
     let rows = in_parallel(points, budget, |point| caught(&format!("{point:?}"), || one_life(&point)));
@@ -66,13 +66,31 @@ pub fn run(budget: &Budget) -> Row {
 }
 
 /// Faults that broke something once; they come first, also in a short run.
-fn found_before() -> [Point; 2] {
-    // Parts were printed in guessed numbers while what says how many could not be looked at.
-    ["ring.stl.toml", "order.csv"].map(|name| Point {
-        site: ("stat", format!("inbox/test/{name}")),
-        fault: Fault::Error(EACCES),
-        lasts: true,
-    })
+fn found_before() -> Vec<Point> {
+    #[rustfmt::skip]
+    let found = [
+        // Parts were printed in guessed numbers while what says how many could not be looked at.
+        ("stat", "inbox/test/ring.stl.toml", EACCES, true),
+        ("stat", "inbox/test/order.csv", EACCES, true),
+        // Claims stood in the hot folder until the next start.
+        ("getdents", "inbox/test/.claimed/#T#Z-#-#@#", EIO, false),
+        ("open", "inbox/test/.claimed/#T#Z-#-#@#", ESTALE, true),
+        ("stat", "inbox/test/.claimed/#T#Z-#-#@#/bad.stl", ESTALE, true),
+        ("stat", "inbox/test/.claimed/#T#Z-#-#@#", EACCES, false),
+        ("stat", "inbox/test/.claimed/#T#Z-#-#@#/plate.stl", EIO, false),
+        ("stat", "inbox/test/.claimed/.new-#T#Z-#-#@#/plate.stl", ESTALE, true),
+        ("stat", "inbox/test/.claimed/.new-#T#Z-#-#@#", EACCES, true),
+        // Files that could not be read for a while were taken for damaged.
+        ("read", "state/store/#/#", EIO, true),
+        ("stat", "state", EACCES, true),
+        ("open", "queue/test/.#T#Z_test_#.parts.csv.half", ESTALE, true),
+    ];
+    let point = |(call, place, error, lasts): (&'static str, &str, i32, bool)| Point {
+        site: (call, place.to_owned()),
+        fault: Fault::Error(error),
+        lasts,
+    };
+    found.map(point).into()
 }
 
 /// One fault at each site, then another one at each, ...: a run that is cut short has been everywhere.
@@ -211,7 +229,9 @@ fn one_life(point: &Point) -> Row {
         }
         End::Stuck => {
             drop(traced.kill());
-            life.broken.push(format!("the script is stuck at {}\n{}", life.step_name(), tail(&life.farm.log())));
+            let left = nestd::intake::files_below(&life.farm.folder("inbox")).unwrap_or_default();
+            let (step, log) = (life.step_name(), tail(&life.farm.log()));
+            life.broken.push(format!("the script is stuck at {step}; in the hot folder stand {left:?}\n{log}"));
         }
     }
     row.faults = injected.lock().unwrap().values().sum();

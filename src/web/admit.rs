@@ -28,7 +28,10 @@ use tokio::{
     time::{Instant, Sleep, sleep},
 };
 
-use super::{problem::Problem, server::MOST_BODY};
+use super::problem::Problem;
+
+/// Largest form, bytes.
+pub(super) const MOST_BODY: usize = 4096;
 
 /// So many are connected at once at most,
 const MOST: u64 = 128;

@@ -15,9 +15,9 @@ use super::{
     history::{self, Asked},
     part,
     problem::{Answer, Problem},
-    scene::build_of,
-    server::Web,
+    render::build_of,
     sheets::{Build, BuildSheet, Part, PartSheet, Placement},
+    state::Web,
 };
 use crate::{
     farm::{FiredBy, fires_at, kept_notices, notice_in_json, standing},

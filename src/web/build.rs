@@ -10,10 +10,10 @@ use super::{
     chart, farm,
     page::{facts, page},
     part,
-    pick::PICTURE,
+    pick_map::PICTURE,
     problem::Answer,
-    scene::{build_of, version},
-    server::Web,
+    render::{build_of, version},
+    state::Web,
     words::{age, count, number, or_dash, percent, prose, text, time},
 };
 use crate::{

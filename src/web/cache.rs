@@ -2,21 +2,11 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::server::Web;
-
 /// The last few things that were made, by a text that is another one when the thing is.
 #[derive(Debug)]
 pub(super) struct Cache<T> {
     kept: Mutex<Vec<(String, T)>>,
     most: usize,
-}
-
-/// Where a thing is kept, and under what.
-pub(super) struct Kept<T: 'static> {
-    /// The cache of its kind.
-    pub(super) cache: fn(&Web) -> &Cache<T>,
-    /// Another one when the thing is.
-    pub(super) key: String,
 }
 
 impl<T: Clone> Cache<T> {

@@ -11,7 +11,7 @@ use super::{
     page::{facts, page},
     picture,
     problem::Answer,
-    server::Web,
+    state::Web,
     words::{DASH, age, count, number, percent, prose, time_utc},
 };
 use crate::{

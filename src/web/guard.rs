@@ -13,7 +13,7 @@ use axum::{
 
 use super::{
     problem::{Problem, in_form},
-    server::Web,
+    state::Web,
 };
 
 /// No other host, no inline script, no frame around our pages.

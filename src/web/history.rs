@@ -16,7 +16,7 @@ use super::{
     chart,
     page::page,
     problem::{Answer, Problem},
-    server::Web,
+    state::Web,
     words::{count, number, or_dash, percent, text, time},
 };
 use crate::ledger::{BuildId, HeightSum, HistoryQuery, HistoryRow, HistorySort};

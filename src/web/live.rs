@@ -13,7 +13,7 @@ use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
 
 use super::{
     problem::{Answer, Problem},
-    server::Web,
+    state::Web,
 };
 
 /// So many pages listen at once at most: each keeps one of the connections that may be open, and others want to ask, too.

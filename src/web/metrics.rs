@@ -8,7 +8,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use super::{problem::Answer, server::Web};
+use super::{problem::Answer, state::Web};
 use crate::metrics::CONTENT_TYPE;
 
 /// The metrics.

@@ -22,14 +22,17 @@ mod order;
 mod page;
 mod part;
 mod pick;
+mod pick_map;
 mod picture;
 mod problem;
 mod reduce;
+mod render;
 mod report;
 mod scene;
 mod search;
 mod server;
 mod sheets;
+mod state;
 mod words;
 
 #[cfg(test)]

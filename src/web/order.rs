@@ -14,7 +14,7 @@ use serde::Deserialize;
 use super::{
     page,
     problem::{Answer, Problem},
-    server::Web,
+    state::Web,
 };
 use crate::ledger::{CommandKind, CommandState, NewCommand, PartId};
 

@@ -11,7 +11,7 @@ use super::{
     order::button,
     page::{facts, page},
     problem::{Answer, Problem},
-    server::Web,
+    state::Web,
     words::{DASH, count, number, prose, text, time},
 };
 use crate::{

@@ -12,10 +12,9 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
-    cache::Kept,
     problem::Answer,
-    scene::{build_of, of_cake, version},
-    server::Web,
+    render::{Kept, build_of, of_cake, version},
+    state::Web,
     words::{count, number},
 };
 use crate::{farm::Cake, format::Viewpoint, ledger::ProfileStatus};

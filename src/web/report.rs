@@ -9,7 +9,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::{
     build::{curve, view, what_is_known},
     page::facts,
-    pick,
+    pick_map,
     scene::packed,
     search::Told,
     words::{count, number, or_dash, percent, text},
@@ -93,8 +93,8 @@ impl Report<'_> {
             h2 { "Parts" }
             (self.parts())
             h2 { "Pick map" }
-            img.cake alt=(pick::PICTURE) width=(PICTURE.0) height=(PICTURE.1) src=(self.picture());
-            (pick::map(&cake))
+            img.cake alt=(pick_map::PICTURE) width=(PICTURE.0) height=(PICTURE.1) src=(self.picture());
+            (pick_map::map(&cake))
         }
     }
 

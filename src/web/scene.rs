@@ -5,7 +5,6 @@
 
 use std::sync::Arc;
 
-use anyhow::Context;
 use axum::{
     body::Bytes,
     extract::{Path, State},
@@ -15,16 +14,14 @@ use axum::{
 use serde::Serialize;
 
 use super::{
-    cache::Kept,
-    problem::{Answer, Problem},
+    problem::Answer,
     reduce::reduce,
-    server::Web,
+    render::{Kept, build_of, of_cake, version},
+    state::Web,
 };
 use crate::{
-    farm::{Cake, CakePart, Standing, standing},
+    farm::{Cake, CakePart, Standing},
     geometry::Mesh,
-    ledger::{BuildId, BuildRow},
-    settings::Profile,
 };
 
 /// Triangles that a view draws in all, about.
@@ -64,45 +61,6 @@ struct Copy {
     top_mm: f64,
 }
 
-/// A build and its profile, as it was when the build was made.
-pub(super) async fn build_of(web: &Web, number: i64) -> Answer<(BuildRow, Profile)> {
-    let missing = || Problem::NotFound(format!("build {number}"));
-    let build = web.ledger.build(BuildId(number)).await?.ok_or_else(missing)?;
-    let settings = web.settings();
-    let now = settings.profiles.get(&build.profile);
-    let profile = Profile::then(&build.profile, build.profile_snapshot.as_deref(), now);
-    Ok((build, profile))
-}
-
-/// What is made of a build's cake, or was: away from the threads that answer, one after the other, and kept also when nobody
-/// waits for it any more.
-pub(super) async fn of_cake<T: Clone + Send + 'static>(
-    web: &Arc<Web>,
-    build: &BuildRow,
-    profile: &Profile,
-    kept: Kept<T>,
-    make: impl FnOnce(&Cake) -> anyhow::Result<T> + Send + 'static,
-) -> Answer<T> {
-    let known = || (kept.cache)(web).get(&kept.key);
-    if let Some(thing) = known() {
-        return Ok(thing);
-    }
-    let turn = web.looking.clone().acquire_owned().await.context("waiting for a turn")?;
-    if let Some(thing) = known() {
-        return Ok(thing);
-    }
-    let parts = standing(&web.ledger, build, profile).await?;
-    let (web, build, profile) = (web.clone(), build.clone(), profile.clone());
-    let making = tokio::task::spawn_blocking(move || {
-        let _turn = turn;
-        let thing = make(&Cake::of_ledger(&web.settings(), &profile, &build, parts))?;
-        (kept.cache)(&web).put(kept.key, thing.clone());
-        Ok(thing)
-    });
-    let made: anyhow::Result<T> = making.await.context("looking at the build")?;
-    Ok(made?)
-}
-
 /// The scene of a build.
 pub(super) async fn scene(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Response> {
     let (build, profile) = build_of(&web, number).await?;
@@ -111,12 +69,6 @@ pub(super) async fn scene(State(web): State<Arc<Web>>, Path(number): Path<i64>) 
     let pack = move |cake: &Cake| Ok(Bytes::from(packed(cake, facts, MOST_DRAWN)?));
     let bytes = of_cake(&web, &build, &profile, kept, pack).await?;
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
-}
-
-/// A text that is another one when something else stands in the build, or stands otherwise.
-pub(super) fn version(build: &BuildRow) -> String {
-    let layout = blake3::hash(build.layout.as_deref().unwrap_or_default().as_bytes()).to_hex();
-    format!("{}-{}-{}", build.id, build.state, &layout[..16])
 }
 
 /// A cake as the view takes it, of about `most_drawn` triangles; `facts` are the build's number, height and layer, mm.

@@ -1,11 +1,10 @@
-//! The server: what all handlers share, the routes, and where it listens.
+//! The server: the routes, and where it listens.
 
 use std::sync::{Arc, PoisonError};
 
 use anyhow::{Context, Result};
 use axum::{
     Router,
-    body::Bytes,
     extract::DefaultBodyLimit,
     middleware,
     routing::{get, post},
@@ -14,58 +13,21 @@ use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{
-    admit::{self, Admitting, Answering},
+    admit::{self, Admitting, Answering, MOST_BODY},
     api, assets, build,
     cache::Cache,
     door::Door,
     farm as farm_page, guard, history, live, metrics, order, part, pick, picture,
-    problem::{Answer, Problem},
+    problem::Problem,
     scene,
+    state::Web,
 };
 use crate::{
-    access, farm,
+    access,
     ledger::Ledger,
     metrics::Metrics,
-    settings::{Settings, Shared, Web as WebSettings},
+    settings::{Shared, Web as WebSettings},
 };
-
-/// Largest form, bytes.
-pub(super) const MOST_BODY: usize = 4096;
-
-/// What all handlers share.
-pub(super) struct Web {
-    pub(super) ledger: Ledger,
-    pub(super) settings: Shared,
-    /// Whether it is asked over TCP: then a browser may be made to ask it in another site's name.
-    pub(super) is_tcp: bool,
-    pub(super) hosts: Vec<String>,
-    pub(super) orders: bool,
-    pub(super) token: Option<String>,
-    /// Stands in every form, so that no other site can post one.
-    pub(super) form_key: String,
-    pub(super) scenes: Cache<Bytes>,
-    pub(super) picks: Cache<pick::Map>,
-    pub(super) metrics: Metrics,
-    pub(super) pictures: Cache<Bytes>,
-    /// Who holds it makes one of these three: looking takes one core and the meshes of one build from the farm at most.
-    pub(super) looking: Arc<Semaphore>,
-    pub(super) changes: watch::Sender<u64>,
-}
-
-impl Web {
-    /// The settings as they are now.
-    pub(super) fn settings(&self) -> Arc<Settings> {
-        self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// A text that changes when anything does that pages show.
-    pub(super) async fn pulse(&self) -> Answer<String> {
-        let (status, last) = (self.ledger.status().await?, self.ledger.last_event_id().await?);
-        let alive = self.ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
-        let notices = farm::kept_notices(&self.settings().state_dir);
-        Ok(format!("{alive} {last} {status:?} {notices:?}"))
-    }
-}
 
 /// Serves the dashboard until it is dropped. The ledger must be open already: the daemon makes it and finds it whole.
 ///

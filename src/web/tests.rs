@@ -9,10 +9,7 @@ use axum::{
 use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
-use super::{
-    cache::Cache,
-    server::{Web, routes},
-};
+use super::{cache::Cache, server::routes, state::Web};
 use crate::{
     ledger::fixtures::{self, TestLedger},
     settings,

@@ -4,10 +4,12 @@
 //! `verified`, [`Queue::publish`] renames it once. After a crash [`Queue::state`] tells: dot-file still there = not yet
 //! published, gone = published, whatever the printer did with it since.
 
+mod error;
 mod marker;
 mod names;
 mod queue;
 #[cfg(test)]
 mod tests;
 
-pub use queue::{Published, Queue, QueueError, StagedState};
+pub use error::QueueError;
+pub use queue::{Published, Queue, StagedState};

@@ -17,6 +17,7 @@ mod problem;
 mod profile;
 mod settings;
 mod then;
+mod told;
 mod validate;
 mod web;
 mod wording;
@@ -26,10 +27,11 @@ pub use keep_out::KeepOut;
 pub use load::{SettingsError, load, load_to_look};
 pub use logging::{LogFormat, Logging};
 pub use metrics::MetricsFile;
-pub use notify::{Notify, Told, Webhook};
+pub use notify::{Notify, Webhook};
 pub use problem::Problem;
 pub use profile::{Duplicates, Folders, MeshErrors, Profile, Trigger};
 pub use settings::{Settings, Shared};
+pub use told::Told;
 pub use web::{Listen, Web};
 
 #[cfg(test)]

@@ -2,23 +2,9 @@
 
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
-use super::{inputs::NotifyInputs, judge::Judge};
-
-/// What can be told.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Told {
-    /// A build is in the queue.
-    Published,
-    /// A part or a file was refused.
-    Refused,
-    /// A machine is unavailable, or available again.
-    Unavailable,
-    /// A due date will not be met, or is near and its machine is unavailable or paused.
-    AtRisk,
-}
+use super::{Told, inputs::NotifyInputs, judge::Judge};
 
 /// Who is told.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -10,12 +10,13 @@ mod wal;
 #[cfg(test)]
 mod tests;
 
-use std::{fs, path::Path, time::Duration};
+use std::{path::Path, time::Duration};
 
 use sqlx::SqlitePool;
 
 use self::seal::{Sealed, sealed};
 pub use self::seal::{break_seal, seal, seal_of, write_seal};
+pub use self::wal::holds_something;
 use super::{LedgerError, error::Result};
 
 /// So many complaints of SQLite are told at most.
@@ -63,9 +64,4 @@ pub async fn check_all(path: &Path, pool: &SqlitePool) -> Result<()> {
         return Err(damaged(format!("row {row} of {table} refers to a row that is not there")));
     }
     Ok(())
-}
-
-/// Whether a file is there and holds something.
-pub fn holds_something(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|meta| meta.len() > 0)
 }

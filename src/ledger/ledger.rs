@@ -18,7 +18,7 @@ use super::{
     error::{Result, SQLITE_BUSY, sqlite_code},
     health,
     in_place::InPlace,
-    place, schema,
+    place, schema, truth,
 };
 
 /// A writer waits so long for another process before it gives up; changes take milliseconds.
@@ -188,6 +188,11 @@ impl Ledger {
     /// Begins to read several tables as of one moment. It never writes, so that a deferred `BEGIN` is right here.
     pub(super) async fn snapshot(&self) -> Result<Transaction<'static, Sqlite>> {
         Ok(self.reader()?.begin_with("BEGIN DEFERRED").await?)
+    }
+
+    /// Looks at every row and says in sentences what does not agree; empty = all is well.
+    pub async fn faults(&self) -> Result<Vec<String>> {
+        truth::faults(&mut *self.snapshot().await?).await
     }
 }
 

@@ -2,7 +2,7 @@
 
 use sqlx::SqliteConnection;
 
-use super::{Ledger, error::Result};
+use super::error::Result;
 
 /// A sentence, and the query whose rows break it.
 const RULES: [(&str, &str); 13] = [
@@ -84,13 +84,6 @@ const RULES: [(&str, &str); 13] = [
         (SELECT 1 FROM event e WHERE e.build_id = b.id AND e.kind = b.state)",
     ),
 ];
-
-impl Ledger {
-    /// Looks at every row and says in sentences what does not agree; empty = all is well.
-    pub async fn faults(&self) -> Result<Vec<String>> {
-        faults(&mut *self.snapshot().await?).await
-    }
-}
 
 /// What does not agree in the database as this connection sees it.
 pub async fn faults(db: &mut SqliteConnection) -> Result<Vec<String>> {

@@ -26,6 +26,11 @@ pub fn log_of(ledger: &Path) -> PathBuf {
     beside(ledger, "-wal")
 }
 
+/// Whether a file is there and holds something.
+pub fn holds_something(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|meta| meta.len() > 0)
+}
+
 fn beside(ledger: &Path, suffix: &str) -> PathBuf {
     let mut name = ledger.as_os_str().to_owned();
     name.push(suffix);

@@ -8,8 +8,8 @@ use glam::DVec3;
 use super::{
     Common, Exit, Usage,
     draft::Draft,
+    lookup::{Wanted, builds_named},
     reach::look_at_ledger,
-    show::{Wanted, builds_named},
     table::{say, tell},
     values::numbered,
 };

@@ -7,12 +7,14 @@ mod asked;
 mod backup;
 mod check;
 mod command;
+mod common;
 mod demo;
 mod dismiss;
 mod draft;
 mod history;
 mod logging;
 mod looked;
+mod lookup;
 mod metrics;
 mod nest;
 mod notify;
@@ -32,37 +34,14 @@ mod watch;
 #[cfg(test)]
 mod tests;
 
-use std::{path::PathBuf, process::ExitCode};
+use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use crate::farm;
 
-/// How a command ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Exit {
-    /// The work is done.
-    Success,
-    /// The work failed, and the reason has been printed.
-    Failure,
-}
-
-/// Wrong use or configuration: exit code 2. Wrap it in `anyhow` and return it.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct Usage(pub String);
-
-/// Options of every command.
-#[derive(Debug, clap::Args)]
-pub struct Common {
-    /// Configuration file [default: config/nestd.toml, else /etc/nestd/nestd.toml]
-    #[arg(short = 'c', long = "config", global = true, value_name = "FILE")]
-    pub config: Option<PathBuf>,
-    /// Root of the farm's folders: DIR/inbox, DIR/queue, DIR/error, DIR/archive, DIR/state
-    #[arg(long, global = true, value_name = "DIR", env = "NESTD_ROOT")]
-    pub root: Option<PathBuf>,
-}
+pub use common::{Common, Exit, Usage};
 
 /// Runs a powder-bed print farm: parts dropped into a folder become nested builds in the printer's queue.
 #[derive(Debug, Parser)]

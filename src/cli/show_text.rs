@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::{
+    lookup::{BuildSheet, Found, PartSheet, Waits},
     reach::{brief, zoned},
-    show::{BuildSheet, Found, PartSheet, Waits},
     table::{Table, number, or_dash, percent, text},
 };
 use crate::{

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::{Cli, Exit, command, command::Order, history, show, show::Wanted, show_text, status};
+use super::{Cli, Exit, command, command::Order, history, lookup, lookup::Wanted, show_text, status};
 use crate::{
     ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Refusal, Tilts, fixtures::*},
     nest::Tilt,
@@ -149,7 +149,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let build = published(&ledger, &[(id, 0), (id, 2)]).await;
     ledger.record_outcome(build, Outcome::Complete, "fine", "ann@farm").await.unwrap();
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
-    let found = show::look(&ledger, &Wanted::parse(&words("1"))).await.unwrap();
+    let found = lookup::look(&ledger, &Wanted::parse(&words("1"))).await.unwrap();
     let text = show_text::found(&found);
     for told in [
         "Build 1 of paper-200: complete",
@@ -167,14 +167,14 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let json = serde_json::to_value(&found).unwrap();
     assert_eq!(json["build"]["placements"][1]["tx_mm"], 2.0);
     assert_eq!(json["part"]["part"]["state"], "waiting");
-    let order = show::look(&ledger, &Wanted::parse(&words("kit 7"))).await.unwrap();
+    let order = lookup::look(&ledger, &Wanted::parse(&words("kit 7"))).await.unwrap();
     assert!(show_text::found(&order).starts_with("Order kit 7\n\n"));
-    let named = show_text::found(&show::look(&ledger, &Wanted::parse(&words("fan.stl"))).await.unwrap());
+    let named = show_text::found(&lookup::look(&ledger, &Wanted::parse(&words("fan.stl"))).await.unwrap());
     assert!(named.starts_with("Part 1, fan.stl: waiting") && named.contains("clearance   4.5 mm"), "{named}");
     let open = ledger.open_build("paper-200").await.unwrap().id;
-    let open = show_text::found(&show::look(&ledger, &Wanted::parse(&[format!("b{open}")])).await.unwrap());
+    let open = show_text::found(&lookup::look(&ledger, &Wanted::parse(&[format!("b{open}")])).await.unwrap());
     assert!(open.contains("0 in the layout so far, 1 wait"), "{open}");
     assert!(open.contains("COPIES WAITING") && open.contains("fan.stl"), "{open}");
-    let nothing = show::look(&ledger, &Wanted::parse(&words("build 9"))).await.unwrap();
+    let nothing = lookup::look(&ledger, &Wanted::parse(&words("build 9"))).await.unwrap();
     assert_eq!(serde_json::to_string(&nothing).unwrap(), "{}");
 }

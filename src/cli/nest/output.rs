@@ -7,7 +7,8 @@ use jiff::Timestamp;
 
 use super::{
     super::{draft::Draft, table::tell},
-    Args, Machine,
+    args::Args,
+    machine::Machine,
     parts::Part,
 };
 use crate::{

@@ -1,11 +1,19 @@
 //! Which parts are asked for: arguments and lists -> meshes with copies.
 
-use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
-use super::{super::table::tell, Args, Machine, Usage, bytes_of};
-use crate::{format, geometry::Mesh};
+use super::{args::Args, machine::Machine};
+use crate::{
+    cli::{Usage, table::tell},
+    format,
+    geometry::Mesh,
+};
 
 /// One solid with its copies.
 #[derive(Debug, Clone)]
@@ -114,4 +122,9 @@ fn listed(args: &Args) -> Result<Vec<Row>> {
         rows.push(Row { file: base.join(&name), name, copies });
     }
     Ok(rows)
+}
+
+/// Reads a file's bytes for a hash, with the name in the error.
+fn bytes_of(file: &Path) -> Result<Vec<u8>> {
+    std::fs::read(file).with_context(|| format!("reading {}", file.display()))
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::{Args, Usage, parts::Row};
+use super::{args::Args, parts::Row};
+use crate::cli::Usage;
 
 /// Refuses an output that cannot be written, that is another output, or that is a file which is read.
 pub fn check(args: &Args, rows: &[Row]) -> Result<()> {

@@ -2,46 +2,14 @@
 //! earlier release and counts as own. A claim has one name at a time, so that of two farms, one that lets it go and one that
 //! takes it over, exactly one comes first.
 
-use std::{
-    collections::HashSet,
-    fs, io,
-    path::{Path, PathBuf},
-};
+use std::{collections::HashSet, fs, io, path::Path};
 
 use super::{
-    claim::{CLAIMED_DIR, DONE, NEW, claiming},
+    claim_folder::{
+        ADOPTED, CLAIMED_DIR, DONE, NEW, claiming, folder_name, id_and_farm, is_foreign, names, taken_over_name,
+    },
     disk,
 };
-
-/// Begins the name of the trace of a claim that was taken over: `.adopted-<id>@<former farm>`. It stays: the former farm may
-/// come back at any time, also with an older ledger.
-const ADOPTED: &str = ".adopted-";
-
-/// The name of a claim's folder; `farm` "" = it says nothing.
-pub(super) fn folder_name(id: &str, farm: &str) -> String {
-    if farm.is_empty() { id.to_owned() } else { format!("{id}@{farm}") }
-}
-
-/// Id and farm of the name of a claim's folder.
-pub(super) fn id_and_farm(name: &str) -> (&str, Option<&str>) {
-    let name = [NEW, DONE, ADOPTED].iter().find_map(|with| name.strip_prefix(with)).unwrap_or(name);
-    name.split_once('@').map_or((name, None), |(id, farm)| (id, Some(farm)))
-}
-
-/// Id of the claim whose folder, whole or not, has this name.
-pub fn claim_id(name: &str) -> &str {
-    id_and_farm(name).0
-}
-
-/// Where the trace would be that a claim was taken over.
-pub(super) fn taken_over_name(dir: &Path) -> PathBuf {
-    dir.with_file_name(format!("{ADOPTED}{}", dir.file_name().unwrap_or_default().to_string_lossy()))
-}
-
-/// Whether it is the name of a claim, whole or not, of another farm.
-pub(super) fn is_foreign(name: &str, farm: &str) -> bool {
-    !name.starts_with(ADOPTED) && id_and_farm(name).1.is_some_and(|of| of != farm)
-}
 
 /// The claims of other farms that lie in `.claimed/` and may be taken over: the names of their folders.
 pub fn foreign(inbox: &Path, farm: &str) -> io::Result<Vec<String>> {
@@ -75,12 +43,6 @@ pub fn not_let_go(inbox: &Path, farm: &str, ids: &HashSet<String>) -> io::Result
     Ok(left)
 }
 
-/// Where a claim lies.
-pub(super) fn find(inbox: &Path, id: &str) -> Option<PathBuf> {
-    let is_it = |name: &&String| !name.starts_with('.') && id_and_farm(name).0 == id;
-    Some(inbox.join(CLAIMED_DIR).join(names(inbox).ok()?.iter().find(is_it)?))
-}
-
 /// Takes over the claims of other farms; returns how many there were. The trace is on disk before the claim changes its name.
 pub fn adopt(inbox: &Path, farm: &str) -> io::Result<usize> {
     let _only_one = claiming();
@@ -110,15 +72,6 @@ pub fn adopt(inbox: &Path, farm: &str) -> io::Result<usize> {
     }
     disk::fsync_dir(&claimed)?;
     Ok(count)
-}
-
-fn names(inbox: &Path) -> io::Result<Vec<String>> {
-    let entries = match fs::read_dir(inbox.join(CLAIMED_DIR)) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        other => other?,
-    };
-    let names = entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()));
-    names.collect()
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Kind, Seen, same_name::folded_path, scan::is_part_name};
+use super::{Kind, Seen, name::is_part_name, same_name::folded_path};
 
 /// The name of an order list.
 pub(super) const LIST_NAME: &str = "order.csv";

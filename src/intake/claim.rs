@@ -5,127 +5,22 @@
 //! there whole or not at all; what a crash left half made is given back by [`claims`].
 
 use std::{
-    ffi::OsString,
     fs, io,
     os::unix::fs::MetadataExt,
     path::{Path, PathBuf},
-    sync::{
-        Mutex, MutexGuard, PoisonError,
-        atomic::{AtomicU32, Ordering},
-    },
+    sync::atomic::{AtomicU32, Ordering},
 };
 
-use thiserror::Error;
 
 use super::{
-    Ready, Seen,
-    adopt::{find, folder_name, id_and_farm, taken_over_name},
-    beside::{Role, SAID_NAME, role},
-    disk, display_name, given_back,
-    list_end::mark_served,
-    listed::Said,
-    name::order_name,
+    Claim, ClaimError, Ready, Said, Seen,
+    beside::SAID_NAME,
+    claim_folder::{CLAIMED_DIR, NEW, claiming, folder_name, taken_over_name},
+    claimed::io_error,
+    disk, given_back,
+    marks::mark_served,
     recover::{give_back_files, remove_claim_dir},
 };
-
-/// Claims lie here, below the hot folder and so on its own file system.
-pub(super) const CLAIMED_DIR: &str = ".claimed";
-/// A claim that is being put together.
-pub(super) const NEW: &str = ".new-";
-/// A claim that is being removed.
-pub(super) const DONE: &str = ".done-";
-
-/// A claimed part.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Claim {
-    /// Unique for ever, sortable by time; begins the name of its folder.
-    pub id: String,
-    /// The hot folder it was claimed from.
-    pub inbox: PathBuf,
-    /// Its folder, `.claimed/<id>@<farm>`.
-    pub dir: PathBuf,
-    /// The claimed file.
-    pub part: PathBuf,
-    /// Its name as dropped, raw.
-    pub name: OsString,
-    /// Its sub-folders below the hot folder, raw; empty = none.
-    pub order_path: PathBuf,
-    /// Its sub-folders, escaped, joined by `/`; empty = none.
-    pub order: String,
-    /// Sidecar tickets that were claimed with it.
-    pub tickets: Vec<PathBuf>,
-    /// What the order list of its folder says about it; of an older nestd a copy of the whole list.
-    pub list: Option<PathBuf>,
-    /// Size, bytes.
-    pub size: u64,
-    /// Last change of contents, nanoseconds since 1970.
-    pub mtime_ns: i128,
-    /// Last change of contents or attributes, nanoseconds since 1970: nobody can set it.
-    pub ctime_ns: i128,
-}
-
-impl Claim {
-    /// Its name, escaped.
-    pub fn display_name(&self) -> String {
-        display_name(&self.name)
-    }
-
-    /// Reads a claim from its folder; `None` if it does not hold exactly one part.
-    pub(super) fn load(inbox: &Path, name: &str) -> io::Result<Option<Self>> {
-        let dir = inbox.join(CLAIMED_DIR).join(name);
-        let (mut parts, mut tickets, mut list) = (Vec::new(), Vec::new(), None);
-        for file in disk::files_below(&dir)? {
-            match role(&file) {
-                Role::Part => parts.push(file),
-                Role::Ticket { .. } => tickets.push(file),
-                Role::List => list = Some(file),
-            }
-        }
-        let [part] = &parts[..] else { return Ok(None) };
-        let meta = fs::symlink_metadata(part)?;
-        let order_path = part.parent().and_then(|p| p.strip_prefix(&dir).ok()).unwrap_or(Path::new("")).to_owned();
-        Ok(Some(Self {
-            id: id_and_farm(name).0.to_owned(),
-            inbox: inbox.to_owned(),
-            part: part.clone(),
-            name: part.file_name().unwrap_or_default().to_owned(),
-            order: order_name(&order_path),
-            order_path,
-            tickets,
-            list,
-            size: meta.len(),
-            mtime_ns: disk::mtime_ns(&meta),
-            ctime_ns: disk::ctime_ns(&meta),
-            dir,
-        }))
-    }
-}
-
-/// Why nothing was claimed. The part stands in the hot folder as before, or a crash recovery will put it there.
-#[derive(Debug, Error)]
-pub enum ClaimError {
-    /// It changed since it was seen; it must settle again.
-    #[error("{} changed while it was being claimed", .0.display())]
-    Changed(PathBuf),
-    /// It is gone, or was never a part.
-    #[error("{} is not there to be claimed", .0.display())]
-    Gone(PathBuf),
-    /// The system said no.
-    #[error("cannot {what} {}", .path.display())]
-    Io {
-        /// What was tried.
-        what: &'static str,
-        /// On what.
-        path: PathBuf,
-        /// The error of the system.
-        #[source]
-        source: io::Error,
-    },
-}
-
-pub(super) fn io_error(what: &'static str, path: &Path, source: io::Error) -> ClaimError {
-    ClaimError::Io { what, path: path.to_owned(), source }
-}
 
 /// What became of a released original.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -136,11 +31,6 @@ pub enum Released {
     GivenBack(PathBuf),
     /// Another farm has taken the claim over: what was read of it is not this farm's any more.
     TakenOver,
-}
-
-/// Where a claim lies, or would lie.
-pub fn claim_dir(inbox: &Path, id: &str) -> PathBuf {
-    find(inbox, id).unwrap_or_else(|| inbox.join(CLAIMED_DIR).join(id))
 }
 
 /// Claims a [`Ready::Part`] out of `inbox` for no farm in particular.
@@ -175,13 +65,6 @@ pub(super) fn claim_stepwise(
     let claim =
         Claim::load(inbox, &name).map_err(|e| io_error("read the claim", &inbox.join(CLAIMED_DIR).join(&name), e))?;
     claim.ok_or_else(|| ClaimError::Gone(part.path.clone()))
-}
-
-/// Held while claims are put together or taken apart: a recovery must not take for a crash's leftover what another thread
-/// is putting together.
-pub(super) fn claiming() -> MutexGuard<'static, ()> {
-    static CLAIMING: Mutex<()> = Mutex::new(());
-    CLAIMING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn begin(inbox: &Path, farm: &str) -> Result<(String, PathBuf), ClaimError> {

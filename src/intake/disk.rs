@@ -21,9 +21,6 @@ use rustix::{
 use super::{Seen, name::numbered};
 use crate::access;
 
-/// A name cannot be longer on the file systems that we know.
-pub(super) const MAX_NAME_BYTES: usize = 255;
-
 /// So many things of one name fit into a folder.
 pub(super) const MAX_NUMBER: u32 = 9999;
 

@@ -6,12 +6,11 @@ use std::{
 };
 
 use super::{
-    Claim, Ticket, TicketError,
+    Claim, Said, Ticket, TicketError,
     beside::{LIST_NAME, SAID_NAME},
     code_page::readings,
     copies::{MAX_COPIES, unclear_copies},
     copies_in_name, disk, display_name,
-    listed::Said,
     order_list::{MAX_LIST_BYTES, OrderList},
     ticket::broken,
 };

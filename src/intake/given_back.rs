@@ -9,7 +9,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::{Seen, claim::CLAIMED_DIR, disk, display_name, listed::Said, name::raw_name};
+use super::{Said, Seen, claim_folder::CLAIMED_DIR, disk, display_name, name::raw_name};
 
 /// A note.
 #[derive(Debug, Serialize, Deserialize)]

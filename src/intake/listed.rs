@@ -4,19 +4,19 @@
 use std::{
     collections::{BTreeMap, HashMap},
     ffi::{OsStr, OsString},
-    io::{self, Read, Write},
+    io::{self, Read},
     path::{Path, PathBuf},
 };
 
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Kind, Ready, Seen, Ticket,
+    Kind, Ready, Said, Seen, Ticket,
     beside::{LIST_NAME, Role, role},
     disk, display_name,
     given::read_ticket,
     given_back,
-    list_end::Marks,
+    marks::Marks,
     order_list::{MAX_LIST_BYTES, OrderList},
     same_name::{Meaning, Meant},
 };
@@ -30,37 +30,6 @@ pub enum Unlisted {
     Reject,
     /// It is taken as one copy, with a warning.
     Warn,
-}
-
-/// What a list says about one part; it lies in the part's claim.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Said {
-    /// The list's header and the part's row: a list of this row alone.
-    pub row: Option<String>,
-    /// The file as the row calls it.
-    pub file: Option<String>,
-    /// Why its copies are not known.
-    pub problem: Option<String>,
-    /// Whether that is because the list does not name it.
-    #[serde(default)]
-    pub is_unlisted: bool,
-    /// For the technician, in whole sentences.
-    pub warnings: Vec<String>,
-}
-
-impl Said {
-    /// Writes it into a claim.
-    pub(super) fn save(&self, path: &Path) -> io::Result<()> {
-        let mut file = disk::create_anew(path)?;
-        file.write_all(&serde_json::to_vec(self)?)?;
-        file.sync_all()
-    }
-
-    /// Reads it out of a claim; `None` = there is none, or a crash cut it short.
-    pub(super) fn load(path: &Path) -> io::Result<Option<Self>> {
-        let bytes = disk::read_start(path, 4 * MAX_LIST_BYTES)?;
-        Ok(bytes.and_then(|bytes| serde_json::from_slice(&bytes).ok()))
-    }
 }
 
 /// What is to be done with a thing that is ready.

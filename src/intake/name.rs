@@ -8,6 +8,9 @@ use std::{
 
 use crate::format::is_invisible;
 
+/// A name cannot be longer on the file systems that we know.
+pub(super) const MAX_NAME_BYTES: usize = 255;
+
 /// A name as text: printable characters as they are, the rest escaped (`\n`, `\xff`, `\u{202e}`, `\\`), so that no two
 /// names look alike in a log and none can play tricks on a terminal. [`raw_name`] is the way back.
 pub fn display_name(name: &OsStr) -> String {
@@ -79,13 +82,18 @@ pub(super) fn with_suffix(name: &OsStr, number: &str, tail: &str) -> OsString {
     // An extension longer than this is no extension but a long name with a dot in it.
     let dot = bytes.iter().rposition(|&b| b == b'.').filter(|&at| at > 0 && bytes.len() - at <= 32);
     let (stem, extension) = bytes.split_at(dot.unwrap_or(bytes.len()));
-    let room = super::disk::MAX_NAME_BYTES - extension.len() - number.len() - tail.len();
+    let room = MAX_NAME_BYTES - extension.len() - number.len() - tail.len();
     let mut cut = stem.len().min(room);
     // A byte 10xxxxxx continues a character of UTF-8.
     while cut < stem.len() && cut > 0 && stem[cut] & 0b1100_0000 == 0b1000_0000 {
         cut -= 1;
     }
     OsString::from_vec([&stem[..cut], number.as_bytes(), extension, tail.as_bytes()].concat())
+}
+
+/// Whether a name is that of a part file. A folder named so is no order: somebody unpacked or mistook something.
+pub(super) fn is_part_name(name: &OsStr) -> bool {
+    Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("stl") || e.eq_ignore_ascii_case("3mf"))
 }
 
 #[cfg(test)]

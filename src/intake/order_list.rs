@@ -9,8 +9,8 @@ use super::{
     code_page::readings,
     columns::{Column, Columns, NO_HEADER},
     display_name,
+    name::is_part_name,
     same_name::{Meaning, Meant},
-    scan::is_part_name,
     ticket::{clearance, copies, priority, text},
 };
 use crate::format::{visible, visible_lines};

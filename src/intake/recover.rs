@@ -7,13 +7,12 @@ use std::{
 };
 
 use super::{
-    Claim, ClaimError,
-    adopt::is_foreign,
+    Claim, ClaimError, Said,
     beside::{Role, SAID_NAME, role, short_name},
-    claim::{CLAIMED_DIR, DONE, NEW, claiming, io_error},
+    claim_folder::{CLAIMED_DIR, DONE, NEW, claiming, is_foreign},
+    claimed::io_error,
     disk, given_back,
-    list_end::sweep_marks,
-    listed::Said,
+    marks::sweep_marks,
     name::numbered,
     same_name::folded_path,
 };

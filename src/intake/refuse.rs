@@ -14,7 +14,7 @@ use thiserror::Error;
 
 use super::{
     Claim, Seen,
-    claim::claiming,
+    claim_folder::claiming,
     disk, display_name,
     name::{numbered, raw_name, with_suffix},
     recover::{follower_name, remove_claim_dir},

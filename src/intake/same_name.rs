@@ -10,7 +10,7 @@ use std::{
 
 use unicode_normalization::{UnicodeNormalization, is_nfc};
 
-use super::{display_name, scan::is_part_name};
+use super::{display_name, name::is_part_name};
 
 /// A name without what people and systems do not tell apart: decomposed letters, capital letters.
 pub(super) fn folded(name: &str) -> String {

@@ -7,10 +7,9 @@ use std::{
 };
 
 use super::{
-    Kind, Seen,
+    Kind, Ready, Seen,
     beside::{Beside, Role, role},
     display_name,
-    listed::Said,
 };
 
 /// A file with a hole may be a copy under way, or on a disk that compresses: it waits so many settle times.
@@ -33,42 +32,6 @@ impl Default for SettleRules {
     fn default() -> Self {
         Self { settle_secs: 5.0, unfinished_secs: 600.0, orphan_secs: 3600.0 }
     }
-}
-
-/// What may be taken out of the hot folder now. It is said again at every scan for as long as the thing stands there.
-#[derive(Debug, Clone, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "nearly all are parts, and each is used up at once")]
-pub enum Ready {
-    /// A part, to be claimed with what belongs to it.
-    Part {
-        /// The part.
-        part: Seen,
-        /// Its sidecar tickets (`part.stl.toml`, or `part.toml` where no other part is called so; or `.json`): none or one;
-        /// two are refused when they are read.
-        tickets: Vec<Seen>,
-        /// The `order.csv` of its folder.
-        list: Option<Seen>,
-        /// What that list says about it, once [`Lists::judge`](super::Lists::judge) has looked.
-        said: Option<Said>,
-        /// So long it and its list have stood unchanged, seconds.
-        still_secs: f64,
-        /// Whether it stood still for [`SettleRules::unfinished_secs`] without its end: probably truncated.
-        unfinished: bool,
-    },
-    /// An `order.csv` that stands still, for [`end_list`](super::end_list).
-    List {
-        /// The list.
-        list: Seen,
-        /// So long it has stood unchanged, in an order folder with all that stands beside it, seconds.
-        quiet_secs: f64,
-    },
-    /// No part: to be moved to the error folder by [`refuse_path`](super::refuse_path).
-    Refuse {
-        /// What stands there.
-        seen: Seen,
-        /// Why, and what to do, in plain words.
-        reason: String,
-    },
 }
 
 /// What must stay the same for a file to be settled. Copiers set old mtimes and may allocate the whole size at once, but

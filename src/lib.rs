@@ -1,7 +1,7 @@
 //! nestd: the daemon that runs a powder-bed print farm.
 //!
 //! A part's life is the plot of the code: dropped, claimed, read, waiting, batched, nested, verified, published, history.
-//! Modules stand on floors; a module knows only floors below its own (`tests/floors.rs` enforces it).
+//! Modules stand on floors; a module knows only floors below its own (`tests/it/floors.rs` enforces it).
 //!
 //! ```text
 //! 7  cli                      the face to terminals: parse, print; no decisions

@@ -17,7 +17,7 @@ use crate::{
     settings::{self, Settings, Shared},
 };
 
-#[path = "../../tests/hook/mod.rs"]
+#[path = "../../tests/support/hook.rs"]
 mod hook;
 use hook::Hook;
 

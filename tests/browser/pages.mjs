@@ -1,4 +1,4 @@
-// Checks of the dashboard in a real browser: node pages.mjs '{"chromium": ..., "base": ..., ...}'; tests/browser.rs calls it.
+// Checks of the dashboard in a real browser: node pages.mjs '{"chromium": ..., "base": ..., ...}'; tests/browser/pages.rs calls it.
 import assert from "node:assert/strict";
 import { copyFileSync, readdirSync, renameSync, writeFileSync } from "node:fs";
 import { join } from "node:path";

@@ -11,13 +11,11 @@ use std::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{budget::Budget, row::Row};
-
-#[path = "../fuzz/entries.rs"]
-mod entries;
-#[allow(dead_code)] // shared with other tests, not all of it is used here
-#[path = "../fuzz/samples.rs"]
-mod samples;
+use super::{
+    budget::Budget,
+    row::Row,
+    support::{entries, samples},
+};
 
 /// A reader that takes longer hangs, seconds.
 const MAX_SECS: f64 = 10.0;

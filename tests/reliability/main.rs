@@ -27,13 +27,7 @@ mod table;
 mod torture;
 mod trace;
 
-#[allow(dead_code)] // shared with the tests of the farm
-#[path = "../farm/greedy.rs"]
-mod greedy;
-#[path = "../grid/mod.rs"]
-mod grid;
-#[allow(dead_code)] // shared with other tests, not all of it is used here
-#[path = "../farm/support.rs"]
+#[path = "../support/mod.rs"]
 mod support;
 
 use std::{process::ExitCode, time::Instant};
@@ -41,6 +35,7 @@ use std::{process::ExitCode, time::Instant};
 use asked::Asked;
 use budget::Budget;
 use row::Row;
+use support::{greedy, grid};
 
 /// A section: its name, its share of a long run, and what it does.
 struct Section {

@@ -16,13 +16,11 @@ use nestd::{
 use super::{
     budget::Budget,
     row::Row,
-    support::{QUICK, TestFarm},
+    support::{
+        QUICK, TestFarm,
+        manifest::{self, EXCEPTIONS, Expected, Outcome},
+    },
 };
-
-#[path = "../torture/manifest.rs"]
-mod manifest;
-
-use manifest::{EXCEPTIONS, Expected, Outcome};
 
 /// A machine of the greatest size, for what is refused by its size tells nothing of the readers. Nothing fires.
 fn farm() -> TestFarm {

@@ -1,0 +1,212 @@
+//! The dashboard in a real Chromium, on a farm that the real daemon serves. Needs `NESTD_BROWSER=<chromium>`, node
+//! and npm, which fetches playwright-core and axe-core. `NESTD_SHOTS=<folder>` keeps pictures of the pages too
+//! (`docs/screens.sh`).
+
+use std::{
+    fs,
+    net::TcpListener,
+    path::{Path, PathBuf},
+    process::Command,
+    sync::LazyLock,
+};
+
+use nestd::{
+    ledger::{PartRow, PartState},
+    samples,
+};
+
+use crate::{
+    quiet,
+    support::{self, TestFarm, stl, wait_until_or},
+};
+
+const MACHINE: &str = "mjf-5200";
+const PROFILE: &str = "volume_mm = [200, 160, 220]\nclearance_mm = 3.0\nlayer_mm = 0.08\nsettle_secs = 0.3\nunfinished_secs = 2\n\
+                       final_secs = 4\narrival_secs = 1\n";
+/// Names that would do harm where they were not taken as text.
+const NASTY: [&str; 3] =
+    ["<img src=x onerror=alert(1)>.stl", "<script>alert(1)<script>.stl", "=HYPERLINK(\"http:x\").stl"];
+
+fn browser() -> PathBuf {
+    std::env::var_os("NESTD_BROWSER").unwrap().into()
+}
+
+/// A farm with a machine of its own, beside that of the other tests.
+struct Dashboard {
+    farm: TestFarm,
+    base: String,
+}
+
+impl Dashboard {
+    fn start() -> Self {
+        let mut farm = TestFarm::new(support::QUICK);
+        farm.write_profile(MACHINE, PROFILE);
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let config = fs::read_to_string(farm.config()).unwrap();
+        fs::write(farm.config(), format!("{config}[web]\nlisten = \"127.0.0.1:{port}\"\n")).unwrap();
+        farm.start();
+        let dashboard = Self { farm, base: format!("http://127.0.0.1:{port}") };
+        wait_until_or(
+            "the dashboard listens",
+            20.0,
+            || dashboard.farm.log(),
+            || std::net::TcpStream::connect(("127.0.0.1", port)).is_ok(),
+        );
+        dashboard
+    }
+
+    fn folder(&self, kind: &str) -> PathBuf {
+        self.farm.root().join(kind).join(MACHINE)
+    }
+
+    /// Drops a file into the machine's hot folder, in an order of its own when there is one.
+    fn drop(&self, order: &str, name: &str, bytes: &[u8]) {
+        let outside = self.farm.root().join("sending");
+        fs::write(&outside, bytes).unwrap();
+        let folder = self.folder("inbox").join(order);
+        fs::create_dir_all(&folder).unwrap();
+        fs::rename(outside, folder.join(name)).unwrap();
+    }
+
+    fn parts(&self, state: PartState) -> Vec<PartRow> {
+        self.farm.parts(state)
+    }
+
+    fn wait_for(&self, state: PartState, count: usize) -> Vec<PartRow> {
+        wait_until_or(
+            &format!("{count} parts are {state}"),
+            60.0,
+            || self.farm.log(),
+            || self.parts(state).len() == count,
+        );
+        self.parts(state)
+    }
+
+    fn published(&self) -> usize {
+        let files = fs::read_dir(self.folder("queue")).unwrap().map(|entry| entry.unwrap().file_name());
+        files.filter(|name| name.to_string_lossy().ends_with(".build.3mf")).count()
+    }
+
+    /// Publishes what waits.
+    fn flush(&self) {
+        let before = self.published();
+        self.farm.nestd(&["flush", MACHINE]);
+        wait_until_or("the build is published", 90.0, || self.farm.log(), || self.published() > before);
+        wait_until_or("the ledger has it", 30.0, || self.farm.log(), || self.parts(PartState::Batched).is_empty());
+    }
+
+    /// Drops copies of all sample parts but the largest, some of each, as an order each.
+    fn drop_samples(&self, skip: usize, customers: &[&str]) -> usize {
+        let samples: Vec<_> = samples::all().into_iter().filter(|sample| sample.name != "rail").skip(skip).collect();
+        for (at, sample) in samples.iter().enumerate() {
+            let name = format!("{}_x{}.stl", sample.name, 1 + at % 4);
+            self.drop(customers[at % customers.len()], &name, &stl(&sample.mesh));
+        }
+        samples.len()
+    }
+}
+
+pub fn every_page_is_what_it_should_be_in_a_real_browser() {
+    let (chromium, _quiet) = (browser(), quiet::alone());
+    let dashboard = Dashboard::start();
+    let farm = set_up(&dashboard, &chromium);
+    let tools = tools();
+    let output = Command::new("node").arg("pages.mjs").arg(farm.to_string()).current_dir(&tools).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    println!("{told}");
+    assert!(output.status.success(), "{told}\n{}", dashboard.farm.log());
+}
+
+/// What the 3D view of a large build may take to open, s; of a program built for speed, on a machine with nothing else to do.
+const OPENS_WITHIN_SECS: f64 = 3.0;
+
+pub fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
+    let (chromium, _quiet) = (browser(), quiet::alone());
+    let dashboard = Dashboard::start();
+    let large = "volume_mm = [380, 284, 2000]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0\n";
+    dashboard.farm.write_profile(MACHINE, large);
+    dashboard.farm.reload();
+    let kinds: Vec<_> = samples::all().into_iter().filter(|sample| sample.mesh.triangles().len() > 1500).collect();
+    let each = 700 / kinds.len();
+    for sample in &kinds {
+        dashboard.drop("", &format!("{}_x{each}.stl", sample.name), &stl(&sample.mesh));
+    }
+    dashboard.wait_for(PartState::Waiting, kinds.len());
+    dashboard.flush();
+    let copies = each * kinds.len();
+    let triangles: usize = kinds.iter().map(|kind| each * kind.mesh.triangles().len()).sum();
+    let asked = serde_json::json!({ "chromium": chromium, "base": dashboard.base, "build": 1, "copies": copies });
+    let output = Command::new("node").arg("large.mjs").arg(asked.to_string()).current_dir(tools()).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    println!("{copies} copies, {triangles} triangles: {told}");
+    assert!(output.status.success(), "{told}\n{}", dashboard.farm.log());
+    let opened: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let secs = opened[0]["secs"].as_f64().unwrap();
+    assert!(cfg!(debug_assertions) || secs < OPENS_WITHIN_SECS, "it took {secs:.1} s");
+}
+
+/// Two published builds, one of them done, parts that wait in an open build, names that bite, a refused part. Returns what
+/// the checks need to know.
+fn set_up(dashboard: &Dashboard, chromium: &Path) -> serde_json::Value {
+    let read = dashboard.drop_samples(0, &["Acme", "Beta AG", "Müller & Söhne"]);
+    dashboard.drop("Acme", NASTY[0], &stl(&samples::cuboid(glam::DVec3::splat(20.0))));
+    dashboard.wait_for(PartState::Waiting, read + 1);
+    dashboard.flush();
+    let built = dashboard.wait_for(PartState::Built, read + 1);
+    dashboard.farm.nestd_ok(&["outcome", "1", "complete", "--note", "bed 3"]);
+    let second = dashboard.drop_samples(12, &["Gamma"]);
+    dashboard.wait_for(PartState::Waiting, second);
+    dashboard.flush();
+    dashboard.wait_for(PartState::Built, read + 1 + second);
+    let third = dashboard.drop_samples(9, &["Delta", "Acme"]);
+    for name in &NASTY[1..] {
+        dashboard.drop("Delta", name, &stl(&samples::cuboid(glam::DVec3::splat(15.0))));
+    }
+    dashboard.wait_for(PartState::Waiting, third + 2);
+    dashboard.drop("Delta", "torn.stl", &stl(&samples::cuboid(glam::DVec3::splat(9.0)))[..500]);
+    let refused = dashboard.wait_for(PartState::Rejected, 1);
+    let open = open_build(dashboard);
+    let sample = dashboard.farm.root().join("sample.stl");
+    fs::write(&sample, stl(&samples::cuboid(glam::DVec3::new(17.0, 12.0, 9.0)))).unwrap();
+    let shots = std::env::var_os("NESTD_SHOTS").map(PathBuf::from);
+    let history: serde_json::Value = serde_json::from_str(&dashboard.farm.nestd_ok(&["history", "--json"])).unwrap();
+    let copies: u32 = built.iter().map(|part| part.copies).sum();
+    serde_json::json!({
+        "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "root": dashboard.farm.root(),
+        "inbox": dashboard.folder("inbox"), "queue": dashboard.folder("queue"), "sample": sample, "shots": shots,
+        "build": 1, "copies": copies, "open": open, "part": built[0].id, "refused": refused[0].id, "nasty": NASTY[1..],
+        "history": history,
+    })
+}
+
+/// The build that is open, once something stands in it.
+fn open_build(dashboard: &Dashboard) -> i64 {
+    let open = || {
+        let status = dashboard.farm.ask(async |ledger| ledger.status().await.unwrap());
+        let open = status.into_iter().find(|status| status.profile == MACHINE)?.open?;
+        (open.copies.unwrap_or(0) > 20).then_some(open.build.0)
+    };
+    wait_until_or("the open build holds the waiting parts", 60.0, || dashboard.farm.log(), || open().is_some());
+    open().unwrap()
+}
+
+/// The folder with the checks and what npm fetches for them, once for all tests.
+fn tools() -> PathBuf {
+    static TOOLS: LazyLock<PathBuf> = LazyLock::new(fetched);
+    TOOLS.clone()
+}
+
+fn fetched() -> PathBuf {
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser");
+    fs::create_dir_all(&folder).unwrap();
+    let is_of_node = |file: &Path| file.extension().is_some_and(|ending| ending == "mjs" || ending == "json");
+    for file in fs::read_dir(from).unwrap().map(Result::unwrap).filter(|file| is_of_node(&file.path())) {
+        fs::copy(file.path(), folder.join(file.file_name())).unwrap();
+    }
+    let npm = ["install", "--silent", "--no-audit", "--no-fund", "--no-package-lock", "--ignore-scripts"];
+    let status =
+        Command::new("npm").args(npm).current_dir(&folder).status().expect("npm is needed for the browser tests");
+    assert!(status.success(), "npm install failed");
+    folder
+}

@@ -1,0 +1,59 @@
+//! Every file of the torture set gives what its manifest expects. The reliability run
+//! drops the same files into the hot folder of a daemon.
+
+use std::{collections::HashMap, path::PathBuf};
+
+use nestd::format::{Contents, Limits, ReadError, Unit, read};
+
+use crate::support::manifest::{EXCEPTIONS, Outcome, files, unpack_names};
+
+fn outcome(result: Result<Contents, ReadError>) -> Outcome {
+    let contents = match result {
+        Err(error) => return Outcome { triangles: None, left_out: 0, said: chain(&error) },
+        Ok(contents) => contents,
+    };
+    let (mut triangles, mut left_out, mut said) = (0, 0, contents.warnings.clone());
+    for solid in &contents.solids {
+        let defects = solid.mesh.defects();
+        triangles += solid.mesh.triangles().len() * solid.copies as usize;
+        left_out += defects.degenerate_triangles * solid.copies as usize;
+        said.extend(solid.warnings.iter().cloned());
+        let found = [
+            (defects.open_edges, "open edges"),
+            (defects.non_manifold_edges, "edges of more than two triangles"),
+            (defects.inconsistent_edges, "face opposite ways"),
+        ];
+        said.extend(found.iter().filter(|(count, _)| *count > 0).map(|(_, what)| (*what).to_owned()));
+    }
+    Outcome { triangles: Some(triangles), left_out, said: said.join("\n") }
+}
+
+fn chain(error: &dyn std::error::Error) -> String {
+    match error.source() {
+        Some(source) => format!("{error}: {}", chain(source)),
+        None => error.to_string(),
+    }
+}
+
+pub fn every_torture_file_gives_what_the_manifest_expects() {
+    let data = PathBuf::from(std::env::var_os("NESTD_DATA").unwrap());
+    let names = unpack_names(&data);
+    let exceptions: HashMap<&str, &str> = EXCEPTIONS.into_iter().collect();
+    let (mut bad, mut seen) = (Vec::new(), 0);
+    for expected in files(&data) {
+        let file = expected.file(&data, names.path());
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let result = read(&file, &name, None, Unit::Millimeter, &Limits::default());
+        seen += 1;
+        if result.as_ref().is_err_and(ReadError::is_io) {
+            bad.push(format!("{name}: counts as a fault of the disk"));
+        }
+        match (expected.complaint(&outcome(result)), exceptions.get(name.as_str())) {
+            (Some(complaint), None) => bad.push(format!("{name}: expected {}; {complaint}", expected.expect)),
+            (None, Some(reason)) => bad.push(format!("{name}: is as expected, though excepted because {reason}")),
+            _ => {}
+        }
+    }
+    assert!(seen > 200, "only {seen} files");
+    assert!(bad.is_empty(), "{} of {seen}:\n{}", bad.len(), bad.join("\n"));
+}

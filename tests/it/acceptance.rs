@@ -1,0 +1,108 @@
+//! Random builds of the project's own parts: parts, copies, volumes, clearances and orientation rules at random, a short search
+//! each, and nobody may find a fault. Those of other people's parts are in `tests/data`.
+
+use std::{collections::BTreeSet, sync::Arc};
+
+use glam::DVec3;
+use nestd::{
+    nest::{
+        Body, BuildVolume, Config, Instance, Item, NotDown, Organs, Orientation, OrientationRule, Solution, Stop, Tilt,
+        nest, prove, rotation_obeys,
+    },
+    samples::random_part,
+};
+use parry3d_f64::{math::Pose3, query, shape::TriMesh};
+use rand::{RngExt, SeedableRng, seq::IndexedRandom};
+use rand_chacha::ChaCha8Rng;
+
+use crate::support::random::{any_clearance_mm, any_tilt};
+
+/// So many builds of the project's own parts.
+const OWN_BUILDS: u64 = 24;
+struct Evaluations(u64);
+
+impl Stop for Evaluations {
+    fn spent(&self, evaluations: u64) -> f64 {
+        evaluations as f64 / self.0 as f64
+    }
+}
+
+fn any_orientation(rng: &mut ChaCha8Rng) -> Orientation {
+    use OrientationRule::{Axis, Fixed, Free, Upright};
+    let rule = *[Free, Free, Upright, Axis, Fixed].choose(rng).unwrap();
+    let keep_up: Option<Tilt> = rng.random_bool(0.2).then(|| any_tilt(rng, 20..120).parse().unwrap());
+    let not_down: Option<NotDown> = rng.random_bool(0.2).then(|| any_tilt(rng, 10..70).parse().unwrap());
+    Orientation::new(rule, keep_up.as_slice(), not_down.as_slice())
+}
+
+fn any_own_instance(rng: &mut ChaCha8Rng) -> Instance {
+    let items: Vec<Item> = (0..rng.random_range(1..5))
+        .map(|at| Item {
+            name: format!("part {at}"),
+            mesh: Arc::new(random_part(rng.random_range(0..400))),
+            copies: rng.random_range(1..6),
+            orientation: any_orientation(rng),
+            clearance_mm: rng.random_bool(0.2).then(|| any_clearance_mm(rng)),
+        })
+        .collect();
+    let largest = items.iter().fold(DVec3::ZERO, |most, item| most.max(item.mesh.bounds().size()));
+    let mut stretch = || rng.random_range(1.02..2.5);
+    let size_mm = largest * DVec3::new(stretch(), stretch(), 2.0 * stretch());
+    Instance::new(BuildVolume { size_mm }, any_clearance_mm(rng), items).unwrap()
+}
+
+/// Nearest of two placed meshes by another kernel, mm.
+fn other_distance(one: &Body, two: &Body) -> f64 {
+    let shape = |body: &Body| TriMesh::new(body.mesh.vertices().to_vec(), body.mesh.triangles().to_vec()).unwrap();
+    let pose = |body: &Body| Pose3::from_parts(body.pose.translation, body.pose.rotation);
+    query::distance(&pose(one), &shape(one), &pose(two), &shape(two)).unwrap().distance
+}
+
+fn assert_holds_what_was_asked(name: &str, instance: &Instance, solution: &Solution) {
+    let bodies: Vec<Body> = (solution.placements.iter())
+        .map(|p| Body {
+            name: format!("{} #{}", p.item, p.copy),
+            mesh: instance.items()[p.item].mesh.clone(),
+            pose: p.pose,
+            clearance_mm: instance.clearance_between_mm(p.item, p.item),
+        })
+        .collect();
+    let proof = prove(&bodies, instance.volume().size_mm);
+    assert!(proof.is_proved(), "{name}: {proof:?}");
+    for p in &solution.placements {
+        assert!(rotation_obeys(&instance.items()[p.item].orientation, &p.pose), "{name}: {p:?} against its rule");
+        let bounds = instance.items()[p.item].mesh.bounds_at(&p.pose);
+        let inside = bounds.min.min_element() > -1e-6 && (bounds.max - instance.volume().size_mm).max_element() < 1e-6;
+        assert!(inside && bounds.max.z <= solution.height_mm + 1e-9, "{name}: {p:?} stands at {bounds:?}");
+    }
+    for (at, one) in bodies.iter().enumerate() {
+        for two in &bodies[..at] {
+            let wanted_mm = one.clearance_mm.max(two.clearance_mm);
+            if one.mesh.bounds_at(&one.pose).distance(&two.mesh.bounds_at(&two.pose)) < wanted_mm {
+                let distance_mm = other_distance(one, two);
+                assert!(distance_mm > wanted_mm - 1e-6, "{name}: {} and {}: {distance_mm} mm", one.name, two.name);
+            }
+        }
+    }
+    let placed = solution.placements.iter().map(|p| (p.item, p.copy));
+    let told: Vec<(usize, u32)> = placed.chain(solution.unplaced.iter().copied()).collect();
+    let once: BTreeSet<(usize, u32)> = told.iter().copied().collect();
+    assert!(once.len() == told.len() && once.len() == instance.copies(), "{name}: a copy is lost or doubled");
+}
+
+#[test]
+fn random_builds_of_our_own_parts_hold_what_was_asked() {
+    let mut placed = 0;
+    for number in 0..OWN_BUILDS {
+        let mut rng = ChaCha8Rng::seed_from_u64(number);
+        let instance = any_own_instance(&mut rng);
+        // Fine guides take most of the time of so short a search.
+        let organs = Organs { fine_guides: number % 6 == 0, ..Organs::default() };
+        let config = Config { seed: number, organs, ..Config::default() };
+        let mut tell = |_: &Solution, _: u64| {};
+        let solution = nest(&instance, &config, &[], &Evaluations(rng.random_range(200..3000)), &mut tell);
+        assert_holds_what_was_asked(&format!("build {number}"), &instance, &solution);
+        placed += solution.placements.len();
+    }
+    assert!(placed > 100, "only {placed} placements are no test");
+}

@@ -1,0 +1,158 @@
+//! What nestd is made of: every dependency stands in ARCHITECTURE.md with why it is there, and licences, bans and sources are as
+//! `deny.toml` says. `cargo deny check bans licenses sources` says the same where it is installed; this needs nothing but cargo.
+
+use std::{collections::BTreeSet, fs, path::Path, process::Command};
+
+use serde_json::Value;
+use toml::Table;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn toml_file(name: &str) -> Table {
+    fs::read_to_string(root().join(name)).unwrap().parse().unwrap()
+}
+
+fn words(value: &toml::Value) -> Vec<&str> {
+    value.as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect()
+}
+
+/// All packages that are built on the first target of `deny.toml`, for tests and benches too.
+fn packages(target: &str) -> Vec<Value> {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--format-version", "1", "--locked", "--offline", "--filter-platform", target])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let metadata: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let used: BTreeSet<&str> =
+        metadata["resolve"]["nodes"].as_array().unwrap().iter().map(|node| node["id"].as_str().unwrap()).collect();
+    let packages = metadata["packages"].as_array().unwrap();
+    packages.iter().filter(|package| used.contains(package["id"].as_str().unwrap())).cloned().collect()
+}
+
+/// Whether an SPDX expression can be satisfied by licences that are allowed. `/` and `or` are older ways to write OR.
+fn is_allowed(expression: &str, allowed: &[&str]) -> bool {
+    let spaced = expression.replace('(', " ( ").replace(')', " ) ").replace('/', " OR ").replace(" or ", " OR ");
+    let tokens: Vec<&str> = spaced.split_whitespace().collect();
+    let (holds, rest) = either(&tokens, allowed);
+    assert!(rest.is_empty(), "{expression} is no SPDX expression");
+    holds
+}
+
+fn either<'t>(tokens: &'t [&'t str], allowed: &[&str]) -> (bool, &'t [&'t str]) {
+    let (mut holds, mut rest) = both(tokens, allowed);
+    while let Some((&"OR", more)) = rest.split_first() {
+        let (other, after) = both(more, allowed);
+        (holds, rest) = (holds || other, after);
+    }
+    (holds, rest)
+}
+
+fn both<'t>(tokens: &'t [&'t str], allowed: &[&str]) -> (bool, &'t [&'t str]) {
+    let (mut holds, mut rest) = one(tokens, allowed);
+    while let Some((&"AND", more)) = rest.split_first() {
+        let (other, after) = one(more, allowed);
+        (holds, rest) = (holds && other, after);
+    }
+    (holds, rest)
+}
+
+fn one<'t>(tokens: &'t [&'t str], allowed: &[&str]) -> (bool, &'t [&'t str]) {
+    match tokens {
+        ["(", inner @ ..] => {
+            let (holds, rest) = either(inner, allowed);
+            assert_eq!(rest.first(), Some(&")"));
+            (holds, &rest[1..])
+        }
+        [licence, "WITH", exception, rest @ ..] => {
+            (allowed.contains(&format!("{licence} WITH {exception}").as_str()), rest)
+        }
+        [licence, rest @ ..] => (allowed.contains(licence), rest),
+        [] => panic!("an expression ends early"),
+    }
+}
+
+#[test]
+fn licences_bans_and_sources_are_as_deny_toml_says() {
+    let deny = toml_file("deny.toml");
+    let allowed = words(&deny["licenses"]["allow"]);
+    let banned: Vec<&str> =
+        deny["bans"]["deny"].as_array().unwrap().iter().map(|ban| ban["crate"].as_str().unwrap()).collect();
+    let sources = words(&deny["sources"]["allow-registry"]);
+    let packages = packages(words(&deny["graph"]["targets"])[0]);
+    assert!(packages.len() > 100, "only {} packages", packages.len());
+    let mut faults = Vec::new();
+    for package in &packages {
+        let name = package["name"].as_str().unwrap();
+        match package["license"].as_str() {
+            Some(licence) if is_allowed(licence, &allowed) => {}
+            licence => faults.push(format!("{name}: licence {licence:?}")),
+        }
+        if banned.contains(&name) {
+            faults.push(format!("{name} is banned"));
+        }
+        let source = package["source"].as_str().unwrap_or_default();
+        let is_own = name == "nestd" && source.is_empty();
+        if !is_own && !sources.iter().any(|registry| source == format!("registry+{registry}")) {
+            faults.push(format!("{name}: source {source:?}"));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn expressions_of_licences_are_understood() {
+    let allowed = ["MIT", "Apache-2.0", "Apache-2.0 WITH LLVM-exception"];
+    for (expression, holds) in [
+        ("MIT", true),
+        ("GPL-3.0", false),
+        ("GPL-3.0 OR MIT", true),
+        ("MIT/GPL-3.0", true),
+        ("MIT AND GPL-3.0", false),
+        ("(GPL-3.0 OR MIT) AND Apache-2.0", true),
+        ("GPL-3.0 WITH Classpath-exception", false),
+        ("Apache-2.0 WITH LLVM-exception", true),
+    ] {
+        assert_eq!(is_allowed(expression, &allowed), holds, "{expression}");
+    }
+}
+
+#[test]
+fn the_lock_files_are_kept_and_name_one_registry() {
+    let ignored = fs::read_to_string(root().join(".gitignore")).unwrap();
+    assert!(!ignored.contains("lock"), "{ignored}");
+    for name in ["Cargo.lock", "fuzz/Cargo.lock"] {
+        let lock = toml_file(name);
+        for package in lock["package"].as_array().unwrap() {
+            let source = package.get("source").map(|s| s.as_str().unwrap());
+            let is_registry = source == Some("registry+https://github.com/rust-lang/crates.io-index");
+            assert!(is_registry || source.is_none(), "{name}: {package}");
+        }
+    }
+}
+
+#[test]
+fn every_dependency_stands_in_the_architecture_with_why_it_is_there() {
+    let manifest = toml_file("Cargo.toml");
+    let mut wanted = BTreeSet::new();
+    for table in ["dependencies", "dev-dependencies"] {
+        for (name, requirement) in manifest[table].as_table().unwrap() {
+            let version = requirement.as_str().or_else(|| requirement.get("version")?.as_str());
+            assert!(version.is_some_and(|version| !version.contains('*')), "{name}: no version");
+            wanted.insert(name.clone());
+        }
+    }
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let (_, section) = text.split_once("\n## Dependencies\n").expect("a section of dependencies");
+    let section = section.split("\n## ").next().unwrap();
+    let mut told = BTreeSet::new();
+    for line in section.lines().filter(|line| line.starts_with("| `")) {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        assert!(cells.len() == 2 && cells[1].len() > 10, "{line}");
+        told.extend(cells[0].split(',').map(|name| name.trim().trim_matches('`').to_owned()));
+    }
+    assert_eq!(told, wanted);
+}

@@ -1,0 +1,93 @@
+//! Keeps the house tidy: short files, short functions, nothing left open.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+const MAX_FILE_LINES: usize = 400;
+const MAX_FUNCTION_LINES: usize = 70;
+
+fn rust_files(dir: &Path, files: &mut Vec<PathBuf>) {
+    let Ok(entries) = fs::read_dir(dir) else { return };
+    for entry in entries {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            rust_files(&path, files);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+fn all_files() -> Vec<(PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    for dir in ["src", "tests", "benches"] {
+        rust_files(&root.join(dir), &mut files);
+    }
+    files.into_iter().map(|f| (f.clone(), fs::read_to_string(f).unwrap())).collect()
+}
+
+/// (first line, length) of every function; rustfmt's indentation tells where one ends.
+fn functions(text: &str) -> Vec<(usize, usize)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let mut found = Vec::new();
+    for (at, line) in lines.iter().enumerate() {
+        let code = line.trim_start();
+        let indent = line.len() - code.len();
+        let head = code.split('(').next().unwrap_or("");
+        let is_function = head.split(' ').any(|word| word == "fn") && !code.starts_with("//") && !code.ends_with(';');
+        if !is_function {
+            continue;
+        }
+        let close = format!("{}}}", " ".repeat(indent));
+        if let Some(length) = lines[at..].iter().position(|l| *l == close) {
+            found.push((at + 1, length + 1));
+        }
+    }
+    found
+}
+
+#[test]
+fn no_file_is_longer_than_400_lines() {
+    let long: Vec<String> = (all_files().iter())
+        .map(|(file, text)| (file, text.lines().count()))
+        .filter(|&(_, lines)| lines > MAX_FILE_LINES)
+        .map(|(file, lines)| format!("{} {lines}", file.display()))
+        .collect();
+    assert!(long.is_empty(), "split these:\n{}", long.join("\n"));
+}
+
+#[test]
+fn no_function_is_longer_than_70_lines() {
+    let mut long = Vec::new();
+    for (file, text) in all_files() {
+        for (line, length) in functions(&text) {
+            if length > MAX_FUNCTION_LINES {
+                long.push(format!("{}:{line} {length}", file.display()));
+            }
+        }
+    }
+    assert!(long.is_empty(), "split these:\n{}", long.join("\n"));
+}
+
+#[test]
+fn nothing_is_left_open() {
+    let words = [
+        concat!("TO", "DO"),
+        concat!("FIX", "ME"),
+        concat!("todo", "!("),
+        concat!("unimplemented", "!("),
+        concat!("#[ign", "ore]"),
+    ];
+    let mut open = Vec::new();
+    for (file, text) in all_files() {
+        for (at, line) in text.lines().enumerate() {
+            if words.iter().any(|w| line.contains(w)) {
+                open.push(format!("{}:{}: {line}", file.display(), at + 1));
+            }
+        }
+    }
+    assert!(open.is_empty(), "left open:\n{}", open.join("\n"));
+}

@@ -1,0 +1,312 @@
+//! What several test programs share: first of all a farm in a temporary folder, served by the real daemon.
+#![allow(dead_code)] // no program needs all of it
+
+pub mod entries;
+pub mod greedy;
+pub mod grid;
+pub mod hook;
+pub mod manifest;
+pub mod random;
+pub mod samples;
+pub mod trial;
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::{Child, Command, Output, Stdio},
+    time::{Duration, Instant},
+};
+
+use nestd::{
+    farm::{self, Witness},
+    format,
+    geometry::{Mesh, Pose},
+    ledger::{Ledger, PartRow, PartState},
+    settings,
+};
+use tempfile::TempDir;
+
+pub const PROFILE: &str = "test";
+
+/// A farm with one machine, `test`.
+pub struct TestFarm {
+    dir: TempDir,
+    daemon: Option<Child>,
+}
+
+/// What a profile says when a test does not say otherwise: small volume, quick settling, short searches.
+pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.5\n\
+                         arrival_secs = 0.5\nmax_attempts = 50\n";
+
+impl TestFarm {
+    /// A farm whose machine's file is `profile`; nothing runs yet.
+    pub fn new(profile: &str) -> Self {
+        let dir = TempDir::new().unwrap();
+        fs::create_dir_all(dir.path().join("config/profiles")).unwrap();
+        let farm = Self { dir, daemon: None };
+        fs::write(farm.config(), "scan_secs = 0.5\norphan_ticket_secs = 3\n[log]\nfilter = \"info\"\n").unwrap();
+        farm.write_profile(PROFILE, profile);
+        farm
+    }
+
+    /// A farm with the daemon running on it.
+    pub fn running(profile: &str) -> Self {
+        let mut farm = Self::new(profile);
+        farm.start();
+        farm
+    }
+
+    pub fn root(&self) -> &Path {
+        self.dir.path()
+    }
+
+    pub fn config(&self) -> PathBuf {
+        self.root().join("config/nestd.toml")
+    }
+
+    pub fn write_profile(&self, name: &str, text: &str) {
+        fs::write(self.root().join(format!("config/profiles/{name}.toml")), text).unwrap();
+    }
+
+    pub fn folder(&self, kind: &str) -> PathBuf {
+        self.root().join(kind).join(PROFILE)
+    }
+
+    pub fn start(&mut self) {
+        self.start_as(self.command(&["run"]));
+    }
+
+    /// Starts the daemon where so many files may be open.
+    pub fn start_with_open_files(&mut self, most: u32) {
+        self.start_under(&format!("ulimit -n {most}"));
+    }
+
+    /// Starts the daemon with so much address space, bytes.
+    pub fn start_with_memory(&mut self, most: u64) {
+        // One arena: what malloc only sets aside would count too.
+        self.start_under(&format!("ulimit -v {}; export MALLOC_ARENA_MAX=1", most / 1024));
+    }
+
+    /// Starts the daemon again if it has ended by itself, as the service manager does.
+    pub fn start_again_where_it_ended(&mut self, most: u64) -> bool {
+        let has_ended = self.has_ended();
+        if has_ended {
+            self.daemon = None;
+            self.start_with_memory(most);
+        }
+        has_ended
+    }
+
+    /// Whether the daemon has ended by itself.
+    pub fn has_ended(&mut self) -> bool {
+        self.daemon.as_mut().is_none_or(|child| child.try_wait().unwrap().is_some())
+    }
+
+    fn start_under(&mut self, words: &str) {
+        let daemon = self.command(&["run"]);
+        let mut command = Command::new("sh");
+        command.arg("-c").arg(format!("{words}; exec \"$0\" \"$@\"")).arg(daemon.get_program());
+        command.args(daemon.get_args()).current_dir(self.root()).env("NESTD_ALLOW_ROOT", "1");
+        self.start_as(command);
+    }
+
+    pub fn start_as(&mut self, mut command: Command) {
+        let log = fs::File::options().create(true).append(true).open(self.root().join("log")).unwrap();
+        let child = command.stdout(Stdio::null()).stderr(log).spawn().unwrap();
+        self.daemon = Some(child);
+        let inbox = self.folder("inbox");
+        wait_until("the daemon makes its folders", 10.0, || inbox.is_dir());
+    }
+
+    /// The process id of the daemon.
+    pub fn pid(&self) -> i32 {
+        self.daemon.as_ref().unwrap().id() as i32
+    }
+
+    pub fn kill(&mut self) {
+        if let Some(mut child) = self.daemon.take() {
+            child.kill().unwrap();
+            child.wait().unwrap();
+        }
+    }
+
+    /// SIGTERM; asserts a clean exit within the ten seconds that the service manager gives.
+    pub fn stop(&mut self) {
+        let mut child = self.daemon.take().unwrap();
+        signal(child.id() as i32, rustix::process::Signal::TERM);
+        let began = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                break status;
+            }
+            assert!(began.elapsed() < Duration::from_secs(10), "the daemon does not stop\n{}", self.log());
+            std::thread::sleep(Duration::from_millis(20));
+        };
+        assert!(status.success(), "the daemon ended with {status}\n{}", self.log());
+    }
+
+    pub fn reload(&self) {
+        signal(self.pid(), rustix::process::Signal::HUP);
+    }
+
+    pub fn log(&self) -> String {
+        fs::read_to_string(self.root().join("log")).unwrap_or_default()
+    }
+
+    pub fn command(&self, args: &[&str]) -> Command {
+        // NESTD_BIN names an installed binary to be tested instead.
+        let binary = std::env::var_os("NESTD_BIN").unwrap_or_else(|| env!("CARGO_BIN_EXE_nestd").into());
+        let mut command = Command::new(binary);
+        command.env("NESTD_ALLOW_ROOT", "1"); // the tests of a container run as root
+        command.args(args).arg("-c").arg(self.config()).arg("--root").arg(self.root()).current_dir(self.root());
+        command
+    }
+
+    pub fn nestd(&self, args: &[&str]) -> Output {
+        self.command(args).output().unwrap()
+    }
+
+    /// Runs a command that must succeed; its standard output.
+    pub fn nestd_ok(&self, args: &[&str]) -> String {
+        let output = self.nestd(args);
+        let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "nestd {args:?} ended with {}\n{out}\n{err}\n{}", output.status, self.log());
+        out.into_owned()
+    }
+
+    /// Orders the profile to be published now. On a busy machine the answer may come later; a refusal fails the test.
+    pub fn flush(&self) {
+        let output = self.nestd(&["flush", PROFILE]);
+        let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() != Some(2) && !told.contains("Refused"), "{told}\n{}", self.log());
+    }
+
+    /// Drops a file as a careful sender does: written elsewhere on the same file system, then renamed in.
+    pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
+        let target = self.folder("inbox").join(name);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        let outside = self.root().join("sending");
+        fs::write(&outside, bytes).unwrap();
+        fs::rename(outside, target).unwrap();
+    }
+
+    pub fn drop_part(&self, name: &str, mesh: &Mesh) {
+        self.drop_bytes(name, &stl(mesh));
+    }
+
+    /// Drops a file into a hot folder that is another file system.
+    pub fn drop_across(&self, name: &str, mesh: &Mesh) {
+        fs::write(self.folder("inbox").join(name), stl(mesh)).unwrap();
+    }
+
+    /// Asks the ledger.
+    pub fn ask<T>(&self, question: impl AsyncFnOnce(&Ledger) -> T) -> T {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(async {
+            let began = Instant::now();
+            let ledger = loop {
+                match Ledger::open_existing(&self.root().join("state/nestd.db")).await {
+                    Ok(ledger) => break ledger,
+                    Err(error) => assert!(began.elapsed().as_secs() < 10, "{error}\n{}", self.log()),
+                }
+                tokio::time::sleep(Duration::from_millis(50)).await;
+            };
+            let answer = question(&ledger).await;
+            ledger.close().await;
+            answer
+        })
+    }
+
+    /// What breaks the invariants.
+    pub fn broken(&self, witness: &Witness) -> Vec<String> {
+        let settings = settings::load(Some(&self.config()), Some(self.root())).unwrap();
+        let looked = self.ask(async |ledger| farm::invariants(&settings, ledger, witness).await.unwrap());
+        looked.violations.iter().map(ToString::to_string).collect()
+    }
+
+    pub fn parts(&self, state: PartState) -> Vec<PartRow> {
+        self.ask(async |ledger| ledger.parts_in_state(state).await.unwrap())
+    }
+
+    pub fn wait_for_parts(&self, state: PartState, count: usize) -> Vec<PartRow> {
+        let mut parts = Vec::new();
+        wait_until_or(
+            &format!("{count} parts are {state}"),
+            60.0,
+            || self.log(),
+            || {
+                parts = self.parts(state);
+                parts.len() == count
+            },
+        );
+        parts
+    }
+
+    /// The published build files that lie in the queue.
+    pub fn queued(&self) -> Vec<PathBuf> {
+        let Ok(entries) = fs::read_dir(self.folder("queue")) else { return Vec::new() };
+        let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
+        files.retain(|f| {
+            let name = f.file_name().unwrap().to_string_lossy();
+            name.ends_with(".build.3mf") && !name.starts_with('.')
+        });
+        files.sort();
+        files
+    }
+
+    pub fn wait_for_queued(&self, count: usize) -> Vec<PathBuf> {
+        wait_until_or(&format!("{count} builds in the queue"), 60.0, || self.log(), || self.queued().len() >= count);
+        self.queued()
+    }
+
+    /// Asserts that the ledger agrees with itself, and that each published copy is in exactly one build file.
+    pub fn assert_nothing_lost_or_doubled(&self) {
+        let faults = self.ask(async |ledger| ledger.faults().await.unwrap());
+        assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
+        let mut seen = std::collections::BTreeMap::new();
+        for file in self.queued() {
+            for placed in format::read_build(&file, &format::Limits::default()).unwrap() {
+                let key = (placed.part_number.unwrap(), placed.copy.unwrap());
+                if let Some(other) = seen.insert(key.clone(), file.clone()) {
+                    panic!("copy {key:?} is in {} and in {}", other.display(), file.display());
+                }
+            }
+        }
+        let built: usize = self.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
+        assert!(seen.len() >= built, "{built} copies are built, but only {} are in the queue", seen.len());
+    }
+}
+
+impl Drop for TestFarm {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+pub fn signal(pid: i32, signal: rustix::process::Signal) {
+    rustix::process::kill_process(rustix::process::Pid::from_raw(pid).unwrap(), signal).unwrap();
+}
+
+pub fn wait_until(what: &str, secs: f64, holds: impl FnMut() -> bool) {
+    wait_until_or(what, secs, String::new, holds);
+}
+
+pub fn wait_until_or(what: &str, secs: f64, told: impl Fn() -> String, mut holds: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !holds() {
+        assert!(began.elapsed().as_secs_f64() < secs, "waited {secs} s in vain until {what}\n{}", told());
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// A mesh as the bytes of a binary STL.
+pub fn stl(mesh: &Mesh) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    format::write_stl([(mesh, &Pose::IDENTITY)].into_iter(), &mut bytes).unwrap();
+    bytes
+}
+
+/// A box of the given size, mm.
+pub fn block(x: f64, y: f64, z: f64) -> Mesh {
+    nestd::samples::cuboid(glam::DVec3::new(x, y, z))
+}

@@ -1,11 +1,11 @@
 //! `nestd nest`: the whole nester without a farm. Parts in, a proved build file out.
 
 mod args;
-mod machine;
 mod output;
 mod parts;
 mod paths;
 mod progress;
+mod setup;
 
 use std::io::IsTerminal;
 
@@ -13,8 +13,9 @@ use anyhow::Result;
 
 use super::{Common, Exit, Usage, table::tell};
 use crate::{
+    build::BuildPart,
     farm::DiskCache,
-    nest::{self, Instance, Item, Solution},
+    nest::{self, Instance, Solution},
 };
 pub use args::Args;
 use progress::{Budget, Progress};
@@ -24,30 +25,20 @@ const CACHE_BYTES: u64 = 4 << 30;
 
 /// Runs the command.
 pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let machine = machine::machine(common, args)?;
+    let setup = setup::setup(common, args)?;
     let rows = parts::rows(args)?;
     paths::check(args, &rows)?;
-    let parts = parts::read(rows, &machine)?;
-    let item = |part: &parts::Part| Item {
-        name: part.name.clone(),
-        mesh: part.mesh.clone(),
-        copies: part.copies,
-        orientation: machine.orientation.clone(),
-        clearance_mm: None,
-    };
-    let instance = Instance::new(machine.room(), machine.clearance_mm, parts.iter().map(item).collect())
-        .and_then(|instance| instance.with_clearance_z_extra(machine.clearance_z_extra_mm))
-        .and_then(|instance| instance.with_keep_out(&machine.keep_out_in_room()))
-        .and_then(|instance| instance.with_layer_cap(machine.layer_cap()))
-        .map_err(|error| Usage(error.to_string()))?;
+    let parts = parts::read(rows, &setup)?;
+    let instance = setup.machine.instance(parts.iter().map(BuildPart::item).collect());
+    let instance = instance.map_err(|error| Usage(error.to_string()))?;
     let cache = cache(args)?;
     let cache = cache.as_ref().map(|cache| cache as &dyn nest::Cache);
     let budget = Budget::starting_now(args.budget, args.evaluations);
-    let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), machine.origin_mm().z);
-    let solution = nest::nest_with(&instance, &machine.config, &[], cache, &budget, &mut progress);
-    let course = progress.finish(machine.config.seed);
+    let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), setup.machine.origin_mm().z);
+    let solution = nest::nest_with(&instance, &setup.config, &[], cache, &budget, &mut progress);
+    let course = progress.finish(setup.config.seed);
     name_unplaced(&instance, &solution);
-    let report = output::write(args, &machine, &parts, &instance, &solution, course)?;
+    let report = output::write(args, &setup, parts, &instance, &solution, course)?;
     if std::io::stdout().is_terminal() {
         println!(
             "{:.2} mm high, {} of {} copies placed, density {:.3}, {:.1} s",

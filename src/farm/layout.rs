@@ -10,6 +10,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::{
+    build::{BuildPart, PartPlacement},
     geometry::{Mesh, Pose},
     ledger::{PartId, PartRow, PlacementRow, WaitingPart},
     nest::{Instance, InstanceError, Item, Placement, Solution},
@@ -73,10 +74,33 @@ impl Batch {
             orientation: p.part.turning(),
             clearance_mm: p.part.clearance_mm,
         });
-        Instance::new(profile.build_volume(), profile.clearance_mm, items.collect())?
-            .with_clearance_z_extra(profile.clearance_z_extra_mm)?
-            .with_keep_out(&profile.keep_out())?
-            .with_layer_cap(profile.layer_cap())
+        profile.machine().instance(items.collect())
+    }
+
+    /// As a build file sees it: its parts in the same order.
+    pub fn build_parts(&self) -> Vec<BuildPart> {
+        let build_part = |BatchPart { part, mesh, copies }: &BatchPart| BuildPart {
+            name: part.name.clone(),
+            object_name: if part.object_name.is_empty() { part.name.clone() } else { part.object_name.clone() },
+            part_number: part.id.to_string(),
+            source_name: part.name.clone(),
+            source_hash: part.content_hash.clone(),
+            content_hash: format!("{}-{}", part.content_hash, part.object_index),
+            mesh: mesh.clone(),
+            copies: copies.clone(),
+            orientation: part.turning(),
+            clearance_mm: part.clearance_mm,
+            order: (!part.order_name.is_empty()).then(|| part.order_name.clone()),
+        };
+        self.parts.iter().map(build_part).collect()
+    }
+
+    /// Where the copies of a layout stand, by [`Batch::build_parts`].
+    pub fn part_placements(&self, layout: &Layout) -> Vec<PartPlacement> {
+        let index: HashMap<PartId, usize> = self.parts.iter().enumerate().map(|(at, p)| (p.part.id, at)).collect();
+        let placed =
+            |p: &PlacedCopy| Some(PartPlacement { part: *index.get(&p.copy.0)?, copy: p.copy.1, pose: p.pose });
+        layout.placed.iter().filter_map(placed).collect()
     }
 
     /// An earlier layout as placements of this batch; copies that are not in the batch are left out.

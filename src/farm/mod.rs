@@ -71,7 +71,6 @@ pub use marked::{demand_readable, is_known};
 pub use notices::{Outside, in_json as notice_in_json, kept_notices};
 pub use open::lost as lost_ledger;
 pub use owner::OwnerError;
-pub use prove::faults_of;
 pub use reconcile::Reconciled;
 pub use refused::dismiss;
 pub use restore::{Restored, repair, restore};

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::KeepOut;
-use crate::{format::Unit, geometry::Bounds, intake::Unlisted, nest};
+use crate::{build::Machine, format::Unit, intake::Unlisted, nest};
 
 /// Where a profile's files live.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -141,16 +141,20 @@ impl Profile {
         nest::Margins { wall_mm: self.wall_margin_mm, floor_mm: self.floor_margin_mm, lid_mm: self.lid_margin_mm }
     }
 
-    /// Boxes in which nothing may stand, in the frame of [`Profile::build_volume`], mm.
-    pub fn keep_out(&self) -> Vec<Bounds> {
-        let origin_mm = self.origin_mm();
-        let moved = |zone: &KeepOut| Bounds { min: zone.min - origin_mm, max: zone.max - origin_mm };
-        self.keep_out.iter().map(moved).collect()
-    }
-
-    /// Layers, and how much of one may be filled.
-    pub fn layer_cap(&self) -> nest::LayerCap {
-        nest::LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.build_volume())
+    /// The machine as a build sees it.
+    pub fn machine(&self) -> Machine {
+        Machine {
+            name: self.name.clone(),
+            volume_mm: self.volume_mm,
+            margins: self.margins(),
+            keep_out: self.keep_out.iter().map(KeepOut::bounds).collect(),
+            clearance_mm: self.clearance_mm,
+            clearance_z_extra_mm: self.clearance_z_extra_mm,
+            layer_cap: nest::LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.build_volume()),
+            interlock: self.nest.interlock(),
+            instances: self.instances,
+            arrangement: self.arrangement,
+        }
     }
 
     /// Where the lower front left corner of [`Profile::build_volume`] stands in the machine's frame, mm.

@@ -8,25 +8,13 @@ use std::{
 
 use anyhow::{Context, Result};
 
-use super::{args::Args, machine::Machine};
+use super::{args::Args, setup::Setup};
 use crate::{
+    build::BuildPart,
     cli::{Usage, table::tell},
     format,
     geometry::Mesh,
 };
-
-/// One solid with its copies.
-#[derive(Debug, Clone)]
-pub struct Part {
-    /// The file's name as asked for; with the solid's name where a file holds several.
-    pub name: String,
-    /// The file's name as asked for.
-    pub source_name: String,
-    /// BLAKE3 of the file.
-    pub source_hash: String,
-    pub mesh: Arc<Mesh>,
-    pub copies: u32,
-}
 
 /// A file that is asked for.
 pub struct Row {
@@ -46,7 +34,7 @@ pub fn rows(args: &Args) -> Result<Vec<Row>> {
 }
 
 /// Reads all parts; warnings go to the terminal's error output.
-pub fn read(rows: Vec<Row>, machine: &Machine) -> Result<Vec<Part>> {
+pub fn read(rows: Vec<Row>, setup: &Setup) -> Result<Vec<BuildPart>> {
     // Equal files are read once, so that the search shares all work on them.
     let mut known: BTreeMap<String, Vec<(String, Arc<Mesh>, u32)>> = BTreeMap::new();
     let mut parts = Vec::new();
@@ -54,7 +42,7 @@ pub fn read(rows: Vec<Row>, machine: &Machine) -> Result<Vec<Part>> {
         let unusable = |error: anyhow::Error| Usage(format!("{}: {error:#}", row.name));
         let source_hash = blake3::hash(&bytes_of(&row.file).map_err(unusable)?).to_hex().to_string();
         if !known.contains_key(&source_hash) {
-            let contents = format::read(&row.file, &row.name, None, machine.unit, &machine.limits)
+            let contents = format::read(&row.file, &row.name, None, setup.unit, &setup.limits)
                 .map_err(|error| unusable(error.into()))?;
             let solid_warnings =
                 contents.solids.iter().flat_map(|s| s.warnings.iter().map(move |w| format!("{}: {w}", s.name)));
@@ -65,13 +53,23 @@ pub fn read(rows: Vec<Row>, machine: &Machine) -> Result<Vec<Part>> {
             known.insert(source_hash.clone(), solids);
         }
         let solids = &known[&source_hash];
-        parts.extend(solids.iter().map(|(solid, mesh, copies)| Part {
-            name: if solids.len() > 1 { format!("{} ({solid})", row.name) } else { row.name.clone() },
-            source_name: row.name.clone(),
-            source_hash: source_hash.clone(),
-            mesh: mesh.clone(),
-            copies: copies.saturating_mul(row.copies),
-        }));
+        for (solid, mesh, copies) in solids {
+            // The solid's name is told where a file holds several.
+            let name = if solids.len() > 1 { format!("{} ({solid})", row.name) } else { row.name.clone() };
+            parts.push(BuildPart {
+                name: name.clone(),
+                object_name: name,
+                part_number: (parts.len() + 1).to_string(),
+                source_name: row.name.clone(),
+                source_hash: source_hash.clone(),
+                content_hash: format!("{source_hash}-{}", parts.len()),
+                mesh: mesh.clone(),
+                copies: (0..copies.saturating_mul(row.copies)).collect(),
+                orientation: setup.orientation.clone(),
+                clearance_mm: None,
+                order: None,
+            });
+        }
     }
     Ok(parts)
 }

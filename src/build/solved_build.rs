@@ -1,0 +1,148 @@
+//! A build whose layout is found: what its build file says, and what is reported of it.
+
+use std::collections::BTreeSet;
+
+use super::{BuildPart, Machine, PartPlacement};
+use crate::{
+    format::{self, BuildFile, BuildItem, BuildObject, Drawn, Viewpoint},
+    geometry::{Mesh, Pose},
+    nest::{self, Course, LayerAreas, PlacedPart, Report, UnplacedPart},
+};
+
+/// What a build file says of itself beside machine and placements.
+#[derive(Debug, Clone)]
+pub struct BuildHeading {
+    /// Shown by viewers.
+    pub title: String,
+    /// The ledger's number of the build; 0 = none.
+    pub build_id: String,
+    /// When it was made.
+    pub created: jiff::Timestamp,
+    /// Seed of the search.
+    pub seed: u64,
+}
+
+/// Parts on a machine, each copy at its pose.
+#[derive(Debug, Clone)]
+pub struct SolvedBuild {
+    /// What the file says of itself.
+    pub heading: BuildHeading,
+    /// The machine.
+    pub machine: Machine,
+    /// Parts; those of which no copy is placed are left out of the file.
+    pub parts: Vec<BuildPart>,
+    /// Copies that stand.
+    pub placed: Vec<PartPlacement>,
+    /// Top of the highest placement above the build volume's floor, mm.
+    pub height_mm: f64,
+    /// Part volume / (base area x height) in the build volume.
+    pub density: f64,
+}
+
+impl SolvedBuild {
+    /// Top of the highest placement above the machine's floor, mm.
+    pub fn machine_height_mm(&self) -> f64 {
+        self.height_mm + self.machine.origin_mm().z
+    }
+
+    /// As a build file says it: one object per part, one item per copy.
+    pub fn build_file(&self, thumbnail_size: (u32, u32)) -> BuildFile {
+        let machine = &self.machine;
+        let used: BTreeSet<usize> = self.placed.iter().map(|p| p.part).collect();
+        let used: Vec<usize> = used.into_iter().collect();
+        let mut build = BuildFile {
+            title: self.heading.title.clone(),
+            profile: machine.name.clone(),
+            build_id: self.heading.build_id.clone(),
+            created: self.heading.created.strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
+            seed: self.heading.seed,
+            volume_mm: machine.volume_mm,
+            keep_out: machine.keep_out.clone(),
+            margins_mm: machine.margins.as_dvec3(),
+            clearance_mm: machine.clearance_mm,
+            clearance_z_extra_mm: machine.clearance_z_extra_mm,
+            layer_mm: machine.layer_cap.layer_mm,
+            layer_area_cap_mm2: machine.layer_cap.capped_mm2(),
+            height_mm: self.machine_height_mm(),
+            density: self.density,
+            interlock: machine.interlock.word().to_owned(),
+            application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
+            objects: used.iter().map(|&part| object(&self.parts[part])).collect(),
+            items: self.placed.iter().map(|p| self.item(p, used.partition_point(|&part| part < p.part))).collect(),
+            instances: machine.instances,
+            arrangement: machine.arrangement,
+            thumbnail_png: None,
+        };
+        build.thumbnail_png = Some(picture(&build, thumbnail_size));
+        build
+    }
+
+    fn item(&self, placed: &PartPlacement, object: usize) -> BuildItem {
+        let part = &self.parts[placed.part];
+        let tilts = &part.orientation.tilts;
+        BuildItem {
+            object,
+            pose: self.machine.machine_pose(&placed.pose),
+            order: part.order.clone(),
+            copy: placed.copy + 1,
+            source_name: part.source_name.clone(),
+            source_hash: part.source_hash.clone(),
+            clearance_mm: part.clearance_mm,
+            orientation: serde_word(&part.orientation.rule),
+            tilts: (!tilts.is_empty()).then(|| nest::write_tilts(tilts)),
+        }
+    }
+
+    /// The report on it. `unplaced` are the parts' indices and numbers of copies that found no place.
+    pub fn report(&self, lower_bound_mm: f64, evaluations: u64, unplaced: &[(usize, u32)], course: Course) -> Report {
+        let name = |part: usize| self.parts[part].name.clone();
+        let placed = |p: &PartPlacement| PlacedPart {
+            part: name(p.part),
+            copy: p.copy,
+            pose: self.machine.machine_pose(&p.pose).rows(),
+        };
+        let report = Report {
+            height_mm: if self.placed.is_empty() { 0.0 } else { self.machine_height_mm() },
+            density: self.density,
+            packed_density: 0.0,
+            mean_distance_mm: 0.0,
+            layers: LayerAreas::default(),
+            lower_bound_mm,
+            clearance_mm: self.machine.clearance_mm,
+            clearance_z_extra_mm: self.machine.clearance_z_extra_mm,
+            clearance_proved_mm: course.clearance_proved_mm,
+            separable: course.separable,
+            placed: self.placed.len(),
+            unplaced: unplaced.iter().map(|&(part, copy)| UnplacedPart { part: name(part), copy }).collect(),
+            seed: course.seed,
+            evaluations,
+            cpu_secs: course.cpu_secs,
+            wall_secs: course.wall_secs,
+            curve: course.curve,
+            placements: self.placed.iter().map(placed).collect(),
+        };
+        let standing: Vec<(&Mesh, Pose)> = self.placed.iter().map(|p| (&*self.parts[p.part].mesh, p.pose)).collect();
+        report.measured(&standing, self.machine.layer_cap)
+    }
+}
+
+fn object(part: &BuildPart) -> BuildObject {
+    BuildObject {
+        name: part.object_name.clone(),
+        mesh: part.mesh.clone(),
+        part_number: part.part_number.clone(),
+        content_hash: part.content_hash.clone(),
+    }
+}
+
+/// The build as seen from above one corner.
+pub fn picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
+    let drawn = |i: &BuildItem| Drawn { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
+    let bodies: Vec<Drawn> = build.items.iter().map(drawn).collect();
+    format::picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
+}
+
+/// The word that serde writes for a plain enum.
+fn serde_word(value: &impl serde::Serialize) -> Option<String> {
+    serde_json::to_value(value).ok()?.as_str().map(str::to_owned)
+}

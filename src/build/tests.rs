@@ -1,0 +1,142 @@
+//! What is written is proved, and what is written wrongly is noticed.
+
+use std::{
+    io::{Cursor, Read, Write},
+    sync::Arc,
+};
+
+use glam::{DQuat, DVec3};
+use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
+
+use super::*;
+use crate::{
+    format::{self, Arrangement, Instances, Limits},
+    geometry::Pose,
+    nest::{Interlock, LayerCap, Margins, Orientation, OrientationRule},
+    samples,
+};
+
+/// A cube of 10 mm, standing free on a machine of 100 mm.
+pub fn one_cube() -> SolvedBuild {
+    let machine = Machine {
+        name: "small".to_owned(),
+        volume_mm: DVec3::splat(100.0),
+        margins: Margins { wall_mm: 2.0, floor_mm: 3.0, lid_mm: 1.0 },
+        keep_out: Vec::new(),
+        clearance_mm: 3.0,
+        clearance_z_extra_mm: 0.0,
+        layer_cap: LayerCap::default(),
+        interlock: Interlock::Forbid,
+        instances: Instances::default(),
+        arrangement: Arrangement::default(),
+    };
+    let part = BuildPart {
+        name: "cube.stl".to_owned(),
+        object_name: "cube.stl".to_owned(),
+        part_number: "7".to_owned(),
+        source_name: "cube.stl".to_owned(),
+        source_hash: "00".to_owned(),
+        content_hash: "00-0".to_owned(),
+        mesh: Arc::new(samples::cuboid(DVec3::splat(10.0))),
+        copies: vec![4],
+        orientation: Orientation::new(OrientationRule::Upright, &[], &[]),
+        clearance_mm: None,
+        order: None,
+    };
+    let pose = Pose::new(DQuat::from_rotation_z(0.3), DVec3::splat(20.0));
+    SolvedBuild {
+        heading: BuildHeading {
+            title: "one cube".to_owned(),
+            build_id: "1".to_owned(),
+            created: jiff::Timestamp::UNIX_EPOCH,
+            seed: 1,
+        },
+        machine,
+        parts: vec![part],
+        placed: vec![PartPlacement { part: 0, copy: 4, pose }],
+        height_mm: 30.0,
+        density: 0.1,
+    }
+}
+
+/// A written build with one more item, which is not printable: our reader leaves it out, the second reader counts it.
+pub fn with_an_item_more(package: &[u8]) -> Vec<u8> {
+    let mut package = ZipArchive::new(Cursor::new(package)).unwrap();
+    let mut changed = ZipWriter::new(Cursor::new(Vec::new()));
+    for index in 0..package.len() {
+        let mut entry = package.by_index(index).unwrap();
+        let mut bytes = Vec::new();
+        entry.read_to_end(&mut bytes).unwrap();
+        if entry.name().ends_with(".model") {
+            let text = String::from_utf8(bytes).unwrap();
+            let (_, id) = text.split_once(" objectid=\"").unwrap();
+            let (id, _) = id.split_once('"').unwrap();
+            let item = format!("<item objectid=\"{id}\" printable=\"0\"/></build>");
+            bytes = text.replace("</build>", &item).into_bytes();
+        }
+        changed.start_file(entry.name().to_owned(), SimpleFileOptions::default()).unwrap();
+        changed.write_all(&bytes).unwrap();
+    }
+    changed.finish().unwrap().into_inner()
+}
+
+/// What comes of proving `asked` on a file that says `written`.
+fn proved(asked: &SolvedBuild, written: &SolvedBuild) -> Result<ProvedBuild, String> {
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    format::write_build(&written.build_file((16, 16)), file.as_file_mut()).unwrap();
+    asked.prove(file.path(), &Limits::for_testing()).map_err(|error| format!("{:#}", anyhow::Error::from(error)))
+}
+
+#[test]
+fn a_build_that_is_written_as_it_was_found_is_proved() {
+    let build = one_cube();
+    let proved = proved(&build, &build).unwrap();
+    assert!(proved.proof.is_proved() && proved.separable.is_some());
+    assert_eq!((proved.drawn[0].0, proved.drawn[0].1), (0, 4));
+    assert_eq!(build.machine_height_mm(), 33.0);
+}
+
+#[test]
+fn a_build_that_a_second_reader_reads_differently_is_not_proved() {
+    let build = one_cube();
+    let mut written = Cursor::new(Vec::new());
+    format::write_build(&build.build_file((16, 16)), &mut written).unwrap();
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    file.write_all(&with_an_item_more(written.get_ref())).unwrap();
+    let error = build.prove(file.path(), &Limits::for_testing()).unwrap_err();
+    assert!(matches!(error, ProveError::SecondReader(_)), "{error:?}");
+}
+
+/// A wrong write and what is said of it.
+type Wrong = (&'static str, fn(&mut SolvedBuild));
+
+#[test]
+fn a_build_that_holds_something_else_is_not_proved() {
+    let wrong: [Wrong; 7] = [
+        ("which was not asked for", |build| build.parts[0].part_number = "8".to_owned()),
+        ("other copies", |build| build.placed[0].copy = 5),
+        ("another mesh", |build| {
+            build.parts[0].mesh = Arc::new(samples::cuboid(DVec3::new(10.0, 10.0, 10.0 + 1e-6)));
+        }),
+        ("turned against its orientation rule", |build| {
+            build.placed[0].pose.rotation = DQuat::from_rotation_x(0.3);
+        }),
+        ("2 placements instead of 1", |build| {
+            let mut again = build.placed[0].clone();
+            again.pose.translation.x += 40.0;
+            build.placed.push(again);
+        }),
+        ("out of the volume", |build| build.placed[0].pose.translation.x = 95.0),
+        ("keep-out box 1", |_| {}),
+    ];
+    for (told, change) in wrong {
+        let (mut asked, mut written) = (one_cube(), one_cube());
+        change(&mut written);
+        if told.starts_with("keep-out") {
+            let cube = crate::geometry::Bounds { min: DVec3::splat(20.0), max: DVec3::splat(40.0) };
+            asked.machine.keep_out.push(cube);
+        }
+        let refused = proved(&asked, &written).unwrap_err();
+        assert!(refused.contains(told), "{refused}");
+    }
+}

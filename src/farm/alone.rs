@@ -14,7 +14,7 @@ use glam::DVec3;
 use rustix::process::{Resource, Rlimit, Signal};
 use serde::{Deserialize, Serialize};
 
-use super::read::Unread;
+use super::failure::Unread;
 use crate::{
     format::{self, Contents, Limits, Solid, Unit},
     geometry::Mesh,

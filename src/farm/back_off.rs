@@ -51,18 +51,6 @@ impl<K: Eq + Hash> BackOff<K> {
     }
 }
 
-/// Whether a disk or a share failed, not what was to be done on it: trying again will help once that is mended.
-pub fn is_of_the_disk(failure: &anyhow::Error) -> bool {
-    failure.chain().any(|cause| {
-        let io = cause.downcast_ref::<std::io::Error>();
-        let queue = cause.downcast_ref::<crate::queue::QueueError>();
-        io.is_some_and(|e| e.raw_os_error().is_some() || e.kind() == std::io::ErrorKind::WriteZero)
-            || matches!(cause.downcast_ref(), Some(super::read::Unread::Later(_)))
-            || matches!(queue, Some(crate::queue::QueueError::Unavailable { .. }))
-            || cause.is::<super::owner::OwnerError>()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -78,13 +66,5 @@ mod tests {
         assert!(!waits.rests(&"b"));
         waits.done(&"a");
         assert!(!waits.rests(&"a") && !waits.is_failing(&"a"));
-    }
-
-    #[test]
-    fn a_full_disk_is_of_the_disk_and_a_wrong_build_is_not() {
-        let full = std::io::Error::from_raw_os_error(28);
-        let write = crate::queue::QueueError::Write { path: "x".into(), source: full.into() };
-        assert!(is_of_the_disk(&anyhow::Error::from(write).context("writing the build")));
-        assert!(!is_of_the_disk(&anyhow::anyhow!("the written build is not proved")));
     }
 }

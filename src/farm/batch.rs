@@ -9,10 +9,11 @@ use tracing::{info, warn};
 use super::{
     budget::Budget,
     event::Event,
+    failure::Lost,
     farm::Farm,
     jobs::JobKey,
     layout::{Copy, Layout, copies_of},
-    nest::{Best, Lost, NestOrder, Nested},
+    nest::{Best, NestOrder, Nested},
     priority::give_way,
     station::Search,
     trigger::{Facts, FiredBy, fired_by},

@@ -10,7 +10,7 @@ use std::{
 
 use glam::DVec3;
 
-use super::{layout::placed_from_json, nest::Meshes, shelf::Shelf};
+use super::{layout::placed_from_json, meshes::Meshes, shelf::Shelf};
 use crate::{
     format::{self, BuildInfo, Drawn, PlacedMesh, Viewpoint},
     geometry::{Bounds, Mesh, Pose},

@@ -11,11 +11,12 @@ use tracing::{debug, info, warn};
 
 use super::{
     attention::Attention,
+    error_folder::{self, COPIES_UNKNOWN},
     event::Event,
     farm::Farm,
     holds::Holds,
     jobs::JobKey,
-    nest::READS_IN_THE_DAEMON,
+    meshes::READS_IN_THE_DAEMON,
     read::{ReadOutcome, read_part},
     receive::{Drop, Gate, Received},
     taken::Taken,
@@ -31,9 +32,6 @@ use crate::{
 const READERS: usize = 2;
 /// A look that follows a file-system event waits this long, so that a burst of events is one look.
 const LOOK_AFTER_EVENT: Duration = Duration::from_millis(200);
-
-/// Said of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
-pub(super) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
 
 impl Farm {
     /// Something changed: look soon.
@@ -307,5 +305,5 @@ fn few(held: &[String]) -> String {
 
 fn remove_refused(holds: &Holds, profile: &Profile, part: &PartRow) -> Result<()> {
     holds.demand_error()?;
-    super::tidy::remove_refused(&profile.folders.error, part)
+    error_folder::remove_refused(&profile.folders.error, part)
 }

@@ -4,21 +4,14 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
-use tracing::warn;
-
-use super::farm::Farm;
 
 /// A smaller difference between the clocks is their drift.
-const JUMP: SignedDuration = SignedDuration::from_secs(30);
+pub(super) const JUMP: SignedDuration = SignedDuration::from_secs(30);
 /// Dates are believed again when the clock has stood so long; who set it wrong sets it right within this time.
 const DATES_AFTER: Duration = Duration::from_secs(300);
 /// Retention is believed again after so long.
 const RETENTION_AFTER: Duration = Duration::from_secs(3600);
-/// A ledger whose last event is older than this at the start was asleep, or the clock is wrong.
-const LONG_ASLEEP: SignedDuration = SignedDuration::from_hours(48);
-
 /// The wall clock, and the time since the machine started (suspended time included), which nobody can set.
 pub type Reader = Box<dyn Fn() -> (Timestamp, Duration) + Send>;
 
@@ -73,36 +66,6 @@ impl Clock {
     /// Whether what is past its retention may be deleted.
     pub fn may_delete(&self) -> bool {
         self.set_at.is_none_or(|at| at.elapsed() >= RETENTION_AFTER)
-    }
-}
-
-impl Farm {
-    /// Keeps the ages of parts when the clock was set.
-    pub(super) async fn look_at_clock(&mut self) -> Result<()> {
-        match self.clock.look() {
-            Some(jump) => self.clock_was_set(jump).await,
-            None => Ok(()),
-        }
-    }
-
-    /// At the start: a last event in the future means that the clock was set back meanwhile; one long ago, that the farm
-    /// slept or the clock is wrong.
-    pub(super) async fn compare_clock_with_ledger(&mut self) -> Result<()> {
-        let Some(last) = self.ledger.last_event_at().await? else { return Ok(()) };
-        let since = Timestamp::now().duration_since(last.0);
-        if since > LONG_ASLEEP {
-            self.clock.distrust();
-        }
-        if since < -JUMP {
-            self.clock.distrust();
-            return self.clock_was_set(since).await;
-        }
-        Ok(())
-    }
-
-    async fn clock_was_set(&mut self, jump: SignedDuration) -> Result<()> {
-        warn!("The clock was set by {jump:#}; how long parts have waited is kept, dates wait for five minutes.");
-        Ok(self.ledger.keep_ages(jump).await?)
     }
 }
 

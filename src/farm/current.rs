@@ -69,7 +69,7 @@ pub async fn unknown_to(settings: &Settings, ledger: &Ledger, profile: &Profile)
     // What was never made tells nothing: the folders of a new machine.
     let folders = &profile.folders;
     let mut new_folders = vec![folders.archive.clone(), folders.queue.clone()];
-    new_folders.retain(|folder| !super::marked::is_known(&settings.state_dir, folder));
+    new_folders.retain(|folder| !super::served::is_known(&settings.state_dir, folder));
     let known = Known { state_dir: settings.state_dir.clone(), new_folders };
     let builds = unknown_builds(settings, ledger, profile, &known, &mut HashSet::new()).await?;
     Ok(builds.into_iter().map(|build| build.name).collect())

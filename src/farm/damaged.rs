@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use tracing::{info, warn};
 
-use super::{attention::Attention, event::Event, farm::Farm, jobs::JobKey, nest::Lost};
+use super::{attention::Attention, event::Event, failure::Lost, farm::Farm, jobs::JobKey};
 use crate::{
     intake::{self, Claim, Stored},
     ledger::{BuildId, PartId},

@@ -4,9 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
-use tracing::warn;
 
-use super::{farm::Farm, reconcile::Reconciled};
+use super::reconciled::Reconciled;
 use crate::{
     intake::Kept,
     ledger::{Decided, Ledger, PartId, PartRow},
@@ -91,19 +90,5 @@ impl Since {
             }));
         }
         Ok(())
-    }
-}
-
-impl Farm {
-    /// Something was decided of a part, and the ledger says so: the note beside its stored file says it too. It is never ahead
-    /// of the ledger; that it stays behind harms nothing.
-    pub(super) async fn mark_decided(&self, part: &PartRow) {
-        let marked = async {
-            let decisions = self.ledger.decisions(&part.claim).await?;
-            anyhow::Ok(self.meshes.store.mark(&part.content_hash, &part.claim, decisions)?)
-        };
-        if let Err(failure) = marked.await {
-            warn!(part.id = %part.id, "The note beside {} could not be marked: {failure:#}.", part.name);
-        }
     }
 }

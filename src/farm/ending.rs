@@ -8,13 +8,13 @@ use tracing::{debug, info, warn};
 
 use super::{
     attention::Attention,
-    claimed::COPIES_UNKNOWN,
+    error_folder::{reason_text, refused_files},
     event::Event,
+    failure::Lost,
     farm::Farm,
     holds::Holds,
     jobs::JobKey,
-    nest::{Lost, Meshes},
-    tidy,
+    meshes::Meshes,
 };
 use crate::{
     intake::{self, Claim, Released},
@@ -74,7 +74,7 @@ impl Refused {
         self.holds.demand_error()?;
         let (row, error_dir, text) = (&self.part, &self.error_dir, &self.text);
         let folder = format!("part-{}", row.id);
-        match tidy::refused_files(error_dir, row)?.first() {
+        match refused_files(error_dir, row)?.first() {
             Some((_, known)) => intake::rewrite_reason(known, text),
             None => match self.meshes.stored(row) {
                 Ok(stored) => intake::refuse_copy(Some(&stored), error_dir, &folder, &row.name, text),
@@ -246,13 +246,16 @@ impl Farm {
             station.open.forget_tried();
         }
     }
-}
 
-/// What a refused part's reason says below the reason itself.
-pub(super) fn reason_text(part: &PartRow, reason: &str) -> String {
-    let again = match reason.contains(COPIES_UNKNOWN) {
-        true => String::new(),
-        false => format!(" To take it back: nestd retry {}", part.id),
-    };
-    format!("{}\n\n{}{again}\n", reason.trim_end(), tidy::part_line(part))
+    /// Something was decided of a part, and the ledger says so: the note beside its stored file says it too. It is never ahead
+    /// of the ledger; that it stays behind harms nothing.
+    pub(super) async fn mark_decided(&self, part: &PartRow) {
+        let marked = async {
+            let decisions = self.ledger.decisions(&part.claim).await?;
+            anyhow::Ok(self.meshes.store.mark(&part.content_hash, &part.claim, decisions)?)
+        };
+        if let Err(failure) = marked.await {
+            warn!(part.id = %part.id, "The note beside {} could not be marked: {failure:#}.", part.name);
+        }
+    }
 }

@@ -20,7 +20,9 @@ use super::{
     event::Event,
     jobs::{JobKey, Jobs},
     lock::Lock,
-    nest::{Best, Meshes},
+    lost_ledger::of_the_ledger,
+    meshes::Meshes,
+    nest::Best,
     notices::{Notices, Outside},
     owner::Owner,
     quiet::Quiet,
@@ -227,7 +229,7 @@ impl Farm {
 
     /// Something failed and is tried again, unless the ledger is damaged: then nothing is.
     pub(super) fn trouble(&mut self, kind: Attention, profile: &str, about: &str, failure: &anyhow::Error) {
-        match super::open::of_the_ledger(failure) {
+        match of_the_ledger(failure) {
             // The next beat sees it and saves what is known.
             Some((Attention::LedgerReplaced, _)) => {}
             Some((kind, detail)) => self.halt(kind, &detail),

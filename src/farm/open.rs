@@ -12,13 +12,15 @@ use tracing::warn;
 
 use super::{
     attention::Attention,
-    back_off::{BackOff, is_of_the_disk},
+    back_off::BackOff,
     clock::Clock,
-    current::{Behind, demand_current},
+    current::demand_current,
+    failure::is_of_the_disk,
     farm::{BEAT, Farm, Load},
     jobs::Jobs,
     lock::Lock,
-    nest::Meshes,
+    lost_ledger::{Lost, lost, of_the_ledger},
+    meshes::Meshes,
     notices::{Notices, Outside},
     owner::{Owner, OwnerError},
     quiet::Quiet,
@@ -179,13 +181,6 @@ fn may_pass(failure: &anyhow::Error) -> bool {
         || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_of_the_disk))
 }
 
-/// The ledger is gone, and its farm is not.
-#[derive(Debug, thiserror::Error)]
-#[error("{detail}. {}", Attention::LedgerLost.remedy())]
-struct Lost {
-    detail: String,
-}
-
 /// The ledger, when it is whole and is this farm's.
 async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     let path = &settings.ledger;
@@ -198,43 +193,6 @@ async fn open_ledger(settings: &Settings) -> Result<Ledger> {
         return Err(failure);
     }
     Ok(ledger)
-}
-
-/// What a failure is to people, if it is the ledger's: the kind of notice, and what was found.
-pub fn of_the_ledger(failure: &anyhow::Error) -> Option<(Attention, String)> {
-    if let Some(Lost { detail }) = failure.downcast_ref() {
-        return Some((Attention::LedgerLost, detail.clone()));
-    }
-    if let Some(Behind { detail }) = failure.downcast_ref() {
-        return Some((Attention::LedgerBehind, detail.clone()));
-    }
-    failure.chain().find_map(|error| match error.downcast_ref()? {
-        LedgerError::Damaged { path, what } => Some((Attention::LedgerDamaged, format!("{}: {what}", path.display()))),
-        LedgerError::Corrupt(what) => Some((Attention::LedgerDamaged, what.clone())),
-        LedgerError::Replaced { what, .. } => Some((Attention::LedgerReplaced, what.clone())),
-        _ => None,
-    })
-}
-
-/// How it is known that there was a ledger where none is now; `None` = there is one, or there never was.
-pub fn lost(settings: &Settings) -> Option<String> {
-    let path = &settings.ledger;
-    match std::fs::metadata(path) {
-        Ok(meta) if meta.len() > 0 => return None,
-        // What cannot be looked at is told by opening it.
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return None,
-        _ => {}
-    }
-    let holds =
-        |folder: &str| intake::files_below(&settings.state_dir.join(folder)).is_ok_and(|files| !files.is_empty());
-    let known_by = if holds("store") {
-        "files that were taken are in the store"
-    } else if settings.state_dir.join(super::owner::FARM).exists() {
-        "this farm has worked before"
-    } else {
-        return None;
-    };
-    Some(format!("there is no ledger at {}, but {known_by}", path.display()))
 }
 
 /// Tells in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use tracing::info;
 
-use super::{attention::Attention, claimed::COPIES_UNKNOWN, farm::Farm, refused::CANCELLED};
+use super::{attention::Attention, error_folder::COPIES_UNKNOWN, farm::Farm, refused::CANCELLED};
 use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState, Refusal};
 
 impl Farm {

@@ -21,7 +21,7 @@ use thiserror::Error;
 
 use super::{
     lease::{Stamp, dead_after},
-    lock, marked,
+    lock, served,
 };
 
 /// In each folder; a dot-file, which no scan and no printer takes.
@@ -215,7 +215,7 @@ impl Hold {
     /// Whether the folder was never served: then it may be made. An empty directory in the place of one that was would
     /// hinder whoever mounts it again.
     pub fn is_new(&self) -> bool {
-        self.seen.is_none() && !marked::is_known(&self.me.state_dir, &self.folder)
+        self.seen.is_none() && !served::is_known(&self.me.state_dir, &self.folder)
     }
 
     /// Device and inode of the folder while it was ours in this run; `None` = it never was.
@@ -232,7 +232,7 @@ impl Hold {
         let now = identity(&self.folder).map_err(|source| self.io(source))?;
         if !self.is_known || self.seen != Some(now) {
             // On a full disk the folder is served all the same; the next beat tries again.
-            self.is_known = marked::remember(&self.me.state_dir, &self.folder, now).is_ok();
+            self.is_known = served::remember(&self.me.state_dir, &self.folder, now).is_ok();
         }
         self.seen = Some(now);
         Ok(())
@@ -290,7 +290,7 @@ impl Hold {
 
     /// Whether a folder that names nobody is the one that was served, or one that may be served.
     fn is_in_its_place(&self, mark: &Mark, now: (u64, u64)) -> bool {
-        let was = self.seen.or_else(|| marked::known(&self.me.state_dir, &self.folder));
+        let was = self.seen.or_else(|| served::known(&self.me.state_dir, &self.folder));
         *mark == Mark::Blank || was.is_none_or(|was| was == now)
     }
 

@@ -8,13 +8,14 @@ use tracing::{info, warn};
 
 use super::{
     attention::Attention,
-    back_off::is_of_the_disk,
     budget::Budget,
     event::Event,
+    failure::{Lost, is_of_the_disk},
     farm::Farm,
     jobs::JobKey,
     layout::{placed_from_json, placed_from_rows},
-    nest::{Best, Lost, NestOrder},
+    meshes::Meshes,
+    nest::{Best, NestOrder, Nested},
     owner::Hold,
     prove::{Unproved, WriteOrder, Written, file_name, write_and_prove},
     staged::{Replaced, Staged, Step},
@@ -330,12 +331,7 @@ impl Farm {
 }
 
 /// The whole final job: search, write, prove, archive the originals.
-fn nest_write_and_prove(
-    order: &NestOrder,
-    write: &WriteOrder,
-    archive: &mut Hold,
-    meshes: &super::nest::Meshes,
-) -> Result<Written> {
+fn nest_write_and_prove(order: &NestOrder, write: &WriteOrder, archive: &mut Hold, meshes: &Meshes) -> Result<Written> {
     let nested = order.run(meshes)?;
     ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
     let written = write_and_prove(write, &nested)?;
@@ -346,12 +342,7 @@ fn nest_write_and_prove(
 
 /// Copies the originals into the archive before the build is verified, so that every published build has them; the same
 /// file again changes nothing.
-fn archive_originals(
-    profile: &Arc<Profile>,
-    build: &BuildRow,
-    nested: &super::nest::Nested,
-    meshes: &super::nest::Meshes,
-) -> Result<()> {
+fn archive_originals(profile: &Arc<Profile>, build: &BuildRow, nested: &Nested, meshes: &Meshes) -> Result<()> {
     let name = file_name(&profile.name, build);
     let stem = name.strip_suffix(".build.3mf").unwrap_or(&name);
     for part in &nested.batch.parts {

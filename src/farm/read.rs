@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use super::{
-    nest::{Lost, Meshes},
-    receive::chain,
+    failure::{Lost, Unread},
+    meshes::Meshes,
     shelf::MeshKey,
 };
 use crate::{
-    format::ReadError,
     format::{self, Solid, Unit},
     geometry::Defects,
     intake::Claim,
@@ -28,31 +27,6 @@ pub enum ReadOutcome {
     Lost(Lost),
     /// The disk failed, not the file: it is tried again.
     Later(String),
-}
-
-/// Why a file gave no meshes.
-#[derive(Debug, thiserror::Error)]
-pub enum Unread {
-    /// It cannot be read; whole sentences for the technician.
-    #[error("{1}")]
-    Refused(Refusal, String),
-    /// The disk failed, not the file.
-    #[error("{0}")]
-    Later(String),
-}
-
-impl Unread {
-    /// What a reader's error says of a file.
-    pub fn of(name: &str, error: &ReadError) -> Self {
-        match error.is_io() {
-            true => Self::Later(chain(error)),
-            // What it quotes of the file is for people.
-            false => {
-                let reason = format!("{name}: {}. {}", format::visible(&chain(error)), error.remedy());
-                Self::Refused(kind_of(error), reason)
-            }
-        }
-    }
 }
 
 /// Reads and checks; the meshes go onto the shelf.
@@ -110,19 +84,6 @@ pub fn read_part(part: &PartRow, claim: Option<&Claim>, profile: &Arc<Profile>, 
         meshes.shelf.put(key, solid.mesh);
     }
     ReadOutcome::Solids(facts)
-}
-
-/// What kind of reason it is that a file cannot be read.
-fn kind_of(error: &ReadError) -> Refusal {
-    match error {
-        ReadError::TooLarge { .. } => Refusal::Limit,
-        ReadError::NoSolid { .. } => Refusal::NotClosed,
-        ReadError::Io(_) => Refusal::Unreadable,
-        ReadError::Unknown { .. }
-        | ReadError::Truncated(_)
-        | ReadError::Invalid { .. }
-        | ReadError::Unsupported { .. } => Refusal::Format,
-    }
 }
 
 fn facts_of(solid: &Solid, object_index: u32, part: &PartRow, mut warnings: Vec<String>) -> SolidFacts {

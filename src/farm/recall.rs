@@ -6,11 +6,9 @@ use std::{collections::HashSet, path::PathBuf};
 use anyhow::{Context, Result};
 
 use super::{
-    claimed::COPIES_UNKNOWN,
-    ending::reason_text,
-    reconcile::{DECIDED_SINCE, Later, Reconciled, Refused, UNKNOWN, put_into_error},
+    error_folder::{COPIES_UNKNOWN, REASON, reason_text},
+    reconciled::{DECIDED_SINCE, Later, Reconciled, Refused, UNKNOWN, put_into_error},
     taken::{Forgotten, Taken},
-    tidy::REASON,
 };
 use crate::{
     ledger::{Ledger, PartRow, Refusal},

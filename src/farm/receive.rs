@@ -9,6 +9,7 @@ use std::{
 };
 
 use super::{
+    failure::chain,
     holds::Holds,
     owner::Hold,
     refused::RefusedFiles,
@@ -354,15 +355,4 @@ fn rules(profile: &Profile, orphan_secs: f64) -> SettleRules {
 
 fn name_of(path: &std::path::Path) -> String {
     path.file_name().map(intake::display_name).unwrap_or_default()
-}
-
-/// An error with its sources in one line.
-pub fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(error) = source {
-        text.push_str(&format!(": {error}"));
-        source = error.source();
-    }
-    text
 }

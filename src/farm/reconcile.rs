@@ -4,7 +4,7 @@
 //! What is doubtful is not printed: a person is told, and can have it printed; a cake that was printed twice cannot be undone.
 
 use std::{
-    collections::{HashMap, HashSet},
+    collections::HashSet,
     fs,
     path::{Path, PathBuf},
 };
@@ -14,8 +14,9 @@ use serde_json::json;
 
 use super::{
     decided::Since,
-    ending::reason_text,
-    record, taken, tidy,
+    error_folder,
+    reconciled::{DECIDED_SINCE, Later, Reconciled, Refused, put_into_error},
+    record, taken,
     told::{self, Known},
 };
 use crate::{
@@ -28,29 +29,6 @@ use crate::{
 
 /// Numbers of parts and builds that are skipped: those given out since the backup stand on reasons and build files.
 const GAP: u32 = 1000;
-
-/// What was done, in sentences.
-#[derive(Debug, Default, PartialEq, Eq)]
-pub struct Reconciled {
-    /// What the ledger knows now that it did not know.
-    pub done: Vec<String>,
-    /// What a person should look at.
-    pub doubts: Vec<String>,
-    /// What is to be done in the folders once this ledger is the farm's; before that, the one in place may need them as they
-    /// are.
-    pub(super) later: Vec<Later>,
-}
-
-/// A step in the folders that follows.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) enum Later {
-    /// A stored file of which nobody knows what was asked.
-    SetFileAside(String),
-    /// A record that cannot be taken in.
-    SetRecordAside(PathBuf),
-    /// A file in the error folder belongs to a part of another number now: its reason says so.
-    Rename(PathBuf, String),
-}
 
 /// A build of which the folders tell and the ledger does not.
 #[derive(Debug)]
@@ -124,54 +102,6 @@ struct Look<'a> {
     settings: &'a Settings,
     ledger: &'a Ledger,
     refused: &'a Refused,
-}
-
-impl Reconciled {
-    /// Does what follows in the folders; what fails is told.
-    pub(super) fn finish(&mut self, settings: &Settings) {
-        let store = Store::at(settings.state_dir.join("store"));
-        for step in std::mem::take(&mut self.later) {
-            let failed = match &step {
-                Later::SetFileAside(hash) => store.set_aside(hash, &settings.state_dir.join(UNKNOWN)).err(),
-                Later::SetRecordAside(record) => record::set_aside(record).err(),
-                Later::Rename(reason, text) => intake::rewrite_reason(reason, text).err().map(std::io::Error::other),
-            };
-            self.doubts.extend(failed.map(|error| format!("a step in the folders failed ({step:?}): {error}")));
-        }
-    }
-}
-
-/// In the state folder: stored files of which nobody knows what was asked.
-pub(super) const UNKNOWN: &str = "unknown";
-
-/// The files of the error folders by content: profile and BLAKE3.
-pub(super) struct Refused(HashMap<(String, String), Vec<PathBuf>>);
-
-impl Refused {
-    fn read(settings: &Settings, known: &Known) -> Result<Self> {
-        let mut files: HashMap<_, Vec<PathBuf>> = HashMap::new();
-        for profile in settings.profiles.values() {
-            if !known.is_there(&profile.folders.error)? {
-                continue;
-            }
-            let error_dir = &profile.folders.error;
-            let listed = intake::files_below(error_dir).with_context(|| format!("listing {}", error_dir.display()))?;
-            for file in listed {
-                let name = file.file_name().unwrap_or_default().as_encoded_bytes();
-                if name.starts_with(b".") || name.ends_with(tidy::REASON.as_bytes()) {
-                    continue;
-                }
-                let hash = intake::hash_file(&file).with_context(|| format!("reading {}", file.display()))?;
-                files.entry((profile.name.clone(), hash)).or_default().push(file);
-            }
-        }
-        Ok(Self(files))
-    }
-
-    /// Where a content lies in the error folder of a profile.
-    pub(super) fn of(&self, profile: &str, hash: &str) -> &[PathBuf] {
-        self.0.get(&(profile.to_owned(), hash.to_owned())).map_or(&[], Vec::as_slice)
-    }
 }
 
 /// Builds of which a machine's folders tell and the ledger does not. Into `unclear` go the contents of build files that tell of
@@ -275,9 +205,6 @@ async fn give_up_plans(ledger: &Ledger, unknown: &[Unknown], found: &mut Reconci
     Ok(())
 }
 
-/// Why a part is taken out of which more was decided than the ledger knows.
-pub(super) const DECIDED_SINCE: &str = "It was refused, cancelled or taken back after the backup was made";
-
 /// Parts that wait in the ledger, but lie refused or cancelled in the error folder, were decided of since, or are kept nowhere
 /// any more.
 async fn take_out_what_was_refused(
@@ -368,15 +295,7 @@ async fn put_back_what_was_taken_back(
 /// Whether a part's file lies in the error folder with a reason that names it.
 fn lies(refused: &Refused, profile: &Profile, part: &PartRow) -> Result<bool> {
     let may_lie = !refused.of(&profile.name, &part.content_hash).is_empty();
-    Ok(may_lie && !tidy::refused_files(&profile.folders.error, part)?.is_empty())
-}
-
-/// A refused part's file and its reason in the error folder, from the store.
-pub(super) fn put_into_error(settings: &Settings, profile: &Profile, part: &PartRow) -> Result<()> {
-    let stored = Store::at(settings.state_dir.join("store")).path(&part.content_hash)?;
-    let (folder, text) = (format!("part-{}", part.id), reason_text(part, &part.reason));
-    intake::refuse_copy(Some(&stored), &profile.folders.error, &folder, &part.name, &text)
-        .with_context(|| format!("copying {} into the error folder", part.name))
+    Ok(may_lie && !error_folder::refused_files(&profile.folders.error, part)?.is_empty())
 }
 
 fn is_in_work(profile: &Profile, part: &PartRow) -> Result<bool> {

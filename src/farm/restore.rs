@@ -8,11 +8,7 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 
-use super::{
-    lock::Lock,
-    reconcile::{Reconciled, reconcile},
-    told::Known,
-};
+use super::{lock::Lock, reconcile::reconcile, reconciled::Reconciled, told::Known};
 use crate::{
     access,
     ledger::{self, Ledger},

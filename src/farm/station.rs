@@ -15,7 +15,7 @@ use super::{
     notices::Notices,
     owner::Owner,
     receive::Gate,
-    status::stamp,
+    stamp::stamp,
 };
 use crate::{
     ledger::{BuildRow, CommandId, Utc, WaitingPart},

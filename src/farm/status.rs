@@ -15,6 +15,7 @@ use super::{
     layout::Layout,
     publish::GAVE_UP,
     sd,
+    stamp::{minute, zoned},
     station::Station,
     trigger::{Facts, FiredBy, fires_next},
 };
@@ -314,28 +315,6 @@ fn last_words(station: &Station, row: &ProfileStatus) -> (String, String) {
         "fires_at_latest": null,
     });
     (text, format!("{json:#}\n"))
-}
-
-/// The line of `STATUS.txt` by which everybody sees whether it is of now, and the same for `status.json`.
-pub(super) fn stamp(scan_secs: f64) -> (String, Timestamp, u64) {
-    // A look through very many files takes its time too.
-    let minutes = (scan_secs / 60.0).ceil() as u64 + 1;
-    let now = minute(Timestamp::now());
-    let line = format!(
-        "Written {}, and anew at least every {} while nestd runs: where this is older, nobody looks here.\n",
-        zoned(now),
-        counted(minutes, "minute", "minutes")
-    );
-    (line, now, 60 * minutes)
-}
-
-/// To the minute: what says nothing new is not written within one.
-fn minute(time: Timestamp) -> Timestamp {
-    Timestamp::from_second(time.as_second().div_euclid(60) * 60).unwrap_or(time)
-}
-
-fn zoned(time: Timestamp) -> String {
-    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M %Z").to_string()
 }
 
 /// When a machine's next build fires at the latest.

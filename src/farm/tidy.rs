@@ -2,19 +2,20 @@
 
 use std::{
     collections::HashSet,
-    fs,
     path::{Path, PathBuf},
     time::{Duration, SystemTime},
 };
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{attention::Attention, event::Event, farm::Farm, jobs::JobKey, owner::Hold, prove::file_name, taken};
+use super::{
+    attention::Attention, event::Event, failure::chain, farm::Farm, jobs::JobKey, owner::Hold, prove::file_name, taken,
+};
 use crate::{
     intake,
-    ledger::{BuildId, BuildState, Ledger, PartRow, PartState, REFUSED_COUNTS},
+    ledger::{BuildId, BuildState, Ledger, PartState, REFUSED_COUNTS},
     queue::Queue,
 };
 
@@ -24,8 +25,6 @@ pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Refused files stay in the store so long, so that `nestd retry` finds them.
 pub const KEEP_REFUSED_SECS: f64 = REFUSED_COUNTS.as_secs() as f64;
-/// Ends the name of the file beside a refused one.
-pub(super) const REASON: &str = ".reason.txt";
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
@@ -126,7 +125,7 @@ impl Farm {
                     let swept = match queue.sweep(&keep) {
                         Ok(swept) => swept,
                         Err(error) => {
-                            closed.push((name.clone(), super::receive::chain(&error)));
+                            closed.push((name.clone(), chain(&error)));
                             continue;
                         }
                     };
@@ -135,7 +134,7 @@ impl Farm {
                     }
                     station.queue = Some(queue);
                 }
-                Err(error) => closed.push((name.clone(), super::receive::chain(&error))),
+                Err(error) => closed.push((name.clone(), chain(&error))),
             }
         }
         for name in self.stations.keys().cloned().collect::<Vec<_>>() {
@@ -169,62 +168,4 @@ fn purge(archive: &Path, days: u32) {
         Ok(files) => info!("Removed {files} old originals from {}.", archive.display()),
         Err(error) => warn!("The archive {} could not be purged: {error}.", archive.display()),
     }
-}
-
-/// Where a refused part's file and its reason lie in the error folder: the reason that names the part tells which of
-/// several of the same content it is.
-pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
-    let line = part_line(part);
-    let files = match intake::files_below(error_dir) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
-        other => other.with_context(|| format!("listing {}", error_dir.display()))?,
-    };
-    let mut found = Vec::new();
-    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
-        let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
-        if !text.is_some_and(|text| text.lines().any(|said| said.starts_with(&line))) {
-            continue;
-        }
-        // Its name without the suffix, except where that was too long.
-        let named = reason.with_extension("").with_extension("");
-        let beside = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
-        for file in [&named].into_iter().chain(beside) {
-            if has_content(file, part)? {
-                found.push((file.clone(), reason.clone()));
-                break;
-            }
-        }
-    }
-    Ok(found)
-}
-
-fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
-    match fs::symlink_metadata(file) {
-        Ok(meta) if !meta.is_file() || meta.len() != part.bytes => Ok(false),
-        Ok(_) => {
-            let hash = intake::hash_file(file).with_context(|| format!("reading {}", file.display()))?;
-            Ok(hash == part.content_hash)
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
-        Err(error) => Err(error).with_context(|| format!("looking at {}", file.display())),
-    }
-}
-
-/// Removes a refused file from the error folder, if it is still the same file, with its reason.
-pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
-    for (file, reason) in refused_files(error_dir, part)? {
-        for gone in [&file, &reason] {
-            fs::remove_file(gone).with_context(|| format!("removing {}", gone.display()))?;
-        }
-        if let Some(folder) = file.parent().filter(|folder| *folder != error_dir) {
-            // Only an empty one goes.
-            let _ = fs::remove_dir(folder);
-        }
-    }
-    Ok(())
-}
-
-/// How the reason of a refused part opens the line that names it.
-pub fn part_line(part: &PartRow) -> String {
-    format!("Part {} of the profile {}.", part.id, part.profile)
 }

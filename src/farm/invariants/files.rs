@@ -72,7 +72,7 @@ impl Stored {
         looked.files += 1;
         let answer = self.store.verify(hash).map_err(|error| match error {
             StoreError::Damaged(path) => format!("{} does not hold the bytes that its name says", path.display()),
-            other => crate::farm::receive::chain(&other),
+            other => crate::farm::failure::chain(&other),
         });
         self.known.insert(hash.to_owned(), answer.clone());
         answer

@@ -8,12 +8,11 @@ use tracing::{info, warn};
 
 use super::{
     budget::Budget,
-    event::Event,
     failure::Lost,
     farm::Farm,
-    jobs::JobKey,
+    jobs::Job,
     layout::{Copy, Layout, copies_of},
-    nest::{Best, NestOrder, Nested},
+    nest_order::{Best, NestOrder, Nested},
     priority::give_way,
     station::Search,
     trigger::{Facts, FiredBy, fired_by},
@@ -28,6 +27,38 @@ const SECS_PER_COPY: f64 = 0.02;
 
 /// A profile is batched again after so many times what it took: a line of very many parts must not take up the farm.
 const BATCH_REST: u32 = 9;
+
+/// Improving a profile's open build.
+#[derive(Clone)]
+pub(super) struct ImproveJob {
+    profile: String,
+    round: u64,
+}
+
+impl Job<Farm> for ImproveJob {
+    const KIND: &'static str = "Improve";
+    type Outcome = Result<Nested>;
+
+    fn about(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn done(self, farm: &mut Farm, nested: Self::Outcome) -> Result<()> {
+        farm.on_improved(&self.profile, self.round, nested).await
+    }
+
+    async fn panicked(self, farm: &mut Farm, message: &str) -> Result<()> {
+        let build = farm.ledger.open_build(&self.profile).await?;
+        farm.has_ended_well(&build).await?;
+        farm.on_search_panicked(&self.profile, message).await
+    }
+
+    fn not_started(self, farm: &mut Farm, _why: &str) {
+        if let Some(station) = farm.stations.get_mut(&self.profile) {
+            station.open.ended(station.open.rounds, None);
+        }
+    }
+}
 
 impl Farm {
     /// As [`Farm::batch`], unless the last time took long and is not long ago.
@@ -101,10 +132,9 @@ impl Farm {
         if !self.has_free_slot() {
             return Ok(());
         }
-        let key = JobKey::Improve(name.to_owned());
         let meshes = self.meshes.clone();
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
-        if !station.open.wants_search(&wanted, Instant::now()) || self.jobs.runs(&key) {
+        if !station.open.wants_search(&wanted, Instant::now()) || self.jobs.runs::<ImproveJob>(name) {
             return Ok(());
         }
         let build = self.ledger.open_build(name).await?;
@@ -129,16 +159,15 @@ impl Farm {
         };
         open.search = Some(Search { round, budget, best, copies: wanted });
         let profile = name.to_owned();
-        self.jobs.start(key, move || {
+        self.jobs.start(ImproveJob { profile, round }, move || {
             give_way();
-            Event::Improved { profile, round, nested: order.run(&meshes) }
+            order.run(&meshes)
         });
         Ok(())
     }
 
     /// Takes in what a search for an open build found.
-    pub(super) async fn on_improved(&mut self, name: &str, round: u64, nested: Result<Nested>) -> Result<()> {
-        self.jobs.ended(&JobKey::Improve(name.to_owned()));
+    async fn on_improved(&mut self, name: &str, round: u64, nested: Result<Nested>) -> Result<()> {
         let build = self.ledger.open_build(name).await?;
         self.has_ended_well(&build).await?;
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
@@ -179,7 +208,7 @@ impl Farm {
 
     /// A part on which the search panics must not keep the others from being built: half of the line is tried next, and
     /// what panics alone is refused.
-    pub(super) async fn on_search_panicked(&mut self, name: &str, message: &str) -> Result<()> {
+    async fn on_search_panicked(&mut self, name: &str, message: &str) -> Result<()> {
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
         let copies = station.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
         station.open.ended(station.open.rounds, None);
@@ -241,13 +270,11 @@ impl Farm {
     /// build for long must not keep other machines from theirs.
     pub(super) fn has_free_slot(&self) -> bool {
         let is_due = |budget: Option<&Budget>| budget.is_none_or(|budget| !budget.is_overdue());
-        let searches = self.jobs.count(|key| match key {
-            JobKey::Improve(name) => {
-                is_due(self.stations.get(name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
-            }
-            JobKey::Final(build) => is_due(self.finals.get(build).map(|(budget, _)| budget)),
-            _ => false,
+        let improving = self.jobs.running::<ImproveJob>().filter(|name| {
+            is_due(self.stations.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
         });
+        let finals = self.finals.values().filter(|(budget, _)| is_due(Some(budget)));
+        let searches = improving.count() + finals.count();
         searches < self.nest_slots
     }
 }

@@ -12,10 +12,9 @@ use tracing::{debug, info, warn};
 use super::{
     attention::Attention,
     error_folder::{self, COPIES_UNKNOWN},
-    event::Event,
     farm::Farm,
     holds::Holds,
-    jobs::JobKey,
+    jobs::Job,
     meshes::READS_IN_THE_DAEMON,
     read::{ReadOutcome, read_part},
     receive::{Drop, Gate, Received},
@@ -33,6 +32,64 @@ const READERS: usize = 2;
 /// A look that follows a file-system event waits this long, so that a burst of events is one look.
 const LOOK_AFTER_EVENT: Duration = Duration::from_millis(200);
 
+/// Looking through a profile's hot folder; gives the memory of the folder back, and what was found.
+#[derive(Clone)]
+pub(super) struct ReceiveJob {
+    profile: String,
+}
+
+impl Job<Farm> for ReceiveJob {
+    const KIND: &'static str = "Receive";
+    type Outcome = (Box<Gate>, Received);
+
+    fn about(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn done(self, farm: &mut Farm, (gate, received): Self::Outcome) -> Result<()> {
+        farm.on_received(&self.profile, gate, received).await
+    }
+
+    async fn panicked(self, farm: &mut Farm, _message: &str) -> Result<()> {
+        farm.new_gate(&self.profile);
+        Ok(())
+    }
+
+    fn not_started(self, farm: &mut Farm, _why: &str) {
+        farm.new_gate(&self.profile);
+    }
+}
+
+/// Reading a part's file.
+#[derive(Clone)]
+pub(super) struct ReadJob {
+    part: PartId,
+}
+
+impl Job<Farm> for ReadJob {
+    const KIND: &'static str = "Read";
+    type Outcome = ReadOutcome;
+
+    fn about(&self) -> String {
+        self.part.to_string()
+    }
+
+    async fn done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
+        farm.on_read(self.part, outcome).await
+    }
+
+    async fn panicked(self, farm: &mut Farm, message: &str) -> Result<()> {
+        let reason = format!(
+            "The reader failed on it: {message}. Export it again, as STL or 3MF; where that fails too, send it to nestd's makers."
+        );
+        farm.on_read(self.part, ReadOutcome::Refused(Refusal::Failure, reason)).await
+    }
+
+    fn not_started(self, farm: &mut Farm, _why: &str) {
+        farm.read_again.failed(self.part);
+    }
+}
+
 impl Farm {
     /// Something changed: look soon.
     pub(super) fn look_soon(&mut self) {
@@ -47,7 +104,7 @@ impl Farm {
             if !station.may_take
                 || !station.holds.are_fresh()
                 || Instant::now() < station.look_at
-                || self.jobs.runs(&JobKey::Receive(name.clone()))
+                || self.jobs.runs::<ReceiveJob>(name)
             {
                 continue;
             }
@@ -58,23 +115,31 @@ impl Farm {
             let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
             let mut holds = station.holds.clone();
             let (name, status) = (name.clone(), station.told(&self.notices, self.settings.scan_secs));
-            self.jobs.start(JobKey::Receive(name.clone()), move || {
+            self.jobs.start(ReceiveJob { profile: name }, move || {
                 let mut received = gate.look(&profile, &mut holds, &store, orphan_secs);
                 // What is told is not written into an empty mount point that took the folder's place meanwhile.
                 if status.1.is_empty() || received.unavailable.is_some() || holds.inbox.check().is_err() {
-                    return Event::Received { profile: name, gate, received };
+                    return (gate, received);
                 }
                 if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
                     received.troubles.push(format!("writing STATUS.txt: {failure}"));
                 }
-                Event::Received { profile: name, gate, received }
+                (gate, received)
             });
         }
     }
 
+    /// A hot folder is looked at by a gate that remembers nothing.
+    fn new_gate(&mut self, name: &str) {
+        let scan_secs = self.settings.scan_secs;
+        if let Some(station) = self.stations.get_mut(name) {
+            station.gate = Some(Box::new(Gate::new(&station.profile, self.settings.orphan_ticket_secs)));
+            station.look_at = Instant::now() + Duration::from_secs_f64(scan_secs);
+        }
+    }
+
     /// Takes in a look: each claimed part gets its row, and is read. What cannot be recorded now is tried at the next look.
-    pub(super) async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, received: Received) -> Result<()> {
-        self.jobs.ended(&JobKey::Receive(name.to_owned()));
+    async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, received: Received) -> Result<()> {
         let rows: Vec<&NewPart> = received.drops.iter().map(|drop| &drop.row).collect();
         // One change for all costs as much as one row. Where it fails, each is written by itself below, and told.
         let mut recorded = Vec::new();
@@ -195,7 +260,7 @@ impl Farm {
         self.reads_begun = self.reads_begun.wrapping_add(1);
         for at in 0..profiles.len() {
             let profile = &profiles[(self.reads_begun + at) % profiles.len()];
-            let reading = self.jobs.count(|key| matches!(key, JobKey::Read(_)));
+            let reading = self.jobs.running::<ReadJob>().count();
             if reading >= READERS {
                 break;
             }
@@ -209,7 +274,7 @@ impl Farm {
 
     async fn begin_read(&mut self, mut part: PartRow, profile: &Arc<Profile>) -> Result<()> {
         let waits = self.read_again.rests(&part.id);
-        let reading = self.jobs.count(|key| matches!(key, JobKey::Read(_)));
+        let reading = self.jobs.running::<ReadJob>().count();
         // What has ended the process before is read when nothing else is, so that only it can be the reason.
         let most = if part.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
         if reading == 0 {
@@ -219,7 +284,7 @@ impl Farm {
             || self.is_ending(&part)
             || reading >= most
             || self.is_reading_alone
-            || self.jobs.runs(&JobKey::Read(part.id))
+            || self.jobs.runs::<ReadJob>(part.id)
         {
             return Ok(());
         }
@@ -233,7 +298,7 @@ impl Farm {
         let holds = self.stations.get(&profile.name).map(|station| station.holds.clone());
         // After a retry the refused file and its reason have no business in the error folder any more.
         let refused_before = holds.filter(|_| was_rejected);
-        self.jobs.start(JobKey::Read(part.id), move || {
+        self.jobs.start(ReadJob { part: part.id }, move || {
             let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
             // Before it waits: a crash after must not leave its file in two places.
             if let (Some(holds), ReadOutcome::Solids(_)) = (refused_before, &outcome)
@@ -241,14 +306,13 @@ impl Farm {
             {
                 outcome = ReadOutcome::Later(format!("removing what was refused of it: {failure:#}"));
             }
-            Event::Read { part: part.id, outcome }
+            outcome
         });
         Ok(())
     }
 
     /// Takes in what a reader found.
-    pub(super) async fn on_read(&mut self, id: PartId, outcome: ReadOutcome) -> Result<()> {
-        self.jobs.ended(&JobKey::Read(id));
+    async fn on_read(&mut self, id: PartId, outcome: ReadOutcome) -> Result<()> {
         let part = self.ledger.part(id).await?.context("a part that was read has no row")?;
         if part.state != PartState::Claimed {
             return Ok(());

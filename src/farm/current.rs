@@ -13,9 +13,6 @@ use anyhow::{Context, Result};
 use super::{
     attention::Attention,
     decided,
-    event::Event,
-    farm::Farm,
-    jobs::JobKey,
     reconcile::unknown_builds,
     taken,
     told::{Away, Known},
@@ -137,7 +134,7 @@ pub enum Compared {
 }
 
 /// Holds a machine's folders against the ledger, unless they are those that agreed.
-async fn compare(settings: &Settings, ledger: &Ledger, profile: &Profile, before: Option<Seen>) -> Compared {
+pub(super) async fn compare(settings: &Settings, ledger: &Ledger, profile: &Profile, before: Option<Seen>) -> Compared {
     let identity = |folder: &Path| {
         let meta = std::fs::metadata(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
         Ok::<_, String>((meta.dev(), meta.ino()))
@@ -161,46 +158,5 @@ async fn compare(settings: &Settings, ledger: &Ledger, profile: &Profile, before
     match told.await {
         Ok(told) => detail(&told).map_or(Compared::Agrees(seen), Compared::Behind),
         Err(error) => Compared::Away(format!("{error:#}")),
-    }
-}
-
-impl Farm {
-    /// Starts to hold the folders of every machine against the ledger. Until they agree, nothing is
-    /// printed, and where they disagree, nothing is taken.
-    pub(super) fn compare_folders(&mut self) {
-        for (name, station) in &self.stations {
-            let (settings, ledger, profile) = (self.settings.clone(), self.ledger.clone(), station.profile.clone());
-            let (before, runtime) = (station.agrees, tokio::runtime::Handle::current());
-            self.jobs.start(JobKey::Compare(name.clone()), move || {
-                let compared = runtime.block_on(compare(&settings, &ledger, &profile, before));
-                Event::Compared { profile: profile.name.clone(), compared }
-            });
-        }
-    }
-
-    /// Takes in what came of it.
-    pub(super) fn on_compared(&mut self, name: &str, compared: Compared) {
-        self.jobs.ended(&JobKey::Compare(name.to_owned()));
-        let Some(station) = self.stations.get_mut(name) else { return };
-        let (behind, away) = match compared {
-            Compared::AsBefore => return,
-            Compared::Agrees(seen) => {
-                station.agrees = Some(seen);
-                station.batch_at = std::time::Instant::now();
-                (None, None)
-            }
-            Compared::Behind(detail) => (Some(detail), None),
-            Compared::Away(why) => (None, Some(why)),
-        };
-        station.may_take = behind.is_none();
-        if behind.is_some() || away.is_some() {
-            station.agrees = None;
-        }
-        for (kind, detail) in [(Attention::LedgerBehind, behind), (Attention::FoldersMissing, away)] {
-            match detail {
-                Some(detail) => self.notices.raise(kind, name, "told", &detail),
-                None => self.notices.clear(kind, name, "told"),
-            }
-        }
     }
 }

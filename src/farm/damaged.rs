@@ -6,11 +6,28 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use tracing::{info, warn};
 
-use super::{attention::Attention, event::Event, failure::Lost, farm::Farm, jobs::JobKey};
+use super::{attention::Attention, failure::Lost, farm::Farm, jobs::Job};
 use crate::{
     intake::{self, Claim, Stored},
     ledger::{BuildId, PartId},
 };
+
+/// Looking at stored files that were damaged; gives those that are whole again, by content.
+#[derive(Clone)]
+pub(super) struct DamagedJob;
+
+impl Job<Farm> for DamagedJob {
+    const KIND: &'static str = "Damaged";
+    type Outcome = Vec<String>;
+
+    fn about(&self) -> String {
+        String::new()
+    }
+
+    async fn done(self, farm: &mut Farm, hashes: Self::Outcome) -> Result<()> {
+        farm.on_whole(&hashes).await
+    }
+}
 
 impl Farm {
     /// The parts of a lost file wait for it from now on.
@@ -62,15 +79,14 @@ impl Farm {
             return Ok(());
         }
         let store = self.meshes.store.clone();
-        self.jobs.start(JobKey::Damaged, move || {
+        self.jobs.start(DamagedJob, move || {
             hashes.retain(|hash| store.verify(hash).is_ok());
-            Event::Whole(hashes)
+            hashes
         });
         Ok(())
     }
 
-    pub(super) async fn on_whole(&mut self, hashes: &[String]) -> Result<()> {
-        self.jobs.ended(&JobKey::Damaged);
+    async fn on_whole(&mut self, hashes: &[String]) -> Result<()> {
         for hash in hashes {
             self.ledger.mark_whole(hash).await?;
         }

@@ -9,27 +9,17 @@ use tracing::{debug, info, warn};
 use super::{
     attention::Attention,
     error_folder::{reason_text, refused_files},
-    event::Event,
     failure::Lost,
     farm::Farm,
     holds::Holds,
-    jobs::JobKey,
+    jobs::Job,
+    leaving::Leaving,
     meshes::Meshes,
 };
 use crate::{
     intake::{self, Claim, Released},
     ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, Refusal},
 };
-
-/// A waiting part that is refused once a copy of its original is in the error folder. Until then it is not batched.
-#[derive(Debug)]
-pub(super) struct Leaving {
-    part: PartRow,
-    cause: Refusal,
-    reason: String,
-    /// The order by hand that asked for it.
-    command: Option<CommandRow>,
-}
 
 /// A refused part on its way into the error folder.
 struct Refused {
@@ -91,6 +81,53 @@ impl Refused {
     }
 }
 
+/// Putting a claimed file where it belongs.
+#[derive(Clone)]
+pub(super) struct EndJob {
+    part: PartRow,
+}
+
+impl Job<Farm> for EndJob {
+    const KIND: &'static str = "End";
+    type Outcome = Result<ClaimEnd>;
+
+    fn about(&self) -> String {
+        self.part.claim.clone()
+    }
+
+    async fn done(self, farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
+        farm.on_ended(&self.part, ended);
+        Ok(())
+    }
+}
+
+/// Copying the original of a waiting part that is refused.
+#[derive(Clone)]
+pub(super) struct CopyJob {
+    part: PartId,
+}
+
+impl Job<Farm> for CopyJob {
+    const KIND: &'static str = "Copy";
+    type Outcome = Result<()>;
+
+    fn about(&self) -> String {
+        self.part.to_string()
+    }
+
+    async fn done(self, farm: &mut Farm, copied: Self::Outcome) -> Result<()> {
+        farm.on_copied(self.part, copied).await
+    }
+
+    async fn panicked(self, farm: &mut Farm, message: &str) -> Result<()> {
+        farm.on_copied(self.part, Err(anyhow::anyhow!("panicked: {message}"))).await
+    }
+
+    fn not_started(self, farm: &mut Farm, why: &str) {
+        farm.on_not_copied(self.part, &anyhow::anyhow!("{why}"));
+    }
+}
+
 impl Farm {
     /// claimed -> rejected, then the file goes into the error folder; a crash between is caught up by `record`.
     pub(super) async fn refuse(&mut self, part: &PartRow, cause: Refusal, reason: &str) -> Result<()> {
@@ -122,7 +159,7 @@ impl Farm {
 
     /// Whether a job still puts a part's file where it belongs.
     pub(super) fn is_ending(&self, part: &PartRow) -> bool {
-        self.jobs.runs(&JobKey::End(part.claim.clone())) || self.leaving.contains_key(&part.id)
+        self.jobs.runs::<EndJob>(&part.claim) || self.leaving.contains_key(&part.id)
     }
 
     fn refused(&self, part: &PartRow, reason: &str) -> Option<Refused> {
@@ -177,16 +214,11 @@ impl Farm {
     }
 
     fn end(&mut self, part: &PartRow, work: impl FnOnce() -> Result<ClaimEnd> + Send + 'static) {
-        let part = part.clone();
-        self.jobs.start(JobKey::End(part.claim.clone()), move || {
-            let ended = work();
-            Event::Ended { part: Box::new(part), ended }
-        });
+        self.jobs.start(EndJob { part: part.clone() }, work);
     }
 
     /// A claim has ended; one that could not, or was found while its end was worked at, is tried again.
-    pub(super) fn on_ended(&mut self, part: &PartRow, ended: Result<ClaimEnd>) {
-        self.jobs.ended(&JobKey::End(part.claim.clone()));
+    fn on_ended(&mut self, part: &PartRow, ended: Result<ClaimEnd>) {
         match ended {
             Ok(ClaimEnd::ToBeFound) => {}
             Ok(end) => {
@@ -205,12 +237,11 @@ impl Farm {
         let Some(refused) = self.refused(&part, reason) else { return };
         let id = part.id;
         self.leaving.insert(id, Leaving { part, cause, reason: reason.to_owned(), command: command.cloned() });
-        self.jobs.start(JobKey::Copy(id), move || Event::Copied { part: id, copied: refused.copy_into_error() });
+        self.jobs.start(CopyJob { part: id }, move || refused.copy_into_error());
     }
 
     /// A copy of a waiting part's original is in the error folder, or could not be put there.
-    pub(super) async fn on_copied(&mut self, id: PartId, copied: Result<()>) -> Result<()> {
-        self.jobs.ended(&JobKey::Copy(id));
+    async fn on_copied(&mut self, id: PartId, copied: Result<()>) -> Result<()> {
         if let Err(failure) = copied {
             self.on_not_copied(id, &failure);
             return Ok(());
@@ -234,7 +265,7 @@ impl Farm {
     }
 
     /// The order by hand stays open, and a search tries the part once more.
-    pub(super) fn on_not_copied(&mut self, id: PartId, failure: &anyhow::Error) {
+    fn on_not_copied(&mut self, id: PartId, failure: &anyhow::Error) {
         let Some(Leaving { part, command, .. }) = self.leaving.remove(&id) else { return };
         if let Some(command) = command {
             let about = format!("order {}", command.id);

@@ -1,75 +1,154 @@
-//! Work that would hold up the event loop (reading, nesting, proving, copying) runs on threads of its own; each job ends
-//! with one event, also when it panics.
+//! Work that would hold up the event loop (reading, nesting, proving, copying) runs on threads of its own. A kind of job says
+//! how its end is taken in by the owner of the loop, also when it panicked or got no thread.
 
 use std::{
     any::Any,
     collections::HashSet,
+    fmt,
     panic::{AssertUnwindSafe, catch_unwind},
+    pin::Pin,
     thread,
 };
 
+use anyhow::Result;
 use tokio::sync::mpsc::UnboundedSender;
+use tracing::warn;
 
-use super::event::Event;
-use crate::ledger::{BuildId, PartId};
+/// A kind of work off the event loop of `O`: what it is about, and what follows when it ends.
+pub trait Job<O>: Clone + Send + 'static {
+    /// Its name in logs and of its threads.
+    const KIND: &'static str;
+    /// What comes of the work.
+    type Outcome: Send + 'static;
 
-/// What a job is about; only one job of a key runs at a time.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum JobKey {
-    /// Looking through a profile's hot folder.
-    Receive(String),
-    /// Reading a part's file.
-    Read(PartId),
-    /// Improving a profile's open build.
-    Improve(String),
-    /// Nesting, writing and proving a build.
-    Final(BuildId),
-    /// Publishing a build.
-    Publish(BuildId),
-    /// Showing that a profile's folders are served.
-    Hold(String),
-    /// Holding a profile's folders against the ledger.
-    Compare(String),
-    /// Looking at stored files that were damaged.
-    Damaged,
-    /// Putting a claimed file where it belongs.
-    End(String),
-    /// Copying the original of a waiting part that is refused.
-    Copy(PartId),
-    /// Going through the archives.
-    Purge,
-    /// Looking for files beside the hot folders.
-    Stray,
-    /// Telling in a hot folder that nothing is done any more.
-    Tell(String),
+    /// What this one is about; only one job of a kind and a subject runs at a time.
+    fn about(&self) -> String;
+
+    /// Takes in what came of the work.
+    async fn done(self, owner: &mut O, outcome: Self::Outcome) -> Result<()>;
+
+    /// The work panicked.
+    async fn panicked(self, _owner: &mut O, _message: &str) -> Result<()> {
+        Ok(())
+    }
+
+    /// There was no thread for the work: nothing was done, and its step finds it again.
+    fn not_started(self, _owner: &mut O, _why: &str) {}
+}
+
+/// A kind of job and what it is about.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct JobKey {
+    kind: &'static str,
+    about: String,
+}
+
+impl fmt::Display for JobKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.about.as_str() {
+            "" => f.write_str(self.kind),
+            about => write!(f, "{}({about})", self.kind),
+        }
+    }
+}
+
+/// What the owner of the loop does to take in an event.
+type Taking<'a> = Pin<Box<dyn Future<Output = Result<()>> + 'a>>;
+type Take<O> = Box<dyn for<'a> FnOnce(&'a mut O) -> Taking<'a> + Send>;
+
+/// What the event loop of `O` hears: a job has ended, or something else has happened.
+pub struct Event<O> {
+    job: Option<JobKey>,
+    take: Take<O>,
+}
+
+impl<O: 'static> Event<O> {
+    /// Something has happened that is no job.
+    pub fn new(take: impl FnOnce(&mut O) + Send + 'static) -> Self {
+        let take = taking(move |owner: &mut O| {
+            take(owner);
+            Box::pin(async { Ok(()) })
+        });
+        Self { job: None, take }
+    }
+
+    /// The job that has ended.
+    pub fn job(&self) -> Option<&JobKey> {
+        self.job.as_ref()
+    }
+
+    /// Whether a job of a kind has ended.
+    pub fn is_of<J: Job<O>>(&self) -> bool {
+        self.job.as_ref().is_some_and(|key| key.kind == J::KIND)
+    }
+
+    /// Takes it in.
+    pub async fn take_in(self, owner: &mut O) -> Result<()> {
+        (self.take)(owner).await
+    }
+}
+
+/// How the work of a job has ended.
+enum End<T> {
+    Done(T),
+    Panicked(String),
+    NotStarted(String),
+}
+
+/// Lets the compiler know that the future borrows the owner.
+fn taking<O, F>(take: F) -> Take<O>
+where
+    F: for<'a> FnOnce(&'a mut O) -> Taking<'a> + Send + 'static,
+{
+    Box::new(take)
+}
+
+fn ended<O: 'static, J: Job<O>>(key: JobKey, job: J, end: End<J::Outcome>) -> Event<O> {
+    let told = key.clone();
+    let take = taking(move |owner: &mut O| {
+        Box::pin(async move {
+            match end {
+                End::Done(outcome) => job.done(owner, outcome).await,
+                End::Panicked(message) => {
+                    warn!("A job panicked ({told}): {message}.");
+                    job.panicked(owner, &message).await
+                }
+                End::NotStarted(why) => {
+                    warn!("A job could not be started ({told}): {why}.");
+                    job.not_started(owner, &why);
+                    Ok(())
+                }
+            }
+        })
+    });
+    Event { job: Some(key), take }
 }
 
 /// Jobs that run now.
-#[derive(Debug)]
-pub struct Jobs {
+pub struct Jobs<O> {
     running: HashSet<JobKey>,
-    events: UnboundedSender<Event>,
+    events: UnboundedSender<Event<O>>,
 }
 
-impl Jobs {
+impl<O: 'static> Jobs<O> {
     /// Where events go.
-    pub fn events(&self) -> UnboundedSender<Event> {
+    pub fn events(&self) -> UnboundedSender<Event<O>> {
         self.events.clone()
     }
 
     /// No jobs; each will end with an event.
-    pub fn new(events: UnboundedSender<Event>) -> Self {
+    pub fn new(events: UnboundedSender<Event<O>>) -> Self {
         Self { running: HashSet::new(), events }
     }
 
-    /// Whether a job of this key runs.
-    pub fn runs(&self, key: &JobKey) -> bool {
-        self.running.contains(key)
+    /// Whether a job of this kind and subject runs.
+    pub fn runs<J: Job<O>>(&self, about: impl fmt::Display) -> bool {
+        self.running.contains(&JobKey { kind: J::KIND, about: about.to_string() })
     }
 
-    /// How many jobs run for which `is` holds.
-    pub fn count(&self, is: impl Fn(&JobKey) -> bool) -> usize {
-        self.running.iter().filter(|key| is(key)).count()
+    /// What the running jobs of a kind are about.
+    pub fn running<J: Job<O>>(&self) -> impl Iterator<Item = &str> {
+        self.running.iter().filter(|key| key.kind == J::KIND).map(|key| key.about.as_str())
     }
 
     /// Whether nothing runs.
@@ -77,25 +156,25 @@ impl Jobs {
         self.running.is_empty()
     }
 
-    /// Starts `work` on a thread of its own unless one of this key runs. A panic becomes [`Event::Panicked`].
-    pub fn start(&mut self, key: JobKey, work: impl FnOnce() -> Event + Send + 'static) {
-        if self.runs(&key) {
+    /// Starts `work` on a thread of its own unless a job of this kind and subject runs.
+    pub fn start<J: Job<O>>(&mut self, job: J, work: impl FnOnce() -> J::Outcome + Send + 'static) {
+        let key = JobKey { kind: J::KIND, about: job.about() };
+        if !self.running.insert(key.clone()) {
             return;
         }
-        self.running.insert(key.clone());
         let events = self.events.clone();
-        let name = format!("{key:?}").chars().take(15).collect();
+        let name = key.to_string().chars().take(15).collect();
         let spawned = thread::Builder::new().name(name).spawn({
-            let key = key.clone();
+            let (key, job) = (key.clone(), job.clone());
             move || {
-                let event = catch_unwind(AssertUnwindSafe(work))
-                    .unwrap_or_else(|panic| Event::Panicked { key, message: panic_message(&*panic) });
+                let end = catch_unwind(AssertUnwindSafe(work))
+                    .map_or_else(|panic| End::Panicked(panic_message(&*panic)), End::Done);
                 // The loop may have ended; then nobody needs the event, since every step finds its work again.
-                let _ = events.send(event);
+                let _ = events.send(ended(key, job, end));
             }
         });
         if let Err(error) = spawned {
-            let _ = self.events.send(Event::NotStarted { key, why: format!("no thread: {error}") });
+            let _ = self.events.send(ended(key, job, End::NotStarted(format!("no thread: {error}"))));
         }
     }
 
@@ -108,4 +187,54 @@ impl Jobs {
 fn panic_message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "panicked".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use tokio::sync::mpsc::unbounded_channel;
+
+    use super::*;
+
+    #[derive(Clone)]
+    struct Add(u32);
+
+    impl Job<Vec<String>> for Add {
+        const KIND: &'static str = "Add";
+        type Outcome = u32;
+
+        fn about(&self) -> String {
+            self.0.to_string()
+        }
+
+        async fn done(self, owner: &mut Vec<String>, outcome: u32) -> Result<()> {
+            owner.push(format!("{} gave {outcome}", self.0));
+            Ok(())
+        }
+
+        async fn panicked(self, owner: &mut Vec<String>, message: &str) -> Result<()> {
+            owner.push(format!("{} panicked: {message}", self.0));
+            Ok(())
+        }
+    }
+
+    #[tokio::test]
+    async fn a_job_of_a_subject_runs_once_at_a_time_and_its_end_is_taken_in_even_after_a_panic() {
+        let (sender, mut events) = unbounded_channel();
+        let (mut jobs, mut owner) = (Jobs::new(sender), Vec::new());
+        let (go, wait) = std::sync::mpsc::channel::<()>();
+        jobs.start(Add(1), move || wait.recv().map_or(0, |()| 7));
+        jobs.start(Add(1), || 8);
+        assert!(jobs.runs::<Add>(1) && !jobs.runs::<Add>(2) && jobs.running::<Add>().count() == 1);
+        go.send(()).unwrap();
+        jobs.start(Add(2), || panic!("no sum"));
+        for _ in 0..2 {
+            let event = events.recv().await.unwrap();
+            assert!(event.is_of::<Add>());
+            jobs.ended(event.job().unwrap());
+            event.take_in(&mut owner).await.unwrap();
+        }
+        owner.sort();
+        assert_eq!(owner, ["1 gave 7", "2 panicked: no sum"]);
+        assert!(jobs.is_idle() && events.try_recv().is_err());
+    }
 }

@@ -1,7 +1,8 @@
 //! The service: one file per step of a part's life, one event loop.
 //!
 //! `receive` claims what was dropped, `read` checks it, `batch` keeps the open build and fires it, `nest` searches, `prove`
-//! writes and judges, `publish` publishes. `farm` holds the state and the loop, `orders` what operators ask for.
+//! writes and judges, `publish` publishes. `farm` holds the state, `run` the loop, `orders` what operators ask for. A step
+//! knows the files of the state, only the loop knows all steps.
 
 mod adopt;
 mod ages;
@@ -14,25 +15,28 @@ mod cache;
 mod cake;
 mod claimed;
 mod clock;
+mod compare;
 mod current;
 mod damaged;
 mod decided;
 mod due;
 mod ending;
 mod error_folder;
-mod event;
 mod failure;
 mod farm;
+mod holding;
 mod holds;
 mod invariants;
 mod jobs;
 mod layout;
 mod lease;
+mod leaving;
 mod lock;
 mod lost_ledger;
 mod marked;
 mod meshes;
 mod nest;
+mod nest_order;
 mod notices;
 mod open;
 mod orders;
@@ -49,6 +53,7 @@ mod reconciled;
 mod record;
 mod refused;
 mod restore;
+mod run;
 mod sd;
 mod served;
 mod shelf;
@@ -73,7 +78,7 @@ pub use budget::Budget;
 pub use cache::DiskCache;
 pub use cake::{Cake, CakePart, Standing, copies_so_far, file_in_queue, standing, volume_of};
 pub use current::{left_claims, unknown as unknown_to_ledger};
-pub use farm::{Load, run};
+pub use farm::Load;
 pub use invariants::{Invariant, Looked, Violation, Witness, invariants};
 pub use lost_ledger::lost as lost_ledger;
 pub use marked::demand_readable;
@@ -82,6 +87,7 @@ pub use owner::OwnerError;
 pub use reconciled::Reconciled;
 pub use refused::dismiss;
 pub use restore::{Restored, repair, restore};
+pub use run::run;
 pub use served::is_known;
 pub use status::{Fires, HALTED, fires_at, summary};
 pub use trigger::FiredBy;

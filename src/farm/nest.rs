@@ -1,92 +1,278 @@
-//! The step "nested": a batch of parts becomes a layout. Runs on a job's thread.
+//! The steps "nested" and "verified" of a fired build: it is searched, written and proved by one job. Each look into the ledger
+//! finds the builds that are to be nested, so that a crash anywhere is taken up where it was.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::{collections::HashMap, sync::Arc};
 
-use anyhow::Result;
+use anyhow::{Context, Result, ensure};
+use tracing::{info, warn};
 
 use super::{
+    attention::Attention,
     budget::Budget,
-    layout::{Batch, BatchPart, Layout, PlacedCopy},
+    failure::{Lost, is_of_the_disk},
+    farm::Farm,
+    jobs::Job,
+    layout::{placed_from_json, placed_from_rows},
     meshes::Meshes,
+    nest_order::{Best, NestOrder, Nested},
+    owner::Hold,
+    prove::{Unproved, WriteOrder, Written, file_name, write_and_prove},
 };
 use crate::{
-    ledger::PartRow,
-    nest::{self, Solution},
+    format::counted,
+    intake,
+    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow, Verified},
+    queue::StagedState,
     settings::Profile,
 };
 
-/// The best layout of a running search; other threads look at it and take it when the search is cancelled.
-pub type Best = Arc<Mutex<Option<Layout>>>;
+/// Who pauses a profile whose build was given up.
+pub const GAVE_UP: &str = "nestd";
+/// A build whose making was begun so often without an end is given up, whatever ended the daemon each time.
+const MAX_STARTS: u32 = 200;
 
-/// What to nest.
-#[derive(Debug)]
-pub struct NestOrder {
-    /// The machine.
-    pub profile: Arc<Profile>,
-    /// Parts and the copies of them that are wanted, in order of precedence.
-    pub wanted: Vec<(PartRow, Vec<u32>)>,
-    /// An earlier layout to go on from.
-    pub start: Vec<PlacedCopy>,
-    /// How long.
-    pub budget: Budget,
-    /// Seed of the search.
-    pub seed: u64,
-    /// Receives every better layout.
-    pub best: Best,
+/// Nesting, writing and proving a build.
+#[derive(Clone)]
+pub(super) struct FinalJob {
+    build: BuildId,
 }
 
-/// What came out of it.
-#[derive(Debug)]
-pub struct Nested {
-    /// Parts with their meshes.
-    pub batch: Batch,
-    /// The layout.
-    pub layout: Layout,
-    /// No layout of the placed copies can be lower, mm.
-    pub lower_bound_mm: f64,
-    /// CPU seconds of the search.
-    pub cpu_secs: f64,
-    /// Wall seconds of the search.
-    pub wall_secs: f64,
-    /// (wall seconds, build height in mm) of every improvement.
-    pub curve: Vec<(f64, f64)>,
-}
+impl Job<Farm> for FinalJob {
+    const KIND: &'static str = "Final";
+    type Outcome = Result<Box<Written>>;
 
-impl NestOrder {
-    /// Nests; returns when the budget is spent or cancelled.
-    pub fn run(&self, meshes: &Meshes) -> Result<Nested> {
-        let batch = self.batch(meshes)?;
-        let instance = batch.instance(&self.profile)?;
-        let mut config = self.profile.nest.clone();
-        config.seed = self.seed;
-        let start = batch.placements(&self.start);
-        let cpu = cpu_secs(config.threads);
-        let mut curve = Vec::new();
-        let mut listener = |solution: &Solution, _evaluations: u64| {
-            curve.push((self.budget.elapsed_secs(), solution.height_mm));
-            *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(batch.layout(&instance, solution));
-        };
-        let solution = nest::nest_with(&instance, &config, &start, meshes.cache(), &self.budget, &mut listener);
-        let layout = batch.layout(&instance, &solution);
-        *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
-        let lower_bound_mm =
-            nest::lower_bound_mm(&batch.placed_only(&layout).instance(&self.profile).unwrap_or(instance));
-        let wall_secs = self.budget.elapsed_secs();
-        Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs(config.threads) - cpu, wall_secs, curve })
+    fn about(&self) -> String {
+        self.build.to_string()
     }
 
-    fn batch(&self, meshes: &Meshes) -> Result<Batch> {
-        let part = |(part, copies): &(PartRow, Vec<u32>)| -> Result<BatchPart> {
-            let mesh = meshes.mesh(&self.profile, part)?;
-            Ok(BatchPart { part: part.clone(), mesh, copies: copies.clone() })
-        };
-        Ok(Batch { parts: self.wanted.iter().map(part).collect::<Result<_>>()? })
+    async fn done(self, farm: &mut Farm, written: Self::Outcome) -> Result<()> {
+        farm.on_written(self.build, written).await
+    }
+
+    async fn panicked(self, farm: &mut Farm, message: &str) -> Result<()> {
+        farm.on_final_panicked(self.build, message).await
+    }
+
+    fn not_started(self, farm: &mut Farm, _why: &str) {
+        farm.finals.remove(&self.build);
+        farm.fresh_builds.insert(self.build);
+        farm.resting.failed(self.build);
     }
 }
 
-/// CPU seconds so far: of this thread where it searches alone, else of the process, for then no other search runs.
-fn cpu_secs(threads: usize) -> f64 {
-    use rustix::time::{ClockId, clock_gettime};
-    let time = clock_gettime(if threads == 1 { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime });
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+impl Farm {
+    /// Starts the final search of every build that is to be nested and is not in work. What keeps one build from being
+    /// begun keeps no other.
+    pub(super) async fn nest(&mut self) -> Result<()> {
+        let mut builds = self.ledger.builds_in_state(BuildState::Nesting).await?;
+        // One that ends the daemon each time must not keep the others from their turn.
+        builds.sort_by_key(|build| (build.attempts, build.id));
+        for build in builds {
+            let (id, profile) = (build.id, build.profile.clone());
+            if let Err(failure) = self.nest_build(build).await {
+                self.trouble(Attention::NestingFails, &profile, &format!("build {id}"), &failure);
+            }
+        }
+        Ok(())
+    }
+
+    async fn nest_build(&mut self, build: BuildRow) -> Result<()> {
+        if self.rests(build.id)
+            || self.jobs.runs::<FinalJob>(build.id)
+            || !self.has_free_slot()
+            || !self.has_queue(&build.profile)
+        {
+            return Ok(());
+        }
+        let parts = self.ledger.parts_of_build(build.id).await?;
+        if self.is_wary(&build, build.searches, &parts.iter().collect::<Vec<_>>()) {
+            return Ok(());
+        }
+        self.ledger.begin_search(build.id).await?;
+        let attempts = match self.fresh_builds.remove(&build.id) {
+            true => build.attempts,
+            false => self.ledger.begin_attempt(build.id).await?,
+        };
+        let failures = self.failures.get(&build.id).map_or(0, |(count, _)| *count);
+        if failures >= self.stations[&build.profile].profile.max_attempts || attempts > MAX_STARTS {
+            return self.give_up(&build, attempts - 1).await;
+        }
+        self.start_final(build, attempts).await
+    }
+
+    /// Whether the queue folder of a profile is there; one that went away is opened anew, and its absence costs no attempt.
+    fn has_queue(&mut self, profile: &str) -> bool {
+        let Some(station) = self.stations.get_mut(profile) else { return false };
+        if station.agrees.is_none() {
+            return false;
+        }
+        let is_held = station.holds.queue.check().is_ok() && station.holds.archive.check().is_ok();
+        if station.queue.as_ref().is_some_and(|queue| !is_held || queue.check().is_err()) {
+            station.queue = None;
+        }
+        station.queue.is_some() && station.holds.are_fresh()
+    }
+
+    async fn start_final(&mut self, build: BuildRow, attempts: u32) -> Result<()> {
+        let wanted = self.parts_with_copies(build.id).await?;
+        let station = &self.stations[&build.profile];
+        let profile = station.profile.clone();
+        let queue = station.queue.clone().context("the queue folder is not open")?;
+        // Each further attempt gets half the time: an attempt that a crash or a restart cut short should come through.
+        let secs = profile.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
+        let budget = Budget::starting_now(secs);
+        let start = match build.layout.as_deref() {
+            Some(layout) => placed_from_json(layout),
+            // It was proved once, and its file was spoilt.
+            None => placed_from_rows(&self.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
+        };
+        let seed =
+            profile.nest.seed.wrapping_add(build.id.0.unsigned_abs()).wrapping_add(u64::from(attempts - 1) << 32);
+        let mut holds = station.holds.clone();
+        let unsure =
+            wanted.iter().map(|(part, _)| part.claim.clone()).filter(|claim| !self.let_go.contains(claim)).collect();
+        let order =
+            NestOrder { profile: profile.clone(), wanted, start, budget: budget.clone(), seed, best: Best::default() };
+        self.finals.insert(build.id, (budget, order.best.clone()));
+        let write = WriteOrder { profile, queue, build, seed, limits: self.meshes.limits.clone() };
+        let meshes = self.meshes.clone();
+        self.jobs.start(FinalJob { build: write.build.id }, move || {
+            super::adopt::demand_let_go(&order.profile, holds.inbox.farm(), &unsure)?;
+            nest_write_and_prove(&order, &write, &mut holds.archive, &meshes).map(Box::new)
+        });
+        Ok(())
+    }
+
+    /// The parts of a build with the copies of them that it took, in order of precedence.
+    async fn parts_with_copies(&self, build: BuildId) -> Result<Vec<(PartRow, Vec<u32>)>> {
+        let mut copies: HashMap<PartId, Vec<u32>> = HashMap::new();
+        for (part, copy) in self.ledger.copies_of_build(build).await? {
+            copies.entry(part).or_default().push(copy);
+        }
+        let parts = self.ledger.parts_of_build(build).await?;
+        Ok((parts.into_iter()).filter_map(|part| copies.remove(&part.id).map(|copies| (part, copies))).collect())
+    }
+
+    /// Commits a written and proved build; publishing follows in the same beat.
+    async fn on_written(&mut self, build: BuildId, written: Result<Box<Written>>) -> Result<()> {
+        self.finals.remove(&build);
+        if let Some(build) = self.ledger.build(build).await? {
+            self.has_ended_well(&build).await?;
+        }
+        if written.is_ok() {
+            self.failures.remove(&build);
+            self.resting.done(&build);
+            let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+            self.notices.clear(Attention::NestingFails, &profile, &format!("build {build}"));
+        }
+        let written = match written {
+            Ok(written) => written,
+            Err(failure) if self.stopping => {
+                info!(build.id = %build, "A build was left for the next start: {failure:#}.");
+                return Ok(());
+            }
+            Err(failure) if Lost::of(&failure).is_some() => return self.go_on_without(build, &failure).await,
+            Err(failure) if is_of_the_disk(&failure) => {
+                // No fault of the build's: it costs no attempt, and the parts stay in it.
+                self.fresh_builds.insert(build);
+                self.resting.failed(build);
+                let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+                self.trouble(Attention::NestingFails, &profile, &format!("build {build}"), &failure);
+                return Ok(());
+            }
+            Err(failure) => {
+                warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
+                if failure.is::<Unproved>() {
+                    let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+                    let why = format!("{failure:#}");
+                    self.ledger.event("proof_failed", &profile, None, Some(build), &why).await?;
+                }
+                return self.note_failure(build, &format!("{failure:#}")).await;
+            }
+        };
+        if let Err(why) = self.still_staged(build, &written.verified).await {
+            return self.note_failure(build, &format!("{why:#}")).await;
+        }
+        if !written.unplaced.is_empty() {
+            info!(build.id = %build, "{} in build {build}: left for the next.", counted(written.unplaced.len(), "copy found no place", "copies found no place"));
+            self.ledger.release_copies(build, &written.unplaced).await?;
+        }
+        self.ledger.verify_build(build, &written.verified, &written.placed).await?;
+        if !written.locked.is_empty() {
+            warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
+            let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+            self.ledger.event("locked", &profile, None, Some(build), &written.locked).await?;
+        }
+        self.publish().await
+    }
+
+    /// The dot-file must be there, in the queue folder that is configured now, before the ledger relies on it: a missing one
+    /// would read as published.
+    async fn still_staged(&self, build: BuildId, verified: &Verified) -> Result<()> {
+        let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+        let queue = self.stations.get(&profile).and_then(|s| s.queue.as_ref());
+        let queue = queue.context("the queue folder is not available any more")?;
+        ensure!(queue.id() == verified.queue_id, "the queue folder has changed since the build was written");
+        ensure!(
+            queue.state(&verified.file_name)? == StagedState::Staged,
+            "the written build is gone from the queue folder"
+        );
+        Ok(())
+    }
+
+    /// A build that cannot be made fails; its parts wait again, and its profile is paused, for a person must act.
+    async fn give_up(&mut self, build: &BuildRow, attempts: u32) -> Result<()> {
+        let (_, last) = self.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
+        let reason = format!("gave up after {attempts} attempts: {last}");
+        warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
+        if let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.as_ref()) {
+            // What cannot be removed now is swept when the folder is opened next.
+            if let Err(failure) = queue.discard(&file_name(&build.profile, build)) {
+                warn!(build.id = %build.id, "The build's dot-file could not be removed: {failure}.");
+            }
+        }
+        self.ledger.fail_build(build.id, &reason).await?;
+        self.ledger.pause(&build.profile, GAVE_UP).await?;
+        Ok(())
+    }
+
+    async fn note_failure(&mut self, build: BuildId, why: &str) -> Result<()> {
+        let failure = self.failures.entry(build).or_default();
+        *failure = (failure.0 + 1, why.to_owned());
+        self.resting.failed(build);
+        let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
+        Ok(self.ledger.event("attempt_failed", &profile, None, Some(build), why).await?)
+    }
+
+    /// A build's job panicked.
+    async fn on_final_panicked(&mut self, build: BuildId, message: &str) -> Result<()> {
+        self.finals.remove(&build);
+        self.ledger.end_search(build).await?;
+        self.note_failure(build, &format!("panicked: {message}")).await
+    }
+}
+
+/// The whole final job: search, write, prove, archive the originals.
+fn nest_write_and_prove(order: &NestOrder, write: &WriteOrder, archive: &mut Hold, meshes: &Meshes) -> Result<Written> {
+    let nested = order.run(meshes)?;
+    ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
+    let written = write_and_prove(write, &nested)?;
+    archive.check()?;
+    archive_originals(&write.profile, &write.build, &nested, meshes)?;
+    Ok(written)
+}
+
+/// Copies the originals into the archive before the build is verified, so that every published build has them; the same
+/// file again changes nothing.
+fn archive_originals(profile: &Arc<Profile>, build: &BuildRow, nested: &Nested, meshes: &Meshes) -> Result<()> {
+    let name = file_name(&profile.name, build);
+    let stem = name.strip_suffix(".build.3mf").unwrap_or(&name);
+    for part in &nested.batch.parts {
+        if nested.layout.placed.iter().any(|p| p.copy.0 == part.part.id) {
+            let stored = meshes.stored(&part.part)?;
+            intake::archive(&stored, &profile.folders.archive, stem, &part.part.name)
+                .with_context(|| format!("archiving {}", part.part.name))?;
+        }
+    }
+    Ok(())
 }

@@ -1,6 +1,6 @@
 //! Who serves a folder: one daemon at a time, and never an empty directory in the place of one.
 
-use super::*;
+use super::{super::marked, *};
 
 fn owner(host: &str, state_dir: &Path) -> Owner {
     Owner { host: host.to_owned(), ..Owner::of_this_process(state_dir, Timestamp::UNIX_EPOCH).unwrap() }

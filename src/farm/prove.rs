@@ -6,7 +6,7 @@ use std::{collections::HashMap, path::Path, sync::Arc};
 use anyhow::{Context, Result};
 use jiff::Timestamp;
 
-use super::{layout::Copy, nest::Nested};
+use super::{layout::Copy, nest_order::Nested};
 use crate::{
     build::{self, BuildHeading, ProvedBuild, SolvedBuild},
     format::{self, BuildFile, Limits},

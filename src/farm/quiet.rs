@@ -8,8 +8,6 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use super::farm::Farm;
-
 /// The ledger is asked at least so often.
 const ASK_EVERY: Duration = Duration::from_secs(2);
 
@@ -25,7 +23,7 @@ pub struct Quiet {
 impl Quiet {
     /// Whether the ledger's files have changed since they were last asked, or it is time to ask anyway. Notes that it is
     /// asked now when so.
-    fn has_news(&mut self, ledger: &Path, now: Instant) -> bool {
+    pub fn has_news(&mut self, ledger: &Path, now: Instant) -> bool {
         let print = print(ledger);
         let is_old = |(at, seen): &(Instant, Print)| *seen != print || now.duration_since(*at) >= ASK_EVERY;
         let news = self.asked.as_ref().is_none_or(is_old);
@@ -33,16 +31,6 @@ impl Quiet {
             self.asked = Some((now, print));
         }
         news
-    }
-}
-
-impl Farm {
-    /// Whether a step may find work: something runs or is not settled, or the ledger has news.
-    pub(super) fn may_have_work(&mut self) -> bool {
-        let is_busy = !self.jobs.is_idle() || !self.fresh_builds.is_empty();
-        let is_settled = self.stations.values().all(|station| station.is_settled && station.flush.is_empty());
-        let news = self.quiet.has_news(&self.settings.ledger, Instant::now());
-        is_busy || !is_settled || news
     }
 }
 

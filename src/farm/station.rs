@@ -11,7 +11,7 @@ use super::{
     current::Seen,
     holds::Holds,
     layout::{Copy, Layout, PlacedCopy, placed_from_json},
-    nest::Best,
+    nest_order::Best,
     notices::Notices,
     owner::Owner,
     receive::Gate,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use tracing::{info, warn};
 
-use super::{attention::Attention, cache::DiskCache, event::Event, farm::Farm, holds::Holds, sd, station::Station};
+use super::{attention::Attention, cache::DiskCache, farm::Farm, holds::Holds, jobs::Event, sd, station::Station};
 use crate::{
     access,
     intake::Watcher,
@@ -58,7 +58,7 @@ impl Farm {
     fn watch(&mut self) {
         let inboxes = self.stations.values().map(|s| s.profile.folders.inbox.clone()).collect();
         let events = self.jobs.events();
-        self.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::Look))) {
+        self.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::new(Farm::look_soon)))) {
             Ok(watcher) => Some(watcher),
             Err(failure) => {
                 warn!("No file-system events; the periodic scan goes on without them: {failure}.");

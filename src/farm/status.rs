@@ -9,11 +9,11 @@ use serde_json::json;
 
 use super::{
     attention::Attention,
-    event::Event,
+    claimed::ReceiveJob,
     farm::{BEAT, Farm},
-    jobs::JobKey,
+    jobs::Job,
     layout::Layout,
-    publish::GAVE_UP,
+    nest::GAVE_UP,
     sd,
     stamp::{minute, zoned},
     station::Station,
@@ -35,6 +35,25 @@ const FAREWELL_WITHIN: Duration = Duration::from_secs(1);
 const TROUBLES_LAST: Duration = Duration::from_secs(150);
 /// Between two looks at the whole ledger for what is shown.
 const SHOW_EVERY: Duration = Duration::from_secs(2);
+
+/// Telling in a hot folder that nothing is done any more.
+#[derive(Clone)]
+pub(super) struct TellJob {
+    profile: String,
+}
+
+impl Job<Farm> for TellJob {
+    const KIND: &'static str = "Tell";
+    type Outcome = ();
+
+    fn about(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn done(self, _farm: &mut Farm, (): ()) -> Result<()> {
+        Ok(())
+    }
+}
 
 impl Farm {
     /// Brings all that is shown up to date.
@@ -111,11 +130,10 @@ impl Farm {
                 station.profile.folders.inbox.clone(),
                 station.told(&self.notices, self.settings.scan_secs),
             );
-            self.jobs.start(JobKey::Tell(name.clone()), move || {
+            self.jobs.start(TellJob { profile: name.clone() }, move || {
                 if let Err(error) = intake::write_status(&inbox, &text, &json) {
                     tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
                 }
-                Event::Told { profile }
             });
         }
     }
@@ -168,14 +186,14 @@ impl Farm {
         };
         for (name, station) in &self.stations {
             // A job that did not end hangs in that folder, and so would this one.
-            if self.jobs.runs(&JobKey::Receive(name.clone())) {
+            if self.jobs.runs::<ReceiveJob>(name) {
                 continue;
             }
             let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
             let (text, json) = last_words(station, &row);
             let (profile, inbox) = (name.clone(), station.profile.folders.inbox.clone());
             let mut hold = station.holds.inbox.clone();
-            self.jobs.start(JobKey::Tell(name.clone()), move || {
+            self.jobs.start(TellJob { profile: name.clone() }, move || {
                 // An empty mount point is told nothing.
                 if hold.seen().is_some()
                     && hold.check().is_ok()
@@ -183,7 +201,6 @@ impl Farm {
                 {
                     tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
                 }
-                Event::Told { profile }
             });
         }
         self.wait_for_jobs(Instant::now() + FAREWELL_WITHIN).await;

@@ -10,9 +10,7 @@ use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{
-    attention::Attention, event::Event, failure::chain, farm::Farm, jobs::JobKey, owner::Hold, prove::file_name, taken,
-};
+use super::{attention::Attention, failure::chain, farm::Farm, jobs::Job, owner::Hold, prove::file_name, taken};
 use crate::{
     intake,
     ledger::{BuildId, BuildState, Ledger, PartState, REFUSED_COUNTS},
@@ -28,6 +26,41 @@ pub const KEEP_REFUSED_SECS: f64 = REFUSED_COUNTS.as_secs() as f64;
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
+/// Going through the archives.
+#[derive(Clone)]
+pub(super) struct PurgeJob;
+
+impl Job<Farm> for PurgeJob {
+    const KIND: &'static str = "Purge";
+    type Outcome = ();
+
+    fn about(&self) -> String {
+        String::new()
+    }
+
+    async fn done(self, _farm: &mut Farm, (): ()) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// Looking for files beside the hot folders; gives their names.
+#[derive(Clone)]
+pub(super) struct StrayJob;
+
+impl Job<Farm> for StrayJob {
+    const KIND: &'static str = "Stray";
+    type Outcome = Vec<String>;
+
+    fn about(&self) -> String {
+        String::new()
+    }
+
+    async fn done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
+        farm.on_stray(&found);
+        Ok(())
+    }
+}
+
 impl Farm {
     /// Tidies; nothing here is urgent, and everything is safe to repeat.
     pub(super) async fn tidy(&mut self) -> Result<()> {
@@ -41,7 +74,7 @@ impl Farm {
             .collect();
         let (settings, ledger, store) = (self.settings.clone(), self.ledger.clone(), self.meshes.store.clone());
         let runtime = tokio::runtime::Handle::current();
-        self.jobs.start(JobKey::Purge, move || {
+        self.jobs.start(PurgeJob, move || {
             if let Err(failure) = runtime.block_on(taken::drop_taken_over(&settings, &ledger, &store)) {
                 warn!("What is stored of claims that another nestd has taken over is dropped later: {failure:#}.");
             }
@@ -50,7 +83,6 @@ impl Farm {
                     purge(&archive, days);
                 }
             }
-            Event::Purged
         });
         self.sweep_store().await
     }
@@ -58,15 +90,14 @@ impl Farm {
     /// Starts to look for what was dropped beside the hot folders.
     pub(super) fn look_for_stray_files(&mut self) {
         let (base, folders) = (self.settings.inbox_base.clone(), self.settings.folders());
-        self.jobs.start(JobKey::Stray, move || {
+        self.jobs.start(StrayJob, move || {
             let stray = intake::stray(&base, &folders).unwrap_or_default();
-            Event::Stray(stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect())
+            stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect()
         });
     }
 
     /// Tells what lies beside the hot folders.
-    pub(super) fn on_stray(&mut self, found: &[String]) {
-        self.jobs.ended(&JobKey::Stray);
+    fn on_stray(&mut self, found: &[String]) {
         let Some(first) = found.first() else { return self.notices.clear(Attention::Stray, "", "") };
         let more = if found.len() > 1 { format!(" and {} more", found.len() - 1) } else { String::new() };
         let detail = format!("{first}{more} in {}", self.settings.inbox_base.display());

@@ -63,10 +63,10 @@ impl Farm {
             return Ok(());
         }
         for build in self.ledger.nesting_builds_of_claims(claims).await? {
-            if let Some((budget, _)) = self.finals.get(&build) {
+            if let Some((budget, _)) = self.nesting.finals.get(&build) {
                 budget.cancel();
             }
-            self.fresh_builds.remove(&build);
+            self.nesting.fresh.remove(&build);
             self.ledger.fail_build(build, REASON).await?;
         }
         for part in self.ledger.give_up_claims(claims, REASON).await? {
@@ -74,7 +74,7 @@ impl Farm {
             self.mark_decided(&part).await;
             self.put_aside(&part, REASON);
         }
-        claims.iter().for_each(|claim| drop(self.claims.remove(claim)));
+        claims.iter().for_each(|claim| drop(self.ending.claims.remove(claim)));
         Ok(())
     }
 

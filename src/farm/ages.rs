@@ -12,7 +12,7 @@ const LONG_ASLEEP: SignedDuration = SignedDuration::from_hours(48);
 impl Farm {
     /// Keeps the ages of parts when the clock was set.
     pub(super) async fn look_at_clock(&mut self) -> Result<()> {
-        match self.clock.look() {
+        match self.schedule.clock.look() {
             Some(jump) => self.clock_was_set(jump).await,
             None => Ok(()),
         }
@@ -24,10 +24,10 @@ impl Farm {
         let Some(last) = self.ledger.last_event_at().await? else { return Ok(()) };
         let since = Timestamp::now().duration_since(last.0);
         if since > LONG_ASLEEP {
-            self.clock.distrust();
+            self.schedule.clock.distrust();
         }
         if since < -JUMP {
-            self.clock.distrust();
+            self.schedule.clock.distrust();
             return self.clock_was_set(since).await;
         }
         Ok(())

@@ -82,7 +82,7 @@ impl Farm {
             return Ok(());
         }
         let mut waiting = self.ledger.waiting_copies(name).await?;
-        waiting.retain(|waiting| !self.leaving.contains_key(&waiting.part.id));
+        waiting.retain(|waiting| !self.ending.leaving.contains_key(&waiting.part.id));
         let flush = self.stations.get(name).is_some_and(|s| !s.flush.is_empty());
         let being_read = flush && self.is_being_read(name).await?;
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
@@ -111,7 +111,7 @@ impl Farm {
                     && !station.open.layout.placed.is_empty()
                     && (beyond || !station.open.layout.unplaced.is_empty()),
                 flush: !station.flush.is_empty() && !being_read,
-                knows_the_date: self.clock.knows_the_date(),
+                knows_the_date: self.schedule.clock.knows_the_date(),
             };
             if let Some(by) = fired_by(&station.profile, &facts, Timestamp::now()) {
                 return self.fire(name, by, &wanted).await;
@@ -123,8 +123,8 @@ impl Farm {
     /// Whether a part of the profile is claimed but not read: an order by hand waits for it, unless the disk keeps it from
     /// being read.
     async fn is_being_read(&self, name: &str) -> Result<bool> {
-        let claimed = self.ledger.claimed_parts(name, self.read_again.len() + 1).await?;
-        Ok(claimed.iter().any(|part| !self.read_again.is_failing(&part.id)))
+        let claimed = self.ledger.claimed_parts(name, self.reading.again.len() + 1).await?;
+        Ok(claimed.iter().any(|part| !self.reading.again.is_failing(&part.id)))
     }
 
     /// Begins a search for the open build where one is wanted and a slot is free.
@@ -257,7 +257,7 @@ impl Farm {
         layout.placed.retain(|p| copies.contains(&p.copy));
         let build = self.ledger.open_build(name).await?.id;
         self.ledger.begin_nesting(build, &by.to_string(), &copies).await?;
-        self.fresh_builds.insert(build);
+        self.nesting.fresh.insert(build);
         station.open.clear();
         let flush = std::mem::take(&mut station.flush);
         info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", counted(copies.len(), "copy", "copies"));
@@ -273,8 +273,8 @@ impl Farm {
         let improving = self.jobs.running::<ImproveJob>().filter(|name| {
             is_due(self.stations.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
         });
-        let finals = self.finals.values().filter(|(budget, _)| is_due(Some(budget)));
+        let finals = self.nesting.finals.values().filter(|(budget, _)| is_due(Some(budget)));
         let searches = improving.count() + finals.count();
-        searches < self.nest_slots
+        searches < self.nesting.slots
     }
 }

@@ -86,7 +86,7 @@ impl Job<Farm> for ReadJob {
     }
 
     fn not_started(self, farm: &mut Farm, _why: &str) {
-        farm.read_again.failed(self.part);
+        farm.reading.again.failed(self.part);
     }
 }
 
@@ -215,7 +215,7 @@ impl Farm {
             None => self.ledger.record_claim(row).await?,
         };
         if recorded.fresh {
-            self.counted_reads.insert(recorded.id);
+            self.reading.counted.insert(recorded.id);
         }
         // Between the copy and the row, the end of an earlier part of the same content may have taken both away.
         if !self.meshes.store.path(&stored.hash)?.exists() {
@@ -233,7 +233,7 @@ impl Farm {
             }
             return Ok(());
         }
-        self.claims.insert(claim.id.clone(), claim.clone());
+        self.ending.claims.insert(claim.id.clone(), claim.clone());
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {
                 let remedy = match error {
@@ -257,14 +257,14 @@ impl Farm {
         let profiles: Vec<Arc<Profile>> =
             (self.stations.values()).filter(|s| s.may_take && s.holds.are_fresh()).map(|s| s.profile.clone()).collect();
         // Each time another machine comes first, so that none waits for the end of another one's line.
-        self.reads_begun = self.reads_begun.wrapping_add(1);
+        self.reading.begun = self.reading.begun.wrapping_add(1);
         for at in 0..profiles.len() {
-            let profile = &profiles[(self.reads_begun + at) % profiles.len()];
+            let profile = &profiles[(self.reading.begun + at) % profiles.len()];
             let reading = self.jobs.running::<ReadJob>().count();
             if reading >= READERS {
                 break;
             }
-            let parts = self.ledger.claimed_parts(&profile.name, READERS + reading + self.read_again.len()).await?;
+            let parts = self.ledger.claimed_parts(&profile.name, READERS + reading + self.reading.again.len()).await?;
             for part in parts {
                 self.begin_read(part, profile).await?;
             }
@@ -273,28 +273,28 @@ impl Farm {
     }
 
     async fn begin_read(&mut self, mut part: PartRow, profile: &Arc<Profile>) -> Result<()> {
-        let waits = self.read_again.rests(&part.id);
+        let waits = self.reading.again.rests(&part.id);
         let reading = self.jobs.running::<ReadJob>().count();
         // What has ended the process before is read when nothing else is, so that only it can be the reason.
         let most = if part.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
         if reading == 0 {
-            self.is_reading_alone = false;
+            self.reading.is_alone = false;
         }
         if waits
             || self.is_ending(&part)
             || reading >= most
-            || self.is_reading_alone
+            || self.reading.is_alone
             || self.jobs.runs::<ReadJob>(part.id)
         {
             return Ok(());
         }
         let was_rejected = self.ledger.was_rejected(part.id).await?;
-        if !self.counted_reads.remove(&part.id) {
+        if !self.reading.counted.remove(&part.id) {
             part.reads = self.ledger.begin_read(part.id).await?;
         }
-        self.is_reading_alone = part.reads > READS_IN_THE_DAEMON;
+        self.reading.is_alone = part.reads > READS_IN_THE_DAEMON;
         let (profile, meshes) = (profile.clone(), self.meshes.clone());
-        let claim = self.claims.get(&part.claim).cloned();
+        let claim = self.ending.claims.get(&part.claim).cloned();
         let holds = self.stations.get(&profile.name).map(|station| station.holds.clone());
         // After a retry the refused file and its reason have no business in the error folder any more.
         let refused_before = holds.filter(|_| was_rejected);
@@ -348,7 +348,7 @@ impl Farm {
             ReadOutcome::Refused(cause, reason) => self.refuse(&part, cause, &reason).await,
             ReadOutcome::Lost(lost) => self.ask_again(&lost).await,
             ReadOutcome::Later(why) => {
-                self.read_again.failed(id);
+                self.reading.again.failed(id);
                 self.ledger.forget_read(id).await?;
                 let about = format!("part {id} ({})", part.name);
                 self.notices.trouble(Attention::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));

@@ -50,7 +50,7 @@ impl Farm {
             true => {
                 self.ledger.release_copies(build, &gone).await?;
                 // No fault of the build's: it costs no attempt.
-                self.fresh_builds.insert(build);
+                self.nesting.fresh.insert(build);
             }
             false => self.ledger.fail_build(build, &lost.to_string()).await?,
         }

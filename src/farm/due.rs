@@ -41,7 +41,7 @@ impl Prospect {
 impl Farm {
     /// Tells of due dates that are at risk, each once.
     pub(super) async fn look_at_due_dates(&mut self) -> Result<()> {
-        if !self.clock.knows_the_date() {
+        if !self.schedule.clock.knows_the_date() {
             return Ok(());
         }
         let now = Timestamp::now();

@@ -13,8 +13,8 @@ use super::{
     farm::Farm,
     holds::Holds,
     jobs::Job,
-    leaving::Leaving,
     meshes::Meshes,
+    state::Leaving,
 };
 use crate::{
     intake::{self, Claim, Released},
@@ -141,7 +141,7 @@ impl Farm {
     /// Ends the claims of parts that were read or refused; what failed earlier (an error folder that could not be
     /// written to) is tried again.
     pub(super) async fn settle_claims(&mut self) -> Result<()> {
-        for claim in self.claims.keys().cloned().collect::<Vec<_>>() {
+        for claim in self.ending.claims.keys().cloned().collect::<Vec<_>>() {
             let parts = self.ledger.parts_of_claim(&claim).await?;
             parts.first().into_iter().for_each(|part| self.settle_claim(part));
         }
@@ -159,7 +159,7 @@ impl Farm {
 
     /// Whether a job still puts a part's file where it belongs.
     pub(super) fn is_ending(&self, part: &PartRow) -> bool {
-        self.jobs.runs::<EndJob>(&part.claim) || self.leaving.contains_key(&part.id)
+        self.jobs.runs::<EndJob>(&part.claim) || self.ending.leaving.contains_key(&part.id)
     }
 
     fn refused(&self, part: &PartRow, reason: &str) -> Option<Refused> {
@@ -172,12 +172,12 @@ impl Farm {
             error_dir: folders.error.clone(),
             meshes: self.meshes.clone(),
             holds: station.holds.clone(),
-            claim: self.claims.get(&part.claim).cloned(),
+            claim: self.ending.claims.get(&part.claim).cloned(),
         })
     }
 
     fn put_into_error(&mut self, part: &PartRow, reason: &str) {
-        self.read_again.done(&part.id);
+        self.reading.again.done(&part.id);
         let Some(refused) = self.refused(part, reason) else { return };
         self.end(part, move || refused.put_into_error());
     }
@@ -196,8 +196,8 @@ impl Farm {
 
     /// Lets the claimed original go: the store has it, and its row is committed.
     pub(super) fn let_go(&mut self, part: &PartRow) {
-        self.read_again.done(&part.id);
-        let Some(claim) = self.claims.get(&part.claim).cloned() else { return };
+        self.reading.again.done(&part.id);
+        let Some(claim) = self.ending.claims.get(&part.claim).cloned() else { return };
         let content_hash = part.content_hash.clone();
         self.end(part, move || {
             match intake::release(&claim, &content_hash)? {
@@ -222,9 +222,9 @@ impl Farm {
         match ended {
             Ok(ClaimEnd::ToBeFound) => {}
             Ok(end) => {
-                self.claims.remove(&part.claim);
+                self.ending.claims.remove(&part.claim);
                 if end == ClaimEnd::LetGo {
-                    self.let_go.insert(part.claim.clone());
+                    self.ending.let_go.insert(part.claim.clone());
                 }
             }
             Err(failure) => self.trouble(Attention::EndingFails, &part.profile, &part.name, &failure),
@@ -236,7 +236,7 @@ impl Farm {
     pub(super) fn begin_leaving(&mut self, part: PartRow, cause: Refusal, reason: &str, command: Option<&CommandRow>) {
         let Some(refused) = self.refused(&part, reason) else { return };
         let id = part.id;
-        self.leaving.insert(id, Leaving { part, cause, reason: reason.to_owned(), command: command.cloned() });
+        self.ending.leaving.insert(id, Leaving { part, cause, reason: reason.to_owned(), command: command.cloned() });
         self.jobs.start(CopyJob { part: id }, move || refused.copy_into_error());
     }
 
@@ -246,7 +246,7 @@ impl Farm {
             self.on_not_copied(id, &failure);
             return Ok(());
         }
-        let Some(Leaving { part, cause, reason, command }) = self.leaving.remove(&id) else { return Ok(()) };
+        let Some(Leaving { part, cause, reason, command }) = self.ending.leaving.remove(&id) else { return Ok(()) };
         let left = self.ledger.cancel(id, cause, &reason).await;
         if left.is_ok() {
             self.mark_decided(&part).await;
@@ -266,11 +266,11 @@ impl Farm {
 
     /// The order by hand stays open, and a search tries the part once more.
     fn on_not_copied(&mut self, id: PartId, failure: &anyhow::Error) {
-        let Some(Leaving { part, command, .. }) = self.leaving.remove(&id) else { return };
+        let Some(Leaving { part, command, .. }) = self.ending.leaving.remove(&id) else { return };
         if let Some(command) = command {
             let about = format!("order {}", command.id);
             self.trouble(Attention::StepFails, &command.profile, &about, failure);
-            return self.steps.failed(about);
+            return self.schedule.steps.failed(about);
         }
         self.trouble(Attention::EndingFails, &part.profile, &part.name, failure);
         if let Some(station) = self.stations.get_mut(&part.profile) {

@@ -59,7 +59,7 @@ impl Farm {
     /// at once. Nothing is done with its parts meanwhile.
     pub(super) fn keep_holds(&mut self, is_due: bool) {
         if is_due {
-            self.last_hold = Instant::now();
+            self.schedule.last_hold = Instant::now();
         }
         for (name, station) in self.stations.iter().filter(|(_, s)| is_due || !s.holds.are_fresh()) {
             let (profile, mut holds) = (name.clone(), Box::new(station.holds.clone()));

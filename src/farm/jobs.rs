@@ -11,7 +11,7 @@ use std::{
 };
 
 use anyhow::Result;
-use tokio::sync::mpsc::UnboundedSender;
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tracing::warn;
 
 /// A kind of work off the event loop of `O`: what it is about, and what follows when it ends.
@@ -38,7 +38,7 @@ pub trait Job<O>: Clone + Send + 'static {
 
 /// A kind of job and what it is about.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct JobKey {
+struct JobKey {
     kind: &'static str,
     about: String,
 }
@@ -70,11 +70,6 @@ impl<O: 'static> Event<O> {
             Box::pin(async { Ok(()) })
         });
         Self { job: None, take }
-    }
-
-    /// The job that has ended.
-    pub fn job(&self) -> Option<&JobKey> {
-        self.job.as_ref()
     }
 
     /// Whether a job of a kind has ended.
@@ -124,21 +119,43 @@ fn ended<O: 'static, J: Job<O>>(key: JobKey, job: J, end: End<J::Outcome>) -> Ev
     Event { job: Some(key), take }
 }
 
-/// Jobs that run now.
+/// Jobs that run now, and the events that wait to be taken in.
 pub struct Jobs<O> {
     running: HashSet<JobKey>,
-    events: UnboundedSender<Event<O>>,
+    sender: UnboundedSender<Event<O>>,
+    events: UnboundedReceiver<Event<O>>,
+}
+
+impl<O> Default for Jobs<O> {
+    fn default() -> Self {
+        let (sender, events) = unbounded_channel();
+        Self { running: HashSet::new(), sender, events }
+    }
 }
 
 impl<O: 'static> Jobs<O> {
     /// Where events go.
-    pub fn events(&self) -> UnboundedSender<Event<O>> {
-        self.events.clone()
+    pub fn sender(&self) -> UnboundedSender<Event<O>> {
+        self.sender.clone()
     }
 
-    /// No jobs; each will end with an event.
-    pub fn new(events: UnboundedSender<Event<O>>) -> Self {
-        Self { running: HashSet::new(), events }
+    /// The next event; a job that it tells of does not run any more. Nothing is lost when this is not waited for.
+    pub async fn next(&mut self) -> Option<Event<O>> {
+        let event = self.events.recv().await;
+        self.has_ended(event)
+    }
+
+    /// As [`Jobs::next`], without waiting.
+    pub fn next_now(&mut self) -> Option<Event<O>> {
+        let event = self.events.try_recv().ok();
+        self.has_ended(event)
+    }
+
+    fn has_ended(&mut self, event: Option<Event<O>>) -> Option<Event<O>> {
+        if let Some(Event { job: Some(key), .. }) = &event {
+            self.running.remove(key);
+        }
+        event
     }
 
     /// Whether a job of this kind and subject runs.
@@ -162,7 +179,7 @@ impl<O: 'static> Jobs<O> {
         if !self.running.insert(key.clone()) {
             return;
         }
-        let events = self.events.clone();
+        let sender = self.sender.clone();
         let name = key.to_string().chars().take(15).collect();
         let spawned = thread::Builder::new().name(name).spawn({
             let (key, job) = (key.clone(), job.clone());
@@ -170,17 +187,12 @@ impl<O: 'static> Jobs<O> {
                 let end = catch_unwind(AssertUnwindSafe(work))
                     .map_or_else(|panic| End::Panicked(panic_message(&*panic)), End::Done);
                 // The loop may have ended; then nobody needs the event, since every step finds its work again.
-                let _ = events.send(ended(key, job, end));
+                let _ = sender.send(ended(key, job, end));
             }
         });
         if let Err(error) = spawned {
-            let _ = self.events.send(ended(key, job, End::NotStarted(format!("no thread: {error}"))));
+            let _ = self.sender.send(ended(key, job, End::NotStarted(format!("no thread: {error}"))));
         }
-    }
-
-    /// Notes that a job has ended.
-    pub fn ended(&mut self, key: &JobKey) {
-        self.running.remove(key);
     }
 }
 
@@ -191,8 +203,6 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
 
 #[cfg(test)]
 mod tests {
-    use tokio::sync::mpsc::unbounded_channel;
-
     use super::*;
 
     #[derive(Clone)]
@@ -219,8 +229,7 @@ mod tests {
 
     #[tokio::test]
     async fn a_job_of_a_subject_runs_once_at_a_time_and_its_end_is_taken_in_even_after_a_panic() {
-        let (sender, mut events) = unbounded_channel();
-        let (mut jobs, mut owner) = (Jobs::new(sender), Vec::new());
+        let (mut jobs, mut owner) = (Jobs::default(), Vec::new());
         let (go, wait) = std::sync::mpsc::channel::<()>();
         jobs.start(Add(1), move || wait.recv().map_or(0, |()| 7));
         jobs.start(Add(1), || 8);
@@ -228,13 +237,12 @@ mod tests {
         go.send(()).unwrap();
         jobs.start(Add(2), || panic!("no sum"));
         for _ in 0..2 {
-            let event = events.recv().await.unwrap();
+            let event = jobs.next().await.unwrap();
             assert!(event.is_of::<Add>());
-            jobs.ended(event.job().unwrap());
             event.take_in(&mut owner).await.unwrap();
         }
         owner.sort();
         assert_eq!(owner, ["1 gave 7", "2 panicked: no sum"]);
-        assert!(jobs.is_idle() && events.try_recv().is_err());
+        assert!(jobs.is_idle() && jobs.next_now().is_none());
     }
 }

@@ -1,7 +1,7 @@
 //! The service: one file per step of a part's life, one event loop.
 //!
 //! `receive` claims what was dropped, `read` checks it, `batch` keeps the open build and fires it, `nest` searches, `prove`
-//! writes and judges, `publish` publishes. `farm` holds the state, `run` the loop, `orders` what operators ask for. A step
+//! writes and judges, `publish` publishes. `farm` and `state` hold what they remember, `run` the loop, `orders` what operators ask for. A step
 //! knows the files of the state, only the loop knows all steps.
 
 mod adopt;
@@ -30,7 +30,6 @@ mod invariants;
 mod jobs;
 mod layout;
 mod lease;
-mod leaving;
 mod lock;
 mod lost_ledger;
 mod marked;
@@ -60,6 +59,7 @@ mod shelf;
 mod signals;
 mod staged;
 mod stamp;
+mod state;
 mod station;
 mod stations;
 mod status;

@@ -54,9 +54,9 @@ impl Job<Farm> for FinalJob {
     }
 
     fn not_started(self, farm: &mut Farm, _why: &str) {
-        farm.finals.remove(&self.build);
-        farm.fresh_builds.insert(self.build);
-        farm.resting.failed(self.build);
+        farm.nesting.finals.remove(&self.build);
+        farm.nesting.fresh.insert(self.build);
+        farm.nesting.resting.failed(self.build);
     }
 }
 
@@ -89,11 +89,11 @@ impl Farm {
             return Ok(());
         }
         self.ledger.begin_search(build.id).await?;
-        let attempts = match self.fresh_builds.remove(&build.id) {
+        let attempts = match self.nesting.fresh.remove(&build.id) {
             true => build.attempts,
             false => self.ledger.begin_attempt(build.id).await?,
         };
-        let failures = self.failures.get(&build.id).map_or(0, |(count, _)| *count);
+        let failures = self.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count);
         if failures >= self.stations[&build.profile].profile.max_attempts || attempts > MAX_STARTS {
             return self.give_up(&build, attempts - 1).await;
         }
@@ -129,11 +129,14 @@ impl Farm {
         let seed =
             profile.nest.seed.wrapping_add(build.id.0.unsigned_abs()).wrapping_add(u64::from(attempts - 1) << 32);
         let mut holds = station.holds.clone();
-        let unsure =
-            wanted.iter().map(|(part, _)| part.claim.clone()).filter(|claim| !self.let_go.contains(claim)).collect();
+        let unsure = wanted
+            .iter()
+            .map(|(part, _)| part.claim.clone())
+            .filter(|claim| !self.ending.let_go.contains(claim))
+            .collect();
         let order =
             NestOrder { profile: profile.clone(), wanted, start, budget: budget.clone(), seed, best: Best::default() };
-        self.finals.insert(build.id, (budget, order.best.clone()));
+        self.nesting.finals.insert(build.id, (budget, order.best.clone()));
         let write = WriteOrder { profile, queue, build, seed, limits: self.meshes.limits.clone() };
         let meshes = self.meshes.clone();
         self.jobs.start(FinalJob { build: write.build.id }, move || {
@@ -155,27 +158,27 @@ impl Farm {
 
     /// Commits a written and proved build; publishing follows in the same beat.
     async fn on_written(&mut self, build: BuildId, written: Result<Box<Written>>) -> Result<()> {
-        self.finals.remove(&build);
+        self.nesting.finals.remove(&build);
         if let Some(build) = self.ledger.build(build).await? {
             self.has_ended_well(&build).await?;
         }
         if written.is_ok() {
-            self.failures.remove(&build);
-            self.resting.done(&build);
+            self.nesting.failures.remove(&build);
+            self.nesting.resting.done(&build);
             let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
             self.notices.clear(Attention::NestingFails, &profile, &format!("build {build}"));
         }
         let written = match written {
             Ok(written) => written,
-            Err(failure) if self.stopping => {
+            Err(failure) if self.life.stopping => {
                 info!(build.id = %build, "A build was left for the next start: {failure:#}.");
                 return Ok(());
             }
             Err(failure) if Lost::of(&failure).is_some() => return self.go_on_without(build, &failure).await,
             Err(failure) if is_of_the_disk(&failure) => {
                 // No fault of the build's: it costs no attempt, and the parts stay in it.
-                self.fresh_builds.insert(build);
-                self.resting.failed(build);
+                self.nesting.fresh.insert(build);
+                self.nesting.resting.failed(build);
                 let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
                 self.trouble(Attention::NestingFails, &profile, &format!("build {build}"), &failure);
                 return Ok(());
@@ -222,7 +225,7 @@ impl Farm {
 
     /// A build that cannot be made fails; its parts wait again, and its profile is paused, for a person must act.
     async fn give_up(&mut self, build: &BuildRow, attempts: u32) -> Result<()> {
-        let (_, last) = self.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
+        let (_, last) = self.nesting.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
         let reason = format!("gave up after {attempts} attempts: {last}");
         warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
         if let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.as_ref()) {
@@ -237,16 +240,16 @@ impl Farm {
     }
 
     async fn note_failure(&mut self, build: BuildId, why: &str) -> Result<()> {
-        let failure = self.failures.entry(build).or_default();
+        let failure = self.nesting.failures.entry(build).or_default();
         *failure = (failure.0 + 1, why.to_owned());
-        self.resting.failed(build);
+        self.nesting.resting.failed(build);
         let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
         Ok(self.ledger.event("attempt_failed", &profile, None, Some(build), why).await?)
     }
 
     /// A build's job panicked.
     async fn on_final_panicked(&mut self, build: BuildId, message: &str) -> Result<()> {
-        self.finals.remove(&build);
+        self.nesting.finals.remove(&build);
         self.ledger.end_search(build).await?;
         self.note_failure(build, &format!("panicked: {message}")).await
     }

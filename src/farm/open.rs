@@ -1,19 +1,14 @@
 //! Opening the farm: what must be there and whole before anything is taken.
 
-use std::{
-    collections::{BTreeMap, HashMap, HashSet},
-    time::Instant,
-};
+use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use jiff::Timestamp;
-use tokio::sync::mpsc::unbounded_channel;
 use tracing::warn;
 
 use super::{
     attention::Attention,
     back_off::BackOff,
-    clock::Clock,
     current::demand_current,
     failure::is_of_the_disk,
     farm::{BEAT, Farm, Load},
@@ -23,10 +18,10 @@ use super::{
     meshes::Meshes,
     notices::{Notices, Outside},
     owner::{Owner, OwnerError},
-    quiet::Quiet,
     sd,
     shelf::Shelf,
     signals::{Signal, Signals},
+    state::{EndingState, Lifecycle, NestingState, ReadingState, Schedule, ShownState},
 };
 use crate::{
     access,
@@ -95,7 +90,6 @@ impl Farm {
     }
 
     fn new(load: Load, settings: Settings, parts: Parts, since: Timestamp) -> Self {
-        let (sender, events) = unbounded_channel();
         Self {
             load,
             owner: parts.owner,
@@ -108,38 +102,20 @@ impl Farm {
                 unreadable: Default::default(),
             },
             stations: BTreeMap::new(),
-            jobs: Jobs::new(sender),
-            nest_slots: 1,
-            claims: HashMap::new(),
-            let_go: HashSet::new(),
-            read_again: BackOff::default(),
-            counted_reads: HashSet::new(),
-            reads_begun: 0,
-            leaving: Default::default(),
-            is_reading_alone: false,
-            fresh_builds: HashSet::new(),
-            untried: HashSet::new(),
-            finals: HashMap::new(),
-            failures: HashMap::new(),
-            resting: BackOff::default(),
-            steps: BackOff::default(),
-            stopping: false,
-            quiet: Quiet::default(),
-            clock: Clock::of_this_machine(),
-            started_at: since,
-            status_line: "opening".to_owned(),
-            shown_at: None,
-            watcher: None,
-            sign_of_life: None,
-            tidy_at: Instant::now() + super::tidy::FIRST_TIDY_AFTER,
-            last_watch_check: Instant::now(),
-            last_claims: Instant::now(),
+            jobs: Jobs::default(),
+            ending: EndingState::default(),
+            reading: ReadingState::default(),
+            nesting: NestingState { slots: 1, ..NestingState::default() },
+            shown: ShownState { line: "opening".to_owned(), ..ShownState::default() },
+            schedule: Schedule::starting_now(super::tidy::FIRST_TIDY_AFTER),
+            life: Lifecycle {
+                started_at: since,
+                stopping: false,
+                is_halted: false,
+                outside: Outside::default(),
+                _lock: parts.lock,
+            },
             notices: Notices::default(),
-            outside: Outside::default(),
-            is_halted: false,
-            events,
-            _lock: parts.lock,
-            last_hold: Instant::now(),
             settings,
         }
     }

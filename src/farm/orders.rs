@@ -16,14 +16,14 @@ impl Farm {
         for command in self.ledger.asked().await? {
             // An order that the disk hinders stays open and keeps no other from being carried out.
             let about = format!("order {}", command.id);
-            if self.steps.rests(&about) {
+            if self.schedule.steps.rests(&about) {
                 continue;
             }
             match self.order(&command).await {
                 // It waits for something: a build, a file.
                 Ok(None) => {}
                 Ok(Some(answer)) => {
-                    self.steps.done(&about);
+                    self.schedule.steps.done(&about);
                     self.notices.clear(Attention::StepFails, &command.profile, &about);
                     let done = answer.is_ok();
                     let (Ok(text) | Err(text)) = answer;
@@ -31,7 +31,7 @@ impl Farm {
                 }
                 Err(failure) => {
                     self.trouble(Attention::StepFails, &command.profile, &about, &failure);
-                    self.steps.failed(about);
+                    self.schedule.steps.failed(about);
                 }
             }
         }

@@ -38,14 +38,14 @@ impl Job<Farm> for PublishJob {
     }
 
     fn not_started(self, farm: &mut Farm, _why: &str) {
-        farm.resting.failed(self.build);
+        farm.nesting.resting.failed(self.build);
     }
 }
 
 impl Farm {
     /// Whether a build failed a moment ago and is left alone for now.
     pub(super) fn rests(&self, build: BuildId) -> bool {
-        self.resting.rests(&build)
+        self.nesting.resting.rests(&build)
     }
 
     /// Takes every verified build one step further into the queue: it is looked at, the ledger is told that it will be tried,
@@ -61,7 +61,7 @@ impl Farm {
             let is_served = station.agrees.is_some() && station.holds.are_fresh();
             let Some(queue) = station.queue.clone().filter(|_| is_served) else { continue };
             let (is_tried, archive) = (build.publishing_at.is_some(), station.profile.folders.archive.clone());
-            let (record, is_first) = (self.ledger.record_of_build(id).await?, self.untried.remove(&id));
+            let (record, is_first) = (self.ledger.record_of_build(id).await?, self.nesting.untried.remove(&id));
             let staged = Staged { queue, build, archive, holds: station.holds.clone() };
             self.jobs.start(PublishJob { build: id }, move || match staged.holds.demand_published() {
                 Err(away) if is_first => Ok(Step::Untried(away.into())),
@@ -78,13 +78,13 @@ impl Farm {
         match step {
             Ok(Step::Ready) => {
                 self.ledger.begin_publishing(id).await?;
-                self.untried.insert(id);
+                self.nesting.untried.insert(id);
                 self.publish().await
             }
             Ok(Step::Done(published)) => self.on_appeared(id, published).await,
             Ok(Step::Spoilt(why)) => {
                 warn!(build.id = %id, "Build {id} is made again: {why}.");
-                self.resting.failed(id);
+                self.nesting.resting.failed(id);
                 Ok(self.ledger.write_again(id, &format!("made again: {why}")).await?)
             }
             Ok(Step::Untried(failure)) => {
@@ -96,7 +96,7 @@ impl Farm {
     }
 
     async fn not_published(&mut self, id: BuildId, failure: &anyhow::Error) -> Result<()> {
-        self.resting.failed(id);
+        self.nesting.resting.failed(id);
         let profile = self.ledger.build(id).await?.map(|b| b.profile).unwrap_or_default();
         let about = format!("build {id}");
         match failure.downcast_ref::<Replaced>() {
@@ -110,7 +110,7 @@ impl Farm {
 
     async fn on_appeared(&mut self, id: BuildId, published: Published) -> Result<()> {
         self.ledger.publish_build(id).await?;
-        self.resting.done(&id);
+        self.nesting.resting.done(&id);
         let Some(build) = self.ledger.build(id).await? else { return Ok(()) };
         for kind in [Attention::QueueReplaced, Attention::PublishingFails] {
             self.notices.clear(kind, &build.profile, &format!("build {id}"));

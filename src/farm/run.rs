@@ -35,10 +35,10 @@ pub async fn run(load: Load, outside: Outside) -> Result<()> {
     let settings = load()?;
     let mut signals = Signals::listen()?;
     let Some(mut farm) = Farm::open_when_possible(load, settings, &mut signals).await? else { return Ok(()) };
-    farm.outside = outside;
+    farm.life.outside = outside;
     farm.beat().await;
-    farm.outside.set_open(!farm.is_halted);
-    sd::ready(&farm.status_line);
+    farm.life.outside.set_open(!farm.life.is_halted);
+    sd::ready(&farm.shown.line);
     info!(profiles = farm.stations.len(), ledger = %farm.settings.ledger.display(), "The farm is open.");
     let result = farm.serve(&mut signals).await;
     sd::stopping();
@@ -58,10 +58,10 @@ impl Farm {
                     Signal::Stop => return Ok(()),
                     Signal::Reload => self.reload().await,
                 },
-                Some(event) = self.events.recv() => only_read = self.on_events(event).await,
+                Some(event) = self.jobs.next() => only_read = self.on_events(event).await,
                 _ = beat.tick() => {}
             }
-            if only_read && !self.is_halted && worked_at.elapsed() < BEAT_WHILE_READING {
+            if only_read && !self.life.is_halted && worked_at.elapsed() < BEAT_WHILE_READING {
                 self.tell("reading", Self::read).await;
                 if self.jobs.running::<ReadJob>().next().is_some() {
                     continue;
@@ -76,40 +76,40 @@ impl Farm {
     async fn beat(&mut self) {
         sd::alive();
         self.tell_people();
-        if !self.is_halted
+        if !self.life.is_halted
             && let Err(replaced) = self.ledger.demand_in_place()
         {
             self.leave_ledger(&replaced).await;
         }
-        if self.is_halted {
+        if self.life.is_halted {
             return;
         }
         // Before anything else: while this process stood still, another farm may have taken folders and claims.
-        let is_due = self.last_hold.elapsed() >= lease::beat_every();
+        let is_due = self.schedule.last_hold.elapsed() >= lease::beat_every();
         self.keep_holds(is_due);
         self.tell("looking at the clock", Self::look_at_clock).await;
         self.receive();
         if self.may_have_work() {
             self.work().await;
         }
-        if self.sign_of_life.is_none_or(|at| at.elapsed() >= SIGN_OF_LIFE) {
-            self.sign_of_life = Some(Instant::now());
+        if self.shown.sign_of_life.is_none_or(|at| at.elapsed() >= SIGN_OF_LIFE) {
+            self.shown.sign_of_life = Some(Instant::now());
             self.tell("sign of life", Self::sign_of_life).await;
         }
-        if self.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
-            self.last_watch_check = Instant::now();
+        if self.schedule.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
+            self.schedule.last_watch_check = Instant::now();
             self.make_missing_folders();
             self.compare_folders();
             self.check_watch();
             self.look_for_stray_files();
         }
-        if self.last_claims.elapsed() >= CLAIMS_AGAIN {
-            self.last_claims = Instant::now();
+        if self.schedule.last_claims.elapsed() >= CLAIMS_AGAIN {
+            self.schedule.last_claims = Instant::now();
             self.tell("settling claims", Self::settle_claims).await;
             self.tell("looking at damaged files", Self::look_at_damaged).await;
         }
-        if Instant::now() >= self.tidy_at {
-            self.tidy_at = Instant::now() + TIDY_EVERY;
+        if Instant::now() >= self.schedule.tidy_at {
+            self.schedule.tidy_at = Instant::now() + TIDY_EVERY;
             self.tell("tidying", Self::tidy).await;
         }
     }
@@ -130,9 +130,9 @@ impl Farm {
 
     /// Whether a step may find work: something runs or is not settled, or the ledger has news.
     fn may_have_work(&mut self) -> bool {
-        let is_busy = !self.jobs.is_idle() || !self.fresh_builds.is_empty();
+        let is_busy = !self.jobs.is_idle() || !self.nesting.fresh.is_empty();
         let is_settled = self.stations.values().all(|station| station.is_settled && station.flush.is_empty());
-        let news = self.quiet.has_news(&self.settings.ledger, Instant::now());
+        let news = self.schedule.quiet.has_news(&self.settings.ledger, Instant::now());
         is_busy || !is_settled || news
     }
 
@@ -142,7 +142,7 @@ impl Farm {
         let mut only_read = first.is_of::<ReadJob>();
         self.on_event(first).await;
         for _ in 0..EVENTS_PER_BEAT {
-            let Ok(event) = self.events.try_recv() else { break };
+            let Some(event) = self.jobs.next_now() else { break };
             only_read &= event.is_of::<ReadJob>();
             self.on_event(event).await;
         }
@@ -150,10 +150,7 @@ impl Farm {
     }
 
     async fn on_event(&mut self, event: Event<Self>) {
-        if let Some(job) = event.job() {
-            self.jobs.ended(job);
-        }
-        if self.is_halted {
+        if self.life.is_halted {
             return;
         }
         if let Err(failure) = event.take_in(self).await {
@@ -164,13 +161,13 @@ impl Farm {
     /// Ends searches with what they have found, waits for jobs a little, and keeps the open layouts.
     async fn stop(&mut self) {
         info!("The farm closes.");
-        self.outside.set_open(false);
-        self.stopping = true;
+        self.life.outside.set_open(false);
+        self.life.stopping = true;
         let deadline = Instant::now() + STOP_WITHIN;
-        self.finals.values().for_each(|(budget, _)| budget.cancel());
+        self.nesting.finals.values().for_each(|(budget, _)| budget.cancel());
         self.stations.values().filter_map(|s| s.open.search.as_ref()).for_each(|search| search.budget.cancel());
         self.wait_for_jobs(deadline).await;
-        if self.is_halted {
+        if self.life.is_halted {
             self.say_farewell().await;
             // Nothing is written into a damaged ledger, and no seal vouches for it.
             self.end_holds();
@@ -197,7 +194,7 @@ impl Farm {
     pub(super) async fn wait_for_jobs(&mut self, deadline: Instant) {
         while !self.jobs.is_idle() {
             let left = deadline.saturating_duration_since(Instant::now());
-            match tokio::time::timeout(left, self.events.recv()).await {
+            match tokio::time::timeout(left, self.jobs.next()).await {
                 Ok(Some(event)) => self.on_event(event).await,
                 _ => break,
             }
@@ -207,7 +204,7 @@ impl Farm {
 
     /// What searches have found that did not end in time.
     async fn keep_layouts(&mut self) {
-        for (build, (_, best)) in &self.finals {
+        for (build, (_, best)) in &self.nesting.finals {
             let found = best.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
             if let Some(layout) = found
                 && let Err(failure) = self.save_layout(*build, &layout).await

@@ -17,7 +17,7 @@ impl Farm {
     pub(super) async fn set_up_stations(&mut self) -> Result<()> {
         self.meshes.limits = self.settings.limits.clone();
         self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
-        self.nest_slots = nest_slots(&self.settings);
+        self.nesting.slots = nest_slots(&self.settings);
         let gone: Vec<String> =
             self.stations.keys().filter(|name| !self.settings.profiles.contains_key(*name)).cloned().collect();
         for name in gone {
@@ -57,8 +57,8 @@ impl Farm {
 
     fn watch(&mut self) {
         let inboxes = self.stations.values().map(|s| s.profile.folders.inbox.clone()).collect();
-        let events = self.jobs.events();
-        self.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::new(Farm::look_soon)))) {
+        let events = self.jobs.sender();
+        self.schedule.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::new(Farm::look_soon)))) {
             Ok(watcher) => Some(watcher),
             Err(failure) => {
                 warn!("No file-system events; the periodic scan goes on without them: {failure}.");
@@ -69,7 +69,7 @@ impl Farm {
 
     /// Watches hot folders that were made anew; where that cannot be, the periodic scan serves.
     pub(super) fn check_watch(&mut self) {
-        let unwatched = self.watcher.as_mut().map(Watcher::check).unwrap_or_default();
+        let unwatched = self.schedule.watcher.as_mut().map(Watcher::check).unwrap_or_default();
         for (path, why) in unwatched {
             tracing::debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
         }
@@ -89,9 +89,9 @@ impl Farm {
             }
         }
         // Machines may have come or gone: what is shown follows at once.
-        self.shown_at = None;
+        self.shown.shown_at = None;
         self.tell("status", Self::show_status).await;
-        sd::ready(&self.status_line);
+        sd::ready(&self.shown.line);
     }
 
     async fn take_configuration(&mut self) -> Result<()> {

@@ -58,10 +58,10 @@ impl Job<Farm> for TellJob {
 impl Farm {
     /// Brings all that is shown up to date.
     pub(super) async fn show_status(&mut self) -> Result<()> {
-        if self.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
+        if self.shown.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
             return Ok(());
         }
-        self.shown_at = Some(Instant::now());
+        self.shown.shown_at = Some(Instant::now());
         let rows = self.ledger.status().await?;
         for (name, station) in &mut self.stations {
             if let Some(row) = rows.iter().find(|row| row.profile == *name) {
@@ -71,11 +71,11 @@ impl Farm {
         self.notice_what_the_ledger_says(&rows).await?;
         self.look_at_due_dates().await?;
         let line = summary(self.stations.len(), rows.iter());
-        if line != self.status_line {
+        if line != self.shown.line {
             sd::status(&line);
-            self.status_line = line;
+            self.shown.line = line;
             // Whoever asks the ledger is not told what was.
-            self.sign_of_life = None;
+            self.shown.sign_of_life = None;
         }
         Ok(())
     }
@@ -113,17 +113,17 @@ impl Farm {
     pub(super) fn tell_people(&mut self) {
         let over = TROUBLES_LAST.max(Duration::from_secs_f64(3.0 * self.settings.scan_secs));
         self.notices.forget_what_is_over(over);
-        for ((kind, about), why) in self.outside.told() {
+        for ((kind, about), why) in self.life.outside.told() {
             match why.as_str() {
                 "" => self.notices.clear(kind, "", &about),
                 why => self.notices.raise(kind, "", &about, why),
             }
         }
         self.notices.keep(&self.settings.state_dir);
-        if !self.is_halted || self.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
+        if !self.life.is_halted || self.shown.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
             return;
         }
-        self.shown_at = Some(Instant::now());
+        self.shown.shown_at = Some(Instant::now());
         for (name, station) in &self.stations {
             let (profile, inbox, (text, json)) = (
                 name.clone(),
@@ -166,21 +166,21 @@ impl Farm {
 
     /// The ledger cannot be relied on: nothing is taken and nothing published any more, for nobody would know of it.
     pub(super) fn halt(&mut self, kind: Attention, why: &str) {
-        if !self.is_halted {
-            self.is_halted = true;
-            self.outside.set_open(false);
-            self.finals.values().for_each(|(budget, _)| budget.cancel());
+        if !self.life.is_halted {
+            self.life.is_halted = true;
+            self.life.outside.set_open(false);
+            self.nesting.finals.values().for_each(|(budget, _)| budget.cancel());
             self.stations.values_mut().for_each(|station| station.open.clear());
             self.notices.raise(kind, "", "", why);
             let what = if kind == Attention::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
-            self.status_line = format!("{HALTED}: the ledger {what}");
-            sd::status(&self.status_line);
+            self.shown.line = format!("{HALTED}: the ledger {what}");
+            sd::status(&self.shown.line);
         }
     }
 
     /// Says in each hot folder that nobody looks there any more: what stood there before promised builds.
     pub(super) async fn say_farewell(&mut self) {
-        let rows = match self.is_halted {
+        let rows = match self.life.is_halted {
             true => Vec::new(),
             false => self.ledger.status().await.unwrap_or_default(),
         };
@@ -212,8 +212,8 @@ impl Farm {
             pid: std::process::id(),
             host: host_name(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            started_at: self.started_at,
-            status: self.status_line.clone(),
+            started_at: self.life.started_at,
+            status: self.shown.line.clone(),
             stations: self.stations_seen(),
         };
         Ok(self.ledger.beat(&beat).await?)

@@ -65,7 +65,7 @@ impl Farm {
     /// Tidies; nothing here is urgent, and everything is safe to repeat.
     pub(super) async fn tidy(&mut self) -> Result<()> {
         // By a clock that was just set, everything might be old.
-        if !self.clock.may_delete() {
+        if !self.schedule.clock.may_delete() {
             return Ok(());
         }
         let archives: Vec<(Hold, PathBuf, u32)> = (self.stations.values())

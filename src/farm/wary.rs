@@ -42,7 +42,7 @@ impl Farm {
             names.join(", ")
         );
         self.notices.raise(Attention::NestingFails, &build.profile, &format!("ended at build {}", build.id), &detail);
-        let running = Timestamp::now().duration_since(self.started_at);
+        let running = Timestamp::now().duration_since(self.life.started_at);
         Duration::try_from(running).is_ok_and(|running| running < wait)
     }
 

@@ -38,7 +38,7 @@ impl Farm {
             let is = |kind: Attention| notices.iter().any(|notice| notice.kind == kind);
             let lasts = notices.iter().find(|notice| now.duration_since(notice.since) >= LASTS);
             // After a start nothing is known until all has been looked at once.
-            let is_looked_at = station.scanned_at.is_some() && station.queue.is_some() && self.shown_at.is_some();
+            let is_looked_at = station.scanned_at.is_some() && station.queue.is_some() && self.shown.shown_at.is_some();
             StationSeen {
                 profile: name.clone(),
                 scanned_at: station.scanned_at,

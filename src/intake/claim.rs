@@ -11,7 +11,6 @@ use std::{
     sync::atomic::{AtomicU32, Ordering},
 };
 
-
 use super::{
     Claim, ClaimError, Ready, Said, Seen,
     beside::SAID_NAME,

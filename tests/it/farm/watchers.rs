@@ -78,7 +78,8 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     };
     wait_until_or("the metrics are written", 30.0, || fs::read_to_string(&file).unwrap_or_default(), is_written);
     assert!(farm.nestd_ok(&["metrics"]).contains("nestd_files_ingested_total{profile=\"test\"} 2"));
-    assert!(farm.nestd_ok(&["notify"]).contains("webhook: 0 messages wait, 0 were dropped"));
+    let is_told = || farm.nestd_ok(&["notify"]).contains("webhook: 0 messages wait, 0 were dropped");
+    wait_until_or("the ledger knows that all is delivered", 10.0, || farm.nestd_ok(&["notify"]), is_told);
     assert!(farm.nestd_ok(&["notify", "--test"]).contains("The webhook has the message trial@"));
     assert_eq!(hook.told().last().unwrap()["kind"], "test");
     assert!(farm.nestd_ok(&["check"]).contains("webhook of [notify]"));

@@ -42,6 +42,9 @@ pub struct ProvedBuild {
     pub drawn: Vec<(usize, u32, DVec3)>,
 }
 
+/// Index of a part and number of its copy.
+type PartCopy = (usize, u32);
+
 impl SolvedBuild {
     /// Proves what was written of it: every copy once and with its mesh, orientation, walls, clearance, containment, keep-out
     /// boxes, layers, and that it comes apart.
@@ -72,11 +75,11 @@ impl SolvedBuild {
     }
 
     /// Part and copy of everything that was read, and it as it is judged; each has to be what was placed.
-    fn compare(&self, read: &[PlacedMesh]) -> Result<(Vec<(usize, u32)>, Vec<Body>), ProveError> {
+    fn compare(&self, read: &[PlacedMesh]) -> Result<(Vec<PartCopy>, Vec<Body>), ProveError> {
         if read.len() != self.placed.len() {
             return wrong(format!("holds {} placements instead of {}", read.len(), self.placed.len()));
         }
-        let asked: BTreeSet<(usize, u32)> = self.placed.iter().map(|p| (p.part, p.copy)).collect();
+        let asked: BTreeSet<PartCopy> = self.placed.iter().map(|p| (p.part, p.copy)).collect();
         let mut seen = BTreeSet::new();
         let (mut copies, mut bodies) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
         for item in read {
@@ -91,7 +94,7 @@ impl SolvedBuild {
     }
 
     /// A read-back item as it is judged, compared with the part that it should be.
-    fn body_of(&self, item: &PlacedMesh) -> Result<((usize, u32), Body), ProveError> {
+    fn body_of(&self, item: &PlacedMesh) -> Result<(PartCopy, Body), ProveError> {
         let number = item.part_number.as_deref().unwrap_or_default();
         let Some(at) = self.parts.iter().position(|part| part.part_number == number) else {
             return wrong(format!("holds {} (part {number}), which was not asked for", item.name));

@@ -33,7 +33,7 @@ pub fn write(
     if build.placed.is_empty() {
         tell(&format!("no copy could be placed; {} is not written", args.output.display()));
     } else {
-        let (draft, proved) = stage(&args.output, &build, &setup.limits, |file, out| format::write_build(file, out))?;
+        let (draft, proved) = stage(&args.output, &build, &setup.limits, format::write_build)?;
         if let Some(found) = proved.separable.as_ref().filter(|found| !found.locked.is_empty()) {
             tell(&found.in_words());
         }
@@ -104,7 +104,7 @@ mod tests {
         let refused = stage(&target, &build, &limits, wrongly).err().unwrap();
         assert!(format!("{refused:#}").contains("a second reader disagrees"), "{refused:#}");
         assert!(folder.path().read_dir().unwrap().next().is_none(), "what was written is taken away");
-        stage(&target, &build, &limits, |file, out| format::write_build(file, out)).unwrap().0.publish().unwrap();
+        stage(&target, &build, &limits, format::write_build).unwrap().0.publish().unwrap();
         assert!(target.exists());
     }
 }

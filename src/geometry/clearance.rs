@@ -47,7 +47,7 @@ impl ClearanceTree {
     /// The least distance between the two surfaces, or `cap_mm` when they are further apart. 0 when the surfaces meet.
     /// Containment is not seen: see [`ClearanceTree::holds_part`]. `pose12` is the frame of `other` seen from this one.
     pub fn distance_capped_mm(&self, other: &Self, pose12: &Pose, cap_mm: f64) -> f64 {
-        let found_sq = Walk::new(self, other, pose12).nearest_sq(cap_mm * cap_mm, MEET_MM * MEET_MM);
+        let found_sq = self.walk(other, pose12).nearest_sq(cap_mm * cap_mm, MEET_MM * MEET_MM);
         if found_sq <= MEET_MM * MEET_MM { 0.0 } else { found_sq.sqrt().min(cap_mm) }
     }
 
@@ -55,7 +55,7 @@ impl ClearanceTree {
     pub fn closer_than(&self, other: &Self, pose12: &Pose, mm: f64) -> bool {
         let cap = mm.max(MEET_MM);
         let cap_sq = cap * cap;
-        Walk::new(self, other, pose12).nearest_sq(cap_sq, cap_sq.next_down()) < cap_sq
+        self.walk(other, pose12).nearest_sq(cap_sq, cap_sq.next_down()) < cap_sq
     }
 
     /// Whether a point (mesh frame) lies inside the solid: whether the surface winds about it. A sealed cavity whose surface
@@ -91,6 +91,11 @@ impl ClearanceTree {
     pub fn reach_mm(&self, direction: DVec3) -> f64 {
         let direction_in_box = self.obb.pose.rotation.conjugate() * direction;
         self.tree.reach(direction_in_box) + self.obb.pose.translation.dot(direction)
+    }
+
+    /// Walks this tree and another one at once; `pose12` is the mesh frame of the other seen from this one.
+    pub(super) fn walk<'a>(&'a self, other: &'a Self, pose12: &Pose) -> Walk<'a> {
+        Walk::new(&self.tree, &other.tree, &self.obb.pose.inverse().after(&pose12.after(&other.obb.pose)))
     }
 
     /// A point of the mesh frame as the tree's boxes see it.

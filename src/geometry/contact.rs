@@ -6,7 +6,6 @@ use glam::DVec3;
 use super::{
     ClearanceTree, Pose,
     triangle::{Triangle, closest_point},
-    walk::Walk,
 };
 
 /// Two points of two surfaces that are near each other.
@@ -30,7 +29,7 @@ impl ClearanceTree {
     /// every two leaves of the trees that come so near. `pose12` is the frame of `other` seen from this one.
     pub fn contacts(&self, other: &Self, pose12: &Pose, limit_mm: f64, each: &mut dyn FnMut(Contact)) {
         let frame = &self.obb().pose;
-        Walk::new(self, other, pose12).near_leaves(limit_mm * limit_mm, &mut |one, two| {
+        self.walk(other, pose12).near_leaves(limit_mm * limit_mm, &mut |one, two| {
             let contact = closest_points(one, two);
             each(Contact { point1: frame.point(contact.point1), point2: frame.point(contact.point2) });
         });

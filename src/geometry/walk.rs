@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{
-    ClearanceTree, Pose,
+    Pose,
     box_tree::{BoxTree, Node},
     triangle::Triangle,
 };
@@ -20,19 +20,11 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// `pose12` is the mesh frame of the second part seen from the first's.
-    pub fn new(part1: &'a ClearanceTree, part2: &'a ClearanceTree, pose12: &Pose) -> Self {
-        let pose12 = part1.obb().pose.inverse().after(&pose12.after(&part2.obb().pose));
+    /// `pose12` is the frame of the second tree's boxes seen from that of the first's.
+    pub fn new(tree1: &'a BoxTree, tree2: &'a BoxTree, pose12: &Pose) -> Self {
         let rotation12 = pose12.matrix();
         let spread12 = DMat3::from_cols(rotation12.x_axis.abs(), rotation12.y_axis.abs(), rotation12.z_axis.abs());
-        Self {
-            tree1: &part1.tree,
-            tree2: &part2.tree,
-            rotation12,
-            spread12,
-            spread21: spread12.transpose(),
-            translation12: pose12.translation,
-        }
+        Self { tree1, tree2, rotation12, spread12, spread21: spread12.transpose(), translation12: pose12.translation }
     }
 
     /// The least squared distance below `cap_sq`, or `cap_sq`; ends as soon as one at or below `goal_sq` is found, mm2.

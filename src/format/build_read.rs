@@ -6,8 +6,9 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::{
     BuildInfo, Limits, PlacedMesh, ReadError,
+    document::{Document, ObjectKey},
     flatten::Flattener,
-    model::{Body, Document, Item, Metadata, ObjectKey, Reference},
+    model::{Body, Item, Metadata, Reference},
     solid::checked_mesh,
 };
 use crate::geometry::{Bounds, Mesh, Pose};

@@ -4,7 +4,8 @@ use glam::{DAffine3, DVec3};
 
 use super::{
     Limits, ReadError,
-    model::{Body, Document, Object, ObjectKey},
+    document::{Document, ObjectKey},
+    model::{Body, Object},
 };
 
 /// Flattens objects of one document and keeps count of what it has copied.

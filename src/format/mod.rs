@@ -19,6 +19,7 @@ mod build_file;
 mod build_read;
 mod build_write;
 mod counted;
+mod document;
 mod error;
 mod file_end;
 mod file_name;
@@ -51,8 +52,9 @@ pub use file_end::{has_end, may_be_part};
 pub use file_name::build_file_name;
 pub use model_write::safe as name_in_build_file;
 pub use pick_map::{PickRow, pick_rows, write_pick_map};
-pub use read::{Contents, Solid, read};
+pub use read::read;
 pub use second_reader::cross_check;
+pub use solid::{Contents, Solid};
 pub use stl_write::write_stl;
 pub use visible::{cell, is_invisible, visible, visible_lines};
 

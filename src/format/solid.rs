@@ -1,8 +1,8 @@
-//! Vertices and triangles from any reader -> a checked part with its warnings.
+//! What a dropped file holds: vertices and triangles from any reader -> checked parts with their warnings.
 
 use glam::DVec3;
 
-use super::{ReadError, Solid, Unit, counted};
+use super::{ReadError, Unit, counted};
 use crate::geometry::{Mesh, MeshError};
 
 /// Parts whose largest extent is smaller were probably drawn in metres or inches.
@@ -11,6 +11,28 @@ const SUSPICIOUSLY_SMALL_MM: f64 = 2.0;
 const SUSPICIOUSLY_LARGE_MM: f64 = 10_000.0;
 /// Coordinates beyond 10 km are nonsense, and their digits no longer hold a part.
 const MAX_COORDINATE_MM: f64 = 1e7;
+
+/// What a dropped file holds.
+#[derive(Debug, Clone)]
+pub struct Contents {
+    /// The parts in it, at least one.
+    pub solids: Vec<Solid>,
+    /// What a person should know about the file as a whole; sentences.
+    pub warnings: Vec<String>,
+}
+
+/// One part of a dropped file.
+#[derive(Debug, Clone)]
+pub struct Solid {
+    /// The name that the file gives it, else the dropped name's stem.
+    pub name: String,
+    /// In mm. Not necessarily closed: see [`Mesh::defects`].
+    pub mesh: Mesh,
+    /// How often the file itself asks for it, at least 1.
+    pub copies: u32,
+    /// What a person should know about this part; sentences.
+    pub warnings: Vec<String>,
+}
 
 /// Checks a surface in mm; `unit` is the one that it was read in.
 pub(super) fn solid(

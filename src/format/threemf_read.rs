@@ -6,8 +6,9 @@ use glam::{DAffine3, DMat3};
 
 use super::{
     Contents, Limits, ReadError, Solid, Unit, counted,
+    document::{Document, ObjectKey},
     flatten::{Flat, Flattener},
-    model::{Document, Item, ObjectKey},
+    model::Item,
     solid, visible,
 };
 

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use rand::RngExt;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
-use super::cache::{Packer, Unpacker};
+use super::pack::{Packer, Unpacker};
 use crate::geometry::Mesh;
 
 /// Points of a leaf at most.

@@ -6,12 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{DQuat, DVec3};
 
 use super::{
+    first_turns::first_turns,
     fit::WALL_SPARE_MM,
     layers::{Filled, Slice},
     outline::{Candidate, Lineup},
     piece::{CLEARANCE_SPARE_MM, Piece, lifted},
     skyline::Skyline,
-    turns,
 };
 use crate::geometry::{Bounds, Pose};
 
@@ -100,8 +100,14 @@ impl<'a> Boxes<'a> {
         let bounds = Bounds { min: corner, max: way.bounds.max + place };
         let turn = way.turn;
         let pose = Pose::new(turn, place - turn * candidate.outline.obb.pose.translation);
-        let piece = Piece { item: copy.0, copy: copy.1, turn, place, pose, bounds };
-        let piece = filled.admit(&candidate.mesh, piece, lineup.room.z - WALL_SPARE_MM)?;
+        let mut piece = Piece { item: copy.0, copy: copy.1, turn, place, pose, bounds };
+        if filled.is_capped() {
+            // The room above it is free.
+            piece = piece.moved(DVec3::Z * filled.lift_mm(&candidate.mesh, &pose)?);
+            if piece.bounds.max.z > lineup.room.z - WALL_SPARE_MM {
+                return None;
+            }
+        }
         skyline.add(&lifted(&piece.bounds, lineup.z_extra_mm));
         Some(piece)
     }
@@ -131,8 +137,7 @@ fn ways_of(candidate: &Candidate, room: DVec3) -> Vec<Way> {
 pub(crate) fn turns_of(candidate: &Candidate, room: DVec3, most: usize) -> Vec<DQuat> {
     let outline = &candidate.outline;
     let room = room - 2.0 * WALL_SPARE_MM;
-    let mut turns =
-        turns::first_turns(&candidate.orientation, outline.obb.pose.rotation, &outline.extremes, room, most);
+    let mut turns = first_turns(&candidate.orientation, outline.obb.pose.rotation, &outline.extremes, room, most);
     if turns.is_empty() {
         turns.push(candidate.fitting);
     }

@@ -1,7 +1,12 @@
 //! Work that depends on a mesh only, kept from one run to the next. What is kept guides the search and never decides:
 //! the trees that prove clearance are always built from the triangles, so no kept byte can make a build wrong.
 
-use super::{body::Body, field::DistanceField, outline::Outline};
+use super::{
+    body::Body,
+    field::DistanceField,
+    outline::Outline,
+    pack::{Packer, Unpacker},
+};
 use crate::geometry::{Mesh, Obb, Pose};
 
 /// A place to keep bytes by key. What it gives back may be missing or stale, but not altered: implementations check
@@ -42,55 +47,6 @@ pub(crate) fn name_of(mesh: &Mesh) -> String {
 /// The key of a kind of work on a mesh.
 pub(crate) fn key_of(kind: &str, mesh_name: &str) -> String {
     format!("{kind}-{VERSION}-{mesh_name}")
-}
-
-/// Numbers one after the other, least byte first.
-#[derive(Default)]
-pub(crate) struct Packer(pub(crate) Vec<u8>);
-
-impl Packer {
-    pub(crate) fn u32(&mut self, value: u32) {
-        self.0.extend(value.to_le_bytes());
-    }
-
-    pub(crate) fn f32s(&mut self, values: &[f32]) {
-        values.iter().for_each(|v| self.0.extend(v.to_le_bytes()));
-    }
-
-    pub(crate) fn f64s(&mut self, values: &[f64]) {
-        values.iter().for_each(|v| self.0.extend(v.to_le_bytes()));
-    }
-}
-
-/// Takes numbers out again; `None` when there are too few bytes or a number is not finite.
-pub(crate) struct Unpacker<'a>(pub(crate) &'a [u8]);
-
-impl<'a> Unpacker<'a> {
-    pub(crate) fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(taken)
-    }
-
-    pub(crate) fn u32(&mut self) -> Option<u32> {
-        Some(u32::from_le_bytes(self.bytes(4)?.try_into().ok()?))
-    }
-
-    pub(crate) fn f32s<const N: usize>(&mut self) -> Option<[f32; N]> {
-        let mut values = [0.0; N];
-        for value in &mut values {
-            *value = f32::from_le_bytes(self.bytes(4)?.try_into().ok()?);
-        }
-        values.iter().all(|v| v.is_finite()).then_some(values)
-    }
-
-    pub(crate) fn f64s<const N: usize>(&mut self) -> Option<[f64; N]> {
-        let mut values = [0.0; N];
-        for value in &mut values {
-            *value = f64::from_le_bytes(self.bytes(8)?.try_into().ok()?);
-        }
-        values.iter().all(|v| v.is_finite()).then_some(values)
-    }
 }
 
 /// An outline as bytes.

@@ -8,11 +8,10 @@ use super::{
     interlock::parted,
     layers::Filled,
     near::Near,
-    piece::{Piece, Task, lifted},
+    piece::{Piece, Task, lifted, slice},
     recipe::Recipe,
     scan::Floors,
     separable::can_leave,
-    settle::slice,
     skyline::Skyline,
     voxels::{Occupancy, Raster},
 };

@@ -5,7 +5,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 use super::{
     Instance,
     construct::{Builder, Stack},
-    nester::{Course, TESTS_PER_EVALUATION},
+    course::{Course, TESTS_PER_EVALUATION},
     piece::{Piece, Task},
     recipe::Recipe,
 };

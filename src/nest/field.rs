@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::cache::{Packer, Unpacker};
+use super::pack::{Packer, Unpacker};
 use crate::geometry::{Mesh, closest_point};
 
 /// Triangles between two looks at the clock: each may fill the whole grid.

@@ -1,7 +1,7 @@
 //! A copy more in a layout that stands: into a gap where there is one, else the parts around the best place make room.
 //! Nobody starts over, and whoever stands far from it stays where he is.
 
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, sync::Arc};
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
@@ -9,13 +9,14 @@ use super::{
     Cache, Config, Instance, Listener, Placement, Solution, Stop,
     boxes::Boxes,
     construct::Builder,
+    course::Course,
     interlock::parted,
     layout::Layout,
-    nester::Course,
-    piece::{Piece, Task, height_mm},
+    piece::{Piece, Task, height_mm, solution},
     recipe::Recipe,
     relocate::{DepthGrid, Effort, relocate},
     separate::{Outcome, Patience, separate},
+    standing::standing,
 };
 
 /// Places at which room is made for a copy before it goes on top.
@@ -46,6 +47,17 @@ pub fn insert(
 }
 
 impl Course<'_> {
+    /// Only puts in what is lacking.
+    fn insert_only(mut self, start: &[Placement]) -> Solution {
+        let Some(task) = self.task(Arc::new(self.lineup())) else {
+            return solution(self.instance, &self.best, self.evaluations);
+        };
+        let standing = standing(&task, self.instance, start);
+        self.offer(standing.clone());
+        self.insert_each(&task, &standing, &lacking(&task, &standing));
+        solution(self.instance, &self.best, self.evaluations)
+    }
+
     /// Puts copies into a layout that stands, the largest first, and offers the layout.
     pub(super) fn insert_each(&mut self, task: &Task, standing: &[Piece], lacking: &[(usize, u32)]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);

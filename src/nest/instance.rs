@@ -3,69 +3,16 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{LayerCap, Orientation, reserved::Reserved};
-use crate::geometry::Mesh;
+use super::{
+    BuildVolume, LayerCap, Orientation, Placement,
+    reserved::{Reserved, Zone, block},
+};
+use crate::geometry::{Bounds, Mesh};
 
-/// Which rotations a part may have. A hard rule, checked again on the written file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum OrientationRule {
-    /// Any rotation.
-    #[default]
-    Free,
-    /// Rotations about z only: what was up stays up.
-    Upright,
-    /// The 24 rotations that map axes onto axes.
-    Axis,
-    /// As dropped; translations only.
-    Fixed,
-}
-
-/// The printable box of a machine with its lower front left corner at the origin; wall margins are taken off already.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct BuildVolume {
-    /// Edge lengths, mm; z is the greatest build height.
-    pub size_mm: DVec3,
-}
-
-/// What is kept free along the walls, above the floor and below the lid of a machine, mm.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Margins {
-    /// Along the four walls.
-    pub wall_mm: f64,
-    /// Above the floor.
-    pub floor_mm: f64,
-    /// Below the lid.
-    pub lid_mm: f64,
-}
-
-impl From<DVec3> for Margins {
-    /// Wall, floor and lid in this order, mm.
-    fn from(margins: DVec3) -> Self {
-        Self { wall_mm: margins.x, floor_mm: margins.y, lid_mm: margins.z }
-    }
-}
-
-impl Margins {
-    /// The box that may be filled in a printable box, mm.
-    pub fn room(&self, volume_mm: DVec3) -> BuildVolume {
-        let taken = DVec3::new(2.0 * self.wall_mm, 2.0 * self.wall_mm, self.floor_mm + self.lid_mm);
-        BuildVolume { size_mm: volume_mm - taken }
-    }
-
-    /// Wall, floor and lid in this order, mm.
-    pub fn as_dvec3(self) -> DVec3 {
-        DVec3::new(self.wall_mm, self.floor_mm, self.lid_mm)
-    }
-
-    /// Where the lower front left corner of the room stands in the machine's frame, mm.
-    pub fn origin_mm(&self) -> DVec3 {
-        DVec3::new(self.wall_mm, self.wall_mm, self.floor_mm)
-    }
-}
+/// Slices of a zone thinner than this inside the volume keep nothing out, mm.
+const THINNEST_MM: f64 = 1e-6;
 
 /// A part as the nester sees it.
 #[derive(Debug, Clone)]
@@ -136,8 +83,41 @@ impl Instance {
         &self.reserved
     }
 
-    pub(super) fn reserved_mut(&mut self) -> &mut Reserved {
-        &mut self.reserved
+    /// Keeps boxes of the build volume free, mm in its frame: nothing touches them, but nothing keeps a clearance from
+    /// them either. What of a box lies outside the volume is of no matter.
+    pub fn with_keep_out(mut self, boxes: &[Bounds]) -> Result<Self, InstanceError> {
+        let room = Bounds { min: DVec3::ZERO, max: self.volume.size_mm };
+        let mut zones = Vec::new();
+        for keep_out in boxes {
+            let is_box = keep_out.min.is_finite() && keep_out.max.is_finite() && keep_out.min.cmplt(keep_out.max).all();
+            let inside = Bounds { min: keep_out.min.max(room.min), max: keep_out.max.min(room.max) };
+            let solid = if is_box { Ok(()) } else { Err(InstanceError::BadKeepOut(keep_out.min, keep_out.max)) };
+            solid?;
+            if inside.size().min_element() > THINNEST_MM {
+                let mesh = block(&inside).ok_or(InstanceError::BadKeepOut(keep_out.min, keep_out.max))?;
+                zones.push(Zone { bounds: inside, mesh: Arc::new(mesh) });
+            }
+        }
+        self.reserved.zones = zones;
+        Ok(self)
+    }
+
+    /// Promises copies where they stand: they are part of every layout and never move. A copy whose pose breaks a rule, or
+    /// comes too near to one promised before it, is placed nowhere rather than elsewhere.
+    #[must_use]
+    pub fn with_pinned(mut self, pinned: Vec<Placement>) -> Self {
+        self.reserved.pinned = pinned;
+        self
+    }
+
+    /// The boxes that are kept free, as far as they lie in the volume, mm.
+    pub fn keep_out(&self) -> Vec<Bounds> {
+        self.reserved.zones.iter().map(|zone| zone.bounds).collect()
+    }
+
+    /// The copies that never move.
+    pub fn pinned(&self) -> &[Placement] {
+        &self.reserved.pinned
     }
 
     /// Asks for more clearance along z: between any two parts the clearance also holds when either of them is raised by

@@ -5,41 +5,11 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::{BuildVolume, piece::Piece};
+use super::LayerCap;
 use crate::geometry::{Mesh, Pose};
 
-/// Layers where nobody says how thick they are, mm.
-pub const DEFAULT_LAYER_MM: f64 = 0.1;
 /// By how much a cap may be passed, as a share of it: rounding.
 const CAP_TOLERANCE: f64 = 1e-6;
-
-/// Layers of a machine, and how much of one may be filled.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LayerCap {
-    /// Thickness of a layer, mm; layers are counted from the floor of the build volume.
-    pub layer_mm: f64,
-    /// Greatest filled area of any layer, mm2; infinite = no cap.
-    pub area_mm2: f64,
-}
-
-impl LayerCap {
-    /// A cap as a share of the base of a build volume; `None` = no cap.
-    pub fn of_share(layer_mm: f64, share: Option<f64>, volume: &BuildVolume) -> Self {
-        let base_mm2 = volume.size_mm.x * volume.size_mm.y;
-        Self { layer_mm, area_mm2: share.map_or(f64::INFINITY, |share| share * base_mm2) }
-    }
-
-    /// Greatest filled area of a layer, mm2; `None` = any.
-    pub fn capped_mm2(&self) -> Option<f64> {
-        self.area_mm2.is_finite().then_some(self.area_mm2)
-    }
-}
-
-impl Default for LayerCap {
-    fn default() -> Self {
-        Self { layer_mm: DEFAULT_LAYER_MM, area_mm2: f64::INFINITY }
-    }
-}
 
 /// What is filled in the layers of a build.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -205,15 +175,10 @@ impl Filled {
         self.areas[slice.first..end].iter_mut().zip(&slice.areas).for_each(|(sum, area)| *sum += area);
     }
 
-    /// Lifts a part by as many layers as the cap asks for; the room above it must be free. `None` when it is too much alone
-    /// or does not fit below `lid_mm` any more.
-    pub(crate) fn admit(&self, mesh: &Mesh, piece: Piece, lid_mm: f64) -> Option<Piece> {
-        if !self.is_capped() {
-            return Some(piece);
-        }
-        let layers = self.raise(&Slice::of(mesh, &piece.pose, self.cap.layer_mm))?;
-        let piece = piece.moved(DVec3::Z * (layers as f64 * self.cap.layer_mm));
-        (piece.bounds.max.z <= lid_mm).then_some(piece)
+    /// By how much a part must be lifted so that the cap lets it be added, mm; `None` when it is too much alone.
+    pub(crate) fn lift_mm(&self, mesh: &Mesh, pose: &Pose) -> Option<f64> {
+        let layers = self.raise(&Slice::of(mesh, pose, self.cap.layer_mm))?;
+        Some(layers as f64 * self.cap.layer_mm)
     }
 
     /// Takes a part away again.

@@ -5,10 +5,11 @@ use std::sync::{Arc, mpsc};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Cache, Config, Instance, Interlock, Listener, Method, Placement, Solution, Stop,
+    Cache, Config, Instance, Listener, Method, Placement, Solution, Stop,
     boxes::Boxes,
     construct::Builder,
     contest::contest,
+    course::{COARSE_NODES, COARSE_POINTS, Course, WORTH_KEEPING},
     cut::is_hopeless,
     insert::{are_few, lacking},
     interlock::parted,
@@ -19,7 +20,6 @@ use super::{
     recipe::Recipe,
     settle::{is_better, settle},
     standing::standing,
-    workshop::Workshop,
 };
 use crate::pollination::{Pollination, Setup};
 
@@ -51,23 +51,12 @@ pub fn nest_with(
     }
 }
 
-/// Share of the budget after which no mesh is prepared any more: boxes on boxes it is then. More than all of it, so that a
-/// layout to go on from is not given up for meshes that are nearly prepared.
-const PREPARING_SHARE: f64 = 2.0;
 /// Share of the budget for first layouts, after the first one.
 const START_SHARE: f64 = 0.1;
-/// Placement tests that cost about as much as one evaluation of the search.
-pub(super) const TESTS_PER_EVALUATION: u64 = 64;
 /// Share of the budget for what comes after the height.
 const SETTLE_SHARE: f64 = 0.02;
-/// Nodes of a distance grid for the first layouts.
-const COARSE_NODES: usize = 30_000;
-/// Surface points for the first layouts.
-const COARSE_POINTS: usize = 400;
 /// First layouts that are kept as places to begin from.
 const MOST_STARTS: usize = 8;
-/// How much higher than the lowest a first layout may be to be worth keeping.
-const WORTH_KEEPING: f64 = 1.15;
 /// From here on, boxes are stacked in one order only.
 const MANY: usize = 300;
 /// Nodes of all distance grids together, about: two bytes each.
@@ -79,57 +68,7 @@ const FINER_SHARE: f64 = 0.12;
 /// Meshes of finer guides between two looks at the budget.
 const FINER_AT_ONCE: usize = 8;
 
-/// One run of our own search.
-pub(super) struct Course<'a> {
-    pub(super) instance: &'a Instance,
-    pub(super) config: &'a Config,
-    workshop: Workshop<'a>,
-    pub(super) stop: &'a dyn Stop,
-    listener: &'a mut dyn Listener,
-    pub(super) best: Vec<Piece>,
-    /// First layouts, the lowest first.
-    starts: Vec<Vec<Piece>>,
-    pub(super) evaluations: u64,
-}
-
-impl<'a> Course<'a> {
-    pub(super) fn new(
-        instance: &'a Instance,
-        config: &'a Config,
-        cache: Option<&'a dyn Cache>,
-        stop: &'a dyn Stop,
-        listener: &'a mut dyn Listener,
-    ) -> Self {
-        let mut workshop = Workshop::new(cache, config.threads);
-        if instance.pinned().is_empty() {
-            workshop = workshop.until(stop, PREPARING_SHARE);
-        }
-        Self { instance, config, workshop, stop, listener, best: Vec::new(), starts: Vec::new(), evaluations: 0 }
-    }
-
-    /// Only puts in what is lacking.
-    pub(super) fn insert_only(mut self, start: &[Placement]) -> Solution {
-        let Some(task) = self.task(Arc::new(self.lineup())) else {
-            return solution(self.instance, &self.best, self.evaluations);
-        };
-        let standing = standing(&task, self.instance, start);
-        self.offer(standing.clone());
-        self.insert_each(&task, &standing, &lacking(&task, &standing));
-        solution(self.instance, &self.best, self.evaluations)
-    }
-
-    fn lineup(&self) -> Lineup {
-        Lineup::new(self.instance, |meshes| self.workshop.outlines(meshes))
-    }
-
-    fn task(&self, lineup: Arc<Lineup>) -> Option<Task> {
-        let pins = self.instance.reserved().pins();
-        let (organs, workshop) = (self.config.organs, &self.workshop);
-        let mut task = Task::new(lineup, pins, workshop, organs, COARSE_NODES, COARSE_POINTS)?;
-        task.separable = self.config.interlock() == Interlock::Forbid;
-        Some(task)
-    }
-
+impl Course<'_> {
     fn run(mut self, start: &[Placement]) -> Solution {
         let lineup = Arc::new(self.lineup());
         if start.is_empty() && self.instance.pinned().is_empty() {
@@ -193,15 +132,6 @@ impl<'a> Course<'a> {
             }
         }
         task
-    }
-
-    /// Takes a layout when it places more or is lower, and tells of it.
-    pub(super) fn offer(&mut self, pieces: Vec<Piece>) {
-        let rank = |pieces: &[Piece]| (std::cmp::Reverse(pieces.len()), height_mm(pieces));
-        if !pieces.is_empty() && rank(&pieces) < rank(&self.best) {
-            self.best = pieces;
-            self.listener.improved(&solution(self.instance, &self.best, self.evaluations), self.evaluations);
-        }
     }
 
     /// Offers a first layout, and keeps it as a place to begin from if it is not offered already.
@@ -268,25 +198,6 @@ impl<'a> Course<'a> {
             flowers.tell(whole.as_ref().map_or(f64::INFINITY, |pieces| height_mm(pieces)));
             whole.into_iter().for_each(|pieces| self.consider(pieces));
         }
-    }
-
-    /// One run of the builder, ended when it gets higher than the best complete layout or at a share of the budget.
-    pub(super) fn build(
-        &mut self,
-        builder: &mut Builder<'_>,
-        recipe: &Recipe,
-        order: &[(usize, u32)],
-        standing: &[Piece],
-        limit: f64,
-    ) -> Option<Vec<Piece>> {
-        let whole = self.best.len() == standing.len() + order.len();
-        let worst_mm = if whole { WORTH_KEEPING * height_mm(&self.best) } else { f64::INFINITY };
-        let (stop, before) = (self.stop, self.evaluations);
-        let enough = |tests| stop.spent(before + tests / TESTS_PER_EVALUATION) >= limit;
-        let built = builder.build(recipe, order, standing, worst_mm, enough);
-        self.evaluations += builder.tests / TESTS_PER_EVALUATION;
-        builder.tests %= TESTS_PER_EVALUATION;
-        built
     }
 
     /// Lowers the lid over what has been found, until a share of the budget is used up.

@@ -18,16 +18,18 @@
 //!   triangles before anybody hears of it; an offender would be taken out.
 //! - A part that finds no place is left out of this layout and tried again in the next; layouts with more parts win.
 
+mod clear;
 mod layout;
 mod shape;
 mod zones;
 
+use clear::keeps_clear;
 use layout::{Layout, Pace};
 use shape::{Shape, shapes};
 use zones::Zones;
 
-use super::{Config, Instance, Listener, Placement, Solution, Stop, piece::lifted};
-use crate::geometry::{Bounds, Pose};
+use super::{Config, Instance, Listener, Placement, Solution, Stop};
+use crate::geometry::Bounds;
 
 /// What a placement may stand out of the walls, mm: within the judge's tolerance, and what a promised one may.
 const WALL_SLACK_MM: f64 = 8e-7;
@@ -166,41 +168,6 @@ fn solution(
         placements: kept.into_iter().map(|(placement, _)| placement).collect(),
         evaluations,
     }
-}
-
-/// Whether two placements keep their clearance on the triangles and neither is inside the other.
-fn keeps_clear(
-    instance: &Instance,
-    shapes: &[Shape],
-    (one, bounds1): (&Placement, &Bounds),
-    (two, bounds2): (&Placement, &Bounds),
-) -> bool {
-    let (surface1, surface2) = (&shapes[one.item].surface, &shapes[two.item].surface);
-    let pose12 = one.pose.seen(&two.pose);
-    keeps_apart(instance, shapes, (one.item, &one.pose, bounds1), (two.item, &two.pose, bounds2))
-        && !surface1.holds_part(surface2, &pose12)
-        && !surface2.holds_part(surface1, &pose12.inverse())
-}
-
-/// Whether the surfaces of two placements keep their clearance, also when either is raised as far as it may be.
-fn keeps_apart(
-    instance: &Instance,
-    shapes: &[Shape],
-    (item1, pose1, bounds1): (usize, &Pose, &Bounds),
-    (item2, pose2, bounds2): (usize, &Pose, &Bounds),
-) -> bool {
-    let (clearance_mm, extra_mm) = (instance.clearance_between_mm(item1, item2), instance.clearance_z_extra_mm());
-    let gap_mm = lifted(bounds1, extra_mm).distance(&lifted(bounds2, extra_mm));
-    if gap_mm > 0.0 && gap_mm >= clearance_mm {
-        return true;
-    }
-    let (surface1, surface2, pose12) = (&shapes[item1].surface, &shapes[item2].surface, pose1.seen(pose2));
-    if extra_mm <= 0.0 {
-        return !surface1.closer_than(surface2, &pose12, clearance_mm - 1e-7);
-    }
-    let slide1 = pose1.inverse().direction(glam::DVec3::Z * extra_mm);
-    let found_mm = surface1.distance_sliding_mm(surface2, &pose12, slide1, clearance_mm.max(1e-6));
-    found_mm > 0.0 && found_mm >= clearance_mm - 1e-7
 }
 
 #[cfg(test)]

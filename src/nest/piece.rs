@@ -7,10 +7,9 @@ use glam::{DQuat, DVec3};
 use super::{
     Instance, Organs, Orientation, OrientationRule, Placement, Solution,
     fit::WALL_SPARE_MM,
-    layers::Filled,
+    layers::{Filled, Slice},
     outline::{Candidate, Lineup},
     reserved::Zone,
-    settle::slice,
     shape::{Detail, Shape},
     workshop::Workshop,
 };
@@ -234,6 +233,11 @@ pub(crate) fn lifted(bounds: &Bounds, extra_mm: f64) -> Bounds {
 /// Top of the highest piece, mm.
 pub(crate) fn height_mm(pieces: &[Piece]) -> f64 {
     pieces.iter().map(|p| p.bounds.max.z).fold(0.0, f64::max)
+}
+
+/// What a piece fills in each layer.
+pub(crate) fn slice(task: &Task, piece: &Piece) -> Slice {
+    Slice::of(task.kind(piece.item).shape.tree.mesh(), &piece.pose, task.lineup.cap.layer_mm)
 }
 
 /// The solution that pieces make.

@@ -7,9 +7,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     Orientation, OrientationRule,
+    first_turns::first_turns,
     layout::{Layout, Stand},
     push::Guide,
-    turns,
 };
 use crate::pollination::{Edge, Gene, Pollination, Setup};
 
@@ -108,7 +108,7 @@ impl<'t> Turning<'t> {
         let room = layout.task.room.with_z(layout.lid_mm);
         let mut bases = match kind.orientation.rule {
             OrientationRule::Fixed => vec![DQuat::IDENTITY],
-            _ => turns::first_turns(&kind.orientation, kind.shape.frame, &kind.shape.extremes, room, 24),
+            _ => first_turns(&kind.orientation, kind.shape.frame, &kind.shape.extremes, room, 24),
         };
         bases.push(layout.stands[part].turn);
         Self { orientation: &kind.orientation, bases }

@@ -8,8 +8,8 @@ use glam::DVec3;
 
 use super::{
     fit::WALL_SPARE_MM,
-    layers::{Filled, Slice},
-    piece::{Piece, Task, height_mm},
+    layers::Filled,
+    piece::{Piece, Task, height_mm, slice},
 };
 use crate::geometry::Bounds;
 
@@ -158,9 +158,4 @@ impl Settling<'_> {
         pieces[part] = moved;
         true
     }
-}
-
-/// What a piece fills in each layer.
-pub(crate) fn slice(task: &Task, piece: &Piece) -> Slice {
-    Slice::of(task.kind(piece.item).shape.tree.mesh(), &piece.pose, task.lineup.cap.layer_mm)
 }

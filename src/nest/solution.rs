@@ -1,18 +1,6 @@
 //! What the nester found, frozen.
 
-use super::Instance;
-use crate::geometry::Pose;
-
-/// One copy of an item at a pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Placement {
-    /// Index into the instance's items.
-    pub item: usize,
-    /// Copy number, from 0.
-    pub copy: u32,
-    /// Where it stands: mesh frame -> build frame.
-    pub pose: Pose,
-}
+use super::{Instance, Placement};
 
 /// A layout in which every placement keeps its clearance, and the copies that found no place.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,8 +7,7 @@ use super::{
     interlock::parted,
     layers::Filled,
     near::Near,
-    piece::{Piece, Task},
-    settle::slice,
+    piece::{Piece, Task, slice},
 };
 
 /// The pieces of an earlier layout that still hold: inside the walls, clear of each other and, where it is asked, not locked

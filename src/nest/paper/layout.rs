@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{keeps_apart, shape::Shape, zones::Zones};
+use super::{clear::keeps_apart, shape::Shape, zones::Zones};
 use crate::{
     geometry::{Bounds, Pose},
     nest::{

@@ -1,0 +1,34 @@
+//! How thick the layers of a machine are, and how much of one may be filled.
+
+use super::BuildVolume;
+
+/// Layers where nobody says how thick they are, mm.
+pub const DEFAULT_LAYER_MM: f64 = 0.1;
+
+/// Layers of a machine, and how much of one may be filled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LayerCap {
+    /// Thickness of a layer, mm; layers are counted from the floor of the build volume.
+    pub layer_mm: f64,
+    /// Greatest filled area of any layer, mm2; infinite = no cap.
+    pub area_mm2: f64,
+}
+
+impl LayerCap {
+    /// A cap as a share of the base of a build volume; `None` = no cap.
+    pub fn of_share(layer_mm: f64, share: Option<f64>, volume: &BuildVolume) -> Self {
+        let base_mm2 = volume.size_mm.x * volume.size_mm.y;
+        Self { layer_mm, area_mm2: share.map_or(f64::INFINITY, |share| share * base_mm2) }
+    }
+
+    /// Greatest filled area of a layer, mm2; `None` = any.
+    pub fn capped_mm2(&self) -> Option<f64> {
+        self.area_mm2.is_finite().then_some(self.area_mm2)
+    }
+}
+
+impl Default for LayerCap {
+    fn default() -> Self {
+        Self { layer_mm: DEFAULT_LAYER_MM, area_mm2: f64::INFINITY }
+    }
+}

@@ -4,7 +4,7 @@ use std::{collections::BTreeSet, fs, path::Path};
 
 use anyhow::Result;
 
-use super::{
+use super::looked::{
     Invariant::{I2, I3},
     Looked, Witness,
 };

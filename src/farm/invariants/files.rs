@@ -6,9 +6,11 @@ use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
-    Invariant::{I1, I4},
-    Looked, Witness,
     folders::{ByHash, Folders, by_hash},
+    looked::{
+        Invariant::{I1, I4},
+        Looked, Witness,
+    },
 };
 use crate::{
     farm::{tidy::KEEP_REFUSED_SECS, trigger::secs_between},

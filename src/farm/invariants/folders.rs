@@ -7,7 +7,7 @@ use std::{
 
 use anyhow::Result;
 
-use super::{Invariant, Looked, Witness};
+use super::looked::{Invariant, Looked, Witness};
 use crate::{
     intake::{self, Work},
     ledger::{Ledger, PartState},

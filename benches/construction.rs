@@ -4,10 +4,8 @@ use std::{hint::black_box, sync::Arc};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
-use nestd::{
-    nest::{BuildVolume, Config, Instance, Item, OrientationRule, Solution, Stop, nest},
-    samples::{Workload, workload},
-};
+use nester::{BuildVolume, Config, Instance, Item, OrientationRule, Solution, Stop, nest};
+use sample_parts::{Workload, workload};
 
 /// A budget that is used up from the beginning: only the first layout is made.
 struct Spent;

@@ -7,8 +7,8 @@ mod pairs;
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nestd::{geometry::ClearanceTree, samples};
 use parry3d_f64::{math::Pose3, query, shape::TriMesh};
+use solids::ClearanceTree;
 
 /// Pairs of each set; one sample asks about all of them.
 const PAIRS: usize = 50;
@@ -51,9 +51,9 @@ fn trees(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("building a tree");
     group.sample_size(10);
     for (name, mesh) in [
-        ("fan", samples::axial_fan(65.0, 22.0, 7)),
-        ("gyroid ball", samples::gyroid_ball(36.0, 18.0, 3.2)),
-        ("spur gear", samples::spur_gear(24, 2.0, 10.0, 10.0)),
+        ("fan", sample_parts::axial_fan(65.0, 22.0, 7)),
+        ("gyroid ball", sample_parts::gyroid_ball(36.0, 18.0, 3.2)),
+        ("spur gear", sample_parts::spur_gear(24, 2.0, 10.0, 10.0)),
     ] {
         let mesh = std::sync::Arc::new(mesh);
         group.throughput(Throughput::Elements(mesh.triangles().len() as u64));

@@ -10,24 +10,20 @@
 //! 5  settings                 TOML fragments -> validated Settings
 //! 4  ledger  intake  queue    SQL | hot folder | printer queue folder
 //! 3  build                    machine + parts -> instance; solution -> a proved build file
-//! 2  format  access           STL/3MF bytes <-> Mesh; meshes + poses -> .build.3mf, previews | mode and group of files
-//! 1  nest  samples            geometry x pollination: the packing search | the project's own parts
-//! 0  geometry  pollination    pure solids | pure optimiser over &[f64]
+//! 2  access                   mode and group of files
 //! ```
+//!
+//! Below them stand crates of their own: `solids` (meshes, poses, distances), `nester` (the packing search), `build_file`
+//! (STL and 3MF in, build files and pictures out) and `sample_parts` (the project's own parts).
 
 pub mod access;
 pub mod build;
 pub mod cli;
 pub mod farm;
-pub mod format;
-pub mod geometry;
 pub mod intake;
 pub mod ledger;
 pub mod metrics;
-pub mod nest;
 pub mod outbox;
-pub mod pollination;
 pub mod queue;
-pub mod samples;
 pub mod settings;
 pub mod web;

@@ -3,18 +3,15 @@
 
 use std::sync::Arc;
 
-use nestd::{
-    geometry::{ClearanceTree, Mesh, Pose},
-    samples::{Workload, workload},
-};
 use rand_chacha::{
     ChaCha8Rng,
     rand_core::{Rng, SeedableRng},
 };
-
-#[path = "../../src/geometry/tight.rs"]
-mod tight;
-use tight::{tight, unit};
+use sample_parts::{Workload, workload};
+use solids::{
+    ClearanceTree, Mesh, Pose,
+    fixtures::{tight, unit},
+};
 
 /// How near the parts of a pair stand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

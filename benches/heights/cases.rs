@@ -7,14 +7,12 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
+use build_file::{Limits, Unit};
 use glam::DVec3;
-use nestd::{
-    format::{self, Limits, Unit},
-    geometry::Mesh,
-    nest::{BuildVolume, Instance, Item, OrientationRule},
-    samples::{Workload, workload},
-};
+use nester::{BuildVolume, Instance, Item, OrientationRule};
+use sample_parts::{Workload, workload};
 use serde::Deserialize;
+use solids::Mesh;
 
 /// The workloads whose heights are compared.
 pub const COMPARED: [&str; 4] = ["fans20", "engine30", "small200", "small600"];
@@ -131,7 +129,7 @@ fn solids(
     if let Some(solids) = known.get(&hash) {
         return Ok(solids.clone());
     }
-    let contents = format::read(path, name, None, Unit::default(), &Limits::default())?;
+    let contents = build_file::read(path, name, None, Unit::default(), &Limits::default())?;
     let solids: Vec<_> = contents.solids.into_iter().map(|s| (Arc::new(s.mesh), s.copies)).collect();
     known.insert(hash, solids.clone());
     Ok(solids)

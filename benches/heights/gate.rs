@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, ensure};
-use nestd::nest::Method;
+use nester::Method;
 use serde::{Deserialize, Serialize};
 
 use super::{

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use clap::ValueEnum;
-use nestd::nest::{Method, Organs};
+use nester::{Method, Organs};
 
 use super::{
     Args, cases,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use nestd::nest::Method;
+use nester::Method;
 
 use super::{book::Record, trial::Step};
 

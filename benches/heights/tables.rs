@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use nestd::nest::{Method, Organs};
+use nester::{Method, Organs};
 
 use super::{
     book::{KernelRecord, Origin, Record},

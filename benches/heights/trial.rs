@@ -3,11 +3,9 @@
 use std::sync::Mutex;
 
 use anyhow::{Result, bail, ensure};
-use nestd::{
-    geometry::Pose,
-    nest::{Body, Config, Instance, Method, Organs, Solution, Stop, lower_bound_mm, nest, prove},
-};
+use nester::{Body, Config, Instance, Method, Organs, Solution, Stop, lower_bound_mm, nest, prove};
 use serde::{Deserialize, Serialize};
+use solids::Pose;
 
 use super::cases;
 

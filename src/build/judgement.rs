@@ -1,8 +1,9 @@
 //! What the independent judge says of bodies on a machine: walls, clearance, keep-out boxes, layers, and whether they come
 //! apart.
 
+use nester::{Body, Interlock, LayerAreas, Proof, Separability, TakenApart};
+
 use super::Machine;
-use crate::nest::{self, Body, Interlock, LayerAreas, Proof, Separability, TakenApart};
 
 /// What was found out about bodies on a machine.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ impl Machine {
     /// Judges bodies in the build volume's frame.
     pub fn judge(&self, bodies: &[Body]) -> Judgement {
         let room_mm = self.build_volume().size_mm;
-        let proof = nest::prove_with(bodies, room_mm, self.clearance_z_extra_mm, &self.keep_out_in_volume());
+        let proof = nester::prove_with(bodies, room_mm, self.clearance_z_extra_mm, &self.keep_out_in_volume());
         // What stands outside is told anyway, and layers without end are not counted.
         let is_counted = self.layer_cap.capped_mm2().is_some() && proof.outside.is_empty();
         let placed = bodies.iter().map(|body| (&*body.mesh, body.pose));

@@ -4,11 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::{
-    format::{Arrangement, Instances},
-    geometry::{Bounds, Mesh, Pose},
-    nest::{Body, BuildVolume, Instance, InstanceError, Interlock, Item, LayerCap, Margins},
-};
+use build_file::{Arrangement, Instances};
+use nester::{Body, BuildVolume, Instance, InstanceError, Interlock, Item, LayerCap, Margins};
+use solids::{Bounds, Mesh, Pose};
 
 /// A machine as a build sees it.
 #[derive(Debug, Clone, PartialEq)]

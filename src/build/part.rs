@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::{
-    geometry::{Mesh, Pose},
-    nest::{Item, Orientation},
-};
+use nester::{Item, Orientation};
+use solids::{Mesh, Pose};
 
 /// A part of a build with the copies of it that are wanted.
 #[derive(Debug, Clone)]

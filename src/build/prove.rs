@@ -3,14 +3,12 @@
 
 use std::{collections::BTreeSet, path::Path};
 
+use build_file::{Limits, PlacedMesh, ReadError};
 use glam::DVec3;
+use nester::{Body, Proof, Separability};
+use solids::Mesh;
 
 use super::SolvedBuild;
-use crate::{
-    format::{self, Limits, PlacedMesh, ReadError},
-    geometry::Mesh,
-    nest::{self, Body, Proof, Separability},
-};
 
 /// A mesh that is read back may differ from the one that was nested by this share: rounding of decimal digits.
 const SAME_MESH: f64 = 1e-9;
@@ -52,9 +50,9 @@ impl SolvedBuild {
     /// # Errors
     /// The file cannot be read, a second reader reads it differently, or it is not proved.
     pub fn prove(&self, written: &Path, limits: &Limits) -> Result<ProvedBuild, ProveError> {
-        let read = format::read_build(written, limits).map_err(ProveError::Read)?;
+        let read = build_file::read_build(written, limits).map_err(ProveError::Read)?;
         let (copies, bodies) = self.compare(&read)?;
-        format::cross_check(written, &read, limits).map_err(ProveError::SecondReader)?;
+        build_file::cross_check(written, &read, limits).map_err(ProveError::SecondReader)?;
         let judged = self.machine.judge(&bodies);
         if !judged.proof.is_proved() {
             let mut faults = judged.placement_faults(|i| bodies[i].name.clone());
@@ -106,7 +104,7 @@ impl SolvedBuild {
         if !is_same_mesh(&item.mesh, &part.mesh) {
             return wrong(format!("holds part {number} ({}) with another mesh", part.name));
         }
-        if !nest::rotation_obeys(&part.orientation, &item.pose) {
+        if !nester::rotation_obeys(&part.orientation, &item.pose) {
             return wrong(format!("holds part {number} ({}) turned against its orientation rule", part.name));
         }
         let body = self.machine.body(part.name.clone(), item.mesh.clone(), &item.pose, part.clearance_mm);

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use build_file::{BuildFile, BuildItem, BuildObject, Drawn, Viewpoint};
+use nester::{Course, LayerAreas, PlacedPart, Report, UnplacedPart};
+use solids::{Mesh, Pose};
+
 use super::{BuildPart, Machine, PartPlacement};
-use crate::{
-    format::{self, BuildFile, BuildItem, BuildObject, Drawn, Viewpoint},
-    geometry::{Mesh, Pose},
-    nest::{self, Course, LayerAreas, PlacedPart, Report, UnplacedPart},
-};
 
 /// What a build file says of itself beside machine and placements.
 #[derive(Debug, Clone)]
@@ -89,7 +88,7 @@ impl SolvedBuild {
             source_hash: part.source_hash.clone(),
             clearance_mm: part.clearance_mm,
             orientation: serde_word(&part.orientation.rule),
-            tilts: (!tilts.is_empty()).then(|| nest::write_tilts(tilts)),
+            tilts: (!tilts.is_empty()).then(|| nester::write_tilts(tilts)),
         }
     }
 
@@ -139,7 +138,7 @@ fn object(part: &BuildPart) -> BuildObject {
 pub fn picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
     let drawn = |i: &BuildItem| Drawn { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
     let bodies: Vec<Drawn> = build.items.iter().map(drawn).collect();
-    format::picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
+    build_file::picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
 }
 
 /// The word that serde writes for a plain enum.

@@ -5,16 +5,13 @@ use std::{
     sync::Arc,
 };
 
+use build_file::{Arrangement, Instances, Limits};
 use glam::{DQuat, DVec3};
+use nester::{Interlock, LayerCap, Margins, Orientation, OrientationRule};
+use solids::Pose;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::*;
-use crate::{
-    format::{self, Arrangement, Instances, Limits},
-    geometry::Pose,
-    nest::{Interlock, LayerCap, Margins, Orientation, OrientationRule},
-    samples,
-};
 
 /// A cube of 10 mm, standing free on a machine of 100 mm.
 pub fn one_cube() -> SolvedBuild {
@@ -37,7 +34,7 @@ pub fn one_cube() -> SolvedBuild {
         source_name: "cube.stl".to_owned(),
         source_hash: "00".to_owned(),
         content_hash: "00-0".to_owned(),
-        mesh: Arc::new(samples::cuboid(DVec3::splat(10.0))),
+        mesh: Arc::new(sample_parts::cuboid(DVec3::splat(10.0))),
         copies: vec![4],
         orientation: Orientation::new(OrientationRule::Upright, &[], &[]),
         clearance_mm: None,
@@ -83,7 +80,7 @@ pub fn with_an_item_more(package: &[u8]) -> Vec<u8> {
 /// What comes of proving `asked` on a file that says `written`.
 fn proved(asked: &SolvedBuild, written: &SolvedBuild) -> Result<ProvedBuild, String> {
     let mut file = tempfile::NamedTempFile::new().unwrap();
-    format::write_build(&written.build_file((16, 16)), file.as_file_mut()).unwrap();
+    build_file::write_build(&written.build_file((16, 16)), file.as_file_mut()).unwrap();
     asked.prove(file.path(), &Limits::for_testing()).map_err(|error| format!("{:#}", anyhow::Error::from(error)))
 }
 
@@ -100,7 +97,7 @@ fn a_build_that_is_written_as_it_was_found_is_proved() {
 fn a_build_that_a_second_reader_reads_differently_is_not_proved() {
     let build = one_cube();
     let mut written = Cursor::new(Vec::new());
-    format::write_build(&build.build_file((16, 16)), &mut written).unwrap();
+    build_file::write_build(&build.build_file((16, 16)), &mut written).unwrap();
     let mut file = tempfile::NamedTempFile::new().unwrap();
     file.write_all(&with_an_item_more(written.get_ref())).unwrap();
     let error = build.prove(file.path(), &Limits::for_testing()).unwrap_err();
@@ -116,7 +113,7 @@ fn a_build_that_holds_something_else_is_not_proved() {
         ("which was not asked for", |build| build.parts[0].part_number = "8".to_owned()),
         ("other copies", |build| build.placed[0].copy = 5),
         ("another mesh", |build| {
-            build.parts[0].mesh = Arc::new(samples::cuboid(DVec3::new(10.0, 10.0, 10.0 + 1e-6)));
+            build.parts[0].mesh = Arc::new(sample_parts::cuboid(DVec3::new(10.0, 10.0, 10.0 + 1e-6)));
         }),
         ("turned against its orientation rule", |build| {
             build.placed[0].pose.rotation = DQuat::from_rotation_x(0.3);
@@ -133,7 +130,7 @@ fn a_build_that_holds_something_else_is_not_proved() {
         let (mut asked, mut written) = (one_cube(), one_cube());
         change(&mut written);
         if told.starts_with("keep-out") {
-            let cube = crate::geometry::Bounds { min: DVec3::splat(20.0), max: DVec3::splat(40.0) };
+            let cube = solids::Bounds { min: DVec3::splat(20.0), max: DVec3::splat(40.0) };
             asked.machine.keep_out.push(cube);
         }
         let refused = proved(&asked, &written).unwrap_err();

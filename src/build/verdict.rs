@@ -2,13 +2,11 @@
 
 use std::path::Path;
 
+use build_file::{BuildInfo, Limits, PlacedMesh};
+use nester::{Body, Orientation, OrientationRule, Tilt};
 use serde_json::Value;
 
 use super::{Judgement, Machine};
-use crate::{
-    format::{self, BuildInfo, Limits, PlacedMesh},
-    nest::{self, Body, Orientation, OrientationRule, Tilt},
-};
 
 /// Everything that was found out about a build file.
 #[derive(Debug)]
@@ -54,7 +52,7 @@ impl Verdict {
 /// Only for our own files: the other reader does not know everything that other packers write.
 fn second_opinion(file: &Path, info: &BuildInfo, placed: &[PlacedMesh], limits: &Limits) -> Option<String> {
     info.application.as_ref().filter(|application| application.starts_with("nestd"))?;
-    format::cross_check(file, placed, limits).err().map(|error| error.to_string())
+    build_file::cross_check(file, placed, limits).err().map(|error| error.to_string())
 }
 
 fn obeys(item: &PlacedMesh) -> bool {
@@ -63,7 +61,7 @@ fn obeys(item: &PlacedMesh) -> bool {
     let tilts = Tilt::parse_list(item.tilts.as_deref().unwrap_or_default());
     // A rule that is not understood is not obeyed.
     let (Ok(rule), Ok(tilts)) = (rule, tilts) else { return false };
-    nest::rotation_obeys(&Orientation { rule, tilts }, &item.pose)
+    nester::rotation_obeys(&Orientation { rule, tilts }, &item.pose)
 }
 
 fn named(item: &PlacedMesh) -> String {

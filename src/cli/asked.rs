@@ -3,12 +3,10 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use build_file::{Limits, PlacedMesh, Unit};
+use solids::Mesh;
 
 use super::Usage;
-use crate::{
-    format::{self, Limits, PlacedMesh, Unit},
-    geometry::Mesh,
-};
 
 /// Shares by which two readings of one mesh may differ: other packers write fewer digits.
 const SAME: f64 = 1e-5;
@@ -68,7 +66,7 @@ pub fn read_list(list: &Path, base: &Path, limits: &Limits) -> Result<Vec<Asked>
             Some(text) => text.parse().with_context(|| format!("{name}: {text:?} is no number of copies"))?,
             None => 1,
         };
-        let contents = format::read(&base.join(&name), &name, None, Unit::Millimeter, limits)
+        let contents = build_file::read(&base.join(&name), &name, None, Unit::Millimeter, limits)
             .map_err(|error| Usage(format!("{name}: {:#}", anyhow::Error::from(error))))?;
         let many = contents.solids.len() > 1;
         asked.extend(contents.solids.into_iter().map(|solid| Asked {

@@ -10,16 +10,14 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
+use build_file::counted;
 
 use self::{
     daemon::{Daemon, nestd},
     farm::{DemoFarm, Dropped, PROFILE, TORN},
 };
 use super::{Common, Exit, Usage};
-use crate::{
-    format::counted,
-    ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild},
-};
+use crate::ledger::{Ledger, PartRow, PartState, ProfileStatus, PublishedBuild};
 
 /// The demo gives up after so long; it takes about twenty seconds on an idle machine.
 const PATIENCE_SECS: u64 = 150;

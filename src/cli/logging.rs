@@ -7,12 +7,10 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use build_file::is_invisible;
 use tracing_subscriber::{EnvFilter, Layer, Registry, layer::SubscriberExt, util::SubscriberInitExt};
 
-use crate::{
-    format::is_invisible,
-    settings::{LogFormat, Logging},
-};
+use crate::settings::{LogFormat, Logging};
 
 /// Beats the configured filter.
 const FILTER_VARIABLE: &str = "NESTD_LOG";

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use build_file::{BuildInfo, Limits};
 use glam::DVec3;
 
 use super::{
@@ -15,7 +16,6 @@ use super::{
 };
 use crate::{
     farm::{self, Cake, Standing},
-    format::{self, BuildInfo, Limits},
     ledger::{BuildId, BuildRow, Ledger, PartRow},
     settings::{Profile, Settings},
 };
@@ -76,7 +76,7 @@ pub fn look(common: &Common, args: &BuildArgs) -> Result<Looked> {
 }
 
 fn of_file(file: &Path, volume_mm: Option<DVec3>) -> Result<Looked> {
-    let (info, placed) = format::read_build_and_info(file, &Limits::default())
+    let (info, placed) = build_file::read_build_and_info(file, &Limits::default())
         .map_err(|error| Usage(format!("{}: {:#}", file.display(), anyhow::Error::from(error))))?;
     let volume_mm = farm::volume_of(&info, volume_mm)
         .ok_or_else(|| Usage("the file does not say its volume: give --volume".to_owned()))?;
@@ -106,7 +106,8 @@ fn cake(
     if parts.is_empty() {
         bail!("nothing stands in build {} ({}) yet", build.id, build.state);
     }
-    let placed = farm::file_in_queue(profile, build).and_then(|file| format::read_build(&file, &settings.limits).ok());
+    let placed =
+        farm::file_in_queue(profile, build).and_then(|file| build_file::read_build(&file, &settings.limits).ok());
     if let Some(placed) = placed {
         return Ok(Cake::of_file(&placed, profile.volume_mm));
     }

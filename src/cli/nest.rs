@@ -10,13 +10,10 @@ mod setup;
 use std::io::IsTerminal;
 
 use anyhow::Result;
+use nester::{Instance, Solution};
 
 use super::{Common, Exit, Usage, table::tell};
-use crate::{
-    build::BuildPart,
-    farm::DiskCache,
-    nest::{self, Instance, Solution},
-};
+use crate::{build::BuildPart, farm::DiskCache};
 pub use args::Args;
 use progress::{Budget, Progress};
 
@@ -32,10 +29,10 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let instance = setup.machine.instance(parts.iter().map(BuildPart::item).collect());
     let instance = instance.map_err(|error| Usage(error.to_string()))?;
     let cache = cache(args)?;
-    let cache = cache.as_ref().map(|cache| cache as &dyn nest::Cache);
+    let cache = cache.as_ref().map(|cache| cache as &dyn nester::Cache);
     let budget = Budget::starting_now(args.budget, args.evaluations);
     let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), setup.machine.origin_mm().z);
-    let solution = nest::nest_with(&instance, &setup.config, &[], cache, &budget, &mut progress);
+    let solution = nester::nest_with(&instance, &setup.config, &[], cache, &budget, &mut progress);
     let course = progress.finish(setup.config.seed);
     name_unplaced(&instance, &solution);
     let report = output::write(args, &setup, parts, &instance, &solution, course)?;
@@ -66,7 +63,7 @@ fn name_unplaced(instance: &Instance, solution: &Solution) {
         if left_out == 0 {
             continue;
         }
-        match nest::fits(&item.mesh, &item.orientation, &instance.volume()) {
+        match nester::fits(&item.mesh, &item.orientation, &instance.volume()) {
             Ok(_) => tell(&format!("{}: {left_out} of {} copies found no place", item.name, item.copies)),
             Err(misfit) => tell(&format!("{}: {}", item.name, misfit.reason(&instance.volume()))),
         }

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use build_file::Viewpoint;
 
 use super::{
     Common, Exit,
     looked::{BuildArgs, hand_over, look},
     values::pixels,
 };
-use crate::format::Viewpoint;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]

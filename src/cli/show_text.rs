@@ -2,15 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use build_file::visible;
+
 use super::{
     lookup::{BuildSheet, Found, PartSheet, Waits},
     reach::{brief, zoned},
     table::{Table, number, or_dash, percent, text},
 };
-use crate::{
-    format::visible,
-    ledger::{BuildId, BuildRow, BuildState, EventRow, PartRow, PlacementRow},
-};
+use crate::ledger::{BuildId, BuildRow, BuildState, EventRow, PartRow, PlacementRow};
 
 /// Everything that was found.
 pub fn found(found: &Found) -> String {

@@ -6,8 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-
-use crate::format::{counted, is_invisible, visible, visible_lines};
+use build_file::{counted, is_invisible, visible, visible_lines};
 
 /// A table; the columns of a heading that starts with '>' stand to the right.
 #[derive(Debug, Clone)]

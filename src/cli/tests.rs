@@ -3,12 +3,10 @@
 use std::time::Duration;
 
 use jiff::Timestamp;
+use nester::Tilt;
 
 use super::{Cli, Exit, command, command::Order, history, lookup, lookup::Wanted, show_text, status};
-use crate::{
-    ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Refusal, Tilts, fixtures::*},
-    nest::Tilt,
-};
+use crate::ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Refusal, Tilts, fixtures::*};
 
 fn words(text: &str) -> Vec<String> {
     text.split(' ').map(str::to_owned).collect()

@@ -1,8 +1,7 @@
 //! Values of options that several commands take.
 
 use glam::DVec3;
-
-use crate::nest::Margins;
+use nester::Margins;
 
 /// Longest side of a picture, pixels; half a gigabyte is needed to draw the largest.
 const MOST_PIXELS: u32 = 4096;

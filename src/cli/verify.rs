@@ -6,18 +6,16 @@ use std::{
 };
 
 use anyhow::Result;
+use build_file::{Arrangement, BuildInfo, Instances, Limits};
 use glam::DVec3;
+use nester::{DEFAULT_LAYER_MM, Interlock, LayerCap, Margins};
 use serde_json::{Value, json};
 
 use super::{
     Common, Exit, Usage, asked,
     values::{distance, margins, volume, word},
 };
-use crate::{
-    build::{Machine, Verdict},
-    format::{self, Arrangement, BuildInfo, Instances, Limits},
-    nest::{self, DEFAULT_LAYER_MM, Interlock, LayerCap, Margins},
-};
+use crate::build::{Machine, Verdict};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -89,7 +87,7 @@ pub fn run(_common: &Common, args: &Args) -> Result<Exit> {
 
 fn verify(args: &Args) -> Result<Verified> {
     let limits = Limits::default();
-    let (info, placed) = format::read_build_and_info(&args.build, &limits)
+    let (info, placed) = build_file::read_build_and_info(&args.build, &limits)
         .map_err(|error| Usage(format!("{}: {:#}", args.build.display(), anyhow::Error::from(error))))?;
     let machine = machine(args, &info)?;
     let list_faults = match &args.list {
@@ -144,7 +142,7 @@ fn as_text(verified: &Verified) -> Vec<String> {
     if machine.clearance_z_extra_mm > 0.0 {
         lines.push(format!("raised parts    keep it, too, up to {} mm", machine.clearance_z_extra_mm));
     }
-    let gap_mm = nest::drawing_gap_mm(machine.clearance_mm);
+    let gap_mm = nester::drawing_gap_mm(machine.clearance_mm);
     lines.push(match verdict.judgement.locked().len() {
         _ if verdict.judgement.apart.is_none() => "comes apart     not asked".to_owned(),
         0 => format!("comes apart     part by part, {gap_mm} mm kept on the way"),

@@ -10,16 +10,14 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use build_file::{Contents, Limits, Solid, Unit};
 use glam::DVec3;
 use rustix::process::{Resource, Rlimit, Signal};
 use serde::{Deserialize, Serialize};
+use solids::Mesh;
 
 use super::failure::Unread;
-use crate::{
-    format::{self, Contents, Limits, Solid, Unit},
-    geometry::Mesh,
-    ledger::Refusal,
-};
+use crate::ledger::Refusal;
 
 /// The hidden subcommand that reads.
 pub const SUBCOMMAND: &str = "read-part";
@@ -64,7 +62,7 @@ struct Head {
 impl Errand {
     /// Reads here, in this process.
     pub fn read(&self) -> Result<Contents, Unread> {
-        format::read(&self.file, &self.name, self.unit, self.default_unit, &self.limits)
+        build_file::read(&self.file, &self.name, self.unit, self.default_unit, &self.limits)
             .map_err(|error| Unread::of(&self.name, &error))
     }
 

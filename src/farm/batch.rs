@@ -3,6 +3,7 @@
 use std::{collections::BTreeSet, time::Instant};
 
 use anyhow::{Context, Result};
+use build_file::counted;
 use jiff::Timestamp;
 use tracing::{info, warn};
 
@@ -17,10 +18,7 @@ use super::{
     station::Search,
     trigger::{Facts, FiredBy, fired_by},
 };
-use crate::{
-    format::counted,
-    ledger::{BuildId, OpenLayout, PartId, PartRow, Refusal, WaitingPart},
-};
+use crate::ledger::{BuildId, OpenLayout, PartId, PartRow, Refusal, WaitingPart};
 
 /// A search for very many copies gets at least this much each, seconds: enough to have tried them all.
 const SECS_PER_COPY: f64 = 0.02;

@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::nest::Stop;
+use nester::Stop;
 
 /// A search may end so much after its time before others begin beside it.
 const OVERDUE: Duration = Duration::from_secs(2);

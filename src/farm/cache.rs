@@ -12,9 +12,10 @@ use std::{
     time::SystemTime,
 };
 
+use nester::Cache;
 use tracing::{debug, warn};
 
-use crate::{nest::Cache, settings::Settings};
+use crate::settings::Settings;
 
 /// The first bytes of an entry; another number for another form.
 const MAGIC: &[u8; 16] = b"nestd-prepared-1";

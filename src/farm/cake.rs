@@ -8,12 +8,12 @@ use std::{
     sync::Arc,
 };
 
+use build_file::{BuildInfo, Drawn, PlacedMesh, Viewpoint};
 use glam::DVec3;
+use solids::{Bounds, Mesh, Pose};
 
 use super::{layout::placed_from_json, meshes::Meshes, shelf::Shelf};
 use crate::{
-    format::{self, BuildInfo, Drawn, PlacedMesh, Viewpoint},
-    geometry::{Bounds, Mesh, Pose},
     intake::Store,
     ledger::{BuildRow, BuildState, DrawnOut, Ledger, LedgerError, PartId, PartRow},
     settings::{Profile, Settings},
@@ -120,7 +120,7 @@ impl Cake {
                 parts.push(CakePart {
                     part: number.unwrap_or(parts.len() as i64 + 1),
                     name: name_in_file(item),
-                    order: format::visible(item.order.as_deref().unwrap_or_default()),
+                    order: build_file::visible(item.order.as_deref().unwrap_or_default()),
                     mesh: Some(item.mesh.clone()),
                     copies: Vec::new(),
                 });
@@ -157,7 +157,7 @@ impl Cake {
                 bodies.extend(part.copies.iter().map(|copy| Drawn { mesh, pose: copy.pose, kind }));
             }
         }
-        format::picture(&bodies, self.volume_mm, viewpoint, size)
+        build_file::picture(&bodies, self.volume_mm, viewpoint, size)
     }
 }
 
@@ -174,7 +174,7 @@ fn name_in_file(item: &PlacedMesh) -> String {
         Some(source) if source != item.name => format!("{source} ({})", item.name),
         _ => item.name.clone(),
     };
-    format::visible(&name)
+    build_file::visible(&name)
 }
 
 /// A published build whose file lies in the queue as it was proved.
@@ -224,7 +224,7 @@ impl Originals {
             return Some(mesh);
         }
         let file = self.archived().get(&part.content_hash)?;
-        let contents = format::read(file, &part.name, part.unit, self.profile.unit, &self.meshes.limits).ok()?;
+        let contents = build_file::read(file, &part.name, part.unit, self.profile.unit, &self.meshes.limits).ok()?;
         Some(Arc::new(contents.solids.into_iter().nth(part.object_index as usize)?.mesh))
     }
 }

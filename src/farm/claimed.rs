@@ -6,6 +6,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use build_file::counted;
 use jiff::Timestamp;
 use tracing::{debug, info, warn};
 
@@ -21,7 +22,6 @@ use super::{
     taken::Taken,
 };
 use crate::{
-    format::counted,
     intake::{self, TicketError},
     ledger::{NewPart, PartId, PartRow, PartState, Recorded, Refusal, Utc},
     settings::{Duplicates, Profile},

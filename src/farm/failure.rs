@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 
+use build_file::ReadError;
+
 use super::owner::OwnerError;
-use crate::{
-    format::{self, ReadError},
-    ledger::Refusal,
-    queue::QueueError,
-};
+use crate::{ledger::Refusal, queue::QueueError};
 
 /// Why a file gave no meshes.
 #[derive(Debug, thiserror::Error)]
@@ -27,7 +25,7 @@ impl Unread {
             true => Self::Later(chain(error)),
             // What it quotes of the file is for people.
             false => {
-                let reason = format!("{name}: {}. {}", format::visible(&chain(error)), error.remedy());
+                let reason = format!("{name}: {}. {}", build_file::visible(&chain(error)), error.remedy());
                 Self::Refused(kind_of(error), reason)
             }
         }

@@ -7,13 +7,13 @@ use std::{
 };
 
 use glam::{DQuat, DVec3};
+use nester::{Instance, InstanceError, Item, Placement, Solution};
 use serde::{Deserialize, Serialize};
+use solids::{Mesh, Pose};
 
 use crate::{
     build::{BuildPart, PartPlacement},
-    geometry::{Mesh, Pose},
     ledger::{PartId, PartRow, PlacementRow, WaitingPart},
-    nest::{Instance, InstanceError, Item, Placement, Solution},
     settings::Profile,
 };
 

@@ -8,6 +8,9 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use build_file::{Contents, Limits, Unit};
+use nester::Cache;
+use solids::Mesh;
 
 use super::{
     alone::Errand,
@@ -16,11 +19,8 @@ use super::{
     shelf::{MeshKey, Shelf},
 };
 use crate::{
-    format::{Contents, Limits, Unit},
-    geometry::Mesh,
     intake::{Store, StoreError},
     ledger::PartRow,
-    nest::Cache,
     settings::Profile,
 };
 

@@ -4,6 +4,7 @@
 use std::{collections::HashMap, sync::Arc};
 
 use anyhow::{Context, Result, ensure};
+use build_file::counted;
 use tracing::{info, warn};
 
 use super::{
@@ -19,7 +20,6 @@ use super::{
     prove::{Unproved, WriteOrder, Written, file_name, write_and_prove},
 };
 use crate::{
-    format::counted,
     intake,
     ledger::{BuildId, BuildRow, BuildState, PartId, PartRow, Verified},
     queue::StagedState,

@@ -3,17 +3,14 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
+use nester::Solution;
 
 use super::{
     budget::Budget,
     layout::{Batch, BatchPart, Layout, PlacedCopy},
     meshes::Meshes,
 };
-use crate::{
-    ledger::PartRow,
-    nest::{self, Solution},
-    settings::Profile,
-};
+use crate::{ledger::PartRow, settings::Profile};
 
 /// The best layout of a running search; other threads look at it and take it when the search is cancelled.
 pub type Best = Arc<Mutex<Option<Layout>>>;
@@ -66,11 +63,11 @@ impl NestOrder {
             curve.push((self.budget.elapsed_secs(), solution.height_mm));
             *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(batch.layout(&instance, solution));
         };
-        let solution = nest::nest_with(&instance, &config, &start, meshes.cache(), &self.budget, &mut listener);
+        let solution = nester::nest_with(&instance, &config, &start, meshes.cache(), &self.budget, &mut listener);
         let layout = batch.layout(&instance, &solution);
         *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
         let lower_bound_mm =
-            nest::lower_bound_mm(&batch.placed_only(&layout).instance(&self.profile).unwrap_or(instance));
+            nester::lower_bound_mm(&batch.placed_only(&layout).instance(&self.profile).unwrap_or(instance));
         let wall_secs = self.budget.elapsed_secs();
         Ok(Nested { batch, layout, lower_bound_mm, cpu_secs: cpu_secs(config.threads) - cpu, wall_secs, curve })
     }

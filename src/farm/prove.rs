@@ -4,14 +4,14 @@
 use std::{collections::HashMap, path::Path, sync::Arc};
 
 use anyhow::{Context, Result};
+use build_file::{BuildFile, Limits};
 use jiff::Timestamp;
+use nester::{Course, Separability};
 
 use super::{layout::Copy, nest_order::Nested};
 use crate::{
     build::{self, BuildHeading, ProvedBuild, SolvedBuild},
-    format::{self, BuildFile, Limits},
     ledger::{self, BuildRow, DrawnOut, Verified},
-    nest::{Course, Separability},
     queue::Queue,
     settings::Profile,
 };
@@ -56,7 +56,7 @@ pub struct WriteOrder {
 /// The name of a build's file; the same at every attempt, so that a crash leaves at most one dot-file.
 pub fn file_name(profile: &str, build: &BuildRow) -> String {
     let created: Timestamp = build.nesting_at.unwrap_or(build.opened_at).0;
-    format::build_file_name(created, profile, build.id.0.unsigned_abs())
+    build_file::build_file_name(created, profile, build.id.0.unsigned_abs())
 }
 
 /// Writes, reads back, proves, and writes the sidecars. Nothing is published.
@@ -66,7 +66,7 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
     let description = build.build_file(THUMBNAIL_SIZE);
     // Of an earlier attempt: what it left visible would be taken for somebody else's.
     order.queue.discard(&name).context("removing what was staged before")?;
-    let staged = order.queue.stage(&name, |file| format::write_build(&description, file))?;
+    let staged = order.queue.stage(&name, |file| build_file::write_build(&description, file))?;
     let proved = match build.prove(&staged, &order.limits) {
         Ok(proved) => proved,
         Err(error) => {
@@ -171,13 +171,13 @@ fn write_sidecars(
     };
     stage(".report.json", &report(order, nested, build, proved)?)?;
     let mut pick_map = Vec::new();
-    format::write_pick_map(format::pick_rows(description), &mut pick_map)?;
+    build_file::write_pick_map(build_file::pick_rows(description), &mut pick_map)?;
     stage(".parts.csv", &pick_map)?;
     stage(".png", &build::picture(description, PICTURE_SIZE))?;
     if order.profile.stl_output {
         let placed = description.items.iter().map(|i| (&*description.objects[i.object].mesh, &i.pose));
         let name = format!("{stem}.stl");
-        let staged = order.queue.stage(&name, |file| format::write_stl(placed, std::io::BufWriter::new(file)))?;
+        let staged = order.queue.stage(&name, |file| build_file::write_stl(placed, std::io::BufWriter::new(file)))?;
         written.push((name, hash_of(&staged)?.0));
     }
     Ok(written)

@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
+use build_file::{Solid, Unit};
+use nester::OrientationRule;
+use solids::Defects;
+
 use super::{
     failure::{Lost, Unread},
     meshes::Meshes,
     shelf::MeshKey,
 };
 use crate::{
-    format::{self, Solid, Unit},
-    geometry::Defects,
     intake::Claim,
     ledger::{PartRow, Refusal, SolidFacts},
-    nest::{self, OrientationRule},
     settings::{MeshErrors, Profile},
 };
 
@@ -73,7 +74,7 @@ pub fn read_part(part: &PartRow, claim: Option<&Claim>, profile: &Arc<Profile>, 
     for (index, solid) in contents.solids.into_iter().enumerate() {
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
-        warnings.iter_mut().for_each(|warning| *warning = format::visible(warning));
+        warnings.iter_mut().for_each(|warning| *warning = build_file::visible(warning));
         facts.push(facts_of(&solid, index as u32, part, warnings));
         let key = MeshKey {
             content_hash: part.content_hash.clone(),
@@ -130,7 +131,7 @@ fn defects_text(defects: &Defects) -> String {
     ]
     .iter()
     .filter(|(count, ..)| *count > 0)
-    .map(|&(count, one, several)| format::counted(count, one, several))
+    .map(|&(count, one, several)| build_file::counted(count, one, several))
     .collect::<Vec<_>>()
     .join(", ")
 }
@@ -140,7 +141,7 @@ fn defects_text(defects: &Defects) -> String {
 fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> {
     let rule = part.orientation;
     let volume = profile.build_volume();
-    let misfit = nest::fits(&solid.mesh, &part.turning(), &volume).err()?;
+    let misfit = nester::fits(&solid.mesh, &part.turning(), &volume).err()?;
     if misfit.is_forbidden {
         return Some(format!(
             "{}: no rotation obeys all of its orientation rules ({}{}). Take one of them out of its ticket and drop both again.",

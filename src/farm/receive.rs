@@ -16,7 +16,6 @@ use super::{
     taken::{Taken, new_part},
 };
 use crate::{
-    format,
     intake::{
         self, Claim, Given, Inbox, Judged, Kind, LeftFolders, ListEnd, ListRules, Lists, Ready, ScanLimits, Seen,
         SettleRules, Settler, Store, StoreError, Stored, TicketError,
@@ -192,7 +191,7 @@ impl Gate {
         let most = CLAIMS_PER_LOOK.max(seen.len() / SHARE_PER_LOOK);
         let inbox = self.inbox.path();
         let list_rules = ListRules { incomplete_secs: profile.incomplete_secs, unlisted: profile.unlisted };
-        let has_end = |file: &Path, name: &str| format::has_end(&mut intake::open_dropped(inbox, file)?, name);
+        let has_end = |file: &Path, name: &str| build_file::has_end(&mut intake::open_dropped(inbox, file)?, name);
         self.lists.observe(seen);
         for ready in self.settler.ready(seen, now_secs, has_end) {
             if claims.len() >= most || !holds.may_take() {
@@ -200,7 +199,7 @@ impl Gate {
                 break;
             }
             let may_be_part =
-                |file: &Path| format::may_be_part(&mut intake::open_dropped(inbox, file)?, &name_of(file));
+                |file: &Path| build_file::may_be_part(&mut intake::open_dropped(inbox, file)?, &name_of(file));
             match self.lists.judge(inbox, ready, list_rules, may_be_part) {
                 Judged::Take(ready) => claims.extend(take(&holds.inbox, profile, &ready, &mut self.lists, received)),
                 Judged::Wait(why) => received.held.push(why),

@@ -20,7 +20,7 @@ use super::{
     told::{self, Known},
 };
 use crate::{
-    format, intake,
+    intake,
     intake::Store,
     ledger::{BuildState, Ledger, LedgerError, PartId, PartRow, PartState, Refusal, TakenIn},
     queue::{Queue, StagedState},
@@ -156,7 +156,7 @@ async fn from_build_file(
     let file = profile.folders.queue.join(name);
     fs::File::open(&file).with_context(|| format!("reading {}", file.display()))?;
     // What is no build file of ours tells nothing.
-    let Ok(placed) = format::read_build(&file, &settings.limits) else { return Ok(None) };
+    let Ok(placed) = build_file::read_build(&file, &settings.limits) else { return Ok(None) };
     let (mut parts, mut placements, mut height_mm) = (Vec::new(), Vec::new(), 0.0_f64);
     for item in &placed {
         height_mm = height_mm.max(item.mesh.bounds_at(&item.pose).max.z);

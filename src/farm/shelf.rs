@@ -5,7 +5,8 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
-use crate::{format::Unit, geometry::Mesh};
+use build_file::Unit;
+use solids::Mesh;
 
 /// What makes a mesh: the file's content, which solid of it, and the unit it is read in.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

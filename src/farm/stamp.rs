@@ -2,7 +2,7 @@
 
 use jiff::{Timestamp, tz::TimeZone};
 
-use crate::format::counted;
+use build_file::counted;
 
 /// The line of `STATUS.txt` by which everybody sees whether it is of now, and the same for `status.json`.
 pub(super) fn stamp(scan_secs: f64) -> (String, Timestamp, u64) {

@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use build_file::counted;
 use jiff::{Timestamp, tz::TimeZone};
 use serde_json::json;
 
@@ -20,7 +21,6 @@ use super::{
     trigger::{Facts, FiredBy, fires_next},
 };
 use crate::{
-    format::counted,
     intake,
     ledger::{Beat, LedgerError, ProfileStatus},
     settings::Profile,

@@ -9,12 +9,12 @@ use std::{
 
 use anyhow::{Context, Result};
 use jiff::tz::TimeZone;
+use nester::Orientation;
 use serde::{Deserialize, Serialize};
 
 use crate::{
     intake::{self, Claim, Given, Kept, Source, Store, Stored, TicketError},
     ledger::{Ledger, NewPart, NewTicket, TicketSource, Tilts},
-    nest::Orientation,
     settings::{Profile, Settings},
 };
 

@@ -1,11 +1,12 @@
 //! The cells of an order list, as spreadsheets write them: numbers with a decimal comma or a word behind them, dates of
 //! several countries, units by name.
 
+use build_file::Unit;
 use jiff::civil;
 use unicode_normalization::UnicodeNormalization;
 
 use super::ticket::due;
-use crate::{format::Unit, intake::Due};
+use crate::intake::Due;
 
 /// Words behind a number of copies.
 const PIECES: [&str; 22] = [

@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 
-use crate::format::is_invisible;
+use build_file::is_invisible;
 
 /// A name cannot be longer on the file systems that we know.
 pub(super) const MAX_NAME_BYTES: usize = 255;

@@ -3,6 +3,8 @@
 
 use std::{borrow::Cow, ffi::OsStr};
 
+use build_file::{visible, visible_lines};
+
 use super::{
     Ticket,
     cells::{decimal, due_date, unit, whole},
@@ -13,7 +15,6 @@ use super::{
     same_name::{Meaning, Meant},
     ticket::{clearance, copies, priority, text},
 };
-use crate::format::{visible, visible_lines};
 
 /// A longer list is none.
 pub(super) const MAX_LIST_BYTES: u64 = 4 << 20;

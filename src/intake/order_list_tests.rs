@@ -1,7 +1,9 @@
 //! Lists as people make them, byte for byte.
 
+use nester::OrientationRule;
+
 use super::*;
-use crate::{intake::ticket::due, nest::OrientationRule};
+use crate::intake::ticket::due;
 
 fn list(text: &str) -> OrderList {
     OrderList::parse(text.as_bytes())
@@ -164,6 +166,6 @@ fn further_columns_are_read_and_what_is_for_people_is_kept_in_the_note() {
     );
     let ticket = row(&list, "a.stl").ticket.clone().unwrap();
     assert_eq!((ticket.copies, ticket.order.as_deref(), ticket.clearance_mm), (Some(2), Some("K-7"), Some(2.5)));
-    assert_eq!(ticket.unit, Some(crate::format::Unit::Inch));
+    assert_eq!(ticket.unit, Some(build_file::Unit::Inch));
     assert_eq!(ticket.note.as_deref(), Some("urgent; customer: Brandt; material: PA12"));
 }

@@ -6,8 +6,9 @@ use std::{
     path::Path,
 };
 
+use build_file::visible_lines;
+
 use super::disk;
-use crate::format::visible_lines;
 
 /// For people.
 pub(super) const TEXT_NAME: &str = "STATUS.txt";

@@ -1,14 +1,12 @@
 //! A ticket: what the customer says about a part beside it, `part.stl.toml` or `part.stl.json`.
 
+use build_file::{Unit, visible, visible_lines};
 use jiff::{Timestamp, civil, tz::TimeZone};
+use nester::{MAX_TILTS, NotDown, OrientationRule, Tilt};
 use serde::Deserialize;
 use thiserror::Error;
 
 use super::copies::MAX_COPIES;
-use crate::{
-    format::{Unit, visible, visible_lines},
-    nest::{MAX_TILTS, NotDown, OrientationRule, Tilt},
-};
 
 /// More than this around a part is no clearance but a slip of the unit.
 const MAX_CLEARANCE_MM: f64 = 100.0;

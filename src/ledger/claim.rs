@@ -2,7 +2,7 @@
 
 use super::{
     BuildId, BuildState, IllegalMove, Ledger, LedgerError, NewPart, NewTicket, PartId, PartRow, PartState, Recorded,
-    Refusal, SolidFacts, Utc, change::Change, error::Result,
+    Refusal, SolidFacts, Utc, change::Change, error::Result, word::Word,
 };
 
 impl Ledger {
@@ -197,10 +197,10 @@ async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<Part
     .bind(part.copies)
     .bind(part.priority)
     .bind(part.due_at.map(Utc))
-    .bind(part.orientation)
+    .bind(Word(part.orientation))
     .bind(part.tilts.to_string())
     .bind(part.clearance_mm)
-    .bind(part.unit)
+    .bind(Word(part.unit))
     .bind(&part.note)
     .bind(now)
     .bind(now)

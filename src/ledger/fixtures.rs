@@ -1,10 +1,10 @@
 //! What tests of the ledger and of the rooms above it start from: ledgers in folders of their own, parts, builds.
 
 use jiff::Timestamp;
+use nester::OrientationRule;
 use tempfile::TempDir;
 
 use super::*;
-use crate::nest::OrientationRule;
 
 /// A ledger in a folder of its own, with the clock standing at a fixed time until a test turns it.
 pub struct TestLedger {

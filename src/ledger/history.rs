@@ -1,11 +1,11 @@
 //! The history: builds with their heights, newest first.
 
+use build_file::cell;
 use jiff::Timestamp;
 use serde::Serialize;
 use sqlx::FromRow;
 
 use super::{BuildId, BuildState, Ledger, Utc, error::Result};
-use crate::format::cell;
 
 /// Which builds to list. A build's time is when it was published, else when it entered its state.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]

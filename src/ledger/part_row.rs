@@ -1,13 +1,14 @@
 //! A part as its row says, and what is recorded of one.
 
+use build_file::Unit;
 use jiff::Timestamp;
+use nester::{Orientation, OrientationRule, Tilt, TiltError, write_tilts};
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{PartId, PartState, Utc, word::own_word};
-use crate::{
-    format::Unit,
-    nest::{Orientation, OrientationRule, Tilt, TiltError, write_tilts},
+use super::{
+    PartId, PartState, Utc,
+    word::{Word, own_word},
 };
 
 /// A claimed file, before it is read.
@@ -154,6 +155,7 @@ pub struct PartRow {
     /// When it is due.
     pub due_at: Option<Utc>,
     /// How it may be turned.
+    #[sqlx(try_from = "Word<OrientationRule>")]
     pub orientation: OrientationRule,
     /// Which ways up it may stand.
     #[sqlx(try_from = "String")]
@@ -161,6 +163,7 @@ pub struct PartRow {
     /// Its own clearance, mm; `None` = the profile's.
     pub clearance_mm: Option<f64>,
     /// Unit that the ticket said.
+    #[sqlx(try_from = "Word<Option<Unit>>")]
     pub unit: Option<Unit>,
     /// Free text of the ticket.
     pub note: String,

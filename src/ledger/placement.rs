@@ -2,10 +2,10 @@
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
+use solids::Pose;
 use sqlx::FromRow;
 
 use super::{BuildId, BuildState, Ledger, PartId, Utc, error::Result};
-use crate::geometry::Pose;
 
 /// A copy with its pose in a proved build.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! Words that a column may hold: an enum here, a text there, and no third list of names besides the `CHECK`.
 
-/// Gives an enum whose serde form is a plain word its form in SQL and in print: the same word.
-macro_rules! sql_word {
+/// Gives an enum of this room whose serde form is a plain word its form in SQL and in print: the same word.
+macro_rules! own_word {
     ($word:ty) => {
         impl sqlx::Type<sqlx::Sqlite> for $word {
             fn type_info() -> sqlx::sqlite::SqliteTypeInfo {
@@ -24,13 +24,6 @@ macro_rules! sql_word {
                 <String as sqlx::Encode<sqlx::Sqlite>>::encode(word, buffer)
             }
         }
-    };
-}
-
-/// As [`sql_word`], and `Display` too: for the enums of this room.
-macro_rules! own_word {
-    ($word:ty) => {
-        $crate::ledger::word::sql_word!($word);
 
         impl std::fmt::Display for $word {
             fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -41,13 +34,57 @@ macro_rules! own_word {
     };
 }
 
-pub(crate) use {own_word, sql_word};
+pub(crate) use own_word;
 
+use build_file::Unit;
+use nester::OrientationRule;
 use serde::{Serialize, de::DeserializeOwned};
-use sqlx::error::BoxDynError;
+use serde_json::Value;
+use sqlx::{
+    Decode, Encode, Sqlite, Type,
+    encode::IsNull,
+    error::BoxDynError,
+    sqlite::{SqliteArgumentsBuffer, SqliteTypeInfo, SqliteValueRef},
+};
 
-sql_word!(crate::format::Unit);
-sql_word!(crate::nest::OrientationRule);
+/// An enum of another crate on its way into a column or out of it, as its serde form says; no value is NULL.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Word<T>(pub T);
+
+impl<T> Type<Sqlite> for Word<T> {
+    fn type_info() -> SqliteTypeInfo {
+        <str as Type<Sqlite>>::type_info()
+    }
+}
+
+impl<'r, T: DeserializeOwned> Decode<'r, Sqlite> for Word<T> {
+    fn decode(value: SqliteValueRef<'r>) -> Result<Self, BoxDynError> {
+        let word = <Option<&str> as Decode<Sqlite>>::decode(value)?;
+        let word = word.map_or(Value::Null, |word| Value::String(word.to_owned()));
+        Ok(Self(serde_json::from_value(word)?))
+    }
+}
+
+impl<T: Serialize> Encode<'_, Sqlite> for Word<T> {
+    fn encode_by_ref(&self, buffer: &mut SqliteArgumentsBuffer) -> Result<IsNull, BoxDynError> {
+        match serde_json::to_value(&self.0)? {
+            Value::Null => Ok(IsNull::Yes),
+            word => <String as Encode<Sqlite>>::encode(print(&word)?, buffer),
+        }
+    }
+}
+
+impl From<Word<Self>> for OrientationRule {
+    fn from(word: Word<Self>) -> Self {
+        word.0
+    }
+}
+
+impl From<Word<Self>> for Option<Unit> {
+    fn from(word: Word<Self>) -> Self {
+        word.0
+    }
+}
 
 /// The word for a value.
 pub fn print(value: &impl Serialize) -> Result<String, BoxDynError> {

@@ -1,11 +1,11 @@
 //! A message: one event, with what it is about, as JSON that stays as it is from version to version.
 
 use anyhow::{Context, Result};
+use build_file::counted;
 use jiff::Timestamp;
 use serde_json::{Value, json};
 
 use crate::{
-    format::counted,
     ledger::{BuildRow, DROPPED, EventRow, Ledger, PartRow, Refusal, Utc},
     settings::Told,
 };

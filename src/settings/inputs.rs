@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::{Duplicates, KeepOut, LogFormat, MeshErrors, Told, duration::Secs, off::OrOff};
-use crate::{format, intake, nest};
+use crate::intake;
 
 /// The farm file, `nestd.toml`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub(super) struct FarmInputs {
     pub web: WebInputs,
     pub metrics: MetricsInputs,
     pub notify: NotifyInputs,
-    pub limits: format::Limits,
+    pub limits: build_file::Limits,
     pub defaults: ProfileInputs,
 }
 
@@ -41,7 +41,7 @@ impl Default for FarmInputs {
             web: WebInputs::default(),
             metrics: MetricsInputs::default(),
             notify: NotifyInputs::default(),
-            limits: format::Limits::default(),
+            limits: build_file::Limits::default(),
             defaults: ProfileInputs::default(),
         }
     }
@@ -172,10 +172,10 @@ pub(super) struct ProfileInputs {
     pub layer_mm: f64,
     pub layer_area_cap: OrOff<f64>,
     pub print_hours_per_mm: f64,
-    pub unit: format::Unit,
-    pub orientation: nest::OrientationRule,
-    pub keep_up: Vec<nest::Tilt>,
-    pub not_down: Vec<nest::NotDown>,
+    pub unit: build_file::Unit,
+    pub orientation: nester::OrientationRule,
+    pub keep_up: Vec<nester::Tilt>,
+    pub not_down: Vec<nester::NotDown>,
     pub settle_secs: Secs,
     pub unfinished_secs: Secs,
     pub incomplete_secs: Secs,
@@ -185,13 +185,13 @@ pub(super) struct ProfileInputs {
     pub final_secs: Secs,
     pub arrival_secs: Secs,
     pub max_attempts: u32,
-    pub instances: format::Instances,
-    pub arrangement: format::Arrangement,
+    pub instances: build_file::Instances,
+    pub arrangement: build_file::Arrangement,
     pub stl_output: bool,
     pub archive_days: u32,
     pub folders: ProfileFolders,
     pub trigger: TriggerInputs,
-    pub nest: nest::Config,
+    pub nest: nester::Config,
 }
 
 impl Default for ProfileInputs {
@@ -204,11 +204,11 @@ impl Default for ProfileInputs {
             keep_out: Vec::new(),
             clearance_mm: 3.0,
             clearance_z_extra_mm: 0.0,
-            layer_mm: nest::DEFAULT_LAYER_MM,
+            layer_mm: nester::DEFAULT_LAYER_MM,
             layer_area_cap: OrOff::OFF,
             print_hours_per_mm: 0.1,
-            unit: format::Unit::default(),
-            orientation: nest::OrientationRule::default(),
+            unit: build_file::Unit::default(),
+            orientation: nester::OrientationRule::default(),
             keep_up: Vec::new(),
             not_down: Vec::new(),
             settle_secs: Secs(5.0),
@@ -220,13 +220,13 @@ impl Default for ProfileInputs {
             final_secs: Secs(60.0),
             arrival_secs: Secs(20.0),
             max_attempts: 3,
-            instances: format::Instances::default(),
-            arrangement: format::Arrangement::default(),
+            instances: build_file::Instances::default(),
+            arrangement: build_file::Arrangement::default(),
             stl_output: false,
             archive_days: 90,
             folders: ProfileFolders::default(),
             trigger: TriggerInputs::default(),
-            nest: nest::Config::default(),
+            nest: nester::Config::default(),
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use solids::Bounds;
 
 use super::judge::Judge;
-use crate::geometry::Bounds;
 
 /// A box of the machine in which nothing may stand, mm in the machine's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

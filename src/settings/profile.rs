@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use build_file::Unit;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::KeepOut;
-use crate::{build::Machine, format::Unit, intake::Unlisted, nest};
+use crate::{build::Machine, intake::Unlisted};
 
 /// Where a profile's files live.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -92,11 +93,11 @@ pub struct Profile {
     /// Unit of files that do not say theirs.
     pub unit: Unit,
     /// Orientation rule of parts without a ticket.
-    pub orientation: nest::OrientationRule,
+    pub orientation: nester::OrientationRule,
     /// Directions of the mesh that must stand near to straight up, of parts whose ticket names none.
-    pub keep_up: Vec<nest::Tilt>,
+    pub keep_up: Vec<nester::Tilt>,
     /// Faces, by their outward normals, that must not look down, of parts whose ticket names none.
-    pub not_down: Vec<nest::NotDown>,
+    pub not_down: Vec<nester::NotDown>,
     /// A file must stand still so long before it is taken, seconds.
     pub settle_secs: f64,
     /// A file whose end is missing (a copy that stalled, a torn upload) is taken, to be refused with a reason, after it
@@ -113,7 +114,7 @@ pub struct Profile {
     /// When a batch fires.
     pub trigger: Trigger,
     /// Search parameters.
-    pub nest: nest::Config,
+    pub nest: nester::Config,
     /// Seconds of search when a batch fires (the final budget).
     pub final_secs: f64,
     /// Seconds of search that each arrival gives the open build.
@@ -121,9 +122,9 @@ pub struct Profile {
     /// How often a failed nesting is tried again before the build fails.
     pub max_attempts: u32,
     /// One object for all copies of a mesh, or one each.
-    pub instances: crate::format::Instances,
+    pub instances: build_file::Instances,
     /// Build items, or one object of components.
-    pub arrangement: crate::format::Arrangement,
+    pub arrangement: build_file::Arrangement,
     /// Also write the whole build as one binary STL.
     pub stl_output: bool,
     /// Originals of published builds are kept so many days; 0 = for ever.
@@ -132,13 +133,13 @@ pub struct Profile {
 
 impl Profile {
     /// The box that may be filled: the printable box less the margins.
-    pub fn build_volume(&self) -> nest::BuildVolume {
+    pub fn build_volume(&self) -> nester::BuildVolume {
         self.margins().room(self.volume_mm)
     }
 
     /// What is kept free of the printable box.
-    pub fn margins(&self) -> nest::Margins {
-        nest::Margins { wall_mm: self.wall_margin_mm, floor_mm: self.floor_margin_mm, lid_mm: self.lid_margin_mm }
+    pub fn margins(&self) -> nester::Margins {
+        nester::Margins { wall_mm: self.wall_margin_mm, floor_mm: self.floor_margin_mm, lid_mm: self.lid_margin_mm }
     }
 
     /// The machine as a build sees it.
@@ -150,7 +151,7 @@ impl Profile {
             keep_out: self.keep_out.iter().map(KeepOut::bounds).collect(),
             clearance_mm: self.clearance_mm,
             clearance_z_extra_mm: self.clearance_z_extra_mm,
-            layer_cap: nest::LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.build_volume()),
+            layer_cap: nester::LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.build_volume()),
             interlock: self.nest.interlock(),
             instances: self.instances,
             arrangement: self.arrangement,

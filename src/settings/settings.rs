@@ -34,7 +34,7 @@ pub struct Settings {
     /// What prepared meshes may take up in the state directory, bytes; 0 = none are kept.
     pub cache_bytes: u64,
     /// Limits of the readers.
-    pub limits: crate::format::Limits,
+    pub limits: build_file::Limits,
     /// Mode and group of what the daemon makes in the farm's folders.
     pub files: Access,
     /// What the log holds and what it looks like.

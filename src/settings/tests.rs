@@ -98,10 +98,10 @@ fn a_configuration_without_options_has_the_defaults() {
     let config = Config::new("", &[("cube.toml", CUBE)]);
     let settings = config.load().unwrap();
     assert_eq!(settings.scan_secs, 10.0);
-    assert_eq!(settings.limits, crate::format::Limits::default());
+    assert_eq!(settings.limits, build_file::Limits::default());
     let cube = &settings.profiles["cube"];
     assert_eq!(cube.trigger.max_wait_secs, 86_400.0);
-    assert_eq!(cube.nest, crate::nest::Config::default());
+    assert_eq!(cube.nest, nester::Config::default());
     assert_eq!(cube.settle_secs, 5.0);
 }
 

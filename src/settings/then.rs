@@ -1,10 +1,10 @@
 //! The profile that a build was made with: machines are changed and sold, and their builds stay to be looked at.
 
+use build_file::Unit;
 use glam::DVec3;
 use serde::Deserialize;
 
 use super::{Folders, Profile, inputs::ProfileInputs, judge::Judge, validate};
-use crate::format::Unit;
 
 /// What is taken from the profile as it was; what an older version did not write down is not there.
 #[derive(Debug, Default, Deserialize)]

@@ -10,10 +10,7 @@ use super::{
     inputs::{FarmInputs, FileInputs, ProfileInputs, TriggerInputs},
     judge::Judge,
 };
-use crate::{
-    access::{self, Access},
-    nest,
-};
+use crate::access::{self, Access};
 
 /// Longest edge of a machine, mm; more is a slip of the unit.
 const MAX_EDGE_MM: f64 = 10_000.0;
@@ -155,8 +152,8 @@ fn values(inputs: &ProfileInputs, judge: &mut Judge) {
     }
     judge.within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
     for (key, count) in [("keep_up", inputs.keep_up.len()), ("not_down", inputs.not_down.len())] {
-        if count > nest::MAX_TILTS {
-            judge.object(key, format!("{key} names {count} directions"), format!("name {} at most", nest::MAX_TILTS));
+        if count > nester::MAX_TILTS {
+            judge.object(key, format!("{key} names {count} directions"), format!("name {} at most", nester::MAX_TILTS));
         }
     }
     judge.within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
@@ -270,7 +267,7 @@ fn times(texts: &[String], judge: &mut Judge) -> Vec<Time> {
     times
 }
 
-fn search(config: &nest::Config, judge: &mut Judge) {
+fn search(config: &nester::Config, judge: &mut Judge) {
     let paper = &config.paper;
     judge.within("nest.threads", config.threads, 0..=MAX_THREADS);
     judge.within("nest.paper.population", paper.population, 1..=1_000_000);

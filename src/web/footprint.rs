@@ -37,8 +37,9 @@ fn half(points: impl Iterator<Item = DVec2>) -> Vec<DVec2> {
 
 #[cfg(test)]
 mod tests {
+    use solids::Pose;
+
     use super::*;
-    use crate::{geometry::Pose, samples};
 
     fn area(hull: &[DVec2]) -> f64 {
         let next = hull.iter().cycle().skip(1);
@@ -47,11 +48,11 @@ mod tests {
 
     #[test]
     fn the_footprint_of_a_block_is_its_base_and_all_points_lie_in_that_of_any_part() {
-        let block = samples::cuboid(DVec3::new(30.0, 20.0, 5.0));
+        let block = sample_parts::cuboid(DVec3::new(30.0, 20.0, 5.0));
         let base = footprint(block.vertices().iter().copied(), 0.0);
         assert_eq!(base.len(), 4);
         assert!((area(&base) - 600.0).abs() < 1e-9);
-        for sample in samples::all() {
+        for sample in sample_parts::all() {
             let pose = Pose::new(glam::DQuat::from_rotation_x(0.7), DVec3::new(40.0, -3.0, 9.0));
             let placed: Vec<DVec3> = sample.mesh.vertices().iter().map(|&v| pose.point(v)).collect();
             let hull = footprint(placed.iter().copied(), 0.0);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use maud::{Markup, html};
 use serde::Serialize;
+use solids::Bounds;
 
 use super::{
     footprint::footprint,
@@ -13,7 +14,6 @@ use super::{
 };
 use crate::{
     farm::{Cake, CakePart, Standing},
-    geometry::Bounds,
     ledger::DrawnOut,
 };
 

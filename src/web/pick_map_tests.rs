@@ -1,9 +1,11 @@
 //! The order of a pick map, and what it says where it does not know.
 
 use glam::{DQuat, DVec3};
+use nester::DrawnCopy;
+use solids::Pose;
 
 use super::*;
-use crate::{geometry::Pose, nest::DrawnCopy, samples, web::search::Told};
+use crate::web::search::Told;
 
 /// A cake of two parts: two copies of one, one of the other, whose original is or is not kept.
 fn cake(is_kept: bool) -> Cake {
@@ -16,7 +18,7 @@ fn cake(is_kept: bool) -> Cake {
         mesh,
         copies,
     };
-    let ring = std::sync::Arc::new(samples::ring(40.0, 28.0, 8.0));
+    let ring = std::sync::Arc::new(sample_parts::ring(40.0, 28.0, 8.0));
     let other = is_kept.then(|| ring.clone());
     let parts = vec![
         part(1, "low.3mf (ring)", Some(ring), vec![at(1, 10.0), at(2, 30.0)]),

@@ -8,6 +8,7 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
+use build_file::Viewpoint;
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -17,7 +18,7 @@ use super::{
     state::Web,
     words::{count, number},
 };
-use crate::{farm::Cake, format::Viewpoint, ledger::ProfileStatus};
+use crate::{farm::Cake, ledger::ProfileStatus};
 
 /// Widths that pages ask for, pixels; whatever is asked becomes the next of them.
 const WIDTHS: [u32; 2] = [480, 640];

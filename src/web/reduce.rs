@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, IVec3};
-
-use crate::geometry::Mesh;
+use solids::Mesh;
 
 /// A mesh for looking at: single precision, mm, in the frame of the mesh.
 #[derive(Debug, Clone)]
@@ -64,11 +63,10 @@ fn clustered(mesh: &Mesh, origin: DVec3, cell_mm: f64) -> Light {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::samples;
 
     #[test]
     fn a_reduced_part_keeps_its_bounds_and_has_no_more_triangles_than_asked() {
-        for sample in samples::all() {
+        for sample in sample_parts::all() {
             let light = reduce(&sample.mesh, 400);
             assert!(light.triangles.len() <= 400, "{}: {}", sample.name, light.triangles.len());
             assert!(light.triangles.len() > 20 || sample.mesh.triangles().len() <= 20, "{}", sample.name);

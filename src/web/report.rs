@@ -4,6 +4,7 @@
 use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
+use build_file::{BuildInfo, Viewpoint};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
@@ -14,12 +15,7 @@ use super::{
     search::Told,
     words::{count, number, or_dash, percent, text},
 };
-use crate::{
-    farm::Cake,
-    format::{BuildInfo, Viewpoint},
-    ledger::BuildRow,
-    settings::Profile,
-};
+use crate::{farm::Cake, ledger::BuildRow, settings::Profile};
 
 /// Triangles of the 3D view, about: what a mail may carry.
 const MOST_DRAWN: usize = 250_000;
@@ -103,7 +99,7 @@ impl Report<'_> {
             Source::Ledger(build, _) => format!("Build {} on {}", build.id, build.profile),
             Source::File(file, info) => {
                 let name = || file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                crate::format::visible(&info.title.clone().unwrap_or_else(name))
+                build_file::visible(&info.title.clone().unwrap_or_else(name))
             }
         }
     }
@@ -115,7 +111,7 @@ impl Report<'_> {
             Source::Ledger(build, profile) => (build.id.0, build.height_mm.or_else(top_mm), profile.layer_mm),
             Source::File(_, info) => {
                 let number = info.build_id.as_ref().and_then(|id| id.parse().ok()).unwrap_or(0);
-                (number, top_mm(), info.layer_mm.unwrap_or(crate::nest::DEFAULT_LAYER_MM))
+                (number, top_mm(), info.layer_mm.unwrap_or(nester::DEFAULT_LAYER_MM))
             }
         }
     }
@@ -166,7 +162,7 @@ fn policy(key: &str) -> String {
 /// What a build file says about itself.
 fn of_file(file: &Path, info: &BuildInfo, cake: &Cake) -> Markup {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let shown = |said: &Option<String>| or_dash(said.as_deref().map(crate::format::visible));
+    let shown = |said: &Option<String>| or_dash(said.as_deref().map(build_file::visible));
     facts(&[
         ("Height", html! { b { (number(cake.top_mm(), 2)) " mm" } " of " (number(Some(cake.volume_mm.z), 0)) " mm" }),
         ("Density", html! { (percent(info.density)) }),
@@ -175,7 +171,7 @@ fn of_file(file: &Path, info: &BuildInfo, cake: &Cake) -> Markup {
         ("Machine", html! { (shown(&info.profile)) }),
         ("Search", html! { "seed " (or_dash(info.seed)) ", " (shown(&info.application)) }),
         ("Made", html! { (shown(&info.created)) }),
-        ("File", html! { (crate::format::visible(&name)) }),
+        ("File", html! { (build_file::visible(&name)) }),
     ])
 }
 

@@ -3,19 +3,16 @@
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
+use solids::Pose;
 
 use super::*;
-use crate::{
-    farm::{CakePart, Standing},
-    geometry::Pose,
-    samples,
-};
+use crate::farm::{CakePart, Standing};
 
 const NAMES: [&str; 4] =
     ["<script>alert(1)</script>.stl", "</script><img src=x onerror=alert(1)>.stl", "\"onload=\"x.stl", "a'b&amp;.stl"];
 
 fn cake(name: &str) -> Cake {
-    let mesh = Arc::new(samples::ring(40.0, 28.0, 8.0));
+    let mesh = Arc::new(sample_parts::ring(40.0, 28.0, 8.0));
     let standing = |copy| Standing {
         copy,
         pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, 20.0 * copy as f64)),

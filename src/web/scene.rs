@@ -12,6 +12,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 use serde::Serialize;
+use solids::Mesh;
 
 use super::{
     problem::Answer,
@@ -19,10 +20,7 @@ use super::{
     render::{Kept, build_of, of_cake, version},
     state::Web,
 };
-use crate::{
-    farm::{Cake, CakePart, Standing},
-    geometry::Mesh,
-};
+use crate::farm::{Cake, CakePart, Standing};
 
 /// Triangles that a view draws in all, about.
 const MOST_DRAWN: usize = 700_000;

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use build_file::name_in_build_file;
+use nester::DrawnCopy;
+
 use crate::{
     farm::{Cake, Standing},
-    format::name_in_build_file,
     intake,
     ledger::DrawnOut,
-    nest::DrawnCopy,
 };
 
 /// What a report is read of at most.

@@ -1,15 +1,15 @@
 //! Builds, parts and placements as the JSON interface tells them: every field with its unit, and nothing that is the
 //! daemon's own affair.
 
+use build_file::Unit;
+use nester::OrientationRule;
 use serde::Serialize;
 
 use crate::{
     farm::Standing,
-    format::Unit,
     ledger::{
         BuildId, BuildRow, BuildState, EventRow, Outcome, OutcomeRow, PartId, PartRow, PartState, PlacementRow, Utc,
     },
-    nest::OrientationRule,
     settings::Profile,
 };
 

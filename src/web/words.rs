@@ -36,8 +36,7 @@ pub(super) fn text(value: &str) -> &str {
 }
 
 /// '1 copy', '2 copies'.
-pub(super) use crate::format::counted as count;
-
+pub(super) use build_file::counted as count;
 /// A time of the table, UTC.
 pub(super) fn time(time: Option<Utc>) -> String {
     time.map_or_else(|| DASH.to_owned(), |t| t.0.strftime("%Y-%m-%d %H:%M").to_string())

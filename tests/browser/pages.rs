@@ -10,10 +10,7 @@ use std::{
     sync::LazyLock,
 };
 
-use nestd::{
-    ledger::{PartRow, PartState},
-    samples,
-};
+use nestd::ledger::{PartRow, PartState};
 
 use crate::{
     quiet,
@@ -97,7 +94,8 @@ impl Dashboard {
 
     /// Drops copies of all sample parts but the largest, some of each, as an order each.
     fn drop_samples(&self, skip: usize, customers: &[&str]) -> usize {
-        let samples: Vec<_> = samples::all().into_iter().filter(|sample| sample.name != "rail").skip(skip).collect();
+        let samples: Vec<_> =
+            sample_parts::all().into_iter().filter(|sample| sample.name != "rail").skip(skip).collect();
         for (at, sample) in samples.iter().enumerate() {
             let name = format!("{}_x{}.stl", sample.name, 1 + at % 4);
             self.drop(customers[at % customers.len()], &name, &stl(&sample.mesh));
@@ -126,7 +124,7 @@ pub fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
     let large = "volume_mm = [380, 284, 2000]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0\n";
     dashboard.farm.write_profile(MACHINE, large);
     dashboard.farm.reload();
-    let kinds: Vec<_> = samples::all().into_iter().filter(|sample| sample.mesh.triangles().len() > 1500).collect();
+    let kinds: Vec<_> = sample_parts::all().into_iter().filter(|sample| sample.mesh.triangles().len() > 1500).collect();
     let each = 700 / kinds.len();
     for sample in &kinds {
         dashboard.drop("", &format!("{}_x{each}.stl", sample.name), &stl(&sample.mesh));
@@ -149,7 +147,7 @@ pub fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
 /// the checks need to know.
 fn set_up(dashboard: &Dashboard, chromium: &Path) -> serde_json::Value {
     let read = dashboard.drop_samples(0, &["Acme", "Beta AG", "Müller & Söhne"]);
-    dashboard.drop("Acme", NASTY[0], &stl(&samples::cuboid(glam::DVec3::splat(20.0))));
+    dashboard.drop("Acme", NASTY[0], &stl(&sample_parts::cuboid(glam::DVec3::splat(20.0))));
     dashboard.wait_for(PartState::Waiting, read + 1);
     dashboard.flush();
     let built = dashboard.wait_for(PartState::Built, read + 1);
@@ -160,14 +158,14 @@ fn set_up(dashboard: &Dashboard, chromium: &Path) -> serde_json::Value {
     dashboard.wait_for(PartState::Built, read + 1 + second);
     let third = dashboard.drop_samples(9, &["Delta", "Acme"]);
     for name in &NASTY[1..] {
-        dashboard.drop("Delta", name, &stl(&samples::cuboid(glam::DVec3::splat(15.0))));
+        dashboard.drop("Delta", name, &stl(&sample_parts::cuboid(glam::DVec3::splat(15.0))));
     }
     dashboard.wait_for(PartState::Waiting, third + 2);
-    dashboard.drop("Delta", "torn.stl", &stl(&samples::cuboid(glam::DVec3::splat(9.0)))[..500]);
+    dashboard.drop("Delta", "torn.stl", &stl(&sample_parts::cuboid(glam::DVec3::splat(9.0)))[..500]);
     let refused = dashboard.wait_for(PartState::Rejected, 1);
     let open = open_build(dashboard);
     let sample = dashboard.farm.root().join("sample.stl");
-    fs::write(&sample, stl(&samples::cuboid(glam::DVec3::new(17.0, 12.0, 9.0)))).unwrap();
+    fs::write(&sample, stl(&sample_parts::cuboid(glam::DVec3::new(17.0, 12.0, 9.0)))).unwrap();
     let shots = std::env::var_os("NESTD_SHOTS").map(PathBuf::from);
     let history: serde_json::Value = serde_json::from_str(&dashboard.farm.nestd_ok(&["history", "--json"])).unwrap();
     let copies: u32 = built.iter().map(|part| part.copies).sum();

@@ -13,14 +13,12 @@ use std::{
     process::{Command, Stdio},
 };
 
+use build_file::{Limits, Unit};
 use glam::DVec3;
-use nestd::{
-    format::{self, Limits, Unit},
-    geometry::Mesh,
-};
 use rand::{RngExt, SeedableRng, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
+use solids::Mesh;
 
 use crate::support::random::{any_clearance_mm, any_tilt};
 
@@ -70,7 +68,7 @@ impl Pool {
     fn size_mm(&mut self, at: usize) -> Option<DVec3> {
         let file = &self.files[at];
         *self.sizes_mm.entry(at).or_insert_with(|| {
-            let contents = format::read(file, "part.stl", None, Unit::default(), &Limits::default()).ok()?;
+            let contents = build_file::read(file, "part.stl", None, Unit::default(), &Limits::default()).ok()?;
             let mesh: &Mesh = &contents.solids.first()?.mesh;
             let fine = mesh.defects().is_closed() && mesh.triangles().len() < 15_000;
             fine.then(|| mesh.bounds().size())

@@ -3,11 +3,11 @@
 
 use std::{fs::File, process::Command, sync::Arc};
 
-use glam::{DQuat, DVec3};
-use nestd::{
-    format::{Arrangement, BuildFile, BuildItem, BuildObject, Instances, Limits, cross_check, read_build, write_build},
-    geometry::{Mesh, Pose},
+use build_file::{
+    Arrangement, BuildFile, BuildItem, BuildObject, Instances, Limits, cross_check, read_build, write_build,
 };
+use glam::{DQuat, DVec3};
+use solids::{Mesh, Pose};
 
 /// Strict reading, schema, checksums, and the top of the build as another reader places it.
 const SCRIPT: &str = r#"

@@ -3,7 +3,7 @@
 
 use std::{collections::HashMap, path::PathBuf};
 
-use nestd::format::{Contents, Limits, ReadError, Unit, read};
+use build_file::{Contents, Limits, ReadError, Unit, read};
 
 use crate::support::manifest::{EXCEPTIONS, Outcome, files, unpack_names};
 

@@ -4,16 +4,14 @@
 use std::{collections::BTreeSet, sync::Arc};
 
 use glam::DVec3;
-use nestd::{
-    nest::{
-        Body, BuildVolume, Config, Instance, Item, NotDown, Organs, Orientation, OrientationRule, Solution, Stop, Tilt,
-        nest, prove, rotation_obeys,
-    },
-    samples::random_part,
+use nester::{
+    Body, BuildVolume, Config, Instance, Item, NotDown, Organs, Orientation, OrientationRule, Solution, Stop, Tilt,
+    nest, prove, rotation_obeys,
 };
 use parry3d_f64::{math::Pose3, query, shape::TriMesh};
 use rand::{RngExt, SeedableRng, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
+use sample_parts::random_part;
 
 use crate::support::random::{any_clearance_mm, any_tilt};
 

@@ -3,10 +3,8 @@
 use std::path::Path;
 
 use assert_cmd::Command;
-use nestd::{
-    ledger::{Ledger, NewPart, SolidFacts, Tilts},
-    nest::OrientationRule,
-};
+use nestd::ledger::{Ledger, NewPart, SolidFacts, Tilts};
+use nester::OrientationRule;
 
 /// `nestd` over the shipped try-out configuration with its folders under `root`.
 fn nestd(root: &Path, words: &str) -> Command {

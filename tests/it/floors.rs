@@ -1,22 +1,20 @@
-//! Keeps the house in order: a module knows only floors below its own, and no files of a room import each other in a circle.
+//! Keeps the house in order: a crate and a module know only floors below their own, and no files of either import each other
+//! in a circle.
 
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
+use toml::Table;
+
 mod imports;
 
-/// Rooms whose files still import each other in a circle. It only becomes shorter.
-const STILL_KNOTTED: [&str; 4] = ["geometry", "nest", "format", "farm"];
+/// Crates of the workspace and their floors, as in `ARCHITECTURE.md`. The rooms of `nestd` stand above all of them.
+const CRATES: [(&str, u32); 4] = [("solids", 0), ("sample-parts", 1), ("nester", 1), ("build-file", 2)];
 
 /// Rooms and their floors, as in `ARCHITECTURE.md`.
-const FLOORS: [(&str, u32); 16] = [
-    ("geometry", 0),
-    ("pollination", 0),
-    ("nest", 1),
-    ("samples", 1),
-    ("format", 2),
+const FLOORS: [(&str, u32); 11] = [
     ("access", 2),
     ("build", 3),
     ("ledger", 4),
@@ -117,26 +115,54 @@ fn a_module_knows_only_floors_below_its_own() {
 }
 
 #[test]
-fn the_reader_of_this_test_sees_plain_and_braced_paths() {
-    let text = "use crate::nest::Config; use crate::{format::{Unit, Limits}, geometry,\n};";
-    assert_eq!(rooms_named(text), ["nest", "format", "geometry"]);
+fn a_crate_depends_on_crates_of_lower_floors_only() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let mut found: Vec<String> =
+        (fs::read_dir(&crates).unwrap()).map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    found.sort();
+    let mut known: Vec<&str> = CRATES.iter().map(|&(name, _)| name).collect();
+    known.sort_unstable();
+    assert_eq!(found, known);
+    let floor = |name: &str| CRATES.iter().find(|(known, _)| *known == name).map(|&(_, floor)| floor);
+    for (name, own) in CRATES {
+        let manifest: Table = fs::read_to_string(crates.join(name).join("Cargo.toml")).unwrap().parse().unwrap();
+        for table in ["dependencies", "dev-dependencies", "build-dependencies"] {
+            let Some(dependencies) = manifest.get(table).and_then(|table| table.as_table()) else { continue };
+            for other in dependencies.keys().filter_map(|other| floor(other).map(|floor| (other, floor))) {
+                assert!(other.1 < own, "{name} ({own}) depends on {} ({})", other.0, other.1);
+            }
+            assert!(!dependencies.contains_key("nestd"), "{name} depends on nestd");
+        }
+    }
 }
 
 #[test]
-fn no_files_of_a_room_import_each_other_in_a_circle() {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut faults = Vec::new();
-    for (room, _) in FLOORS {
-        let imports = imports::imports_of(&source, room);
-        let circles = imports::circles(&imports);
-        match STILL_KNOTTED.contains(&room) {
-            true if circles.is_empty() => {
-                faults.push(format!("{room} has no circle any more: take it out of STILL_KNOTTED"))
-            }
-            true => {}
-            false => faults.extend(circles.iter().map(|circle| in_words(circle))),
-        }
+fn the_optimiser_knows_nothing_of_solids_and_layouts() {
+    let room = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/nester/src/pollination");
+    for file in rust_files(&room) {
+        let text = fs::read_to_string(&file).unwrap();
+        let is_free = ["crate::", "super::super", "solids::"].into_iter().all(|path| !text.contains(path));
+        assert!(is_free, "{} knows what it optimises", file.display());
     }
+}
+
+#[test]
+fn the_reader_of_this_test_sees_plain_and_braced_paths() {
+    let text = "use crate::queue::Queue; use crate::{settings::{Profile, Origin}, access,\n};";
+    assert_eq!(rooms_named(text), ["queue", "settings", "access"]);
+}
+
+#[test]
+fn no_files_of_a_crate_or_a_room_import_each_other_in_a_circle() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let rooms = FLOORS.map(|(room, _)| imports::imports_of(&root.join("src"), &[room]));
+    let crates = CRATES.map(|(name, _)| imports::imports_of(&root.join("crates").join(name).join("src"), &[]));
+    let faults: Vec<String> =
+        rooms.iter().chain(&crates).flat_map(imports::circles).map(|circle| in_words(&circle)).collect();
+    assert!(
+        crates.iter().all(|imports| imports.values().any(|targets| !targets.is_empty())),
+        "a crate of which nothing is read"
+    );
     assert!(faults.is_empty(), "files that import each other:\n{}", faults.join("\n"));
 }
 

@@ -2,7 +2,7 @@
 
 use std::{fs, path::PathBuf, process::Command};
 
-use nestd::format::{Contents, Limits, ReadError, Unit, has_end, read, read_build};
+use build_file::{Contents, Limits, ReadError, Unit, has_end, read, read_build};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

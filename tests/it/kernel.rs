@@ -4,12 +4,10 @@
 use std::{f64::consts::FRAC_PI_2, sync::Arc};
 
 use glam::{DQuat, DVec3, EulerRot};
-use nestd::{
-    geometry::{Bounds, ClearanceTree, Mesh, Pose},
-    samples::random_part,
-};
 use parry3d_f64::{math::Pose3, query, shape::TriMesh};
 use proptest::prelude::*;
+use sample_parts::random_part;
+use solids::{Bounds, ClearanceTree, Mesh, Pose};
 
 /// A box whose top is a fan around a point of it: on an edge or a corner some triangles have no area, next to one they are
 /// needles.

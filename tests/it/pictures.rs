@@ -10,9 +10,11 @@ use std::{
     time::{Duration, Instant},
 };
 
+use build_file::write_stl;
 use glam::DVec3;
-use nestd::{format::write_stl, geometry::Pose, ledger::Ledger, samples};
+use nestd::ledger::Ledger;
 use nix::pty::{Winsize, openpty};
+use solids::Pose;
 
 /// As near to a script as a file name comes: it has no slash.
 const EVIL: &str = "<script>alert(1)<!--.stl";
@@ -43,7 +45,7 @@ fn parts() -> (tempfile::TempDir, Vec<String>) {
     let dir = tempfile::tempdir().unwrap();
     let blocks = [(EVIL, DVec3::new(30.0, 20.0, 10.0)), ("b.stl", DVec3::new(15.0, 15.0, 40.0))];
     for (name, size) in blocks {
-        let mesh = samples::cuboid(size);
+        let mesh = sample_parts::cuboid(size);
         write_stl([(&mesh, &Pose::IDENTITY)].into_iter(), File::create(dir.path().join(name)).unwrap()).unwrap();
     }
     let words = [&format!("{EVIL}=3"), "b.stl=2", "--volume", "80x80x120", "--clearance", "1", "-o", "x.build.3mf"];

@@ -37,8 +37,10 @@ fn every_file_that_the_documents_link_to_is_there() {
 #[test]
 fn every_room_has_its_place_in_the_architecture() {
     let text = fs::read_to_string(repository().join("ARCHITECTURE.md")).unwrap();
-    for entry in fs::read_dir(repository().join("src")).unwrap().map(Result::unwrap).filter(|e| e.path().is_dir()) {
-        let room = format!("src/{}/", entry.file_name().to_string_lossy());
-        assert!(text.contains(&room), "{room} is missing");
+    for floor in ["src", "crates"] {
+        for entry in fs::read_dir(repository().join(floor)).unwrap().map(Result::unwrap).filter(|e| e.path().is_dir()) {
+            let room = format!("{floor}/{}/", entry.file_name().to_string_lossy());
+            assert!(text.contains(&room), "{room} is missing");
+        }
     }
 }

@@ -6,12 +6,10 @@ use std::{
 };
 
 use assert_cmd::Command;
+use build_file::{Limits, write_stl};
 use glam::DVec3;
-use nestd::{
-    format::{self, Limits, write_stl},
-    geometry::{Mesh, Pose},
-    nest::{self, Body, Margins},
-};
+use nester::{Body, Margins};
+use solids::{Mesh, Pose};
 
 /// A wedge: a box whose upper edge runs along one side only.
 fn wedge(dir: &Path, name: &str, size: DVec3) -> PathBuf {
@@ -43,8 +41,8 @@ fn nested(dir: &Path, options: &[&str]) -> PathBuf {
 }
 
 /// What was written, judged without the words of the file.
-fn proof(file: &Path, margins: Margins, clearance_mm: f64, extra_mm: f64) -> nest::Proof {
-    let read = format::read_build(file, &Limits::default()).unwrap();
+fn proof(file: &Path, margins: Margins, clearance_mm: f64, extra_mm: f64) -> nester::Proof {
+    let read = build_file::read_build(file, &Limits::default()).unwrap();
     let bodies: Vec<Body> = (read.into_iter())
         .map(|item| {
             let pose = Pose { translation: item.pose.translation - margins.origin_mm(), ..item.pose };
@@ -52,7 +50,7 @@ fn proof(file: &Path, margins: Margins, clearance_mm: f64, extra_mm: f64) -> nes
         })
         .collect();
     assert_eq!(bodies.len(), 12);
-    nest::prove_raised(&bodies, margins.room(DVec3::new(60.0, 60.0, 120.0)).size_mm, extra_mm)
+    nester::prove_raised(&bodies, margins.room(DVec3::new(60.0, 60.0, 120.0)).size_mm, extra_mm)
 }
 
 #[test]
@@ -77,7 +75,7 @@ fn no_layer_of_the_written_file_is_filled_beyond_its_cap() {
     let dir = tempfile::tempdir().unwrap();
     let report = dir.path().join("report.json");
     let plain = nested(dir.path(), &["--clearance", "1", "--report", report.to_str().unwrap()]);
-    let said = |file: &Path| format::read_build_and_info(file, &Limits::default()).unwrap().0.layer_area_cap_mm2;
+    let said = |file: &Path| build_file::read_build_and_info(file, &Limits::default()).unwrap().0.layer_area_cap_mm2;
     assert_eq!(said(&plain), None);
     let largest = |json: &serde_json::Value| json["layers"]["largest_area_mm2"].as_f64().unwrap();
     let free: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
@@ -97,7 +95,7 @@ fn directions_stay_up_in_the_written_file() {
     for method in ["nestd", "paper"] {
         let options = ["--method", method, "--clearance", "1", "--keep-up", "1,0,0:25", "--not-down", "-1,0.2,0:5"];
         let file = nested(dir.path(), &options);
-        for item in format::read_build(&file, &Limits::default()).unwrap() {
+        for item in build_file::read_build(&file, &Limits::default()).unwrap() {
             let stands = item.pose.direction(DVec3::X).z;
             assert!(stands >= 25_f64.to_radians().cos() - 1e-9, "{stands}");
             assert!(

@@ -14,6 +14,17 @@ fn toml_file(name: &str) -> Table {
     fs::read_to_string(root().join(name)).unwrap().parse().unwrap()
 }
 
+/// The manifests of all crates of the workspace.
+fn manifests() -> Vec<Table> {
+    let crates = fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().path());
+    let below = crates.map(|path| path.join("Cargo.toml").to_str().unwrap().to_owned());
+    below.chain(["Cargo.toml".to_owned()]).map(|name| toml_file(&name)).collect()
+}
+
+fn text_at(value: &toml::Value) -> String {
+    value.as_str().unwrap().to_owned()
+}
+
 fn words(value: &toml::Value) -> Vec<&str> {
     value.as_array().unwrap().iter().map(|word| word.as_str().unwrap()).collect()
 }
@@ -83,6 +94,7 @@ fn licences_bans_and_sources_are_as_deny_toml_says() {
         deny["bans"]["deny"].as_array().unwrap().iter().map(|ban| ban["crate"].as_str().unwrap()).collect();
     let sources = words(&deny["sources"]["allow-registry"]);
     let packages = packages(words(&deny["graph"]["targets"])[0]);
+    let own: BTreeSet<String> = manifests().iter().map(|manifest| text_at(&manifest["package"]["name"])).collect();
     assert!(packages.len() > 100, "only {} packages", packages.len());
     let mut faults = Vec::new();
     for package in &packages {
@@ -95,7 +107,7 @@ fn licences_bans_and_sources_are_as_deny_toml_says() {
             faults.push(format!("{name} is banned"));
         }
         let source = package["source"].as_str().unwrap_or_default();
-        let is_own = name == "nestd" && source.is_empty();
+        let is_own = source.is_empty() && own.contains(name);
         if !is_own && !sources.iter().any(|registry| source == format!("registry+{registry}")) {
             faults.push(format!("{name}: source {source:?}"));
         }
@@ -136,15 +148,27 @@ fn the_lock_files_are_kept_and_name_one_registry() {
 
 #[test]
 fn every_dependency_stands_in_the_architecture_with_why_it_is_there() {
-    let manifest = toml_file("Cargo.toml");
     let mut wanted = BTreeSet::new();
-    for table in ["dependencies", "dev-dependencies"] {
-        for (name, requirement) in manifest[table].as_table().unwrap() {
-            let version = requirement.as_str().or_else(|| requirement.get("version")?.as_str());
-            assert!(version.is_some_and(|version| !version.contains('*')), "{name}: no version");
-            wanted.insert(name.clone());
+    for (name, requirement) in toml_file("Cargo.toml")["workspace"]["dependencies"].as_table().unwrap() {
+        if requirement.get("path").is_some() {
+            continue;
+        }
+        let version = requirement.as_str().or_else(|| requirement.get("version")?.as_str());
+        assert!(version.is_some_and(|version| !version.contains('*')), "{name}: no version");
+        wanted.insert(name.clone());
+    }
+    let mut used = BTreeSet::new();
+    for manifest in manifests() {
+        let tables =
+            ["dependencies", "dev-dependencies"].into_iter().filter_map(|table| manifest.get(table)?.as_table());
+        for (name, requirement) in tables.flatten() {
+            let is_shared = requirement.get("workspace").and_then(toml::Value::as_bool) == Some(true);
+            assert!(is_shared, "{}: {name} has a version of its own", manifest["package"]["name"]);
+            used.insert(name.clone());
         }
     }
+    let unused: Vec<_> = wanted.difference(&used).collect();
+    assert!(unused.is_empty(), "no crate uses {unused:?}");
     let text = fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
     let (_, section) = text.split_once("\n## Dependencies\n").expect("a section of dependencies");
     let section = section.split("\n## ").next().unwrap();

@@ -23,7 +23,7 @@ fn rust_files(dir: &Path, files: &mut Vec<PathBuf>) {
 fn all_files() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = Vec::new();
-    for dir in ["src", "tests", "benches"] {
+    for dir in ["src", "crates", "tests", "benches"] {
         rust_files(&root.join(dir), &mut files);
     }
     files.into_iter().map(|f| (f.clone(), fs::read_to_string(f).unwrap())).collect()

@@ -3,11 +3,9 @@
 use std::{fs::File, path::PathBuf, sync::Arc};
 
 use assert_cmd::Command;
+use build_file::{Arrangement, BuildFile, BuildItem, BuildObject, Instances, write_build, write_stl};
 use glam::{DQuat, DVec3};
-use nestd::{
-    format::{Arrangement, BuildFile, BuildItem, BuildObject, Instances, write_build, write_stl},
-    geometry::{Bounds, Mesh, Pose},
-};
+use solids::{Bounds, Mesh, Pose};
 
 fn cube() -> Arc<Mesh> {
     let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1)) * 10.0;
@@ -218,7 +216,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
     };
     let object = BuildObject {
         name: "ring".to_owned(),
-        mesh: Arc::new(nestd::samples::ring(30.0, 22.0, 3.0)),
+        mesh: Arc::new(sample_parts::ring(30.0, 22.0, 3.0)),
         part_number: "1".to_owned(),
         content_hash: "r".to_owned(),
     };

@@ -8,10 +8,7 @@ use std::{
 };
 
 use glam::DVec3;
-use nestd::{
-    ledger::{Ledger, PartState},
-    samples,
-};
+use nestd::ledger::{Ledger, PartState};
 
 use super::{
     budget::Budget,
@@ -70,7 +67,7 @@ fn wave(farm: &TestFarm, row: &mut Row, count: u64, status: &mut Vec<f64>) -> f6
     let names: Vec<PathBuf> = (0..count).map(|n| format!("part-{}.stl", row.files + n).into()).collect();
     for (n, name) in (row.files..).zip(&names) {
         let size = DVec3::new(60.0, 60.0 + (n % 1000) as f64 * 0.01, 60.0 + (n / 1000) as f64 * 0.01);
-        fs::write(outside.join(name), stl(&samples::cuboid(size))).unwrap();
+        fs::write(outside.join(name), stl(&sample_parts::cuboid(size))).unwrap();
     }
     let began = Instant::now();
     for name in &names {

@@ -9,7 +9,8 @@ use std::{
 };
 
 use glam::{DVec3, Vec3};
-use nestd::{format, geometry::Pose, ledger::PartState, samples};
+use nestd::ledger::PartState;
+use solids::Pose;
 
 use super::{
     budget::Budget,
@@ -107,7 +108,7 @@ pub fn peak_mib(pid: i32) -> u64 {
 
 /// Each stated limit, set low, and a part above it.
 fn refused_above_the_limits(row: &mut Row) {
-    let cube = stl(&samples::cuboid(DVec3::splat(10.0)));
+    let cube = stl(&sample_parts::cuboid(DVec3::splat(10.0)));
     let cases = [
         ("max_triangles = 11", "a.stl", "it has 12 triangles; at most 11 are taken"),
         ("max_bytes = 600", "a.stl", "it is 684 bytes long; at most 600 are taken"),
@@ -180,17 +181,17 @@ fn facet(out: &mut impl Write, corners: [Vec3; 3]) {
 
 /// One file of so many small cubes that do not touch.
 fn crowd(file: &Path, shells: u64) {
-    let cube = samples::cuboid(DVec3::splat(2.0));
+    let cube = sample_parts::cuboid(DVec3::splat(2.0));
     let side = (shells as f64).cbrt().ceil() as u64;
     let poses: Vec<Pose> = (0..shells)
         .map(|n| DVec3::new((n % side) as f64, (n / side % side) as f64, (n / side / side) as f64) * 6.0)
         .map(|translation| Pose { translation, ..Pose::IDENTITY })
         .collect();
     let mut out = BufWriter::new(File::create(file).unwrap());
-    format::write_stl(poses.iter().map(|pose| (&cube, pose)), &mut out).unwrap();
+    build_file::write_stl(poses.iter().map(|pose| (&cube, pose)), &mut out).unwrap();
     out.flush().unwrap();
 }
 
 fn block(file: &Path, _copies: u64) {
-    fs::write(file, stl(&samples::cuboid(DVec3::new(14.0, 11.0, 8.0)))).unwrap();
+    fs::write(file, stl(&sample_parts::cuboid(DVec3::new(14.0, 11.0, 8.0)))).unwrap();
 }

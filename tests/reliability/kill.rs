@@ -171,7 +171,7 @@ impl Killed {
     fn take_as_a_printer_does(&mut self) {
         for file in self.farm.queued() {
             let name = file.file_name().unwrap().to_string_lossy().into_owned();
-            match nestd::format::read_build(&file, &Default::default()) {
+            match build_file::read_build(&file, &Default::default()) {
                 Ok(placed) => {
                     for copy in placed.into_iter().map(|p| (p.part_number.unwrap(), p.copy.unwrap())) {
                         if !self.copies.insert(copy.clone()) {

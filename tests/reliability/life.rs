@@ -305,7 +305,7 @@ impl Life {
         let mut copies = Vec::new();
         for name in &self.taken {
             let file = self.farm.root().join("taken").join(name);
-            match nestd::format::read_build(&file, &Default::default()) {
+            match build_file::read_build(&file, &Default::default()) {
                 Ok(placed) => copies.extend(placed.into_iter().map(|p| (p.part_number, p.copy))),
                 Err(error) => self.broken.push(format!("I3: {name} was published and cannot be read: {error}")),
             }

@@ -14,7 +14,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::{format, intake};
+use nestd::intake;
 
 use super::{
     budget::Budget,
@@ -133,7 +133,7 @@ impl Pair {
                 continue;
             }
             self.builds += 1;
-            for placed in format::read_build(&to, &format::Limits::default()).unwrap() {
+            for placed in build_file::read_build(&to, &build_file::Limits::default()).unwrap() {
                 *self.printed.entry(placed.source_hash.unwrap()).or_default() += 1;
             }
         }

@@ -10,9 +10,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::{format, geometry::Mesh, ledger::PartState};
+use nestd::ledger::PartState;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
+use solids::Mesh;
 
 use super::{
     budget::Budget,
@@ -174,7 +175,7 @@ impl Farm {
     /// Copies in the build files of the queue, by content.
     fn in_queue(&self) -> BTreeMap<String, u32> {
         let mut copies = BTreeMap::new();
-        for placed in self.farm.queued().iter().flat_map(|f| format::read_build(f, &Default::default()).unwrap()) {
+        for placed in self.farm.queued().iter().flat_map(|f| build_file::read_build(f, &Default::default()).unwrap()) {
             *copies.entry(placed.source_hash.unwrap_or_default()).or_default() += 1;
         }
         copies

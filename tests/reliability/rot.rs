@@ -10,7 +10,6 @@ use std::{
 
 use nestd::{
     farm::Witness,
-    format,
     ledger::{BuildState, PartState},
 };
 
@@ -127,7 +126,7 @@ impl Rot {
         let in_state = |state| farm.ask(async |ledger| ledger.builds_in_state(state).await.unwrap()).pop();
         wait_until_or("a build is nested", 30.0, || farm.log(), || in_state(BuildState::Nesting).is_some());
         let build = in_state(BuildState::Nesting)?;
-        let name = format::build_file_name(build.nesting_at?.0, PROFILE, build.id.0.unsigned_abs());
+        let name = build_file::build_file_name(build.nesting_at?.0, PROFILE, build.id.0.unsigned_abs());
         let record = farm.folder("archive").join(name.strip_suffix(".build.3mf")?).join(".nestd-build.json");
         fs::create_dir_all(&record).unwrap();
         wait_until_or("it is proved", 30.0, || farm.log(), || in_state(BuildState::Verified).is_some());
@@ -169,7 +168,7 @@ impl Rot {
         let named = farm.broken(&Witness::default());
         let mut printed = Vec::new();
         for file in farm.queued() {
-            match format::read_build(&file, &Default::default()) {
+            match build_file::read_build(&file, &Default::default()) {
                 Ok(placed) => printed.extend(placed.iter().map(|item| item.mesh.volume_mm3().round() as u64)),
                 // The printer's own copy was spoilt after it was published.
                 Err(_) if self.when == When::Published && !named.is_empty() => return None,

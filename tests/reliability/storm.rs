@@ -11,10 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::{
-    format,
-    ledger::{PartRow, PartState},
-};
+use nestd::ledger::{PartRow, PartState};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -284,7 +281,7 @@ impl Storm {
     fn prints(&mut self) {
         for file in self.farm.queued() {
             let name = file.file_name().unwrap().to_string_lossy().into_owned();
-            match format::read_build(&file, &format::Limits::default()) {
+            match build_file::read_build(&file, &build_file::Limits::default()) {
                 Ok(placed) => placed.into_iter().for_each(|copy| {
                     *self.printed.entry(copy.source_hash.unwrap_or_default()).or_default() += 1;
                 }),

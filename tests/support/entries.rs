@@ -10,13 +10,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use build_file::{Contents, Limits, ReadError, Unit, has_end, read, read_build};
 use nestd::{
-    format::{Contents, Limits, ReadError, Unit, has_end, read, read_build},
     intake::{OrderList, Ticket, copies_in_name, display_name, raw_name},
     ledger::Tilts,
-    nest::Orientation,
     settings,
 };
+use nester::Orientation;
 
 /// A fuzz target: its name, which is also its corpus' folder, and its entry.
 pub type Target = (&'static str, fn(&[u8]));

@@ -19,11 +19,10 @@ use std::{
 
 use nestd::{
     farm::{self, Witness},
-    format,
-    geometry::{Mesh, Pose},
     ledger::{Ledger, PartRow, PartState},
     settings,
 };
+use solids::{Mesh, Pose};
 use tempfile::TempDir;
 
 pub const PROFILE: &str = "test";
@@ -265,7 +264,7 @@ impl TestFarm {
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
         let mut seen = std::collections::BTreeMap::new();
         for file in self.queued() {
-            for placed in format::read_build(&file, &format::Limits::default()).unwrap() {
+            for placed in build_file::read_build(&file, &build_file::Limits::default()).unwrap() {
                 let key = (placed.part_number.unwrap(), placed.copy.unwrap());
                 if let Some(other) = seen.insert(key.clone(), file.clone()) {
                     panic!("copy {key:?} is in {} and in {}", other.display(), file.display());
@@ -302,11 +301,11 @@ pub fn wait_until_or(what: &str, secs: f64, told: impl Fn() -> String, mut holds
 /// A mesh as the bytes of a binary STL.
 pub fn stl(mesh: &Mesh) -> Vec<u8> {
     let mut bytes = Vec::new();
-    format::write_stl([(mesh, &Pose::IDENTITY)].into_iter(), &mut bytes).unwrap();
+    build_file::write_stl([(mesh, &Pose::IDENTITY)].into_iter(), &mut bytes).unwrap();
     bytes
 }
 
 /// A box of the given size, mm.
 pub fn block(x: f64, y: f64, z: f64) -> Mesh {
-    nestd::samples::cuboid(glam::DVec3::new(x, y, z))
+    sample_parts::cuboid(glam::DVec3::new(x, y, z))
 }

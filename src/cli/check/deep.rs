@@ -3,11 +3,11 @@
 use std::{path::PathBuf, time::Duration};
 
 use anyhow::{Context, Result};
+use build_file::counted;
 
 use super::report::Report;
 use crate::{
     farm::{self, Looked, Witness},
-    format::counted,
     ledger::{Ledger, LedgerError},
     settings::Settings,
 };

@@ -3,11 +3,11 @@
 use std::fs;
 
 use anyhow::{Context, Result};
+use build_file::counted;
 
 use super::report::Report;
 use crate::{
     farm,
-    format::counted,
     ledger::{BuildRow, BuildState, Ledger, LedgerError},
     settings::{Profile, Settings},
 };

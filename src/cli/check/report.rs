@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use build_file::visible_lines;
 use serde::Serialize;
 
-use crate::{format::visible_lines, settings::Problem};
+use crate::settings::Problem;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -8,13 +8,10 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use build_file::write_stl;
+use solids::{Mesh, Pose};
 
 use super::super::Usage;
-use crate::{
-    format::write_stl,
-    geometry::{Mesh, Pose},
-    samples,
-};
 
 /// The machine of the demo.
 pub(super) const PROFILE: &str = "paper-200";
@@ -122,7 +119,7 @@ impl DemoFarm {
         let inbox = self.folder("inbox");
         fs::create_dir_all(inbox.join(ORDER)).with_context(|| format!("cannot make {}", inbox.display()))?;
         drop_file(&inbox.join(format!("{TICKETED}.toml")), |out| Ok(out.write_all(TICKET.as_bytes())?))?;
-        let parts = samples::all();
+        let parts = sample_parts::all();
         let named = |name: &str| parts.iter().find(|s| s.name == name).map(|s| &s.mesh).expect("the sample exists");
         for (name, file) in DROPS {
             drop_file(&inbox.join(file), |out| Ok(write_stl([(named(name), &Pose::IDENTITY)].into_iter(), out)?))?;

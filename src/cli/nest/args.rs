@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
+use nester::{Interlock, Margins, Method, NotDown, OrientationRule, Tilt};
 
 use crate::{
     cli::values::{distance, margins, share, volume, word},
-    nest::{Interlock, Margins, Method, NotDown, OrientationRule, Tilt},
     settings::parse_secs,
 };
 

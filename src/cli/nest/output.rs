@@ -3,19 +3,17 @@
 use std::{fs::File, io::BufWriter, path::Path};
 
 use anyhow::{Context, Result};
+use build_file::{BuildFile, Limits, WriteError};
 use jiff::Timestamp;
+use nester::{Course, Instance, Report, Solution};
+use solids::{Mesh, Pose};
 
 use super::{
     super::{draft::Draft, table::tell},
     args::Args,
     setup::Setup,
 };
-use crate::{
-    build::{BuildHeading, BuildPart, PartPlacement, ProvedBuild, SolvedBuild},
-    format::{self, BuildFile, Limits, WriteError},
-    geometry::{Mesh, Pose},
-    nest::{self, Course, Instance, Report, Solution},
-};
+use crate::build::{BuildHeading, BuildPart, PartPlacement, ProvedBuild, SolvedBuild};
 
 /// Edge lengths of the thumbnail, pixels.
 const THUMBNAIL: (u32, u32) = (512, 384);
@@ -33,7 +31,7 @@ pub fn write(
     if build.placed.is_empty() {
         tell(&format!("no copy could be placed; {} is not written", args.output.display()));
     } else {
-        let (draft, proved) = stage(&args.output, &build, &setup.limits, format::write_build)?;
+        let (draft, proved) = stage(&args.output, &build, &setup.limits, build_file::write_build)?;
         if let Some(found) = proved.separable.as_ref().filter(|found| !found.locked.is_empty()) {
             tell(&found.in_words());
         }
@@ -41,12 +39,12 @@ pub fn write(
         course.separable = proved.separable;
         draft.publish()?;
     }
-    let report = build.report(nest::lower_bound_mm(instance), solution.evaluations, &solution.unplaced, course);
+    let report = build.report(nester::lower_bound_mm(instance), solution.evaluations, &solution.unplaced, course);
     if let Some(target) = &args.stl {
         let poses: Vec<(&Mesh, Pose)> =
             (build.placed.iter()).map(|p| (&*build.parts[p.part].mesh, build.machine.machine_pose(&p.pose))).collect();
         let placed = poses.iter().map(|(mesh, pose)| (*mesh, pose));
-        Draft::fill(target, |file| Ok(format::write_stl(placed, BufWriter::new(file))?))?.publish()?;
+        Draft::fill(target, |file| Ok(build_file::write_stl(placed, BufWriter::new(file))?))?.publish()?;
     }
     if let Some(target) = &args.report {
         Draft::fill(target, |file| Ok(serde_json::to_writer_pretty(BufWriter::new(file), &report)?))?.publish()?;
@@ -58,7 +56,7 @@ fn solved_build(setup: &Setup, parts: Vec<BuildPart>, instance: &Instance, solut
     let placed = solution.placements.iter().map(|p| PartPlacement { part: p.item, copy: p.copy, pose: p.pose });
     SolvedBuild {
         heading: BuildHeading {
-            title: format!("nestd nest, {}", format::counted(solution.placements.len(), "part", "parts")),
+            title: format!("nestd nest, {}", build_file::counted(solution.placements.len(), "part", "parts")),
             build_id: "0".to_owned(),
             created: Timestamp::now(),
             seed: setup.config.seed,
@@ -97,14 +95,14 @@ mod tests {
         let (build, limits) = (one_cube(), Limits::for_testing());
         let wrongly = |file: &BuildFile, mut out: File| {
             let mut written = Cursor::new(Vec::new());
-            format::write_build(file, &mut written)?;
+            build_file::write_build(file, &mut written)?;
             out.write_all(&with_an_item_more(written.get_ref())).unwrap();
             Ok(())
         };
         let refused = stage(&target, &build, &limits, wrongly).err().unwrap();
         assert!(format!("{refused:#}").contains("a second reader disagrees"), "{refused:#}");
         assert!(folder.path().read_dir().unwrap().next().is_none(), "what was written is taken away");
-        stage(&target, &build, &limits, format::write_build).unwrap().0.publish().unwrap();
+        stage(&target, &build, &limits, build_file::write_build).unwrap().0.publish().unwrap();
         assert!(target.exists());
     }
 }

@@ -7,13 +7,12 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use solids::Mesh;
 
 use super::{args::Args, setup::Setup};
 use crate::{
     build::BuildPart,
     cli::{Usage, table::tell},
-    format,
-    geometry::Mesh,
 };
 
 /// A file that is asked for.
@@ -42,7 +41,7 @@ pub fn read(rows: Vec<Row>, setup: &Setup) -> Result<Vec<BuildPart>> {
         let unusable = |error: anyhow::Error| Usage(format!("{}: {error:#}", row.name));
         let source_hash = blake3::hash(&bytes_of(&row.file).map_err(unusable)?).to_hex().to_string();
         if !known.contains_key(&source_hash) {
-            let contents = format::read(&row.file, &row.name, None, setup.unit, &setup.limits)
+            let contents = build_file::read(&row.file, &row.name, None, setup.unit, &setup.limits)
                 .map_err(|error| unusable(error.into()))?;
             let solid_warnings =
                 contents.solids.iter().flat_map(|s| s.warnings.iter().map(move |w| format!("{}: {w}", s.name)));

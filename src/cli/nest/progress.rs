@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::nest::{Course, Listener, Solution, Stop};
+use nester::{Course, Listener, Solution, Stop};
 
 /// Longest bar, columns.
 const BAR: usize = 30;

@@ -1,14 +1,14 @@
 //! What a build is nested for: a profile's machine, or one that the options describe.
 
 use anyhow::Result;
+use build_file::{Arrangement, Instances, Limits, Unit};
 use glam::DVec3;
+use nester::{Config, LayerCap, Margins, NotDown, Orientation, OrientationRule, Tilt};
 
 use super::args::Args;
 use crate::{
     build::Machine,
     cli::{Common, Usage},
-    format::{Arrangement, Instances, Limits, Unit},
-    nest::{Config, LayerCap, Margins, NotDown, Orientation, OrientationRule, Tilt},
     settings,
 };
 

@@ -9,7 +9,7 @@ use super::looked::{
     Looked, Witness,
 };
 use crate::{
-    format, intake,
+    intake,
     ledger::{BuildRow, BuildState, Ledger},
     settings::{Profile, Settings},
 };
@@ -87,7 +87,7 @@ async fn same_copies(
     ledger: &Ledger,
     looked: &mut Looked,
 ) -> Result<()> {
-    let placed = match format::read_build(file, &settings.limits) {
+    let placed = match build_file::read_build(file, &settings.limits) {
         Ok(placed) => placed,
         Err(error) => {
             let text = format!("{} cannot be read as a build: {error}", file.display());

@@ -29,7 +29,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         orientation: OrientationRule::Upright,
         tilts: Tilts(vec![Tilt::new(glam::DVec3::new(1.0, 2.0, 3.0), 12.5).unwrap()]),
         clearance_mm: Some(4.5),
-        unit: Some(crate::format::Unit::Inch),
+        unit: Some(build_file::Unit::Inch),
         note: "handle with care".into(),
         ..new_part("full", 2)
     };

@@ -9,6 +9,6 @@ mod questions;
 mod walk;
 
 use jiff::Timestamp;
+use nester::{OrientationRule, Tilt};
 
 use super::{fixtures::*, *};
-use crate::nest::{OrientationRule, Tilt};

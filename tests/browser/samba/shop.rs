@@ -7,7 +7,7 @@ use std::{
     process::{Child, Output},
 };
 
-use nestd::{format, ledger::PartState};
+use nestd::ledger::PartState;
 
 use super::{
     grid::gridded,
@@ -111,7 +111,7 @@ impl Shop {
     fn printed(&self) -> BTreeMap<String, u32> {
         let mut printed = BTreeMap::new();
         for file in self.farm.queued() {
-            for placed in format::read_build(&file, &format::Limits::default()).unwrap() {
+            for placed in build_file::read_build(&file, &build_file::Limits::default()).unwrap() {
                 *printed.entry(placed.source_hash.unwrap()).or_default() += 1;
             }
         }

@@ -1,7 +1,8 @@
 //! Parts that fit together only as links of a chain.
 
 use glam::DVec3;
-use nestd::{format, geometry::Mesh, ledger::PartState, samples};
+use nestd::ledger::PartState;
+use solids::Mesh;
 
 use super::support::TestFarm;
 
@@ -10,7 +11,7 @@ const NARROW: &str = "volume_mm = [32, 22, 22]\nclearance_mm = 1.0\norientation 
                       unfinished_secs = 2\nfinal_secs = 2\narrival_secs = 2\n";
 
 fn drop_rings(farm: &TestFarm) {
-    let flat = samples::ring(21.0, 15.0, 3.0);
+    let flat = sample_parts::ring(21.0, 15.0, 3.0);
     let turned = |v: &DVec3| DVec3::new(v.x, -v.z, v.y);
     let on_edge = Mesh::new(flat.vertices().iter().map(turned).collect(), flat.triangles().to_vec()).unwrap();
     // The one on edge comes first: around it the flat one finds its place as a link.
@@ -29,7 +30,7 @@ fn links_of_a_chain_are_built_apart() {
     let files = farm.wait_for_queued(2);
     farm.wait_for_parts(PartState::Built, 2);
     for file in files {
-        assert_eq!(format::read_build(&file, &format::Limits::default()).unwrap().len(), 1);
+        assert_eq!(build_file::read_build(&file, &build_file::Limits::default()).unwrap().len(), 1);
         let said = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
         assert!(said.contains("part by part"), "{said}");
     }

@@ -6,25 +6,21 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::{
-    format,
-    ledger::{HistoryQuery, PartState},
-    samples,
-};
+use nestd::ledger::{HistoryQuery, PartState};
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 
 #[test]
 fn dropped_parts_become_one_build_in_the_queue_with_its_height_in_the_history() {
     let farm = TestFarm::running(QUICK);
-    for (at, sample) in samples::all().iter().take(5).enumerate() {
+    for (at, sample) in sample_parts::all().iter().take(5).enumerate() {
         farm.drop_part(&format!("{at}_{}_x2.stl", sample.name), &sample.mesh);
     }
     farm.wait_for_parts(PartState::Waiting, 5);
     farm.flush();
     let file = farm.wait_for_queued(1).remove(0);
     farm.wait_for_parts(PartState::Built, 5);
-    let placed = format::read_build(&file, &format::Limits::default()).unwrap();
+    let placed = build_file::read_build(&file, &build_file::Limits::default()).unwrap();
     assert_eq!(placed.len(), 10);
     let top_mm = placed.iter().map(|p| p.mesh.bounds_at(&p.pose).max.z).fold(0.0, f64::max);
     let rows = farm.ask(async |ledger| ledger.history(&HistoryQuery::default()).await.unwrap());
@@ -60,7 +56,7 @@ fn the_originals_of_a_published_build_lie_in_the_archive_and_leave_the_inbox() {
 #[test]
 fn a_file_that_is_still_being_written_is_taken_once_and_whole() {
     let farm = TestFarm::running(QUICK);
-    let bytes = stl(&samples::lattice_block([2, 2, 2], 8.0, 2.0));
+    let bytes = stl(&sample_parts::lattice_block([2, 2, 2], 8.0, 2.0));
     let mut file = fs::File::create(farm.folder("inbox").join("slow.stl")).unwrap();
     let began = Instant::now();
     for chunk in bytes.chunks(bytes.len() / 12 + 1) {
@@ -92,7 +88,7 @@ fn a_stopped_farm_goes_on_where_it_was() {
 #[test]
 fn a_stop_in_the_middle_of_a_final_search_loses_nothing() {
     let mut farm = TestFarm::running(&QUICK.replace("final_secs = 0.5", "final_secs = 60"));
-    farm.drop_part("a_x6.stl", &samples::all()[0].mesh);
+    farm.drop_part("a_x6.stl", &sample_parts::all()[0].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_parts(PartState::Batched, 1);
@@ -140,7 +136,7 @@ impl TestFarm {
 fn reloads_while_a_build_is_made_do_not_take_its_file_away() {
     let profile = QUICK.replace("final_secs = 0.5", "final_secs = 2");
     let farm = TestFarm::running(&profile);
-    farm.drop_part("a_x4.stl", &samples::all()[1].mesh);
+    farm.drop_part("a_x4.stl", &sample_parts::all()[1].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     for days in 1..60 {

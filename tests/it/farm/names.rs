@@ -8,13 +8,13 @@ use std::{
     process::Command,
 };
 
-use nestd::{format, ledger::PartState};
+use nestd::ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until_or};
 
 /// What a terminal must never get, but for line ends.
 fn assert_harmless(what: &str, text: &str) {
-    let bad = text.chars().find(|&c| c != '\n' && format::is_invisible(c));
+    let bad = text.chars().find(|&c| c != '\n' && build_file::is_invisible(c));
     assert_eq!(bad, None, "{what}: {}", text.escape_debug());
 }
 

@@ -3,12 +3,9 @@
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use nestd::{
-    format,
-    geometry::Bounds,
-    ledger::PartState,
-    nest::{Body, prove_with},
-};
+use nestd::ledger::PartState;
+use nester::{Body, prove_with};
+use solids::Bounds;
 
 use super::support::{QUICK, TestFarm, block};
 
@@ -22,10 +19,10 @@ fn a_reserved_zone_stays_free_in_the_published_file() {
     farm.flush();
     farm.wait_for_parts(PartState::Built, 2);
     let file = farm.queued().remove(0);
-    let (info, placed) = format::read_build_and_info(&file, &Default::default()).unwrap();
+    let (info, placed) = build_file::read_build_and_info(&file, &Default::default()).unwrap();
     let zone = Bounds { min: DVec3::ZERO, max: DVec3::new(60.0, 120.0, 40.0) };
     assert_eq!(info.keep_out, [zone]);
-    let body = |p: format::PlacedMesh| Body { name: p.name, mesh: p.mesh, pose: p.pose, clearance_mm: 2.0 };
+    let body = |p: build_file::PlacedMesh| Body { name: p.name, mesh: p.mesh, pose: p.pose, clearance_mm: 2.0 };
     let bodies: Vec<Body> = placed.into_iter().map(body).collect();
     assert_eq!(bodies.len(), 7);
     assert!(prove_with(&bodies, DVec3::splat(120.0), 0.0, &[zone]).is_proved());
@@ -61,7 +58,7 @@ fn a_cancelled_part_leaves_the_open_build() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
-    let placed = format::read_build(&farm.queued()[0], &Default::default()).unwrap();
+    let placed = build_file::read_build(&farm.queued()[0], &Default::default()).unwrap();
     assert_eq!(placed.len(), 4);
     assert!(placed.iter().all(|p| p.part_number.as_deref() != Some(&gone.id.to_string())));
 }

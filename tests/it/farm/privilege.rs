@@ -10,7 +10,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use nestd::{ledger::PartState, samples};
+use nestd::ledger::PartState;
 
 use super::support::{PROFILE, QUICK, TestFarm, stl, wait_until};
 
@@ -58,7 +58,7 @@ fn ports_of(pid: i32) -> usize {
 #[test]
 fn a_daemon_opens_a_port_only_for_a_dashboard_that_is_asked_for() {
     let mut farm = TestFarm::running(QUICK);
-    farm.drop_part("block.stl", &samples::cuboid(glam::DVec3::splat(20.0)));
+    farm.drop_part("block.stl", &sample_parts::cuboid(glam::DVec3::splat(20.0)));
     farm.wait_for_parts(PartState::Waiting, 1);
     assert_eq!(ports_of(farm.pid()), 0);
     farm.stop();
@@ -119,7 +119,7 @@ fn what_the_daemon_makes_has_the_mode_and_group_of_the_configuration_under_any_u
         fs::write(farm.config(), format!("{config}[files]\nmode = \"{mode:04o}\"\ngroup = \"{group}\"\n")).unwrap();
         let mut daemon = start_with_umask(&farm, umask);
         super::support::wait_until("the hot folder is there", 20.0, || farm.folder("inbox").is_dir());
-        farm.drop_bytes("good.stl", &stl(&samples::all()[0].mesh));
+        farm.drop_bytes("good.stl", &stl(&sample_parts::all()[0].mesh));
         farm.drop_bytes("torn.stl", b"solid torn");
         farm.wait_for_parts(PartState::Waiting, 1);
         farm.flush();

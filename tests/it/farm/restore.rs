@@ -36,13 +36,13 @@ fn farm_and_backup() -> (TestFarm, PathBuf) {
 /// How often each content stands in a build file.
 pub fn printed(file: &std::path::Path) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
-    for placed in nestd::format::read_build(file, &Default::default()).unwrap() {
+    for placed in build_file::read_build(file, &Default::default()).unwrap() {
         *counts.entry(placed.source_hash.unwrap()).or_default() += 1;
     }
     counts
 }
 
-pub fn hash_of(mesh: &nestd::geometry::Mesh) -> String {
+pub fn hash_of(mesh: &solids::Mesh) -> String {
     blake3::hash(&stl(mesh)).to_hex().to_string()
 }
 
@@ -65,7 +65,7 @@ fn runs_and_prints_nothing_again(farm: &mut TestFarm) {
         BTreeMap::from(wanted),
         "what waited with its copies, and what was dropped after the restore"
     );
-    let numbers = nestd::format::read_build(new, &Default::default()).unwrap();
+    let numbers = build_file::read_build(new, &Default::default()).unwrap();
     let number =
         |name: &str| numbers.iter().find(|p| p.source_hash.as_deref() == Some(name)).unwrap().part_number.clone();
     let fresh = number(&hash_of(&block(23.0, 20.0, 20.0))).unwrap();

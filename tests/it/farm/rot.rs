@@ -5,10 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use nestd::{
-    format,
-    ledger::{BuildRow, BuildState, PartState},
-};
+use nestd::ledger::{BuildRow, BuildState, PartState};
 
 use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or};
 
@@ -26,7 +23,7 @@ fn held_up() -> (TestFarm, PathBuf, PathBuf) {
     farm.flush();
     wait_until_or("a build is nested", 30.0, || farm.log(), || build_in(&farm, BuildState::Nesting).is_some());
     let build = build_in(&farm, BuildState::Nesting).unwrap();
-    let name = format::build_file_name(build.nesting_at.unwrap().0, PROFILE, build.id.0.unsigned_abs());
+    let name = build_file::build_file_name(build.nesting_at.unwrap().0, PROFILE, build.id.0.unsigned_abs());
     let record = farm.folder("archive").join(name.strip_suffix(".build.3mf").unwrap()).join(".nestd-build.json");
     fs::create_dir_all(&record).unwrap();
     wait_until_or("it is proved", 30.0, || farm.log(), || build_in(&farm, BuildState::Verified).is_some());
@@ -123,7 +120,7 @@ fn attention(farm: &TestFarm) -> String {
 
 /// Volumes of what is printed, rounded, mm3.
 fn printed(farm: &TestFarm) -> Vec<u64> {
-    let placed = farm.queued().into_iter().flat_map(|file| format::read_build(&file, &Default::default()).unwrap());
+    let placed = farm.queued().into_iter().flat_map(|file| build_file::read_build(&file, &Default::default()).unwrap());
     let mut volumes: Vec<u64> = placed.map(|item| item.mesh.volume_mm3().round() as u64).collect();
     volumes.sort_unstable();
     volumes

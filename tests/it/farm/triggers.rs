@@ -9,7 +9,7 @@ fn a_full_volume_fires_and_what_does_not_fit_stays_first_in_line() {
     let farm = TestFarm::running(&QUICK.replace("[120, 120, 120]", "[50, 50, 50]"));
     farm.drop_part("slab_x4.stl", &block(46.0, 46.0, 18.0));
     farm.wait_for_queued(1);
-    let placed = nestd::format::read_build(&farm.queued()[0], &Default::default()).unwrap();
+    let placed = build_file::read_build(&farm.queued()[0], &Default::default()).unwrap();
     assert_eq!(placed.len(), 2, "two slabs of 18 mm fit into 50 mm");
     farm.wait_for_queued(1);
     farm.flush();

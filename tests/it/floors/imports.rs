@@ -1,4 +1,4 @@
-//! Which files of a room import which: read from the sources, re-exports followed to the file that defines the name.
+//! Which files of a room or a crate import which: read from the sources, re-exports followed to the file that defines the name.
 //! What is there for tests alone (`#[cfg(test)]`) does not count.
 
 use std::{
@@ -10,7 +10,7 @@ use std::{
 /// A module by its names below `src`: `["web", "admit"]`.
 pub type ModulePath = Vec<String>;
 
-/// What imports what, of the modules of one room.
+/// What imports what, of the modules of one room or crate.
 pub type Imports = BTreeMap<ModulePath, BTreeSet<ModulePath>>;
 
 /// A path in a source text, and whether it is re-exported.
@@ -19,10 +19,10 @@ struct Named {
     is_public: bool,
 }
 
-/// The imports of a room, given the folder that it lies in.
-pub fn imports_of(source: &Path, room: &str) -> Imports {
+/// The imports of a room, given the folder that it lies in; of a whole crate, given its sources and no room.
+pub fn imports_of(source: &Path, room: &[&str]) -> Imports {
     let mut codes = BTreeMap::new();
-    read_module(source, vec![room.to_owned()], &mut codes);
+    read_module(source, room.iter().map(ToString::to_string).collect(), &mut codes);
     let named: BTreeMap<&ModulePath, Vec<Named>> = codes.iter().map(|(path, code)| (path, paths_in(code))).collect();
     // What a module re-exports: the name, and the path that it stands for.
     let exports = |module: &ModulePath, name: &String| {
@@ -95,6 +95,7 @@ fn start(from: &[String], path: &[String], codes: &BTreeMap<ModulePath, String>)
 fn read_module(source: &Path, module: ModulePath, codes: &mut BTreeMap<ModulePath, String>) {
     let place = module.iter().fold(source.to_owned(), |place, name| place.join(name));
     let text = fs::read_to_string(place.with_extension("rs")).or_else(|_| fs::read_to_string(place.join("mod.rs")));
+    let text = text.or_else(|_| fs::read_to_string(place.join("lib.rs")));
     let code = without_tests(&without_comments(&text.unwrap_or_else(|error| panic!("{}: {error}", place.display()))));
     for line in code.lines().map(str::trim) {
         let declared = line.strip_suffix(';').and_then(|line| line.rsplit_once("mod "));

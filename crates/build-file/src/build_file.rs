@@ -1,0 +1,155 @@
+//! What a build file says: meshes, where they stand, and for whom. The writer and the reader share it.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use solids::{Bounds, Mesh, Pose};
+
+use super::{Arrangement, Instances};
+
+/// A build, ready to be written.
+#[derive(Debug, Clone)]
+pub struct BuildFile {
+    /// Shown by viewers.
+    pub title: String,
+    /// Machine profile.
+    pub profile: String,
+    /// The ledger's number of the build, as in the file's name; UUIDs are derived from it.
+    pub build_id: String,
+    /// RFC 3339, e.g. `2026-11-20T04:49:00Z`; the only clock in the file.
+    pub created: String,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Edge lengths of the build volume, mm.
+    pub volume_mm: DVec3,
+    /// Boxes of the build volume in which nothing may stand, mm.
+    pub keep_out: Vec<Bounds>,
+    /// What is kept free along the walls, above the floor and below the lid, mm.
+    pub margins_mm: DVec3,
+    /// Least distance between the surfaces of two placements, mm.
+    pub clearance_mm: f64,
+    /// The clearance also holds when either of two placements is raised by up to this, mm.
+    pub clearance_z_extra_mm: f64,
+    /// Thickness of a layer, mm; layers are counted from where the floor's margin ends.
+    pub layer_mm: f64,
+    /// No layer may be filled beyond this, mm2.
+    pub layer_area_cap_mm2: Option<f64>,
+    /// Top of the highest placement, mm.
+    pub height_mm: f64,
+    /// Part volume / (base area x build height).
+    pub density: f64,
+    /// What was to become of parts locked into each other, as settings spell it (`forbid`, `warn`, `allow`).
+    pub interlock: String,
+    /// Name and version of the program, e.g. `nestd 0.1.0`.
+    pub application: String,
+    /// Distinct meshes.
+    pub objects: Vec<BuildObject>,
+    /// One per placed copy.
+    pub items: Vec<BuildItem>,
+    /// How copies of one mesh are written.
+    pub instances: Instances,
+    /// Whether a consumer may re-arrange the placements.
+    pub arrangement: Arrangement,
+    /// A PNG picture for file browsers.
+    pub thumbnail_png: Option<Vec<u8>>,
+}
+
+/// One distinct mesh of a build.
+#[derive(Debug, Clone)]
+pub struct BuildObject {
+    /// Name of the part.
+    pub name: String,
+    /// In mm, in its own frame.
+    pub mesh: Arc<Mesh>,
+    /// The farm's number of the part.
+    pub part_number: String,
+    /// Hash of the part's content; UUIDs are derived from it.
+    pub content_hash: String,
+}
+
+/// One placed copy.
+#[derive(Debug, Clone)]
+pub struct BuildItem {
+    /// Index into [`BuildFile::objects`].
+    pub object: usize,
+    /// Mesh frame -> machine frame (origin bottom front left, z up), mm.
+    pub pose: Pose,
+    /// Order or kit that the copy is for.
+    pub order: Option<String>,
+    /// Copy number, from 1.
+    pub copy: u32,
+    /// Name that the part was dropped under.
+    pub source_name: String,
+    /// BLAKE3 of the dropped file.
+    pub source_hash: String,
+    /// A clearance of its own, mm.
+    pub clearance_mm: Option<f64>,
+    /// The orientation rule that it was placed under, as settings spell it (`free`, `upright`, ...).
+    pub orientation: Option<String>,
+    /// Directions that had to stand near to straight up, as a line of text (`0,0,1:30;...`).
+    pub tilts: Option<String>,
+}
+
+/// One placed copy, as a build file says it.
+#[derive(Debug, Clone)]
+pub struct PlacedMesh {
+    /// Name of the object.
+    pub name: String,
+    /// In mm; copies of one object share it.
+    pub mesh: Arc<Mesh>,
+    /// Mesh frame -> machine frame, mm.
+    pub pose: Pose,
+    /// `partnumber` of the item, else of the object.
+    pub part_number: Option<String>,
+    /// Copy number, from 1.
+    pub copy: Option<u32>,
+    /// Order or kit that the copy is for.
+    pub order: Option<String>,
+    /// Name that the part was dropped under.
+    pub source_name: Option<String>,
+    /// BLAKE3 of the dropped file.
+    pub source_hash: Option<String>,
+    /// A clearance of its own, mm.
+    pub clearance_mm: Option<f64>,
+    /// The orientation rule that it was placed under.
+    pub orientation: Option<String>,
+    /// Directions that had to stand near to straight up.
+    pub tilts: Option<String>,
+}
+
+/// What a build file says about itself; `None` where another packer wrote it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BuildInfo {
+    /// Shown by viewers.
+    pub title: Option<String>,
+    /// Program that wrote it.
+    pub application: Option<String>,
+    /// When it was made.
+    pub created: Option<String>,
+    /// Machine profile.
+    pub profile: Option<String>,
+    /// The ledger's number of the build.
+    pub build_id: Option<String>,
+    /// Seed of the search.
+    pub seed: Option<u64>,
+    /// Edge lengths of the build volume, mm.
+    pub volume_mm: Option<DVec3>,
+    /// Boxes of the build volume in which nothing may stand, mm.
+    pub keep_out: Vec<Bounds>,
+    /// What is kept free along the walls, above the floor and below the lid, mm.
+    pub margins_mm: Option<DVec3>,
+    /// Least distance between the surfaces of two placements, mm.
+    pub clearance_mm: Option<f64>,
+    /// The clearance also holds when either of two placements is raised by up to this, mm.
+    pub clearance_z_extra_mm: Option<f64>,
+    /// Thickness of a layer, mm; layers are counted from where the floor's margin ends.
+    pub layer_mm: Option<f64>,
+    /// No layer may be filled beyond this, mm2.
+    pub layer_area_cap_mm2: Option<f64>,
+    /// Top of the highest placement, mm.
+    pub height_mm: Option<f64>,
+    /// Part volume / (base area x build height).
+    pub density: Option<f64>,
+    /// What was to become of parts locked into each other.
+    pub interlock: Option<String>,
+}

@@ -1,0 +1,14 @@
+//! Where one copy stands.
+
+use solids::Pose;
+
+/// One copy of an item at a pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Index into the instance's items.
+    pub item: usize,
+    /// Copy number, from 0.
+    pub copy: u32,
+    /// Where it stands: mesh frame -> build frame.
+    pub pose: Pose,
+}

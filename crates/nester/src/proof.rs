@@ -1,0 +1,225 @@
+//! The independent judge of a finished layout: clearance and containment on the triangles, walls on the vertices. It shares
+//! nothing with the search but the distance kernel; it finds its own neighbours and takes nothing for granted.
+
+use std::{collections::HashMap, sync::Arc};
+
+use glam::{DQuat, DVec3};
+use solids::{Bounds, ClearanceTree, Mesh, Pose};
+
+use super::{Orientation, OrientationRule, Tilt, reserved::block, turns::axis_turns};
+
+pub use apart::{TakenApart, take_apart};
+
+/// A clearance may be short by so much, mm.
+const CLEARANCE_TOLERANCE_MM: f64 = 1e-6;
+/// A body may stand out of the volume by so much, mm.
+const WALL_TOLERANCE_MM: f64 = 1e-6;
+/// A body may reach into a zone by so much, mm.
+const ZONE_TOLERANCE_MM: f64 = 1e-6;
+/// A rotation may be off its rule by so much, radians.
+const ANGLE_TOLERANCE: f64 = 1e-6;
+
+/// One placed solid as the judge sees it.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Name for reports.
+    pub name: String,
+    /// The solid; equal meshes should be the same `Arc`, so that work on them is shared.
+    pub mesh: Arc<Mesh>,
+    /// Mesh frame -> build frame.
+    pub pose: Pose,
+    /// Clearance asked for this body, mm; between two bodies the greater one holds.
+    pub clearance_mm: f64,
+}
+
+/// Two bodies that come too near.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pair {
+    /// Index of the one body.
+    pub first: usize,
+    /// Index of the other body, greater than `first`.
+    pub second: usize,
+    /// Distance between their surfaces, mm, while either is raised as far as it may be; 0 when they meet.
+    pub distance_mm: f64,
+    /// Distance that was asked for, mm.
+    pub wanted_mm: f64,
+}
+
+/// What the judge found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proof {
+    /// Top of the highest body above z = 0, mm; 0 without bodies.
+    pub height_mm: f64,
+    /// The least distance between any two bodies, mm, exact. Pairs are measured up to twice the greatest clearance + 1 mm;
+    /// `None` when no pair is nearer than that (or there are fewer than two bodies).
+    pub clearance_proved_mm: Option<f64>,
+    /// Pairs nearer than their clearance, or whose surfaces meet: at clearance 0, too, they must not.
+    pub too_close: Vec<Pair>,
+    /// Bodies that stand out of the volume, with the greatest excess over any wall, mm.
+    pub outside: Vec<(usize, f64)>,
+    /// (outer, inner): the inner body lies inside the outer solid or inside a sealed cavity of it.
+    pub inside: Vec<(usize, usize)>,
+    /// (body, zone): the body stands in the zone that is to be kept free.
+    pub intruding: Vec<(usize, usize)>,
+}
+
+impl Proof {
+    /// Whether nothing is wrong.
+    pub fn is_proved(&self) -> bool {
+        self.too_close.is_empty() && self.outside.is_empty() && self.inside.is_empty() && self.intruding.is_empty()
+    }
+}
+
+/// Judges bodies in a box from the origin to `volume_mm`. Tolerance 1e-6 mm on clearance and on walls. A pose that is not
+/// made of finite numbers stands infinitely far outside.
+pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
+    prove_raised(bodies, volume_mm, 0.0)
+}
+
+/// As [`prove`]; between any two bodies the clearance must also hold when either is raised by anything from 0 to `extra_mm`.
+pub fn prove_raised(bodies: &[Body], volume_mm: DVec3, extra_mm: f64) -> Proof {
+    prove_with(bodies, volume_mm, extra_mm, &[])
+}
+
+/// As [`prove_raised`], with boxes in which nothing may stand. A body may reach into one by 1e-6 mm.
+pub fn prove_with(bodies: &[Body], volume_mm: DVec3, extra_mm: f64, keep_out: &[Bounds]) -> Proof {
+    let trees = trees(bodies);
+    // The walls are judged on every vertex, not on the tree's bounds.
+    let bounds: Vec<Bounds> = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
+    let outside: Vec<(usize, f64)> = (bounds.iter().map(|b| excess_mm(b, volume_mm)).enumerate())
+        .filter(|&(_, excess_mm)| excess_mm > WALL_TOLERANCE_MM)
+        .collect();
+    let mut proof = Proof {
+        height_mm: bounds.iter().map(|b| b.max.z).fold(0.0, f64::max),
+        clearance_proved_mm: None,
+        too_close: Vec::new(),
+        outside,
+        inside: Vec::new(),
+        intruding: intruding(bodies, &trees, &bounds, keep_out),
+    };
+    let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
+    for (first, second) in neighbours(&bounds, cap_mm + extra_mm) {
+        judge(bodies, &trees, &bounds, (first, second), (cap_mm, extra_mm), &mut proof);
+    }
+    proof.too_close.sort_by_key(|p| (p.first, p.second));
+    proof.inside.sort_unstable();
+    proof
+}
+
+/// Whether a pose turns a part only as its rule allows (within 1e-6 of a radian).
+pub fn rotation_obeys(orientation: &Orientation, pose: &Pose) -> bool {
+    let stands = |tilt: &Tilt| {
+        let (stands, up) = (pose.direction(tilt.direction()), DVec3::Z);
+        stands.cross(up).length().atan2(stands.dot(up)) <= tilt.within_deg().to_radians() + ANGLE_TOLERANCE
+    };
+    // |sin| of half the angle between two rotations is the length of their quotient's vector part.
+    let is_near = |to: DQuat| {
+        let apart = (to.conjugate() * pose.rotation.normalize()).xyz().length();
+        2.0 * apart.min(1.0).asin() <= ANGLE_TOLERANCE
+    };
+    let obeys = match orientation.rule {
+        OrientationRule::Free => pose.rotation.is_finite(),
+        OrientationRule::Upright => {
+            let up = pose.direction(DVec3::Z);
+            up.z > 0.0 && up.truncate().length() <= ANGLE_TOLERANCE
+        }
+        OrientationRule::Axis => axis_turns().into_iter().any(is_near),
+        OrientationRule::Fixed => is_near(DQuat::IDENTITY),
+    };
+    obeys && orientation.tilts.iter().all(stands)
+}
+
+/// Bodies that stand in a zone, with the number of the zone.
+fn intruding(
+    bodies: &[Body],
+    trees: &[Arc<ClearanceTree>],
+    bounds: &[Bounds],
+    keep_out: &[Bounds],
+) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    for (number, zone) in keep_out.iter().enumerate() {
+        let zone = Bounds { min: zone.min + ZONE_TOLERANCE_MM, max: zone.max - ZONE_TOLERANCE_MM };
+        let Some(solid) = block(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
+        let stands_in = |body: usize| {
+            let pose = &bodies[body].pose;
+            bounds[body].distance(&zone) <= 0.0
+                && (solid.distance_capped_mm(&trees[body], pose, 1.0) <= 0.0
+                    || solid.holds_part(&trees[body], pose)
+                    || trees[body].holds_part(&solid, &pose.inverse()))
+        };
+        found.extend((0..bodies.len()).filter(|&body| stands_in(body)).map(|body| (body, number)));
+    }
+    found.sort_unstable();
+    found
+}
+
+/// A tree per distinct mesh, in the order of the bodies.
+fn trees(bodies: &[Body]) -> Vec<Arc<ClearanceTree>> {
+    let mut known: HashMap<*const Mesh, Arc<ClearanceTree>> = HashMap::new();
+    let tree = |mesh: &Arc<Mesh>| Arc::new(ClearanceTree::new(mesh.clone()));
+    bodies.iter().map(|b| known.entry(Arc::as_ptr(&b.mesh)).or_insert_with(|| tree(&b.mesh)).clone()).collect()
+}
+
+/// How far bounds stand out of the volume, mm; infinite for numbers that are none.
+fn excess_mm(bounds: &Bounds, volume_mm: DVec3) -> f64 {
+    if !(bounds.min.is_finite() && bounds.max.is_finite()) {
+        return f64::INFINITY;
+    }
+    (-bounds.min).max(bounds.max - volume_mm).max_element()
+}
+
+/// Pairs whose bounds are nearer than `cap_mm`, by a sweep along x.
+fn neighbours(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
+    let mut order: Vec<usize> = (0..bounds.len()).collect();
+    order.sort_by(|&i, &j| bounds[i].min.x.total_cmp(&bounds[j].min.x));
+    let mut open: Vec<usize> = Vec::new();
+    let mut pairs = Vec::new();
+    for i in order {
+        // NaN keeps a body open: it is told as outside anyway.
+        open.retain(|&j| bounds[j].max.x.is_nan() || bounds[j].max.x + cap_mm > bounds[i].min.x);
+        let near = open.iter().filter(|&&j| bounds[j].distance(&bounds[i]) < cap_mm);
+        pairs.extend(near.map(|&j| (i.min(j), i.max(j))));
+        open.push(i);
+    }
+    pairs
+}
+
+/// Measures one pair and writes down what is wrong with it.
+fn judge(
+    bodies: &[Body],
+    trees: &[Arc<ClearanceTree>],
+    bounds: &[Bounds],
+    (first, second): (usize, usize),
+    (cap_mm, extra_mm): (f64, f64),
+    proof: &mut Proof,
+) {
+    let pose12 = bodies[first].pose.seen(&bodies[second].pose);
+    let distance_mm = trees[first].distance_capped_mm(&trees[second], &pose12, cap_mm);
+    if distance_mm < cap_mm {
+        proof.clearance_proved_mm = Some(proof.clearance_proved_mm.map_or(distance_mm, |least| least.min(distance_mm)));
+    }
+    let wanted_mm = bodies[first].clearance_mm.max(bodies[second].clearance_mm);
+    if extra_mm > 0.0 && distance_mm > 0.0 {
+        let slide1 = bodies[first].pose.inverse().direction(DVec3::Z * extra_mm);
+        let raised_mm = trees[first].distance_sliding_mm(&trees[second], &pose12, slide1, cap_mm);
+        if raised_mm <= 0.0 || raised_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
+            return proof.too_close.push(Pair { first, second, distance_mm: raised_mm, wanted_mm });
+        }
+    }
+    if distance_mm <= 0.0 || distance_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
+        proof.too_close.push(Pair { first, second, distance_mm, wanted_mm });
+    }
+    if distance_mm <= 0.0 || bounds[first].distance(&bounds[second]) > 0.0 {
+        return;
+    }
+    if trees[first].holds_part(&trees[second], &pose12) {
+        proof.inside.push((first, second));
+    }
+    if trees[second].holds_part(&trees[first], &pose12.inverse()) {
+        proof.inside.push((second, first));
+    }
+}
+
+mod apart;
+#[cfg(test)]
+mod tests;

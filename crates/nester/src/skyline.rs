@@ -1,0 +1,147 @@
+//! Boxes on boxes: the start that cannot fail, and the floor under every other start.
+
+use glam::{DVec3, IVec2};
+use solids::Bounds;
+
+use super::fit::WALL_SPARE_MM;
+
+/// A zone that begins no higher stands on the floor, mm.
+const ON_FLOOR_MM: f64 = 1.0;
+/// What boxes keep from a zone above them, mm.
+const ZONE_SPARE_MM: f64 = 1e-3;
+
+/// Tops of what stands below each cell of the base.
+#[derive(Debug, Clone)]
+pub(crate) struct Skyline {
+    room: DVec3,
+    cells: IVec2,
+    pitch: DVec3,
+    tops: Vec<f64>,
+    /// How low zones hang over each cell, negative, so that the greatest is the lowest; empty without any.
+    ceilings: Vec<f64>,
+}
+
+impl Skyline {
+    /// An empty base with about `most_cells` cells.
+    pub(crate) fn new(room: DVec3, most_cells: f64) -> Self {
+        let pitch = (room.x * room.y / most_cells).sqrt();
+        let cells = IVec2::new((room.x / pitch).ceil() as i32, (room.y / pitch).ceil() as i32).max(IVec2::ONE);
+        let pitch = DVec3::new(room.x / f64::from(cells.x), room.y / f64::from(cells.y), 0.0);
+        Self { room, cells, pitch, tops: vec![0.0; (cells.x * cells.y) as usize], ceilings: Vec::new() }
+    }
+
+    /// Cells that a range along one axis touches.
+    fn touched(&self, low: f64, high: f64, axis: usize) -> (i32, i32) {
+        let (pitch, count) = (self.pitch[axis], self.cells[axis]);
+        let first = ((low / pitch + 1e-9).floor() as i32).clamp(0, count - 1);
+        (first, ((high / pitch - 1e-9).ceil() as i32 - 1).clamp(first, count - 1))
+    }
+
+    /// The lowest place for a box: its least corner, when it stands inside the room. Boxes stand on others at a distance
+    /// of `clearance_mm`, which is also kept sideways.
+    pub(crate) fn lowest(&self, size: DVec3, clearance_mm: f64) -> Option<DVec3> {
+        let room = self.room - 2.0 * WALL_SPARE_MM;
+        if size.cmpgt(room).any() {
+            return None;
+        }
+        // Along x every start at a cell's edge or flush with the far wall; the same along y.
+        let starts = |axis: usize| {
+            let far = room[axis] - size[axis];
+            let count = ((far / self.pitch[axis]).floor() as i32 + 1).max(1);
+            (0..count).map(move |n| f64::from(n) * self.pitch[axis]).chain([far]).collect::<Vec<f64>>()
+        };
+        let (xs, ys) = (starts(0), starts(1));
+        let wide: Vec<(i32, i32)> =
+            xs.iter().map(|&x| self.touched(x - clearance_mm, x + size.x + clearance_mm, 0)).collect();
+        let deep: Vec<(i32, i32)> =
+            ys.iter().map(|&y| self.touched(y - clearance_mm, y + size.y + clearance_mm, 1)).collect();
+        let rows = self.row_maxima(&self.tops, &wide);
+        let ceilings = self.row_maxima(&self.ceilings, &wide);
+        let mut best: Option<(f64, DVec3)> = None;
+        for (at_x, &x) in xs.iter().enumerate() {
+            let column = &rows[at_x * self.cells.y as usize..(at_x + 1) * self.cells.y as usize];
+            let ceiling = ceilings.get(at_x * self.cells.y as usize..(at_x + 1) * self.cells.y as usize);
+            let (mut window, mut above) = (Window::default(), Window::default());
+            for (at_y, &y) in ys.iter().enumerate() {
+                let top = window.greatest(column, deep[at_y].0 as usize, deep[at_y].1 as usize);
+                let z = if top > 0.0 { top + clearance_mm } else { 0.0 };
+                let lowest = ceiling.map(|line| -above.greatest(line, deep[at_y].0 as usize, deep[at_y].1 as usize));
+                let fits_below = lowest.is_none_or(|lowest| z + size.z + ZONE_SPARE_MM <= lowest);
+                if fits_below && best.is_none_or(|(least, _)| z < least) {
+                    best = Some((z, DVec3::new(x, y, z)));
+                }
+            }
+        }
+        best.filter(|(z, _)| z + size.z <= room.z).map(|(_, corner)| corner + WALL_SPARE_MM)
+    }
+
+    /// For every x range the greatest top in every row: index range * rows + row.
+    fn row_maxima(&self, values: &[f64], ranges: &[(i32, i32)]) -> Vec<f64> {
+        if values.is_empty() {
+            return Vec::new();
+        }
+        let (nx, ny) = (self.cells.x as usize, self.cells.y as usize);
+        let mut maxima = vec![0.0; ranges.len() * ny];
+        for row in 0..ny {
+            let line = &values[row * nx..(row + 1) * nx];
+            let mut window = Window::default();
+            for (at, &(first, last)) in ranges.iter().enumerate() {
+                maxima[at * ny + row] = window.greatest(line, first as usize, last as usize);
+            }
+        }
+        maxima
+    }
+
+    /// Keeps boxes out of a zone: none stands in it, and none above it unless the zone stands on the floor.
+    pub(crate) fn keep_out(&mut self, zone: &Bounds) {
+        if zone.min.z <= ON_FLOOR_MM {
+            return self.add(zone);
+        }
+        if self.ceilings.is_empty() {
+            self.ceilings = vec![f64::NEG_INFINITY; self.tops.len()];
+        }
+        let (x0, x1) = self.touched(zone.min.x, zone.max.x, 0);
+        let (y0, y1) = self.touched(zone.min.y, zone.max.y, 1);
+        for y in y0..=y1 {
+            for x in x0..=x1 {
+                let ceiling = &mut self.ceilings[(y * self.cells.x + x) as usize];
+                *ceiling = ceiling.max(-zone.min.z);
+            }
+        }
+    }
+
+    /// Puts something into the picture.
+    pub(crate) fn add(&mut self, bounds: &Bounds) {
+        let (x0, x1) = self.touched(bounds.min.x, bounds.max.x, 0);
+        let (y0, y1) = self.touched(bounds.min.y, bounds.max.y, 1);
+        for y in y0..=y1 {
+            for x in x0..=x1 {
+                let top = &mut self.tops[(y * self.cells.x + x) as usize];
+                *top = top.max(bounds.max.z);
+            }
+        }
+    }
+}
+
+/// The greatest of a window that only slides forward.
+#[derive(Default)]
+struct Window {
+    falling: std::collections::VecDeque<usize>,
+    next: usize,
+}
+
+impl Window {
+    fn greatest(&mut self, line: &[f64], first: usize, last: usize) -> f64 {
+        while self.next <= last {
+            while self.falling.back().is_some_and(|&at| line[at] <= line[self.next]) {
+                self.falling.pop_back();
+            }
+            self.falling.push_back(self.next);
+            self.next += 1;
+        }
+        while self.falling.front().is_some_and(|&at| at < first) {
+            self.falling.pop_front();
+        }
+        self.falling.front().map_or(0.0, |&at| line[at])
+    }
+}

@@ -1,0 +1,138 @@
+//! Parts of constant thickness or in terraces: plates, gears, clips, hinges.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3};
+use solids::Mesh;
+
+use super::{
+    layers::{layers, prism},
+    outline::{Outline, arc, circle, rectangle, rounded_rectangle, stroke},
+};
+
+/// Levels from 0 to `height` in `n` equal slabs.
+fn equal_levels(height: f64, n: usize) -> Vec<f64> {
+    (0..=n).map(|i| height * i as f64 / n as f64).collect()
+}
+
+/// A box of 12 triangles from the origin, mm. Too plain for a sample of its own, handy for tests.
+pub fn cuboid(size_mm: DVec3) -> Mesh {
+    prism(Outline::new(rectangle(DVec2::ZERO, size_mm.truncate())), &[0.0, size_mm.z]).mesh()
+}
+
+/// A flat mounting bracket with rounded corners and a screw hole near each end, mm.
+pub fn bracket(length_mm: f64, width_mm: f64, thickness_mm: f64, hole_mm: f64) -> Mesh {
+    let (size, middle) = (DVec2::new(length_mm, width_mm), width_mm / 2.0);
+    let mut plate = Outline::new(rounded_rectangle(DVec2::ZERO, size, width_mm / 4.0, 12));
+    for x in [middle, length_mm - middle] {
+        plate = plate.with_hole(circle(DVec2::new(x, middle), hole_mm / 2.0, 32, 0.0));
+    }
+    prism(plate, &equal_levels(thickness_mm, 2)).mesh()
+}
+
+/// An angle bracket of two legs with `ribs` concave gussets between them, mm.
+pub fn ribbed_bracket(leg_mm: f64, width_mm: f64, thickness_mm: f64, ribs: usize) -> Mesh {
+    let (t, a, reach) = (thickness_mm, leg_mm, 0.8 * leg_mm);
+    let (inner, low, high) = (DVec2::splat(t), DVec2::new(reach, t), DVec2::new(t, reach));
+    // Concave: the arc's centre lies outside the rib.
+    let hollow = arc(DVec2::splat(reach), reach - t, 1.5 * PI, PI, 32);
+    let angle =
+        [DVec2::ZERO, DVec2::new(a, 0.0), DVec2::new(a, t), low, inner, high, DVec2::new(t, a), DVec2::new(0.0, a)];
+    let mut rib = vec![inner, low];
+    rib.extend(&hollow[1..hollow.len() - 1]);
+    rib.push(high);
+    // Ribs keep at least half a thickness between them.
+    let ribs = ribs.min(((width_mm - t) / (1.5 * t)) as usize + 1).max(2);
+    let pitch = (width_mm - t) / (ribs - 1) as f64;
+    let levels: Vec<f64> = (0..ribs).flat_map(|i| [pitch * i as f64, pitch * i as f64 + t]).collect();
+    let regions = [Outline::new(angle.to_vec()), Outline::new(rib)];
+    layers(&regions, &levels, |region, slab| region == 0 || slab % 2 == 0, |_, _| true).mesh()
+}
+
+/// A spur gear with a bore and a keyway, mm; module = pitch diameter / teeth.
+pub fn spur_gear(teeth: usize, module_mm: f64, width_mm: f64, bore_mm: f64) -> Mesh {
+    let pitch_radius = module_mm * teeth as f64 / 2.0;
+    let (root, tip) = (pitch_radius - 1.25 * module_mm, pitch_radius + module_mm);
+    // Half widths of a tooth as shares of the pitch, from root to tip: close to a 20 degree involute.
+    let flank = [(0.0, 0.40), (0.28, 0.325), (0.55, 0.25), (0.8, 0.175), (1.0, 0.115)];
+    let tooth = |i: usize| {
+        let point = move |side: f64, (rise, half): (f64, f64)| {
+            let turn = (i as f64 + side * half) / teeth as f64;
+            (root + rise * (tip - root)) * DVec2::from_angle(TAU * turn)
+        };
+        flank.into_iter().map(move |f| point(-1.0, f)).chain(flank.into_iter().rev().map(move |f| point(1.0, f)))
+    };
+    let outer: Vec<DVec2> = (0..teeth).flat_map(tooth).collect();
+    let bore = bore_mm / 2.0;
+    let key = bore / 3.0;
+    let start = (key / bore).asin();
+    let mut hole = arc(DVec2::ZERO, bore, start, TAU - start, 40);
+    hole.extend([DVec2::new(1.25 * bore, -key), DVec2::new(1.25 * bore, key)]);
+    prism(Outline::new(outer).with_hole(hole), &equal_levels(width_mm, 2)).mesh()
+}
+
+/// A plate of hexagonal cells in a frame, mm; `cell_mm` is the pitch, `wall_mm` the wall between two cells.
+pub fn honeycomb(columns: usize, rows: usize, cell_mm: f64, wall_mm: f64, height_mm: f64) -> Mesh {
+    let row_pitch = cell_mm * 0.75f64.sqrt();
+    let radius = (cell_mm - wall_mm) / 3.0f64.sqrt();
+    let size =
+        DVec2::new(cell_mm * (columns as f64 + 0.5), row_pitch * (rows - 1) as f64 + 2.0 * radius) + 2.0 * wall_mm;
+    let mut plate = Outline::new(rectangle(DVec2::ZERO, size));
+    for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
+        let x = wall_mm + cell_mm * (column as f64 + if row % 2 == 0 { 0.5 } else { 1.0 });
+        let y = wall_mm + radius + row_pitch * row as f64;
+        plate = plate.with_hole(circle(DVec2::new(x, y), radius, 6, 0.25));
+    }
+    prism(plate, &[0.0, height_mm]).mesh()
+}
+
+/// A springy C with flared lips, mm: a pipe clip for pipes of so many mm.
+pub fn clip(pipe_mm: f64, thickness_mm: f64, width_mm: f64) -> Mesh {
+    let radius = (pipe_mm + thickness_mm) / 2.0;
+    let open = 0.9;
+    let mut path = arc(DVec2::ZERO, radius, open, TAU - open, 56);
+    let lip = |end: DVec2, side: f64| end + DVec2::new(0.45, side * 0.35) * radius;
+    path.insert(0, lip(path[0], 1.0));
+    path.push(lip(path[path.len() - 1], -1.0));
+    prism(stroke(&path, thickness_mm), &equal_levels(width_mm, 3)).mesh()
+}
+
+/// One leaf of a hinge with `knuckles` eyes and gaps for those of its twin, mm.
+pub fn hinge(length_mm: f64, leaf_mm: f64, eye_mm: f64, pin_mm: f64, knuckles: usize) -> Mesh {
+    let (radius, thick) = (eye_mm / 2.0, 0.4 * eye_mm);
+    let open = (thick / eye_mm).asin();
+    let eye = arc(DVec2::ZERO, radius, open, TAU - open, 48);
+    let (top, bottom) = (eye[0], eye[eye.len() - 1]);
+    // The twin's eyes turn in front of the leaf's edge.
+    let edge = 1.12 * radius;
+    let neck = vec![bottom, DVec2::new(edge, bottom.y), DVec2::new(edge, top.y), top];
+    let end = edge + leaf_mm;
+    let leaf = vec![neck[1], DVec2::new(end, bottom.y), DVec2::new(end, top.y), neck[2]];
+    let regions = [
+        Outline::new(eye).with_hole(circle(DVec2::ZERO, pin_mm / 2.0, 36, 0.0)),
+        Outline::new(neck),
+        Outline::new(leaf),
+    ];
+    let levels = equal_levels(length_mm, 2 * knuckles);
+    layers(&regions, &levels, |region, slab| region == 2 || slab % 2 == 0, |_, _| true).mesh()
+}
+
+/// A long hat rail with slots along its web, mm.
+pub fn rail(length_mm: f64, width_mm: f64, height_mm: f64, wall_mm: f64) -> Mesh {
+    let (web, flange) = (0.36 * width_mm, 0.5 * width_mm);
+    let slot = 0.09 * width_mm;
+    // Half a hat from the slot's edge outwards; the other half mirrors it.
+    let path = [
+        DVec2::new(slot, 0.0),
+        DVec2::new(web, 0.0),
+        DVec2::new(web, height_mm - wall_mm),
+        DVec2::new(flange, height_mm - wall_mm),
+    ];
+    let right = stroke(&path, wall_mm);
+    let left = Outline::new(right.outer.iter().map(|p| DVec2::new(-p.x, p.y)).collect());
+    let half = wall_mm / 2.0;
+    let bridge = Outline::new(rectangle(DVec2::new(-slot, -half), DVec2::new(slot, half)));
+    let slots = ((length_mm / (4.0 * slot)) as usize).max(2);
+    let levels = equal_levels(length_mm, 2 * slots + 1);
+    layers(&[left, bridge, right], &levels, |region, slab| region != 1 || slab % 2 == 0, |_, _| true).mesh()
+}

@@ -22,16 +22,12 @@ pub fn run(budget: &Budget) -> Row {
     row.broken.iter_mut().for_each(|text| *text = format!("without any crash: {text}"));
     let points = spread(whole);
     let all = points.len();
-    let rows =
+    let mut rows =
         in_parallel(points, budget, |point| caught(&format!("killed after change {point}"), || one_life(point).1));
-    row.points = rows.iter().map(|r| r.points).sum();
-    row.faults = row.points;
-    row.files += rows.iter().map(|r| r.files).sum::<u64>();
-    row.builds += rows.iter().map(|r| r.builds).sum::<u64>();
-    let tried = rows.len();
-    row.broken.extend(rows.into_iter().flat_map(|r| r.broken));
-    row.note = format!("killed after the n-th changing call; {tried} of {all} points of the life-cycle");
-    row
+    let note = format!("killed after the n-th changing call; {} of {all} points of the life-cycle", rows.len());
+    rows.insert(0, row);
+    let sum = Row::sum(&rows);
+    Row { faults: sum.points, note, ..sum }
 }
 
 /// A whole life with a kill after the n-th change; how many changes there were before, and what came out.

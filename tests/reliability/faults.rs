@@ -51,17 +51,13 @@ pub fn run(budget: &Budget) -> Row {
     let rows = in_parallel(points, budget, |point| caught(&format!("{point:?}"), || one_life(&point)));
     Row {
         points: rows.iter().filter(|row| row.faults > 0).count() as u64,
-        faults: rows.iter().map(|row| row.faults).sum(),
-        files: rows.iter().map(|row| row.files).sum(),
-        builds: rows.iter().map(|row| row.builds).sum(),
         note: format!(
             "{} of {all} faults at {} call sites; {} ended the start, as they may",
             rows.len(),
             sites.len(),
             rows.iter().filter(|row| row.note == ENDED).count()
         ),
-        broken: rows.into_iter().flat_map(|row| row.broken).collect(),
-        ..Row::default()
+        ..Row::sum(&rows)
     }
 }
 

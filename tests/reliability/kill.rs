@@ -49,15 +49,7 @@ pub fn run(budget: &Budget) -> Row {
         })
     });
     let faults = kills.into_inner();
-    Row {
-        points: faults,
-        faults,
-        files: rows.iter().map(|row| row.files).sum(),
-        builds: rows.iter().map(|row| row.builds).sum(),
-        note: format!("kill -9 under load, on {} farms", rows.len()),
-        broken: rows.into_iter().flat_map(|row| row.broken).collect(),
-        ..Row::default()
-    }
+    Row { points: faults, faults, note: format!("kill -9 under load, on {} farms", rows.len()), ..Row::sum(&rows) }
 }
 
 /// A farm that is killed again and again.

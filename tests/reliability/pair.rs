@@ -38,18 +38,15 @@ pub fn run(budget: &Budget) -> Row {
         return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
     }
     // A short run has no time to count them first.
-    let (whole, mut row) = if budget.is_long { one_trial(u64::MAX) } else { (900, Row::default()) };
+    let (whole, row) = if budget.is_long { one_trial(u64::MAX) } else { (900, Row::default()) };
     let points = spread(whole);
     let all = points.len();
-    let rows =
+    let mut rows =
         in_parallel(points, budget, |point| caught(&format!("paused after change {point}"), || one_trial(point).1));
-    row.points = rows.iter().map(|r| r.points).sum();
-    row.faults = row.points;
-    row.files += rows.iter().map(|r| r.files).sum::<u64>();
-    row.builds += rows.iter().map(|r| r.builds).sum::<u64>();
-    row.note = format!("two servers, the first paused after the n-th changing call; {} of {all} points", rows.len());
-    row.broken.extend(rows.into_iter().flat_map(|r| r.broken));
-    row
+    let note = format!("two servers, the first paused after the n-th changing call; {} of {all} points", rows.len());
+    rows.insert(0, row);
+    let sum = Row::sum(&rows);
+    Row { faults: sum.points, note, ..sum }
 }
 
 /// Both servers' farms; the folders are those of the first.

@@ -44,6 +44,14 @@ pub fn caught(what: &str, work: impl FnOnce() -> Row) -> Row {
     })
 }
 
+/// The seed of a run: `NESTD_SEED` plays an earlier one again.
+pub fn seed() -> u64 {
+    match std::env::var("NESTD_SEED") {
+        Ok(seed) => seed.parse().expect("NESTD_SEED is a number"),
+        Err(_) => rand::random::<u32>().into(),
+    }
+}
+
 /// 1 to `last` in an order of which every beginning is spread over the whole: a run that is cut short has seen all regions.
 pub fn spread(last: u64) -> Vec<u64> {
     let bits = 64 - last.leading_zeros();

@@ -19,7 +19,7 @@ use super::{
     budget::Budget,
     crash::KillAfter,
     life,
-    pool::{caught, in_parallel, spread},
+    pool::{caught, in_parallel, seed, spread},
     row::Row,
     support::{PROFILE, TestFarm, block, stl},
     trace::{Traced, is_allowed},
@@ -63,10 +63,7 @@ pub fn run(budget: &Budget) -> Row {
     if !is_allowed() {
         return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
     }
-    let seed: u64 = match std::env::var("NESTD_SEED") {
-        Ok(seed) => seed.parse().expect("NESTD_SEED is a number"),
-        Err(_) => rand::random::<u32>().into(),
-    };
+    let seed = seed();
     let budget = &budget.at_least(SHORT_SECS);
     let mut cases: Vec<(Later, How)> = LATER.iter().flat_map(|&l| [(l, How::Restore), (l, How::Repair)]).collect();
     cases.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
@@ -75,16 +72,11 @@ pub fn run(budget: &Budget) -> Row {
         caught(&format!("{how:?} after {later:?}"), || Farm::prepared(later, how).play(budget, seed))
     });
     Row {
-        points: rows.iter().map(|row| row.points).sum(),
-        faults: rows.iter().map(|row| row.faults).sum(),
-        files: rows.iter().map(|row| row.files).sum(),
-        builds: rows.iter().map(|row| row.builds).sum(),
         note: format!(
             "killed while it was put back, with folders away; {} of {all} stories; NESTD_SEED={seed}",
             rows.len()
         ),
-        broken: rows.into_iter().flat_map(|row| row.broken).collect(),
-        ..Row::default()
+        ..Row::sum(&rows)
     }
 }
 

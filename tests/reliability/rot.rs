@@ -70,15 +70,12 @@ pub fn run(budget: &Budget) -> Row {
     let rows = in_parallel(cases, budget, |(when, what, how)| {
         caught(&format!("{what} {how:?} when {when:?}"), || Rot { when, what, how }.play())
     });
-    let points = rows.iter().map(|row| row.points).sum();
+    let sum = Row::sum(&rows);
     Row {
-        points,
-        faults: points,
-        files: 2 * points,
-        builds: rows.iter().map(|row| row.builds).sum(),
+        faults: sum.points,
+        files: 2 * sum.points,
         note: "owned files altered, cut, removed, replaced".to_owned(),
-        broken: rows.into_iter().flat_map(|row| row.broken).collect(),
-        ..Row::default()
+        ..sum
     }
 }
 

@@ -20,3 +20,18 @@ pub struct Row {
     /// What a reader of the table should know: what was left out and why, figures of its own.
     pub note: String,
 }
+
+impl Row {
+    /// What rows amount to together, without a name and a note.
+    pub fn sum(rows: &[Self]) -> Self {
+        Self {
+            points: rows.iter().map(|row| row.points).sum(),
+            faults: rows.iter().map(|row| row.faults).sum(),
+            files: rows.iter().map(|row| row.files).sum(),
+            builds: rows.iter().map(|row| row.builds).sum(),
+            broken: rows.iter().flat_map(|row| row.broken.clone()).collect(),
+            seconds: rows.iter().map(|row| row.seconds).sum(),
+            ..Self::default()
+        }
+    }
+}

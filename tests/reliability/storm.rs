@@ -18,7 +18,7 @@ use rand_chacha::ChaCha8Rng;
 use super::{
     budget::Budget,
     life,
-    pool::{caught, in_parallel},
+    pool::{caught, in_parallel, seed},
     row::Row,
     support::{PROFILE, TestFarm, block, stl},
 };
@@ -34,10 +34,7 @@ const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_s
     final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 
 pub fn run(budget: &Budget) -> Row {
-    let first: u64 = match std::env::var("NESTD_SEED") {
-        Ok(seed) => seed.parse().expect("NESTD_SEED is a number"),
-        Err(_) => rand::random::<u32>().into(),
-    };
+    let first = seed();
     let (kills, budget) = (AtomicU64::new(0), &budget.at_least(SHORT_SECS));
     let farms: Vec<u64> = (first..first + budget.pick(4, KILLS / KILLS_PER_FARM)).collect();
     let rows = in_parallel(farms, budget, |seed| {
@@ -51,11 +48,8 @@ pub fn run(budget: &Budget) -> Row {
     Row {
         points: rows.len() as u64,
         faults,
-        files: rows.iter().map(|row| row.files).sum(),
-        builds: rows.iter().map(|row| row.builds).sum(),
         note: format!("{faults} kills on {} farms, amid everything else; NESTD_SEED={first}", rows.len()),
-        broken: rows.into_iter().flat_map(|row| row.broken).collect(),
-        ..Row::default()
+        ..Row::sum(&rows)
     }
 }
 

@@ -10,7 +10,7 @@ const HEAD: [&str; 8] = ["section", "points tried", "faults injected", "files", 
 pub fn table(rows: &[Row]) -> String {
     let mut cells: Vec<Vec<String>> = vec![HEAD.map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(cells_of));
-    cells.push(cells_of(&total(rows)));
+    cells.push(cells_of(&Row { section: "all", ..Row::sum(rows) }));
     let width = |at: usize| cells.iter().map(|row| row[at].chars().count()).max().unwrap_or_default();
     let widths: Vec<usize> = (0..HEAD.len()).map(width).collect();
     let mut lines: Vec<String> = cells.iter().map(|row| line(row, &widths)).collect();
@@ -42,19 +42,6 @@ fn cells_of(row: &Row) -> Vec<String> {
     cells.push(format!("{:.0}", row.seconds));
     cells.push(row.note.replace('|', "/").replace('\n', " "));
     cells
-}
-
-fn total(rows: &[Row]) -> Row {
-    Row {
-        section: "all",
-        points: rows.iter().map(|row| row.points).sum(),
-        faults: rows.iter().map(|row| row.faults).sum(),
-        files: rows.iter().map(|row| row.files).sum(),
-        builds: rows.iter().map(|row| row.builds).sum(),
-        broken: rows.iter().flat_map(|row| row.broken.clone()).collect(),
-        seconds: rows.iter().map(|row| row.seconds).sum(),
-        note: String::new(),
-    }
 }
 
 /// Writes `docs/reliability.md`; only a long run of every section does.

@@ -46,16 +46,12 @@ pub fn run(budget: &Budget) -> Row {
     });
     Row {
         points: rows.len() as u64,
-        faults: rows.iter().map(|row| row.faults).sum(),
-        files: rows.iter().map(|row| row.files).sum(),
-        builds: rows.iter().map(|row| row.builds).sum(),
         note: format!(
             "{} of {all} states after power loss; {} file operations recorded",
             rows.len(),
             recording.ops.iter().filter(|op| !op.is_sync()).count()
         ),
-        broken: rows.into_iter().flat_map(|row| row.broken).collect(),
-        ..Row::default()
+        ..Row::sum(&rows)
     }
 }
 

@@ -71,6 +71,11 @@ impl DiskCache {
         opened.inspect_err(|error| warn!("Prepared meshes are not kept: {error}.")).ok()
     }
 
+    /// Whether it is the cache that these settings ask for.
+    pub fn is_of(&self, settings: &Settings) -> bool {
+        (self.dir.as_path(), self.cap_bytes) == (settings.state_dir.join("cache").as_path(), settings.cache_bytes)
+    }
+
     /// Bytes that all entries take up.
     pub fn used_bytes(&self) -> u64 {
         self.used_bytes.load(Ordering::Relaxed)

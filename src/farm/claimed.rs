@@ -19,6 +19,7 @@ use super::{
     meshes::READS_IN_THE_DAEMON,
     read::{ReadOutcome, read_part},
     receive::{Drop, Gate, Received},
+    standing_claim::StandingClaim,
     taken::Taken,
 };
 use crate::{
@@ -139,8 +140,16 @@ impl Farm {
     }
 
     /// Takes in a look: each claimed part gets its row, and is read. What cannot be recorded now is tried at the next look.
-    async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, received: Received) -> Result<()> {
-        let rows: Vec<&NewPart> = received.drops.iter().map(|drop| &drop.row).collect();
+    async fn on_received(&mut self, name: &str, mut gate: Box<Gate>, mut received: Received) -> Result<()> {
+        let (early, drops): (Vec<Drop>, Vec<Drop>) = std::mem::take(&mut received.drops)
+            .into_iter()
+            .partition(|drop| self.ending.forgetting.is_under_way(&drop.stored.hash));
+        for drop in early {
+            // Its stored copy is being removed, for it was an earlier part's: the next look copies it in again.
+            gate.take_back(drop.claim);
+            received.next_secs = Some(0.0);
+        }
+        let rows: Vec<&NewPart> = drops.iter().map(|drop| &drop.row).collect();
         // One change for all costs as much as one row. Where it fails, each is written by itself below, and told.
         let mut recorded = Vec::new();
         if rows.len() > 1 && self.stations.contains_key(name) {
@@ -149,7 +158,7 @@ impl Farm {
                 Err(failure) => debug!("The rows of a look are written one by one: {failure}."),
             }
         }
-        for (at, drop) in received.drops.into_iter().enumerate() {
+        for (at, drop) in drops.into_iter().enumerate() {
             if let Err(failure) = self.record(name, &drop, recorded.get(at).copied()).await {
                 self.trouble(Attention::TakingFails, name, "recording a drop", &failure);
                 gate.take_back(drop.claim);
@@ -217,23 +226,13 @@ impl Farm {
         if recorded.fresh {
             self.reading.counted.insert(recorded.id);
         }
-        // Between the copy and the row, the end of an earlier part of the same content may have taken both away.
-        if !self.meshes.store.path(&stored.hash)?.exists() {
-            self.meshes.store.put_claimed(claim)?;
-            let note = Taken::of(self.owner.farm(), row.clone(), given.as_ref().err());
-            self.meshes.store.note(&stored.hash, &claim.id, &note.to_text())?;
-        }
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
         if part.content_hash != stored.hash {
-            // It was written to after its row was committed, and then nestd crashed: a new revision.
-            intake::give_back(claim)?;
-            self.meshes.store.forget_note(&stored.hash, &claim.id)?;
-            if !self.is_needed(&stored.hash).await? {
-                self.meshes.store.remove(&stored.hash)?;
-            }
+            self.give_back(name, claim, stored);
             return Ok(());
         }
-        self.ending.claims.insert(claim.id.clone(), claim.clone());
+        let note = Taken::of(self.owner.farm(), row.clone(), given.as_ref().err()).to_text();
+        self.ending.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {
                 let remedy = match error {

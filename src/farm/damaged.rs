@@ -8,7 +8,7 @@ use tracing::{info, warn};
 
 use super::{attention::Attention, failure::Lost, farm::Farm, jobs::Job};
 use crate::{
-    intake::{self, Claim, Stored},
+    intake::{Claim, Stored},
     ledger::{BuildId, PartId},
 };
 
@@ -64,7 +64,7 @@ impl Farm {
         };
         let name = claim.display_name();
         info!(part.id = %part, profile, "{name} was dropped again: part {part} goes on with it; it is not another order.");
-        intake::release(claim, &stored.hash)?;
+        self.let_replacement_go(profile, claim, stored);
         self.tell_damaged().await?;
         Ok(true)
     }

@@ -11,13 +11,15 @@ use super::{
     error_folder::{reason_text, refused_files},
     failure::Lost,
     farm::Farm,
+    forgettable::Forgettable,
     holds::Holds,
     jobs::Job,
     meshes::Meshes,
+    standing_claim::StandingClaim,
     state::Leaving,
 };
 use crate::{
-    intake::{self, Claim, Released},
+    intake::{self, Claim, Released, Stored},
     ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, Refusal},
 };
 
@@ -29,16 +31,18 @@ struct Refused {
     error_dir: PathBuf,
     meshes: Meshes,
     holds: Holds,
-    claim: Option<Claim>,
+    claim: Option<StandingClaim>,
 }
 
 /// How the work on a claim has ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum ClaimEnd {
     /// This farm let its original go.
     LetGo,
     /// Nothing is left to do for it.
     Done,
+    /// Its file is back in the hot folder; what was stored of it under this hash may not be needed.
+    GivenBack(String),
     /// It stands in the hot folder, but the look that finds it was not taken in yet: it ends after that.
     ToBeFound,
 }
@@ -47,7 +51,9 @@ impl Refused {
     fn put_into_error(&self) -> Result<ClaimEnd> {
         self.holds.demand_error()?;
         if let Some(claim) = &self.claim {
-            intake::refuse(claim, &self.error_dir, &self.text)?;
+            // For who takes it back.
+            claim.ensure_stored(&self.meshes.store, &self.part.content_hash)?;
+            intake::refuse(&claim.claim, &self.error_dir, &self.text)?;
             return Ok(ClaimEnd::Done);
         }
         // A claim that is still to be found brings its original itself.
@@ -84,7 +90,9 @@ impl Refused {
 /// Putting a claimed file where it belongs.
 #[derive(Clone)]
 pub(super) struct EndJob {
-    part: PartRow,
+    claim: String,
+    profile: String,
+    name: String,
 }
 
 impl Job<Farm> for EndJob {
@@ -92,12 +100,21 @@ impl Job<Farm> for EndJob {
     type Outcome = Result<ClaimEnd>;
 
     fn about(&self) -> String {
-        self.part.claim.clone()
+        self.claim.clone()
     }
 
     async fn done(self, farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
-        farm.on_ended(&self.part, ended);
-        Ok(())
+        farm.on_ended(&self, ended).await
+    }
+}
+
+impl EndJob {
+    fn of(part: &PartRow) -> Self {
+        Self { claim: part.claim.clone(), profile: part.profile.clone(), name: part.name.clone() }
+    }
+
+    fn of_claim(profile: &str, claim: &Claim) -> Self {
+        Self { claim: claim.id.clone(), profile: profile.to_owned(), name: claim.display_name() }
     }
 }
 
@@ -157,9 +174,11 @@ impl Farm {
         }
     }
 
-    /// Whether a job still puts a part's file where it belongs.
+    /// Whether a job still puts a part's file where it belongs, or takes it out of the store.
     pub(super) fn is_ending(&self, part: &PartRow) -> bool {
-        self.jobs.runs::<EndJob>(&part.claim) || self.ending.leaving.contains_key(&part.id)
+        self.jobs.runs::<EndJob>(&part.claim)
+            || self.ending.leaving.contains_key(&part.id)
+            || self.ending.forgetting.is_under_way(&part.content_hash)
     }
 
     fn refused(&self, part: &PartRow, reason: &str) -> Option<Refused> {
@@ -179,14 +198,14 @@ impl Farm {
     fn put_into_error(&mut self, part: &PartRow, reason: &str) {
         self.reading.again.done(&part.id);
         let Some(refused) = self.refused(part, reason) else { return };
-        self.end(part, move || refused.put_into_error());
+        self.end(EndJob::of(part), move || refused.put_into_error());
     }
 
     /// Another farm has the file: a copy goes to the refused ones where there is one and the folder is ours.
     pub(super) fn put_aside(&mut self, part: &PartRow, reason: &str) {
         let Some(refused) = self.refused(part, reason) else { return };
         let id = part.id;
-        self.end(part, move || {
+        self.end(EndJob::of(part), move || {
             if let Err(failure) = refused.copy_into_error() {
                 debug!(part.id = %id, "No copy of a part that was given up is in the error folder: {failure:#}.");
             }
@@ -197,9 +216,9 @@ impl Farm {
     /// Lets the claimed original go: the store has it, and its row is committed.
     pub(super) fn let_go(&mut self, part: &PartRow) {
         self.reading.again.done(&part.id);
-        let Some(claim) = self.ending.claims.get(&part.claim).cloned() else { return };
+        let Some(StandingClaim { claim, .. }) = self.ending.claims.get(&part.claim).cloned() else { return };
         let content_hash = part.content_hash.clone();
-        self.end(part, move || {
+        self.end(EndJob::of(part), move || {
             match intake::release(&claim, &content_hash)? {
                 Released::GivenBack(path) => {
                     let file = path.display();
@@ -213,22 +232,54 @@ impl Farm {
         });
     }
 
-    fn end(&mut self, part: &PartRow, work: impl FnOnce() -> Result<ClaimEnd> + Send + 'static) {
-        self.jobs.start(EndJob { part: part.clone() }, work);
+    /// Puts a claimed file back into the hot folder: it was written to after its row was committed, and then nestd crashed, so
+    /// that it is a new revision.
+    pub(super) fn give_back(&mut self, profile: &str, claim: &Claim, stored: &Stored) {
+        let (end, store) = (EndJob::of_claim(profile, claim), self.meshes.store.clone());
+        let (claim, hash) = (claim.clone(), stored.hash.clone());
+        self.end(end, move || {
+            intake::give_back(&claim)?;
+            store.forget_note(&hash, &claim.id)?;
+            Ok(ClaimEnd::GivenBack(hash))
+        });
+    }
+
+    /// Lets a claim go that brought a damaged file again, and is no order of its own.
+    pub(super) fn let_replacement_go(&mut self, profile: &str, claim: &Claim, stored: &Stored) {
+        let (claim, hash) = (claim.clone(), stored.hash.clone());
+        self.end(EndJob::of_claim(profile, &claim), move || {
+            intake::release(&claim, &hash)?;
+            Ok(ClaimEnd::Done)
+        });
+    }
+
+    fn end(&mut self, end: EndJob, work: impl FnOnce() -> Result<ClaimEnd> + Send + 'static) {
+        self.jobs.start(end, work);
     }
 
     /// A claim has ended; one that could not, or was found while its end was worked at, is tried again.
-    fn on_ended(&mut self, part: &PartRow, ended: Result<ClaimEnd>) {
+    async fn on_ended(&mut self, of: &EndJob, ended: Result<ClaimEnd>) -> Result<()> {
         match ended {
             Ok(ClaimEnd::ToBeFound) => {}
             Ok(end) => {
-                self.ending.claims.remove(&part.claim);
-                if end == ClaimEnd::LetGo {
-                    self.ending.let_go.insert(part.claim.clone());
+                self.ending.claims.remove(&of.claim);
+                match end {
+                    ClaimEnd::LetGo => drop(self.ending.let_go.insert(of.claim.clone())),
+                    ClaimEnd::GivenBack(hash) => self.forget([Forgettable::StoredFile(hash)]).await?,
+                    _ => {}
                 }
             }
-            Err(failure) => self.trouble(Attention::EndingFails, &part.profile, &part.name, &failure),
+            Err(failure) => {
+                self.trouble(Attention::EndingFails, &of.profile, &of.name, &failure);
+                if let (false, Some(station)) =
+                    (self.ending.claims.contains_key(&of.claim), self.stations.get_mut(&of.profile))
+                {
+                    // Nobody remembers it but its folder: the next look finds it there.
+                    station.relist = true;
+                }
+            }
         }
+        Ok(())
     }
 
     /// waiting -> rejected, once a copy of the original is in the error folder: after a crash between, whoever asked asks
@@ -275,18 +326,6 @@ impl Farm {
         self.trouble(Attention::EndingFails, &part.profile, &part.name, failure);
         if let Some(station) = self.stations.get_mut(&part.profile) {
             station.open.forget_tried();
-        }
-    }
-
-    /// Something was decided of a part, and the ledger says so: the note beside its stored file says it too. It is never ahead
-    /// of the ledger; that it stays behind harms nothing.
-    pub(super) async fn mark_decided(&self, part: &PartRow) {
-        let marked = async {
-            let decisions = self.ledger.decisions(&part.claim).await?;
-            anyhow::Ok(self.meshes.store.mark(&part.content_hash, &part.claim, decisions)?)
-        };
-        if let Err(failure) = marked.await {
-            warn!(part.id = %part.id, "The note beside {} could not be marked: {failure:#}.", part.name);
         }
     }
 }

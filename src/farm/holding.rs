@@ -11,7 +11,8 @@ use super::{attention::Attention, farm::Farm, holds::Holds, jobs::Job, lease, no
 const AWAY: [Attention; 4] =
     [Attention::HotFolderAway, Attention::QueueAway, Attention::ArchiveAway, Attention::ErrorFolderAway];
 
-/// Showing that a profile's folders are served; gives the holds, with what is wrong with each.
+/// Showing that a profile's folders are served; gives the holds, with what is wrong with each, and whether its queue folder is
+/// the one that was opened.
 #[derive(Clone)]
 pub(super) struct HoldJob {
     profile: String,
@@ -19,14 +20,14 @@ pub(super) struct HoldJob {
 
 impl Job<Farm> for HoldJob {
     const KIND: &'static str = "Hold";
-    type Outcome = Box<Holds>;
+    type Outcome = (Box<Holds>, bool);
 
     fn about(&self) -> String {
         self.profile.clone()
     }
 
-    async fn done(self, farm: &mut Farm, holds: Self::Outcome) -> Result<()> {
-        farm.on_held(&self.profile, *holds).await
+    async fn done(self, farm: &mut Farm, (holds, is_same_queue): Self::Outcome) -> Result<()> {
+        farm.on_held(&self.profile, *holds, is_same_queue).await
     }
 }
 
@@ -63,15 +64,17 @@ impl Farm {
         }
         for (name, station) in self.stations.iter().filter(|(_, s)| is_due || !s.holds.are_fresh()) {
             let (profile, mut holds) = (name.clone(), Box::new(station.holds.clone()));
+            let queue = station.queue.clone();
             self.jobs.start(HoldJob { profile }, move || {
                 holds.keep();
-                holds
+                let is_same_queue = queue.is_none_or(|queue| queue.check().is_ok());
+                (holds, is_same_queue)
             });
         }
     }
 
     /// Takes in what came of it.
-    async fn on_held(&mut self, name: &str, holds: Holds) -> Result<()> {
+    async fn on_held(&mut self, name: &str, holds: Holds, is_same_queue: bool) -> Result<()> {
         // After a reload the folders may be others.
         let Some(station) = self.stations.get_mut(name).filter(|s| s.holds.inbox.is_of(&holds.inbox)) else {
             return Ok(());
@@ -82,6 +85,10 @@ impl Farm {
         self.give_up_claims(name, &taken_over).await?;
         // Only now its folders count as looked at.
         if let Some(station) = self.stations.get_mut(name) {
+            if !is_same_queue || !holds.can_publish() {
+                // It is opened anew; until then nothing is nested for it.
+                station.queue = None;
+            }
             station.holds = holds;
         }
         self.tell_of_foreign_claims(name, before, now);

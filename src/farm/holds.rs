@@ -86,6 +86,12 @@ impl Holds {
         Ok(is_clear)
     }
 
+    /// Whether nothing was wrong with queue and archive when they were last looked at.
+    pub fn can_publish(&self) -> bool {
+        let [_, queue, archive, _] = &self.wrong;
+        queue.is_none() && archive.is_none()
+    }
+
     /// Whether queue and archive are those of before: a build is published into both.
     pub fn demand_published(&self) -> Result<(), OwnerError> {
         self.archive.demand_mine()?;

@@ -18,11 +18,11 @@ use super::{
     nest_order::{Best, NestOrder, Nested},
     owner::Hold,
     prove::{Unproved, WriteOrder, Written, file_name, write_and_prove},
+    queues::demand_staged,
 };
 use crate::{
     intake,
-    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow, Verified},
-    queue::StagedState,
+    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow},
     settings::Profile,
 };
 
@@ -98,19 +98,6 @@ impl Farm {
             return self.give_up(&build, attempts - 1).await;
         }
         self.start_final(build, attempts).await
-    }
-
-    /// Whether the queue folder of a profile is there; one that went away is opened anew, and its absence costs no attempt.
-    fn has_queue(&mut self, profile: &str) -> bool {
-        let Some(station) = self.stations.get_mut(profile) else { return false };
-        if station.agrees.is_none() {
-            return false;
-        }
-        let is_held = station.holds.queue.check().is_ok() && station.holds.archive.check().is_ok();
-        if station.queue.as_ref().is_some_and(|queue| !is_held || queue.check().is_err()) {
-            station.queue = None;
-        }
-        station.queue.is_some() && station.holds.are_fresh()
     }
 
     async fn start_final(&mut self, build: BuildRow, attempts: u32) -> Result<()> {
@@ -193,7 +180,7 @@ impl Farm {
                 return self.note_failure(build, &format!("{failure:#}")).await;
             }
         };
-        if let Err(why) = self.still_staged(build, &written.verified).await {
+        if let Err(why) = self.demand_same_queue(build, &written.verified).await {
             return self.note_failure(build, &format!("{why:#}")).await;
         }
         if !written.unplaced.is_empty() {
@@ -209,31 +196,12 @@ impl Farm {
         self.publish().await
     }
 
-    /// The dot-file must be there, in the queue folder that is configured now, before the ledger relies on it: a missing one
-    /// would read as published.
-    async fn still_staged(&self, build: BuildId, verified: &Verified) -> Result<()> {
-        let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
-        let queue = self.stations.get(&profile).and_then(|s| s.queue.as_ref());
-        let queue = queue.context("the queue folder is not available any more")?;
-        ensure!(queue.id() == verified.queue_id, "the queue folder has changed since the build was written");
-        ensure!(
-            queue.state(&verified.file_name)? == StagedState::Staged,
-            "the written build is gone from the queue folder"
-        );
-        Ok(())
-    }
-
     /// A build that cannot be made fails; its parts wait again, and its profile is paused, for a person must act.
     async fn give_up(&mut self, build: &BuildRow, attempts: u32) -> Result<()> {
         let (_, last) = self.nesting.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
         let reason = format!("gave up after {attempts} attempts: {last}");
         warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
-        if let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.as_ref()) {
-            // What cannot be removed now is swept when the folder is opened next.
-            if let Err(failure) = queue.discard(&file_name(&build.profile, build)) {
-                warn!(build.id = %build.id, "The build's dot-file could not be removed: {failure}.");
-            }
-        }
+        self.discard_staged(build);
         self.ledger.fail_build(build.id, &reason).await?;
         self.ledger.pause(&build.profile, GAVE_UP).await?;
         Ok(())
@@ -262,6 +230,7 @@ fn nest_write_and_prove(order: &NestOrder, write: &WriteOrder, archive: &mut Hol
     let written = write_and_prove(write, &nested)?;
     archive.check()?;
     archive_originals(&write.profile, &write.build, &nested, meshes)?;
+    demand_staged(&write.queue, &written.verified.file_name)?;
     Ok(written)
 }
 

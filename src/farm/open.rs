@@ -86,6 +86,9 @@ impl Farm {
     async fn open_stations(&mut self) -> Result<()> {
         self.compare_clock_with_ledger().await?;
         self.set_up_stations().await?;
+        self.make_folders_at_start();
+        self.watch();
+        self.compare_folders();
         self.hold_folders_at_start()
     }
 

@@ -7,6 +7,7 @@ use tracing::{info, warn};
 use super::{
     attention::Attention,
     farm::Farm,
+    forgettable::Forgettable,
     jobs::Job,
     staged::{Replaced, Staged, Step},
 };
@@ -127,17 +128,16 @@ impl Farm {
         self.forget_built(&build).await
     }
 
-    /// Removes the store's copies of parts that are built: the archive has them.
+    /// The store's copies of parts that are built are needed no more: the archive has them.
     async fn forget_built(&mut self, build: &BuildRow) -> Result<()> {
+        let mut unneeded = Vec::new();
         for part in self.ledger.parts_of_build(build.id).await? {
-            if !self.is_needed(&part.content_hash).await? {
-                self.meshes.store.remove(&part.content_hash)?;
-                self.meshes.shelf.keep(|key| key.content_hash != part.content_hash);
-            } else if self.ledger.parts_of_claim(&part.claim).await?.iter().all(|p| p.state == PartState::Built) {
-                // The file is kept for another claim: a note of this one would have it printed again.
-                self.meshes.store.forget_note(&part.content_hash, &part.claim)?;
+            unneeded.push(Forgettable::StoredFile(part.content_hash.clone()));
+            if self.ledger.parts_of_claim(&part.claim).await?.iter().all(|p| p.state == PartState::Built) {
+                // Where the file is kept for another claim, a note of this one would have it printed again.
+                unneeded.push(Forgettable::ClaimNote { hash: part.content_hash, claim: part.claim });
             }
         }
-        Ok(())
+        self.forget(unneeded).await
     }
 }

@@ -7,12 +7,12 @@ use nester::OrientationRule;
 use solids::Defects;
 
 use super::{
-    failure::{Lost, Unread},
+    failure::{Lost, Unread, chain},
     meshes::Meshes,
     shelf::MeshKey,
+    standing_claim::StandingClaim,
 };
 use crate::{
-    intake::Claim,
     ledger::{PartRow, Refusal, SolidFacts},
     settings::{MeshErrors, Profile},
 };
@@ -33,9 +33,17 @@ pub enum ReadOutcome {
 /// Reads and checks; the meshes go onto the shelf.
 ///
 /// A stored file that is damaged is put there again from the claimed original, as long as that lies in the hot folder.
-pub fn read_part(part: &PartRow, claim: Option<&Claim>, profile: &Arc<Profile>, meshes: &Meshes) -> ReadOutcome {
+pub fn read_part(
+    part: &PartRow,
+    claim: Option<&StandingClaim>,
+    profile: &Arc<Profile>,
+    meshes: &Meshes,
+) -> ReadOutcome {
+    if let Some(Err(failure)) = claim.map(|claim| claim.ensure_stored(&meshes.store, &part.content_hash)) {
+        return ReadOutcome::Later(chain(&failure));
+    }
     let heal = |failure: anyhow::Error| match (Lost::of(&failure), claim) {
-        (Some(_), Some(claim)) if meshes.store.put_claimed(claim).is_ok() => meshes.stored(part),
+        (Some(_), Some(claim)) if meshes.store.put_claimed(&claim.claim).is_ok() => meshes.stored(part),
         _ => Err(failure),
     };
     let file = match meshes.stored(part).or_else(heal) {

@@ -100,7 +100,7 @@ impl Farm {
             self.schedule.last_watch_check = Instant::now();
             self.make_missing_folders();
             self.compare_folders();
-            self.check_watch();
+            self.watch();
             self.look_for_stray_files();
         }
         if self.schedule.last_claims.elapsed() >= CLAIMS_AGAIN {

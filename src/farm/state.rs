@@ -3,16 +3,18 @@
 
 use std::{
     collections::{HashMap, HashSet},
+    path::PathBuf,
     time::{Duration, Instant},
 };
 
 use jiff::Timestamp;
 
 use super::{
-    back_off::BackOff, budget::Budget, clock::Clock, lock::Lock, nest_order::Best, notices::Outside, quiet::Quiet,
+    back_off::BackOff, budget::Budget, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best,
+    notices::Outside, quiet::Quiet, standing_claim::StandingClaim,
 };
 use crate::{
-    intake::{Claim, Watcher},
+    intake::Watcher,
     ledger::{BuildId, CommandRow, PartId, PartRow, Refusal},
 };
 
@@ -33,11 +35,13 @@ pub(super) struct Leaving {
 #[derive(Debug, Default)]
 pub(super) struct EndingState {
     /// Claims whose originals still lie in the hot folder's `.claimed`, by claim id.
-    pub(super) claims: HashMap<String, Claim>,
+    pub(super) claims: HashMap<String, StandingClaim>,
     /// Waiting parts that are refused once their originals are copied.
     pub(super) leaving: HashMap<PartId, Leaving>,
     /// Claims that this process has let go.
     pub(super) let_go: HashSet<String>,
+    /// What the store does not need any more.
+    pub(super) forgetting: ForgettingState,
 }
 
 /// Of the reading of parts.
@@ -81,11 +85,20 @@ pub(super) struct ShownState {
     pub(super) sign_of_life: Option<Instant>,
 }
 
+/// The watch on the hot folders of all machines.
+#[derive(Debug)]
+pub(super) struct WatchedInboxes {
+    pub(super) watcher: Watcher,
+    pub(super) inboxes: Vec<PathBuf>,
+}
+
 /// When the loop looks for what.
 pub(super) struct Schedule {
     pub(super) clock: Clock,
     pub(super) quiet: Quiet,
-    pub(super) watcher: Option<Watcher>,
+    pub(super) watched: Option<WatchedInboxes>,
+    /// That hot folders tell nothing was told.
+    pub(super) is_unwatched: bool,
     /// Steps that failed and rest, by name.
     pub(super) steps: BackOff<String>,
     pub(super) tidy_at: Instant,
@@ -101,7 +114,8 @@ impl Schedule {
         Self {
             clock: Clock::of_this_machine(),
             quiet: Quiet::default(),
-            watcher: None,
+            watched: None,
+            is_unwatched: false,
             steps: BackOff::default(),
             tidy_at: now + first_tidy_after,
             last_watch_check: now,

@@ -50,6 +50,8 @@ pub struct Station {
     pub may_take: bool,
     /// Its printer queue folder, once it could be opened.
     pub queue: Option<Queue>,
+    /// One that could not be opened is not tried again before this.
+    pub queue_at: Instant,
     /// The build that is being gathered.
     pub open: OpenBuild,
     /// Claims were adopted: what lies in `.claimed/` is to be listed anew.
@@ -112,6 +114,7 @@ impl Station {
             agrees: None,
             may_take: false,
             queue: None,
+            queue_at: Instant::now(),
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
             relist: false,
             flush: Vec::new(),

@@ -3,20 +3,18 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use tracing::{info, warn};
+use tracing::info;
 
-use super::{attention::Attention, cache::DiskCache, farm::Farm, holds::Holds, jobs::Event, sd, station::Station};
-use crate::{
-    access,
-    intake::Watcher,
-    settings::{Profile, Settings},
-};
+use super::{attention::Attention, cache::DiskCache, farm::Farm, sd, station::Station};
+use crate::settings::Settings;
 
 impl Farm {
-    /// Makes stations and the watcher agree with the settings.
+    /// Makes stations agree with the settings.
     pub(super) async fn set_up_stations(&mut self) -> Result<()> {
         self.meshes.limits = self.settings.limits.clone();
-        self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
+        if !self.meshes.cache.as_ref().is_some_and(|cache| cache.is_of(&self.settings)) {
+            self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
+        }
         self.nesting.slots = nest_slots(&self.settings);
         let gone: Vec<String> =
             self.stations.keys().filter(|name| !self.settings.profiles.contains_key(*name)).cloned().collect();
@@ -28,7 +26,6 @@ impl Farm {
             }
         }
         for (name, profile) in self.settings.profiles.clone() {
-            self.make_folders(&profile);
             match self.stations.get_mut(&name) {
                 Some(station) if *station.profile == profile => (station.agrees, station.may_take) = (None, false),
                 Some(station) => {
@@ -50,29 +47,7 @@ impl Farm {
                 }
             }
         }
-        self.watch();
-        self.compare_folders();
         Ok(())
-    }
-
-    fn watch(&mut self) {
-        let inboxes = self.stations.values().map(|s| s.profile.folders.inbox.clone()).collect();
-        let events = self.jobs.sender();
-        self.schedule.watcher = match Watcher::start(inboxes, move || drop(events.send(Event::new(Farm::look_soon)))) {
-            Ok(watcher) => Some(watcher),
-            Err(failure) => {
-                warn!("No file-system events; the periodic scan goes on without them: {failure}.");
-                None
-            }
-        };
-    }
-
-    /// Watches hot folders that were made anew; where that cannot be, the periodic scan serves.
-    pub(super) fn check_watch(&mut self) {
-        let unwatched = self.schedule.watcher.as_mut().map(Watcher::check).unwrap_or_default();
-        for (path, why) in unwatched {
-            tracing::debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
-        }
     }
 
     pub(super) async fn reload(&mut self) {
@@ -101,35 +76,11 @@ impl Farm {
         }
         settings.files.set();
         self.settings = settings;
-        self.set_up_stations().await
-    }
-
-    /// A share that is away must not keep the other machines from working. What was served once is not made again: an
-    /// empty directory in its place would hinder whoever puts it back.
-    fn make_folders(&mut self, profile: &Profile) {
-        let holds = self.stations.get(&profile.name).map(|station| &station.holds);
-        let fresh = Holds::new(&self.owner, profile);
-        let Holds { inbox, queue, archive, error, .. } = holds.unwrap_or(&fresh);
-        let folders = &profile.folders;
-        let wanted =
-            [(&folders.inbox, inbox), (&folders.queue, queue), (&folders.error, error), (&folders.archive, archive)];
-        let mut failed = Vec::new();
-        // One that cannot be made does not hinder the others.
-        for (folder, _) in wanted.into_iter().filter(|(_, hold)| hold.is_new()) {
-            if let Err(error) = access::create_folders(folder) {
-                failed.push(format!("creating {}: {error}", folder.display()));
-            }
-        }
-        match failed.is_empty() {
-            true => self.notices.clear(Attention::FoldersMissing, &profile.name, ""),
-            false => self.notices.raise(Attention::FoldersMissing, &profile.name, "", &failed.join("; ")),
-        }
-    }
-
-    /// Folders that could not be made at the start are made when they can be.
-    pub(super) fn make_missing_folders(&mut self) {
-        let profiles: Vec<Arc<Profile>> = self.stations.values().map(|station| station.profile.clone()).collect();
-        profiles.iter().for_each(|profile| self.make_folders(profile));
+        self.set_up_stations().await?;
+        self.make_missing_folders();
+        self.watch();
+        self.compare_folders();
+        Ok(())
     }
 }
 

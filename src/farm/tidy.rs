@@ -1,4 +1,4 @@
-//! Housekeeping: old archives go, the store forgets what nobody needs, leftovers in the queue folders go.
+//! Housekeeping: old archives go, and the store forgets what nobody needs.
 
 use std::{
     collections::HashSet,
@@ -10,19 +10,20 @@ use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
-use super::{attention::Attention, failure::chain, farm::Farm, jobs::Job, owner::Hold, prove::file_name, taken};
-use crate::{
-    intake,
-    ledger::{BuildId, BuildState, Ledger, PartState, REFUSED_COUNTS},
-    queue::Queue,
+use super::{
+    attention::Attention,
+    farm::Farm,
+    forgettable::{Forgettable, KEEP_REFUSED_SECS},
+    jobs::Job,
+    owner::Hold,
+    taken,
 };
+use crate::{intake, ledger::PartState};
 
 /// The first tidying follows the start by so much, so that it delays no start.
 pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 /// How often the house is tidied.
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
-/// Refused files stay in the store so long, so that `nestd retry` finds them.
-pub const KEEP_REFUSED_SECS: f64 = REFUSED_COUNTS.as_secs() as f64;
 /// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
@@ -104,17 +105,15 @@ impl Farm {
         self.notices.raise(Attention::Stray, "", "", &detail);
     }
 
-    /// Removes stored files of built and long refused parts that no live part needs.
+    /// Forgets stored files of built and long refused parts that no live part needs.
     async fn sweep_store(&mut self) -> Result<()> {
         let now = Timestamp::now();
+        let mut unneeded = Vec::new();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
             let (from, to) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
-            for hash in self.ledger.hashes_in_state(state, from, to).await? {
-                if !self.is_needed(&hash).await? {
-                    self.meshes.store.remove(&hash)?;
-                }
-            }
+            unneeded.extend(self.ledger.hashes_in_state(state, from, to).await?);
         }
+        self.forget(unneeded.into_iter().map(Forgettable::StoredFile)).await?;
         let mut live = HashSet::new();
         for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
             live.extend(self.ledger.hashes_in_state(state, Timestamp::UNIX_EPOCH, now).await?);
@@ -122,68 +121,6 @@ impl Farm {
         self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
         Ok(())
     }
-
-    /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
-    pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
-        Ok(self.ledger.hash_in_use(content_hash, ago(Timestamp::now(), KEEP_REFUSED_SECS)).await?)
-    }
-
-    /// Opens the queue folders that are not open and sweeps what a crash left half written in them.
-    pub(super) async fn open_queues(&mut self) -> Result<()> {
-        let mut staged = Vec::new();
-        // A build that is being nested may have been staged already: only what no build names is swept.
-        for state in [BuildState::Nesting, BuildState::Verified] {
-            for build in self.ledger.builds_in_state(state).await? {
-                staged.push(build.file_name.clone().unwrap_or_else(|| file_name(&build.profile, &build)));
-            }
-        }
-        let mut closed = Vec::new();
-        for (name, station) in self.stations.iter_mut().filter(|(_, s)| s.queue.is_none()) {
-            // An empty mount point is not marked as a queue.
-            if let Err(error) = station.holds.queue.check() {
-                closed.push((name.clone(), error.to_string()));
-                continue;
-            }
-            match Queue::open(&station.profile.folders.queue) {
-                Ok(queue) => {
-                    // What this farm has not fired is staged by another one, and left alone.
-                    let mut keep = staged.clone();
-                    for file in queue.staged_builds().unwrap_or_default() {
-                        if !is_own(&self.ledger, name, &file).await? {
-                            keep.push(file);
-                        }
-                    }
-                    let swept = match queue.sweep(&keep) {
-                        Ok(swept) => swept,
-                        Err(error) => {
-                            closed.push((name.clone(), chain(&error)));
-                            continue;
-                        }
-                    };
-                    if !swept.is_empty() {
-                        info!(profile = %name, files = swept.len(), "Removed half-written files of an earlier run.");
-                    }
-                    station.queue = Some(queue);
-                }
-                Err(error) => closed.push((name.clone(), chain(&error))),
-            }
-        }
-        for name in self.stations.keys().cloned().collect::<Vec<_>>() {
-            match closed.iter().find(|(of, _)| *of == name) {
-                Some((_, why)) => self.notices.raise(Attention::QueueAway, &name, "", why),
-                None => self.notices.clear(Attention::QueueAway, &name, ""),
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Whether a build file is one of the builds that this farm has fired. An open one has no file yet: what bears the name that it
-/// would have now is another farm's.
-async fn is_own(ledger: &Ledger, profile: &str, file: &str) -> Result<bool> {
-    let Some((_, number)) = super::record::fired_and_number(file) else { return Ok(false) };
-    let build = ledger.build(BuildId(number)).await?;
-    Ok(build.is_some_and(|build| build.state != BuildState::Open && file_name(profile, &build) == file))
 }
 
 fn ago(now: Timestamp, secs: f64) -> Timestamp {

@@ -45,7 +45,7 @@ pub fn not_let_go(inbox: &Path, farm: &str, ids: &HashSet<String>) -> io::Result
 
 /// Takes over the claims of other farms; returns how many there were. The trace is on disk before the claim changes its name.
 pub fn adopt(inbox: &Path, farm: &str) -> io::Result<usize> {
-    let _only_one = claiming();
+    let _only_one = claiming(inbox);
     let claimed = inbox.join(CLAIMED_DIR);
     let (names, mut count) = (foreign(inbox, farm)?, 0);
     if names.is_empty() {

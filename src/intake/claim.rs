@@ -53,7 +53,7 @@ pub(super) fn claim_stepwise(
         Ready::Part { part, tickets, list, said, .. } => (part, tickets, (list.as_ref(), said.as_ref())),
         Ready::List { list: seen, .. } | Ready::Refuse { seen, .. } => return Err(ClaimError::Gone(seen.path.clone())),
     };
-    let _only_one = claiming();
+    let _only_one = claiming(inbox);
     let (name, new) = begin(inbox, farm)?;
     let whole = take(inbox, &new, part, tickets, listed, step).and_then(|()| finish(inbox, &new, &name, step));
     if let Err(error) = whole {
@@ -188,7 +188,7 @@ pub(super) fn release_stepwise(claim: &Claim, hash: &str, step: &mut dyn FnMut()
         Ok(_) => {}
     }
     step();
-    let _only_one = claiming();
+    let _only_one = claiming(&claim.inbox);
     // The one rename in there decides between this farm and one that takes the claim over.
     if remove_claim_dir(&claim.dir, step).map_err(|e| io_error("remove", &claim.dir, e))? {
         return Ok(Released::Removed);
@@ -203,7 +203,7 @@ pub(super) fn release_stepwise(claim: &Claim, hash: &str, step: &mut dyn FnMut()
 /// Puts a claimed part and its tickets back into the hot folder, to be settled and claimed anew: for one that changed
 /// while it was read. Returns where the part is.
 pub fn give_back(claim: &Claim) -> Result<PathBuf, ClaimError> {
-    let _only_one = claiming();
+    let _only_one = claiming(&claim.inbox);
     let back = give_back_files(&claim.inbox, &claim.dir).map_err(|e| io_error("give back", &claim.part, e))?;
     back.ok_or_else(|| ClaimError::Gone(claim.part.clone()))
 }

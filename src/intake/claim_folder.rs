@@ -2,6 +2,7 @@
 //! an earlier release and counts as own.
 
 use std::{
+    collections::BTreeMap,
     fs, io,
     path::{Path, PathBuf},
     sync::{Mutex, MutexGuard, PoisonError},
@@ -18,11 +19,18 @@ pub(super) const DONE: &str = ".done-";
 /// come back at any time, also with an older ledger.
 pub(super) const ADOPTED: &str = ".adopted-";
 
-/// Held while claims are put together or taken apart: a recovery must not take for a crash's leftover what another thread
-/// is putting together.
-pub(super) fn claiming() -> MutexGuard<'static, ()> {
-    static CLAIMING: Mutex<()> = Mutex::new(());
-    CLAIMING.lock().unwrap_or_else(PoisonError::into_inner)
+/// Held while claims of a hot folder are put together or taken apart: a recovery must not take for a crash's leftover what
+/// another thread is putting together. Moving a large file to another file system takes long; other hot folders do not wait.
+pub(super) fn claiming(inbox: &Path) -> MutexGuard<'static, ()> {
+    static CLAIMING: Mutex<BTreeMap<PathBuf, &'static Mutex<()>>> = Mutex::new(BTreeMap::new());
+    let mut known = CLAIMING.lock().unwrap_or_else(PoisonError::into_inner);
+    let of_inbox: &'static Mutex<()> = match known.get(inbox) {
+        Some(of_inbox) => of_inbox,
+        // A process serves few hot folders, and each for long.
+        None => known.entry(inbox.to_owned()).or_insert(Box::leak(Box::default())),
+    };
+    drop(known);
+    of_inbox.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The name of a claim's folder; `farm` "" = it says nothing.

@@ -21,7 +21,7 @@ use super::{
 /// claimed and removes what it left half released. To be called before a scan: what it gives back is then listed like any
 /// other drop.
 pub fn claims(inbox: &Path, farm: &str) -> Result<(Vec<Claim>, Vec<String>), ClaimError> {
-    let _only_one = claiming();
+    let _only_one = claiming(inbox);
     let claimed = inbox.join(CLAIMED_DIR);
     if fs::symlink_metadata(&claimed).is_ok_and(|meta| !meta.is_dir()) {
         return Err(io_error("use as the folder of the claims", &claimed, io::ErrorKind::NotADirectory.into()));

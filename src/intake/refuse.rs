@@ -54,7 +54,7 @@ pub(super) fn refuse_stepwise(
     reason: &str,
     step: &mut dyn FnMut(),
 ) -> Result<PathBuf, RefuseError> {
-    let _only_one = claiming();
+    let _only_one = claiming(&claim.inbox);
     let folder = open_folder(error_dir, &claim.order_path)?;
     let refusal =
         Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };

@@ -25,7 +25,6 @@ mod row;
 mod storm;
 mod table;
 mod torture;
-mod trace;
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -35,7 +34,7 @@ use std::{process::ExitCode, time::Instant};
 use asked::Asked;
 use budget::Budget;
 use row::Row;
-use support::{greedy, grid};
+use support::{greedy, grid, trace};
 
 /// A section: its name, its share of a long run, and what it does.
 struct Section {

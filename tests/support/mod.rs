@@ -8,6 +8,7 @@ pub mod hook;
 pub mod manifest;
 pub mod random;
 pub mod samples;
+pub mod trace;
 pub mod trial;
 
 use std::{

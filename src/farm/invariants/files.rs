@@ -13,7 +13,7 @@ use super::{
     },
 };
 use crate::{
-    farm::{tidy::KEEP_REFUSED_SECS, trigger::secs_between},
+    farm::{forgettable::KEEP_REFUSED_SECS, trigger::secs_between},
     intake::{self, Store, StoreError},
     ledger::{Ledger, PartPlace, PartState},
     settings::Settings,

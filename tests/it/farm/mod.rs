@@ -20,6 +20,7 @@ mod restore;
 mod returned;
 mod rot;
 mod share;
+mod slow;
 mod triggers;
 mod watchers;
 mod words;

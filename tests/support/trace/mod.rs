@@ -23,6 +23,7 @@ use nix::{
     unistd::Pid,
 };
 
+#[allow(unused_imports)] // no program needs all of it
 pub use call::{Call, Kind};
 
 /// What to do with a call that is about to be made.
@@ -34,6 +35,8 @@ pub enum Verdict {
     Fail(i32),
     /// It writes so many bytes at most.
     Shorten(u64),
+    /// The kernel does it after a while; only the thread that makes it waits.
+    Delay(Duration),
 }
 
 /// Looks at the calls of a traced daemon; lives on the tracer's thread.
@@ -81,7 +84,7 @@ impl<W: Watch + 'static> Traced<W> {
                 }
             };
             let _ = tell_pid.send(Ok(pid));
-            let watch = Tracer { pid, root, watch, inside: HashMap::new() }.run();
+            let watch = Tracer { pid, root, watch, inside: HashMap::new(), held: Vec::new() }.run();
             let _ = tell_end.send(());
             watch
         });
@@ -171,6 +174,8 @@ struct Tracer<W> {
     /// Threads inside a call, with the call when it is one of ours, what is to be returned instead and the registers to
     /// be put back.
     inside: HashMap<Pid, Option<Pending>>,
+    /// Threads whose call is delayed, and until when.
+    held: Vec<(Pid, Instant)>,
 }
 
 struct Pending {
@@ -184,7 +189,12 @@ impl<W: Watch> Tracer<W> {
     fn run(mut self) -> W {
         let group = Pid::from_raw(-self.pid.as_raw());
         loop {
-            match waitpid(group, Some(WaitPidFlag::__WALL)) {
+            self.let_go_of_held();
+            // While a thread is held there is nothing to be told that it has been held long enough.
+            let wait =
+                if self.held.is_empty() { WaitPidFlag::__WALL } else { WaitPidFlag::__WALL | WaitPidFlag::WNOHANG };
+            match waitpid(group, Some(wait)) {
+                Ok(WaitStatus::StillAlive) => std::thread::sleep(Duration::from_millis(1)),
                 Ok(WaitStatus::PtraceSyscall(thread)) => self.at_call(thread),
                 Ok(WaitStatus::PtraceEvent(thread, ..)) => resume(thread, None),
                 Ok(WaitStatus::Stopped(thread, signal)) => {
@@ -203,11 +213,23 @@ impl<W: Watch> Tracer<W> {
         }
     }
 
+    fn let_go_of_held(&mut self) {
+        let now = Instant::now();
+        self.held.extract_if(.., |(_, until)| *until <= now).for_each(|(thread, _)| resume(thread, None));
+    }
+
     fn at_call(&mut self, thread: Pid) {
         match self.inside.remove(&thread) {
             None => {
                 let pending = self.enter(thread);
+                let delay = pending.as_ref().and_then(|pending| match pending.verdict {
+                    Verdict::Delay(delay) => Some(delay),
+                    _ => None,
+                });
                 self.inside.insert(thread, pending);
+                if let Some(delay) = delay {
+                    return self.held.push((thread, Instant::now() + delay));
+                }
             }
             Some(Some(pending)) => self.leave(thread, pending),
             Some(None) => {}
@@ -217,15 +239,15 @@ impl<W: Watch> Tracer<W> {
 
     fn enter(&mut self, thread: Pid) -> Option<Pending> {
         let regs = ptrace::getregs(thread).ok()?;
-        let call = Call::decode(self.pid, &regs, &self.root)?;
+        let call = Call::decode(self.pid, thread, &regs, &self.root)?;
         let verdict = self.watch.before(&call);
         let mut changed = regs;
         match verdict {
-            Verdict::Let => {}
+            Verdict::Let | Verdict::Delay(_) => {}
             Verdict::Fail(_) => changed.orig_rax = u64::MAX,
             Verdict::Shorten(bytes) => changed.rdx = bytes,
         }
-        if verdict != Verdict::Let {
+        if !matches!(verdict, Verdict::Let | Verdict::Delay(_)) {
             let _ = ptrace::setregs(thread, changed);
         }
         Some(Pending { call, verdict, regs })
@@ -234,11 +256,11 @@ impl<W: Watch> Tracer<W> {
     fn leave(&mut self, thread: Pid, pending: Pending) {
         let Ok(mut regs) = ptrace::getregs(thread) else { return };
         match pending.verdict {
-            Verdict::Let => {}
+            Verdict::Let | Verdict::Delay(_) => {}
             Verdict::Fail(errno) => regs.rax = i64::from(-errno) as u64,
             Verdict::Shorten(_) => regs.rdx = pending.regs.rdx,
         }
-        if pending.verdict != Verdict::Let {
+        if !matches!(pending.verdict, Verdict::Let | Verdict::Delay(_)) {
             let _ = ptrace::setregs(thread, regs);
         }
         if !self.watch.after(&pending.call, regs.rax as i64) {

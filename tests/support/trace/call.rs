@@ -41,6 +41,8 @@ pub struct Call {
     pub flags: u64,
     /// The process.
     pub pid: i32,
+    /// The thread that makes it; the first of a process has its number.
+    pub thread: i32,
 }
 
 /// How the arguments of a call name its files.
@@ -110,8 +112,8 @@ const CALLS: [(u64, &str, Kind, Form); 46] = {
 const REMOVE_DIR: u64 = 0x200;
 
 impl Call {
-    /// The call that a thread is about to make, if it is about the farm's files.
-    pub fn decode(pid: Pid, regs: &libc::user_regs_struct, root: &Path) -> Option<Self> {
+    /// The call that a thread of a process is about to make, if it is about the farm's files.
+    pub fn decode(pid: Pid, thread: Pid, regs: &libc::user_regs_struct, root: &Path) -> Option<Self> {
         let (number, name, kind, form) = CALLS.iter().find(|(number, ..)| *number == regs.orig_rax)?;
         let args = [regs.rdi, regs.rsi, regs.rdx, regs.r10, regs.r8, regs.r9];
         let process = Process { pid: pid.as_raw() };
@@ -146,6 +148,7 @@ impl Call {
             offset: (*number == 18).then_some(args[3]),
             flags,
             pid: pid.as_raw(),
+            thread: thread.as_raw(),
         })
     }
 

@@ -1,0 +1,54 @@
+//! The note beside a stored file says how often was decided of the parts of its claim (refused, cancelled, taken back), after the
+//! ledger does. It is never ahead of the ledger; that it stays behind harms nothing.
+
+use anyhow::Result;
+use tracing::warn;
+
+use super::{farm::Farm, jobs::Job};
+use crate::ledger::PartRow;
+
+/// Marking the note of a claim with so many decisions.
+#[derive(Clone)]
+struct MarkJob {
+    part: PartRow,
+    decisions: u32,
+}
+
+impl Job<Farm> for MarkJob {
+    const KIND: &'static str = "Mark";
+    type Outcome = Result<()>;
+
+    fn about(&self) -> String {
+        self.part.claim.clone()
+    }
+
+    async fn done(self, farm: &mut Farm, marked: Self::Outcome) -> Result<()> {
+        if let Err(failure) = marked {
+            tell_failure(&self.part, &failure);
+        }
+        // What was decided meanwhile found this job running.
+        if farm.ledger.decisions(&self.part.claim).await? > self.decisions {
+            farm.mark_decided(&self.part).await;
+        }
+        Ok(())
+    }
+}
+
+impl Farm {
+    /// Something was decided of a part, and the ledger says so: the note beside its stored file is made to say it too.
+    pub(super) async fn mark_decided(&mut self, part: &PartRow) {
+        match self.ledger.decisions(&part.claim).await {
+            Ok(decisions) => {
+                let (store, hash, claim) = (self.meshes.store.clone(), part.content_hash.clone(), part.claim.clone());
+                self.jobs.start(MarkJob { part: part.clone(), decisions }, move || {
+                    Ok(store.mark(&hash, &claim, decisions)?)
+                });
+            }
+            Err(failure) => tell_failure(part, &failure.into()),
+        }
+    }
+}
+
+fn tell_failure(part: &PartRow, failure: &anyhow::Error) {
+    warn!(part.id = %part.id, "The note beside {} could not be marked: {failure:#}.", part.name);
+}

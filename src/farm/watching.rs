@@ -1,0 +1,162 @@
+//! The folders of machines are made where they are missing, and file-system events of the hot folders are asked for. Both look
+//! into folders that may be shares, and so run on threads.
+
+use std::{path::PathBuf, sync::Arc};
+
+use anyhow::Result;
+use tracing::{debug, warn};
+
+use super::{
+    attention::Attention,
+    farm::Farm,
+    holds::Holds,
+    jobs::{Event, Job},
+    state::WatchedInboxes,
+};
+use crate::{
+    access,
+    intake::{WatchError, Watcher},
+    settings::Profile,
+};
+
+/// Asking for file-system events, anew where hot folders were made or changed.
+#[derive(Clone)]
+struct WatchJob;
+
+impl Job<Farm> for WatchJob {
+    const KIND: &'static str = "Watch";
+    type Outcome = Result<WatchedInboxes, WatchError>;
+
+    fn about(&self) -> String {
+        String::new()
+    }
+
+    async fn done(self, farm: &mut Farm, watched: Self::Outcome) -> Result<()> {
+        farm.on_watched(watched);
+        Ok(())
+    }
+}
+
+/// Making the folders of a profile; gives what could not be made.
+#[derive(Clone)]
+struct FoldersJob {
+    profile: String,
+}
+
+impl Job<Farm> for FoldersJob {
+    const KIND: &'static str = "Folders";
+    type Outcome = Vec<String>;
+
+    fn about(&self) -> String {
+        self.profile.clone()
+    }
+
+    async fn done(self, farm: &mut Farm, failed: Self::Outcome) -> Result<()> {
+        farm.on_folders_made(&self.profile, &failed);
+        Ok(())
+    }
+}
+
+impl Farm {
+    /// Watches the hot folders, also those that were made or made anew; where that cannot be, the periodic scan serves.
+    pub(super) fn watch(&mut self) {
+        if self.jobs.runs::<WatchJob>("") {
+            return;
+        }
+        let (inboxes, before) = (self.inboxes(), self.schedule.watched.take());
+        let events = self.jobs.sender();
+        self.jobs.start(WatchJob, move || match before {
+            Some(mut watched) if watched.inboxes == inboxes => {
+                for (path, why) in watched.watcher.check() {
+                    debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
+                }
+                Ok(watched)
+            }
+            _ => {
+                let watcher = Watcher::start(inboxes.clone(), move || drop(events.send(Event::new(Farm::look_soon))))?;
+                Ok(WatchedInboxes { watcher, inboxes })
+            }
+        });
+    }
+
+    fn inboxes(&self) -> Vec<PathBuf> {
+        self.stations.values().map(|station| station.profile.folders.inbox.clone()).collect()
+    }
+
+    fn on_watched(&mut self, watched: Result<WatchedInboxes, WatchError>) {
+        match watched {
+            Ok(watched) => {
+                let is_current = watched.inboxes == self.inboxes();
+                self.schedule.watched = Some(watched);
+                self.schedule.is_unwatched = false;
+                if !is_current {
+                    self.watch();
+                }
+            }
+            Err(failure) => {
+                if !std::mem::replace(&mut self.schedule.is_unwatched, true) {
+                    warn!("No file-system events; the periodic scan goes on without them: {failure}.");
+                }
+            }
+        }
+    }
+
+    /// Makes the folders of all machines, before anything else is done with them.
+    pub(super) fn make_folders_at_start(&mut self) {
+        let stations: Vec<(Arc<Profile>, Holds)> =
+            self.stations.values().map(|station| (station.profile.clone(), station.holds.clone())).collect();
+        for (profile, holds) in stations {
+            let failed = make_folders(&profile, &holds);
+            self.tell_of_folders(&profile.name, &failed);
+        }
+    }
+
+    /// Folders that could not be made, or belong to a machine that is new, are made when they can be.
+    pub(super) fn make_missing_folders(&mut self) {
+        for (name, station) in &mut self.stations {
+            if station.holds.all().iter().all(|hold| hold.seen().is_some()) {
+                continue;
+            }
+            let (profile, holds) = (station.profile.clone(), station.holds.clone());
+            self.jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &holds));
+        }
+    }
+
+    /// What stands in the folders is looked at as soon as they are there.
+    fn on_folders_made(&mut self, name: &str, failed: &[String]) {
+        self.tell_of_folders(name, failed);
+        if let Some(station) = self.stations.get_mut(name).filter(|station| station.scanned_at.is_none()) {
+            station.look_at = std::time::Instant::now();
+            self.keep_holds(true);
+            self.watch();
+            self.compare_folders();
+        }
+    }
+
+    fn tell_of_folders(&mut self, name: &str, failed: &[String]) {
+        match failed.is_empty() {
+            true => self.notices.clear(Attention::FoldersMissing, name, ""),
+            false => self.notices.raise(Attention::FoldersMissing, name, "", &failed.join("; ")),
+        }
+    }
+}
+
+/// A share that is away must not keep the other machines from working. What was served once is not made again: an empty directory
+/// in its place would hinder whoever puts it back. Returns what could not be made.
+fn make_folders(profile: &Profile, holds: &Holds) -> Vec<String> {
+    let folders = &profile.folders;
+    let wanted = [
+        (&folders.inbox, &holds.inbox),
+        (&folders.queue, &holds.queue),
+        (&folders.error, &holds.error),
+        (&folders.archive, &holds.archive),
+    ];
+    let mut failed = Vec::new();
+    // One that cannot be made does not hinder the others.
+    for (folder, _) in wanted.into_iter().filter(|(_, hold)| hold.is_new()) {
+        if let Err(error) = access::create_folders(folder) {
+            failed.push(format!("creating {}: {error}", folder.display()));
+        }
+    }
+    failed
+}

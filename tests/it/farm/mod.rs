@@ -7,6 +7,7 @@ mod decided;
 mod deep;
 mod full_disk;
 mod interlock;
+mod kept_time;
 mod life;
 mod lists;
 mod memory;

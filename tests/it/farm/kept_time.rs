@@ -1,0 +1,79 @@
+//! The clock is kept: a part that is awkward to nest, to picture, to prove and to write takes no longer than its size explains,
+//! whatever its budget is, and holds up no other machine.
+
+use std::{
+    fs,
+    time::{Duration, Instant},
+};
+
+use nestd::ledger::PartState;
+
+use super::{
+    greedy,
+    support::{QUICK, TestFarm, block, stl, wait_until_or},
+};
+
+const SECOND: &str = "second";
+/// Shells in one place: they touch everywhere, so that whatever looks at pairs of them never ends.
+const COMPONENTS: usize = 99_000;
+/// Nesting, picturing, proving and writing a part may take so many times what reading it takes, for each goes through its
+/// triangles; both are measured on the same machine at the same time.
+const TIMES_READING: f64 = 8.0;
+/// What any build takes, and what a busy machine adds to it, seconds.
+const ANY_BUILD_SECS: f64 = 8.0;
+
+#[test]
+fn the_build_of_an_awkward_part_keeps_its_clock_and_holds_up_no_other_machine() {
+    let quick =
+        QUICK.replace("final_secs = 0.5", "final_secs = 0.2").replace("arrival_secs = 0.5", "arrival_secs = 0.2");
+    let farm = TestFarm::new(&quick);
+    farm.write_profile(SECOND, &quick);
+    let mut farm = farm;
+    farm.start();
+    let dropped = Instant::now();
+    farm.drop_bytes("awkward.3mf", &greedy::equal_components(COMPONENTS, 8));
+    wait(&farm, "it is read", || !farm.parts(PartState::Waiting).is_empty());
+    let read_secs = dropped.elapsed().as_secs_f64();
+    let fired = Instant::now();
+    farm.flush();
+    // Beside it, another machine takes and prints a part.
+    let outside = farm.root().join("sending");
+    fs::write(&outside, stl(&block(10.0, 12.0, 14.0))).unwrap();
+    let other = Instant::now();
+    fs::rename(outside, farm.root().join("inbox").join(SECOND).join("other.stl")).unwrap();
+    wait(&farm, "the other one is read", || farm.parts(PartState::Waiting).iter().any(|part| part.profile == SECOND));
+    farm.nestd(&["flush", SECOND]);
+    let queue = farm.root().join("queue").join(SECOND);
+    let is_printed = || fs::read_dir(&queue).into_iter().flatten().flatten().any(|file| is_build(&file.file_name()));
+    wait(&farm, "the other one is printed", is_printed);
+    let other_secs = other.elapsed().as_secs_f64();
+    wait(&farm, "it is printed", || !farm.queued().is_empty());
+    let build_secs = fired.elapsed().as_secs_f64();
+    let told = format!("read in {read_secs:.1} s, built in {build_secs:.1} s, the other one in {other_secs:.1} s");
+    eprintln!("{told}");
+    assert!(build_secs < ANY_BUILD_SECS + TIMES_READING * read_secs, "{told}\n{}", farm.log());
+    assert!(other_secs < ANY_BUILD_SECS + 2.0 * read_secs, "{told}\n{}", farm.log());
+}
+
+fn is_build(name: &std::ffi::OsStr) -> bool {
+    let name = name.to_string_lossy();
+    name.ends_with(".build.3mf") && !name.starts_with('.')
+}
+
+fn wait(farm: &TestFarm, what: &str, mut holds: impl FnMut() -> bool) {
+    let began = Instant::now();
+    wait_until_or(
+        what,
+        300.0,
+        || farm.log(),
+        || {
+            std::thread::sleep(Duration::from_millis(20));
+            assert!(
+                farm.parts(PartState::Rejected).is_empty() || began.elapsed() < Duration::ZERO,
+                "refused: {}",
+                farm.log()
+            );
+            holds()
+        },
+    );
+}

@@ -1,29 +1,15 @@
-//! How long it takes from the meshes in memory to the first layout of all copies. `cargo bench --bench construction`.
+//! How long it takes from the meshes in memory, their outlines prepared, to the first layout of all copies.
+//! `cargo bench --bench construction`.
 
 use std::{hint::black_box, sync::Arc};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
-use nester::{BuildVolume, Config, Instance, Item, OrientationRule, Solution, Stop, nest};
+use nester::{BuildVolume, Config, Instance, Item, PreparedMeshes, SearchBudget, nest_with};
 use sample_parts::{Workload, workload};
 
-/// A budget that is used up from the beginning: only the first layout is made.
-struct Spent;
-
-impl Stop for Spent {
-    fn spent(&self, _evaluations: u64) -> f64 {
-        1.0
-    }
-}
-
 fn instance(pile: Workload, base_mm: [f64; 2], clearance_mm: f64) -> Instance {
-    let items = workload(pile).into_iter().map(|(mesh, copies)| Item {
-        name: "part".to_owned(),
-        mesh: Arc::new(mesh),
-        copies,
-        orientation: OrientationRule::Free.into(),
-        clearance_mm: None,
-    });
+    let items = workload(pile).into_iter().map(|(mesh, copies)| Item::new("part", Arc::new(mesh), copies));
     let volume = BuildVolume { size_mm: DVec3::new(base_mm[0], base_mm[1], 600.0) };
     Instance::new(volume, clearance_mm, items.collect()).expect("makes sense")
 }
@@ -37,10 +23,13 @@ fn first_layouts(criterion: &mut Criterion) {
         ("30 engine-like parts", instance(Workload::EngineLike, [150.0, 150.0], 3.0)),
         ("200 small parts, 40 meshes", instance(small(200, 40), [160.0, 160.0], 2.0)),
     ] {
+        let prepared = PreparedMeshes::default();
+        // Used up from the beginning: only the first layout is made.
+        let budget = SearchBudget::of_evaluations(0);
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
-                let mut tell = |_: &Solution, _: u64| {};
-                let solution = nest(black_box(&instance), &Config::default(), &[], &Spent, &mut tell);
+                let (instance, config) = (black_box(&instance), Config::default());
+                let solution = nest_with(instance, &config, &[], &prepared, &budget, &mut ());
                 assert!(solution.unplaced.is_empty(), "a copy found no place");
                 solution.height_mm
             });

@@ -7,15 +7,15 @@ mod paths;
 mod progress;
 mod setup;
 
-use std::io::IsTerminal;
+use std::{io::IsTerminal, sync::Arc};
 
 use anyhow::Result;
-use nester::{Instance, Solution};
+use nester::{Cache, Instance, PreparedMeshes, SearchBudget, Solution};
 
 use super::{Common, Exit, Usage, table::tell};
 use crate::{build::BuildPart, farm::DiskCache};
 pub use args::Args;
-use progress::{Budget, Progress};
+use progress::Progress;
 
 /// What `--cache` may take up, bytes.
 const CACHE_BYTES: u64 = 4 << 30;
@@ -28,11 +28,10 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let parts = parts::read(rows, &setup)?;
     let instance = setup.machine.instance(parts.iter().map(BuildPart::item).collect());
     let instance = instance.map_err(|error| Usage(error.to_string()))?;
-    let cache = cache(args)?;
-    let cache = cache.as_ref().map(|cache| cache as &dyn nester::Cache);
-    let budget = Budget::starting_now(args.budget, args.evaluations);
+    let prepared = PreparedMeshes::default().with_cache(cache(args)?);
+    let budget = args.evaluations.map_or_else(|| SearchBudget::of_secs(args.budget), SearchBudget::of_evaluations);
     let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), setup.machine.origin_mm().z);
-    let solution = nester::nest_with(&instance, &setup.config, &[], cache, &budget, &mut progress);
+    let solution = nester::nest_with(&instance, &setup.config, &[], &prepared, &budget, &mut progress);
     let course = progress.finish(setup.config.seed);
     name_unplaced(&instance, &solution);
     let report = output::write(args, &setup, parts, &instance, &solution, course)?;
@@ -50,10 +49,12 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
 }
 
 /// The cache that was asked for.
-fn cache(args: &Args) -> Result<Option<DiskCache>> {
+fn cache(args: &Args) -> Result<Option<Arc<dyn Cache + Send>>> {
     let Some(dir) = &args.cache else { return Ok(None) };
     let opened = DiskCache::open(dir, CACHE_BYTES);
-    opened.map(Some).map_err(|error| Usage(format!("--cache {}: {error}", dir.display())).into())
+    opened
+        .map(|cache| Some(Arc::new(cache) as Arc<dyn Cache + Send>))
+        .map_err(|error| Usage(format!("--cache {}: {error}", dir.display())).into())
 }
 
 /// Says which copies found no place, and why where it is known.

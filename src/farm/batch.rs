@@ -5,10 +5,10 @@ use std::{collections::BTreeSet, time::Instant};
 use anyhow::{Context, Result};
 use build_file::counted;
 use jiff::Timestamp;
+use nester::SearchBudget;
 use tracing::{info, warn};
 
 use super::{
-    budget::Budget,
     failure::Lost,
     farm::Farm,
     jobs::Job,
@@ -25,6 +25,9 @@ const SECS_PER_COPY: f64 = 0.02;
 
 /// A profile is batched again after so many times what it took: a line of very many parts must not take up the farm.
 const BATCH_REST: u32 = 9;
+
+/// A search may end so much after its time before others begin beside it, seconds.
+const OVERDUE_SECS: f64 = 2.0;
 
 /// Improving a profile's open build.
 #[derive(Clone)]
@@ -146,7 +149,7 @@ impl Farm {
         open.rounds += 1;
         let (round, best) = (open.rounds, Best::default());
         let secs = station.profile.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
-        let budget = Budget::starting_now(secs);
+        let budget = SearchBudget::of_secs(secs);
         let order = NestOrder {
             profile: station.profile.clone(),
             wanted: cut.into_iter().map(|w| (w.part, w.copies)).collect(),
@@ -267,7 +270,7 @@ impl Farm {
     /// Whether another search may run beside those that do. One whose time is over does not count: proving or preparing a
     /// build for long must not keep other machines from theirs.
     pub(super) fn has_free_slot(&self) -> bool {
-        let is_due = |budget: Option<&Budget>| budget.is_none_or(|budget| !budget.is_overdue());
+        let is_due = |budget: Option<&SearchBudget>| budget.is_none_or(|budget| budget.secs_over() <= OVERDUE_SECS);
         let improving = self.jobs.running::<ImproveJob>().filter(|name| {
             is_due(self.stations.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
         });

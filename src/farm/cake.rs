@@ -204,7 +204,7 @@ impl Originals {
         // Only to look: opening it would clear away what the daemon is just putting there.
         let store = Store::at(settings.state_dir.join("store"));
         let (shelf, limits, unreadable) = (Shelf::default(), settings.limits.clone(), Default::default());
-        let meshes = Meshes { shelf, store, limits, cache: None, unreadable };
+        let meshes = Meshes { shelf, store, limits, prepared: Default::default(), cache: None, unreadable };
         let stem = build.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
         let archive = stem.map(|stem| profile.folders.archive.join(stem));
         Self { meshes, profile: profile.clone(), archive, archived: OnceCell::new() }

@@ -9,7 +9,7 @@ use std::{
 
 use anyhow::{Context, Result};
 use build_file::{Contents, Limits, Unit};
-use nester::Cache;
+use nester::PreparedMeshes;
 use solids::Mesh;
 
 use super::{
@@ -36,7 +36,9 @@ pub struct Meshes {
     pub store: Store,
     /// Limits of the readers.
     pub limits: Limits,
-    /// Work on meshes, kept on disk; `None` = it is done anew after each start.
+    /// Work on meshes: in memory as long as they are on the shelf, and on disk where there is room for it.
+    pub prepared: PreparedMeshes,
+    /// The disk cache that `prepared` uses.
     pub cache: Option<Arc<DiskCache>>,
     /// Since when stored files cannot be read, by content.
     pub unreadable: Arc<Mutex<HashMap<String, Instant>>>,
@@ -46,11 +48,6 @@ pub struct Meshes {
 const UNREADABLE_FOR: Duration = Duration::from_secs(60);
 
 impl Meshes {
-    /// Work on meshes, kept on disk.
-    pub fn cache(&self) -> Option<&dyn Cache> {
-        self.cache.as_deref().map(|cache| cache as &dyn Cache)
-    }
-
     /// The stored file of a part, compared with what was dropped. What is damaged is set aside.
     pub fn stored(&self, part: &PartRow) -> Result<PathBuf> {
         let hash = &part.content_hash;

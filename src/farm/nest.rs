@@ -5,11 +5,11 @@ use std::{collections::HashMap, sync::Arc};
 
 use anyhow::{Context, Result, ensure};
 use build_file::counted;
+use nester::SearchBudget;
 use tracing::{info, warn};
 
 use super::{
     attention::Attention,
-    budget::Budget,
     failure::{Lost, is_of_the_disk},
     farm::Farm,
     jobs::Job,
@@ -107,7 +107,7 @@ impl Farm {
         let queue = station.queue.clone().context("the queue folder is not open")?;
         // Each further attempt gets half the time: an attempt that a crash or a restart cut short should come through.
         let secs = profile.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
-        let budget = Budget::starting_now(secs);
+        let budget = SearchBudget::of_secs(secs);
         let start = match build.layout.as_deref() {
             Some(layout) => placed_from_json(layout),
             // It was proved once, and its file was spoilt.

@@ -3,10 +3,9 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::Result;
-use nester::Solution;
+use nester::{SearchBudget, Solution};
 
 use super::{
-    budget::Budget,
     layout::{Batch, BatchPart, Layout, PlacedCopy},
     meshes::Meshes,
 };
@@ -25,7 +24,7 @@ pub struct NestOrder {
     /// An earlier layout to go on from.
     pub start: Vec<PlacedCopy>,
     /// How long.
-    pub budget: Budget,
+    pub budget: SearchBudget,
     /// Seed of the search.
     pub seed: u64,
     /// Receives every better layout.
@@ -63,7 +62,7 @@ impl NestOrder {
             curve.push((self.budget.elapsed_secs(), solution.height_mm));
             *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(batch.layout(&instance, solution));
         };
-        let solution = nester::nest_with(&instance, &config, &start, meshes.cache(), &self.budget, &mut listener);
+        let solution = nester::nest_with(&instance, &config, &start, &meshes.prepared, &self.budget, &mut listener);
         let layout = batch.layout(&instance, &solution);
         *self.best.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
         let lower_bound_mm =

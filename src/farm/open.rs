@@ -101,6 +101,7 @@ impl Farm {
                 shelf: Shelf::default(),
                 store: parts.store,
                 limits: settings.limits.clone(),
+                prepared: Default::default(),
                 cache: None,
                 unreadable: Default::default(),
             },

@@ -8,10 +8,11 @@ use std::{
 };
 
 use jiff::Timestamp;
+use nester::SearchBudget;
 
 use super::{
-    back_off::BackOff, budget::Budget, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best,
-    notices::Outside, quiet::Quiet, standing_claim::StandingClaim,
+    back_off::BackOff, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best, notices::Outside,
+    quiet::Quiet, standing_claim::StandingClaim,
 };
 use crate::{
     intake::Watcher,
@@ -65,7 +66,7 @@ pub(super) struct NestingState {
     /// Builds fired by this process that have not been begun.
     pub(super) fresh: HashSet<BuildId>,
     /// Final searches that run.
-    pub(super) finals: HashMap<BuildId, (Budget, Best)>,
+    pub(super) finals: HashMap<BuildId, (SearchBudget, Best)>,
     /// How often the making of builds has failed in this run, and why last.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
     /// Builds that failed and rest.

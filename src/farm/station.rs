@@ -6,8 +6,9 @@ use std::{
     time::{Duration, Instant},
 };
 
+use nester::SearchBudget;
+
 use super::{
-    budget::Budget,
     current::Seen,
     holds::Holds,
     layout::{Copy, Layout, PlacedCopy, placed_from_json},
@@ -74,7 +75,7 @@ pub struct Search {
     /// Which one; an older one's result is not waited for.
     pub round: u64,
     /// Its clock.
-    pub budget: Budget,
+    pub budget: SearchBudget,
     /// Its best layout so far.
     pub best: Best,
     /// The copies that it nests.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
+use nester::Cache;
 use tracing::info;
 
 use super::{attention::Attention, cache::DiskCache, farm::Farm, sd, station::Station};
@@ -14,6 +15,8 @@ impl Farm {
         self.meshes.limits = self.settings.limits.clone();
         if !self.meshes.cache.as_ref().is_some_and(|cache| cache.is_of(&self.settings)) {
             self.meshes.cache = DiskCache::of_farm(&self.settings).map(Arc::new);
+            let cache = self.meshes.cache.clone().map(|cache| cache as Arc<dyn Cache + Send>);
+            self.meshes.prepared = self.meshes.prepared.clone().with_cache(cache);
         }
         self.nesting.slots = nest_slots(&self.settings);
         let gone: Vec<String> =

@@ -1,4 +1,5 @@
-//! Bytes <-> meshes: STL and 3MF in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
+#![doc = include_str!("../README.md")]
+// Bytes <-> meshes: STL and 3MF in, build files, thumbnails and pick maps out. Knows meshes and poses, no solutions.
 
 mod lettering;
 mod picture;

@@ -16,6 +16,18 @@ const MAX_DIRECTIONS: usize = 20_000;
 
 /// A height that no layout with all copies of the instance can beat, mm: the part volume over the base area, or the least
 /// height that the tallest item can be turned to, whichever is greater. Never above the truth. 0 without copies.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::DVec3;
+/// use nester::{BuildVolume, Instance, Item, lower_bound_mm};
+///
+/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+/// let volume = BuildVolume { size_mm: DVec3::new(100.0, 50.0, 400.0) };
+/// let instance = Instance::new(volume, 1.0, vec![Item::new("cube", cube, 500)])?;
+/// assert!((lower_bound_mm(&instance) - 100.0).abs() < 1e-9); // 500 cm3 on 50 cm2
+/// # Ok::<(), nester::InstanceError>(())
+/// ```
 pub fn lower_bound_mm(instance: &Instance) -> f64 {
     let base = instance.volume().size_mm;
     let volume_mm3: f64 = instance.items().iter().map(|i| f64::from(i.copies) * i.mesh.volume_mm3()).sum();

@@ -11,6 +11,15 @@ pub struct BuildVolume {
 }
 
 /// What is kept free along the walls, above the floor and below the lid of a machine, mm.
+///
+/// ```
+/// use glam::DVec3;
+/// use nester::Margins;
+///
+/// let margins = Margins { wall_mm: 5.0, floor_mm: 3.0, lid_mm: 1.0 };
+/// assert_eq!(margins.room(DVec3::splat(100.0)).size_mm, DVec3::new(90.0, 90.0, 96.0));
+/// assert_eq!(margins.origin_mm(), DVec3::new(5.0, 5.0, 3.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Margins {
     /// Along the four walls.

@@ -12,6 +12,28 @@ use super::{
 
 /// A place to keep bytes by key. What it gives back may be missing or stale, but not altered: implementations check
 /// it. Asked from several threads at once.
+///
+/// ```
+/// use std::{collections::HashMap, sync::{Arc, Mutex}};
+/// use nester::{Cache, PreparedMeshes};
+///
+/// #[derive(Default)]
+/// struct MemoryCache(Mutex<HashMap<String, Vec<u8>>>);
+///
+/// impl Cache for MemoryCache {
+///     fn fetch(&self, key: &str) -> Option<Vec<u8>> {
+///         self.0.lock().ok()?.get(key).cloned()
+///     }
+///     fn keep(&self, key: &str, bytes: &[u8]) {
+///         if let Ok(mut kept) = self.0.lock() {
+///             kept.insert(key.to_owned(), bytes.to_vec());
+///         }
+///     }
+/// }
+///
+/// let prepared = PreparedMeshes::default().with_cache(Some(Arc::new(MemoryCache::default())));
+/// # assert!(prepared.is_empty());
+/// ```
 pub trait Cache: Sync {
     /// What was kept under a key, if it is still there and whole.
     fn fetch(&self, key: &str) -> Option<Vec<u8>>;

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Organs;
+#[cfg(feature = "paper")]
+use super::PaperConfig;
 
 /// Which search nests a build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -11,7 +13,9 @@ pub enum Method {
     /// Our own search, the default.
     #[default]
     Nestd,
-    /// The published method, faithful: FPA one part after the other with OBB trees as collision test.
+    /// The published method, faithful: FPA one part after the other with OBB trees as collision test. Its parameters and where
+    /// it was published: [`PaperConfig`].
+    #[cfg(feature = "paper")]
     Paper,
 }
 
@@ -42,6 +46,13 @@ impl Interlock {
 }
 
 /// Everything that steers the search but the instance and the budget.
+///
+/// ```
+/// use nester::{Config, Interlock};
+///
+/// let config = Config { seed: 7, threads: 2, interlock: Interlock::Warn, ..Config::default() };
+/// assert_eq!(config.interlock().word(), "warn");
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Config {
@@ -54,6 +65,7 @@ pub struct Config {
     /// What becomes of parts that are locked into each other.
     pub interlock: Interlock,
     /// Parameters of the paper's method.
+    #[cfg(feature = "paper")]
     pub paper: PaperConfig,
     /// Which organs of our own search take part; for benches, not for configuration files.
     #[serde(skip)]
@@ -67,6 +79,7 @@ impl Default for Config {
             seed: 1,
             threads: 1,
             interlock: Interlock::default(),
+            #[cfg(feature = "paper")]
             paper: PaperConfig::default(),
             organs: Organs::default(),
         }
@@ -77,48 +90,9 @@ impl Config {
     /// What becomes of locked parts when all is said: the published method cannot forbid them, so there they are told.
     pub fn interlock(&self) -> Interlock {
         match (self.method, self.interlock) {
+            #[cfg(feature = "paper")]
             (Method::Paper, Interlock::Forbid) => Interlock::Warn,
             (_, interlock) => interlock,
-        }
-    }
-}
-
-/// Parameters of the paper's method (its sections 2.1, 2.3 and 3.1).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PaperConfig {
-    /// Flowers per part (the paper leaves it open; 200 was the strongest of those tried).
-    pub population: usize,
-    /// FPA iterations per part (the paper leaves it open).
-    pub iterations: usize,
-    /// Switching probability p between global and local pollination.
-    pub switch_probability: f64,
-    /// Scaling factor gamma of a global step, equation (1).
-    pub scale: f64,
-    /// Exponent lambda of the Levy flight, equation (2).
-    pub levy_exponent: f64,
-    /// Whether leaves stop subdividing at the clearance (section 2.2.4).
-    pub reduce_tree: bool,
-    /// Stop when the print height is at most this, mm; 0 = off.
-    pub target_height_mm: f64,
-    /// Stop after so many outer iterations (whole layouts); 0 = off.
-    pub max_layouts: u64,
-    /// Stop when the relative height error between two outer iterations, equation (10), is at most this share; 0 = off.
-    pub relative_height_error: f64,
-}
-
-impl Default for PaperConfig {
-    fn default() -> Self {
-        Self {
-            population: 200,
-            iterations: 300,
-            switch_probability: 0.2,
-            scale: 0.1,
-            levy_exponent: 1.5,
-            reduce_tree: true,
-            target_height_mm: 0.0,
-            max_layouts: 0,
-            relative_height_error: 0.0,
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{
-    Cache, Config, Instance, Interlock, Listener, Stop,
+    Config, Instance, Interlock, Listener, PreparedMeshes, Stop,
     construct::Builder,
     outline::Lineup,
     piece::{Piece, Task, height_mm, solution},
@@ -40,11 +40,11 @@ impl<'a> Course<'a> {
     pub(super) fn new(
         instance: &'a Instance,
         config: &'a Config,
-        cache: Option<&'a dyn Cache>,
+        prepared: &'a PreparedMeshes,
         stop: &'a dyn Stop,
         listener: &'a mut dyn Listener,
     ) -> Self {
-        let mut workshop = Workshop::new(cache, config.threads);
+        let mut workshop = Workshop::new(prepared, config.threads);
         if instance.pinned().is_empty() {
             workshop = workshop.until(stop, PREPARING_SHARE);
         }

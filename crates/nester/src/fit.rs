@@ -40,6 +40,21 @@ impl Misfit {
 }
 
 /// An allowed rotation in which the mesh stands in the volume, else the extents of the best one.
+///
+/// ```
+/// use glam::DVec3;
+/// use nester::{BuildVolume, OrientationRule, fits};
+///
+/// let rail = sample_parts::cuboid(DVec3::new(320.0, 8.0, 8.0));
+/// let cube = BuildVolume { size_mm: DVec3::splat(200.0) };
+/// assert!(fits(&rail, &OrientationRule::Free.into(), &cube).is_ok()); // along the diagonal
+///
+/// let misfit = fits(&rail, &OrientationRule::Axis.into(), &cube).unwrap_err();
+/// assert_eq!(
+///     misfit.reason(&cube),
+///     "needs 320.0 x 8.0 x 8.0 mm in its best allowed orientation, there are 200 x 200 x 200 mm"
+/// );
+/// ```
 pub fn fits(mesh: &Mesh, orientation: &Orientation, volume: &BuildVolume) -> Result<DQuat, Misfit> {
     let probe =
         Probe { points: turns::extreme_points(mesh.vertices(), 600), room: volume.size_mm - 2.0 * WALL_SPARE_MM };

@@ -6,9 +6,8 @@ use glam::DVec3;
 use solids::Mesh;
 
 use super::{
-    BuildVolume, Config, Instance, Item, LayerAreas, LayerCap, Method, Organs, OrientationRule, PaperConfig, Report,
-    Solution, Stop, nest,
-    testing::{block, tetrahedron},
+    BuildVolume, Config, Instance, Item, LayerAreas, LayerCap, Organs, OrientationRule, Report, Solution, Stop, nest,
+    testing::{block, each_method, tetrahedron},
 };
 
 struct Evaluations(u64);
@@ -65,9 +64,8 @@ fn a_cap_spreads_parts_over_more_layers_before_any_is_left_out() {
     // Four plates of 20 x 20 x 3 mm lie side by side on 45 x 45 mm where nothing forbids it.
     let plates = || vec![(block(DVec3::new(20.0, 20.0, 3.0)), 4, OrientationRule::Fixed)];
     let free = asked(DVec3::new(45.0, 45.0, 40.0), plates());
-    let paper = PaperConfig { population: 20, iterations: 20, max_layouts: 3, ..PaperConfig::default() };
-    for method in [Method::Nestd, Method::Paper] {
-        let config = Config { method, paper: paper.clone(), ..Config::default() };
+    for config in each_method(3) {
+        let method = config.method;
         let capped = |area_mm2| {
             let instance = free.clone().with_layer_cap(LayerCap { layer_mm: 0.1, area_mm2 }).expect("is a cap");
             let solution = nested(&instance, &config, 4_000);

@@ -1,8 +1,6 @@
 //! How far two parts reach into each other's convex hulls, and which way out is the shortest: parts whose hulls stand apart
 //! are never locked into each other.
 
-use std::sync::LazyLock;
-
 use glam::{Mat3, Vec3};
 
 use super::{push::Guide, turns::spread_directions};
@@ -23,15 +21,18 @@ pub(crate) struct Overlap {
     pub(crate) area: f32,
 }
 
-/// Directions spread over the sphere, beside the axes of a part's smallest box.
-static SPREAD: LazyLock<Vec<Vec3>> = LazyLock::new(|| spread_directions(DIRECTIONS).map(|way| way.as_vec3()).collect());
+/// The directions that are tried in each part's own frame, spread over the sphere, beside the axes of its smallest box.
+pub(crate) fn tried_directions() -> Vec<Vec3> {
+    spread_directions(DIRECTIONS).map(|way| way.as_vec3()).collect()
+}
 
-/// The overlap of two parts' hulls, along the best of both parts' own directions and of the line between their middles.
-pub(crate) fn overlap(one: &Guide, other: &Guide) -> Option<Overlap> {
+/// The overlap of two parts' hulls, along the best of both parts' own directions and of the line between their middles; `spread`
+/// are [`tried_directions`].
+pub(crate) fn overlap(one: &Guide, other: &Guide, spread: &[Vec3]) -> Option<Overlap> {
     let apart = one.place - other.place;
     let least = least_radius(one, other);
     let mut best: Option<(f32, Vec3)> = None;
-    for way in own_ways(one).chain(own_ways(other)).chain(apart.try_normalize()) {
+    for way in own_ways(one, spread).chain(own_ways(other, spread)).chain(apart.try_normalize()) {
         // Both senses at once: the one that needs less way.
         let (low1, high1) = limits(one, way);
         let (low2, high2) = limits(other, way);
@@ -48,10 +49,10 @@ pub(crate) fn overlap(one: &Guide, other: &Guide) -> Option<Overlap> {
 }
 
 /// The axes of a part's smallest box and the spread, as the part stands.
-fn own_ways(guide: &Guide) -> impl Iterator<Item = Vec3> + '_ {
+fn own_ways<'a>(guide: &'a Guide, spread: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
     let axes = Mat3::from_quat(guide.shape.frame.as_quat());
     let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-    axes.into_iter().chain(SPREAD.iter().copied()).map(|way| guide.turn * way)
+    axes.into_iter().chain(spread.iter().copied()).map(|way| guide.turn * way)
 }
 
 fn least_radius(one: &Guide, other: &Guide) -> f32 {

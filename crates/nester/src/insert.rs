@@ -6,7 +6,7 @@ use std::{collections::BTreeSet, sync::Arc};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Cache, Config, Instance, Listener, Placement, Solution, Stop,
+    Config, Instance, Listener, Placement, PreparedMeshes, Solution, Stop,
     boxes::Boxes,
     construct::Builder,
     course::Course,
@@ -35,15 +35,35 @@ const SAME_MM: f64 = 1e-6;
 /// Puts the copies that `standing` lacks into it, as low as they find a gap; where there is none, the parts around the
 /// best place make room, and else they go on top. Copies that the instance does not ask for any more are left out, so
 /// this removes as well. A typical copy takes a fraction of a second; `stop` ends the making of room.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::DVec3;
+/// use nester::{BuildVolume, Config, Instance, Item, PreparedMeshes, SearchBudget, insert, nest_with};
+///
+/// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
+/// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
+/// let asked = |copies| Instance::new(volume, 1.5, vec![Item::new("clip", clip.clone(), copies)]);
+/// let (config, prepared) = (Config::default(), PreparedMeshes::default());
+/// let budget = || SearchBudget::of_evaluations(1000);
+///
+/// let five = nest_with(&asked(5)?, &config, &[], &prepared, &budget(), &mut ());
+/// let seven = insert(&asked(7)?, &config, &five.placements, &prepared, &budget(), &mut ());
+/// assert_eq!((five.placements.len(), seven.placements.len()), (5, 7));
+///
+/// let three = insert(&asked(3)?, &config, &seven.placements, &prepared, &budget(), &mut ());
+/// assert_eq!(three.placements, seven.placements[..3]); // nobody moved
+/// # Ok::<(), nester::InstanceError>(())
+/// ```
 pub fn insert(
     instance: &Instance,
     config: &Config,
     standing: &[Placement],
-    cache: Option<&dyn Cache>,
+    prepared: &PreparedMeshes,
     stop: &dyn Stop,
     listener: &mut dyn Listener,
 ) -> Solution {
-    Course::new(instance, config, cache, stop, listener).insert_only(standing)
+    Course::new(instance, config, prepared, stop, listener).insert_only(standing)
 }
 
 impl Course<'_> {

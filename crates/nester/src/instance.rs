@@ -29,6 +29,25 @@ pub struct Item {
     pub clearance_mm: Option<f64>,
 }
 
+impl Item {
+    /// So many copies of a mesh, turned in any way, at the instance's clearance.
+    pub fn new(name: impl Into<String>, mesh: Arc<Mesh>, copies: u32) -> Self {
+        Self { name: name.into(), mesh, copies, orientation: Orientation::default(), clearance_mm: None }
+    }
+
+    /// The same, turned only as a rule allows.
+    #[must_use]
+    pub fn with_orientation(self, orientation: impl Into<Orientation>) -> Self {
+        Self { orientation: orientation.into(), ..self }
+    }
+
+    /// The same with a clearance of its own, mm.
+    #[must_use]
+    pub fn with_clearance(self, clearance_mm: f64) -> Self {
+        Self { clearance_mm: Some(clearance_mm), ..self }
+    }
+}
+
 /// Why an instance makes no sense.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum InstanceError {
@@ -47,9 +66,36 @@ pub enum InstanceError {
     /// There is nothing to nest.
     #[error("there is nothing to nest")]
     Empty,
+    /// A written item names a mesh that was not written.
+    #[error("item {item} names mesh {mesh}, but there are only {meshes}")]
+    NoMesh {
+        /// Index of the item.
+        item: usize,
+        /// The mesh's index that it names.
+        mesh: usize,
+        /// How many meshes there are.
+        meshes: usize,
+    },
 }
 
 /// What is asked. Items stand in order of precedence: where not all fit, earlier items come first.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::DVec3;
+/// use nester::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
+///
+/// let volume = BuildVolume { size_mm: DVec3::new(200.0, 200.0, 300.0) };
+/// let pulley = Item::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 6);
+/// let knob = Item::new("knob", Arc::new(sample_parts::knob(42.0, 20.0, 6)), 4).with_orientation(OrientationRule::Upright);
+/// let instance = Instance::new(volume, 3.0, vec![pulley, knob.with_clearance(5.0)])?;
+/// assert_eq!((instance.copies(), instance.clearance_between_mm(0, 1)), (10, 5.0));
+///
+/// assert_eq!(Instance::new(volume, 3.0, Vec::new()).unwrap_err(), InstanceError::Empty);
+/// # Ok::<(), InstanceError>(())
+/// ```
+///
+/// Written with serde, every distinct mesh (`Arc`) is written once; what is read is checked as here.
 #[derive(Debug, Clone)]
 pub struct Instance {
     volume: BuildVolume,
@@ -85,6 +131,20 @@ impl Instance {
 
     /// Keeps boxes of the build volume free, mm in its frame: nothing touches them, but nothing keeps a clearance from
     /// them either. What of a box lies outside the volume is of no matter.
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// use glam::DVec3;
+    /// use nester::{BuildVolume, Instance, Item};
+    /// use solids::Bounds;
+    ///
+    /// # let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+    /// # let instance = Instance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![Item::new("cube", cube, 3)])?;
+    /// let sensor = Bounds { min: DVec3::new(-9.0, 0.0, 0.0), max: DVec3::new(8.0, 8.0, 50.0) };
+    /// let instance = instance.with_keep_out(&[sensor])?;
+    /// assert_eq!(instance.keep_out()[0].min.x, 0.0);
+    /// # Ok::<(), nester::InstanceError>(())
+    /// ```
     pub fn with_keep_out(mut self, boxes: &[Bounds]) -> Result<Self, InstanceError> {
         let room = Bounds { min: DVec3::ZERO, max: self.volume.size_mm };
         let mut zones = Vec::new();
@@ -104,6 +164,21 @@ impl Instance {
 
     /// Promises copies where they stand: they are part of every layout and never move. A copy whose pose breaks a rule, or
     /// comes too near to one promised before it, is placed nowhere rather than elsewhere.
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// use glam::{DQuat, DVec3};
+    /// use nester::{BuildVolume, Config, Instance, Item, Placement, SearchBudget, nest};
+    /// use solids::Pose;
+    ///
+    /// # let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+    /// # let instance = Instance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![Item::new("cube", cube, 3)])?;
+    /// let labelled = Placement { item: 0, copy: 1, pose: Pose::new(DQuat::IDENTITY, DVec3::new(20.0, 20.0, 5.0)) };
+    /// let instance = instance.with_pinned(vec![labelled]);
+    /// let solution = nest(&instance, &Config::default(), &[], &SearchBudget::of_evaluations(300), &mut ());
+    /// assert_eq!(solution.placements[1], labelled);
+    /// # Ok::<(), nester::InstanceError>(())
+    /// ```
     #[must_use]
     pub fn with_pinned(mut self, pinned: Vec<Placement>) -> Self {
         self.reserved.pinned = pinned;

@@ -7,7 +7,8 @@ use proptest::prelude::*;
 use solids::{Mesh, Pose};
 
 use super::{
-    Body, BuildVolume, Config, Instance, Interlock, Item, Organs, OrientationRule, Placement, Solution, Stop, nest,
+    Body, BuildVolume, Config, Instance, Interlock, Item, Organs, OrientationRule, Placement, PreparedMeshes, Solution,
+    Stop, nest,
     outline::Lineup,
     piece::{Piece, Task},
     prove,
@@ -147,7 +148,8 @@ fn where_two_links_fit_only_as_a_chain_one_stays_out() {
 }
 
 fn task(instance: &Instance) -> Task {
-    let workshop = Workshop::new(None, 1);
+    let prepared = PreparedMeshes::default();
+    let workshop = Workshop::new(&prepared, 1);
     let lineup = Lineup::new(instance, |meshes| workshop.outlines(meshes));
     Task::new(Arc::new(lineup), BTreeSet::new(), &workshop, Organs::default(), 2000, 100).unwrap()
 }

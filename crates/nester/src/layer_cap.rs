@@ -1,12 +1,15 @@
 //! How thick the layers of a machine are, and how much of one may be filled.
 
+use serde::{Deserialize, Serialize};
+
 use super::BuildVolume;
 
 /// Layers where nobody says how thick they are, mm.
 pub const DEFAULT_LAYER_MM: f64 = 0.1;
 
 /// Layers of a machine, and how much of one may be filled.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(from = "WrittenCap", into = "WrittenCap")]
 pub struct LayerCap {
     /// Thickness of a layer, mm; layers are counted from the floor of the build volume.
     pub layer_mm: f64,
@@ -30,5 +33,26 @@ impl LayerCap {
 impl Default for LayerCap {
     fn default() -> Self {
         Self { layer_mm: DEFAULT_LAYER_MM, area_mm2: f64::INFINITY }
+    }
+}
+
+/// As files hold it: there is no infinite number in JSON.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrittenCap {
+    layer_mm: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    area_mm2: Option<f64>,
+}
+
+impl From<WrittenCap> for LayerCap {
+    fn from(written: WrittenCap) -> Self {
+        Self { layer_mm: written.layer_mm, area_mm2: written.area_mm2.unwrap_or(f64::INFINITY) }
+    }
+}
+
+impl From<LayerCap> for WrittenCap {
+    fn from(cap: LayerCap) -> Self {
+        Self { layer_mm: cap.layer_mm, area_mm2: cap.capped_mm2() }
     }
 }

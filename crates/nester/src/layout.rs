@@ -90,7 +90,7 @@ impl<'t> Layout<'t> {
             moves: vec![0; guides.len()],
             flowers: vec![Vec::new(); guides.len()],
             guides,
-            locks: Locks::default(),
+            locks: Locks::new(),
             lid_mm,
             evaluations: 0,
         }

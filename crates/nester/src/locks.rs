@@ -17,8 +17,10 @@ const LIDS: u8 = 2;
 const OVERSHOOT_MM: f32 = 0.03;
 
 /// What is remembered of the layouts that could not be taken apart, and of the last that could.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Locks {
+    /// Directions along which hulls are looked at.
+    spread: Vec<Vec3>,
     /// Pairs, the lesser number first, and for how many lids more they keep their hulls apart.
     pairs: BTreeMap<(usize, usize), u8>,
     /// How the last layout that was looked at came apart.
@@ -26,6 +28,11 @@ pub(crate) struct Locks {
 }
 
 impl Locks {
+    /// Nobody was locked yet.
+    pub(crate) fn new() -> Self {
+        Self { spread: hulls::tried_directions(), pairs: BTreeMap::new(), leaves: Vec::new() }
+    }
+
     /// From now on and for some lids two parts keep their hulls apart. Whether that is new.
     pub(crate) fn keep_apart(&mut self, one: usize, other: usize) -> bool {
         self.pairs.insert((one.min(other), one.max(other)), LIDS).is_none()
@@ -41,7 +48,7 @@ impl Locks {
         if self.pairs.is_empty() || !self.pairs.contains_key(&(part.min(other), part.max(other))) {
             return None;
         }
-        hulls::overlap(guide, there)
+        hulls::overlap(guide, there, &self.spread)
     }
 
     /// The overlap of two hulls that must not, weighed like overlap of the parts, mm3; 0 for all other pairs.

@@ -5,7 +5,7 @@ use std::sync::{Arc, mpsc};
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Cache, Config, Instance, Listener, Method, Placement, Solution, Stop,
+    Config, Instance, Listener, Method, Placement, PreparedMeshes, Solution, Stop,
     boxes::Boxes,
     construct::Builder,
     contest::contest,
@@ -15,17 +15,41 @@ use super::{
     interlock::parted,
     lower_bound_mm,
     outline::Lineup,
-    paper::nest_paper,
     piece::{Piece, Task, height_mm, solution},
     recipe::Recipe,
     settle::{is_better, settle},
     standing::standing,
 };
+#[cfg(feature = "paper")]
+use crate::paper::nest_paper;
 use crate::pollination::{Pollination, Setup};
 
 /// Nests. `start` is an earlier layout of (part of) the same instance to go on from; copies that it lacks are inserted.
 /// Always returns a layout in which every placement is inside the volume and keeps its clearance on the triangles;
-/// copies that found no place are in `unplaced`.
+/// copies that found no place are in `unplaced`. There are no errors: an instance that was made can be nested.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::DVec3;
+/// use nester::{BuildVolume, Config, Instance, Item, SearchBudget, Solution, nest, prove_layout};
+///
+/// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
+/// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
+/// let instance = Instance::new(volume, 1.5, vec![Item::new("clip", clip, 6)])?;
+/// let budget = SearchBudget::of_evaluations(1500);
+///
+/// let mut heights_mm = Vec::new();
+/// let mut listener = |better: &Solution, _evaluations: u64| heights_mm.push(better.height_mm);
+/// let solution = nest(&instance, &Config::default(), &[], &budget, &mut listener);
+///
+/// assert!(solution.unplaced.is_empty() && prove_layout(&instance, &solution.placements).is_proved());
+/// assert_eq!(heights_mm.last(), Some(&solution.height_mm));
+///
+/// // The same seed, threads and evaluations: the same placements.
+/// let again = nest(&instance, &Config::default(), &[], &SearchBudget::of_evaluations(1500), &mut ());
+/// assert_eq!(again.placements, solution.placements);
+/// # Ok::<(), nester::InstanceError>(())
+/// ```
 pub fn nest(
     instance: &Instance,
     config: &Config,
@@ -33,21 +57,22 @@ pub fn nest(
     stop: &dyn Stop,
     listener: &mut dyn Listener,
 ) -> Solution {
-    nest_with(instance, config, start, None, stop, listener)
+    nest_with(instance, config, start, &PreparedMeshes::default(), stop, listener)
 }
 
-/// The same, with a place where work on meshes is kept from one run to the next. What comes out does not depend on it.
+/// The same, with meshes that were prepared for an earlier search: see [`PreparedMeshes`]. What comes out does not depend on it.
 pub fn nest_with(
     instance: &Instance,
     config: &Config,
     start: &[Placement],
-    cache: Option<&dyn Cache>,
+    prepared: &PreparedMeshes,
     stop: &dyn Stop,
     listener: &mut dyn Listener,
 ) -> Solution {
     match config.method {
+        #[cfg(feature = "paper")]
         Method::Paper => nest_paper(instance, config, stop, listener),
-        Method::Nestd => Course::new(instance, config, cache, stop, listener).run(start),
+        Method::Nestd => Course::new(instance, config, prepared, stop, listener).run(start),
     }
 }
 

@@ -7,9 +7,9 @@ use proptest::prelude::*;
 use solids::{Mesh, Pose};
 
 use super::{
-    Body, BuildVolume, Config, Instance, Item, LayerAreas, LayerCap, Method, Orientation, OrientationRule, PaperConfig,
-    Placement, Solution, Stop, Tilt, nest, prove_with, rotation_obeys,
-    testing::{block, hollow, tetrahedron},
+    Body, BuildVolume, Config, Instance, Item, LayerAreas, LayerCap, Orientation, OrientationRule, Placement, Solution,
+    Stop, Tilt, nest, prove_with, rotation_obeys,
+    testing::{block, each_method, hollow, tetrahedron},
 };
 
 /// So many evaluations and no clock: tests do not depend on the machine.
@@ -207,9 +207,10 @@ proptest! {
         let instance = instance.with_layer_cap(cap).expect("is a cap");
         let solution = nested(&instance, &Config { seed, ..Config::default() }, &[], 2500);
         assert_good(&instance, &solution);
-        let paper = PaperConfig { population: 10, iterations: 5, max_layouts: 2, ..PaperConfig::default() };
-        let config = Config { method: Method::Paper, seed, paper, ..Config::default() };
-        assert_good(&instance, &nested(&instance, &config, &[], 2500));
+        for mut config in each_method(2).into_iter().skip(1) {
+            config.seed = seed;
+            assert_good(&instance, &nested(&instance, &config, &[], 2500));
+        }
     }
 }
 

@@ -9,11 +9,11 @@ use glam::DVec3;
 use solids::{Bounds, Mesh, fixtures::star};
 
 use super::{
-    Cache, Config, Instance, InstanceError, Item, Method, OrientationRule, PaperConfig, Placement, Solution, insert,
-    nest, nest_with,
+    Cache, Config, Instance, InstanceError, Item, OrientationRule, Placement, PreparedMeshes, Solution, insert, nest,
+    nest_with,
     nester_tests::{Evaluations, asked, assert_good, item, nested},
     prove_with,
-    testing::{block, tetrahedron},
+    testing::{block, each_method, tetrahedron},
 };
 
 fn knobbly(size: DVec3, seed: f64) -> Arc<Mesh> {
@@ -43,8 +43,14 @@ fn a_copy_more_stands_among_a_hundred_and_those_far_from_it_stay() {
     let more = asked(size, 1.5, items);
     let mut heard = 0;
     let stop = Evaluations(50_000);
-    let after =
-        insert(&more, &Config::default(), &before.placements, None, &stop, &mut |_: &Solution, _: u64| heard += 1);
+    let after = insert(
+        &more,
+        &Config::default(),
+        &before.placements,
+        &PreparedMeshes::default(),
+        &stop,
+        &mut |_: &Solution, _: u64| heard += 1,
+    );
     assert_good(&more, &after);
     assert!(after.unplaced.is_empty() && heard >= 1 && after.evaluations < 10_000, "{}", after.evaluations);
     let moved = before.placements.iter().filter(|p| {
@@ -55,7 +61,8 @@ fn a_copy_more_stands_among_a_hundred_and_those_far_from_it_stay() {
     // Three are cancelled: nobody else moves.
     let fewer: Vec<Placement> = after.placements.iter().filter(|p| p.item != 10 || p.copy != 0).copied().collect();
     let gone = asked(size, 1.5, hundred());
-    let left = insert(&gone, &Config::default(), &fewer, None, &stop, &mut |_: &Solution, _: u64| {});
+    let left =
+        insert(&gone, &Config::default(), &fewer, &PreparedMeshes::default(), &stop, &mut |_: &Solution, _: u64| {});
     assert_good(&gone, &left);
     assert!(left.placements.iter().all(|p| {
         pose_of(&after, (p.item, p.copy)).is_some_and(|pose| pose.translation.distance(p.pose.translation) < 1e-9)
@@ -76,7 +83,14 @@ fn what_finds_no_gap_makes_the_parts_around_it_give_way() {
     let standing: Vec<Placement> = (0..6).map(at).collect();
     let seven = bars(7);
     let stop = Evaluations(100_000);
-    let after = insert(&seven, &Config::default(), &standing, None, &stop, &mut |_: &Solution, _: u64| {});
+    let after = insert(
+        &seven,
+        &Config::default(),
+        &standing,
+        &PreparedMeshes::default(),
+        &stop,
+        &mut |_: &Solution, _: u64| {},
+    );
     assert_good(&seven, &after);
     assert!(after.unplaced.is_empty(), "{:?}", after.unplaced);
 }
@@ -91,13 +105,11 @@ fn a_promised_copy_never_moves_through_the_whole_search() {
     let first = nested(&free, &Config::default(), &[], 1000);
     let pinned: Vec<Placement> = first.placements.iter().step_by(7).copied().collect();
     let promised = asked(size, 1.5, items).with_pinned(pinned.clone());
-    for (method, evaluations) in [(Method::Nestd, 40_000), (Method::Paper, 30_000)] {
-        let paper = PaperConfig { population: 20, iterations: 20, ..PaperConfig::default() };
-        let config = Config { method, paper, ..Config::default() };
-        let solution = nested(&promised, &config, &first.placements, evaluations);
+    for (config, evaluations) in each_method(0).iter().zip([40_000, 30_000]) {
+        let solution = nested(&promised, config, &first.placements, evaluations);
         assert_good(&promised, &solution);
         for pin in &pinned {
-            assert_eq!(pose_of(&solution, (pin.item, pin.copy)), Some(pin.pose), "{method:?}");
+            assert_eq!(pose_of(&solution, (pin.item, pin.copy)), Some(pin.pose), "{:?}", config.method);
         }
     }
     // What was promised against the rules stands nowhere rather than elsewhere.
@@ -125,11 +137,11 @@ fn nothing_stands_in_a_keep_out_box_by_either_method() {
     let mut items = hundred();
     items.iter_mut().for_each(|item| item.copies = 3);
     let reserved = asked(size, 1.5, items).with_keep_out(&zones()).expect("are boxes");
-    for (method, evaluations) in [(Method::Nestd, 1), (Method::Nestd, 40_000), (Method::Paper, 60_000)] {
-        let paper = PaperConfig { population: 20, iterations: 20, ..PaperConfig::default() };
-        let solution = nested(&reserved, &Config { method, paper, ..Config::default() }, &[], evaluations);
+    let searches = each_method(0).into_iter().zip([40_000, 60_000]);
+    for (config, evaluations) in searches.chain([(Config::default(), 1)]) {
+        let solution = nested(&reserved, &config, &[], evaluations);
         assert_good(&reserved, &solution);
-        assert!(solution.placements.len() >= 25, "{method:?} {}", solution.placements.len());
+        assert!(solution.placements.len() >= 25, "{:?} {}", config.method, solution.placements.len());
     }
 }
 
@@ -190,25 +202,44 @@ impl Cache for Memory {
 
 #[test]
 fn a_build_is_the_same_whether_work_was_kept_or_torn_or_done_anew() {
-    // Meshes are made anew each time, so that none is known from memory.
-    let build = |cache: Option<&dyn Cache>, threads: usize| {
+    let build = |prepared: PreparedMeshes, threads: usize| {
         let mut items = hundred();
         items.iter_mut().for_each(|item| item.copies = 2);
         let instance: Instance = asked(DVec3::new(50.0, 50.0, 90.0), 1.0, items);
         let config = Config { threads, ..Config::default() };
-        nest_with(&instance, &config, &[], cache, &Evaluations(3000), &mut |_: &Solution, _: u64| {})
+        nest_with(&instance, &config, &[], &prepared, &Evaluations(3000), &mut |_: &Solution, _: u64| {})
     };
-    let mut memory = Memory::default();
-    let alone = build(None, 1);
-    assert_eq!(build(Some(&memory), 1), alone);
-    assert_eq!(*memory.fetched.lock().expect("is sound"), 0);
-    assert_eq!(build(Some(&memory), 1), alone);
-    let kept = memory.kept.lock().expect("is sound").len();
-    assert!(kept >= 30 && *memory.fetched.lock().expect("is sound") == kept, "an outline and two guides each: {kept}");
-    memory.torn = true;
-    assert_eq!(build(Some(&memory), 1), alone);
-    assert_eq!(memory.kept.lock().expect("is sound").len(), kept);
-    assert_eq!(build(Some(&memory), 2), build(None, 2));
+    let memory = Arc::new(Memory::default());
+    let kept = || memory.kept.lock().expect("is sound").len();
+    let fetched = || *memory.fetched.lock().expect("is sound");
+    let over = |memory: &Arc<Memory>| PreparedMeshes::default().with_cache(Some(memory.clone()));
+    let alone = build(PreparedMeshes::default(), 1);
+    assert_eq!(build(over(&memory), 1), alone);
+    assert_eq!(fetched(), 0);
+    assert_eq!(build(over(&memory), 1), alone);
+    assert!(kept() >= 30 && fetched() == kept(), "an outline and two guides each: {}", kept());
+    let torn =
+        Memory { kept: Mutex::new(memory.kept.lock().expect("is sound").clone()), torn: true, ..Memory::default() };
+    let torn = Arc::new(torn);
+    assert_eq!(build(over(&torn), 1), alone);
+    assert_eq!(torn.kept.lock().expect("is sound").len(), kept());
+    assert_eq!(build(over(&torn), 2), build(PreparedMeshes::default(), 2));
+}
+
+#[test]
+fn a_mesh_that_two_searches_share_is_prepared_once_and_forgotten_with_its_last_holder() {
+    let prepared = PreparedMeshes::default();
+    let build = |mesh: &Arc<Mesh>, copies: u32| {
+        let instance = asked(DVec3::splat(60.0), 1.0, vec![item(mesh.clone(), copies, OrientationRule::Free)]);
+        nest_with(&instance, &Config::default(), &[], &prepared, &Evaluations(500), &mut |_: &Solution, _: u64| {})
+    };
+    let (bar, cube) = (block(DVec3::new(20.0, 8.0, 5.0)), block(DVec3::splat(9.0)));
+    let first = build(&bar, 4);
+    assert_eq!(prepared.len(), 1);
+    assert_eq!(build(&bar, 4), first, "work at hand changes nothing");
+    drop(bar);
+    build(&cube, 2);
+    assert_eq!(prepared.len(), 1, "the bar is forgotten");
 }
 
 #[test]

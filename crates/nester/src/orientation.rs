@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::{
     NotDown, OrientationRule, Tilt,
@@ -11,7 +12,22 @@ use super::{
 };
 
 /// How a part may be turned: a rule, and directions of the mesh that must stay near to straight up, all of them.
-#[derive(Debug, Clone, PartialEq, Default)]
+///
+/// ```
+/// use glam::DVec3;
+/// use nester::{NotDown, Orientation, OrientationRule, Tilt};
+///
+/// // About z only.
+/// let upright = Orientation::from(OrientationRule::Upright);
+/// // In any way that keeps the mesh's x within 30 degrees of up, and its face towards +y from looking down.
+/// let leaning = Tilt::new(DVec3::X, 30.0)?;
+/// let face = NotDown::new(DVec3::Y, 45.0)?;
+/// let tilted = Orientation::new(OrientationRule::Free, &[leaning], &[face]);
+/// assert_eq!((upright.tilts.len(), tilted.tilts.len()), (0, 2));
+/// # Ok::<(), nester::TiltError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Orientation {
     /// Which rotations.
     pub rule: OrientationRule,

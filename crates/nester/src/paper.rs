@@ -1,4 +1,5 @@
-//! The paper's method (section 2.3): one part after the other by flower pollination, OBB trees as the collision test.
+//! The method of "Nesting of 3D irregular shaped objects applied to powder-based additive manufacturing" (Springer, 2021), section
+//! 2.3: one part after the other by flower pollination, OBB trees as the collision test.
 //!
 //! Followed to the letter: OBBs by principal axes, the tree with its mid-axis split, reduction and expansion by the
 //! clearance; the sequence by the area of the box; the initial orientation with the smallest extent upright; the first part
@@ -20,11 +21,13 @@
 
 mod clear;
 mod layout;
+mod paper_config;
 mod shape;
 mod zones;
 
 use clear::keeps_clear;
 use layout::{Layout, Pace};
+pub use paper_config::PaperConfig;
 use shape::{Shape, shapes};
 use solids::Bounds;
 use zones::Zones;

@@ -6,7 +6,7 @@ use std::{collections::HashMap, sync::Arc};
 use glam::{DQuat, DVec3};
 use solids::{Bounds, ClearanceTree, Mesh, Pose};
 
-use super::{Orientation, OrientationRule, Tilt, reserved::block, turns::axis_turns};
+use super::{Instance, Orientation, OrientationRule, Placement, Tilt, reserved::block, turns::axis_turns};
 
 pub use apart::{TakenApart, take_apart};
 
@@ -30,6 +30,22 @@ pub struct Body {
     pub pose: Pose,
     /// Clearance asked for this body, mm; between two bodies the greater one holds.
     pub clearance_mm: f64,
+}
+
+impl Body {
+    /// The placed copies of an instance, in their order, named `part #1`, `part #2`, ..
+    pub fn of_layout(instance: &Instance, placements: &[Placement]) -> Vec<Self> {
+        let body = |placement: &Placement| {
+            let item = &instance.items()[placement.item];
+            Self {
+                name: format!("{} #{}", item.name, placement.copy + 1),
+                mesh: item.mesh.clone(),
+                pose: placement.pose,
+                clearance_mm: instance.clearance_between_mm(placement.item, placement.item),
+            }
+        };
+        placements.iter().map(body).collect()
+    }
 }
 
 /// Two bodies that come too near.
@@ -70,6 +86,32 @@ impl Proof {
     }
 }
 
+/// Judges a layout by all that an instance asks but its orientation rules ([`rotation_obeys`]) and its cap on layers
+/// ([`LayerAreas`](crate::LayerAreas)).
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::{DQuat, DVec3};
+/// use nester::{BuildVolume, Instance, Item, Placement, prove_layout};
+/// use solids::Pose;
+///
+/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+/// let volume = BuildVolume { size_mm: DVec3::splat(40.0) };
+/// let instance = Instance::new(volume, 2.0, vec![Item::new("cube", cube, 2)])?;
+/// let at = |copy, x| Placement { item: 0, copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)) };
+///
+/// let proof = prove_layout(&instance, &[at(0, 0.0), at(1, 12.5)]);
+/// assert!(proof.is_proved() && proof.clearance_proved_mm == Some(2.5));
+///
+/// let proof = prove_layout(&instance, &[at(0, 0.0), at(1, 11.0)]);
+/// assert_eq!((proof.too_close[0].distance_mm, proof.too_close[0].wanted_mm), (1.0, 2.0));
+/// # Ok::<(), nester::InstanceError>(())
+/// ```
+pub fn prove_layout(instance: &Instance, placements: &[Placement]) -> Proof {
+    let bodies = Body::of_layout(instance, placements);
+    prove_with(&bodies, instance.volume().size_mm, instance.clearance_z_extra_mm(), &instance.keep_out())
+}
+
 /// Judges bodies in a box from the origin to `volume_mm`. Tolerance 1e-6 mm on clearance and on walls. A pose that is not
 /// made of finite numbers stands infinitely far outside.
 pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
@@ -107,6 +149,16 @@ pub fn prove_with(bodies: &[Body], volume_mm: DVec3, extra_mm: f64, keep_out: &[
 }
 
 /// Whether a pose turns a part only as its rule allows (within 1e-6 of a radian).
+///
+/// ```
+/// use glam::{DQuat, DVec3};
+/// use nester::{Orientation, OrientationRule, rotation_obeys};
+/// use solids::Pose;
+///
+/// let upright = Orientation::from(OrientationRule::Upright);
+/// assert!(rotation_obeys(&upright, &Pose::new(DQuat::from_rotation_z(1.0), DVec3::ZERO)));
+/// assert!(!rotation_obeys(&upright, &Pose::new(DQuat::from_rotation_x(1.0), DVec3::ZERO)));
+/// ```
 pub fn rotation_obeys(orientation: &Orientation, pose: &Pose) -> bool {
     let stands = |tilt: &Tilt| {
         let (stands, up) = (pose.direction(tilt.direction()), DVec3::Z);

@@ -38,6 +38,10 @@ pub(crate) fn ways() -> [DVec3; WAYS] {
 
 /// What two parts keep from each other while one of them is drawn out, mm, by the clearance that they keep at rest: half of
 /// it, at most half a millimetre.
+///
+/// ```
+/// assert_eq!((nester::drawing_gap_mm(0.6), nester::drawing_gap_mm(3.0)), (0.3, 0.5));
+/// ```
 pub fn drawing_gap_mm(clearance_mm: f64) -> f64 {
     (0.5 * clearance_mm).clamp(LEAST_GAP_MM, MOST_GAP_MM)
 }

@@ -1,9 +1,21 @@
 //! What the nester found, frozen.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Instance, Placement};
 
 /// A layout in which every placement keeps its clearance, and the copies that found no place.
-#[derive(Debug, Clone, PartialEq)]
+///
+/// ```
+/// use nester::Solution;
+///
+/// let text = r#"{"placements": [], "unplaced": [[0, 0], [0, 1]], "height_mm": 0.0, "evaluations": 12}"#;
+/// let nothing_placed: Solution = serde_json::from_str(text)?;
+/// assert_eq!(nothing_placed.unplaced, [(0, 0), (0, 1)]);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Solution {
     /// Placed copies.
     pub placements: Vec<Placement>,

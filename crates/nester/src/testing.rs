@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, sync::Arc};
 use glam::DVec3;
 use solids::{Bounds, Mesh};
 
-use super::reserved;
+use super::{Config, reserved};
 
 /// A box from the origin.
 pub(crate) fn block(size: DVec3) -> Arc<Mesh> {
@@ -61,4 +61,20 @@ pub(crate) fn cells(edge: f64, cells: impl IntoIterator<Item = [i32; 3]>) -> Arc
 /// All cells of a box of cells.
 pub(crate) fn range(low: [i32; 3], high: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
     (low[0]..high[0]).flat_map(move |x| (low[1]..high[1]).flat_map(move |y| (low[2]..high[2]).map(move |z| [x, y, z])))
+}
+
+/// A configuration of each method that is there; the published one with a small population and at most so many layouts
+/// (0 = any number).
+pub(crate) fn each_method(max_layouts: u64) -> Vec<Config> {
+    let own = Config::default();
+    #[cfg(feature = "paper")]
+    {
+        let paper = crate::PaperConfig { population: 20, iterations: 20, max_layouts, ..crate::PaperConfig::default() };
+        vec![own.clone(), Config { method: crate::Method::Paper, paper, ..own }]
+    }
+    #[cfg(not(feature = "paper"))]
+    {
+        let _ = max_layouts;
+        vec![own]
+    }
 }

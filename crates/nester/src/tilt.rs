@@ -97,6 +97,15 @@ impl From<NotDown> for Tilt {
 }
 
 /// Tilts as a line of text: `x,y,z:degrees`, with `;` between them.
+///
+/// ```
+/// use nester::{Tilt, write_tilts};
+///
+/// let tilts = Tilt::parse_list("0,0,1:30; 1,0,0:90")?;
+/// assert_eq!(tilts[0].in_words(), "(0, 0, 1) within 30 degrees of up");
+/// assert_eq!(write_tilts(&tilts), "0,0,1:30;1,0,0:90");
+/// # Ok::<(), nester::TiltError>(())
+/// ```
 pub fn write_tilts(tilts: &[Tilt]) -> String {
     tilts.iter().map(ToString::to_string).collect::<Vec<_>>().join(";")
 }

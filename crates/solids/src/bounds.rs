@@ -1,9 +1,10 @@
 //! Axis-aligned bounds.
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// An axis-aligned box, in mm. Empty bounds have `min > max`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
     /// Least corner, mm.
     pub min: DVec3,

@@ -1,4 +1,5 @@
-//! Pure solids: poses, meshes, boxes and the distance between them. Millimetres everywhere; knows nothing of flowers.
+#![doc = include_str!("../README.md")]
+// Pure solids: poses, meshes, boxes and the distance between them. Millimetres everywhere; knows nothing of flowers.
 
 mod bounds;
 mod box_tree;
@@ -10,9 +11,12 @@ mod equal;
 mod extremes;
 mod inside;
 mod mesh;
+mod mesh_serde;
 mod obb;
+#[cfg(feature = "obb-tree")]
 mod obb_tree;
 mod pose;
+#[cfg(feature = "obb-tree")]
 mod separating_axis;
 mod shells;
 mod slide;
@@ -37,6 +41,7 @@ pub use defects::Defects;
 pub use extremes::Extremes;
 pub use mesh::{Mesh, MeshError};
 pub use obb::Obb;
+#[cfg(feature = "obb-tree")]
 pub use obb_tree::ObbTree;
-pub use pose::Pose;
+pub use pose::{Pose, PoseError};
 pub use triangle::closest_point;

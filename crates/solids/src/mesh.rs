@@ -88,6 +88,18 @@ impl Mesh {
         Ok(Self { vertices, triangles, bounds, volume_mm3, defects })
     }
 
+    /// As [`Mesh::new`] for a surface that came from [`Mesh::vertices`] and [`Mesh::triangles`]: it keeps their order, so that
+    /// all that is worked out from it comes out the same. What does need mending is mended.
+    pub(crate) fn restored(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        let checked = Self::new(vertices.clone(), triangles.clone())?;
+        let same = checked.vertices.len() == vertices.len() && checked.triangles.len() == triangles.len();
+        if !same || checked.defects.inverted || checked.defects.welded_vertices > 0 {
+            return Ok(checked);
+        }
+        let volume_mm3 = signed_volume(&vertices, &triangles, checked.bounds.center());
+        Ok(Self { vertices, triangles, volume_mm3, ..checked })
+    }
+
     /// Corner places, mm; every one is used by a triangle.
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices

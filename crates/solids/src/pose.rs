@@ -1,14 +1,28 @@
 //! Rigid poses: rotation, then translation.
 
 use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 /// A rigid motion: `point -> rotation * point + translation` (mm). `pose12` is frame 2 seen from frame 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "RawPose")]
 pub struct Pose {
     /// Unit quaternion.
     pub rotation: DQuat,
     /// Translation after the rotation, mm.
     pub translation: DVec3,
+}
+
+/// Why numbers are no pose.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum PoseError {
+    /// The quaternion's length is given.
+    #[error("the rotation is a quaternion (x, y, z, w) of length {0}, a length of 1 is wanted")]
+    NoRotation(f64),
+    /// A coordinate is NaN or infinite.
+    #[error("the translation ({0}) is not made of finite numbers")]
+    NoTranslation(DVec3),
 }
 
 impl Pose {
@@ -61,5 +75,60 @@ impl Pose {
             [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
             [0.0, 0.0, 0.0, 1.0],
         ]
+    }
+}
+
+/// Numbers as files hold them.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPose {
+    rotation: DQuat,
+    translation: DVec3,
+}
+
+impl TryFrom<RawPose> for Pose {
+    type Error = PoseError;
+
+    /// What is a rotation to the last digit stays as it is; one that was rounded is normalised.
+    fn try_from(raw: RawPose) -> Result<Self, PoseError> {
+        let RawPose { rotation, translation } = raw;
+        let off = (rotation.length() - 1.0).abs();
+        match translation.is_finite() {
+            false => Err(PoseError::NoTranslation(translation)),
+            true if off < EXACT => Ok(Self { rotation, translation }),
+            true if off < ROUNDED => Ok(Self::new(rotation, translation)),
+            true => Err(PoseError::NoRotation(rotation.length())),
+        }
+    }
+}
+
+/// A quaternion's length may be off by so much: rounding of its own arithmetic,
+const EXACT: f64 = 1e-12;
+/// and rounding of numbers that were written with few digits.
+const ROUNDED: f64 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pose_comes_back_to_the_last_digit_and_a_rounded_one_is_mended() {
+        let pose = Pose::new(DQuat::from_xyzw(0.1, -0.7, 0.3, 0.2), DVec3::new(1.0 / 3.0, -0.0, 1e7 / 7.0));
+        let text = toml::to_string(&pose).expect("is written");
+        assert_eq!(toml::from_str::<Pose>(&text).expect("is read"), pose);
+        let rounded: Pose =
+            toml::from_str("rotation = [0.0, 0.0, 0.7071, 0.7071]\ntranslation = [1.0, 2.0, 3.0]").expect("is read");
+        assert!(rounded.rotation.is_normalized() && (rounded.rotation.z - 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn numbers_that_are_no_pose_are_refused() {
+        let read = |rotation: &str, translation: &str| {
+            toml::from_str::<Pose>(&format!("rotation = {rotation}\ntranslation = {translation}"))
+                .map_err(|e| e.to_string())
+        };
+        assert!(read("[0.0, 0.0, 0.0, 2.0]", "[0.0, 0.0, 0.0]").is_err_and(|e| e.contains("of length 2")));
+        assert!(read("[0.0, 0.0, 0.0, nan]", "[0.0, 0.0, 0.0]").is_err_and(|e| e.contains("of length NaN")));
+        assert!(read("[0.0, 0.0, 0.0, 1.0]", "[0.0, inf, 0.0]").is_err_and(|e| e.contains("finite")));
     }
 }

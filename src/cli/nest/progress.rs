@@ -1,4 +1,4 @@
-//! The budget of a search and what is said while it runs.
+//! What is said while a search runs.
 
 use std::{
     sync::{
@@ -6,62 +6,15 @@ use std::{
         atomic::{AtomicBool, AtomicU64, Ordering},
     },
     thread::JoinHandle,
-    time::{Duration, Instant},
+    time::Duration,
 };
 
-use nester::{Course, Listener, Solution, Stop};
+use nester::{Course, Listener, SearchBudget, Solution};
 
 /// Longest bar, columns.
 const BAR: usize = 30;
 /// Columns of a terminal that does not tell them.
 const USUAL_COLUMNS: usize = 80;
-
-/// Wall seconds, or evaluations when they are counted.
-#[derive(Debug, Clone)]
-pub struct Budget {
-    began: Instant,
-    limit_secs: f64,
-    evaluations: Option<u64>,
-    /// The greatest share that was asked for, its bits.
-    spent: Arc<AtomicU64>,
-}
-
-impl Budget {
-    /// Starts now.
-    pub fn starting_now(limit_secs: f64, evaluations: Option<u64>) -> Self {
-        Self { began: Instant::now(), limit_secs, evaluations, spent: Arc::default() }
-    }
-
-    /// The share that is spent as far as is known, 0 to 1.
-    fn share(&self) -> f64 {
-        let share = match self.evaluations {
-            Some(_) => f64::from_bits(self.spent.load(Ordering::Relaxed)),
-            None => self.began.elapsed().as_secs_f64() / self.limit_secs,
-        };
-        share.clamp(0.0, 1.0)
-    }
-
-    fn left(&self) -> String {
-        match self.evaluations {
-            Some(_) => format!(", {:.0} % done", 100.0 * self.share()),
-            None => format!(", {:.0} s left", (self.limit_secs - self.began.elapsed().as_secs_f64()).max(0.0)),
-        }
-    }
-}
-
-impl Stop for Budget {
-    fn spent(&self, evaluations: u64) -> f64 {
-        match self.evaluations {
-            Some(limit) => {
-                let share = evaluations as f64 / limit as f64;
-                // The bits of positive numbers are ordered as the numbers are.
-                self.spent.fetch_max(share.max(0.0).to_bits(), Ordering::Relaxed);
-                share
-            }
-            None => self.began.elapsed().as_secs_f64() / self.limit_secs,
-        }
-    }
-}
 
 /// The heights of a search, their bits; 0 = none yet.
 #[derive(Debug, Default)]
@@ -89,7 +42,7 @@ impl Heights {
 /// Collects the curve; on a terminal shows a bar with the best height and what is left, twice a second.
 #[derive(Debug)]
 pub struct Progress {
-    budget: Budget,
+    budget: SearchBudget,
     cpu_before_secs: f64,
     /// Free space below the layout: heights are told from the floor of the machine.
     floor_mm: f64,
@@ -100,13 +53,13 @@ pub struct Progress {
 
 impl Progress {
     /// Begins to tell, if `on_terminal`.
-    pub fn new(on_terminal: bool, budget: Budget, floor_mm: f64) -> Self {
+    pub fn new(on_terminal: bool, budget: SearchBudget, floor_mm: f64) -> Self {
         let heights = Arc::new(Heights::default());
         let (seen, clock) = (heights.clone(), budget.clone());
         let teller = on_terminal.then(|| {
             std::thread::spawn(move || {
                 while !seen.is_over.load(Ordering::Relaxed) {
-                    eprint!("\r{}\x1b[K", line(clock.share(), seen.so_far(), &clock.left(), columns()));
+                    eprint!("\r{}\x1b[K", line(clock.spent_share(), seen.so_far(), &left(&clock), columns()));
                     std::thread::park_timeout(Duration::from_millis(500));
                 }
                 eprint!("\r\x1b[K");
@@ -128,7 +81,7 @@ impl Progress {
             separable: None,
             seed,
             cpu_secs: cpu_secs() - self.cpu_before_secs,
-            wall_secs: self.budget.began.elapsed().as_secs_f64(),
+            wall_secs: self.budget.elapsed_secs(),
             curve: self.curve,
         }
     }
@@ -138,7 +91,15 @@ impl Listener for Progress {
     fn improved(&mut self, solution: &Solution, _evaluations: u64) {
         let height_mm = solution.height_mm + self.floor_mm;
         self.heights.improved(height_mm);
-        self.curve.push((self.budget.began.elapsed().as_secs_f64(), height_mm));
+        self.curve.push((self.budget.elapsed_secs(), height_mm));
+    }
+}
+
+/// What is left of a budget: seconds, or how much of it is done where evaluations are counted.
+fn left(budget: &SearchBudget) -> String {
+    match budget.secs_left() {
+        Some(secs) => format!(", {secs:.0} s left"),
+        None => format!(", {:.0} % done", 100.0 * budget.spent_share()),
     }
 }
 
@@ -172,6 +133,8 @@ fn cpu_secs() -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use nester::Stop;
+
     use super::*;
 
     #[test]
@@ -187,10 +150,11 @@ mod tests {
 
     #[test]
     fn counted_evaluations_are_a_share_of_the_bar() {
-        let budget = Budget::starting_now(30.0, Some(200));
-        assert_eq!(budget.left(), ", 0 % done");
-        assert!((budget.spent(50) - 0.25).abs() < 1e-12 && (budget.spent(20) - 0.1).abs() < 1e-12);
-        assert_eq!((budget.share(), budget.left()), (0.25, ", 25 % done".to_owned()));
+        let budget = SearchBudget::of_evaluations(200);
+        assert_eq!(left(&budget), ", 0 % done");
+        budget.spent(50);
+        assert_eq!((budget.spent_share(), left(&budget)), (0.25, ", 25 % done".to_owned()));
+        assert_eq!(left(&SearchBudget::of_secs(0.0)), ", 0 s left");
     }
 
     #[test]

@@ -23,6 +23,23 @@ pub struct TakenApart {
 /// Takes bodies apart along straight lines in the 26 directions of a cube's faces, edges and corners; walls are no
 /// obstacle. Of bodies whose surfaces meet, or are nearer to each other than their drawing gap, nothing certain is said: they
 /// are no proved layout anyway. A body inside another one is locked.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::{DQuat, DVec3};
+/// use nester::{Body, take_apart};
+/// use solids::Pose;
+///
+/// let body = |mesh, x: f64| Body {
+///     name: String::new(),
+///     mesh: Arc::new(mesh),
+///     pose: Pose::new(DQuat::IDENTITY, DVec3::X * x),
+///     clearance_mm: 2.0,
+/// };
+/// let apart = take_apart(&[body(sample_parts::ring(30.0, 20.0, 6.0), 0.0), body(sample_parts::ring(30.0, 20.0, 6.0), 40.0)]);
+/// assert!(apart.locked.is_empty());
+/// assert_eq!(apart.order[0], (0, DVec3::Z)); // drawn straight up
+/// ```
 pub fn take_apart(bodies: &[Body]) -> TakenApart {
     let mut judge = Judge::new(bodies);
     let mut order = Vec::new();

@@ -1,0 +1,149 @@
+//! Work on meshes that outlives one search: an open build asks for the same meshes again and again. It belongs to whoever
+//! searches; nothing is remembered for the whole process.
+
+use std::{
+    fmt,
+    sync::{Arc, Mutex, PoisonError, Weak},
+};
+
+use solids::{ClearanceTree, Mesh};
+
+use super::{
+    cache::{self, Cache},
+    outline::Outline,
+    shape::{Detail, Shape},
+};
+
+/// Shapes of one mesh that stay in memory at most: a coarse and a fine one, and room for a change of clearance.
+const MOST_SHAPES: usize = 3;
+
+/// Prepared meshes: their smallest boxes, distance trees and distance grids. Give the same one to several searches, and meshes
+/// that they share (the same `Arc`) are prepared once. Clones share what is in memory; several threads may search with it at the
+/// same time. With counted evaluations a search finds the same with and without; with a limit on time, less of it goes into
+/// preparing.
+///
+/// A mesh is forgotten once nobody else holds it any more. With a [`Cache`] the work also outlives the process.
+///
+/// ```
+/// use std::sync::Arc;
+/// use nester::{BuildVolume, Config, Instance, Item, OrientationRule, PreparedMeshes, SearchBudget, nest_with};
+///
+/// let ring = Arc::new(sample_parts::ring(30.0, 20.0, 6.0));
+/// let volume = BuildVolume { size_mm: glam::DVec3::splat(80.0) };
+/// let prepared = PreparedMeshes::default();
+/// for copies in [2, 4] {
+///     let item = Item::new("ring", ring.clone(), copies).with_orientation(OrientationRule::Upright);
+///     let instance = Instance::new(volume, 2.0, vec![item])?;
+///     let budget = SearchBudget::of_evaluations(200);
+///     let solution = nest_with(&instance, &Config::default(), &[], &prepared, &budget, &mut ());
+///     assert_eq!(solution.placements.len(), copies as usize);
+/// }
+/// # Ok::<(), nester::InstanceError>(())
+/// ```
+#[derive(Clone, Default)]
+pub struct PreparedMeshes {
+    known: Arc<Mutex<Vec<Bench>>>,
+    cache: Option<Arc<dyn Cache + Send>>,
+}
+
+/// What is in memory of one mesh.
+#[derive(Default)]
+struct Bench {
+    mesh: Weak<Mesh>,
+    /// The mesh's name by its content, once somebody asked.
+    name: Option<Arc<str>>,
+    outline: Option<Arc<Outline>>,
+    tree: Option<Arc<ClearanceTree>>,
+    shapes: Vec<(Detail, Arc<Shape>)>,
+}
+
+impl PreparedMeshes {
+    /// The same meshes in memory; from now on work is also kept in this cache, and taken from it. `None` = in none.
+    #[must_use]
+    pub fn with_cache(self, cache: Option<Arc<dyn Cache + Send>>) -> Self {
+        Self { cache, ..self }
+    }
+
+    /// How many meshes are in memory.
+    pub fn len(&self) -> usize {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
+    /// Whether nothing is in memory.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A mesh from outside.
+    pub(crate) fn outline(&self, mesh: &Arc<Mesh>) -> Arc<Outline> {
+        if let Some(known) = self.at_bench(mesh, |bench| bench.outline.clone()) {
+            return known;
+        }
+        let key = self.cache().map(|cache| (cache, cache::key_of("outline", &self.name_of(mesh))));
+        let kept = key.as_ref().and_then(|(cache, key)| cache::unpack_outline(&cache.fetch(key)?));
+        let is_kept = kept.is_some();
+        let outline = Arc::new(kept.unwrap_or_else(|| Outline::new(mesh)));
+        if let (Some((cache, key)), false) = (key, is_kept) {
+            cache.keep(&key, &cache::pack_outline(&outline));
+        }
+        self.at_bench(mesh, |bench| bench.outline.get_or_insert(outline).clone())
+    }
+
+    /// A mesh at a detail; `None` when it is not known and the time is over before it is prepared.
+    pub(crate) fn shape(&self, mesh: &Arc<Mesh>, detail: Detail, is_over: &dyn Fn() -> bool) -> Option<Arc<Shape>> {
+        // Exactly this detail: a finer one at hand would make a build depend on what was nested before it.
+        let known =
+            |bench: &mut Bench| bench.shapes.iter().find(|(of, _)| *of == detail).map(|(_, shape)| shape.clone());
+        if let Some(known) = self.at_bench(mesh, known) {
+            return Some(known);
+        }
+        if is_over() {
+            return None;
+        }
+        let outline = self.outline(mesh);
+        let tree = self.at_bench(mesh, |bench| bench.tree.clone()).unwrap_or_else(|| {
+            let tree = Arc::new(ClearanceTree::along(mesh.clone(), outline.obb));
+            self.at_bench(mesh, |bench| bench.tree.get_or_insert(tree).clone())
+        });
+        let name = self.cache().map(|_| self.name_of(mesh));
+        let kept = self.cache().zip(name.as_deref());
+        let shape = Arc::new(Shape::new(tree, &outline, detail, kept, is_over)?);
+        self.at_bench(mesh, |bench| {
+            bench.shapes.push((detail, shape.clone()));
+            let too_many = bench.shapes.len().saturating_sub(MOST_SHAPES);
+            bench.shapes.drain(..too_many);
+        });
+        Some(shape)
+    }
+
+    fn cache(&self) -> Option<&dyn Cache> {
+        self.cache.as_deref().map(|cache| cache as &dyn Cache)
+    }
+
+    fn name_of(&self, mesh: &Arc<Mesh>) -> Arc<str> {
+        let known = self.at_bench(mesh, |bench| bench.name.clone());
+        known.unwrap_or_else(|| {
+            let name: Arc<str> = cache::name_of(mesh).into();
+            self.at_bench(mesh, |bench| bench.name.get_or_insert(name).clone())
+        })
+    }
+
+    /// Looks at, or adds to, what is in memory of a mesh.
+    fn at_bench<T>(&self, mesh: &Arc<Mesh>, look: impl FnOnce(&mut Bench) -> T) -> T {
+        let mut benches = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(at) = benches.iter().position(|bench| std::ptr::eq(bench.mesh.as_ptr(), Arc::as_ptr(mesh))) {
+            return look(&mut benches[at]);
+        }
+        // The tree itself holds its mesh; another holder means that somebody may still ask.
+        benches.retain(|bench| bench.mesh.strong_count() > usize::from(bench.tree.is_some()));
+        benches.push(Bench { mesh: Arc::downgrade(mesh), ..Bench::default() });
+        let at = benches.len() - 1;
+        look(&mut benches[at])
+    }
+}
+
+impl fmt::Debug for PreparedMeshes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PreparedMeshes").field("meshes", &self.len()).field("cached", &self.cache.is_some()).finish()
+    }
+}

@@ -1,0 +1,49 @@
+//! Packs a list of parts, and tells how the build got lower and what stands in it.
+//!
+//! `cargo run --release -p nester --example pack_list`
+#![allow(clippy::print_stdout)] // an example tells what it does
+
+use std::{error::Error, sync::Arc};
+
+use glam::DVec3;
+use nester::{BuildVolume, Config, Instance, Item, SearchBudget, Solution, lower_bound_mm, nest, prove_layout};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // What is to be printed: a name, a mesh in mm, how many copies.
+    let list = [
+        ("bracket", sample_parts::bracket(60.0, 24.0, 4.0, 5.0), 6),
+        ("clip", sample_parts::clip(22.0, 2.4, 14.0), 12),
+        ("ring", sample_parts::ring(40.0, 28.0, 8.0), 8),
+        ("pulley", sample_parts::pulley(44.0, 12.0, 8.0), 4),
+        ("hook", sample_parts::hook(16.0, 8.0, 30.0), 6),
+    ];
+    let items = list.map(|(name, mesh, copies)| Item::new(name, Arc::new(mesh), copies));
+    let machine = BuildVolume { size_mm: DVec3::new(120.0, 120.0, 200.0) };
+    let clearance_mm = 2.0;
+    let instance = Instance::new(machine, clearance_mm, items.into())?;
+    println!("{} parts, at least {:.1} mm high whatever anybody does", instance.copies(), lower_bound_mm(&instance));
+
+    let mut told_mm = f64::INFINITY;
+    let mut listener = |better: &Solution, evaluations: u64| {
+        if better.unplaced.is_empty() && better.height_mm < 0.97 * told_mm {
+            told_mm = better.height_mm;
+            println!("{evaluations:>7} evaluations: {told_mm:.1} mm");
+        }
+    };
+    let budget = SearchBudget::of_evaluations(40_000).with_secs(20.0);
+    let solution = nest(&instance, &Config::default(), &[], &budget, &mut listener);
+
+    let proof = prove_layout(&instance, &solution.placements);
+    println!(
+        "{:.1} mm high after {:.1} s, {:.0} % of the box is filled; {}",
+        solution.height_mm,
+        budget.elapsed_secs(),
+        100.0 * solution.density(&instance),
+        if proof.is_proved() { "proved on the triangles" } else { "NOT a valid layout" },
+    );
+    for (at, item) in instance.items().iter().enumerate() {
+        let placed = solution.placements.iter().filter(|placement| placement.item == at).count();
+        println!("{placed:>3} of {:>2} {}", item.copies, item.name);
+    }
+    Ok(())
+}

@@ -23,12 +23,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (config, prepared) = (Config::default(), PreparedMeshes::default());
 
     let monday = asked(8, 4)?;
-    let first = nest_with(&monday, &config, &[], &prepared, &SearchBudget::of_evaluations(15_000), &mut ());
+    let first = nest_with(&monday, &config, &[], &prepared, &SearchBudget::of_evaluations(60_000), &mut ());
     println!("Monday: {}", told(&monday, &first));
 
     // Three knobs more: into gaps where there are any, the others make room, and nobody starts over.
     let tuesday = asked(11, 4)?;
-    let budget = SearchBudget::of_evaluations(5_000);
+    let budget = SearchBudget::of_evaluations(20_000);
     let inserted = insert(&tuesday, &config, &first.placements, &prepared, &budget, &mut ());
     println!("Tuesday, three knobs more: {}", told(&tuesday, &inserted));
     println!("  {} of the parts moved", moved(&first.placements, &inserted.placements));
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The knobs of Monday are promised to a customer as they stand; everything else may still move.
     let promised: Vec<Placement> = first.placements.iter().filter(|p| p.item == 0).copied().collect();
     let reserved = asked(11, 6)?.with_pinned(promised.clone());
-    let budget = SearchBudget::of_evaluations(20_000);
+    let budget = SearchBudget::of_evaluations(60_000);
     let last = nest_with(&reserved, &config, &first.placements, &prepared, &budget, &mut ());
     println!("Wednesday, two rails more and {} knobs promised: {}", promised.len(), told(&reserved, &last));
     println!("  {} of the promised parts moved", moved(&promised, &last.placements));

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let machine = BuildVolume { size_mm: DVec3::new(110.0, 110.0, 160.0) };
     let instance = Instance::new(machine, 1.5, items)?;
     let config = Config { interlock: Interlock::Forbid, ..Config::default() };
-    let budget = SearchBudget::of_evaluations(20_000).with_secs(20.0);
+    let budget = SearchBudget::of_evaluations(100_000);
     let solution = nest(&instance, &config, &[], &budget, &mut ());
 
     let asked = |item: usize| &instance.items()[item].orientation;

@@ -25,12 +25,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut told_mm = f64::INFINITY;
     let mut listener = |better: &Solution, evaluations: u64| {
-        if better.unplaced.is_empty() && better.height_mm < 0.97 * told_mm {
+        if better.unplaced.is_empty() && better.height_mm < 0.99 * told_mm {
             told_mm = better.height_mm;
             println!("{evaluations:>7} evaluations: {told_mm:.1} mm");
         }
     };
-    let budget = SearchBudget::of_evaluations(40_000).with_secs(20.0);
+    let budget = SearchBudget::of_evaluations(200_000);
     let solution = nest(&instance, &Config::default(), &[], &budget, &mut listener);
 
     let proof = prove_layout(&instance, &solution.placements);

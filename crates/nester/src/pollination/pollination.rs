@@ -9,6 +9,7 @@ use super::levy::LevyFlight;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Edge {
     /// Stays at the bound (a place against a wall).
+    #[cfg_attr(not(feature = "paper"), allow(dead_code, reason = "only the published method asks for it"))]
     Clamp,
     /// Comes back as from a mirror.
     Reflect,
@@ -177,11 +178,13 @@ impl<F: PartialOrd + Clone> Pollination<F> {
 
     /// The fitness of the place where the flower whose turn it is stands: a proposal must be better to move it. `None` as
     /// long as none was told for it.
+    #[cfg_attr(not(feature = "paper"), allow(dead_code, reason = "only the published method asks for it"))]
     pub fn own(&self) -> Option<&F> {
         self.flowers[self.turn].fitness.as_ref()
     }
 
     /// The best genome so far, g*, and its fitness.
+    #[cfg_attr(not(feature = "paper"), allow(dead_code, reason = "only the published method asks for it"))]
     pub fn best(&self) -> Option<(&[f64], &F)> {
         self.best.as_ref().map(|(genome, fitness)| (genome.as_slice(), fitness))
     }

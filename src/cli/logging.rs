@@ -6,11 +6,11 @@ use std::{
     os::unix::fs::MetadataExt,
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use build_file::is_invisible;
-use tracing_subscriber::{EnvFilter, Layer, Registry, layer::SubscriberExt, util::SubscriberInitExt};
+use tracing_subscriber::{Layer, Registry, layer::SubscriberExt, util::SubscriberInitExt};
 
-use crate::settings::{LogFormat, Logging};
+use crate::settings::{LogFormat, Logging, parse_log_filter};
 
 /// Beats the configured filter.
 const FILTER_VARIABLE: &str = "NESTD_LOG";
@@ -22,10 +22,11 @@ const JOURNAL_VARIABLE: &str = "JOURNAL_STREAM";
 /// # Errors
 /// When the filter is none, the log was started before, or the journal cannot be reached.
 pub fn start(logging: &Logging) -> Result<()> {
-    let filter = match env::var(FILTER_VARIABLE) {
-        Ok(filter) if !filter.is_empty() => EnvFilter::try_new(quiet(&filter)).context(FILTER_VARIABLE)?,
-        _ => EnvFilter::try_new(quiet(&logging.filter)).context("log.filter")?,
+    let (place, filter) = match env::var(FILTER_VARIABLE) {
+        Ok(filter) if !filter.is_empty() => (FILTER_VARIABLE, filter),
+        _ => ("log.filter", logging.filter.clone()),
     };
+    let filter = parse_log_filter(&quiet(&filter)).map_err(Error::msg).context(place)?;
     tracing_subscriber::registry()
         .with(lines(logging.format)?.with_filter(filter))
         .try_init()

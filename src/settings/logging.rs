@@ -1,6 +1,7 @@
 //! What the log holds and what it looks like.
 
 use serde::{Deserialize, Serialize};
+use tracing_subscriber::filter::Targets;
 
 /// What a log line looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -22,4 +23,48 @@ pub struct Logging {
     pub filter: String,
     /// What a line looks like.
     pub format: LogFormat,
+}
+
+/// Levels by module, as in "info,nestd::intake=debug"; a module without a level is told in full.
+///
+/// # Errors
+/// In words, when it is no filter.
+pub fn parse_log_filter(text: &str) -> Result<Targets, String> {
+    let is_of_name = |c: char| c.is_alphanumeric() || "_-:=".contains(c);
+    let levels: Vec<&str> = text.split(',').map(str::trim).filter(|level| !level.is_empty()).collect();
+    match levels.iter().find(|level| !level.chars().all(is_of_name)) {
+        Some(level) => Err(format!("\"{}\" is neither a level nor MODULE=LEVEL", level.escape_debug())),
+        None if levels.is_empty() => Ok(Targets::new()),
+        None => levels.join(",").parse::<Targets>().map_err(|error| error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tracing::Level;
+
+    use super::*;
+
+    #[test]
+    fn a_filter_is_levels_by_module() {
+        let filter = parse_log_filter("info, nestd::intake=DEBUG,notify=error,").unwrap();
+        let holds = |module, level: Level| filter.would_enable(module, &level);
+        assert!(holds("nestd::farm", Level::INFO) && !holds("nestd::farm", Level::DEBUG));
+        assert!(holds("nestd::intake::scan", Level::DEBUG) && !holds("nestd::intake::scan", Level::TRACE));
+        assert!(holds("notify", Level::ERROR) && !holds("notify", Level::WARN));
+        assert!(parse_log_filter("nestd").unwrap().would_enable("nestd::web", &Level::TRACE));
+        assert!(!parse_log_filter("off").unwrap().would_enable("nestd::web", &Level::ERROR));
+        assert!(!parse_log_filter("").unwrap().would_enable("nestd::web", &Level::ERROR));
+        assert!(
+            parse_log_filter("notify=warn,info,notify=error").unwrap()
+                == parse_log_filter("info,notify=error").unwrap()
+        );
+    }
+
+    #[test]
+    fn what_is_no_filter_is_refused() {
+        for wrong in ["nestd=loud", "nestd=info=debug", "[span]=info", "nestd[{part=7}]=debug", "info;debug", "=="] {
+            assert!(parse_log_filter(wrong).is_err(), "{wrong}");
+        }
+    }
 }

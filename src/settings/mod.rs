@@ -25,7 +25,7 @@ mod wording;
 pub use duration::parse_secs;
 pub use keep_out::KeepOut;
 pub use load::{SettingsError, load, load_to_look};
-pub use logging::{LogFormat, Logging};
+pub use logging::{LogFormat, Logging, parse_log_filter};
 pub use metrics::MetricsFile;
 pub use notify::{Notify, Webhook};
 pub use problem::Problem;

@@ -9,6 +9,7 @@ use super::{
     Folders, Profile, Trigger,
     inputs::{FarmInputs, FileInputs, ProfileInputs, TriggerInputs},
     judge::Judge,
+    logging::parse_log_filter,
 };
 use crate::access::{self, Access};
 
@@ -37,7 +38,7 @@ pub(super) fn farm(inputs: &FarmInputs, judge: &mut Judge) {
     judge.within("limits.max_shells", limits.max_shells, 1..=u64::MAX);
     judge.within("limits.max_copies", limits.max_copies, 1..=1_000_000);
     judge.within("limits.read_memory_bytes", limits.read_memory_bytes, 64 << 20..=u64::MAX);
-    if let Err(error) = tracing_subscriber::EnvFilter::try_new(&inputs.log.filter) {
+    if let Err(error) = parse_log_filter(&inputs.log.filter) {
         let remedy =
             "write a level (error, warn, info, debug, trace) or levels by module, as in \"info,nestd::intake=debug\"";
         judge.object("log.filter", format!("log.filter is no filter: {error}"), remedy);

@@ -21,6 +21,9 @@ fn manifests() -> Vec<Table> {
     below.chain(["Cargo.toml".to_owned()]).map(|name| toml_file(&name)).collect()
 }
 
+/// Crates that a first `cargo run --release` compiles, at most: a dependency is weight, and so is each of its features.
+const MOST_CRATES: usize = 250;
+
 fn text_at(value: &toml::Value) -> String {
     value.as_str().unwrap().to_owned()
 }
@@ -113,6 +116,21 @@ fn licences_bans_and_sources_are_as_deny_toml_says() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn a_first_build_compiles_no_more_crates_than_it_must() {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--locked", "--offline", "--package", "nestd", "--edges", "normal,build", "--prefix", "none"])
+        .args(["--target", "x86_64-unknown-linux-gnu", "--format", "{p}"])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let crates: BTreeSet<&str> = text.lines().map(|line| line.split(" (").next().unwrap()).collect();
+    assert!(crates.len() > 100 && crates.len() <= MOST_CRATES, "{} crates: look at `cargo tree -d`", crates.len());
+    assert!(!crates.iter().any(|name| name.starts_with("icu_")), "idna_adapter is not 1.1: see ARCHITECTURE.md");
 }
 
 #[test]

@@ -2,7 +2,11 @@
 
 use std::{borrow::Cow, path::Path};
 
-use sqlx::{Row, SqlitePool, migrate::Migrator, sqlite::SqliteConnectOptions};
+use sqlx::{
+    Row, SqlitePool,
+    migrate::{Migration, Migrator},
+    sqlite::SqliteConnectOptions,
+};
 
 use super::{super::schema::MIGRATIONS, *};
 
@@ -81,6 +85,27 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
         pool.close().await;
         assert_eq!(schema_of(&path).await, schema_of(&new).await, "from schema {version}");
     }
+}
+
+#[tokio::test]
+async fn the_list_of_migrations_is_the_folder() {
+    let folder = Migrator::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations")).await.unwrap();
+    let all = |migrator: &Migrator| {
+        let row = |m: &Migration| (m.version, m.description.clone(), m.migration_type, m.checksum.clone(), m.no_tx);
+        migrator.iter().map(row).collect::<Vec<_>>()
+    };
+    assert_eq!(all(&MIGRATIONS), all(&folder));
+}
+
+/// Checksums as earlier releases wrote them into their ledgers, which this one must open.
+#[test]
+fn released_migrations_have_the_checksums_of_their_release() {
+    let released = include_str!("released_migrations.txt");
+    let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let own: Vec<_> =
+        MIGRATIONS.iter().map(|m| format!("{} {} {}", m.version, hex(&m.checksum), m.description)).collect();
+    let released: Vec<_> = released.lines().collect();
+    assert_eq!(own[..released.len()], released);
 }
 
 #[tokio::test]

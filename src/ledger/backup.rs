@@ -56,7 +56,7 @@ fn failed(file: &Path, what: impl ToString) -> LedgerError {
 /// # Errors
 /// `Damaged` when it is not whole or no ledger, `NewerSchema`, or SQLite's own trouble.
 pub async fn prove(file: &Path) -> Result<()> {
-    health::look_at_files(file)?;
+    health::look_at_files(file).await?;
     let pool = read_only(file).await?;
     let proved = match schema::demand(file, &pool).await {
         Err(LedgerError::OlderSchema { found: 0, .. }) => {

@@ -1,21 +1,25 @@
 //! A change of the ledger: one short immediate transaction. Every state that a row enters, it enters here, together
 //! with the event that says so.
 
+use std::path::PathBuf;
+
 use sqlx::{Sqlite, SqliteConnection, Transaction};
 
-use super::{BuildId, BuildState, LedgerError, PartId, PartRow, PartState, Refusal, Utc, error::Result};
+use super::{BuildId, BuildState, LedgerError, PartId, PartRow, PartState, Refusal, Utc, error::Result, health};
 
 /// A change that is not committed yet; dropping it takes everything back.
 pub struct Change {
     transaction: Transaction<'static, Sqlite>,
     /// The one time of everything in this change.
     pub now: Utc,
+    /// Where the ledger is.
+    ledger: PathBuf,
 }
 
 impl Change {
     /// A change over a transaction that holds the write lock.
-    pub fn new(transaction: Transaction<'static, Sqlite>, now: Utc) -> Self {
-        Self { transaction, now }
+    pub fn new(transaction: Transaction<'static, Sqlite>, now: Utc, ledger: PathBuf) -> Self {
+        Self { transaction, now, ledger }
     }
 
     /// The connection to run queries on.
@@ -29,7 +33,10 @@ impl Change {
             let faults = super::truth::faults(self.db()).await?;
             debug_assert!(faults.is_empty(), "a change broke the ledger: {faults:?}");
         }
-        Ok(self.transaction.commit().await?)
+        let changes = health::count_change(self.db()).await?;
+        self.transaction.commit().await?;
+        health::note_changes(&self.ledger, changes);
+        Ok(())
     }
 
     /// A part as it stands in this change.

@@ -1,33 +1,32 @@
 //! Whether the ledger is whole, before anything is done with it. SQLite itself notices damage only where it happens to
 //! look, and then goes on with the rest: a lost row is a part printed twice.
 //!
-//! Three things are looked at: the seal of an orderly stop ([`seal`], every byte), the write-ahead log that a crash left
-//! ([`wal`]), and, where no seal vouches for the file, SQLite's own check of all pages, indexes and constraints.
+//! Three things are looked at: the seal of an orderly stop ([`seal`], every byte), whether changes were lost with the write-ahead
+//! log that a crash left ([`lost_changes`]), and, where no seal vouches for the file, SQLite's own check of all pages, indexes
+//! and constraints.
 
+mod lost_changes;
 mod seal;
-mod wal;
 
 #[cfg(test)]
 mod tests;
 
-use std::{path::Path, time::Duration};
+use std::path::Path;
 
 use sqlx::SqlitePool;
 
+use self::lost_changes::find_lost_changes;
+pub use self::lost_changes::{CHANGES_NOTED, clear_note, count_change, holds_something, note_changes};
 use self::seal::{Sealed, sealed};
 pub use self::seal::{break_seal, seal, seal_of, write_seal};
-pub use self::wal::holds_something;
 use super::{LedgerError, error::Result};
 
 /// So many complaints of SQLite are told at most.
 const MAX_COMPLAINTS: u32 = 3;
-/// A log that another process writes to at this very moment may look torn: it is looked at again.
-const LOOKS: u32 = 2;
-const PAUSE: Duration = Duration::from_millis(50);
 
-/// Looks at the files before SQLite opens them; a write-ahead log that was cut or lost is cleared away by opening it.
-/// Returns whether the ledger is known to be whole, byte for byte.
-pub fn look_at_files(path: &Path) -> Result<bool> {
+/// Looks at the files before the ledger is opened to be changed: what is left of a damaged write-ahead log is cleared away by
+/// that. Returns whether the ledger is known to be whole, byte for byte.
+pub async fn look_at_files(path: &Path) -> Result<bool> {
     let damaged = |what: String| LedgerError::Damaged { path: path.to_owned(), what };
     match sealed(path) {
         Ok(Sealed::Whole) => return Ok(true),
@@ -38,14 +37,7 @@ pub fn look_at_files(path: &Path) -> Result<bool> {
         }
         Err(source) => return Err(LedgerError::Folder { path: path.to_owned(), source }),
     }
-    let lost = || wal::lost(path).map_err(|source| LedgerError::Folder { path: path.to_owned(), source });
-    for _ in 0..LOOKS {
-        if lost()?.is_none() {
-            return Ok(false);
-        }
-        std::thread::sleep(PAUSE);
-    }
-    lost()?.map_or(Ok(false), |what| Err(damaged(what)))
+    find_lost_changes(path).await?.map_or(Ok(false), |what| Err(damaged(what)))
 }
 
 /// SQLite's check of every page, index, constraint and reference; reads the whole file.

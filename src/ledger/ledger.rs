@@ -64,7 +64,7 @@ impl Ledger {
     /// As [`Ledger::open`], and `Damaged`.
     pub async fn open_whole(path: &Path) -> Result<Self> {
         if path.exists() || health::seal_of(path).exists() {
-            let is_sealed = health::look_at_files(path)?;
+            let is_sealed = health::look_at_files(path).await?;
             if !is_sealed && health::holds_something(path) {
                 let ledger = Self::connect(path, options(path)).await?;
                 let checked = health::check_all(path, &ledger.writer).await;
@@ -79,8 +79,8 @@ impl Ledger {
     ///
     /// # Errors
     /// `Damaged` when they are not as they were left.
-    pub fn look_at_files(path: &Path) -> Result<bool> {
-        health::look_at_files(path)
+    pub async fn look_at_files(path: &Path) -> Result<bool> {
+        health::look_at_files(path).await
     }
 
     /// Whether the ledger is whole, as [`Ledger::open_whole`] sees it; for one that is open. Reads the whole file.
@@ -108,6 +108,7 @@ impl Ledger {
     pub(super) async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
         // A connection that only reads must say so: a query that writes by mistake would bypass the one writer.
         let reading = options.clone().create_if_missing(false).pragma("query_only", "ON");
+        health::clear_note(path);
         let in_place = Arc::new(InPlace::of(path));
         let writer = connect_one(path, options).await?;
         let anchor = connect_one(path, reading.clone()).await?;
@@ -142,6 +143,7 @@ impl Ledger {
         self.anchor.close().await;
         let sealed = health::seal(&self.path, &self.writer).await;
         self.writer.close().await;
+        health::clear_note(&self.path);
         sealed
     }
 
@@ -182,7 +184,7 @@ impl Ledger {
             begun => begun?,
         };
         health::break_seal(&self.path).map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
-        Ok(Change::new(transaction, self.now()))
+        Ok(Change::new(transaction, self.now(), self.path.clone()))
     }
 
     /// Begins to read several tables as of one moment. It never writes, so that a deferred `BEGIN` is right here.

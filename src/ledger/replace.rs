@@ -13,7 +13,7 @@ use super::{Ledger, LedgerError, error::Result, health, ledger::options, place};
 
 /// What SQLite and nestd keep beside a ledger. Of the old one it must be gone before the new one stands there: SQLite would
 /// play the old write-ahead log into it.
-const BESIDE: [&str; 3] = ["-wal", "-shm", ".b3"];
+const BESIDE: [&str; 4] = ["-wal", "-shm", ".b3", health::CHANGES_NOTED];
 /// Ends the name of the ledger that is being made ready.
 const NEW: &str = ".restoring";
 /// Follows the name of a ledger that another one took the place of.
@@ -83,7 +83,7 @@ async fn is_one_file(ledger: &Path) -> bool {
     if !health::holds_something(ledger) {
         return false;
     }
-    match health::look_at_files(ledger) {
+    match health::look_at_files(ledger).await {
         Ok(true) => return true,
         Err(_) => return false,
         Ok(false) => {}

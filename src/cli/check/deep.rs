@@ -29,7 +29,7 @@ pub fn look(settings: &Settings, report: &mut Report) -> Result<()> {
         };
         let whole = match ledger.daemon().await?.is_some_and(|daemon| daemon.alive) {
             true => Ok(false),
-            false => Ledger::look_at_files(&settings.ledger),
+            false => Ledger::look_at_files(&settings.ledger).await,
         };
         let looked = match whole {
             Ok(true) => look_twice(settings, &ledger).await,

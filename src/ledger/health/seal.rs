@@ -13,6 +13,7 @@ use std::{
 
 use sqlx::SqlitePool;
 
+use super::lost_changes::{holds_something, log_of};
 use crate::ledger::{error::Result, place};
 
 /// Ends the name of the seal; its content is as `b3sum` writes and checks it.
@@ -51,8 +52,7 @@ pub fn sealed(ledger: &Path) -> io::Result<Sealed> {
         other => other?,
     };
     // A log beside a sealed ledger would be played into it.
-    let log = super::wal::log_of(ledger);
-    if super::wal::holds_something(&log) {
+    if holds_something(&log_of(ledger)) {
         return Ok(Sealed::Changed);
     }
     match hash(ledger, None) {
@@ -79,7 +79,7 @@ pub async fn seal(ledger: &Path, writer: &SqlitePool) -> Result<bool> {
         if busy == 0 {
             let lock = writer.begin_with("BEGIN IMMEDIATE").await?;
             // Between the two somebody may have written.
-            if !super::wal::holds_something(&super::wal::log_of(ledger)) {
+            if !holds_something(&log_of(ledger)) {
                 let written = write_seal(ledger, Some(Instant::now() + SEAL_WITHIN));
                 lock.rollback().await?;
                 return Ok(written.is_ok());

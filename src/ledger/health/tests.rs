@@ -18,7 +18,7 @@ async fn closed() -> (TempDir, PathBuf) {
         published(&ledger, &[(part, 0), (part, 1)]).await;
     }
     assert!(ledger.close_sealed().await.unwrap());
-    assert!(seal_of(&path).exists() && !wal::log_of(&path).exists());
+    assert!(seal_of(&path).exists() && !lost_changes::log_of(&path).exists());
     (folder, path)
 }
 
@@ -28,7 +28,7 @@ async fn killed() -> (TempDir, PathBuf) {
     let ledger = Ledger::open(&path).await.unwrap();
     waiting(&ledger, "only in the log", 2).await;
     let folder = tempfile::tempdir().unwrap();
-    for file in ["nestd.db", "nestd.db-wal", "nestd.db-shm"] {
+    for file in ["nestd.db", "nestd.db-wal", "nestd.db-shm", "nestd.db-changes"] {
         fs::copy(from.path().join(file), folder.path().join(file)).unwrap();
     }
     let path = folder.path().join("nestd.db");
@@ -55,7 +55,7 @@ async fn a_ledger_that_was_closed_in_order_is_opened_again_and_its_seal_broken_b
     waiting(&ledger, "another", 1).await;
     assert!(!seal_of(&path).exists());
     assert!(ledger.close_sealed().await.unwrap());
-    assert!(look_at_files(&path).unwrap(), "the seal vouches for it");
+    assert!(look_at_files(&path).await.unwrap(), "the seal vouches for it");
 }
 
 #[tokio::test]
@@ -79,11 +79,11 @@ async fn a_sealed_ledger_that_was_cut_emptied_removed_or_given_a_log_is_refused(
         refusal(&path).await;
     }
     fs::write(&path, &whole).unwrap();
-    fs::write(wal::log_of(&path), "some other log").unwrap();
+    fs::write(lost_changes::log_of(&path), "some other log").unwrap();
     refusal(&path).await;
-    fs::remove_file(wal::log_of(&path)).unwrap();
+    fs::remove_file(lost_changes::log_of(&path)).unwrap();
     fs::remove_file(&path).unwrap();
-    assert!(look_at_files(&path).is_err());
+    assert!(look_at_files(&path).await.is_err());
 }
 
 #[tokio::test]
@@ -96,7 +96,7 @@ async fn what_a_kill_leaves_is_opened_with_all_its_changes() {
 #[tokio::test]
 async fn a_log_that_is_gone_or_cut_or_damaged_after_a_kill_is_noticed() {
     let (_folder, path) = killed().await;
-    let log = wal::log_of(&path);
+    let log = lost_changes::log_of(&path);
     let whole = fs::read(&log).unwrap();
     let index = fs::read(path.with_file_name("nestd.db-shm")).unwrap();
     let again = |bytes: &[u8]| {
@@ -105,18 +105,62 @@ async fn a_log_that_is_gone_or_cut_or_damaged_after_a_kill_is_noticed() {
     };
     for kept in [0, 31, 32, 5000, whole.len() - 4096, whole.len() - 1] {
         again(&whole[..kept]);
-        assert!(refusal(&path).await.contains("pages are whole"), "{kept}");
+        assert!(refusal(&path).await.contains("changes are lost"), "{kept}");
     }
     for at in [2, 17, 30, 40, 60, whole.len() / 2, whole.len() - 1] {
         again(&whole);
         flip(&log, at);
-        assert!(refusal(&path).await.contains("pages are whole"), "{at}");
+        assert!(refusal(&path).await.contains("changes are lost"), "{at}");
     }
     again(&whole);
     fs::remove_file(&log).unwrap();
     assert!(refusal(&path).await.contains("is gone"));
     again(&whole);
     Ledger::open_whole(&path).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_damaged_log_is_refused_each_time_and_its_files_stay_as_they_are() {
+    let (folder, path) = killed().await;
+    let log = lost_changes::log_of(&path);
+    flip(&log, 60);
+    let files = [&path, &log].map(|file| fs::read(file).unwrap());
+    for _ in 0..3 {
+        refusal(&path).await;
+        assert!(files == [&path, &log].map(|file| fs::read(file).unwrap()));
+    }
+    assert!(folder.path().join("nestd.db-shm").exists());
+}
+
+#[tokio::test]
+async fn a_note_that_is_behind_or_torn_or_gone_refuses_nothing() {
+    let (_folder, path) = killed().await;
+    let note = path.with_file_name("nestd.db-changes");
+    let noted: i64 = fs::read_to_string(&note).unwrap().trim().parse().unwrap();
+    for text in [format!("{:020}\n", noted - 1), String::new(), "0000".to_owned(), "no number".to_owned()] {
+        fs::write(&note, text).unwrap();
+        assert!(!look_at_files(&path).await.unwrap());
+    }
+    fs::write(&note, format!("{:020}\n", noted + 1)).unwrap();
+    assert!(look_at_files(&path).await.unwrap_err().is_damage());
+    fs::remove_file(&note).unwrap();
+    Ledger::open_whole(&path).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_ledger_put_back_by_hand_after_a_kill_is_not_held_against_the_note_of_the_other() {
+    let (backup_folder, backup) = closed().await;
+    let (_folder, path) = killed().await;
+    for file in ["nestd.db-wal", "nestd.db-shm"] {
+        fs::remove_file(path.with_file_name(file)).unwrap();
+    }
+    fs::copy(&backup, &path).unwrap();
+    let ledger = Ledger::open_whole(&path).await.unwrap();
+    assert!(!path.with_file_name("nestd.db-changes").exists());
+    waiting(&ledger, "after it", 1).await;
+    assert!(ledger.close_sealed().await.unwrap());
+    assert!(!path.with_file_name("nestd.db-changes").exists(), "an orderly stop leaves no note");
+    drop(backup_folder);
 }
 
 #[tokio::test]

@@ -4,8 +4,9 @@
 //! Modules stand on floors; a module knows only floors below its own (`tests/it/floors.rs` enforces it).
 //!
 //! ```text
-//! 8  cli                      the face to terminals: parse, print; no decisions
-//! 7  web                      the face to browsers
+//! 9  cli                      the face to terminals: parse, print; no decisions
+//! 8  web                      the face to browsers
+//! 7  tables                   what both show: each field's label, unit and print, each table's columns
 //! 6  farm  metrics  outbox    the service: one file per step of a part's life, one event loop | its numbers | its messages
 //! 5  settings                 TOML fragments -> validated Settings
 //! 4  ledger  intake  queue    SQL | hot folder | printer queue folder
@@ -26,4 +27,5 @@ pub mod metrics;
 pub mod outbox;
 pub mod queue;
 pub mod settings;
+pub mod tables;
 pub mod web;

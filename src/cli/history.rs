@@ -5,10 +5,13 @@ use jiff::Timestamp;
 
 use super::{
     Common, Exit, Usage,
-    reach::{brief, look_at_ledger, time_argument},
-    table::{Table, number, or_dash, percent, say, say_json, text},
+    reach::{look_at_ledger, time_argument},
+    table::{Table, say, say_json},
 };
-use crate::ledger::{HeightSum, HistoryQuery, HistoryRow};
+use crate::{
+    ledger::{HeightSum, HistoryQuery},
+    tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, csv_of},
+};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -65,58 +68,16 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     })?;
     match if args.json { Format::Json } else { args.format } {
         Format::Table if rows.is_empty() => say("No builds.")?,
-        // The sum of a few of them would be taken for that of all.
-        Format::Table if args.limit.is_some() => say(&table(&rows).to_string())?,
-        Format::Table => say(&format!("{}\n{}", table(&rows), sums_table(sums)))?,
+        Format::Table => {
+            let mut text = Table::of(HISTORY_COLUMNS, &rows).to_string();
+            // The sum of a few of them would be taken for that of all.
+            if args.limit.is_none() {
+                text += &format!("\nPublished\n{}", Table::of(HEIGHT_SUM_COLUMNS, &HeightSum::with_all(sums)));
+            }
+            say(&text)?;
+        }
         Format::Json => say_json(&rows)?,
-        Format::Csv => say(&HistoryRow::csv(&rows)?)?,
+        Format::Csv => say(&csv_of(HISTORY_COLUMNS, &rows)?)?,
     }
     Ok(Exit::Success)
-}
-
-/// What was published comes to, by machine.
-fn sums_table(sums: Vec<HeightSum>) -> Table {
-    let mut table = Table::new(&["PUBLISHED", ">HEIGHT mm", ">BUILDS", ">COPIES", ">MEAN DENSITY %"]);
-    for sum in HeightSum::with_all(sums) {
-        let (height, density) = (number(Some(sum.height_mm), 2), percent(sum.mean_density));
-        table.row(vec![sum.profile, height, sum.builds.to_string(), sum.copies.to_string(), density]);
-    }
-    table
-}
-
-/// The builds.
-pub fn table(rows: &[HistoryRow]) -> Table {
-    let mut table = Table::new(&[
-        ">BUILD",
-        "PROFILE",
-        "STATE",
-        "TIME (UTC)",
-        ">HEIGHT mm",
-        ">BOUND mm",
-        ">DENSITY %",
-        ">LAYERS",
-        ">PARTS",
-        ">COPIES",
-        ">PROVED mm",
-        ">CPU s",
-        "FILE",
-    ]);
-    for row in rows {
-        table.row(vec![
-            row.build.to_string(),
-            row.profile.clone(),
-            row.state.to_string(),
-            brief(Some(row.at)),
-            number(row.height_mm, 2),
-            number(row.lower_bound_mm, 2),
-            percent(row.density),
-            or_dash(row.layers),
-            row.parts.to_string(),
-            or_dash(row.copies),
-            number(row.clearance_proved_mm, 3),
-            number(row.cpu_secs, 1),
-            row.file_name.clone().unwrap_or_else(|| text(&row.reason)),
-        ]);
-    }
-    table
 }

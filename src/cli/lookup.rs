@@ -6,7 +6,11 @@ use anyhow::Result;
 use serde::Serialize;
 
 use super::values::numbered;
-use crate::ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow};
+use crate::{
+    ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow},
+    settings::Profile,
+    tables::CountedPart,
+};
 
 /// What somebody wants to see; a bare number or name may be several things.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -45,26 +49,20 @@ pub struct BuildSheet {
     pub build: BuildRow,
     /// Where its file was put; the printer may have taken it.
     pub file: Option<std::path::PathBuf>,
+    /// Its machine as it was then, where the configuration or the build knows it.
+    #[serde(skip)]
+    pub machine: Option<Profile>,
     /// Its parts.
     pub parts: Vec<PartRow>,
     /// What waits for it while it is open: it takes no copy before it is fired.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub waiting: Vec<Waits>,
+    pub waiting: Vec<CountedPart>,
     /// Its copies with their poses.
     pub placements: Vec<PlacementRow>,
     /// What was told of it.
     pub outcomes: Vec<OutcomeRow>,
     /// What happened to it.
     pub events: Vec<EventRow>,
-}
-
-/// A part with copies that wait.
-#[derive(Debug, Serialize)]
-pub struct Waits {
-    /// Its row.
-    pub part: PartRow,
-    /// How many of its copies wait.
-    pub copies: usize,
 }
 
 /// A part with all that belongs to it.
@@ -146,8 +144,9 @@ async fn build_sheet(ledger: &Ledger, id: BuildId) -> Result<Option<BuildSheet>>
     Ok(Some(BuildSheet {
         build,
         file: None,
+        machine: None,
         parts: ledger.parts_of_build(id).await?,
-        waiting: line.into_iter().map(|w| Waits { copies: w.copies.len(), part: w.part }).collect(),
+        waiting: line.into_iter().map(|w| CountedPart { copies: w.copies.len() as u32, part: w.part }).collect(),
         placements: ledger.placements_of_build(id).await?,
         outcomes: ledger.outcomes(id).await?,
         // Of its parts it is enough to see them in the list.

@@ -7,6 +7,7 @@ use super::{Common, Usage, table::tell};
 use crate::{
     ledger::{Ledger, Utc},
     settings::{self, Settings},
+    tables::fields,
 };
 
 /// The settings of the farm; whatever is wrong with them is wrong use.
@@ -86,12 +87,7 @@ pub fn time_argument(text: &str) -> Result<Timestamp, String> {
 
 /// A time with its zone: '2026-11-20 04:49:00 UTC'.
 pub fn zoned(time: Option<Utc>) -> String {
-    time.map_or_else(|| brief(None), |_| format!("{} UTC", brief(time)))
-}
-
-/// A time for a table whose heading names the zone: '2026-11-20 04:49:00'.
-pub fn brief(time: Option<Utc>) -> String {
-    time.map_or_else(|| "-".to_owned(), |t| t.strftime("%Y-%m-%d %H:%M:%S").to_string())
+    fields::TIME.with_unit(time).unwrap_or_else(|| "-".to_owned())
 }
 
 /// How long ago, to two units: '3h 5m'.

@@ -9,6 +9,7 @@ use super::{
     show_text,
     table::{say, say_json, tell},
 };
+use crate::settings::Profile;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -27,8 +28,11 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let found = look_at_ledger(common, async |settings, ledger| {
         let mut found = look(ledger, &wanted).await?;
         if let Some(sheet) = &mut found.build {
-            let folder = settings.profiles.get(&sheet.build.profile).map(|p| p.folders.queue.clone());
-            sheet.file = folder.zip(sheet.build.file_name.as_ref()).map(|(folder, name)| folder.join(name));
+            let build = &sheet.build;
+            let now = settings.profiles.get(&build.profile);
+            let folder = now.map(|profile| profile.folders.queue.clone());
+            sheet.file = folder.zip(build.file_name.as_ref()).map(|(folder, name)| folder.join(name));
+            sheet.machine = Some(Profile::then(&build.profile, build.profile_snapshot.as_deref(), now));
         }
         Ok(found)
     })?;

@@ -6,15 +6,16 @@ use serde::Serialize;
 
 use super::{
     Common, Exit,
-    reach::{age, brief, over, settings_to_look},
-    table::{Table, copies, number, say, say_json, text},
+    reach::{age, over, settings_to_look},
+    table::{Table, say, say_json},
     watch::watch,
 };
 use crate::{
     farm::{self, Notice},
     intake,
-    ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus, Utc},
+    ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
     settings::Settings,
+    tables::{MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS, ToldNotice},
 };
 
 /// So many rejected parts are listed; `show` finds the older ones.
@@ -58,11 +59,7 @@ struct Machine {
     /// Whether the configuration knows it (still).
     configured: bool,
     #[serde(flatten)]
-    status: ProfileStatus,
-    /// When its next build fires, unless it is full before.
-    fires_at_latest: Option<Timestamp>,
-    /// The trigger that fires it then.
-    fires_by: Option<farm::FiredBy>,
+    forecast: MachineForecast,
 }
 
 /// Runs the command.
@@ -107,9 +104,8 @@ fn looked(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
         let mut status = look(ledger, &names, with_parts).await?;
         for machine in &mut status.profiles {
-            let profile = settings.profiles.get(&machine.status.profile);
-            let fires = profile.and_then(|profile| farm::fires_at(profile, &machine.status));
-            (machine.fires_at_latest, machine.fires_by) = fires.map(|fires| (fires.at, fires.by)).unzip();
+            let profile = settings.profiles.get(&machine.forecast.status.profile);
+            machine.forecast = MachineForecast::new(machine.forecast.status.clone(), profile);
         }
         Ok(status)
     })
@@ -118,14 +114,14 @@ fn looked(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
 /// Asks the ledger; `configured` are the profiles of the settings.
 pub async fn look(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
     let known = ledger.status().await?;
-    let is_configured = |name: &str| configured.contains(&name);
+    let machine = |configured: bool, status| Machine { configured, forecast: MachineForecast::new(status, None) };
     let mut profiles: Vec<Machine> = (configured.iter())
         .filter(|name| !known.iter().any(|k| k.profile == **name))
         .map(|name| ProfileStatus { profile: (*name).to_owned(), ..ProfileStatus::default() })
-        .map(|status| Machine::new(true, status))
+        .map(|status| machine(true, status))
         .collect();
-    profiles.extend(known.into_iter().map(|status| Machine::new(is_configured(&status.profile), status)));
-    profiles.sort_by(|a, b| a.status.profile.cmp(&b.status.profile));
+    profiles.extend(known.into_iter().map(|status| machine(configured.contains(&status.profile.as_str()), status)));
+    profiles.sort_by(|a, b| a.forecast.status.profile.cmp(&b.forecast.status.profile));
     let parts = if with_parts { Some(parts(ledger).await?) } else { None };
     let (daemon, is_served) = (ledger.daemon().await?, ledger.is_served().await?);
     Ok(FarmStatus { daemon, is_served, attention: Vec::new(), profiles, parts })
@@ -133,7 +129,7 @@ pub async fn look(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Res
 
 async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
     let mut parts = Vec::new();
-    for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
+    for state in PartState::ALL.into_iter().filter(|state| state.is_live()) {
         parts.extend(ledger.parts_in_state(state).await?);
     }
     parts.extend(ledger.parts_since(PartState::Rejected, Timestamp::MIN, Timestamp::MAX, REJECTED_LISTED).await?);
@@ -143,25 +139,17 @@ async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
 impl FarmStatus {
     /// For people; tables that are wider than so many columns are lists.
     pub fn print(&self, now: Timestamp, columns: usize) -> String {
-        let mut table = Table::new(&[
-            "PROFILE",
-            ">WAITING",
-            ">COPIES",
-            ">OLDEST",
-            "DUE (UTC)",
-            "NEXT BUILD",
-            "NOW",
-            ">REJECTED",
-            "LAST PUBLISHED (UTC)",
-        ]);
-        for machine in &self.profiles {
-            table.row(machine.cells(now));
-        }
+        let machine = |machine: &Machine| MachineNow {
+            forecast: machine.forecast.clone(),
+            is_configured: machine.configured,
+            now,
+        };
+        let table = Table::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>());
         let attention = attention_text(&self.attention);
         let gap = if attention.is_empty() { "" } else { "\n" };
         let mut text = format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.within(columns));
         if let Some(parts) = &self.parts {
-            text += &format!("\n{}", parts_table(parts).within(columns));
+            text += &format!("\n{}", Table::of(PART_COLUMNS, parts).within(columns));
         }
         text
     }
@@ -197,61 +185,7 @@ impl FarmStatus {
             return daemon.status.clone();
         }
         let machines = self.profiles.iter().filter(|machine| machine.configured).count();
-        farm::summary(machines, self.profiles.iter().map(|machine| &machine.status))
-    }
-}
-
-impl Machine {
-    fn new(configured: bool, status: ProfileStatus) -> Self {
-        Self { configured, status, fires_at_latest: None, fires_by: None }
-    }
-
-    fn cells(&self, now: Timestamp) -> Vec<String> {
-        let status = &self.status;
-        let last = status.last_published.as_ref().map_or_else(
-            || "-".to_owned(),
-            |b| format!("build {}, {} mm, {}", b.build, number(b.height_mm, 2), brief(Some(b.published_at))),
-        );
-        vec![
-            status.profile.clone(),
-            status.waiting_parts.to_string(),
-            status.waiting_copies.to_string(),
-            age(status.oldest_at, now),
-            brief(status.due_at),
-            self.forecast(),
-            self.doing(),
-            status.rejected_parts.to_string(),
-            last,
-        ]
-    }
-
-    fn forecast(&self) -> String {
-        let open = self.status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
-        let open = open.map(|open| format!("{} mm, {}", number(open.height_mm, 2), copies(open.copies.unwrap_or(0))));
-        let fires = self.fires_at_latest.zip(self.fires_by);
-        let fires = fires.map(|(at, by)| format!("by {} ({by})", brief(Some(Utc(at)))));
-        match (open, fires) {
-            (None, None) => "-".to_owned(),
-            (open, fires) => open.into_iter().chain(fires).collect::<Vec<_>>().join(", "),
-        }
-    }
-
-    fn doing(&self) -> String {
-        let status = &self.status;
-        let mut doing: Vec<String> = Vec::new();
-        if !self.configured {
-            doing.push("not configured".to_owned());
-        }
-        if let Some(pause) = &status.paused {
-            doing.push(format!("paused by {}", text(&pause.paused_by)));
-        }
-        doing.extend(status.nesting.iter().map(|b| format!("build {} {} ({})", b.build, b.state, copies(b.copies))));
-        match (doing.is_empty(), status.claimed_parts, status.waiting_parts) {
-            (false, _, _) => doing.join(", "),
-            (true, 0, 0) => "idle".to_owned(),
-            (true, 0, _) => "collecting".to_owned(),
-            (true, reading, _) => format!("reading {reading}"),
-        }
+        farm::summary(machines, self.profiles.iter().map(|machine| &machine.forecast.status))
     }
 }
 
@@ -266,28 +200,10 @@ fn attention_text(notices: &[Notice]) -> String {
     }
 }
 
-fn attention_json(notices: &[Notice]) -> Vec<serde_json::Value> {
-    notices.iter().map(farm::notice_in_json).collect()
+fn attention_json(notices: &[Notice]) -> Vec<ToldNotice> {
+    notices.iter().map(ToldNotice::from).collect()
 }
 
 fn attention_as_json<S: serde::Serializer>(notices: &[Notice], serializer: S) -> Result<S::Ok, S::Error> {
     attention_json(notices).serialize(serializer)
-}
-
-fn parts_table(parts: &[PartRow]) -> Table {
-    let mut table =
-        Table::new(&[">PART", "PROFILE", "STATE", ">COPIES", ">PRIORITY", "ORDER", "NAME", "REASON OR WARNING"]);
-    for part in parts {
-        table.row(vec![
-            part.id.to_string(),
-            part.profile.clone(),
-            part.state.to_string(),
-            part.copies.to_string(),
-            part.priority.to_string(),
-            text(&part.order_name),
-            part.full_name(),
-            text(if part.reason.is_empty() { &part.warnings } else { &part.reason }).replace('\n', "; "),
-        ]);
-    }
-    table
 }

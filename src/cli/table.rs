@@ -6,25 +6,40 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use build_file::{counted, is_invisible, visible, visible_lines};
+use build_file::{is_invisible, visible, visible_lines};
 
-/// A table; the columns of a heading that starts with '>' stand to the right.
+use crate::tables::{FieldDefinition, TableColumn, for_people};
+
+/// A table; numbers stand to the right.
 #[derive(Debug, Clone)]
 pub struct Table {
-    heads: Vec<&'static str>,
+    heads: Vec<TableHead>,
     rows: Vec<Vec<String>>,
 }
 
-impl Table {
-    /// An empty table.
-    pub fn new(heads: &[&'static str]) -> Self {
-        Self { heads: heads.to_vec(), rows: Vec::new() }
-    }
+/// The head of a column.
+#[derive(Debug, Clone)]
+struct TableHead {
+    text: String,
+    is_right: bool,
+}
 
-    /// Adds a row, one cell per heading.
-    pub fn row(&mut self, cells: Vec<String>) {
-        debug_assert_eq!(cells.len(), self.heads.len());
-        self.rows.push(cells.iter().map(|cell| visible(cell)).collect());
+impl TableHead {
+    fn of(field: &FieldDefinition) -> Self {
+        Self { text: field.terminal_heading(), is_right: field.is_number() }
+    }
+}
+
+impl Table {
+    /// Rows in the columns that people see.
+    pub fn of<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> Self {
+        let cell = |column: &TableColumn<Row>, row: &Row| {
+            visible(&column.field.cell_text(&(column.value)(row)).unwrap_or_else(|| "-".to_owned()))
+        };
+        Self {
+            heads: for_people(columns).map(|column| TableHead::of(&column.field)).collect(),
+            rows: rows.iter().map(|row| for_people(columns).map(|column| cell(column, row)).collect()).collect(),
+        }
     }
 
     /// Whether there is no row.
@@ -45,7 +60,7 @@ impl Table {
     fn list(&self, row: &[String], columns: usize) -> String {
         let mut lines: Vec<String> = Vec::new();
         for (head, cell) in self.heads.iter().zip(row) {
-            let pair = format!("{}: {cell}", head.trim_start_matches('>'));
+            let pair = format!("{}: {cell}", head.text);
             match lines.last_mut() {
                 Some(line) if line.chars().count() + 2 + pair.chars().count() <= columns => {
                     *line += &format!("  {pair}")
@@ -58,7 +73,7 @@ impl Table {
     }
 
     fn width(&self, column: usize) -> usize {
-        let head = self.heads[column].trim_start_matches('>').chars().count();
+        let head = self.heads[column].text.chars().count();
         self.rows.iter().map(|row| row[column].chars().count()).fold(head, usize::max)
     }
 }
@@ -66,13 +81,12 @@ impl Table {
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let widths: Vec<usize> = (0..self.heads.len()).map(|column| self.width(column)).collect();
-        let heads: Vec<String> = self.heads.iter().map(|head| head.trim_start_matches('>').to_owned()).collect();
+        let heads: Vec<String> = self.heads.iter().map(|head| head.text.clone()).collect();
         for row in std::iter::once(&heads).chain(&self.rows) {
-            let cells =
-                row.iter().zip(&widths).zip(&self.heads).map(|((cell, &width), head)| match head.starts_with('>') {
-                    true => format!("{cell:>width$}"),
-                    false => format!("{cell:<width$}"),
-                });
+            let cells = row.iter().zip(&widths).zip(&self.heads).map(|((cell, &width), head)| match head.is_right {
+                true => format!("{cell:>width$}"),
+                false => format!("{cell:<width$}"),
+            });
             writeln!(f, "{}", cells.collect::<Vec<_>>().join("  ").trim_end())?;
         }
         Ok(())
@@ -119,66 +133,38 @@ fn escaped_json(json: &str) -> String {
     out
 }
 
-/// A number with so many decimals, "-" when there is none.
-pub fn number(value: Option<f64>, decimals: usize) -> String {
-    value.map_or_else(dash, |v| format!("{v:.decimals$}"))
-}
-
-/// Whatever prints, "-" when there is none.
-pub fn or_dash(value: Option<impl fmt::Display>) -> String {
-    value.map_or_else(dash, |v| v.to_string())
-}
-
-/// '1 copy', '2 copies'.
-pub fn copies(count: u32) -> String {
-    counted(count, "copy", "copies")
-}
-
-/// A share 0..1 in percent.
-pub fn percent(share: Option<f64>) -> String {
-    number(share.map(|s| 100.0 * s), 1)
-}
-
-/// A text, "-" when it is empty.
-pub fn text(value: &str) -> String {
-    if value.is_empty() { dash() } else { value.to_owned() }
-}
-
-fn dash() -> String {
-    "-".to_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tables::fields;
+
+    /// (name, waiting copies, what is next, what it does now)
+    type Sample = (&'static str, u32, &'static str, &'static str);
+
+    const COLUMNS: &[TableColumn<Sample>] = &[
+        TableColumn::new("name", fields::NAME, |row| row.0.into()),
+        TableColumn::new("copies", fields::COPIES, |row| row.1.into()),
+        TableColumn::for_programs("hidden", fields::KIND, |row| row.0.into()),
+        TableColumn::for_people("next", fields::NEXT_BUILD, |row| row.2.into()),
+        TableColumn::new("now", fields::NOW, |row| row.3.into()),
+    ];
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell_and_numbers_stand_to_the_right() {
-        let mut table = Table::new(&["NAME", ">COPIES", "STATE"]);
-        table.row(vec!["größe.stl".into(), "3".into(), "waiting".into()]);
-        table.row(vec!["a\u{1b}".into(), "12".into(), String::new()]);
-        assert_eq!(table.to_string(), "NAME       COPIES  STATE\ngröße.stl       3  waiting\na\\u{1b}        12\n");
+        let table = Table::of(COLUMNS, &[("größe.stl", 3, "", "waiting"), ("a\u{1b}", 12, "", "")]);
+        let text = "NAME       COPIES  NEXT BUILD  NOW\ngröße.stl       3  -           waiting\na\\u{1b}        12  -           -\n";
+        assert_eq!(table.to_string(), text);
     }
 
     #[test]
     fn a_table_that_is_too_wide_is_a_list_that_leaves_nothing_out() {
-        let mut table = Table::new(&["PROFILE", ">WAITING", "NEXT BUILD", "NOW"]);
-        table.row(vec!["mjf".into(), "3".into(), "55.61 mm, 11 copies".into(), "collecting".into()]);
-        table.row(vec!["sls".into(), "0".into(), "-".into(), "idle".into()]);
-        assert_eq!(table.within(49), table.to_string());
-        let list = "PROFILE: mjf  WAITING: 3\n  NEXT BUILD: 55.61 mm, 11 copies\n  NOW: collecting\n\
-                    PROFILE: sls  WAITING: 0  NEXT BUILD: -\n  NOW: idle\n";
-        assert_eq!(table.within(48), list);
+        let rows = [("mjf", 3, "55.61 mm, 11 copies", "collecting"), ("sls", 0, "", "idle")];
+        let table = Table::of(COLUMNS, &rows);
+        let width = table.to_string().lines().map(|line| line.chars().count()).max().unwrap();
+        assert_eq!(table.within(width), table.to_string());
+        let list = "NAME: mjf  COPIES: 3\n  NEXT BUILD: 55.61 mm, 11 copies\n  NOW: collecting\n\
+                    NAME: sls  COPIES: 0  NEXT BUILD: -\n  NOW: idle\n";
+        assert_eq!(table.within(36), list);
         assert_eq!(table.within(12).matches(": ").count(), 8, "however narrow it is");
-    }
-
-    #[test]
-    fn what_is_not_known_is_a_dash() {
-        assert_eq!((number(None, 2), number(Some(87.5), 2), percent(Some(0.2149))), dashes());
-        assert_eq!((or_dash(None::<u32>), or_dash(Some(3)), text("")), ("-".into(), "3".into(), "-".into()));
-    }
-
-    fn dashes() -> (String, String, String) {
-        ("-".into(), "87.50".into(), "21.5".into())
     }
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 use nester::Tilt;
 
-use super::{Cli, Exit, command, command::Order, history, lookup, lookup::Wanted, show_text, status};
+use super::{Cli, Exit, command, command::Order, lookup, lookup::Wanted, show_text, status, table};
 use crate::ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Refusal, Tilts, fixtures::*};
 
 fn words(text: &str) -> Vec<String> {
@@ -97,9 +97,13 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
     let id = waiting(&ledger, "a", 2).await;
     published(&ledger, &[(id, 0), (id, 1)]).await;
     let rows = ledger.history(&HistoryQuery::default()).await.unwrap();
-    let table = history::table(&rows).to_string();
+    let table = table::Table::of(crate::tables::HISTORY_COLUMNS, &rows).to_string();
     assert!(table.lines().nth(1).unwrap().contains("87.50"), "{table}");
-    let csv = crate::ledger::HistoryRow::csv(&rows).unwrap();
+    let heads: Vec<String> =
+        crate::tables::for_people(crate::tables::HISTORY_COLUMNS).map(|c| c.field.terminal_heading()).collect();
+    let printed = table.lines().next().unwrap().split("  ").map(str::trim).filter(|head| !head.is_empty());
+    assert_eq!(printed.collect::<Vec<_>>(), heads);
+    let csv = crate::tables::csv_of(crate::tables::HISTORY_COLUMNS, &rows).unwrap();
     let json = serde_json::to_value(&rows).unwrap();
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let heads = reader.headers().unwrap().clone();
@@ -113,7 +117,11 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
             number => assert_eq!(cell.parse::<f64>().unwrap(), number.as_f64().unwrap(), "{head}"),
         }
     }
-    assert_eq!(crate::ledger::HistoryRow::csv(&[]).unwrap().lines().count(), 1, "headings even when there is no build");
+    assert_eq!(
+        crate::tables::csv_of(crate::tables::HISTORY_COLUMNS, &[]).unwrap().lines().count(),
+        1,
+        "headings even when there is no build"
+    );
 }
 
 #[test]
@@ -151,7 +159,8 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let text = show_text::found(&found);
     for told in [
         "Build 1 of paper-200: complete",
-        "87.50 mm, no build of these parts is below 40.00 mm",
+        "height      87.50 mm",
+        "lower bound 40.00 mm: no build of these parts is lower",
         "3.00 mm asked, 3.020 mm proved",
         "ann@farm  fine",
         "Part 1, fan.stl: waiting",
@@ -168,7 +177,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let order = lookup::look(&ledger, &Wanted::parse(&words("kit 7"))).await.unwrap();
     assert!(show_text::found(&order).starts_with("Order kit 7\n\n"));
     let named = show_text::found(&lookup::look(&ledger, &Wanted::parse(&words("fan.stl"))).await.unwrap());
-    assert!(named.starts_with("Part 1, fan.stl: waiting") && named.contains("clearance   4.5 mm"), "{named}");
+    assert!(named.starts_with("Part 1, fan.stl: waiting") && named.contains("clearance   4.50 mm"), "{named}");
     let open = ledger.open_build("paper-200").await.unwrap().id;
     let open = show_text::found(&lookup::look(&ledger, &Wanted::parse(&[format!("b{open}")])).await.unwrap());
     assert!(open.contains("0 in the layout so far, 1 wait"), "{open}");

@@ -86,7 +86,7 @@ pub use farm::Load;
 pub use invariants::{Invariant, Looked, Violation, Witness, invariants};
 pub use lost_ledger::lost as lost_ledger;
 pub use marked::demand_readable;
-pub use notices::{Outside, in_json as notice_in_json, kept_notices};
+pub use notices::{Outside, kept_notices};
 pub use owner::OwnerError;
 pub use reconciled::Reconciled;
 pub use refused::dismiss;

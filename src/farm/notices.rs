@@ -234,7 +234,7 @@ fn write(state_dir: &Path, notices: &[Notice]) -> io::Result<()> {
 }
 
 /// A notice as JSON, with its words.
-pub fn in_json(notice: &Notice) -> serde_json::Value {
+fn in_json(notice: &Notice) -> serde_json::Value {
     serde_json::json!({
         "kind": notice.kind,
         "profile": notice.profile,

@@ -7,6 +7,7 @@ use rustix::{
     process::{Pid, test_kill_process},
     system::uname,
 };
+use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::FromRow;
 
@@ -38,7 +39,7 @@ pub struct Beat {
 }
 
 /// The daemon that served this ledger last.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
 pub struct DaemonRow {
     /// Process.
     pub pid: u32,

@@ -1,7 +1,7 @@
 //! The history: builds with their heights, newest first.
 
-use build_file::cell;
 use jiff::Timestamp;
+use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::FromRow;
 
@@ -45,7 +45,7 @@ pub enum HistorySort {
 }
 
 /// A build that is past nesting.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
 pub struct HistoryRow {
     /// Its number.
     pub build: BuildId,
@@ -100,7 +100,7 @@ pub struct HistoryRow {
 }
 
 /// What the published builds of a machine come to: a powder-bed machine is paid by its height.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
 pub struct HeightSum {
     /// Machine profile.
     pub profile: String,
@@ -147,64 +147,6 @@ impl HistoryRow {
     /// Share of the height of the machine's volume that it uses, 0..1.
     pub fn used(&self) -> Option<f64> {
         Some(self.height_mm? / self.volume_z_mm.filter(|z| *z > 0.0)?)
-    }
-
-    /// Columns of the CSV, in its order.
-    pub const COLUMNS: [&str; 25] = [
-        "build",
-        "profile",
-        "state",
-        "at",
-        "published_at",
-        "height_mm",
-        "volume_z_mm",
-        "density",
-        "lower_bound_mm",
-        "layers",
-        "parts",
-        "copies",
-        "part_volume_mm3",
-        "clearance_mm",
-        "clearance_proved_mm",
-        "cpu_secs",
-        "wall_secs",
-        "evaluations",
-        "seed",
-        "method",
-        "version",
-        "fired_by",
-        "file_name",
-        "reason",
-        "note",
-    ];
-
-    /// The row with texts that are no formulas; numbers stay numbers.
-    fn as_cells(&self) -> Self {
-        let some = |text: &Option<String>| text.as_deref().map(cell);
-        Self {
-            profile: cell(&self.profile),
-            method: some(&self.method),
-            version: some(&self.version),
-            fired_by: cell(&self.fired_by),
-            file_name: some(&self.file_name),
-            reason: cell(&self.reason),
-            note: cell(&self.note),
-            ..self.clone()
-        }
-    }
-
-    /// Rows as CSV for spreadsheets, every column, with a heading.
-    ///
-    /// # Errors
-    /// When a value cannot be written as a cell, which none of them is.
-    pub fn csv(rows: &[Self]) -> std::result::Result<String, csv::Error> {
-        let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-        writer.write_record(Self::COLUMNS)?;
-        for row in rows {
-            writer.serialize(row.as_cells())?;
-        }
-        let bytes = writer.into_inner().map_err(|error| error.into_error())?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Outcomes: what somebody told of a published build.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
@@ -9,7 +10,7 @@ use super::{BuildId, BuildState, Ledger, LedgerError, Utc, error::Result, word::
 const TOLD: &[BuildState] = &[BuildState::Published, BuildState::Printing];
 
 /// What became of a published build.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
     /// The machine has begun.

@@ -1,13 +1,14 @@
 //! The two state machines of the farm. A state is one enum, moved by one function; the `CHECK`s of the schema say the
 //! same words, and a test compares the two.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::word::own_word;
 
 /// Where a part stands in its life.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum PartState {
     /// Taken out of the hot folder, not read yet.
@@ -23,7 +24,7 @@ pub enum PartState {
 }
 
 /// Where a build stands in its life.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum BuildState {
     /// Collects the waiting parts of its profile; its layout is a forecast and takes no copy.
@@ -90,6 +91,11 @@ impl BuildState {
         Self::Interrupted,
         Self::Failed,
     ];
+
+    /// Whether its search is over, so that it stands in the history.
+    pub fn is_past_nesting(self) -> bool {
+        !matches!(self, Self::Open | Self::Nesting)
+    }
 
     /// The one function that moves a build.
     pub fn move_to(self, next: Self) -> Result<Self, IllegalMove> {

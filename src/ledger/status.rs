@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use jiff::{SignedDuration, Timestamp};
+use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::{FromRow, SqliteConnection};
 
@@ -12,7 +13,7 @@ use super::{BuildId, BuildState, Ledger, Utc, error::Result};
 pub const REFUSED_COUNTS: SignedDuration = SignedDuration::from_hours(30 * 24);
 
 /// A machine profile as it stands. Profiles about which the ledger knows nothing have none.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]
 pub struct ProfileStatus {
     /// Its name.
     pub profile: String,
@@ -22,7 +23,7 @@ pub struct ProfileStatus {
     pub waiting_parts: u32,
     /// Copies that wait.
     pub waiting_copies: u32,
-    /// Parts that were refused within [`REFUSED_COUNTS`] and nobody has taken back; cancelled ones do not count.
+    /// Parts that were refused in the last 30 days ([`REFUSED_COUNTS`]) and nobody has taken back; cancelled ones do not count.
     pub rejected_parts: u32,
     /// When the oldest waiting part was claimed.
     pub oldest_at: Option<Utc>,
@@ -41,7 +42,7 @@ pub struct ProfileStatus {
 }
 
 /// The forecast of the next build.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
 pub struct OpenBuild {
     /// Its number.
     pub build: BuildId,
@@ -54,7 +55,7 @@ pub struct OpenBuild {
 }
 
 /// A build that has fired and is not published.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
 pub struct NestingBuild {
     /// Its number.
     pub build: BuildId,
@@ -71,7 +72,7 @@ pub struct NestingBuild {
 }
 
 /// A pause.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
 pub struct Paused {
     /// user@host.
     pub paused_by: String,
@@ -80,7 +81,7 @@ pub struct Paused {
 }
 
 /// A build in the queue.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
 pub struct PublishedBuild {
     /// Its number.
     pub build: BuildId,

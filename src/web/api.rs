@@ -1,14 +1,12 @@
-//! The JSON interface: what the pages show, for machines. `openapi.json` describes it; a test compares.
+//! The JSON interface: what the pages show, for machines. `openapi` says at which addresses, and describes it.
 
 use std::sync::Arc;
 
 use axum::{
     Json,
     extract::{Path, Query, State},
-    http::header,
-    response::{IntoResponse, Response},
 };
-use jiff::Timestamp;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
@@ -20,30 +18,34 @@ use super::{
     state::Web,
 };
 use crate::{
-    farm::{FiredBy, fires_at, kept_notices, notice_in_json, standing},
+    farm::{kept_notices, standing},
     ledger::{BuildState, DaemonRow, HeightSum, HistoryRow, PartId, ProfileStatus, Utc},
+    tables::{MachineForecast, ToldNotice},
 };
 
 /// The farm as it stands.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Farm {
+    /// The daemon that serves or served the ledger.
     daemon: Option<DaemonRow>,
     /// What a person must see to.
-    needs_a_person: Vec<serde_json::Value>,
+    needs_a_person: Vec<ToldNotice>,
+    /// The machines that are configured.
     profiles: Vec<Machine>,
 }
 
-#[derive(Serialize)]
+/// A machine as it stands.
+#[derive(Serialize, JsonSchema)]
 struct Machine {
     #[serde(flatten)]
-    status: ProfileStatus,
+    forecast: MachineForecast,
+    /// Volume of the machine, mm.
     volume_mm: [f64; 3],
-    fires_at_latest: Option<Timestamp>,
-    fires_by: Option<FiredBy>,
     /// Whether it takes parts and gives builds, as the daemon saw it last; `None` = it was not looked at yet.
     available: Option<bool>,
-    /// Why not.
+    /// Why it is unavailable.
     trouble: Option<String>,
+    /// Since when it is unavailable.
     trouble_at: Option<Utc>,
 }
 
@@ -55,19 +57,16 @@ pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
         let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
         let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
         let station = stations.iter().find(|station| station.profile == *name);
-        let fires = fires_at(profile, &status);
         Machine {
-            fires_at_latest: fires.map(|fires| fires.at),
-            fires_by: fires.map(|fires| fires.by),
             volume_mm: profile.volume_mm.to_array(),
             available: station.map(|station| station.trouble.is_empty()),
             trouble: station.map(|station| station.trouble.clone()).filter(|trouble| !trouble.is_empty()),
             trouble_at: station.and_then(|station| station.trouble_at),
-            status,
+            forecast: MachineForecast::new(status, Some(profile)),
         }
     };
     let profiles = settings.profiles.iter().map(machine).collect();
-    let needs_a_person = kept_notices(&settings.state_dir).iter().map(notice_in_json).collect();
+    let needs_a_person = kept_notices(&settings.state_dir).iter().map(ToldNotice::from).collect();
     Ok(Json(Farm { daemon: web.ledger.daemon().await?, needs_a_person, profiles }))
 }
 
@@ -116,12 +115,4 @@ pub(super) async fn part(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
 /// Rows of the ledger as they are told.
 fn all<T, R: From<T>>(rows: Vec<T>) -> Vec<R> {
     rows.into_iter().map(R::from).collect()
-}
-
-/// What describes the interface.
-pub(super) const OPENAPI: &str = include_str!("assets/openapi.json");
-
-/// The description.
-pub(super) async fn openapi() -> Response {
-    ([(header::CONTENT_TYPE, "application/json")], OPENAPI).into_response()
 }

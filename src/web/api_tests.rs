@@ -1,9 +1,13 @@
-//! The JSON interface: every answer is as `openapi.json` says, and tells what the pages tell.
+//! The JSON interface: every answer is as its description says, and tells what the pages tell.
 
 use super::*;
-use crate::{ledger::OpenLayout, web::api::OPENAPI};
+use crate::{
+    ledger::OpenLayout,
+    tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, PART_COLUMNS, TableColumn, for_people},
+    web::openapi::described,
+};
 
-/// Whether a value is as a schema of `openapi.json` says; what is not, by its path.
+/// Whether a value is as a schema of the description says; what is not, by its path.
 fn unlike(
     schema: &serde_json::Value,
     value: &serde_json::Value,
@@ -14,6 +18,21 @@ fn unlike(
     if let Some(name) = schema.get("$ref").and_then(|r| r.as_str()) {
         let target = name.rsplit('/').next().unwrap();
         return unlike(&all["components"]["schemas"][target], value, all, path, faults);
+    }
+    if let Some(choices) = ["anyOf", "oneOf"].iter().find_map(|of| schema.get(of)?.as_array()) {
+        let faults_of = |choice| {
+            let mut faults = Vec::new();
+            unlike(choice, value, all, path, &mut faults);
+            faults
+        };
+        match choices.iter().map(faults_of).find(Vec::is_empty) {
+            Some(_) => return,
+            None => return faults.extend(faults_of(&choices[0])),
+        }
+    }
+    let words = schema.get("enum").and_then(|words| words.as_array()).cloned();
+    if words.or(schema.get("const").map(|word| vec![word.clone()])).is_some_and(|words| !words.contains(value)) {
+        return faults.push(format!("{path}: {value} is no word of {schema}"));
     }
     let kinds: Vec<&str> = match &schema["type"] {
         serde_json::Value::String(kind) => vec![kind],
@@ -53,7 +72,7 @@ fn unlike(
 
 #[tokio::test]
 async fn every_answer_of_the_json_interface_is_as_described() {
-    let all: serde_json::Value = serde_json::from_str(OPENAPI).unwrap();
+    let all = described();
     let dashboard = with_a_build("bracket.stl").await;
     let mut faults = Vec::new();
     for (path, asked) in [
@@ -86,6 +105,68 @@ async fn every_answer_of_the_json_interface_is_as_described() {
     assert!(faults.is_empty(), "{faults:#?}");
     let page = dashboard.get("/builds/one").await;
     assert!(page.status == StatusCode::BAD_REQUEST && page.text.contains("</html>"), "a page's error is a page");
+}
+
+#[tokio::test]
+async fn the_description_says_each_address_each_parameter_and_the_words_of_each_state() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let told: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/openapi.json").await.text).unwrap();
+    assert_eq!(told, described());
+    let parameters = |path: &str| -> Vec<String> {
+        let parameters = told["paths"][path]["get"]["parameters"].as_array().unwrap();
+        parameters.iter().map(|parameter| parameter["name"].as_str().unwrap().to_owned()).collect()
+    };
+    let sorted = |path: &str| {
+        let mut names = parameters(path);
+        names.sort();
+        names
+    };
+    assert_eq!(sorted("/api/v1/builds"), ["after", "part", "profile", "since", "sort", "state", "until"]);
+    assert_eq!(sorted("/api/v1/heights"), ["part", "profile", "since", "state", "until"]);
+    assert_eq!(sorted("/api/v1/parts"), ["after", "name", "profile", "state"]);
+    assert_eq!(parameters("/api/v1/parts/{part}"), ["part"]);
+    let text = told.to_string();
+    for words in [
+        crate::ledger::PartState::ALL.map(|state| state.to_string()).to_vec(),
+        crate::ledger::BuildState::ALL.map(|state| state.to_string()).to_vec(),
+        ["free", "upright", "axis", "fixed", "micron", "millimeter", "inch", "max_wait"].map(str::to_owned).to_vec(),
+    ] {
+        for word in words {
+            assert!(text.contains(&format!("\"{word}\"")), "{word}");
+        }
+    }
+    let unit = &told["components"]["schemas"]["Part"]["properties"]["unit"]["enum"];
+    assert_eq!(unit, &serde_json::json!(["micron", "millimeter", "centimeter", "inch", "foot", "meter", null]));
+    let described = |schema: &serde_json::Value| {
+        let fields = schema["properties"].as_object().into_iter().flatten();
+        let bare: Vec<&String> =
+            fields.filter(|(_, field)| field["description"].is_null()).map(|(name, _)| name).collect();
+        assert!(bare.is_empty(), "without a description: {bare:?} in {schema}");
+    };
+    told["components"]["schemas"].as_object().unwrap().values().for_each(described);
+    assert!(!text.contains("`None`") && !text.contains("[`"), "words of Rust");
+}
+
+#[tokio::test]
+async fn pages_head_their_columns_as_the_tables_say_and_files_and_json_by_the_same_keys() {
+    fn heads<Row>(columns: &[TableColumn<Row>]) -> String {
+        let head = |text: String, is_number| match is_number {
+            true => format!("<th class=\"n\" scope=\"col\">{text}</th>"),
+            false => format!("<th scope=\"col\">{text}</th>"),
+        };
+        for_people(columns).map(|column| head(column.field.page_heading(), column.field.is_number())).collect()
+    }
+    let dashboard = with_a_build("bracket.stl").await;
+    let history = dashboard.get("/history").await.text;
+    assert!(history.contains(&heads(HISTORY_COLUMNS)) && history.contains(&heads(HEIGHT_SUM_COLUMNS)), "{history}");
+    let parts = dashboard.get("/parts?state=built").await.text;
+    assert!(parts.contains(&heads(PART_COLUMNS)), "{parts}");
+    let csv = dashboard.get("/history.csv").await.text;
+    let mut keys: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    keys.sort_unstable();
+    let schemas = described()["components"]["schemas"].clone();
+    let fields: Vec<&String> = schemas["HistoryRow"]["properties"].as_object().unwrap().keys().collect();
+    assert_eq!(keys, fields);
 }
 
 #[tokio::test]

@@ -8,18 +8,19 @@ use maud::{Markup, html};
 
 use super::{
     chart, farm,
-    page::{facts, page},
-    part,
+    listing::{facts, table_of},
+    page::page,
     pick_map::PICTURE,
     problem::Answer,
     render::{build_of, version},
     state::Web,
-    words::{age, count, number, or_dash, percent, prose, text, time},
+    words::{count, prose},
 };
 use crate::{
     farm::{Standing, standing},
     ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
     settings::Profile,
+    tables::{BUILD_PART_COLUMNS, CountedPart, OUTCOME_COLUMNS, build_facts},
 };
 
 /// The page.
@@ -28,8 +29,8 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let parts = standing(&web.ledger, &build, &profile).await?;
     let copies = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
     // Of each part the copies that stand here: the others are in other builds, or wait.
-    let here = |(part, copies): (PartRow, Vec<Standing>)| PartRow { copies: copies.len() as u32, ..part };
-    let rows: Vec<PartRow> = parts.into_iter().map(here).collect();
+    let here = |(part, copies): (PartRow, Vec<Standing>)| CountedPart { part, copies: copies.len() as u32 };
+    let rows: Vec<CountedPart> = parts.into_iter().map(here).collect();
     let outcomes = web.ledger.outcomes(build.id).await?;
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
@@ -39,11 +40,11 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
         @if copies > 0 { (view(build.id.0, copies, &standing_now(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         @if let Some(fires) = fires(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
-        (what_is_known(&build, &profile, copies))
+        (facts(&build_facts(&build, Some(&profile), (copies.to_string(), None), Timestamp::now())))
         (curve(&build.curve()))
         (told(&outcomes))
         h2 { "Parts" }
-        (part::table(&rows, false, "Copies here"))
+        (table_of("Parts", None, BUILD_PART_COLUMNS, &rows))
     };
     Ok(page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
 }
@@ -91,55 +92,6 @@ pub(super) fn view(build: i64, copies: u32, version: &str) -> Markup {
     }
 }
 
-/// What is known of a build; of an open one less.
-pub(super) fn what_is_known(build: &BuildRow, profile: &Profile, copies: u32) -> Markup {
-    let volume_z_mm = Some(profile.volume_mm.z).filter(|z| *z > 0.0);
-    let layers = build.layers.or(build.height_mm.map(|height_mm| (height_mm / profile.layer_mm).ceil() as u32));
-    let mut known =
-        vec![("Height", html! { b { (number(build.height_mm, 2)) " mm" } " of " (number(volume_z_mm, 0)) " mm" })];
-    if build.lower_bound_mm.is_some() {
-        known
-            .push(("Lower bound", html! { (number(build.lower_bound_mm, 2)) " mm: no build of these parts is lower" }));
-    }
-    if let Some(layers) = layers {
-        known.push(("Layers", html! { (layers) " of " (profile.layer_mm) " mm" }));
-    }
-    if build.density.is_some() {
-        known.push(("Density", html! { (percent(build.density)) }));
-    }
-    let volume_cm3 = build.part_volume_mm3.map(|v| v / 1000.0);
-    known.push(("Copies", html! { (copies) @if volume_cm3.is_some() { ", " (number(volume_cm3, 1)) " cm3" } }));
-    known.push(("Clearance", clearance(build, profile)));
-    if let Some(method) = &build.method {
-        let search = html! { (method) ", seed " (or_dash(build.seed)) ", " (or_dash(build.evaluations)) " evaluations, "
-        (number(build.cpu_secs, 1)) " CPU s, " (number(build.wall_secs, 1)) " s" };
-        known.push(("Search", search));
-    }
-    if !build.fired_by.is_empty() {
-        known.push(("Fired by", html! { (build.fired_by) }));
-    }
-    known.push(("Opened", html! { (time(Some(build.opened_at))) }));
-    if let Some(at) = build.published_at {
-        known.push(("Published", html! { (time(Some(at))) ", " (age(at.0, Timestamp::now())) " ago" }));
-    }
-    if let Some(file) = &build.file_name {
-        known.push(("File", html! { (file) }));
-    }
-    facts(&known)
-}
-
-fn clearance(build: &BuildRow, profile: &Profile) -> Markup {
-    let asked_mm = build.clearance_mm.or(Some(profile.clearance_mm));
-    html! {
-        (number(asked_mm, 2)) " mm asked"
-        @match (build.clearance_proved_mm, build.verified_at) {
-            (Some(proved_mm), _) => { ", " (number(Some(proved_mm), 3)) " mm proved on the triangles" }
-            (None, Some(_)) => { ", proved: no two are near" }
-            (None, None) => { ", proved once it is fired" }
-        }
-    }
-}
-
 /// How the height fell.
 pub(super) fn curve(points: &Vec<(f64, f64)>) -> Markup {
     html! {
@@ -154,7 +106,7 @@ fn told(outcomes: &[OutcomeRow]) -> Markup {
     html! {
         @if !outcomes.is_empty() {
             h2 { "What became of it" }
-            ul { @for told in outcomes { li { (time(Some(told.told_at))) " " (told.outcome) " by " (told.told_by) ": " (text(&told.note)) } } }
+            (table_of("Outcomes", None, OUTCOME_COLUMNS, outcomes))
         }
     }
 }

@@ -7,17 +7,19 @@ use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
+    listing::facts,
     order::button,
-    page::{facts, page},
+    page::page,
     picture,
     problem::Answer,
     state::Web,
-    words::{DASH, age, count, number, percent, prose, time_utc},
+    words::{DASH, age, count, prose, time_utc},
 };
 use crate::{
     farm::{HALTED, Notice, fires_at, kept_notices, summary},
-    ledger::{CommandKind, DaemonRow, ProfileStatus, StationRow, Utc},
+    ledger::{CommandKind, DaemonRow, OpenBuild, ProfileStatus, StationRow, Utc},
     settings::Profile,
+    tables::{MachineForecast, SheetFact, fields, height_in_volume},
 };
 
 /// The page.
@@ -111,40 +113,26 @@ fn card(
     now: Timestamp,
 ) -> Markup {
     let name = profile.name.as_str();
-    let volume_z_mm = profile.volume_mm.z;
-    let open = status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0);
-    let height_mm = open.and_then(|open| open.height_mm);
-    let oldest = status.oldest_at.map_or_else(|| DASH.to_owned(), |at| age(at.0, now));
-    let fires = fires(profile, status);
+    let machine = MachineForecast::new(status.clone(), Some(profile));
+    let open = machine.forecast_build();
     html! {
         section.card aria-label=(name) {
             h2 { (name) }
             @for text in hindrance(status, station) { p.bad role="status" { (text) } }
             (shot)
-            @if let Some(open) = open {
-                p { "Open build " a href=(format!("/builds/{}", open.build)) { (open.build) } ": "
-                    b { (number(height_mm, 1)) " mm" } " of " (number(Some(volume_z_mm), 0)) " mm, "
-                    (percent(open.density)) " dense, " (count(open.copies.unwrap_or(0), "copy", "copies")) }
-                meter min="0" max=(volume_z_mm) value=(height_mm.unwrap_or(0.0))
-                    aria-label="Height of the open build, mm" {}
-            } @else { p { "No open build." } }
-            (facts(&[
-                ("Waiting", html! { (count(status.waiting_copies, "copy", "copies")) " of "
-                    (count(status.waiting_parts, "part", "parts")) }),
-                ("Oldest", html! { (oldest) }),
-                ("Fires", html! { (fires.as_deref().unwrap_or("–")) }),
-                ("Being read", html! { (count(status.claimed_parts, "file", "files")) }),
-                ("Refused", html! { @if status.rejected_parts > 0 {
-                    a href=(format!("/parts?state=rejected&profile={name}")) { (count(status.rejected_parts, "part", "parts")) }
-                } @else { "none" } }),
-            ]))
+            @if let Some(open) = open { (open_build(open, profile.volume_mm.z)) } @else { p { "No open build." } }
+            (facts(&waiting(&machine, fires(profile, status), now)))
+            @if status.rejected_parts > 0 {
+                p { a href=(format!("/parts?state=rejected&profile={name}")) { (fields::REJECTED.label) ": " (status.rejected_parts) } }
+            }
             @for build in &status.nesting {
                 p { "Build " a href=(format!("/builds/{}", build.build)) { (build.build) } " is being made: "
                     (count(build.copies, "copy", "copies")) "." }
             }
             @if let Some(last) = &status.last_published {
-                p { "Last: build " a href=(format!("/builds/{}", last.build)) { (last.build) } ", "
-                    (number(last.height_mm, 1)) " mm, " (time_utc(last.published_at)) }
+                p { (fields::LAST_PUBLISHED.label) ": build " a href=(format!("/builds/{}", last.build)) { (last.build) }
+                    @if let Some(height) = fields::HEIGHT.with_unit(last.height_mm) { ", " (height) }
+                    ", " (time_utc(last.published_at)) }
             }
             div.buttons {
                 (button(web, CommandKind::Flush, "Flush", &format!("{name}: publish what waits now"), name, None))
@@ -153,4 +141,29 @@ fn card(
             }
         }
     }
+}
+
+/// The forecast of the next build.
+fn open_build(open: &OpenBuild, volume_z_mm: f64) -> Markup {
+    let height = height_in_volume(open.height_mm, Some(volume_z_mm)).unwrap_or_else(|| DASH.to_owned());
+    let density = fields::DENSITY.with_unit(open.density).map(|density| format!(", {density} dense"));
+    html! {
+        p { "Open build " a href=(format!("/builds/{}", open.build)) { (open.build) } ": " b { (height) }
+            (density.unwrap_or_default()) ", " (count(open.copies.unwrap_or(0), "copy", "copies")) }
+        meter min="0" max=(volume_z_mm) value=(open.height_mm.unwrap_or(0.0)) aria-label="Height of the open build, mm" {}
+    }
+}
+
+/// What waits for a machine, and until when.
+fn waiting(machine: &MachineForecast, fires: Option<String>, now: Timestamp) -> Vec<SheetFact> {
+    let status = &machine.status;
+    let parts = count(status.waiting_parts, "part", "parts");
+    let lines = [
+        Some(fields::WAITING.fact_of(format!("{} of {parts}", count(status.waiting_copies, "copy", "copies")))),
+        fields::OLDEST.fact(machine.oldest(now)),
+        fields::DUE.fact(status.due_at),
+        fields::FIRES.fact(fires),
+        Some(fields::BEING_READ.fact_of(count(status.claimed_parts, "file", "files"))),
+    ];
+    lines.into_iter().flatten().collect()
 }

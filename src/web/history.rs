@@ -9,49 +9,65 @@ use axum::{
 };
 use jiff::{Timestamp, ToSpan, civil::Date, tz::TimeZone};
 use maud::{Markup, html};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
     asked::{known, query},
     chart,
+    listing::table_of,
     page::page,
     problem::{Answer, Problem},
     state::Web,
-    words::{count, number, or_dash, percent, text, time},
+    words::count,
 };
-use crate::ledger::{BuildId, HeightSum, HistoryQuery, HistoryRow, HistorySort};
+use crate::{
+    ledger::{BuildId, BuildState, HeightSum, HistoryQuery, HistoryRow, HistorySort},
+    tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, csv_of, fields},
+};
 
 /// Builds on a page.
 const MOST_ROWS: u32 = 500;
 
 /// What is asked for; empty fields ask for nothing.
-#[derive(Debug, Clone, Default, Deserialize, Serialize)]
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
+#[schemars(inline)]
 pub(super) struct Asked {
+    /// Of one machine profile.
     #[serde(skip_serializing_if = "String::is_empty")]
     profile: String,
+    /// In one state.
     #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(with = "BuildState")]
     state: String,
+    /// That hold a part of this file name or order.
     #[serde(skip_serializing_if = "String::is_empty")]
     part: String,
+    /// From this day on, UTC.
     #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(extend("format" = "date"))]
     since: String,
+    /// Up to this day, UTC.
     #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(extend("format" = "date"))]
     until: String,
+    /// By this column; the newest first where it is not said.
     #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(extend("enum" = SORTED.map(|(word, ..)| word)))]
     sort: String,
-    /// The last build of the page before.
+    /// Those that come after this build in that order: the last one of the page before.
     #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(with = "i64")]
     after: String,
 }
 
-/// Columns that a page can be sorted by.
-const SORTED: [(&str, &str); 5] = [
-    ("build", "Build"),
-    ("height", "Height, mm"),
-    ("density", "Density"),
-    ("copies", "Copies"),
-    ("profile", "Profile"),
+/// What a page can be sorted by beside the newest, with the field that it is sorted by.
+const SORTED: [(&str, HistorySort, FieldDefinition); 4] = [
+    ("height", HistorySort::Height, fields::HEIGHT),
+    ("density", HistorySort::Density, fields::DENSITY),
+    ("copies", HistorySort::Copies, fields::COPIES),
+    ("profile", HistorySort::Profile, fields::PROFILE),
 ];
 
 /// The rows of a page that are asked for, sorted.
@@ -68,13 +84,7 @@ fn query_of(asked: &Asked) -> Answer<HistoryQuery> {
         profile: some(&asked.profile),
         state: known(&asked.state, "a state of a build")?,
         part: some(&asked.part),
-        sort: match asked.sort.as_str() {
-            "height" => HistorySort::Height,
-            "density" => HistorySort::Density,
-            "copies" => HistorySort::Copies,
-            "profile" => HistorySort::Profile,
-            _ => HistorySort::Newest,
-        },
+        sort: SORTED.iter().find(|(word, ..)| *word == asked.sort).map_or(HistorySort::Newest, |&(_, sort, _)| sort),
         after: known::<i64>(&asked.after, "the number of a build")?.map(BuildId),
         limit: Some(MOST_ROWS + 1),
     })
@@ -129,23 +139,24 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
 }
 
 fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Markup {
-    let states = ["verified", "published", "printing", "complete", "interrupted", "failed"];
+    let states: Vec<String> =
+        BuildState::ALL.iter().filter(|state| state.is_past_nesting()).map(BuildState::to_string).collect();
     html! {
         form.filters method="get" action="/history" {
-            label { "Profile" select name="profile" {
+            label { (fields::PROFILE.label) select name="profile" {
                 option value="" { "all" }
                 @for name in profiles { option value=(name) selected[*name == asked.profile] { (name) } }
             } }
             label { "Outcome" select name="state" {
                 option value="" { "all" }
-                @for state in states { option value=(state) selected[state == asked.state] { (state) } }
+                @for state in &states { option value=(state) selected[*state == asked.state] { (state) } }
             } }
             label { "Part or order, whole name" input name="part" value=(asked.part); }
             label { "Since" input type="date" name="since" value=(asked.since); }
             label { "Until" input type="date" name="until" value=(asked.until); }
             label { "Sorted by" select name="sort" {
                 option value="" { "newest first" }
-                @for (value, label) in &SORTED[1..] { option value=(value) selected[*value == asked.sort] { (label) } }
+                @for (word, _, field) in &SORTED { option value=(word) selected[*word == asked.sort] { (field.page_heading()) } }
             } }
             button type="submit" { "Show" }
         }
@@ -153,54 +164,24 @@ fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Mar
 }
 
 fn sums_table(sums: &[HeightSum]) -> Markup {
-    html! {
-        @if !sums.is_empty() {
-            div.wide tabindex="0" role="region" aria-label="Heights" {
-                table {
-                    caption { "What was published in that time" }
-                    thead { tr { th scope="col" { "Machine" } th.n scope="col" { "Height, mm" } th.n scope="col" { "Builds" }
-                        th.n scope="col" { "Copies" } th.n scope="col" { "Mean density" } } }
-                    tbody { @for sum in sums { tr {
-                        td { (sum.profile) } td.n { b { (number(Some(sum.height_mm), 2)) } } td.n { (sum.builds) } td.n { (sum.copies) }
-                        td.n { (percent(sum.mean_density)) }
-                    } } }
-                }
-            }
-        }
-    }
+    let caption = "What was published in that time".to_owned();
+    html! { @if !sums.is_empty() { (table_of("Heights", Some(caption), HEIGHT_SUM_COLUMNS, sums)) } }
 }
 
 fn table(rows: &[HistoryRow], asked: &Asked) -> Markup {
+    let order = match asked.sort.as_str() {
+        "" => "the newest first".to_owned(),
+        sort => format!("sorted by {sort}"),
+    };
+    let caption = format!("{}, {order}", count(rows.len() as u32, "build", "builds"));
     html! {
-        @if rows.is_empty() { p { "No builds." } }
-        @else {
-            div.wide tabindex="0" role="region" aria-label="Builds" {
-                table {
-                    caption { (count(rows.len() as u32, "build", "builds"))
-                        @if asked.sort.is_empty() { ", the newest first" } @else { ", sorted by " (asked.sort) } }
-                    thead { tr {
-                        th scope="col" { "Build" } th scope="col" { "Profile" } th scope="col" { "State" }
-                        th scope="col" { "Time (UTC)" } th.n scope="col" { "Height, mm" } th.n scope="col" { "Bound, mm" }
-                        th.n scope="col" { "Density" } th.n scope="col" { "Used" } th.n scope="col" { "Layers" } th.n scope="col" { "Copies" }
-                        th.n scope="col" { "Proved, mm" } th scope="col" { "File or reason" }
-                    } }
-                    tbody { @for row in rows { tr {
-                        td { a href=(format!("/builds/{}", row.build)) { (row.build) } }
-                        td { (row.profile) } td { (row.state) } td { (time(Some(row.at))) }
-                        td.n { (number(row.height_mm, 2)) } td.n { (number(row.lower_bound_mm, 2)) }
-                        td.n { (percent(row.density)) } td.n { (percent(row.used())) } td.n { (or_dash(row.layers)) } td.n { (or_dash(row.copies)) }
-                        td.n { (number(row.clearance_proved_mm, 3)) }
-                        td { (row.file_name.as_deref().unwrap_or_else(|| text(&row.reason))) }
-                    } } }
-                }
-            }
-        }
+        @if rows.is_empty() { p { "No builds." } } @else { (table_of("Builds", Some(caption), HISTORY_COLUMNS, rows)) }
     }
 }
 
 /// What is shown, as CSV.
 pub(super) async fn csv(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Response> {
-    let text = HistoryRow::csv(&rows(&web, &asked).await?).map_err(anyhow::Error::from)?;
+    let text = csv_of(HISTORY_COLUMNS, &rows(&web, &asked).await?).map_err(anyhow::Error::from)?;
     let name = "attachment; filename=\"nestd-history.csv\"";
     Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8"), (header::CONTENT_DISPOSITION, name)], text).into_response())
 }

@@ -49,10 +49,3 @@ pub(super) fn error(status: StatusCode, text: &str) -> Markup {
     };
     page(title, "", None, &content)
 }
-
-/// Facts as a list of terms.
-pub(super) fn facts(rows: &[(&str, Markup)]) -> Markup {
-    html! {
-        dl.facts { @for (name, value) in rows { div { dt { (name) } dd { (value) } } } }
-    }
-}

@@ -4,36 +4,45 @@ use std::sync::Arc;
 
 use axum::extract::{Path, Query, State};
 use maud::{Markup, html};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
     asked::{known, query},
+    listing::{facts, table_of},
     order::button,
-    page::{facts, page},
+    page::page,
     problem::{Answer, Problem},
     state::Web,
-    words::{DASH, count, number, prose, text, time},
+    words::{count, prose},
 };
 use crate::{
     farm::copies_so_far,
     ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow},
+    tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, fields, part_facts},
 };
 
 /// Parts on a page.
 const MOST_PARTS: u32 = 500;
 
 /// What is asked for; empty fields ask for nothing.
-#[derive(Debug, Clone, Default, Deserialize, Serialize)]
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
+#[schemars(inline)]
 pub(super) struct Asked {
+    /// In one state.
     #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(with = "PartState")]
     state: String,
+    /// Of one machine profile.
     #[serde(skip_serializing_if = "String::is_empty")]
     profile: String,
+    /// Whose file name or order begins so.
     #[serde(skip_serializing_if = "String::is_empty")]
     name: String,
-    /// The last part of the page before.
+    /// Those that come after this part in that order: the last one of the page before.
     #[serde(skip_serializing_if = "String::is_empty")]
+    #[schemars(with = "i64")]
     after: String,
 }
 
@@ -64,11 +73,11 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
         h1 { "Parts" }
         form.filters method="get" action="/parts" {
             label { "File or order begins with" input name="name" value=(asked.name); }
-            label { "State" select name="state" {
+            label { (fields::STATE.label) select name="state" {
                 option value="" { "all" }
                 @for state in &states { option value=(state) selected[*state == asked.state] { (state) } }
             } }
-            label { "Profile" select name="profile" {
+            label { (fields::PROFILE.label) select name="profile" {
                 option value="" { "all" }
                 @for name in settings.profiles.keys() { option value=(name) selected[*name == asked.profile] { (name) } }
             } }
@@ -77,34 +86,16 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
         @if asked.name.is_empty() && asked.state.is_empty() {
             p { "Parts that are claimed, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
         }
-        (table(&parts, more, "Copies"))
+        (table(&parts, more))
         @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { "The parts before these" } } }
     };
     Ok(page("Parts", "/parts", None, &content))
 }
 
-/// Parts as a table, of which there are more or not; `copies` is what their copies are counted of.
-pub(super) fn table(parts: &[PartRow], more: bool, copies: &str) -> Markup {
-    html! {
-        @if parts.is_empty() { p { "No parts." } }
-        @else {
-            div.wide tabindex="0" role="region" aria-label="Parts" {
-                table {
-                    caption { (count(parts.len() as u32, "part", "parts")) @if more { ", the newest of more" } }
-                    thead { tr {
-                        th scope="col" { "Part" } th scope="col" { "File" } th scope="col" { "Order" } th scope="col" { "Profile" }
-                        th scope="col" { "State" } th.n scope="col" { (copies) } th scope="col" { "Due" } th scope="col" { "Reason or warning" }
-                    } }
-                    tbody { @for part in parts { tr {
-                        td { a href=(format!("/parts/{}", part.id)) { (part.id) } }
-                        td { (part.full_name()) } td { (text(&part.order_name)) } td { (part.profile) } td { (part.state) }
-                        td.n { (part.copies) } td { (time(part.due_at)) }
-                        td { (prose(if part.reason.is_empty() { text(&part.warnings) } else { &part.reason })) }
-                    } } }
-                }
-            }
-        }
-    }
+/// Parts as a table, of which there are more or not.
+fn table(parts: &[PartRow], more: bool) -> Markup {
+    let caption = count(parts.len() as u32, "part", "parts") + if more { ", the newest of more" } else { "" };
+    html! { @if parts.is_empty() { p { "No parts." } } @else { (table_of("Parts", Some(caption), PART_COLUMNS, parts)) } }
 }
 
 /// One part.
@@ -123,7 +114,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
         h1 { "Part " (number) ": " (part.full_name()) }
         @if !part.reason.is_empty() { p.bad role="status" { (prose(&part.reason)) } }
         @for warning in part.warnings.lines() { p.warn { (prose(warning)) } }
-        (what_it_is(&part))
+        (facts(&part_facts(&part, part.copies.to_string())))
         div.buttons {
             @if part.state == PartState::Rejected { (button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
             @if part.state == PartState::Waiting { (button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
@@ -131,9 +122,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
         h2 { "Where its copies are" }
         (copies(&part, &placements, open))
         h2 { "What happened" }
-        ul { @for event in &events { li { (time(Some(event.at))) " " (event.kind)
-            @if let Some(build) = event.build_id { " (build " a href=(format!("/builds/{build}")) { (build) } ")" }
-            @if !event.detail.is_empty() { ": " (event.detail) } } } }
+        (table_of("Events", None, EVENT_COLUMNS, &events))
         @if !same.is_empty() { h2 { "The same file at other times" } (newest(same)) }
         @if !named.is_empty() { h2 { "Other files of this name" } (newest(named)) }
     };
@@ -144,30 +133,7 @@ fn newest(mut parts: Vec<PartRow>) -> Markup {
     let more = parts.len() > MOST_PARTS as usize;
     parts.reverse();
     parts.truncate(MOST_PARTS as usize);
-    table(&parts, more, "Copies")
-}
-
-fn what_it_is(part: &PartRow) -> Markup {
-    let size = part.size_mm().map_or_else(|| DASH.to_owned(), |[x, y, z]| format!("{x:.1} x {y:.1} x {z:.1} mm"));
-    facts(&[
-        ("State", html! { (part.state) " since " (time(Some(part.state_at))) }),
-        ("Profile", html! { (part.profile) }),
-        ("Order", html! { (text(&part.order_name)) }),
-        ("Copies", html! { (part.copies) }),
-        ("Priority, due", html! { (part.priority) ", " (time(part.due_at)) }),
-        ("Size", html! { (size) }),
-        (
-            "Volume",
-            html! {
-                @if let (Some(volume_mm3), Some(triangles)) = (part.volume_mm3, part.triangles) {
-                    (number(Some(volume_mm3 / 1000.0), 2)) " cm3, " (triangles) " triangles"
-                } @else { "not read yet" }
-            },
-        ),
-        ("Orientation", html! { (format!("{:?}", part.orientation).to_lowercase()) }),
-        ("Note", html! { (text(&part.note)) }),
-        ("Content", html! { code { (part.content_hash) } }),
-    ])
+    table(&parts, more)
 }
 
 /// The open build in whose layout copies of a part stand so far, and how many.
@@ -193,20 +159,7 @@ fn copies(part: &PartRow, placements: &[PlacementRow], open: Option<(BuildId, u3
             }
         }
         @if !placements.is_empty() {
-            div.wide tabindex="0" role="region" aria-label="Copies" {
-                table {
-                    thead { tr { th.n scope="col" { "Copy" } th scope="col" { "Build" } th scope="col" { "State" }
-                        th scope="col" { "Published" } th scope="col" { "Origin of its mesh in the cake, mm" } } }
-                    tbody { @for placed in placements { tr {
-                        td.n { (placed.copy + 1) }
-                        td { a href=(format!("/builds/{}#part-{}", placed.build_id, part.id)) { (placed.build_id) ", marked" } }
-                        td { (placed.build_state) } td { (time(placed.published_at)) }
-                        td { @if placed.tx_mm.is_some() {
-                            (number(placed.tx_mm, 1)) ", " (number(placed.ty_mm, 1)) ", " (number(placed.tz_mm, 1))
-                        } @else { "not placed yet" } }
-                    } } }
-                }
-            }
+            (table_of("Copies", None, PLACEMENT_COLUMNS, placements))
         }
     }
 }

@@ -10,16 +10,17 @@ use maud::{Markup, html};
 
 use super::{
     page::page,
-    pick_map::{List, Map, PICTURE},
+    pick_map::{Map, PICTURE},
     problem::Answer,
     render::{Kept, build_of, of_cake, version},
     state::Web,
-    words::{count, number, time_utc},
+    words::{count, time_utc},
 };
 use crate::{
     farm::Cake,
     ledger::{BuildRow, BuildState},
     settings::Profile,
+    tables::{PickList, fields},
 };
 
 /// Maps that are kept; some 100 kB each.
@@ -32,7 +33,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let Map { copies, sheets, .. } = map_of(&web, &build, &profile).await?;
     let content = html! {
         h1 { (title) }
-        p { (build.profile) ", " (number(build.height_mm, 2)) " mm, " (count(copies as u32, "copy", "copies")) ", " (build.state)
+        p { (build.profile) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
             @if let Some(at) = build.published_at { " " (time_utc(at)) }
             @if let Some(file) = &build.file_name { ": " (file) } "." }
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
@@ -47,7 +48,7 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
 }
 
 /// The list, for machines.
-pub(super) async fn list(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Json<Arc<List>>> {
+pub(super) async fn list(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Json<Arc<PickList>>> {
     let (build, profile) = build_of(&web, number_of_build).await?;
     Ok(Json(map_of(&web, &build, &profile).await?.list))
 }

@@ -4,17 +4,18 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use maud::{Markup, html};
-use serde::Serialize;
 use solids::Bounds;
 
 use super::{
     footprint::footprint,
     labels::{Label, apart},
-    words::{count, number, text},
+    listing::{cell, heading},
+    words::count,
 };
 use crate::{
     farm::{Cake, CakePart, Standing},
     ledger::DrawnOut,
+    tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, for_people, goes_down},
 };
 
 /// Corners of a footprint are no closer, mm.
@@ -26,15 +27,12 @@ const BAND_MM: f64 = 10.0;
 /// Copies of a sheet of the map when they come in a proved order.
 const OF_SHEET: usize = 16;
 
-/// What of a way, a unit vector, goes to a side so little is not told.
-const SLIGHT: f64 = 0.2;
-
 /// A pick map as it is kept.
 #[derive(Clone)]
 pub(super) struct Map {
     pub(super) copies: usize,
     pub(super) sheets: Markup,
-    pub(super) list: Arc<List>,
+    pub(super) list: Arc<PickList>,
 }
 
 impl Map {
@@ -42,35 +40,10 @@ impl Map {
     pub(super) fn of(cake: &Cake, number_of_build: i64) -> Self {
         let (picks, is_proved) = in_order(cake);
         let copies = (1..).zip(&picks).map(|(number, pick)| listed(number, pick)).collect();
-        let list = Arc::new(List { build: number_of_build, is_proved, copies });
-        let sheets = sheets(cake, (&picks, is_proved), |part| Some(format!("/parts/{part}")));
+        let list = Arc::new(PickList { build: number_of_build, is_proved, copies });
+        let sheets = sheets(cake, (&picks, is_proved), true);
         Self { copies: cake.copies(), sheets, list }
     }
-}
-
-/// The copies of a build in the order in which they come out of the cake.
-#[derive(Serialize)]
-pub(super) struct List {
-    build: i64,
-    /// Whether it is proved on the triangles that each comes out on a straight line past all that are listed after it; else
-    /// they are listed from the top down.
-    is_proved: bool,
-    copies: Vec<Listed>,
-}
-
-#[derive(Serialize)]
-struct Listed {
-    number: usize,
-    part: i64,
-    name: String,
-    order: String,
-    copy: u32,
-    top_mm: Option<f64>,
-    bottom_mm: Option<f64>,
-    center_x_mm: Option<f64>,
-    center_y_mm: Option<f64>,
-    /// Whereto it is drawn: a unit vector in the machine's frame.
-    way: Option<[f64; 3]>,
 }
 
 /// A copy to take out of the cake.
@@ -96,15 +69,11 @@ impl Pick<'_> {
     fn center_mm(&self) -> Option<DVec2> {
         self.bounds.map(|bounds| 0.5 * (bounds.min + bounds.max).truncate())
     }
-
-    fn goes_down(&self) -> bool {
-        self.drawn.is_some_and(|drawn| drawn.way[2] < -SLIGHT)
-    }
 }
 
-fn listed(number: usize, pick: &Pick<'_>) -> Listed {
+fn listed(number: usize, pick: &Pick<'_>) -> PickedCopy {
     let center_mm = pick.center_mm();
-    Listed {
+    PickedCopy {
         number,
         part: pick.part.part,
         name: pick.part.name.clone(),
@@ -124,16 +93,16 @@ pub(super) const PICTURE: &str = "The build, seen from the front, a little from 
 /// A whole map of a cake without links.
 pub(super) fn map(cake: &Cake) -> Markup {
     let (picks, is_proved) = in_order(cake);
-    sheets(cake, (&picks, is_proved), |_| None)
+    sheets(cake, (&picks, is_proved), false)
 }
 
-/// Sheet by sheet; `link` gives the address of a part.
-fn sheets(cake: &Cake, (picks, is_proved): (&[Pick<'_>], bool), link: impl Fn(i64) -> Option<String>) -> Markup {
+/// Sheet by sheet; parts are links where there are pages.
+fn sheets(cake: &Cake, (picks, is_proved): (&[Pick<'_>], bool), has_pages: bool) -> Markup {
     let sheets = if is_proved { by_number(picks) } else { by_height(picks) };
     let mut first = 1;
     html! {
-        p { (if is_proved { PROVED } else { BY_HEIGHT }) " x from the left, y from the front, top and bottom from the floor, mm." }
-        @if picks.iter().any(Pick::goes_down) { p { (DOWN) } }
+        p { (if is_proved { PROVED } else { BY_HEIGHT }) " x from the left, y from the front, top and bottom from the floor." }
+        @if picks.iter().any(|pick| pick.drawn.is_some_and(|drawn| goes_down(drawn.way))) { p { (DOWN) } }
         @if cake.missing() > 0 {
             p.bad { (count(cake.missing() as u32, "part is", "parts are"))
                 " listed without a place: the originals are no longer kept." }
@@ -144,10 +113,8 @@ fn sheets(cake: &Cake, (picks, is_proved): (&[Pick<'_>], bool), link: impl Fn(i6
                 div.sheet {
                     (plan(first, band, cake.volume_mm.x, cake.volume_mm.y))
                     div.wide tabindex="0" role="region" aria-label=(format!("Copies: {title}")) { table {
-                        thead { tr { th scope="col" { "Done" } th.n scope="col" { "No." } th.n scope="col" { "Top" } th.n scope="col" { "Bottom" }
-                            th.n scope="col" { "x" } th.n scope="col" { "y" } @if is_proved { th scope="col" { "Way" } }
-                            th scope="col" { "Part" } th scope="col" { "Order" } th.n scope="col" { "Copy" } } }
-                        tbody { @for (number, pick) in (first..).zip(band) { (row(number, pick, link(pick.part.part))) } }
+                        thead { tr { th scope="col" { "Done" } @for column in columns(is_proved) { (heading(&column.field)) } } }
+                        tbody { @for (number, pick) in (first..).zip(band) { (row(&listed(number, pick), is_proved, has_pages)) } }
                     } }
                 }
             }
@@ -191,26 +158,17 @@ fn by_height<'p, 'c>(picks: &'p [Pick<'c>]) -> Vec<(String, &'p [Pick<'c>])> {
     picks.chunk_by(|a, b| layer(a) == layer(b)).map(|band| (title(band), band)).collect()
 }
 
-/// A way in words: the sides that it goes to.
-fn whereto([x, y, z]: [f64; 3]) -> String {
-    let side = |value: f64, towards: &'static str, away: &'static str| match value {
-        value if value > SLIGHT => Some(towards),
-        value if value < -SLIGHT => Some(away),
-        _ => None,
-    };
-    let sides = [side(z, "up", "down"), side(x, "right", "left"), side(y, "back", "front")];
-    sides.into_iter().flatten().collect::<Vec<_>>().join(", ")
+/// A row of the list, with a box to tick.
+fn row(copy: &PickedCopy, is_proved: bool, has_pages: bool) -> Markup {
+    html! { tr {
+        td { "\u{2610}" }
+        @for column in columns(is_proved) { (cell(&column.field, &(column.value)(copy), has_pages)) }
+    } }
 }
 
-fn row(number_of: usize, pick: &Pick<'_>, link: Option<String>) -> Markup {
-    let center_mm = pick.center_mm();
-    html! { tr {
-        td { "\u{2610}" } td.n { (number_of) } td.n { (number(pick.top_mm(), 1)) } td.n { (number(pick.low_mm(), 1)) }
-        td.n { (number(center_mm.map(|c| c.x), 0)) } td.n { (number(center_mm.map(|c| c.y), 0)) }
-        @if let Some(drawn) = pick.drawn { td { (whereto(drawn.way)) } }
-        td { @if let Some(link) = link { a href=(link) { (pick.part.name) } } @else { (pick.part.name) } }
-        td { (text(&pick.part.order)) } td.n { (pick.copy) }
-    } }
+/// The columns of the list; without a proved order nobody knows the way.
+fn columns(is_proved: bool) -> impl Iterator<Item = &'static TableColumn<PickedCopy>> {
+    for_people(PICK_COLUMNS).filter(move |column| is_proved || column.key != "way")
 }
 
 /// What the copies of a sheet cover, from above, with their numbers, the first of which is `first`; the front is below.

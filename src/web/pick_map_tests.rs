@@ -35,7 +35,7 @@ fn drawn(part: &str, copy: u32, way: [f64; 3]) -> DrawnCopy {
 fn map_with(mut cake: Cake, order: &[DrawnCopy]) -> String {
     Told { order: order.to_vec(), ..Told::default() }.mark(&mut cake);
     let (picks, is_proved) = in_order(&cake);
-    sheets(&cake, (&picks, is_proved), |part| Some(format!("/p/{part}-"))).into_string()
+    sheets(&cake, (&picks, is_proved), true).into_string()
 }
 
 /// Where each of some texts stands in a page.
@@ -45,7 +45,7 @@ fn places<const N: usize>(page: &str, texts: [&str; N]) -> [usize; N] {
 
 #[test]
 fn copies_come_in_the_proved_order_where_it_names_them_all_and_else_by_height() {
-    let rows = ["/p/2-", "/p/1-"];
+    let rows = ["/parts/2\"", "/parts/1\""];
     let by_height = map_with(cake(true), &[]);
     assert!(by_height.contains("By height") && places(&by_height, rows)[0] < places(&by_height, rows)[1]);
     let ways = [[0.0, 0.0, 1.0], [0.9, 0.0, 0.4], [0.0, -1.0, 0.0]];

@@ -16,9 +16,9 @@ use super::{
     problem::Answer,
     render::{Kept, build_of, of_cake, version},
     state::Web,
-    words::{count, number},
+    words::count,
 };
-use crate::{farm::Cake, ledger::ProfileStatus};
+use crate::{farm::Cake, ledger::ProfileStatus, tables::fields};
 
 /// Widths that pages ask for, pixels; whatever is asked becomes the next of them.
 const WIDTHS: [u32; 2] = [480, 640];
@@ -61,8 +61,9 @@ pub(super) async fn of_profile(web: &Web, status: &ProfileStatus) -> Answer<Mark
     };
     let Some(build) = web.ledger.build(id).await? else { return Ok(html! {}) };
     // A build that has just fired without a layout has nothing to show yet.
-    let height =
-        build.height_mm.map_or_else(|| "height not known yet".to_owned(), |mm| number(Some(mm), 1) + " mm high");
+    let height = fields::HEIGHT
+        .with_unit(build.height_mm)
+        .map_or_else(|| "height not known yet".to_owned(), |height| height + " high");
     let copies = count(build.copies.unwrap_or(0), "copy", "copies");
     let alt = format!("Build {id}, {what}: {copies}, {height}");
     let source = format!("/builds/{id}/picture?width=480&of={}", version(&build));

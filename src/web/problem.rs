@@ -6,7 +6,8 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use serde_json::json;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use super::page;
 use crate::ledger::LedgerError;
@@ -59,6 +60,14 @@ impl IntoResponse for Problem {
 #[derive(Debug, Clone)]
 struct Why(String);
 
+/// What the JSON interface answers when it cannot answer.
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "Error")]
+pub(super) struct ApiError {
+    /// What is wrong.
+    error: String,
+}
+
 /// An answer that tells an error, in the form that is expected at an address: JSON below `/api/`, else a page.
 pub(super) fn in_form(response: Response, path: &str) -> Response {
     let status = response.status();
@@ -68,7 +77,7 @@ pub(super) fn in_form(response: Response, path: &str) -> Response {
     let why = response.extensions().get::<Why>().map(|why| why.0.clone());
     if path.starts_with("/api/") {
         let reason = || status.canonical_reason().unwrap_or("error").to_lowercase();
-        return (status, Json(json!({ "error": why.unwrap_or_else(reason) }))).into_response();
+        return (status, Json(ApiError { error: why.unwrap_or_else(reason) })).into_response();
     }
     // Of the library, in one line of plain text: an address whose number is none, a form that is none.
     if why.is_none() && status.is_client_error() {

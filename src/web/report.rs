@@ -5,17 +5,23 @@ use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use build_file::{BuildInfo, Viewpoint};
+use jiff::Timestamp;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
-    build::{curve, view, what_is_known},
-    page::facts,
+    build::{curve, view},
+    listing::{facts, table_of},
     pick_map,
     scene::packed,
     search::Told,
-    words::{count, number, or_dash, percent, text},
+    words::count,
 };
-use crate::{farm::Cake, ledger::BuildRow, settings::Profile};
+use crate::{
+    farm::Cake,
+    ledger::BuildRow,
+    settings::Profile,
+    tables::{CAKE_PART_COLUMNS, SheetFact, build_facts, fields, height_in_volume},
+};
 
 /// Triangles of the 3D view, about: what a mail may carry.
 const MOST_DRAWN: usize = 250_000;
@@ -87,7 +93,7 @@ impl Report<'_> {
             (self.facts(copies))
             (curve(&points))
             h2 { "Parts" }
-            (self.parts())
+            (table_of("Parts", None, CAKE_PART_COLUMNS, &self.cake.parts))
             h2 { "Pick map" }
             img.cake alt=(pick_map::PICTURE) width=(PICTURE.0) height=(PICTURE.1) src=(self.picture());
             (pick_map::map(&cake))
@@ -118,8 +124,10 @@ impl Report<'_> {
 
     fn facts(&self, copies: u32) -> Markup {
         match self.source {
-            Source::Ledger(build, profile) => what_is_known(build, profile, copies),
-            Source::File(file, info) => of_file(file, info, self.cake),
+            Source::Ledger(build, profile) => {
+                facts(&build_facts(build, Some(profile), (copies.to_string(), None), Timestamp::now()))
+            }
+            Source::File(file, info) => facts(&of_file(file, info, self.cake)),
         }
     }
 
@@ -132,17 +140,6 @@ impl Report<'_> {
                 told.mark(&mut cake);
                 (told.curve, Cow::Owned(cake))
             }
-        }
-    }
-
-    fn parts(&self) -> Markup {
-        html! {
-            div.wide tabindex="0" role="region" aria-label="Parts" { table {
-                thead { tr { th scope="col" { "Part" } th scope="col" { "Order" } th.n scope="col" { "Copies here" } } }
-                tbody { @for part in &self.cake.parts { tr {
-                    td { (part.name) } td { (text(&part.order)) } td.n { (part.copies.len()) }
-                } } }
-            } }
         }
     }
 
@@ -160,19 +157,21 @@ fn policy(key: &str) -> String {
 }
 
 /// What a build file says about itself.
-fn of_file(file: &Path, info: &BuildInfo, cake: &Cake) -> Markup {
+fn of_file(file: &Path, info: &BuildInfo, cake: &Cake) -> Vec<SheetFact> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let shown = |said: &Option<String>| or_dash(said.as_deref().map(build_file::visible));
-    facts(&[
-        ("Height", html! { b { (number(cake.top_mm(), 2)) " mm" } " of " (number(Some(cake.volume_mm.z), 0)) " mm" }),
-        ("Density", html! { (percent(info.density)) }),
-        ("Copies", html! { (cake.copies()) }),
-        ("Clearance", html! { (number(info.clearance_mm, 2)) " mm asked" }),
-        ("Machine", html! { (shown(&info.profile)) }),
-        ("Search", html! { "seed " (or_dash(info.seed)) ", " (shown(&info.application)) }),
-        ("Made", html! { (shown(&info.created)) }),
-        ("File", html! { (build_file::visible(&name)) }),
-    ])
+    let shown = |said: &Option<String>| said.as_deref().map(build_file::visible);
+    let search = [info.seed.map(|seed| format!("seed {seed}")), shown(&info.application)];
+    let lines = [
+        height_in_volume(cake.top_mm(), Some(cake.volume_mm.z)).map(|text| fields::HEIGHT.fact_of(text)),
+        fields::DENSITY.fact(info.density),
+        fields::COPIES.fact(cake.copies()),
+        fields::CLEARANCE.with_unit(info.clearance_mm).map(|asked| fields::CLEARANCE.fact_of(asked + " asked")),
+        fields::MACHINE.fact(shown(&info.profile)),
+        fields::SEARCH.fact(search.into_iter().flatten().collect::<Vec<_>>().join(", ")),
+        fields::MADE.fact(shown(&info.created)),
+        fields::FILE.fact(build_file::visible(&name)),
+    ];
+    lines.into_iter().flatten().collect()
 }
 
 #[cfg(test)]

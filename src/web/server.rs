@@ -14,10 +14,10 @@ use tracing::info;
 
 use super::{
     admit::{self, Admitting, Answering, MOST_BODY},
-    api, assets, build,
+    assets, build,
     cache::Cache,
     door::Door,
-    farm as farm_page, guard, history, live, metrics, order, part, pick, picture,
+    farm as farm_page, guard, history, live, metrics, openapi, order, part, pick, picture,
     problem::Problem,
     scene,
     state::Web,
@@ -69,7 +69,7 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
 
 /// Every address of the dashboard.
 pub(super) fn routes(web: Arc<Web>) -> Router {
-    Router::new()
+    openapi::routes()
         .route("/", get(farm_page::show))
         .route("/builds/{build}", get(build::show))
         .route("/builds/{build}/pick", get(pick::show))
@@ -83,14 +83,6 @@ pub(super) fn routes(web: Arc<Web>) -> Router {
         .route("/live", get(live::live))
         .route("/orders", post(order::order))
         .route("/assets/{name}", get(assets::asset))
-        .route("/api/v1/openapi.json", get(api::openapi))
-        .route("/api/v1/farm", get(api::farm))
-        .route("/api/v1/builds", get(api::builds))
-        .route("/api/v1/heights", get(api::heights))
-        .route("/api/v1/builds/{build}", get(api::build))
-        .route("/api/v1/builds/{build}/pick", get(pick::list))
-        .route("/api/v1/parts", get(api::parts))
-        .route("/api/v1/parts/{part}", get(api::part))
         .route("/metrics", get(metrics::metrics))
         .route("/healthz", get(|| async { "alive\n" }))
         .route("/readyz", get(metrics::readyz))

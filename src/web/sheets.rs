@@ -3,7 +3,10 @@
 
 use build_file::Unit;
 use nester::OrientationRule;
+use schemars::JsonSchema;
 use serde::Serialize;
+
+use super::enum_words::{words_of, words_or_null};
 
 use crate::{
     farm::Standing,
@@ -14,127 +17,211 @@ use crate::{
 };
 
 /// A build with all that belongs to it.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct BuildSheet {
+    /// The build itself.
     pub(super) build: Build,
+    /// The parts that have copies in it.
     pub(super) parts: Vec<Part>,
+    /// Where their copies are in it.
     pub(super) placements: Vec<Placement>,
+    /// What was told of it.
     pub(super) outcomes: Vec<ToldOutcome>,
 }
 
 /// A part with all that belongs to it.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct PartSheet {
+    /// The part itself.
     pub(super) part: Part,
+    /// Where its copies are.
     pub(super) placements: Vec<Placement>,
+    /// What happened to it.
     pub(super) events: Vec<Event>,
-    /// Parts of the same content at other times.
+    /// Numbers of parts of the same content at other times.
     pub(super) same_content: Vec<PartId>,
 }
 
-#[derive(Serialize)]
+/// A build.
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Build {
+    /// Its number.
     build: BuildId,
+    /// Machine profile.
     profile: String,
+    /// Where it stands.
     state: BuildState,
+    /// Why it failed, or the outcome's note.
     reason: String,
+    /// Trigger: full, fill, copies, max_wait, due, at, flush.
     fired_by: String,
+    /// How often nesting was begun.
     attempts: u32,
+    /// When it was opened.
     opened_at: Utc,
+    /// When it fired.
     nesting_at: Option<Utc>,
+    /// When its file was proved.
     verified_at: Option<Utc>,
+    /// When it came into the queue.
     published_at: Option<Utc>,
+    /// When its state was entered.
     state_at: Utc,
+    /// Name of the build file in the queue folder.
     file_name: Option<String>,
+    /// BLAKE3 of the build file, 64 hex digits.
     file_blake3: Option<String>,
+    /// Size of the build file.
     file_bytes: Option<u64>,
+    /// Build height, mm.
     height_mm: Option<f64>,
+    /// No build of these parts can be lower, mm.
     lower_bound_mm: Option<f64>,
+    /// Part volume / (base area x height), 0..1.
     density: Option<f64>,
+    /// Layers to print.
     layers: Option<u32>,
+    /// Volume of all parts in it, mm3.
     part_volume_mm3: Option<f64>,
+    /// Placements.
     copies: Option<u32>,
+    /// Clearance asked, mm.
     clearance_mm: Option<f64>,
+    /// Least distance found on the triangles of the written file, mm.
     clearance_proved_mm: Option<f64>,
+    /// CPU seconds of all nesting for it.
     cpu_secs: Option<f64>,
+    /// Wall seconds of the final nesting.
     wall_secs: Option<f64>,
+    /// Evaluations of the final nesting.
     evaluations: Option<u64>,
+    /// Seed of the final nesting, its bits as a signed number.
     seed: Option<i64>,
+    /// nestd or paper.
     method: Option<String>,
+    /// Version of nestd.
     version: Option<String>,
+    /// How the height fell in the final search; empty until its file was proved.
     curve: Vec<Point>,
-    /// The machine's as it was when the build was made.
+    /// Volume of the machine as it was when the build was made, mm.
     volume_mm: [f64; 3],
+    /// Its layer, mm.
     layer_mm: f64,
 }
 
 /// A point of the curve along which the height fell.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
+#[schemars(rename = "CurvePoint")]
 struct Point {
+    /// Wall seconds since the search began.
     wall_secs: f64,
+    /// Build height then, mm.
     height_mm: f64,
 }
 
-#[derive(Serialize)]
+/// A part: one solid of one dropped file.
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Part {
+    /// Its number.
     part: PartId,
+    /// Machine profile.
     profile: String,
+    /// File name as dropped, escaped for display.
     name: String,
+    /// Name of the solid inside a 3MF.
     object_name: String,
+    /// Which solid of the file, from 0.
     object_index: u32,
+    /// Order or kit, "" = none.
     order: String,
+    /// Where it stands.
     state: PartState,
+    /// Why it was rejected, "" otherwise.
     reason: String,
+    /// What was odd, a sentence each.
     warnings: Vec<String>,
+    /// Copies in all.
     copies: u32,
+    /// 0 to 100.
     priority: u8,
+    /// When it is due.
     due_at: Option<Utc>,
+    /// How it may be turned.
+    #[schemars(with = "String", extend("enum" = words_of::<OrientationRule>()))]
     orientation: OrientationRule,
+    /// Directions of its mesh that must stand within an angle of straight up: 'x,y,z:degrees' with ';' between them; empty = none.
     tilts: String,
+    /// Its own clearance, mm; `None` = the profile's.
     clearance_mm: Option<f64>,
+    /// Unit that the ticket said.
+    #[schemars(with = "Option<String>", extend("enum" = words_or_null::<Unit>()))]
     unit: Option<Unit>,
+    /// Free text of the ticket.
     note: String,
+    /// BLAKE3 of the file, 64 hex digits.
     blake3: String,
+    /// Size of the file.
     file_bytes: u64,
+    /// Triangles; `None` until read.
     triangles: Option<u64>,
+    /// Volume, mm3; `None` until read.
     volume_mm3: Option<f64>,
+    /// Width, depth and height as dropped, mm; `None` until read.
     size_mm: Option<[f64; 3]>,
+    /// When it was claimed: its age in line.
     claimed_at: Utc,
+    /// When its state was entered.
     state_at: Utc,
 }
 
-#[derive(Serialize)]
+/// A copy that is in a build.
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Placement {
+    /// The part.
     part: PartId,
-    /// From 1.
+    /// Its copy, from 1.
     copy: u32,
+    /// The build.
     build: BuildId,
+    /// Where the build stands.
     build_state: BuildState,
+    /// When the build came into the queue.
     published_at: Option<Utc>,
-    /// Unit quaternion x y z w: mesh frame -> machine frame.
+    /// Rotation from the mesh's frame to the machine's, a unit quaternion; `None` until the build is verified.
     rotation_xyzw: Option<[f64; 4]>,
+    /// Translation after the rotation, machine frame, mm; `None` until the build is verified.
     translation_mm: Option<[f64; 3]>,
-    /// As which copy it is drawn out of the cake, from 1.
+    /// As which copy it is drawn out of the cake, from 1, as it was proved; `None` = not proved.
     drawn_place: Option<u32>,
+    /// The straight line that it takes: a unit vector in the machine's frame.
     drawn_way: Option<[f64; 3]>,
 }
 
 /// What somebody told of a build.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct ToldOutcome {
+    /// What became of it.
     outcome: Outcome,
+    /// Free text.
     note: String,
+    /// user@host.
     told_by: String,
+    /// When.
     told_at: Utc,
 }
 
 /// Something that happened to a part.
-#[derive(Serialize)]
+#[derive(Serialize, JsonSchema)]
 pub(super) struct Event {
+    /// When.
     at: Utc,
+    /// What: a state that was entered, or a word of its own.
     kind: String,
+    /// The build that it is about.
     build: Option<BuildId>,
+    /// More about it.
     detail: String,
+    /// Of a refusal, its kind as one word (format, not-closed, too-large, limit, ticket, duplicate, unreadable, failure, cancelled, other); empty otherwise.
     cause: String,
 }
 

@@ -1,0 +1,109 @@
+//! What is known of a build, line by line, with what was told of it and what happened to it.
+
+use jiff::Timestamp;
+
+use super::{
+    cell_value::CellValue,
+    field_definition::{FieldDefinition, SheetFact},
+    fields,
+    table_column::TableColumn as Column,
+};
+use crate::{
+    ledger::{BuildRow, EventRow, OutcomeRow, Utc},
+    settings::Profile,
+};
+
+/// What was told of a build.
+pub const OUTCOME_COLUMNS: &[Column<OutcomeRow>] = &[
+    Column::new("told_at", fields::TOLD, |told| told.told_at.into()),
+    Column::new("outcome", fields::OUTCOME, |told| told.outcome.into()),
+    Column::new("told_by", fields::TOLD_BY, |told| (&told.told_by).into()),
+    Column::new("note", fields::NOTE, |told| (&told.note).into()),
+];
+
+/// What happened to a build or a part.
+pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
+    Column::new("at", fields::EVENT, |event| event.at.into()),
+    Column::new("kind", fields::KIND, |event| (&event.kind).into()),
+    Column::new("build", fields::BUILD, |event| event.build_id.into()),
+    Column::new("detail", fields::DETAIL, |event| CellValue::Prose(event.detail.clone())),
+];
+
+/// What is known of a build, with its machine as it was then; of an open one less. `copies` says how many are in it, and `file` where
+/// its file is.
+pub fn build_facts(
+    row: &BuildRow,
+    machine: Option<&Profile>,
+    (copies, file): (String, Option<String>),
+    now: Timestamp,
+) -> Vec<SheetFact> {
+    let layers = row.layers.or_else(|| Some((row.height_mm? / machine?.layer_mm).ceil() as u32));
+    let thick = machine.and_then(|machine| fields::LAYER_THICKNESS.with_unit(machine.layer_mm));
+    let volume = row.part_volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
+    let fired_by = (!row.fired_by.is_empty()).then(|| format!("{}, nested {}", row.fired_by, times(row.attempts)));
+    let content = row.file_hash.as_ref().map(|hash| content(row.file_bytes.unwrap_or_default(), hash));
+    let bound = fields::LOWER_BOUND.with_unit(row.lower_bound_mm);
+    let ago = |at: Utc| at.age(now).map_or_else(String::new, |age| format!(", {age} ago"));
+    let published = row.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
+    let told = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
+    let lines = [
+        told(fields::HEIGHT, height(row.height_mm, machine.map(|machine| machine.volume_mm.z))),
+        told(fields::LOWER_BOUND, bound.map(|bound| format!("{bound}: no build of these parts is lower"))),
+        told(fields::LAYERS, layers.map(|layers| joined([Some(layers.to_string()), thick], " of "))),
+        fields::DENSITY.fact(row.density),
+        Some(fields::COPIES.fact_of(joined([Some(copies), volume], ", "))),
+        told(fields::CLEARANCE, clearance(row, machine)),
+        told(fields::SEARCH, row.method.as_ref().map(|method| search(method, row))),
+        told(fields::FIRED_BY, fired_by),
+        fields::OPENED.fact(row.opened_at),
+        fields::NESTING.fact(row.nesting_at),
+        fields::VERIFIED.fact(row.verified_at),
+        told(fields::PUBLISHED, published),
+        fields::FILE.fact(file.as_ref().or(row.file_name.as_ref())),
+        told(fields::CONTENT, content),
+    ];
+    lines.into_iter().flatten().collect()
+}
+
+/// `87.50 mm of 200 mm`.
+pub fn height(height_mm: Option<f64>, volume_z_mm: Option<f64>) -> Option<String> {
+    let volume = volume_z_mm.filter(|z| *z > 0.0).and_then(|z| fields::VOLUME_Z.with_unit(z));
+    Some(joined([Some(fields::HEIGHT.with_unit(height_mm)?), volume], " of "))
+}
+
+fn clearance(row: &BuildRow, machine: Option<&Profile>) -> Option<String> {
+    let asked_mm = row.clearance_mm.or(machine.map(|machine| machine.clearance_mm));
+    let asked = fields::CLEARANCE.with_unit(asked_mm)?;
+    let proved = match (fields::CLEARANCE_PROVED.with_unit(row.clearance_proved_mm), row.verified_at) {
+        (Some(proved), _) => format!("{proved} proved on the triangles"),
+        (None, Some(_)) => "proved: no two are near".to_owned(),
+        (None, None) => "proved once it is fired".to_owned(),
+    };
+    Some(format!("{asked} asked, {proved}"))
+}
+
+fn search(method: &str, row: &BuildRow) -> String {
+    let pieces = [
+        Some(method.to_owned()),
+        row.seed.map(|seed| format!("seed {seed}")),
+        row.evaluations.map(|evaluations| format!("{evaluations} evaluations")),
+        fields::CPU.cell_text(&row.cpu_secs.into()).map(|secs| format!("{secs} CPU s")),
+        fields::WALL.cell_text(&row.wall_secs.into()).map(|secs| format!("{secs} wall s")),
+        row.version.as_ref().map(|version| format!("nestd {version}")),
+    ];
+    joined(pieces, ", ")
+}
+
+fn times(attempts: u32) -> String {
+    if attempts == 1 { "once".to_owned() } else { format!("{attempts} times") }
+}
+
+/// Size and hash of a file.
+pub(super) fn content(bytes: u64, hash: &str) -> String {
+    format!("{bytes} bytes, BLAKE3 {hash}")
+}
+
+/// What is known of several things, in one line.
+pub(super) fn joined<const N: usize>(pieces: [Option<String>; N], between: &str) -> String {
+    pieces.into_iter().flatten().collect::<Vec<_>>().join(between)
+}

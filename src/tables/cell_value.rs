@@ -1,0 +1,66 @@
+//! A value in a table, before anybody has decided how it looks: files write it in full, faces print it as its field says.
+
+use serde::Serialize;
+
+use crate::ledger::{BuildId, BuildState, Outcome, PartId, PartState, Utc};
+
+/// A value in a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum CellValue {
+    /// Not known.
+    Missing,
+    /// A text; "" = there is none.
+    Text(String),
+    /// A text in which commands and options stand between backticks.
+    Prose(String),
+    /// A whole number.
+    Whole(i64),
+    /// A number in the unit of its field; a share is 0..1.
+    Real(f64),
+    /// A point in time.
+    Time(Utc),
+    /// A build by its number.
+    Build(BuildId),
+    /// A build in which a part is looked for.
+    BuildWithPart(BuildId, #[serde(skip)] PartId),
+    /// A part by its number.
+    Part(PartId),
+    /// A part by its name.
+    NamedPart(#[serde(skip)] PartId, String),
+}
+
+impl<T: Into<CellValue>> From<Option<T>> for CellValue {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Missing, Into::into)
+    }
+}
+
+macro_rules! cell_from {
+    ($($kind:ty => $make:expr),+ $(,)?) => {
+        $(impl From<$kind> for CellValue {
+            fn from(value: $kind) -> Self {
+                let make: fn($kind) -> Self = $make;
+                make(value)
+            }
+        })+
+    };
+}
+
+cell_from! {
+    String => CellValue::Text,
+    &String => |text| CellValue::Text(text.clone()),
+    &str => |text| CellValue::Text(text.to_owned()),
+    u8 => |number| CellValue::Whole(number.into()),
+    u32 => |number| CellValue::Whole(number.into()),
+    i64 => CellValue::Whole,
+    u64 => |number| CellValue::Whole(i64::try_from(number).unwrap_or(i64::MAX)),
+    usize => |number| CellValue::Whole(i64::try_from(number).unwrap_or(i64::MAX)),
+    f64 => CellValue::Real,
+    Utc => CellValue::Time,
+    BuildId => CellValue::Build,
+    PartId => CellValue::Part,
+    BuildState => |state| CellValue::Text(state.to_string()),
+    PartState => |state| CellValue::Text(state.to_string()),
+    Outcome => |outcome| CellValue::Text(outcome.to_string()),
+}

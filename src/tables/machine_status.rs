@@ -1,0 +1,109 @@
+//! A machine as it stands: what waits, what it does, when its next build fires.
+
+use build_file::counted;
+use jiff::Timestamp;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{build_sheet::joined, cell_value::CellValue, fields, table_column::TableColumn as Column};
+use crate::{
+    farm::{FiredBy, fires_at},
+    ledger::{OpenBuild, ProfileStatus, Utc},
+    settings::Profile,
+};
+
+/// A machine as it stands, with the forecast of its next build.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct MachineForecast {
+    /// What the ledger knows of it.
+    #[serde(flatten)]
+    pub status: ProfileStatus,
+    /// When its next build fires, unless it is full before.
+    #[schemars(with = "Option<Utc>")]
+    pub fires_at_latest: Option<Timestamp>,
+    /// The trigger that fires it then.
+    pub fires_by: Option<FiredBy>,
+}
+
+/// A machine as it is shown at a moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineNow {
+    /// The machine.
+    pub forecast: MachineForecast,
+    /// Whether the configuration knows it (still).
+    pub is_configured: bool,
+    /// The moment.
+    pub now: Timestamp,
+}
+
+/// The machines of a farm.
+pub const MACHINE_COLUMNS: &[Column<MachineNow>] = &[
+    Column::new("profile", fields::PROFILE, |row| (&row.forecast.status.profile).into()),
+    Column::new("waiting_parts", fields::WAITING, |row| row.forecast.status.waiting_parts.into()),
+    Column::new("waiting_copies", fields::COPIES, |row| row.forecast.status.waiting_copies.into()),
+    Column::for_people("oldest", fields::OLDEST, |row| row.forecast.oldest(row.now).into()),
+    Column::new("due_at", fields::DUE, |row| row.forecast.status.due_at.into()),
+    Column::for_people("next_build", fields::NEXT_BUILD, |row| row.forecast.next_build().into()),
+    Column::for_people("now", fields::NOW, |row| row.doing().into()),
+    Column::new("rejected_parts", fields::REJECTED, |row| row.forecast.status.rejected_parts.into()),
+    Column::for_people("last_published", fields::LAST_PUBLISHED, |row| row.forecast.last_published().into()),
+];
+
+impl MachineForecast {
+    /// What is known of a machine; `profile` is its configuration where there is one.
+    pub fn new(status: ProfileStatus, profile: Option<&Profile>) -> Self {
+        let fires = profile.and_then(|profile| fires_at(profile, &status));
+        Self { fires_at_latest: fires.map(|fires| fires.at), fires_by: fires.map(|fires| fires.by), status }
+    }
+
+    /// The open build, where a copy stands in its layout.
+    pub fn forecast_build(&self) -> Option<&OpenBuild> {
+        self.status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0)
+    }
+
+    /// How long the oldest part has waited.
+    pub fn oldest(&self, now: Timestamp) -> Option<String> {
+        self.status.oldest_at.and_then(|at| at.age(now))
+    }
+
+    /// `55.61 mm, 11 copies, by 2026-11-20 06:00:00 (max_wait)`.
+    fn next_build(&self) -> String {
+        let open = self.forecast_build();
+        let height = open.and_then(|open| fields::HEIGHT.with_unit(open.height_mm));
+        let copies = open.map(|open| counted(open.copies.unwrap_or(0), "copy", "copies"));
+        let fires = self
+            .fires_at_latest
+            .zip(self.fires_by)
+            .and_then(|(at, by)| Some(format!("by {} ({by})", fields::TIME.cell_text(&CellValue::Time(Utc(at)))?)));
+        joined([height, copies, fires], ", ")
+    }
+
+    /// `build 3, 87.50 mm, 2026-11-20 04:49:00`.
+    fn last_published(&self) -> Option<String> {
+        let last = self.status.last_published.as_ref()?;
+        let height = fields::HEIGHT.with_unit(last.height_mm);
+        let at = fields::LAST_PUBLISHED.cell_text(&last.published_at.into());
+        Some(joined([Some(format!("build {}", last.build)), height, at], ", "))
+    }
+}
+
+impl MachineNow {
+    fn doing(&self) -> String {
+        let status = &self.forecast.status;
+        let mut doing: Vec<String> = Vec::new();
+        if !self.is_configured {
+            doing.push("not configured".to_owned());
+        }
+        if let Some(pause) = &status.paused {
+            doing.push(format!("paused by {}", if pause.paused_by.is_empty() { "-" } else { &pause.paused_by }));
+        }
+        let copies = |copies| counted(copies, "copy", "copies");
+        doing.extend(status.nesting.iter().map(|b| format!("build {} {} ({})", b.build, b.state, copies(b.copies))));
+        match (doing.is_empty(), status.claimed_parts, status.waiting_parts) {
+            (false, _, _) => doing.join(", "),
+            (true, 0, 0) => "idle".to_owned(),
+            (true, 0, _) => "collecting".to_owned(),
+            (true, reading, _) => format!("reading {reading}"),
+        }
+    }
+}

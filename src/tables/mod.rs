@@ -1,0 +1,31 @@
+//! What people and programs see of the farm, said once: of each field its label, its unit and how it prints, of each table its
+//! columns with their keys in JSON and CSV. The command line, the pages and the files are made from these lists.
+
+mod build_sheet;
+mod cell_value;
+mod field_definition;
+pub mod fields;
+mod history;
+mod machine_status;
+mod part_list;
+mod part_sheet;
+mod pick_list;
+mod table_column;
+mod told_notice;
+
+pub use build_sheet::{EVENT_COLUMNS, OUTCOME_COLUMNS, build_facts, height as height_in_volume};
+pub use cell_value::CellValue;
+pub use field_definition::{FieldDefinition, SheetFact};
+pub use history::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS};
+pub use machine_status::{MACHINE_COLUMNS, MachineForecast, MachineNow};
+pub use part_list::{
+    BUILD_PART_COLUMNS, CAKE_PART_COLUMNS, CountedPart, ORDERED_PART_COLUMNS, OrderedPart, PART_COLUMNS,
+    PLACEMENT_COLUMNS, WAITING_PART_COLUMNS, whereabouts,
+};
+pub use part_sheet::part_facts;
+pub use pick_list::{PICK_COLUMNS, PickList, PickedCopy, goes_down};
+pub use table_column::{TableColumn, csv_of, for_people};
+pub use told_notice::ToldNotice;
+
+#[cfg(test)]
+mod tests;

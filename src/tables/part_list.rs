@@ -1,0 +1,125 @@
+//! Lists of parts and of their copies: of a state or a name, of a build, of an order, in line.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::{cell_value::CellValue, fields, table_column::TableColumn as Column};
+use crate::{
+    farm::CakePart,
+    ledger::{BuildId, PartRow, PlacementRow},
+};
+
+/// A part in a list that counts some of its copies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CountedPart {
+    /// The part.
+    pub part: PartRow,
+    /// Those of its copies that the list is about.
+    pub copies: u32,
+}
+
+/// A part with the builds that hold its copies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrderedPart {
+    /// The part.
+    pub part: PartRow,
+    /// Its copies that are in builds.
+    pub placements: Vec<PlacementRow>,
+}
+
+/// Parts of a state or a name.
+pub const PART_COLUMNS: &[Column<PartRow>] = &[
+    Column::new("part", fields::PART, |part| part.id.into()),
+    Column::new("profile", fields::PROFILE, |part| (&part.profile).into()),
+    Column::new("state", fields::STATE, |part| part.state.into()),
+    Column::new("copies", fields::COPIES, |part| part.copies.into()),
+    Column::new("priority", fields::PRIORITY, |part| part.priority.into()),
+    Column::new("due_at", fields::DUE, |part| part.due_at.into()),
+    Column::new("order", fields::ORDER, |part| (&part.order_name).into()),
+    Column::new("name", fields::NAME, |part| part.full_name().into()),
+    Column::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
+];
+
+/// Parts of a build.
+pub const BUILD_PART_COLUMNS: &[Column<CountedPart>] = &[
+    Column::new("part", fields::PART, |row| row.part.id.into()),
+    Column::new("name", fields::NAME, |row| row.part.full_name().into()),
+    Column::new("order", fields::ORDER, |row| (&row.part.order_name).into()),
+    Column::new("state", fields::STATE, |row| row.part.state.into()),
+    Column::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
+    Column::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
+    Column::new("due_at", fields::DUE, |row| row.part.due_at.into()),
+    Column::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
+];
+
+/// Parts that an open build is made for, in their order in line.
+pub const WAITING_PART_COLUMNS: &[Column<CountedPart>] = &[
+    Column::new("part", fields::PART, |row| row.part.id.into()),
+    Column::new("name", fields::NAME, |row| row.part.full_name().into()),
+    Column::new("order", fields::ORDER, |row| (&row.part.order_name).into()),
+    Column::for_people("copies_waiting", fields::COPIES_WAITING, |row| row.copies.into()),
+    Column::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
+];
+
+/// Parts of an order or of a file name, with where they are.
+pub const ORDERED_PART_COLUMNS: &[Column<OrderedPart>] = &[
+    Column::new("part", fields::PART, |row| row.part.id.into()),
+    Column::new("name", fields::NAME, |row| row.part.full_name().into()),
+    Column::new("profile", fields::PROFILE, |row| (&row.part.profile).into()),
+    Column::new("state", fields::STATE, |row| row.part.state.into()),
+    Column::new("copies", fields::COPIES, |row| row.part.copies.into()),
+    Column::for_people("copies_published", fields::COPIES_PUBLISHED, copies_published),
+    Column::new("due_at", fields::DUE, |row| row.part.due_at.into()),
+    Column::for_people("where", fields::WHERE, where_or_why),
+];
+
+/// Parts of a build of which only its file may be known.
+pub const CAKE_PART_COLUMNS: &[Column<CakePart>] = &[
+    Column::new("name", fields::NAME, |part| (&part.name).into()),
+    Column::new("order", fields::ORDER, |part| (&part.order).into()),
+    Column::for_people("copies_here", fields::COPIES_HERE, |part| part.copies.len().into()),
+];
+
+/// Copies of a part that are in builds.
+pub const PLACEMENT_COLUMNS: &[Column<PlacementRow>] = &[
+    Column::new("copy", fields::COPY, |placed| (placed.copy + 1).into()),
+    Column::new("build", fields::BUILD, |placed| CellValue::BuildWithPart(placed.build_id, placed.part_id)),
+    Column::new("build_state", fields::STATE, |placed| placed.build_state.into()),
+    Column::new("published_at", fields::PUBLISHED, |placed| placed.published_at.into()),
+    Column::for_people("origin_mm", fields::ORIGIN, origin),
+];
+
+/// Why a part was refused, else what was odd about it.
+fn reason_or_warning(part: &PartRow) -> CellValue {
+    let why = if part.reason.is_empty() { &part.warnings } else { &part.reason };
+    CellValue::Prose(why.replace('\n', "; "))
+}
+
+fn copies_published(row: &OrderedPart) -> CellValue {
+    row.placements.iter().filter(|placement| placement.published_at.is_some()).count().into()
+}
+
+fn where_or_why(row: &OrderedPart) -> CellValue {
+    match row.part.reason.as_str() {
+        "" => whereabouts(&row.placements).into(),
+        reason => CellValue::Prose(reason.to_owned()),
+    }
+}
+
+/// `2 in build 3 (published), 1 in build 4 (nesting)`.
+pub fn whereabouts(placements: &[PlacementRow]) -> String {
+    let mut builds: BTreeMap<BuildId, (String, u32)> = BTreeMap::new();
+    for placement in placements {
+        builds.entry(placement.build_id).or_insert_with(|| (placement.build_state.to_string(), 0)).1 += 1;
+    }
+    let told: Vec<String> = builds.iter().map(|(id, (state, n))| format!("{n} in build {id} ({state})")).collect();
+    if told.is_empty() { "none in a build".to_owned() } else { told.join(", ") }
+}
+
+fn origin(placed: &PlacementRow) -> CellValue {
+    let Some(pose) = placed.pose() else { return CellValue::Text("not placed yet".to_owned()) };
+    let number = |mm: f64| fields::ORIGIN.cell_text(&mm.into()).unwrap_or_default();
+    let [x, y, z] = pose.translation.to_array().map(number);
+    format!("{x}, {y}, {z}").into()
+}

@@ -1,0 +1,104 @@
+//! Labels, units and keys agree with each other, and each field of the JSON is a column.
+
+use std::collections::BTreeSet;
+
+use super::{
+    table_column::{ColumnAudience, TableColumn},
+    *,
+};
+use crate::ledger::{HistoryQuery, HistoryRow, fixtures::*};
+
+/// Label, unit and key of the columns of a table that are said to programs as they are said to people.
+fn said<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {
+    let both = columns.iter().filter(|column| column.audience != ColumnAudience::People);
+    both.map(|column| (column.key, column.field)).collect()
+}
+
+#[test]
+fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
+    let tables = [
+        said(HISTORY_COLUMNS),
+        said(HEIGHT_SUM_COLUMNS),
+        said(PART_COLUMNS),
+        said(PICK_COLUMNS),
+        said(MACHINE_COLUMNS),
+    ];
+    for (key, field) in tables.into_iter().flatten() {
+        let unit = match key {
+            "density" | "mean_density" => "%",
+            "at" => "UTC",
+            _ if key.ends_with("_at") => "UTC",
+            _ if key.ends_with("_mm") => "mm",
+            _ if key.ends_with("_mm3") => "mm3",
+            _ if key.ends_with("_secs") => "s",
+            _ => "",
+        };
+        assert_eq!(field.unit(), unit, "{key}");
+        let (terminal, page) = (field.terminal_heading(), field.page_heading());
+        assert!(terminal.contains(unit) && page.contains(unit), "{terminal} | {page}");
+        assert_eq!(page.split([',', '(']).next().unwrap().trim().to_uppercase(), field.label.to_uppercase());
+        assert!(terminal.starts_with(&field.label.to_uppercase()), "{terminal}");
+    }
+}
+
+#[test]
+fn no_table_has_two_columns_of_one_label_or_one_key() {
+    fn look<Row>(columns: &[TableColumn<Row>]) {
+        let labels: BTreeSet<String> = for_people(columns).map(|column| column.field.page_heading()).collect();
+        assert_eq!(labels.len(), for_people(columns).count(), "{labels:?}");
+        let keys: BTreeSet<&str> = columns.iter().map(|column| column.key).collect();
+        assert_eq!(keys.len(), columns.len(), "{keys:?}");
+    }
+    look(HISTORY_COLUMNS);
+    look(HEIGHT_SUM_COLUMNS);
+    look(PART_COLUMNS);
+    look(BUILD_PART_COLUMNS);
+    look(WAITING_PART_COLUMNS);
+    look(ORDERED_PART_COLUMNS);
+    look(PLACEMENT_COLUMNS);
+    look(EVENT_COLUMNS);
+    look(OUTCOME_COLUMNS);
+    look(MACHINE_COLUMNS);
+    look(PICK_COLUMNS);
+    look(CAKE_PART_COLUMNS);
+}
+
+#[tokio::test]
+async fn each_field_of_the_history_in_json_is_a_column_with_the_same_value() {
+    let ledger = fresh().await;
+    let id = waiting(&ledger, "a", 2).await;
+    published(&ledger, &[(id, 0), (id, 1)]).await;
+    let query = HistoryQuery::default();
+    let (rows, sums) = (ledger.history(&query).await.unwrap(), ledger.height_sums(&query).await.unwrap());
+    fn look<Row: serde::Serialize>(columns: &[TableColumn<Row>], row: &Row) {
+        let json = serde_json::to_value(row).unwrap();
+        let columns = || columns.iter().filter(|column| column.audience != ColumnAudience::People);
+        let fields: BTreeSet<&str> = json.as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(columns().map(|column| column.key).collect::<BTreeSet<_>>(), fields);
+        for column in columns() {
+            assert_eq!(serde_json::to_value((column.value)(row)).unwrap(), json[column.key], "{}", column.key);
+        }
+    }
+    look::<HistoryRow>(HISTORY_COLUMNS, &rows[0]);
+    look(HEIGHT_SUM_COLUMNS, &sums[0]);
+}
+
+#[test]
+fn what_rounds_to_nothing_has_no_sign_and_what_is_not_known_has_no_text() {
+    let shown = |field: FieldDefinition, value: f64| field.cell_text(&value.into()).unwrap();
+    assert_eq!((shown(fields::TOP, -1e-9), shown(fields::TOP, -0.06)), ("0.0".to_owned(), "-0.1".to_owned()));
+    assert_eq!((shown(fields::CENTER_X, -0.2), shown(fields::DENSITY, 0.2149)), ("0".to_owned(), "21.5".to_owned()));
+    assert_eq!(fields::HEIGHT.with_unit(87.5).unwrap(), "87.50 mm");
+    assert_eq!(fields::LAYER_THICKNESS.with_unit(0.125).unwrap(), "0.125 mm");
+    assert_eq!((fields::HEIGHT.with_unit(None::<f64>), fields::ORDER.fact("")), (None, None));
+}
+
+#[test]
+fn texts_of_a_csv_are_no_formulas_and_numbers_stay_numbers() {
+    const COLUMNS: &[TableColumn<(&str, f64)>] = &[
+        TableColumn::new("name", fields::NAME, |row| row.0.into()),
+        TableColumn::new("height_mm", fields::HEIGHT, |row| row.1.into()),
+        TableColumn::for_people("shown", fields::NOTE, |row| row.0.into()),
+    ];
+    assert_eq!(csv_of(COLUMNS, &[("=1+1", -2.0), ("a,b", 0.1)]).unwrap(), "name,height_mm\n'=1+1,-2.0\n\"a,b\",0.1\n");
+}

@@ -1,0 +1,59 @@
+//! Tables and sheets as pages show them, made from the columns and facts of `tables`.
+
+use maud::{Markup, html};
+
+use super::words::{DASH, prose};
+use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, for_people};
+
+/// A table of rows in the columns that people see; `name` is what it is called to who cannot see it.
+pub(super) fn table_of<Row>(name: &str, caption: Option<String>, columns: &[TableColumn<Row>], rows: &[Row]) -> Markup {
+    html! {
+        div.wide tabindex="0" role="region" aria-label=(name) {
+            table {
+                @if let Some(caption) = caption { caption { (caption) } }
+                thead { tr { @for column in for_people(columns) { (heading(&column.field)) } } }
+                tbody { @for row in rows { tr {
+                    @for column in for_people(columns) { (cell(&column.field, &(column.value)(row), true)) }
+                } } }
+            }
+        }
+    }
+}
+
+/// The heading of a column.
+pub(super) fn heading(field: &FieldDefinition) -> Markup {
+    html! { th class=[class_of(field)] scope="col" { (field.page_heading()) } }
+}
+
+/// Numbers stand to the right.
+fn class_of(field: &FieldDefinition) -> Option<&'static str> {
+    field.is_number().then_some("n")
+}
+
+/// A cell; parts and builds are links to their pages where there are pages.
+pub(super) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup {
+    html! { td class=[class_of(field)] { (shown(field, value, has_pages)) } }
+}
+
+fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup {
+    let text = field.cell_text(value);
+    let text = text.as_deref().unwrap_or(DASH);
+    match value {
+        CellValue::Build(build) if has_pages => html! { a href=(format!("/builds/{build}")) { (text) } },
+        CellValue::BuildWithPart(build, part) if has_pages => {
+            html! { a href=(format!("/builds/{build}#part-{part}")) { (text) ", marked" } }
+        }
+        CellValue::Part(part) | CellValue::NamedPart(part, _) if has_pages => {
+            html! { a href=(format!("/parts/{part}")) { (text) } }
+        }
+        CellValue::Prose(_) => prose(text),
+        _ => html! { (text) },
+    }
+}
+
+/// What is known as a list of terms.
+pub(super) fn facts(known: &[SheetFact]) -> Markup {
+    html! {
+        dl.facts { @for fact in known { div { dt { (fact.label) } dd { (fact.text) } } } }
+    }
+}

@@ -31,8 +31,8 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
             let build = &sheet.build;
             let now = settings.profiles.get(&build.profile);
             let folder = now.map(|profile| profile.folders.queue.clone());
-            sheet.file = folder.zip(build.file_name.as_ref()).map(|(folder, name)| folder.join(name));
-            sheet.machine = Some(Profile::then(&build.profile, build.profile_snapshot.as_deref(), now));
+            sheet.file = folder.zip(build.staged.file_name.as_ref()).map(|(folder, name)| folder.join(name));
+            sheet.machine = Some(Profile::then(&build.profile, build.kept.profile_snapshot.as_deref(), now));
         }
         Ok(found)
     })?;

@@ -49,7 +49,7 @@ fn build(sheet: &BuildSheet) -> String {
 
 /// How many copies are in a build; an open one has a forecast and takes none.
 fn copies_of(sheet: &BuildSheet) -> String {
-    let copies = sheet.build.copies.unwrap_or(0);
+    let copies = sheet.build.measures.copies.unwrap_or(0);
     match sheet.build.state {
         BuildState::Open => {
             let waiting: u32 = sheet.waiting.iter().map(|waits| waits.copies).sum();

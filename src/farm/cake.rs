@@ -62,7 +62,7 @@ pub async fn standing(
 ) -> Result<Vec<(PartRow, Vec<Standing>)>, LedgerError> {
     let mut by_part: BTreeMap<PartId, Vec<Standing>> = BTreeMap::new();
     if matches!(build.state, BuildState::Open | BuildState::Nesting) {
-        for placed in placed_from_json(build.layout.as_deref().unwrap_or_default()) {
+        for placed in placed_from_json(build.kept.layout.as_deref().unwrap_or_default()) {
             let pose = Pose { translation: placed.pose.translation + profile.origin_mm(), ..placed.pose };
             by_part.entry(placed.copy.0).or_default().push(Standing { copy: placed.copy.1 + 1, pose, drawn: None });
         }
@@ -85,7 +85,7 @@ pub async fn standing(
 
 /// How many copies of a part stand in the layout that an open build has so far.
 pub fn copies_so_far(build: &BuildRow, part: PartId) -> u32 {
-    let layout = placed_from_json(build.layout.as_deref().unwrap_or_default());
+    let layout = placed_from_json(build.kept.layout.as_deref().unwrap_or_default());
     layout.iter().filter(|placed| placed.copy.0 == part).count() as u32
 }
 
@@ -179,8 +179,8 @@ fn name_in_file(item: &PlacedMesh) -> String {
 
 /// A published build whose file lies in the queue as it was proved.
 pub fn file_in_queue(profile: &Profile, build: &BuildRow) -> Option<PathBuf> {
-    let file = profile.folders.queue.join(build.file_name.as_deref()?);
-    let is_proved = |file: &Path| Some(hash_of(file).ok()?.to_hex().as_str() == build.file_hash.as_deref()?);
+    let file = profile.folders.queue.join(build.staged.file_name.as_deref()?);
+    let is_proved = |file: &Path| Some(hash_of(file).ok()?.to_hex().as_str() == build.staged.file_hash.as_deref()?);
     is_proved(&file)?.then_some(file)
 }
 
@@ -205,7 +205,7 @@ impl Originals {
         let store = Store::at(settings.state_dir.join("store"));
         let (shelf, limits, unreadable) = (Shelf::default(), settings.limits.clone(), Default::default());
         let meshes = Meshes { shelf, store, limits, prepared: Default::default(), cache: None, unreadable };
-        let stem = build.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
+        let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
         let archive = stem.map(|stem| profile.folders.archive.join(stem));
         Self { meshes, profile: profile.clone(), archive, archived: OnceCell::new() }
     }

@@ -108,7 +108,7 @@ impl Farm {
         // Each further attempt gets half the time: an attempt that a crash or a restart cut short should come through.
         let secs = profile.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
         let budget = SearchBudget::of_secs(secs);
-        let start = match build.layout.as_deref() {
+        let start = match build.kept.layout.as_deref() {
             Some(layout) => placed_from_json(layout),
             // It was proved once, and its file was spoilt.
             None => placed_from_rows(&self.ledger.placements_of_build(build.id).await?, profile.origin_mm()),

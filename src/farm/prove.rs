@@ -11,7 +11,7 @@ use nester::{Course, Separability};
 use super::{layout::Copy, nest_order::Nested};
 use crate::{
     build::{self, BuildHeading, ProvedBuild, SolvedBuild},
-    ledger::{self, BuildRow, DrawnOut, Verified},
+    ledger::{self, BuildRow, DrawnOut, FinalSearch, ProvedFile, ProvedMeasures, Verified},
     queue::Queue,
     settings::Profile,
 };
@@ -55,7 +55,7 @@ pub struct WriteOrder {
 
 /// The name of a build's file; the same at every attempt, so that a crash leaves at most one dot-file.
 pub fn file_name(profile: &str, build: &BuildRow) -> String {
-    let created: Timestamp = build.nesting_at.unwrap_or(build.opened_at).0;
+    let created: Timestamp = build.times.nesting_at.unwrap_or(build.times.opened_at).0;
     build_file::build_file_name(created, profile, build.id.0.unsigned_abs())
 }
 
@@ -80,27 +80,33 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
     let height_mm = build.machine_height_mm();
     Ok(Written {
         verified: Verified {
-            file_name: name,
-            queue_id: order.queue.id().to_owned(),
-            file_hash,
-            file_bytes,
-            sidecars,
-            height_mm,
-            density: nested.layout.density,
-            lower_bound_mm: nested.lower_bound_mm,
-            layers: (height_mm / order.profile.layer_mm).ceil() as u32,
-            part_volume_mm3: nested.layout.part_volume_mm3,
-            copies: nested.layout.placed.len() as u32,
-            clearance_mm: order.profile.clearance_mm,
-            clearance_proved_mm: proved.proof.clearance_proved_mm,
-            cpu_secs: nested.cpu_secs,
-            wall_secs: nested.wall_secs,
-            evaluations: nested.layout.evaluations,
-            seed: order.seed,
-            method: serde_word(&order.profile.nest.method),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            file: ProvedFile {
+                file_name: name,
+                queue_id: order.queue.id().to_owned(),
+                file_hash,
+                file_bytes,
+                sidecars,
+            },
+            measures: ProvedMeasures {
+                height_mm,
+                density: nested.layout.density,
+                lower_bound_mm: nested.lower_bound_mm,
+                layers: (height_mm / order.profile.layer_mm).ceil() as u32,
+                part_volume_mm3: nested.layout.part_volume_mm3,
+                copies: nested.layout.placed.len() as u32,
+                clearance_mm: order.profile.clearance_mm,
+                clearance_proved_mm: proved.proof.clearance_proved_mm,
+            },
+            search: FinalSearch {
+                cpu_secs: nested.cpu_secs,
+                wall_secs: nested.wall_secs,
+                evaluations: nested.layout.evaluations,
+                seed: order.seed,
+                method: serde_word(&order.profile.nest.method),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                curve: curve(order, nested),
+            },
             profile_snapshot: serde_json::to_string(&*order.profile).context("writing down the profile")?,
-            curve: curve(order, nested),
         },
         placed: placed_in_machine_frame(&build, nested, &proved),
         unplaced: nested.layout.unplaced.clone(),
@@ -137,7 +143,7 @@ fn solved_build(order: &WriteOrder, nested: &Nested) -> SolvedBuild {
     let heading = BuildHeading {
         title: format!("{} build {}", order.profile.name, order.build.id),
         build_id: order.build.id.to_string(),
-        created: order.build.nesting_at.unwrap_or(order.build.opened_at).0,
+        created: order.build.times.nesting_at.unwrap_or(order.build.times.opened_at).0,
         seed: order.seed,
     };
     SolvedBuild {

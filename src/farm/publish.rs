@@ -61,7 +61,7 @@ impl Farm {
             let Some(station) = self.stations.get(&build.profile) else { continue };
             let is_served = station.agrees.is_some() && station.holds.are_fresh();
             let Some(queue) = station.queue.clone().filter(|_| is_served) else { continue };
-            let (is_tried, archive) = (build.publishing_at.is_some(), station.profile.folders.archive.clone());
+            let (is_tried, archive) = (build.staged.publishing_at.is_some(), station.profile.folders.archive.clone());
             let (record, is_first) = (self.ledger.record_of_build(id).await?, self.nesting.untried.remove(&id));
             let staged = Staged { queue, build, archive, holds: station.holds.clone() };
             self.jobs.start(PublishJob { build: id }, move || match staged.holds.demand_published() {
@@ -116,7 +116,7 @@ impl Farm {
         for kind in [Attention::QueueReplaced, Attention::PublishingFails] {
             self.notices.clear(kind, &build.profile, &format!("build {id}"));
         }
-        let height_mm = (build.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
+        let height_mm = (build.measures.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
             Published::Now => {
                 info!(build.id = %id, profile = %build.profile, height_mm, "Published build {id} of {}: {height_mm} mm.", build.profile)

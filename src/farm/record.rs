@@ -17,7 +17,7 @@ const BUILD: &str = ".build.3mf";
 
 /// Writes the record of a build that is about to be published; the same record again changes nothing.
 pub fn keep(archive: &Path, build: &BuildRow, record: &str) -> Result<()> {
-    let name = build.file_name.as_deref().context("its row names no file")?;
+    let name = build.staged.file_name.as_deref().context("its row names no file")?;
     let file = file_of(archive, name);
     if fs::read_to_string(&file).is_ok_and(|known| known == record) {
         return Ok(());

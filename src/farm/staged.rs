@@ -48,12 +48,12 @@ pub struct Replaced {
 
 impl Staged {
     fn name(&self) -> Result<&str> {
-        self.build.file_name.as_deref().context("its row names no file")
+        self.build.staged.file_name.as_deref().context("its row names no file")
     }
 
     /// Where its file is. In another folder than it was staged in, "gone" says nothing: a person must look.
     fn state(&self) -> Result<StagedState> {
-        let (name, was) = (self.name()?, self.build.queue_id.as_deref());
+        let (name, was) = (self.name()?, self.build.staged.queue_id.as_deref());
         match self.queue.state(name)? {
             StagedState::Gone if was != Some(self.queue.id()) => {
                 Err(Replaced { name: name.to_owned(), was: was.unwrap_or_default().to_owned() }.into())
@@ -129,7 +129,7 @@ impl Staged {
     }
 
     fn is_proved(&self, file: &Path) -> Result<bool> {
-        has_hash(file, self.build.file_hash.as_deref().context("its row does not say what was proved")?)
+        has_hash(file, self.build.staged.file_hash.as_deref().context("its row does not say what was proved")?)
     }
 }
 

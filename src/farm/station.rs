@@ -104,7 +104,7 @@ pub struct OpenBuild {
 impl Station {
     /// A station that has looked at nothing yet; `row` is its open build, whose layout is gone on from.
     pub fn new(profile: Arc<Profile>, orphan_secs: f64, owner: &Owner, row: &BuildRow) -> Self {
-        let placed = row.layout.as_deref().map(placed_from_json).unwrap_or_default();
+        let placed = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
         Self {
             gate: Some(Box::new(Gate::new(&profile, orphan_secs))),
             holds: Holds::new(owner, &profile),

@@ -72,27 +72,33 @@ pub async fn waiting(ledger: &Ledger, claim: &str, copies: u32) -> PartId {
 
 pub fn verified(build: BuildId, copies: u32) -> Verified {
     Verified {
-        file_name: format!("20261120T044900Z_paper-200_{build:0>6}.build.3mf"),
-        queue_id: "queue".to_owned(),
-        file_hash: "0".repeat(64),
-        file_bytes: 4321,
-        sidecars: vec![("x.png".to_owned(), "1".repeat(64))],
-        height_mm: 87.5,
-        density: 0.21,
-        lower_bound_mm: 40.0,
-        layers: 875,
-        part_volume_mm3: 1000.0 * f64::from(copies),
-        copies,
-        clearance_mm: 3.0,
-        clearance_proved_mm: Some(3.02),
-        cpu_secs: 10.5,
-        wall_secs: 5.25,
-        evaluations: 12_345,
-        seed: 7,
-        method: "nestd".to_owned(),
-        version: "0.1.0".to_owned(),
+        file: ProvedFile {
+            file_name: format!("20261120T044900Z_paper-200_{build:0>6}.build.3mf"),
+            queue_id: "queue".to_owned(),
+            file_hash: "0".repeat(64),
+            file_bytes: 4321,
+            sidecars: vec![("x.png".to_owned(), "1".repeat(64))],
+        },
+        measures: ProvedMeasures {
+            height_mm: 87.5,
+            density: 0.21,
+            lower_bound_mm: 40.0,
+            layers: 875,
+            part_volume_mm3: 1000.0 * f64::from(copies),
+            copies,
+            clearance_mm: 3.0,
+            clearance_proved_mm: Some(3.02),
+        },
+        search: FinalSearch {
+            cpu_secs: 10.5,
+            wall_secs: 5.25,
+            evaluations: 12_345,
+            seed: 7,
+            method: "nestd".to_owned(),
+            version: "0.1.0".to_owned(),
+            curve: vec![(0.1, 99.5), (2.5, 87.5)],
+        },
         profile_snapshot: "{}".to_owned(),
-        curve: vec![(0.1, 99.5), (2.5, 87.5)],
     }
 }
 

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Ledger, Utc, error::Result};
+use super::{BuildId, BuildMeasures, BuildState, Ledger, SearchEffort, Utc, error::Result};
 
 /// Which builds to list. A build's time is when it was published, else when it entered its state.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -57,40 +57,29 @@ pub struct HistoryRow {
     pub at: Utc,
     /// When it came into the queue; `None` = never.
     pub published_at: Option<Utc>,
-    /// Build height, mm.
-    pub height_mm: Option<f64>,
     /// Height of the machine's volume when it was made, mm.
     pub volume_z_mm: Option<f64>,
-    /// Part volume / (base area x height), 0..1.
-    pub density: Option<f64>,
-    /// No build of these parts can be lower, mm.
-    pub lower_bound_mm: Option<f64>,
-    /// Layers to print.
-    pub layers: Option<u32>,
     /// Distinct parts.
     pub parts: u32,
-    /// Placements.
-    pub copies: Option<u32>,
-    /// Volume of all parts in it, mm3.
-    pub part_volume_mm3: Option<f64>,
-    /// Clearance asked, mm.
-    pub clearance_mm: Option<f64>,
-    /// Least distance found on the triangles of the written file, mm.
-    pub clearance_proved_mm: Option<f64>,
-    /// CPU seconds of all nesting for it.
-    pub cpu_secs: Option<f64>,
-    /// Wall seconds of the final nesting.
-    pub wall_secs: Option<f64>,
-    /// Evaluations of the final nesting.
-    pub evaluations: Option<u64>,
-    /// Seed of the final nesting, its bits as a signed number.
-    pub seed: Option<i64>,
-    /// nestd or paper.
-    pub method: Option<String>,
-    /// Version of nestd.
-    pub version: Option<String>,
+    /// What was measured of it.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub measures: BuildMeasures,
+    /// What the search for it took.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub search: SearchEffort,
     /// Trigger.
     pub fired_by: String,
+    /// What came of it.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub result: BuildResult,
+}
+
+/// What came of a build.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
+pub struct BuildResult {
     /// Name of the build file.
     pub file_name: Option<String>,
     /// Why it failed, or the outcome's note.
@@ -146,7 +135,7 @@ const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_a
 impl HistoryRow {
     /// Share of the height of the machine's volume that it uses, 0..1.
     pub fn used(&self) -> Option<f64> {
-        Some(self.height_mm? / self.volume_z_mm.filter(|z| *z > 0.0)?)
+        Some(self.measures.height_mm? / self.volume_z_mm.filter(|z| *z > 0.0)?)
     }
 }
 

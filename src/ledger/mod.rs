@@ -5,6 +5,7 @@
 
 mod backup;
 mod build;
+mod build_row;
 mod change;
 mod claim;
 mod command;
@@ -44,7 +45,10 @@ mod waiting;
 mod word;
 
 pub use backup::prove as prove_backup;
-pub use build::{BuildRow, OpenLayout, Verified};
+pub use build_row::{
+    BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, ProvedFile, ProvedMeasures,
+    SearchEffort, StagedFile, Verified,
+};
 pub use command::{CommandKind, CommandRow, CommandState, NewCommand};
 pub use daemon::{BEAT_LASTS_SECS, Beat, DaemonRow, LOCK_NAME};
 pub use decisions::Decided;
@@ -52,7 +56,7 @@ pub use deep::{BuiltPlace, PartPlace};
 pub use due::DuePart;
 pub use error::LedgerError;
 pub use event::EventRow;
-pub use history::{HeightSum, HistoryQuery, HistoryRow, HistorySort};
+pub use history::{BuildResult, HeightSum, HistoryQuery, HistoryRow, HistorySort};
 pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
 pub use outcome::{Outcome, OutcomeRow};

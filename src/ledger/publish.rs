@@ -8,8 +8,8 @@ impl Ledger {
     /// nesting -> verified: the file is written and proved. `placed` must be exactly the copies of the build.
     pub async fn verify_build(&self, build: BuildId, verified: &Verified, placed: &[PlacedCopy]) -> Result<()> {
         let mut change = self.change().await?;
-        change.move_build(build, BuildState::Verified, &verified.file_name).await?;
-        demand_same_copies(&mut change, build, verified.copies, placed).await?;
+        change.move_build(build, BuildState::Verified, &verified.file.file_name).await?;
+        demand_same_copies(&mut change, build, verified.measures.copies, placed).await?;
         write_result(&mut change, build, verified).await?;
         for copy in placed {
             write_pose(&mut change, build, copy).await?;
@@ -96,27 +96,27 @@ async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) 
          cpu_secs = coalesce(cpu_secs, 0) + ?, wall_secs = ?, evaluations = ?, seed = ?, method = ?, version = ?, \
          profile_snapshot = ?, curve = ?, sidecars = ? WHERE id = ?",
     )
-    .bind(&verified.file_name)
-    .bind(&verified.queue_id)
-    .bind(&verified.file_hash)
-    .bind(verified.file_bytes as i64)
-    .bind(verified.height_mm)
-    .bind(verified.density)
-    .bind(verified.lower_bound_mm)
-    .bind(verified.layers)
-    .bind(verified.part_volume_mm3)
-    .bind(verified.copies)
-    .bind(verified.clearance_mm)
-    .bind(verified.clearance_proved_mm)
-    .bind(verified.cpu_secs)
-    .bind(verified.wall_secs)
-    .bind(verified.evaluations as i64)
-    .bind(verified.seed.cast_signed())
-    .bind(&verified.method)
-    .bind(&verified.version)
+    .bind(&verified.file.file_name)
+    .bind(&verified.file.queue_id)
+    .bind(&verified.file.file_hash)
+    .bind(verified.file.file_bytes as i64)
+    .bind(verified.measures.height_mm)
+    .bind(verified.measures.density)
+    .bind(verified.measures.lower_bound_mm)
+    .bind(verified.measures.layers)
+    .bind(verified.measures.part_volume_mm3)
+    .bind(verified.measures.copies)
+    .bind(verified.measures.clearance_mm)
+    .bind(verified.measures.clearance_proved_mm)
+    .bind(verified.search.cpu_secs)
+    .bind(verified.search.wall_secs)
+    .bind(verified.search.evaluations as i64)
+    .bind(verified.search.seed.cast_signed())
+    .bind(&verified.search.method)
+    .bind(&verified.search.version)
     .bind(&verified.profile_snapshot)
-    .bind(verified.curve_json())
-    .bind(serde_json::to_string(&verified.sidecars).ok())
+    .bind(verified.search.curve_json())
+    .bind(serde_json::to_string(&verified.file.sidecars).ok())
     .bind(build)
     .execute(change.db())
     .await?;

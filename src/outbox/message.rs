@@ -122,7 +122,8 @@ fn sentence(event: &EventRow, detail: &str, part: Option<&PartRow>, build: Optio
     let first = detail.lines().next().unwrap_or_default();
     match (kind_of(&event.kind), part, build) {
         ("published", _, Some(build)) => {
-            let (copies, height_mm) = (build.copies.unwrap_or_default(), build.height_mm.unwrap_or_default());
+            let (copies, height_mm) =
+                (build.measures.copies.unwrap_or_default(), build.measures.height_mm.unwrap_or_default());
             format!(
                 "Build {} of {profile} is in the queue: {}, {height_mm:.2} mm high.",
                 build.id,
@@ -150,8 +151,8 @@ fn part_json(part: &PartRow) -> Value {
 
 fn build_json(build: &BuildRow) -> Value {
     json!({
-        "number": build.id, "file": build.file_name, "state": build.state, "copies": build.copies,
-        "height_mm": build.height_mm, "density": build.density, "layers": build.layers,
+        "number": build.id, "file": build.staged.file_name, "state": build.state, "copies": build.measures.copies,
+        "height_mm": build.measures.height_mm, "density": build.measures.density, "layers": build.measures.layers,
     })
 }
 

@@ -37,29 +37,29 @@ pub fn build_facts(
     (copies, file): (String, Option<String>),
     now: Timestamp,
 ) -> Vec<SheetFact> {
-    let layers = row.layers.or_else(|| Some((row.height_mm? / machine?.layer_mm).ceil() as u32));
+    let layers = row.measures.layers.or_else(|| Some((row.measures.height_mm? / machine?.layer_mm).ceil() as u32));
     let thick = machine.and_then(|machine| fields::LAYER_THICKNESS.with_unit(machine.layer_mm));
-    let volume = row.part_volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
+    let volume = row.measures.part_volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
     let fired_by = (!row.fired_by.is_empty()).then(|| format!("{}, nested {}", row.fired_by, times(row.attempts)));
-    let content = row.file_hash.as_ref().map(|hash| content(row.file_bytes.unwrap_or_default(), hash));
-    let bound = fields::LOWER_BOUND.with_unit(row.lower_bound_mm);
+    let content = row.staged.file_hash.as_ref().map(|hash| content(row.staged.file_bytes.unwrap_or_default(), hash));
+    let bound = fields::LOWER_BOUND.with_unit(row.measures.lower_bound_mm);
     let ago = |at: Utc| at.age(now).map_or_else(String::new, |age| format!(", {age} ago"));
-    let published = row.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
+    let published = row.times.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
     let told = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
-        told(fields::HEIGHT, height(row.height_mm, machine.map(|machine| machine.volume_mm.z))),
+        told(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.volume_mm.z))),
         told(fields::LOWER_BOUND, bound.map(|bound| format!("{bound}: no build of these parts is lower"))),
         told(fields::LAYERS, layers.map(|layers| joined([Some(layers.to_string()), thick], " of "))),
-        fields::DENSITY.fact(row.density),
+        fields::DENSITY.fact(row.measures.density),
         Some(fields::COPIES.fact_of(joined([Some(copies), volume], ", "))),
         told(fields::CLEARANCE, clearance(row, machine)),
-        told(fields::SEARCH, row.method.as_ref().map(|method| search(method, row))),
+        told(fields::SEARCH, row.search.method.as_ref().map(|method| search(method, row))),
         told(fields::FIRED_BY, fired_by),
-        fields::OPENED.fact(row.opened_at),
-        fields::NESTING.fact(row.nesting_at),
-        fields::VERIFIED.fact(row.verified_at),
+        fields::OPENED.fact(row.times.opened_at),
+        fields::NESTING.fact(row.times.nesting_at),
+        fields::VERIFIED.fact(row.times.verified_at),
         told(fields::PUBLISHED, published),
-        fields::FILE.fact(file.as_ref().or(row.file_name.as_ref())),
+        fields::FILE.fact(file.as_ref().or(row.staged.file_name.as_ref())),
         told(fields::CONTENT, content),
     ];
     lines.into_iter().flatten().collect()
@@ -72,9 +72,9 @@ pub fn height(height_mm: Option<f64>, volume_z_mm: Option<f64>) -> Option<String
 }
 
 fn clearance(row: &BuildRow, machine: Option<&Profile>) -> Option<String> {
-    let asked_mm = row.clearance_mm.or(machine.map(|machine| machine.clearance_mm));
+    let asked_mm = row.measures.clearance_mm.or(machine.map(|machine| machine.clearance_mm));
     let asked = fields::CLEARANCE.with_unit(asked_mm)?;
-    let proved = match (fields::CLEARANCE_PROVED.with_unit(row.clearance_proved_mm), row.verified_at) {
+    let proved = match (fields::CLEARANCE_PROVED.with_unit(row.measures.clearance_proved_mm), row.times.verified_at) {
         (Some(proved), _) => format!("{proved} proved on the triangles"),
         (None, Some(_)) => "proved: no two are near".to_owned(),
         (None, None) => "proved once it is fired".to_owned(),
@@ -85,11 +85,11 @@ fn clearance(row: &BuildRow, machine: Option<&Profile>) -> Option<String> {
 fn search(method: &str, row: &BuildRow) -> String {
     let pieces = [
         Some(method.to_owned()),
-        row.seed.map(|seed| format!("seed {seed}")),
-        row.evaluations.map(|evaluations| format!("{evaluations} evaluations")),
-        fields::CPU.cell_text(&row.cpu_secs.into()).map(|secs| format!("{secs} CPU s")),
-        fields::WALL.cell_text(&row.wall_secs.into()).map(|secs| format!("{secs} wall s")),
-        row.version.as_ref().map(|version| format!("nestd {version}")),
+        row.search.seed.map(|seed| format!("seed {seed}")),
+        row.search.evaluations.map(|evaluations| format!("{evaluations} evaluations")),
+        fields::CPU.cell_text(&row.search.cpu_secs.into()).map(|secs| format!("{secs} CPU s")),
+        fields::WALL.cell_text(&row.search.wall_secs.into()).map(|secs| format!("{secs} wall s")),
+        row.search.version.as_ref().map(|version| format!("nestd {version}")),
     ];
     joined(pieces, ", ")
 }

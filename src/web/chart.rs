@@ -36,8 +36,8 @@ pub(super) fn charts(rows: &[HistoryRow]) -> Markup {
     };
     html! {
         div.charts {
-            (chart("Build height", "mm", &lines(&|row| row.height_mm)))
-            (chart("Density", "%", &lines(&|row| row.density.map(|d| 100.0 * d))))
+            (chart("Build height", "mm", &lines(&|row| row.measures.height_mm)))
+            (chart("Density", "%", &lines(&|row| row.measures.density.map(|d| 100.0 * d))))
             (chart("Height used of the machine's", "%", &lines(&|row| row.used().map(|share| 100.0 * share))))
         }
     }

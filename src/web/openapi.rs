@@ -29,17 +29,23 @@ const ABOUT: &str = "What the pages of the dashboard show. Lengths end in _mm, v
 /// Where the document keeps its schemas.
 const SCHEMAS: &str = "/components/schemas";
 
+/// Makes the schema of a type.
+type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;
+
+/// Makes what answers at an address.
+type HandlerMaker = fn() -> MethodRouter<Arc<Web>>;
+
 /// An address of the interface.
 struct ApiRoute {
     path: &'static str,
     name: &'static str,
     summary: &'static str,
-    answer: fn(&mut SchemaGenerator) -> Schema,
+    answer: SchemaMaker,
     /// What its query may ask for.
-    query: Option<fn(&mut SchemaGenerator) -> Schema>,
+    query: Option<SchemaMaker>,
     /// What of it makes no sense here.
     without: &'static [&'static str],
-    handler: fn() -> MethodRouter<Arc<Web>>,
+    handler: HandlerMaker,
 }
 
 const ROUTES: [ApiRoute; 7] = [

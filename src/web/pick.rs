@@ -33,9 +33,9 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Pat
     let Map { copies, sheets, .. } = map_of(&web, &build, &profile).await?;
     let content = html! {
         h1 { (title) }
-        p { (build.profile) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
-            @if let Some(at) = build.published_at { " " (time_utc(at)) }
-            @if let Some(file) = &build.file_name { ": " (file) } "." }
+        p { (build.profile) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
+            @if let Some(at) = build.times.published_at { " " (time_utc(at)) }
+            @if let Some(file) = &build.staged.file_name { ": " (file) } "." }
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
             p.warn { "A forecast: what stands where changes until the build is published. Not for breaking out." }
         }

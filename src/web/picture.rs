@@ -62,9 +62,9 @@ pub(super) async fn of_profile(web: &Web, status: &ProfileStatus) -> Answer<Mark
     let Some(build) = web.ledger.build(id).await? else { return Ok(html! {}) };
     // A build that has just fired without a layout has nothing to show yet.
     let height = fields::HEIGHT
-        .with_unit(build.height_mm)
+        .with_unit(build.measures.height_mm)
         .map_or_else(|| "height not known yet".to_owned(), |height| height + " high");
-    let copies = count(build.copies.unwrap_or(0), "copy", "copies");
+    let copies = count(build.measures.copies.unwrap_or(0), "copy", "copies");
     let alt = format!("Build {id}, {what}: {copies}, {height}");
     let source = format!("/builds/{id}/picture?width=480&of={}", version(&build));
     Ok(html! {

@@ -29,7 +29,7 @@ pub(super) async fn build_of(web: &Web, number: i64) -> Answer<(BuildRow, Profil
     let build = web.ledger.build(BuildId(number)).await?.ok_or_else(missing)?;
     let settings = web.settings();
     let now = settings.profiles.get(&build.profile);
-    let profile = Profile::then(&build.profile, build.profile_snapshot.as_deref(), now);
+    let profile = Profile::then(&build.profile, build.kept.profile_snapshot.as_deref(), now);
     Ok((build, profile))
 }
 
@@ -64,6 +64,6 @@ pub(super) async fn of_cake<T: Clone + Send + 'static>(
 
 /// A text that is another one when something else stands in the build, or stands otherwise.
 pub(super) fn version(build: &BuildRow) -> String {
-    let layout = blake3::hash(build.layout.as_deref().unwrap_or_default().as_bytes()).to_hex();
+    let layout = blake3::hash(build.kept.layout.as_deref().unwrap_or_default().as_bytes()).to_hex();
     format!("{}-{}-{}", build.id, build.state, &layout[..16])
 }

@@ -11,7 +11,8 @@ use super::enum_words::{words_of, words_or_null};
 use crate::{
     farm::Standing,
     ledger::{
-        BuildId, BuildRow, BuildState, EventRow, Outcome, OutcomeRow, PartId, PartRow, PartState, PlacementRow, Utc,
+        BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, Outcome, OutcomeRow, PartId, PartRow,
+        PartState, PlacementRow, SearchEffort, Utc,
     },
     settings::Profile,
 };
@@ -57,52 +58,34 @@ pub(super) struct Build {
     fired_by: String,
     /// How often nesting was begun.
     attempts: u32,
-    /// When it was opened.
-    opened_at: Utc,
-    /// When it fired.
-    nesting_at: Option<Utc>,
-    /// When its file was proved.
-    verified_at: Option<Utc>,
-    /// When it came into the queue.
-    published_at: Option<Utc>,
-    /// When its state was entered.
-    state_at: Utc,
+    #[serde(flatten)]
+    times: BuildTimes,
+    #[serde(flatten)]
+    file: ToldFile,
+    #[serde(flatten)]
+    measures: BuildMeasures,
+    #[serde(flatten)]
+    search: SearchEffort,
+    /// How the height fell in the final search; empty until its file was proved.
+    curve: Vec<Point>,
+    #[serde(flatten)]
+    machine: MachineThen,
+}
+
+/// The file of a build.
+#[derive(Serialize, JsonSchema)]
+struct ToldFile {
     /// Name of the build file in the queue folder.
     file_name: Option<String>,
     /// BLAKE3 of the build file, 64 hex digits.
     file_blake3: Option<String>,
     /// Size of the build file.
     file_bytes: Option<u64>,
-    /// Build height, mm.
-    height_mm: Option<f64>,
-    /// No build of these parts can be lower, mm.
-    lower_bound_mm: Option<f64>,
-    /// Part volume / (base area x height), 0..1.
-    density: Option<f64>,
-    /// Layers to print.
-    layers: Option<u32>,
-    /// Volume of all parts in it, mm3.
-    part_volume_mm3: Option<f64>,
-    /// Placements.
-    copies: Option<u32>,
-    /// Clearance asked, mm.
-    clearance_mm: Option<f64>,
-    /// Least distance found on the triangles of the written file, mm.
-    clearance_proved_mm: Option<f64>,
-    /// CPU seconds of all nesting for it.
-    cpu_secs: Option<f64>,
-    /// Wall seconds of the final nesting.
-    wall_secs: Option<f64>,
-    /// Evaluations of the final nesting.
-    evaluations: Option<u64>,
-    /// Seed of the final nesting, its bits as a signed number.
-    seed: Option<i64>,
-    /// nestd or paper.
-    method: Option<String>,
-    /// Version of nestd.
-    version: Option<String>,
-    /// How the height fell in the final search; empty until its file was proved.
-    curve: Vec<Point>,
+}
+
+/// The machine of a build as it was when the build was made.
+#[derive(Serialize, JsonSchema)]
+struct MachineThen {
     /// Volume of the machine as it was when the build was made, mm.
     volume_mm: [f64; 3],
     /// Its layer, mm.
@@ -248,31 +231,16 @@ impl Build {
             reason: row.reason,
             fired_by: row.fired_by,
             attempts: row.attempts,
-            opened_at: row.opened_at,
-            nesting_at: row.nesting_at,
-            verified_at: row.verified_at,
-            published_at: row.published_at,
-            state_at: row.state_at,
-            file_name: row.file_name,
-            file_blake3: row.file_hash,
-            file_bytes: row.file_bytes,
-            height_mm: row.height_mm,
-            lower_bound_mm: row.lower_bound_mm,
-            density: row.density,
-            layers: row.layers,
-            part_volume_mm3: row.part_volume_mm3,
-            copies: row.copies,
-            clearance_mm: row.clearance_mm,
-            clearance_proved_mm: row.clearance_proved_mm,
-            cpu_secs: row.cpu_secs,
-            wall_secs: row.wall_secs,
-            evaluations: row.evaluations,
-            seed: row.seed,
-            method: row.method,
-            version: row.version,
+            times: row.times,
+            file: ToldFile {
+                file_name: row.staged.file_name,
+                file_blake3: row.staged.file_hash,
+                file_bytes: row.staged.file_bytes,
+            },
+            measures: row.measures,
+            search: row.search,
             curve,
-            volume_mm: profile.volume_mm.to_array(),
-            layer_mm: profile.layer_mm,
+            machine: MachineThen { volume_mm: profile.volume_mm.to_array(), layer_mm: profile.layer_mm },
         }
     }
 }
@@ -317,7 +285,7 @@ impl Placement {
             copy: standing.copy,
             build: build.id,
             build_state: build.state,
-            published_at: build.published_at,
+            published_at: build.times.published_at,
             rotation_xyzw: Some(standing.pose.rotation.to_array()),
             translation_mm: Some(standing.pose.translation.to_array()),
             drawn_place: None,

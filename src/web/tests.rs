@@ -138,7 +138,7 @@ async fn a_name_that_is_code_is_shown_as_text() {
 async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
     let dashboard = with_a_build("bracket.stl").await;
     let rows = dashboard.ledger.history(&Default::default()).await.unwrap();
-    let height = format!("{:.2}", rows[0].height_mm.unwrap());
+    let height = format!("{:.2}", rows[0].measures.height_mm.unwrap());
     assert!(dashboard.get("/history").await.text.contains(&height));
     let json: serde_json::Value = serde_json::from_str(&dashboard.get("/history.json").await.text).unwrap();
     assert_eq!(json, serde_json::to_value(&rows).unwrap());

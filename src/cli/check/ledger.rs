@@ -121,7 +121,7 @@ async fn look_at_claims(ledger: &Ledger, settings: &Settings, report: &mut Repor
 fn staged_in_this_queue(build: &BuildRow, profile: &Profile, report: &mut Report) {
     let queue = &profile.folders.queue;
     let marker = fs::read_to_string(queue.join(QUEUE_MARKER)).ok().map(|text| text.trim().to_owned());
-    if build.queue_id.is_some() && marker != build.queue_id {
+    if build.staged.queue_id.is_some() && marker != build.staged.queue_id {
         let text = format!("{} is not the folder in which build {} was staged", queue.display(), build.id);
         report.problem(
             &format!("queue of {}", profile.name),

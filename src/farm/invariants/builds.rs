@@ -57,7 +57,7 @@ async fn build_file(
         return Ok(());
     };
     looked.builds += 1;
-    let may_be_visible = row.published_at.is_some() || (!witness.at_rest && row.state == BuildState::Verified);
+    let may_be_visible = row.times.published_at.is_some() || (!witness.at_rest && row.state == BuildState::Verified);
     if !may_be_visible {
         let text = format!("{shown} is in the queue and build {} is {}", row.id, row.state);
         looked.found(I3, text, "take it out of the queue, and restart the daemon");
@@ -70,7 +70,7 @@ async fn build_file(
             looked.found(I3, text, "check the disk; `nestd show` names the parts, which can be dropped again");
             return Ok(());
         }
-        Ok(hash) if Some(&hash) != row.file_hash.as_ref() => {
+        Ok(hash) if Some(&hash) != row.staged.file_hash.as_ref() => {
             let text = format!("{shown} is not the file that was proved as build {}", row.id);
             looked.found(I3, text, "do not print it: somebody changed it or the disk damaged it");
         }

@@ -149,7 +149,7 @@ pub async fn built(settings: &Settings, ledger: &Ledger, looked: &mut Looked) ->
     let mut archives: HashMap<String, ByHash> = HashMap::new();
     for row in ledger.built_places(oldest.unwrap_or(Timestamp::MIN)).await? {
         let Some(profile) = settings.profiles.get(&row.profile) else { continue };
-        let published = ledger.build(row.build).await?.and_then(|build| build.published_at);
+        let published = ledger.build(row.build).await?.and_then(|build| build.times.published_at);
         if published.is_none_or(|at| at.0 < since(profile.archive_days)) {
             continue;
         }

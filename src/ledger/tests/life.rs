@@ -201,15 +201,18 @@ async fn a_proved_build_whose_staged_file_was_spoilt_is_nested_again_with_its_co
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 2).await;
     let build = nesting(&ledger, &[(id, 0), (id, 1)]).await;
-    let fired = ledger.build(build).await.unwrap().unwrap().nesting_at;
+    let fired = ledger.build(build).await.unwrap().unwrap().times.nesting_at;
     ledger.verify_build(build, &verified(build, 2), &placed(&[(id, 0), (id, 1)])).await.unwrap();
     assert_eq!(ledger.build(build).await.unwrap().unwrap().sidecars().len(), 1);
     ledger.begin_publishing(build).await.unwrap();
-    assert!(ledger.build(build).await.unwrap().unwrap().publishing_at.is_some());
+    assert!(ledger.build(build).await.unwrap().unwrap().staged.publishing_at.is_some());
     ledger.write_again(build, "it was removed").await.unwrap();
     let row = ledger.build(build).await.unwrap().unwrap();
-    assert_eq!((row.state, row.nesting_at, row.verified_at), (BuildState::Nesting, fired, None));
-    assert_eq!((row.publishing_at, row.file_name, row.file_hash, row.sidecars), (None, None, None, None));
+    assert_eq!((row.state, row.times.nesting_at, row.times.verified_at), (BuildState::Nesting, fired, None));
+    assert_eq!(
+        (row.staged.publishing_at, row.staged.file_name, row.staged.file_hash, row.sidecars().is_empty()),
+        (None, None, None, true)
+    );
     assert!(ledger.placements_of_build(build).await.unwrap().iter().all(|row| row.pose().is_some()));
     ledger.verify_build(build, &verified(build, 2), &placed(&[(id, 0), (id, 1)])).await.unwrap();
     ledger.publish_build(build).await.unwrap();
@@ -227,7 +230,7 @@ async fn a_failed_build_lets_all_its_copies_go_and_says_why() {
     ledger.fail_build(build, "the proof failed three times").await.unwrap();
     let row = ledger.build(build).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (BuildState::Failed, "the proof failed three times"));
-    assert_eq!((row.copies, row.height_mm), (Some(0), None));
+    assert_eq!((row.measures.copies, row.measures.height_mm), (Some(0), None));
     assert_eq!(ledger.waiting_copies("paper-200").await.unwrap()[0].copies, [0, 1]);
     let kinds: Vec<String> = ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind).collect();
     assert_eq!(kinds, ["nesting", "batched", "waiting", "failed"]);
@@ -287,12 +290,12 @@ async fn the_open_build_is_one_and_keeps_its_layout_until_it_is_verified() {
     ledger.save_layout(build, &layout).await.unwrap();
     ledger.add_cpu_secs(build, 1.5).await.unwrap();
     ledger.begin_nesting(build, "fill", &[(id, 0)]).await.unwrap();
-    assert_eq!(ledger.build(build).await.unwrap().unwrap().layout.as_deref(), Some("{}"));
+    assert_eq!(ledger.build(build).await.unwrap().unwrap().kept.layout.as_deref(), Some("{}"));
     assert_ne!(ledger.open_build("paper-200").await.unwrap().id, build);
     ledger.verify_build(build, &verified(build, 1), &placed(&[(id, 0)])).await.unwrap();
     let row = ledger.build(build).await.unwrap().unwrap();
-    assert_eq!((row.layout, row.cpu_secs, row.seed), (None, Some(12.0), Some(7)));
-    assert_eq!((row.fired_by.as_str(), row.attempts, row.evaluations), ("fill", 1, Some(12_345)));
+    assert_eq!((row.kept.layout, row.search.cpu_secs, row.search.seed), (None, Some(12.0), Some(7)));
+    assert_eq!((row.fired_by.as_str(), row.attempts, row.search.evaluations), ("fill", 1, Some(12_345)));
     assert!(matches!(ledger.save_layout(build, &layout).await, Err(LedgerError::WrongState { .. })));
     assert!(matches!(ledger.add_cpu_secs(build, 1.0).await, Err(LedgerError::WrongState { .. })));
 }

@@ -76,7 +76,7 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
         let ledger = Ledger::open_whole(&path).await.unwrap();
         assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new(), "from schema {version}");
         let history = ledger.history(&HistoryQuery::default()).await.unwrap();
-        assert_eq!((history.len(), history[0].height_mm), (1, Some(87.5)));
+        assert_eq!((history.len(), history[0].measures.height_mm), (1, Some(87.5)));
         ledger.close().await;
         let pool = raw(&path).await;
         for (table, columns, rows) in before {

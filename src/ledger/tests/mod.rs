@@ -6,6 +6,7 @@ mod migrations;
 mod opening;
 mod plans;
 mod questions;
+mod shapes;
 mod walk;
 
 use jiff::Timestamp;

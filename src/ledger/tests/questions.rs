@@ -201,7 +201,7 @@ async fn history_lists_builds_newest_first_within_its_limits() {
     assert_eq!(list(one).await, [builds[1]]);
     assert!(list(HistoryQuery { profile: Some("fuse-1".into()), ..Default::default() }).await.is_empty());
     let row = &ledger.history(&HistoryQuery::default()).await.unwrap()[2];
-    assert_eq!((row.at.to_string().as_str(), row.parts, row.copies), ("2026-11-01T10:00:00.000Z", 1, Some(1)));
+    assert_eq!((row.at.to_string().as_str(), row.parts, row.measures.copies), ("2026-11-01T10:00:00.000Z", 1, Some(1)));
 }
 
 #[tokio::test]
@@ -212,12 +212,9 @@ async fn history_is_sorted_filtered_and_turned_page_by_page_without_losing_a_bui
         let then = ledger.ledger.clone().with_clock(move || at(&format!("2026-11-{:02}T10:00:00Z", 1 + n / 2)));
         let id = waiting(&then, &format!("part-{n}"), 1).await;
         let build = nesting(&then, &[(id, 0)]).await;
-        let of = Verified {
-            height_mm: f64::from(n * 7 % 5),
-            density: f64::from(n * 3 % 4) / 10.0,
-            profile_snapshot: "{\"volume_mm\":[200.0,200.0,250.0]}".to_owned(),
-            ..verified(build, 1)
-        };
+        let mut of = verified(build, 1);
+        (of.measures.height_mm, of.measures.density) = (f64::from(n * 7 % 5), f64::from(n * 3 % 4) / 10.0);
+        of.profile_snapshot = "{\"volume_mm\":[200.0,200.0,250.0]}".to_owned();
         if n % 4 == 0 {
             then.fail_build(build, "no room").await.unwrap();
         } else {
@@ -246,8 +243,8 @@ async fn history_is_sorted_filtered_and_turned_page_by_page_without_losing_a_bui
         }
     }
     let lowest = ledger.history(&HistoryQuery { sort: HistorySort::Height, ..Default::default() }).await.unwrap();
-    assert!(lowest[..17].windows(2).all(|two| two[0].height_mm <= two[1].height_mm));
-    assert!(lowest[17..].iter().all(|row| row.height_mm.is_none()), "what has no height comes last");
+    assert!(lowest[..17].windows(2).all(|two| two[0].measures.height_mm <= two[1].measures.height_mm));
+    assert!(lowest[17..].iter().all(|row| row.measures.height_mm.is_none()), "what has no height comes last");
     let high = lowest[16].clone();
     assert_eq!((high.volume_z_mm, high.used()), (Some(250.0), Some(4.0 / 250.0)));
     let of_part = HistoryQuery { part: Some("part-5.stl".into()), ..Default::default() };
@@ -269,7 +266,7 @@ async fn the_views_answer_an_operator_with_sqlite3() {
             .fetch_all(ledger.reader().unwrap())
             .await
             .unwrap();
-    let name = verified(build, 1).file_name;
+    let name = verified(build, 1).file.file_name;
     assert_eq!(builds, [(build.0, "published".into(), 87.5, 1, name)]);
     let parts: Vec<(i64, i64, i64, String)> =
         sqlx::query_as("SELECT part, copies, copies_built, builds FROM v_part_history")

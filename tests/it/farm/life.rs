@@ -25,8 +25,12 @@ fn dropped_parts_become_one_build_in_the_queue_with_its_height_in_the_history() 
     let top_mm = placed.iter().map(|p| p.mesh.bounds_at(&p.pose).max.z).fold(0.0, f64::max);
     let rows = farm.ask(async |ledger| ledger.history(&HistoryQuery::default()).await.unwrap());
     assert_eq!(rows.len(), 1);
-    assert!((rows[0].height_mm.unwrap() - top_mm).abs() < 1e-3, "{:?} is not {top_mm}", rows[0].height_mm);
-    assert!(rows[0].clearance_proved_mm.is_none_or(|c| c >= 2.0));
+    assert!(
+        (rows[0].measures.height_mm.unwrap() - top_mm).abs() < 1e-3,
+        "{:?} is not {top_mm}",
+        rows[0].measures.height_mm
+    );
+    assert!(rows[0].measures.clearance_proved_mm.is_none_or(|c| c >= 2.0));
     let stem = file.to_string_lossy().replace(".build.3mf", "");
     for suffix in [".report.json", ".parts.csv", ".png"] {
         assert!(fs::metadata(format!("{stem}{suffix}")).unwrap().len() > 0, "{suffix} is missing");

@@ -23,7 +23,7 @@ fn held_up() -> (TestFarm, PathBuf, PathBuf) {
     farm.flush();
     wait_until_or("a build is nested", 30.0, || farm.log(), || build_in(&farm, BuildState::Nesting).is_some());
     let build = build_in(&farm, BuildState::Nesting).unwrap();
-    let name = build_file::build_file_name(build.nesting_at.unwrap().0, PROFILE, build.id.0.unsigned_abs());
+    let name = build_file::build_file_name(build.times.nesting_at.unwrap().0, PROFILE, build.id.0.unsigned_abs());
     let record = farm.folder("archive").join(name.strip_suffix(".build.3mf").unwrap()).join(".nestd-build.json");
     fs::create_dir_all(&record).unwrap();
     wait_until_or("it is proved", 30.0, || farm.log(), || build_in(&farm, BuildState::Verified).is_some());
@@ -38,7 +38,7 @@ fn assert_published_whole(farm: &TestFarm) {
     let file = &farm.wait_for_queued(1)[0];
     wait_until_or("its row says so", 30.0, || farm.log(), || build_in(farm, BuildState::Published).is_some());
     let row = build_in(farm, BuildState::Published).unwrap();
-    assert_eq!(row.file_hash.unwrap(), blake3::hash(&fs::read(file).unwrap()).to_hex().to_string());
+    assert_eq!(row.staged.file_hash.unwrap(), blake3::hash(&fs::read(file).unwrap()).to_hex().to_string());
     assert_eq!(farm.queued().len(), 1);
     farm.assert_nothing_lost_or_doubled();
     assert_eq!(farm.broken(&Default::default()), [""; 0]);

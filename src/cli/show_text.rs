@@ -21,7 +21,7 @@ pub fn found(found: &Found) -> String {
     sheets.extend(found.build.as_ref().map(build));
     sheets.extend(found.part.as_ref().map(part));
     if let Some(first) = found.order.first() {
-        let name = &first.part.order_name;
+        let name = &first.part.terms.order_name;
         sheets.push(format!("Order {name}\n\n{}", parts(&found.order)));
     }
     match found.named.as_slice() {

@@ -143,13 +143,12 @@ fn a_bare_number_or_name_may_be_several_things() {
 #[tokio::test]
 async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let ledger = fresh().await;
-    let claim = NewPart {
-        order_name: "kit 7".into(),
-        warnings: vec!["odd name".into()],
-        clearance_mm: Some(4.5),
-        tilts: Tilts(vec![Tilt::new(glam::DVec3::new(0.0, 1.0, 1.0), 30.0).unwrap()]),
-        ..new_part("fan", 3)
-    };
+    let part = asked(new_part("fan", 3), |terms| {
+        terms.order_name = "kit 7".into();
+        terms.clearance_mm = Some(4.5);
+        terms.tilts = Tilts(vec![Tilt::new(glam::DVec3::new(0.0, 1.0, 1.0), 30.0).unwrap()]);
+    });
+    let claim = NewPart { warnings: vec!["odd name".into()], ..part };
     let id = ledger.record_claim(&claim).await.unwrap().id;
     ledger.accept(id, &[solid(0, 3)]).await.unwrap();
     let build = published(&ledger, &[(id, 0), (id, 2)]).await;

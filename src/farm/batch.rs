@@ -104,8 +104,8 @@ impl Farm {
             let beyond = wanted.len() < copies;
             let facts = Facts {
                 copies,
-                oldest: waiting.iter().map(|w| w.part.claimed_at.0).min().unwrap_or_default(),
-                due: waiting.iter().filter_map(|w| w.part.due_at.map(|d| d.0)).min(),
+                oldest: waiting.iter().map(|w| w.part.times.claimed_at.0).min().unwrap_or_default(),
+                due: waiting.iter().filter_map(|w| w.part.terms.due_at.map(|d| d.0)).min(),
                 height_mm: station.open.layout.height_mm,
                 density: station.open.layout.part_volume_mm3 / station.profile.build_volume().size_mm.element_product(),
                 full: station.open.covers(&wanted)

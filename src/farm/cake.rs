@@ -102,7 +102,7 @@ impl Cake {
         let part = |(row, copies): (PartRow, Vec<Standing>)| CakePart {
             part: row.id.0,
             name: row.full_name(),
-            order: row.order_name.clone(),
+            order: row.terms.order_name.clone(),
             mesh: originals.mesh(&row),
             copies,
         };
@@ -223,9 +223,10 @@ impl Originals {
         if let Ok(mesh) = self.meshes.mesh(&self.profile, part) {
             return Some(mesh);
         }
-        let file = self.archived().get(&part.content_hash)?;
-        let contents = build_file::read(file, &part.name, part.unit, self.profile.unit, &self.meshes.limits).ok()?;
-        Some(Arc::new(contents.solids.into_iter().nth(part.object_index as usize)?.mesh))
+        let file = self.archived().get(&part.file.content_hash)?;
+        let contents =
+            build_file::read(file, &part.name, part.terms.unit, self.profile.unit, &self.meshes.limits).ok()?;
+        Some(Arc::new(contents.solids.into_iter().nth(part.solid.object_index as usize)?.mesh))
     }
 }
 

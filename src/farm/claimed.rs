@@ -275,7 +275,7 @@ impl Farm {
         let waits = self.reading.again.rests(&part.id);
         let reading = self.jobs.running::<ReadJob>().count();
         // What has ended the process before is read when nothing else is, so that only it can be the reason.
-        let most = if part.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
+        let most = if part.file.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
         if reading == 0 {
             self.reading.is_alone = false;
         }
@@ -289,11 +289,11 @@ impl Farm {
         }
         let was_rejected = self.ledger.was_rejected(part.id).await?;
         if !self.reading.counted.remove(&part.id) {
-            part.reads = self.ledger.begin_read(part.id).await?;
+            part.file.reads = self.ledger.begin_read(part.id).await?;
         }
-        self.reading.is_alone = part.reads > READS_IN_THE_DAEMON;
+        self.reading.is_alone = part.file.reads > READS_IN_THE_DAEMON;
         let (profile, meshes) = (profile.clone(), self.meshes.clone());
-        let claim = self.ending.claims.get(&part.claim).cloned();
+        let claim = self.ending.claims.get(&part.file.claim).cloned();
         let holds = self.stations.get(&profile.name).map(|station| station.holds.clone());
         // After a retry the refused file and its reason have no business in the error folder any more.
         let refused_before = holds.filter(|_| was_rejected);

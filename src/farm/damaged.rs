@@ -42,7 +42,7 @@ impl Farm {
     pub(super) async fn go_on_without(&mut self, build: BuildId, failure: &anyhow::Error) -> Result<()> {
         let Some(lost) = Lost::of(failure) else { return Ok(()) };
         let parts: Vec<PartId> = (self.ledger.parts_of_build(build).await?.into_iter())
-            .filter_map(|part| (part.content_hash == lost.content_hash).then_some(part.id))
+            .filter_map(|part| (part.file.content_hash == lost.content_hash).then_some(part.id))
             .collect();
         let all = self.ledger.copies_of_build(build).await?;
         let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();
@@ -73,7 +73,7 @@ impl Farm {
     pub(super) async fn look_at_damaged(&mut self) -> Result<()> {
         self.tell_damaged().await?;
         let mut hashes: Vec<String> =
-            self.ledger.damaged_parts().await?.into_iter().map(|part| part.content_hash).collect();
+            self.ledger.damaged_parts().await?.into_iter().map(|part| part.file.content_hash).collect();
         hashes.dedup();
         if hashes.is_empty() {
             return Ok(());

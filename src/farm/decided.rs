@@ -59,7 +59,7 @@ impl Since {
 
     /// Whether something was decided of a part, or of another one of its file.
     pub fn has(&self, part: &PartRow) -> bool {
-        self.claims.contains_key(&part.claim)
+        self.claims.contains_key(&part.file.claim)
     }
 
     /// A person is told what came of a part.

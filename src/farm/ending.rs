@@ -57,7 +57,7 @@ impl Refused {
             return Ok(ClaimEnd::Done);
         }
         // A claim that is still to be found brings its original itself.
-        if intake::claim_dir(&self.inbox, &self.part.claim).exists() {
+        if intake::claim_dir(&self.inbox, &self.part.file.claim).exists() {
             return Ok(ClaimEnd::ToBeFound);
         }
         // One that was taken back and is refused again.
@@ -191,7 +191,7 @@ impl Farm {
             error_dir: folders.error.clone(),
             meshes: self.meshes.clone(),
             holds: station.holds.clone(),
-            claim: self.ending.claims.get(&part.claim).cloned(),
+            claim: self.ending.claims.get(&part.file.claim).cloned(),
         })
     }
 

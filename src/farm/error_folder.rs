@@ -43,10 +43,10 @@ pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, P
 
 fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
     match fs::symlink_metadata(file) {
-        Ok(meta) if !meta.is_file() || meta.len() != part.bytes => Ok(false),
+        Ok(meta) if !meta.is_file() || meta.len() != part.file.bytes => Ok(false),
         Ok(_) => {
             let hash = intake::hash_file(file).with_context(|| format!("reading {}", file.display()))?;
-            Ok(hash == part.content_hash)
+            Ok(hash == part.file.content_hash)
         }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
         Err(error) => Err(error).with_context(|| format!("looking at {}", file.display())),

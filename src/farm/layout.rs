@@ -72,7 +72,7 @@ impl Batch {
             mesh: p.mesh.clone(),
             copies: p.copies.len() as u32,
             orientation: p.part.turning(),
-            clearance_mm: p.part.clearance_mm,
+            clearance_mm: p.part.terms.clearance_mm,
         });
         profile.machine().instance(items.collect())
     }
@@ -81,16 +81,20 @@ impl Batch {
     pub fn build_parts(&self) -> Vec<BuildPart> {
         let build_part = |BatchPart { part, mesh, copies }: &BatchPart| BuildPart {
             name: part.name.clone(),
-            object_name: if part.object_name.is_empty() { part.name.clone() } else { part.object_name.clone() },
+            object_name: if part.solid.object_name.is_empty() {
+                part.name.clone()
+            } else {
+                part.solid.object_name.clone()
+            },
             part_number: part.id.to_string(),
             source_name: part.name.clone(),
-            source_hash: part.content_hash.clone(),
-            content_hash: format!("{}-{}", part.content_hash, part.object_index),
+            source_hash: part.file.content_hash.clone(),
+            content_hash: format!("{}-{}", part.file.content_hash, part.solid.object_index),
             mesh: mesh.clone(),
             copies: copies.clone(),
             orientation: part.turning(),
-            clearance_mm: part.clearance_mm,
-            order: (!part.order_name.is_empty()).then(|| part.order_name.clone()),
+            clearance_mm: part.terms.clearance_mm,
+            order: (!part.terms.order_name.is_empty()).then(|| part.terms.order_name.clone()),
         };
         self.parts.iter().map(build_part).collect()
     }

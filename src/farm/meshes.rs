@@ -50,7 +50,7 @@ const UNREADABLE_FOR: Duration = Duration::from_secs(60);
 impl Meshes {
     /// The stored file of a part, compared with what was dropped. What is damaged is set aside.
     pub fn stored(&self, part: &PartRow) -> Result<PathBuf> {
-        let hash = &part.content_hash;
+        let hash = &part.file.content_hash;
         let verified = self.store.verify(hash);
         let is_unreadable = verified.as_ref().is_err_and(StoreError::is_unreadable);
         let is_lasting = self.is_lasting(hash, is_unreadable);
@@ -76,20 +76,20 @@ impl Meshes {
 
     /// What a part's file holds; one whose reading has ended the process before is read in a process of its own.
     pub fn contents(&self, file: PathBuf, part: &PartRow, default_unit: Unit) -> Result<Contents, Unread> {
-        let (name, unit, limits) = (part.name.clone(), part.unit, self.limits.clone());
+        let (name, unit, limits) = (part.name.clone(), part.terms.unit, self.limits.clone());
         let errand = Errand { file, name, unit, default_unit, limits };
-        if part.reads > READS_IN_THE_DAEMON { errand.read_alone() } else { errand.read() }
+        if part.file.reads > READS_IN_THE_DAEMON { errand.read_alone() } else { errand.read() }
     }
 
     /// The mesh of a part, from the shelf or from the store.
     pub fn mesh(&self, profile: &Profile, part: &PartRow) -> Result<Arc<Mesh>> {
         let key = |object_index| MeshKey {
-            content_hash: part.content_hash.clone(),
+            content_hash: part.file.content_hash.clone(),
             object_index,
             default_unit: profile.unit,
-            unit: part.unit,
+            unit: part.terms.unit,
         };
-        if let Some(mesh) = self.shelf.mesh(&key(part.object_index)) {
+        if let Some(mesh) = self.shelf.mesh(&key(part.solid.object_index)) {
             return Ok(mesh);
         }
         let file = self.stored(part)?;
@@ -99,7 +99,7 @@ impl Meshes {
             self.shelf.put(key(index as u32), solid.mesh);
         }
         self.shelf
-            .mesh(&key(part.object_index))
-            .with_context(|| format!("part {} ({}) has no solid {}", part.id.0, part.name, part.object_index))
+            .mesh(&key(part.solid.object_index))
+            .with_context(|| format!("part {} ({}) has no solid {}", part.id.0, part.name, part.solid.object_index))
     }
 }

@@ -118,7 +118,7 @@ impl Farm {
         let mut holds = station.holds.clone();
         let unsure = wanted
             .iter()
-            .map(|(part, _)| part.claim.clone())
+            .map(|(part, _)| part.file.claim.clone())
             .filter(|claim| !self.ending.let_go.contains(claim))
             .collect();
         let order =

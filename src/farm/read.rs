@@ -85,10 +85,10 @@ pub fn read_part(
         warnings.iter_mut().for_each(|warning| *warning = build_file::visible(warning));
         facts.push(facts_of(&solid, index as u32, part, warnings));
         let key = MeshKey {
-            content_hash: part.content_hash.clone(),
+            content_hash: part.file.content_hash.clone(),
             object_index: index as u32,
             default_unit: profile.unit,
-            unit: part.unit,
+            unit: part.terms.unit,
         };
         meshes.shelf.put(key, solid.mesh);
     }
@@ -147,7 +147,7 @@ fn defects_text(defects: &Defects) -> String {
 /// Why a solid does not fit into the machine in any allowed orientation. Nothing is rescaled; units in which it would
 /// fit are named.
 fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> {
-    let rule = part.orientation;
+    let rule = part.terms.orientation;
     let volume = profile.build_volume();
     let misfit = nester::fits(&solid.mesh, &part.turning(), &volume).err()?;
     if misfit.is_forbidden {
@@ -173,7 +173,7 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
         has.z
     );
     // Wrong units are the commonest reason: say what the numbers would be in a smaller unit, and let people decide.
-    if part.unit.is_none() {
+    if part.terms.unit.is_none() {
         let read_in = profile.unit.mm();
         let smaller = [Unit::Millimeter, Unit::Micron]
             .into_iter()
@@ -198,7 +198,7 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
 
 /// What must stand near to straight up, as it follows the rule's name.
 fn tilts_text(part: &PartRow) -> String {
-    part.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words())).collect()
+    part.terms.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words())).collect()
 }
 
 fn rule_name(rule: OrientationRule) -> &'static str {

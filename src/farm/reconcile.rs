@@ -294,16 +294,16 @@ async fn put_back_what_was_taken_back(
 
 /// Whether a part's file lies in the error folder with a reason that names it.
 fn lies(refused: &Refused, profile: &Profile, part: &PartRow) -> Result<bool> {
-    let may_lie = !refused.of(&profile.name, &part.content_hash).is_empty();
+    let may_lie = !refused.of(&profile.name, &part.file.content_hash).is_empty();
     Ok(may_lie && !error_folder::refused_files(&profile.folders.error, part)?.is_empty())
 }
 
 fn is_in_work(profile: &Profile, part: &PartRow) -> Result<bool> {
-    let dir = intake::claim_dir(&profile.folders.inbox, &part.claim);
+    let dir = intake::claim_dir(&profile.folders.inbox, &part.file.claim);
     dir.try_exists().with_context(|| format!("looking at {}", dir.display()))
 }
 
 fn is_stored(settings: &Settings, part: &PartRow) -> Result<bool> {
-    let stored = Store::at(settings.state_dir.join("store")).path(&part.content_hash)?;
+    let stored = Store::at(settings.state_dir.join("store")).path(&part.file.content_hash)?;
     stored.try_exists().with_context(|| format!("looking at {}", stored.display()))
 }

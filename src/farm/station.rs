@@ -228,7 +228,7 @@ fn cut_to_volume(waiting: &[WaitingPart], profile: &Profile, mut most: usize) ->
     let mut room_mm3 = size.x * size.y * size.z;
     let mut cut: Vec<WaitingPart> = Vec::new();
     for part in waiting {
-        let each = part.part.volume_mm3.unwrap_or(0.0).max(1e-9);
+        let each = part.part.measures.volume_mm3.unwrap_or(0.0).max(1e-9);
         let fit = ((room_mm3 / each).floor().max(0.0) as usize).min(part.copies.len()).min(most);
         let fit = if cut.is_empty() { fit.max(1) } else { fit };
         if fit == 0 {

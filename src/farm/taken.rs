@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     intake::{self, Claim, Given, Kept, Source, Store, Stored, TicketError},
-    ledger::{Ledger, NewPart, NewTicket, TicketSource, Tilts},
+    ledger::{Ledger, NewPart, NewTerms, NewTicket, TicketSource, Tilts},
     settings::{Profile, Settings},
 };
 
@@ -61,8 +61,8 @@ impl Forgotten {
     /// How people know it.
     pub fn name(&self) -> String {
         match &self.taken {
-            Some(Taken { part, .. }) if part.order_name.is_empty() => part.name.clone(),
-            Some(Taken { part, .. }) => format!("{}/{}", part.order_name, part.name),
+            Some(Taken { part, .. }) if part.terms.order_name.is_empty() => part.name.clone(),
+            Some(Taken { part, .. }) => format!("{}/{}", part.terms.order_name, part.name),
             None => format!("the file with the BLAKE3 {}", self.hash),
         }
     }
@@ -212,17 +212,19 @@ pub(super) fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given:
         claim: claim.id.clone(),
         profile: profile.name.clone(),
         name: claim.display_name(),
-        order_name: ticket.order.unwrap_or_else(|| claim.order.clone()),
         content_hash: stored.hash.clone(),
         bytes: stored.bytes,
         copies: ticket.copies.unwrap_or(1),
-        priority: ticket.priority.unwrap_or(50),
-        due_at,
-        orientation: orientation.rule,
-        tilts: Tilts(orientation.tilts),
-        clearance_mm: ticket.clearance_mm,
-        unit: ticket.unit,
-        note: ticket.note.unwrap_or_default(),
+        terms: NewTerms {
+            order_name: ticket.order.unwrap_or_else(|| claim.order.clone()),
+            priority: ticket.priority.unwrap_or(50),
+            due_at,
+            orientation: orientation.rule,
+            tilts: Tilts(orientation.tilts),
+            clearance_mm: ticket.clearance_mm,
+            unit: ticket.unit,
+            note: ticket.note.unwrap_or_default(),
+        },
         warnings,
         ticket: source,
     }

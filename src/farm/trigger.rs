@@ -164,7 +164,7 @@ mod tests {
             let claimed = at(8, 0);
             let ledger = ledger.ledger.clone().with_clock(move || claimed);
             let part = waiting(&ledger, "a", 1).await;
-            let oldest = async || ledger.part(part).await.unwrap().unwrap().claimed_at.0;
+            let oldest = async || ledger.part(part).await.unwrap().unwrap().times.claimed_at.0;
             // Twenty minutes later the clock is set.
             ledger.keep_ages(jump).await.unwrap();
             let now = at(8, 20).checked_add(jump).unwrap();

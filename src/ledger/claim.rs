@@ -82,7 +82,7 @@ impl Ledger {
         }
         let siblings: Vec<PartId> =
             sqlx::query_scalar("SELECT id FROM part WHERE claim = ? AND state = 'claimed' ORDER BY id")
-                .bind(&claimed.claim)
+                .bind(&claimed.file.claim)
                 .fetch_all(change.db())
                 .await?;
         for sibling in siblings {
@@ -190,18 +190,18 @@ async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<Part
     .bind(&part.claim)
     .bind(&part.profile)
     .bind(&part.name)
-    .bind(&part.order_name)
+    .bind(&part.terms.order_name)
     .bind(&part.content_hash)
     .bind(part.bytes as i64)
     .bind(lines("", &part.warnings))
     .bind(part.copies)
-    .bind(part.priority)
-    .bind(part.due_at.map(Utc))
-    .bind(Word(part.orientation))
-    .bind(part.tilts.to_string())
-    .bind(part.clearance_mm)
-    .bind(Word(part.unit))
-    .bind(&part.note)
+    .bind(part.terms.priority)
+    .bind(part.terms.due_at.map(Utc))
+    .bind(Word(part.terms.orientation))
+    .bind(part.terms.tilts.to_string())
+    .bind(part.terms.clearance_mm)
+    .bind(Word(part.terms.unit))
+    .bind(&part.terms.note)
     .bind(now)
     .bind(now)
     .fetch_optional(change.db())
@@ -225,7 +225,7 @@ async fn insert_ticket(change: &mut Change, part: PartId, ticket: &NewTicket) ->
 /// The row of a solid of the claimed file, made when there is none; `None` when it is not claimed any more.
 async fn claimed_solid(change: &mut Change, file: &PartRow, solid: &SolidFacts) -> Result<Option<PartRow>> {
     let known: Option<PartRow> = sqlx::query_as("SELECT * FROM part WHERE claim = ? AND object_index = ?")
-        .bind(&file.claim)
+        .bind(&file.file.claim)
         .bind(solid.object_index)
         .fetch_optional(change.db())
         .await?;

@@ -86,7 +86,7 @@ mod tests {
         let ledger = fresh().await;
         let id = waiting(&ledger, "a", 2).await;
         let part = ledger.part(id).await.unwrap().unwrap();
-        let (profile, hash) = (part.profile.as_str(), part.content_hash.as_str());
+        let (profile, hash) = (part.profile.as_str(), part.file.content_hash.as_str());
         assert_eq!(ledger.take_replacement("b", profile, hash).await.unwrap(), None, "nobody asked for it again");
         ledger.mark_damaged(hash, "it was damaged").await.unwrap();
         ledger.mark_damaged(hash, "it was damaged").await.unwrap();

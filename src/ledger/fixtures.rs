@@ -35,20 +35,28 @@ pub fn new_part(claim: &str, copies: u32) -> NewPart {
         claim: claim.to_owned(),
         profile: "paper-200".to_owned(),
         name: format!("{claim}.stl"),
-        order_name: String::new(),
         content_hash: blake3::hash(claim.as_bytes()).to_hex().to_string(),
         bytes: 684,
         copies,
-        priority: 50,
-        due_at: None,
-        orientation: OrientationRule::Free,
-        tilts: Tilts::default(),
-        clearance_mm: None,
-        unit: None,
-        note: String::new(),
+        terms: NewTerms {
+            order_name: String::new(),
+            priority: 50,
+            due_at: None,
+            orientation: OrientationRule::Free,
+            tilts: Tilts::default(),
+            clearance_mm: None,
+            unit: None,
+            note: String::new(),
+        },
         warnings: Vec::new(),
         ticket: None,
     }
+}
+
+/// A claim of which something else is asked.
+pub fn asked(mut part: NewPart, change: impl FnOnce(&mut NewTerms)) -> NewPart {
+    change(&mut part.terms);
+    part
 }
 
 pub fn solid(object_index: u32, copies: u32) -> SolidFacts {

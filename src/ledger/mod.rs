@@ -61,8 +61,11 @@ pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
 pub use outcome::{Outcome, OutcomeRow};
 pub use part_list::PartQuery;
-pub use part_row::{NewPart, NewTicket, PartRow, Recorded, SolidFacts, TicketSource, Tilts};
-pub use placement::{DrawnOut, PlacedCopy, PlacementRow};
+pub use part_row::{
+    ClaimedFile, NewPart, NewTerms, NewTicket, PartMeasures, PartRow, PartTerms, PartTimes, Recorded, SolidFacts,
+    SolidOfFile, TicketSource, Tilts,
+};
+pub use placement::{DrawnOut, PlacedCopy, PlacementRow, PoseColumns, WayColumns};
 pub use receiver::{DROPPED, Receiver, ReceiverRow};
 pub use record::TakenIn;
 pub use refusal::Refusal;

@@ -3,6 +3,7 @@
 use build_file::Unit;
 use jiff::Timestamp;
 use nester::{Orientation, OrientationRule, Tilt, TiltError, write_tilts};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
@@ -20,14 +21,26 @@ pub struct NewPart {
     pub profile: String,
     /// File name as dropped, escaped for display.
     pub name: String,
-    /// Order or kit, "" = none.
-    pub order_name: String,
     /// BLAKE3 of the file, 64 hex digits.
     pub content_hash: String,
     /// Size of the file.
     pub bytes: u64,
     /// Copies that were asked, at least 1.
     pub copies: u32,
+    /// What was asked beside the copies.
+    #[serde(flatten)]
+    pub terms: NewTerms,
+    /// What was odd, one sentence each.
+    pub warnings: Vec<String>,
+    /// The ticket as received.
+    pub ticket: Option<NewTicket>,
+}
+
+/// What was asked of a claimed file, beside the copies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct NewTerms {
+    /// Order or kit, "" = none.
+    pub order_name: String,
     /// 0 to 100; 100 must be in the next build.
     pub priority: u8,
     /// When it is due.
@@ -42,10 +55,6 @@ pub struct NewPart {
     pub unit: Option<Unit>,
     /// Free text of the ticket.
     pub note: String,
-    /// What was odd, one sentence each.
-    pub warnings: Vec<String>,
-    /// The ticket as received.
-    pub ticket: Option<NewTicket>,
 }
 
 /// Directions of a part's mesh that must stand near to straight up, all of them; in SQL a line of text.
@@ -126,22 +135,18 @@ pub struct SolidFacts {
 pub struct PartRow {
     /// Its number.
     pub id: PartId,
-    /// Name of the claim, unique per dropped file.
-    pub claim: String,
-    /// Which solid of the file, from 0.
-    pub object_index: u32,
     /// Machine profile.
     pub profile: String,
     /// File name as dropped, escaped for display.
     pub name: String,
-    /// Name of the solid inside a 3MF.
-    pub object_name: String,
-    /// Order or kit, "" = none.
-    pub order_name: String,
-    /// BLAKE3 of the file, 64 hex digits.
-    pub content_hash: String,
-    /// Size of the file.
-    pub bytes: u64,
+    /// Which solid of the file it is.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub solid: SolidOfFile,
+    /// The file itself.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub file: ClaimedFile,
     /// Where it stands.
     pub state: PartState,
     /// Why it was rejected, "" otherwise.
@@ -150,6 +155,47 @@ pub struct PartRow {
     pub warnings: String,
     /// Copies in all.
     pub copies: u32,
+    /// What was asked beside the copies.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub terms: PartTerms,
+    /// What was measured of it.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub measures: PartMeasures,
+    /// When it was where in its life.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub times: PartTimes,
+}
+
+/// Which solid of a file a part is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema, FromRow)]
+pub struct SolidOfFile {
+    /// Which solid of the file, from 0.
+    pub object_index: u32,
+    /// Name of the solid inside a 3MF.
+    pub object_name: String,
+}
+
+/// The file of a part as it was claimed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+pub struct ClaimedFile {
+    /// Name of the claim, unique per dropped file.
+    pub claim: String,
+    /// BLAKE3 of the file, 64 hex digits.
+    pub content_hash: String,
+    /// Size of the file.
+    pub bytes: u64,
+    /// How often reading it was begun.
+    pub reads: u32,
+}
+
+/// What was asked of a part, beside the copies.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct PartTerms {
+    /// Order or kit, "" = none.
+    pub order_name: String,
     /// 0 to 100.
     pub priority: u8,
     /// When it is due.
@@ -167,18 +213,26 @@ pub struct PartRow {
     pub unit: Option<Unit>,
     /// Free text of the ticket.
     pub note: String,
-    /// Triangles; `None` until read.
+}
+
+/// What was measured of a part; `None` until read.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct PartMeasures {
+    /// Triangles.
     pub triangles: Option<u64>,
-    /// Volume, mm3; `None` until read.
+    /// Volume, mm3.
     pub volume_mm3: Option<f64>,
-    /// Width as dropped, mm; `None` until read.
+    /// Width as dropped, mm.
     pub size_x_mm: Option<f64>,
     /// Depth as dropped, mm.
     pub size_y_mm: Option<f64>,
     /// Height as dropped, mm.
     pub size_z_mm: Option<f64>,
-    /// How often reading its file was begun.
-    pub reads: u32,
+}
+
+/// When a part was where in its life.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+pub struct PartTimes {
     /// When it was claimed: its age in line.
     pub claimed_at: Utc,
     /// When its state was entered.
@@ -190,7 +244,7 @@ pub struct PartRow {
 impl PartRow {
     /// Name of the part with that of its solid.
     pub fn full_name(&self) -> String {
-        match self.object_name.as_str() {
+        match self.solid.object_name.as_str() {
             "" => self.name.clone(),
             // A file of one solid often gives it its own name.
             object if self.name.rsplit_once('.').is_some_and(|(stem, _)| stem == object) => self.name.clone(),
@@ -200,11 +254,11 @@ impl PartRow {
 
     /// How it may be turned, whole.
     pub fn turning(&self) -> Orientation {
-        Orientation { rule: self.orientation, tilts: self.tilts.0.clone() }
+        Orientation { rule: self.terms.orientation, tilts: self.terms.tilts.0.clone() }
     }
 
     /// Bounds as dropped, mm; `None` until read.
     pub fn size_mm(&self) -> Option<[f64; 3]> {
-        Some([self.size_x_mm?, self.size_y_mm?, self.size_z_mm?])
+        Some([self.measures.size_x_mm?, self.measures.size_y_mm?, self.measures.size_z_mm?])
     }
 }

@@ -44,7 +44,20 @@ pub struct PlacementRow {
     pub build_state: BuildState,
     /// When the build came into the queue.
     pub published_at: Option<Utc>,
-    /// Rotation, unit quaternion; `None` until the build is verified.
+    /// How it stands there.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub stands: PoseColumns,
+    /// How it comes out of the cake.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub comes_out: WayColumns,
+}
+
+/// How a copy stands in a build; `None` until the build is verified.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct PoseColumns {
+    /// Rotation, unit quaternion.
     pub qx: Option<f64>,
     /// Second part of the quaternion.
     pub qy: Option<f64>,
@@ -52,13 +65,18 @@ pub struct PlacementRow {
     pub qz: Option<f64>,
     /// Real part of the quaternion.
     pub qw: Option<f64>,
-    /// Translation after the rotation, machine frame, mm; `None` until the build is verified.
+    /// Translation after the rotation, machine frame, mm.
     pub tx_mm: Option<f64>,
     /// Translation along y, mm.
     pub ty_mm: Option<f64>,
     /// Translation along z, mm.
     pub tz_mm: Option<f64>,
-    /// As which copy it is drawn out of the cake, from 1; `None` = not proved.
+}
+
+/// How a copy comes out of the cake; `None` = not proved.
+#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+pub struct WayColumns {
+    /// As which copy it is drawn out, from 1.
     pub drawn: Option<u32>,
     /// The straight line that it takes: a unit vector in the machine's frame.
     pub way_x: Option<f64>,
@@ -71,13 +89,14 @@ pub struct PlacementRow {
 impl PlacementRow {
     /// How the copy stands, mesh frame -> machine frame; `None` until the build is verified.
     pub fn pose(&self) -> Option<Pose> {
-        let turn = DQuat::from_xyzw(self.qx?, self.qy?, self.qz?, self.qw?);
-        Some(Pose::new(turn, DVec3::new(self.tx_mm?, self.ty_mm?, self.tz_mm?)))
+        let PoseColumns { qx, qy, qz, qw, tx_mm, ty_mm, tz_mm } = self.stands;
+        Some(Pose::new(DQuat::from_xyzw(qx?, qy?, qz?, qw?), DVec3::new(tx_mm?, ty_mm?, tz_mm?)))
     }
 
     /// How the copy comes out of the cake; `None` = not proved.
     pub fn drawn(&self) -> Option<DrawnOut> {
-        Some(DrawnOut { place: self.drawn?, way: [self.way_x?, self.way_y?, self.way_z?] })
+        let WayColumns { drawn, way_x, way_y, way_z } = self.comes_out;
+        Some(DrawnOut { place: drawn?, way: [way_x?, way_y?, way_z?] })
     }
 }
 

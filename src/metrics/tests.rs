@@ -43,7 +43,7 @@ async fn lively() -> fixtures::TestLedger {
     let torn = ledger.record_claim(&part("b", 1)).await.unwrap().id;
     ledger.reject(torn, Refusal::NotClosed, "torn").await.unwrap();
     ledger.file_refused("cube", Refusal::Ticket, "order.csv: no").await.unwrap();
-    let due = NewPart { due_at: Some(jiff::Timestamp::now()), ..part("c", 3) };
+    let due = fixtures::asked(part("c", 3), |terms| terms.due_at = Some(jiff::Timestamp::now()));
     let waits = ledger.record_claim(&due).await.unwrap().id;
     ledger.accept(waits, &[fixtures::solid(0, 3), fixtures::solid(1, 3)]).await.unwrap();
     let layout =

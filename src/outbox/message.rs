@@ -144,8 +144,8 @@ fn sentence(event: &EventRow, detail: &str, part: Option<&PartRow>, build: Optio
 
 fn part_json(part: &PartRow) -> Value {
     json!({
-        "number": part.id, "name": part.name, "object_name": part.object_name, "order": part.order_name,
-        "copies": part.copies, "state": part.state, "due_at": part.due_at, "note": part.note,
+        "number": part.id, "name": part.name, "object_name": part.solid.object_name, "order": part.terms.order_name,
+        "copies": part.copies, "state": part.state, "due_at": part.terms.due_at, "note": part.terms.note,
     })
 }
 

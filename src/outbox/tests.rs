@@ -312,7 +312,9 @@ async fn a_due_date_at_risk_is_told_once_for_all_parts_of_an_order() {
     let due = Timestamp::now();
     let mut ids = Vec::new();
     for claim in ["a", "b"] {
-        let part = NewPart { due_at: Some(due), order_name: "1042".to_owned(), ..fixtures::new_part(claim, 1) };
+        let part = fixtures::asked(fixtures::new_part(claim, 1), |terms| {
+            (terms.due_at, terms.order_name) = (Some(due), "1042".to_owned());
+        });
         let id = ledger.record_claim(&part).await.unwrap().id;
         ledger.accept(id, &[fixtures::solid(0, 1)]).await.unwrap();
         ids.push(id);

@@ -34,9 +34,9 @@ pub const PART_COLUMNS: &[Column<PartRow>] = &[
     Column::new("profile", fields::PROFILE, |part| (&part.profile).into()),
     Column::new("state", fields::STATE, |part| part.state.into()),
     Column::new("copies", fields::COPIES, |part| part.copies.into()),
-    Column::new("priority", fields::PRIORITY, |part| part.priority.into()),
-    Column::new("due_at", fields::DUE, |part| part.due_at.into()),
-    Column::new("order", fields::ORDER, |part| (&part.order_name).into()),
+    Column::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
+    Column::new("due_at", fields::DUE, |part| part.terms.due_at.into()),
+    Column::new("order", fields::ORDER, |part| (&part.terms.order_name).into()),
     Column::new("name", fields::NAME, |part| part.full_name().into()),
     Column::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
 ];
@@ -45,11 +45,11 @@ pub const PART_COLUMNS: &[Column<PartRow>] = &[
 pub const BUILD_PART_COLUMNS: &[Column<CountedPart>] = &[
     Column::new("part", fields::PART, |row| row.part.id.into()),
     Column::new("name", fields::NAME, |row| row.part.full_name().into()),
-    Column::new("order", fields::ORDER, |row| (&row.part.order_name).into()),
+    Column::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
     Column::new("state", fields::STATE, |row| row.part.state.into()),
     Column::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
     Column::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
-    Column::new("due_at", fields::DUE, |row| row.part.due_at.into()),
+    Column::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
     Column::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
 ];
 
@@ -57,7 +57,7 @@ pub const BUILD_PART_COLUMNS: &[Column<CountedPart>] = &[
 pub const WAITING_PART_COLUMNS: &[Column<CountedPart>] = &[
     Column::new("part", fields::PART, |row| row.part.id.into()),
     Column::new("name", fields::NAME, |row| row.part.full_name().into()),
-    Column::new("order", fields::ORDER, |row| (&row.part.order_name).into()),
+    Column::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
     Column::for_people("copies_waiting", fields::COPIES_WAITING, |row| row.copies.into()),
     Column::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
 ];
@@ -70,7 +70,7 @@ pub const ORDERED_PART_COLUMNS: &[Column<OrderedPart>] = &[
     Column::new("state", fields::STATE, |row| row.part.state.into()),
     Column::new("copies", fields::COPIES, |row| row.part.copies.into()),
     Column::for_people("copies_published", fields::COPIES_PUBLISHED, copies_published),
-    Column::new("due_at", fields::DUE, |row| row.part.due_at.into()),
+    Column::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
     Column::for_people("where", fields::WHERE, where_or_why),
 ];
 

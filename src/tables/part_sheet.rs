@@ -9,32 +9,32 @@ use crate::ledger::PartRow;
 
 /// What is known of a part. `copies` says how many there are and where.
 pub fn part_facts(row: &PartRow, copies: String) -> Vec<SheetFact> {
-    let state = joined([Some(row.state.to_string()), fields::TIME.with_unit(row.state_at)], " since ");
+    let state = joined([Some(row.state.to_string()), fields::TIME.with_unit(row.times.state_at)], " since ");
     let size = row.size_mm().map(|size_mm| joined(size_mm.map(|mm| fields::SIZE.cell_text(&mm.into())), " x ") + " mm");
-    let triangles = row.triangles.map(|triangles| format!("{triangles} triangles"));
-    let volume = row.volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
+    let triangles = row.measures.triangles.map(|triangles| format!("{triangles} triangles"));
+    let volume = row.measures.volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
     let volume = volume.unwrap_or_else(|| "not read yet".to_owned());
-    let clearance = fields::CLEARANCE.with_unit(row.clearance_mm);
+    let clearance = fields::CLEARANCE.with_unit(row.terms.clearance_mm);
     let told = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
         Some(fields::STATE.fact_of(state)),
         fields::PROFILE.fact(&row.profile),
-        fields::ORDER.fact(&row.order_name),
+        fields::ORDER.fact(&row.terms.order_name),
         Some(fields::COPIES.fact_of(copies)),
-        fields::PRIORITY.fact(row.priority),
-        fields::DUE.fact(row.due_at),
+        fields::PRIORITY.fact(row.terms.priority),
+        fields::DUE.fact(row.terms.due_at),
         Some(fields::ORIENTATION.fact_of(orientation(row))),
         told(fields::CLEARANCE, clearance.map(|clearance| clearance + ", as its ticket says")),
         told(fields::SIZE, size.map(|size| joined([Some(size), triangles], ", "))),
         Some(fields::PART_VOLUME.fact_of(volume)),
-        fields::NOTE.fact(&row.note),
-        Some(fields::CONTENT.fact_of(content(row.bytes, &row.content_hash))),
-        fields::CLAIMED.fact(row.claimed_at),
+        fields::NOTE.fact(&row.terms.note),
+        Some(fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),
+        fields::CLAIMED.fact(row.times.claimed_at),
     ];
     lines.into_iter().flatten().collect()
 }
 
 fn orientation(row: &PartRow) -> String {
-    let tilts = row.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words()));
-    format!("{:?}", row.orientation).to_lowercase() + &tilts.collect::<String>()
+    let tilts = row.terms.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words()));
+    format!("{:?}", row.terms.orientation).to_lowercase() + &tilts.collect::<String>()
 }

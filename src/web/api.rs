@@ -107,7 +107,7 @@ pub(super) async fn part(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
     let id = PartId(number);
     let part = web.ledger.part(id).await?.ok_or_else(|| Problem::NotFound(format!("part {number}")))?;
     let (placements, events) = (web.ledger.placements_of_part(id).await?, web.ledger.events_of_part(id).await?);
-    let same = web.ledger.parts_of_content(&part.content_hash).await?;
+    let same = web.ledger.parts_of_content(&part.file.content_hash).await?;
     let same_content = same.into_iter().map(|other| other.id).filter(|other| *other != id).collect();
     Ok(Json(PartSheet { part: part.into(), placements: all(placements), events: all(events), same_content }))
 }

@@ -105,9 +105,9 @@ pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -
     let placements = web.ledger.placements_of_part(id).await?;
     let events = web.ledger.events_of_part(id).await?;
     let others = |parts: Vec<PartRow>| parts.into_iter().filter(|other| other.id != id).collect::<Vec<_>>();
-    let same = others(web.ledger.parts_of_content(&part.content_hash).await?);
+    let same = others(web.ledger.parts_of_content(&part.file.content_hash).await?);
     let mut named = others(web.ledger.parts_named(&part.name).await?);
-    named.retain(|other| other.content_hash != part.content_hash);
+    named.retain(|other| other.file.content_hash != part.file.content_hash);
     let open = open_build_with(&web, &part).await?;
     let about = format!("part {number}");
     let content = html! {

@@ -12,7 +12,7 @@ use crate::{
     farm::Standing,
     ledger::{
         BuildId, BuildMeasures, BuildRow, BuildState, BuildTimes, EventRow, Outcome, OutcomeRow, PartId, PartRow,
-        PartState, PlacementRow, SearchEffort, Utc,
+        PartState, PlacementRow, SearchEffort, SolidOfFile, Utc,
     },
     settings::Profile,
 };
@@ -111,12 +111,8 @@ pub(super) struct Part {
     profile: String,
     /// File name as dropped, escaped for display.
     name: String,
-    /// Name of the solid inside a 3MF.
-    object_name: String,
-    /// Which solid of the file, from 0.
-    object_index: u32,
-    /// Order or kit, "" = none.
-    order: String,
+    #[serde(flatten)]
+    solid: SolidOfFile,
     /// Where it stands.
     state: PartState,
     /// Why it was rejected, "" otherwise.
@@ -125,6 +121,21 @@ pub(super) struct Part {
     warnings: Vec<String>,
     /// Copies in all.
     copies: u32,
+    #[serde(flatten)]
+    terms: ToldTerms,
+    #[serde(flatten)]
+    content: ToldContent,
+    /// When it was claimed: its age in line.
+    claimed_at: Utc,
+    /// When its state was entered.
+    state_at: Utc,
+}
+
+/// What was asked of a part, beside the copies.
+#[derive(Serialize, JsonSchema)]
+struct ToldTerms {
+    /// Order or kit, "" = none.
+    order: String,
     /// 0 to 100.
     priority: u8,
     /// When it is due.
@@ -141,6 +152,11 @@ pub(super) struct Part {
     unit: Option<Unit>,
     /// Free text of the ticket.
     note: String,
+}
+
+/// The file of a part, and what was measured of its solid.
+#[derive(Serialize, JsonSchema)]
+struct ToldContent {
     /// BLAKE3 of the file, 64 hex digits.
     blake3: String,
     /// Size of the file.
@@ -151,10 +167,6 @@ pub(super) struct Part {
     volume_mm3: Option<f64>,
     /// Width, depth and height as dropped, mm; `None` until read.
     size_mm: Option<[f64; 3]>,
-    /// When it was claimed: its age in line.
-    claimed_at: Utc,
-    /// When its state was entered.
-    state_at: Utc,
 }
 
 /// A copy that is in a build.
@@ -247,32 +259,36 @@ impl Build {
 
 impl From<PartRow> for Part {
     fn from(row: PartRow) -> Self {
-        let (size_mm, tilts) = (row.size_mm(), row.tilts.to_string());
+        let size_mm = row.size_mm();
+        let (terms, measures) = (row.terms, row.measures);
         Self {
             part: row.id,
             profile: row.profile,
             name: row.name,
-            object_name: row.object_name,
-            object_index: row.object_index,
-            order: row.order_name,
+            solid: row.solid,
             state: row.state,
             reason: row.reason,
             warnings: row.warnings.lines().map(str::to_owned).collect(),
             copies: row.copies,
-            priority: row.priority,
-            due_at: row.due_at,
-            orientation: row.orientation,
-            tilts,
-            clearance_mm: row.clearance_mm,
-            unit: row.unit,
-            note: row.note,
-            blake3: row.content_hash,
-            file_bytes: row.bytes,
-            triangles: row.triangles,
-            volume_mm3: row.volume_mm3,
-            size_mm,
-            claimed_at: row.claimed_at,
-            state_at: row.state_at,
+            terms: ToldTerms {
+                order: terms.order_name,
+                priority: terms.priority,
+                due_at: terms.due_at,
+                orientation: terms.orientation,
+                tilts: terms.tilts.to_string(),
+                clearance_mm: terms.clearance_mm,
+                unit: terms.unit,
+                note: terms.note,
+            },
+            content: ToldContent {
+                blake3: row.file.content_hash,
+                file_bytes: row.file.bytes,
+                triangles: measures.triangles,
+                volume_mm3: measures.volume_mm3,
+                size_mm,
+            },
+            claimed_at: row.times.claimed_at,
+            state_at: row.times.state_at,
         }
     }
 }

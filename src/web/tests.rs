@@ -90,9 +90,9 @@ async fn with_a_build(named: &str) -> Dashboard {
     let part = crate::ledger::NewPart {
         name: named.to_owned(),
         profile: "cube".to_owned(),
-        order_name: named.to_owned(),
-        note: named.to_owned(),
-        ..fixtures::new_part("a", 2)
+        ..fixtures::asked(fixtures::new_part("a", 2), |terms| {
+            (terms.order_name, terms.note) = (named.to_owned(), named.to_owned());
+        })
     };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
     dashboard.ledger.accept(id, &[fixtures::solid(0, 2)]).await.unwrap();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use assert_cmd::Command;
-use nestd::ledger::{Ledger, NewPart, SolidFacts, Tilts};
+use nestd::ledger::{Ledger, NewPart, NewTerms, SolidFacts, Tilts};
 use nester::OrientationRule;
 
 /// `nestd` over the shipped try-out configuration with its folders under `root`.
@@ -31,17 +31,19 @@ fn farm() -> tempfile::TempDir {
             claim: "c1".into(),
             profile: "paper-200".into(),
             name: "fan.stl".into(),
-            order_name: "kit 7".into(),
             content_hash: "0".repeat(64),
             bytes: 684,
             copies: 2,
-            priority: 50,
-            due_at: None,
-            orientation: OrientationRule::Free,
-            tilts: Tilts::default(),
-            clearance_mm: None,
-            unit: None,
-            note: String::new(),
+            terms: NewTerms {
+                order_name: "kit 7".into(),
+                priority: 50,
+                due_at: None,
+                orientation: OrientationRule::Free,
+                tilts: Tilts::default(),
+                clearance_mm: None,
+                unit: None,
+                note: String::new(),
+            },
             warnings: Vec::new(),
             ticket: None,
         };

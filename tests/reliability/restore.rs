@@ -300,7 +300,8 @@ impl Farm {
         let (began, mut quiet) = (Instant::now(), 0);
         while quiet < 2 && began.elapsed() < REST {
             let parts = |state| self.farm.parts(state);
-            let waiting: Vec<_> = parts(PartState::Waiting).into_iter().filter(|p| p.damaged_at.is_none()).collect();
+            let waiting: Vec<_> =
+                parts(PartState::Waiting).into_iter().filter(|p| p.times.damaged_at.is_none()).collect();
             if !waiting.is_empty() {
                 let _ = self.farm.nestd(&["flush", PROFILE]);
             }

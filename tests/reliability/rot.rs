@@ -205,7 +205,7 @@ fn go_on(farm: &mut TestFarm) -> bool {
             }
             !is_asked
         });
-        let waits = farm.parts(PartState::Waiting).iter().any(|part| part.damaged_at.is_none());
+        let waits = farm.parts(PartState::Waiting).iter().any(|part| part.times.damaged_at.is_none());
         if waits {
             let _ = farm.nestd(&["flush", PROFILE]);
         }

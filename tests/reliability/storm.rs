@@ -230,7 +230,7 @@ impl Storm {
 
     fn cancels(&mut self) {
         let Some(part) = self.one_of(PartState::Waiting) else { return };
-        if let Some(asked) = self.asked.get_mut(&part.content_hash) {
+        if let Some(asked) = self.asked.get_mut(&part.file.content_hash) {
             asked.cancelled += part.copies;
         }
         self.tells(&["cancel", &part.id.to_string()]);

@@ -110,7 +110,7 @@ fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> Outcome {
         let lost = if reasons == 1 { "" } else { " BUT there is not one reason in the error folder" };
         return Outcome { triangles: None, left_out: 0, said: said.join("\n") + lost };
     }
-    let triangles = parts.iter().map(|p| p.triangles.unwrap_or(0) as usize * in_file(p)).sum();
+    let triangles = parts.iter().map(|p| p.measures.triangles.unwrap_or(0) as usize * in_file(p)).sum();
     Outcome { triangles: Some(triangles), left_out: left_out(parts), said: said.join("\n") }
 }
 

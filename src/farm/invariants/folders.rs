@@ -34,7 +34,7 @@ impl Folders {
         let mut folders = Self::default();
         let refused = ledger.parts_in_state(PartState::Rejected).await?;
         for (name, profile) in &settings.profiles {
-            let sizes: HashSet<u64> = refused.iter().filter(|p| p.profile == *name).map(|p| p.bytes).collect();
+            let sizes: HashSet<u64> = refused.iter().filter(|p| p.profile == *name).map(|p| p.file.bytes).collect();
             let wanted = |size| witness.at_rest || sizes.contains(&size);
             let error = by_hash(&profile.folders.error, wanted, looked);
             folders.error.insert(name.clone(), error);

@@ -22,7 +22,7 @@ async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {
 #[tokio::test]
 async fn every_field_of_a_claim_comes_back_as_it_went_in() {
     let ledger = fresh().await;
-    let part = NewPart {
+    let terms = NewTerms {
         order_name: "kit 7".into(),
         priority: 100,
         due_at: Some(at("2026-12-01T12:00:00Z")),
@@ -31,15 +31,18 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         clearance_mm: Some(4.5),
         unit: Some(build_file::Unit::Inch),
         note: "handle with care".into(),
-        ..new_part("full", 2)
     };
+    let part = NewPart { terms, ..new_part("full", 2) };
     let id = ledger.record_claim(&part).await.unwrap().id;
     let row = ledger.part(id).await.unwrap().unwrap();
-    assert_eq!((row.order_name.as_str(), row.priority, row.bytes), ("kit 7", 100, 684));
-    assert_eq!(row.due_at.map(|t| t.0), part.due_at);
-    assert_eq!((row.orientation, &row.tilts, row.unit), (part.orientation, &part.tilts, part.unit));
-    assert_eq!((row.clearance_mm, row.note.as_str()), (Some(4.5), "handle with care"));
-    assert_eq!((row.size_mm(), row.triangles), (None, None), "not read yet");
+    assert_eq!((row.terms.order_name.as_str(), row.terms.priority, row.file.bytes), ("kit 7", 100, 684));
+    assert_eq!(row.terms.due_at.map(|t| t.0), part.terms.due_at);
+    assert_eq!(
+        (row.terms.orientation, &row.terms.tilts, row.terms.unit),
+        (part.terms.orientation, &part.terms.tilts, part.terms.unit)
+    );
+    assert_eq!((row.terms.clearance_mm, row.terms.note.as_str()), (Some(4.5), "handle with care"));
+    assert_eq!((row.size_mm(), row.measures.triangles), (None, None), "not read yet");
     assert_eq!(ledger.order("kit 7").await.unwrap().len(), 1);
     assert!(ledger.order("").await.unwrap().is_empty(), "no order is no name of an order");
 }
@@ -47,14 +50,14 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
 #[tokio::test]
 async fn further_solids_of_a_file_become_parts_of_their_own() {
     let ledger = fresh().await;
-    let claim = NewPart { due_at: Some(at("2026-12-01T12:00:00Z")), ..new_part("kit", 5) };
+    let claim = asked(new_part("kit", 5), |terms| terms.due_at = Some(at("2026-12-01T12:00:00Z")));
     let id = ledger.record_claim(&claim).await.unwrap().id;
     let second = SolidFacts { object_name: "lid".into(), warnings: vec!["thin".into()], ..solid(1, 10) };
     let parts = ledger.accept(id, &[solid(0, 5), second]).await.unwrap();
     assert_eq!((parts.len(), parts[0]), (2, id));
     let lid = ledger.part(parts[1]).await.unwrap().unwrap();
-    assert_eq!((lid.copies, lid.object_name.as_str(), lid.warnings.as_str()), (10, "lid", "thin"));
-    assert_eq!((lid.due_at.map(|t| t.0), lid.state), (claim.due_at, PartState::Waiting));
+    assert_eq!((lid.copies, lid.solid.object_name.as_str(), lid.warnings.as_str()), (10, "lid", "thin"));
+    assert_eq!((lid.terms.due_at.map(|t| t.0), lid.state), (claim.terms.due_at, PartState::Waiting));
     assert_eq!(lid.size_mm(), Some([10.0, 20.0, 30.0]));
     assert_eq!(ledger.parts_of_claim("kit").await.unwrap().len(), 2);
 }
@@ -81,7 +84,7 @@ async fn a_claim_that_cannot_be_read_is_rejected_with_its_reason() {
     ledger.reject(id, Refusal::Format, "the file is empty").await.unwrap();
     let row = ledger.part(id).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (PartState::Rejected, "the file is empty"));
-    assert!(!ledger.hash_in_use(&row.content_hash, jiff::Timestamp::MAX).await.unwrap());
+    assert!(!ledger.hash_in_use(&row.file.content_hash, jiff::Timestamp::MAX).await.unwrap());
     assert!(matches!(ledger.reject(id, Refusal::Format, "again").await, Err(LedgerError::Illegal(_))));
     assert!(matches!(ledger.accept(id, &[solid(0, 1)]).await, Err(LedgerError::Illegal(_))));
     let other = ledger.record_claim(&new_part("empty", 1)).await.unwrap().id;
@@ -193,7 +196,7 @@ async fn copies_that_find_no_place_wait_again() {
     ledger.verify_build(build, &verified(build, 2), &placed(&[(b, 0), (a, 0)])).await.unwrap();
     assert_eq!(build_state(&ledger, build).await, BuildState::Verified);
     let row = &ledger.placements_of_build(build).await.unwrap()[0];
-    assert_eq!((row.part_id, row.qw, row.tz_mm), (a, Some(1.0), Some(3.0)));
+    assert_eq!((row.part_id, row.stands.qw, row.stands.tz_mm), (a, Some(1.0), Some(3.0)));
 }
 
 #[tokio::test]
@@ -210,8 +213,8 @@ async fn a_proved_build_whose_staged_file_was_spoilt_is_nested_again_with_its_co
     let row = ledger.build(build).await.unwrap().unwrap();
     assert_eq!((row.state, row.times.nesting_at, row.times.verified_at), (BuildState::Nesting, fired, None));
     assert_eq!(
-        (row.staged.publishing_at, row.staged.file_name, row.staged.file_hash, row.sidecars().is_empty()),
-        (None, None, None, true)
+        (row.sidecars().is_empty(), row.staged.publishing_at, row.staged.file_name, row.staged.file_hash),
+        (true, None, None, None)
     );
     assert!(ledger.placements_of_build(build).await.unwrap().iter().all(|row| row.pose().is_some()));
     ledger.verify_build(build, &verified(build, 2), &placed(&[(id, 0), (id, 1)])).await.unwrap();

@@ -70,7 +70,7 @@ async fn copies_stand_in_line_by_priority_then_due_date_then_age() {
         ("urgent", 100, None),
         ("younger", 50, None),
     ] {
-        let part = NewPart { priority, due_at: due.map(at), ..new_part(claim, 1) };
+        let part = asked(new_part(claim, 1), |terms| (terms.priority, terms.due_at) = (priority, due.map(at)));
         claims.push(turned.record_claim(&part).await.unwrap().id);
         clock.fetch_add(60, Ordering::SeqCst);
     }
@@ -78,11 +78,11 @@ async fn copies_stand_in_line_by_priority_then_due_date_then_age() {
         turned.accept(id, &[solid(0, 1)]).await.unwrap();
     }
     let line = turned.waiting_copies("paper-200").await.unwrap();
-    let names: Vec<&str> = line.iter().map(|w| w.part.claim.as_str()).collect();
+    let names: Vec<&str> = line.iter().map(|w| w.part.file.claim.as_str()).collect();
     assert_eq!(names, ["urgent", "due-1", "due-2", "late", "younger"]);
-    assert_eq!(line[0].part.claimed_at.to_string(), "2027-01-15T08:03:00.000Z");
+    assert_eq!(line[0].part.times.claimed_at.to_string(), "2027-01-15T08:03:00.000Z");
     let oldest: Vec<String> =
-        turned.parts_in_state(PartState::Waiting).await.unwrap().into_iter().map(|p| p.claim).collect();
+        turned.parts_in_state(PartState::Waiting).await.unwrap().into_iter().map(|p| p.file.claim).collect();
     assert_eq!(oldest, ["late", "due-2", "due-1", "urgent", "younger"]);
 }
 
@@ -172,7 +172,7 @@ async fn status_counts_what_waits_and_shows_what_is_nested_and_published() {
     assert_eq!((status[0].claimed_parts, status[0].waiting_parts), (1, 0));
     let paper = &status[1];
     assert_eq!((paper.waiting_parts, paper.waiting_copies), (1, 2));
-    assert_eq!(paper.oldest_at, Some(ledger.part(a).await.unwrap().unwrap().claimed_at));
+    assert_eq!(paper.oldest_at, Some(ledger.part(a).await.unwrap().unwrap().times.claimed_at));
     assert_eq!(paper.open.as_ref().unwrap().build, open);
     assert_eq!((paper.nesting.len(), paper.nesting[0].build, paper.nesting[0].copies), (1, second, 2));
     let last = paper.last_published.as_ref().unwrap();
@@ -348,7 +348,7 @@ async fn what_entered_a_state_between_two_times_is_found_newest_first() {
     }
     let names = async |since: &str, until: &str, most| -> Vec<String> {
         let parts = ledger.parts_since(PartState::Waiting, at(since), at(until), most).await.unwrap();
-        parts.into_iter().map(|part| part.claim).collect()
+        parts.into_iter().map(|part| part.file.claim).collect()
     };
     assert_eq!(names("2026-11-01T12:00:00Z", "2026-11-30T00:00:00Z", 9).await, ["c", "b"]);
     assert_eq!(names("2026-11-01T00:00:00Z", "2026-11-02T00:00:00Z", 9).await, ["b", "a"]);

@@ -45,7 +45,7 @@ fn the_invariants_hold_on_a_farm_that_has_worked_and_what_breaks_one_is_named() 
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
 
     let waiting = farm.parts(PartState::Waiting).remove(0);
-    let stored = farm.root().join("state/store").join(&waiting.content_hash[..2]).join(&waiting.content_hash);
+    let stored = farm.root().join("state/store").join(&waiting.file.content_hash[..2]).join(&waiting.file.content_hash);
     let whole = fs::read(&stored).unwrap();
     fs::write(&stored, [&whole[..whole.len() - 1], b"!"].concat()).unwrap();
     let found = at_rest(&farm);

@@ -25,7 +25,7 @@ fn a_file_whose_reading_ends_the_process_is_refused_and_the_others_are_printed()
         std::thread::sleep(std::time::Duration::from_millis(100));
     }
     let refused = farm.parts(PartState::Rejected);
-    assert_eq!((refused.len(), refused[0].name.as_str(), refused[0].reads), (1, "greedy.3mf", 3));
+    assert_eq!((refused.len(), refused[0].name.as_str(), refused[0].file.reads), (1, "greedy.3mf", 3));
     for said in ["ended nestd twice", "limits.read_memory_bytes", "drop it again"] {
         assert!(refused[0].reason.contains(said), "{}", refused[0].reason);
     }
@@ -42,7 +42,7 @@ fn a_file_whose_reading_ends_the_process_is_refused_and_the_others_are_printed()
         "it is refused again",
         60.0,
         || farm.log(),
-        || farm.parts(PartState::Rejected).iter().any(|part| part.reads == 4),
+        || farm.parts(PartState::Rejected).iter().any(|part| part.file.reads == 4),
     );
     assert!(!farm.has_ended() && farm.pid() == pid);
 }

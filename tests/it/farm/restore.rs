@@ -236,8 +236,8 @@ fn a_ledger_rolled_back_with_no_build_in_between_forgets_no_order() {
     farm.start();
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     let known = |name: &str| parts.iter().find(|part| part.name == name).unwrap();
-    assert_eq!((known("one.stl").copies, known("one.stl").order_name.as_str()), (3, "kit"));
-    assert_eq!((known("two.stl").copies, known("two.stl").note.as_str()), (2, "by hand"));
+    assert_eq!((known("one.stl").copies, known("one.stl").terms.order_name.as_str()), (3, "kit"));
+    assert_eq!((known("two.stl").copies, known("two.stl").terms.note.as_str()), (2, "by hand"));
     farm.flush();
     farm.wait_for_parts(PartState::Built, 2);
     let wanted = [(hash_of(&block(20.0, 20.0, 20.0)), 3), (hash_of(&block(21.0, 20.0, 20.0)), 2)];

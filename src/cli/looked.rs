@@ -109,7 +109,7 @@ fn cake(
     let placed =
         farm::file_in_queue(profile, build).and_then(|file| build_file::read_build(&file, &settings.limits).ok());
     if let Some(placed) = placed {
-        return Ok(Cake::of_file(&placed, profile.volume_mm));
+        return Ok(Cake::of_file(&placed, profile.space.volume_mm));
     }
     let cake = Cake::of_ledger(settings, profile, build, parts);
     match cake.missing() {

@@ -148,14 +148,14 @@ impl Farm {
         let open = &mut station.open;
         open.rounds += 1;
         let (round, best) = (open.rounds, Best::default());
-        let secs = station.profile.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
+        let secs = station.profile.search.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
         let budget = SearchBudget::of_secs(secs);
         let order = NestOrder {
             profile: station.profile.clone(),
             wanted: cut.into_iter().map(|w| (w.part, w.copies)).collect(),
             start: open.layout.placed.clone(),
             budget: budget.clone(),
-            seed: station.profile.nest.seed.wrapping_add(round),
+            seed: station.profile.search.nest.seed.wrapping_add(round),
             best: best.clone(),
         };
         open.search = Some(Search { round, budget, best, copies: wanted });

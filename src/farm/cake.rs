@@ -106,7 +106,7 @@ impl Cake {
             mesh: originals.mesh(&row),
             copies,
         };
-        Self { volume_mm: profile.volume_mm, parts: parts.into_iter().map(part).collect() }
+        Self { volume_mm: profile.space.volume_mm, parts: parts.into_iter().map(part).collect() }
     }
 
     /// From a build file. Parts are told apart by their numbers, without these by their meshes.
@@ -225,7 +225,7 @@ impl Originals {
         }
         let file = self.archived().get(&part.file.content_hash)?;
         let contents =
-            build_file::read(file, &part.name, part.terms.unit, self.profile.unit, &self.meshes.limits).ok()?;
+            build_file::read(file, &part.name, part.terms.unit, self.profile.intake.unit, &self.meshes.limits).ok()?;
         Some(Arc::new(contents.solids.into_iter().nth(part.solid.object_index as usize)?.mesh))
     }
 }

@@ -47,7 +47,8 @@ impl Farm {
         let now = Timestamp::now();
         let longest = self.stations.values().map(|station| {
             let profile = &station.profile;
-            profile.volume_mm.z * profile.print_hours_per_mm * 3600.0 + profile.trigger.due_margin_secs.unwrap_or(0.0)
+            profile.space.volume_mm.z * profile.space.print_hours_per_mm * 3600.0
+                + profile.trigger.due_margin_secs.unwrap_or(0.0)
         });
         let ahead = SignedDuration::try_from_secs_f64(longest.fold(0.0, f64::max)).unwrap_or_default();
         let parts = self.ledger.due_parts(now.checked_add(ahead).unwrap_or(now)).await?;
@@ -75,7 +76,7 @@ impl Farm {
         let height_mm = if height_mm > 0.0 { height_mm } else { station.open.layout.height_mm };
         let is_away = self.is_unavailable(profile);
         Prospect {
-            print_secs: height_mm * station.profile.print_hours_per_mm * 3600.0,
+            print_secs: height_mm * station.profile.space.print_hours_per_mm * 3600.0,
             margin_secs: station.profile.trigger.due_margin_secs.unwrap_or(0.0),
             hindered: match (station.paused, is_away) {
                 (true, _) => Some("its machine is paused"),

@@ -86,14 +86,14 @@ impl Meshes {
         let key = |object_index| MeshKey {
             content_hash: part.file.content_hash.clone(),
             object_index,
-            default_unit: profile.unit,
+            default_unit: profile.intake.unit,
             unit: part.terms.unit,
         };
         if let Some(mesh) = self.shelf.mesh(&key(part.solid.object_index)) {
             return Ok(mesh);
         }
         let file = self.stored(part)?;
-        let contents = (self.contents(file, part, profile.unit))
+        let contents = (self.contents(file, part, profile.intake.unit))
             .with_context(|| format!("reading part {} ({}) again", part.id.0, part.name))?;
         for (index, solid) in contents.solids.into_iter().enumerate() {
             self.shelf.put(key(index as u32), solid.mesh);

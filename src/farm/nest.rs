@@ -94,7 +94,7 @@ impl Farm {
             false => self.ledger.begin_attempt(build.id).await?,
         };
         let failures = self.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count);
-        if failures >= self.stations[&build.profile].profile.max_attempts || attempts > MAX_STARTS {
+        if failures >= self.stations[&build.profile].profile.search.max_attempts || attempts > MAX_STARTS {
             return self.give_up(&build, attempts - 1).await;
         }
         self.start_final(build, attempts).await
@@ -106,15 +106,19 @@ impl Farm {
         let profile = station.profile.clone();
         let queue = station.queue.clone().context("the queue folder is not open")?;
         // Each further attempt gets half the time: an attempt that a crash or a restart cut short should come through.
-        let secs = profile.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
+        let secs = profile.search.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
         let budget = SearchBudget::of_secs(secs);
         let start = match build.kept.layout.as_deref() {
             Some(layout) => placed_from_json(layout),
             // It was proved once, and its file was spoilt.
             None => placed_from_rows(&self.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
         };
-        let seed =
-            profile.nest.seed.wrapping_add(build.id.0.unsigned_abs()).wrapping_add(u64::from(attempts - 1) << 32);
+        let seed = profile
+            .search
+            .nest
+            .seed
+            .wrapping_add(build.id.0.unsigned_abs())
+            .wrapping_add(u64::from(attempts - 1) << 32);
         let mut holds = station.holds.clone();
         let unsure = wanted
             .iter()

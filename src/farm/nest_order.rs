@@ -53,7 +53,7 @@ impl NestOrder {
     pub fn run(&self, meshes: &Meshes) -> Result<Nested> {
         let batch = self.batch(meshes)?;
         let instance = batch.instance(&self.profile)?;
-        let mut config = self.profile.nest.clone();
+        let mut config = self.profile.search.nest.clone();
         config.seed = self.seed;
         let start = batch.placements(&self.start);
         let cpu = cpu_secs(config.threads);

@@ -91,10 +91,10 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
                 height_mm,
                 density: nested.layout.density,
                 lower_bound_mm: nested.lower_bound_mm,
-                layers: (height_mm / order.profile.layer_mm).ceil() as u32,
+                layers: (height_mm / order.profile.space.layer_mm).ceil() as u32,
                 part_volume_mm3: nested.layout.part_volume_mm3,
                 copies: nested.layout.placed.len() as u32,
-                clearance_mm: order.profile.clearance_mm,
+                clearance_mm: order.profile.space.clearance_mm,
                 clearance_proved_mm: proved.proof.clearance_proved_mm,
             },
             search: FinalSearch {
@@ -102,7 +102,7 @@ pub fn write_and_prove(order: &WriteOrder, nested: &Nested) -> Result<Written> {
                 wall_secs: nested.wall_secs,
                 evaluations: nested.layout.evaluations,
                 seed: order.seed,
-                method: serde_word(&order.profile.nest.method),
+                method: serde_word(&order.profile.search.nest.method),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 curve: curve(order, nested),
             },
@@ -180,7 +180,7 @@ fn write_sidecars(
     build_file::write_pick_map(build_file::pick_rows(description), &mut pick_map)?;
     stage(".parts.csv", &pick_map)?;
     stage(".png", &build::picture(description, PICTURE_SIZE))?;
-    if order.profile.stl_output {
+    if order.profile.output.stl_output {
         let placed = description.items.iter().map(|i| (&*description.objects[i.object].mesh, &i.pose));
         let name = format!("{stem}.stl");
         let staged = order.queue.stage(&name, |file| build_file::write_stl(placed, std::io::BufWriter::new(file)))?;

@@ -58,7 +58,7 @@ pub fn read_part(
             };
         }
     };
-    let contents = match meshes.contents(file, part, profile.unit) {
+    let contents = match meshes.contents(file, part, profile.intake.unit) {
         Ok(contents) => contents,
         Err(Unread::Later(why)) => return ReadOutcome::Later(why),
         Err(Unread::Refused(cause, reason)) => return ReadOutcome::Refused(cause, reason),
@@ -87,7 +87,7 @@ pub fn read_part(
         let key = MeshKey {
             content_hash: part.file.content_hash.clone(),
             object_index: index as u32,
-            default_unit: profile.unit,
+            default_unit: profile.intake.unit,
             unit: part.terms.unit,
         };
         meshes.shelf.put(key, solid.mesh);
@@ -114,7 +114,7 @@ fn facts_of(solid: &Solid, object_index: u32, part: &PartRow, mut warnings: Vec<
 /// Why a solid cannot be printed on this machine.
 fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<(Refusal, String)> {
     let defects = solid.mesh.defects();
-    if !defects.is_closed() && profile.mesh_errors == MeshErrors::Reject {
+    if !defects.is_closed() && profile.intake.mesh_errors == MeshErrors::Reject {
         let reason = format!(
             "{}: the mesh is not closed ({}), so it is not known what is inside. Repair it, or set mesh_errors = \"warn\" in \
              the profile {}.",
@@ -174,7 +174,7 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
     );
     // Wrong units are the commonest reason: say what the numbers would be in a smaller unit, and let people decide.
     if part.terms.unit.is_none() {
-        let read_in = profile.unit.mm();
+        let read_in = profile.intake.unit.mm();
         let smaller = [Unit::Millimeter, Unit::Micron]
             .into_iter()
             .find(|unit| unit.mm() < read_in && (needs * (unit.mm() / read_in)).cmple(has).all());

@@ -190,7 +190,8 @@ impl Gate {
         let now_secs = self.began.elapsed().as_secs_f64();
         let most = CLAIMS_PER_LOOK.max(seen.len() / SHARE_PER_LOOK);
         let inbox = self.inbox.path();
-        let list_rules = ListRules { incomplete_secs: profile.incomplete_secs, unlisted: profile.unlisted };
+        let list_rules =
+            ListRules { incomplete_secs: profile.intake.incomplete_secs, unlisted: profile.intake.unlisted };
         let has_end = |file: &Path, name: &str| build_file::has_end(&mut intake::open_dropped(inbox, file)?, name);
         self.lists.observe(seen);
         for ready in self.settler.ready(seen, now_secs, has_end) {
@@ -306,13 +307,13 @@ fn take(hold: &Hold, profile: &Profile, ready: &Ready, lists: &mut Lists, receiv
         Ready::List { .. } | Ready::Refuse { .. } if !received.may_refuse => {}
         Ready::List { .. } if received.in_doubt => {}
         Ready::List { list, quiet_secs } => {
-            let (folders, incomplete_secs) = (&profile.folders, profile.incomplete_secs);
+            let (folders, incomplete_secs) = (&profile.folders, profile.intake.incomplete_secs);
             match intake::end_list(inbox, lists, ready, incomplete_secs, &folders.archive, &folders.error) {
                 Ok(ListEnd::Refused(reason)) => {
                     received.refused.push((name_of(&list.path), Refusal::Ticket, reason));
                 }
                 // It may only be the first of its order to be copied.
-                Ok(ListEnd::Awaited) if *quiet_secs < TOLD_AFTER_SETTLES * profile.settle_secs => {}
+                Ok(ListEnd::Awaited) if *quiet_secs < TOLD_AFTER_SETTLES * profile.intake.settle_secs => {}
                 Ok(ListEnd::Awaited) => received.held.extend(lists.missing(list)),
                 Ok(ListEnd::Archived(_)) => {}
                 Err(error) => received.troubles.push(chain(&error)),
@@ -349,7 +350,11 @@ fn refuse_unreadable(profile: &Profile, claim: &Claim, why: &std::io::Error, rec
 }
 
 fn rules(profile: &Profile, orphan_secs: f64) -> SettleRules {
-    SettleRules { settle_secs: profile.settle_secs, unfinished_secs: profile.unfinished_secs, orphan_secs }
+    SettleRules {
+        settle_secs: profile.intake.settle_secs,
+        unfinished_secs: profile.intake.unfinished_secs,
+        orphan_secs,
+    }
 }
 
 fn name_of(path: &std::path::Path) -> String {

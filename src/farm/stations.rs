@@ -91,6 +91,7 @@ impl Farm {
 fn nest_slots(settings: &Settings) -> usize {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let all = if settings.threads == 0 { cores } else { settings.threads };
-    let each = settings.profiles.values().map(|p| if p.nest.threads == 0 { all } else { p.nest.threads }).max();
+    let each =
+        settings.profiles.values().map(|p| if p.search.nest.threads == 0 { all } else { p.search.nest.threads }).max();
     (all / each.unwrap_or(1).max(1)).max(1)
 }

@@ -204,9 +204,9 @@ pub(super) fn new_part(profile: &Profile, claim: &Claim, stored: &Stored, given:
         text: s.text.clone(),
     });
     let orientation = Orientation::new(
-        ticket.orientation.unwrap_or(profile.orientation),
-        ticket.keep_up.as_deref().unwrap_or(&profile.keep_up),
-        ticket.not_down.as_deref().unwrap_or(&profile.not_down),
+        ticket.orientation.unwrap_or(profile.turning.orientation),
+        ticket.keep_up.as_deref().unwrap_or(&profile.turning.keep_up),
+        ticket.not_down.as_deref().unwrap_or(&profile.turning.not_down),
     );
     NewPart {
         claim: claim.id.clone(),

@@ -70,7 +70,7 @@ impl Farm {
             return Ok(());
         }
         let archives: Vec<(Hold, PathBuf, u32)> = (self.stations.values())
-            .map(|s| (s.holds.archive.clone(), s.profile.folders.archive.clone(), s.profile.archive_days))
+            .map(|s| (s.holds.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.archive_days))
             .filter(|(.., days)| *days > 0)
             .collect();
         let (settings, ledger, store) = (self.settings.clone(), self.ledger.clone(), self.meshes.store.clone());

@@ -114,7 +114,7 @@ pub fn secs_between(earlier: Timestamp, later: Timestamp) -> f64 {
 
 /// When printing must begin for the earliest due date to be met, with the margin.
 fn due_begins(profile: &Profile, facts: &Facts) -> Option<Timestamp> {
-    let print_secs = facts.height_mm * profile.print_hours_per_mm * 3600.0;
+    let print_secs = facts.height_mm * profile.space.print_hours_per_mm * 3600.0;
     shifted(facts.due?, -(print_secs + profile.trigger.due_margin_secs?))
 }
 
@@ -201,7 +201,7 @@ mod tests {
                 vec![jiff::civil::time((case % 24) as i8, (case % 60) as i8, 0, 0)]
             };
             machine.trigger.due_margin_secs = (case % 5 != 0).then_some(case as f64 * 1.7);
-            machine.print_hours_per_mm = 0.013 * (case % 7) as f64;
+            machine.space.print_hours_per_mm = 0.013 * (case % 7) as f64;
             let due = (case % 2 == 0).then(|| arrived.checked_add(day * (case % 4) as i32).unwrap());
             let facts = Facts { height_mm: (case % 90) as f64 * 0.37, ..facts(arrived, due, case % 11 != 0) };
             let (then, by) = fires_next(&machine, &facts).unwrap();

@@ -13,7 +13,7 @@ impl Farm {
     pub(super) async fn duplicate_of(&self, part: &PartRow) -> Result<Option<(PartId, Duplicates)>> {
         let Some(station) = self.stations.get(&part.profile) else { return Ok(None) };
         let earlier = self.ledger.earlier_with_hash(&part.profile, &part.file.content_hash, part.id).await?;
-        Ok(earlier.map(|earlier| (earlier, station.profile.duplicates)))
+        Ok(earlier.map(|earlier| (earlier, station.profile.intake.duplicates)))
     }
 
     /// Whether the same bytes give another size than they gave before, for the unit that a ticket or the profile says.

@@ -29,7 +29,9 @@ pub use logging::{LogFormat, Logging, parse_log_filter};
 pub use metrics::MetricsFile;
 pub use notify::{Notify, Webhook};
 pub use problem::Problem;
-pub use profile::{Duplicates, Folders, MeshErrors, Profile, Trigger};
+pub use profile::{
+    BuildSpace, Duplicates, Folders, IntakeRules, MeshErrors, OutputRules, Profile, SearchRules, Trigger, TurningRules,
+};
 pub use settings::{Settings, Shared};
 pub use told::Told;
 pub use web::{Listen, Web};

@@ -70,6 +70,28 @@ pub struct Profile {
     pub name: String,
     /// Where its files live.
     pub folders: Folders,
+    /// The space that it builds in.
+    #[serde(flatten)]
+    pub space: BuildSpace,
+    /// How parts may be turned.
+    #[serde(flatten)]
+    pub turning: TurningRules,
+    /// When files are taken.
+    #[serde(flatten)]
+    pub intake: IntakeRules,
+    /// When a batch fires.
+    pub trigger: Trigger,
+    /// How long is searched.
+    #[serde(flatten)]
+    pub search: SearchRules,
+    /// What is written.
+    #[serde(flatten)]
+    pub output: OutputRules,
+}
+
+/// The space that a machine builds in, and what holds between parts there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BuildSpace {
     /// Printable box of the machine, mm.
     pub volume_mm: DVec3,
     /// Kept free along the four walls, mm.
@@ -90,14 +112,24 @@ pub struct Profile {
     pub layer_area_cap: Option<f64>,
     /// Hours that a machine needs per mm of build height, for due dates.
     pub print_hours_per_mm: f64,
-    /// Unit of files that do not say theirs.
-    pub unit: Unit,
+}
+
+/// How parts whose tickets say nothing may be turned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TurningRules {
     /// Orientation rule of parts without a ticket.
     pub orientation: nester::OrientationRule,
     /// Directions of the mesh that must stand near to straight up, of parts whose ticket names none.
     pub keep_up: Vec<nester::Tilt>,
     /// Faces, by their outward normals, that must not look down, of parts whose ticket names none.
     pub not_down: Vec<nester::NotDown>,
+}
+
+/// When files are taken, and what becomes of odd ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IntakeRules {
+    /// Unit of files that do not say theirs.
+    pub unit: Unit,
     /// A file must stand still so long before it is taken, seconds.
     pub settle_secs: f64,
     /// A file whose end is missing (a copy that stalled, a torn upload) is taken, to be refused with a reason, after it
@@ -111,8 +143,11 @@ pub struct Profile {
     pub duplicates: Duplicates,
     /// What to do with meshes that are not closed.
     pub mesh_errors: MeshErrors,
-    /// When a batch fires.
-    pub trigger: Trigger,
+}
+
+/// How long and how often is searched.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SearchRules {
     /// Search parameters.
     pub nest: nester::Config,
     /// Seconds of search when a batch fires (the final budget).
@@ -121,6 +156,11 @@ pub struct Profile {
     pub arrival_secs: f64,
     /// How often a failed nesting is tried again before the build fails.
     pub max_attempts: u32,
+}
+
+/// What is written of a build, and how long it is kept.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutputRules {
     /// One object for all copies of a mesh, or one each.
     pub instances: build_file::Instances,
     /// Build items, or one object of components.
@@ -134,27 +174,31 @@ pub struct Profile {
 impl Profile {
     /// The box that may be filled: the printable box less the margins.
     pub fn build_volume(&self) -> nester::BuildVolume {
-        self.margins().room(self.volume_mm)
+        self.margins().room(self.space.volume_mm)
     }
 
     /// What is kept free of the printable box.
     pub fn margins(&self) -> nester::Margins {
-        nester::Margins { wall_mm: self.wall_margin_mm, floor_mm: self.floor_margin_mm, lid_mm: self.lid_margin_mm }
+        nester::Margins {
+            wall_mm: self.space.wall_margin_mm,
+            floor_mm: self.space.floor_margin_mm,
+            lid_mm: self.space.lid_margin_mm,
+        }
     }
 
     /// The machine as a build sees it.
     pub fn machine(&self) -> Machine {
         Machine {
             name: self.name.clone(),
-            volume_mm: self.volume_mm,
+            volume_mm: self.space.volume_mm,
             margins: self.margins(),
-            keep_out: self.keep_out.iter().map(KeepOut::bounds).collect(),
-            clearance_mm: self.clearance_mm,
-            clearance_z_extra_mm: self.clearance_z_extra_mm,
-            layer_cap: nester::LayerCap::of_share(self.layer_mm, self.layer_area_cap, &self.build_volume()),
-            interlock: self.nest.interlock(),
-            instances: self.instances,
-            arrangement: self.arrangement,
+            keep_out: self.space.keep_out.iter().map(KeepOut::bounds).collect(),
+            clearance_mm: self.space.clearance_mm,
+            clearance_z_extra_mm: self.space.clearance_z_extra_mm,
+            layer_cap: nester::LayerCap::of_share(self.space.layer_mm, self.space.layer_area_cap, &self.build_volume()),
+            interlock: self.search.nest.interlock(),
+            instances: self.output.instances,
+            arrangement: self.output.arrangement,
         }
     }
 

@@ -101,8 +101,8 @@ fn a_configuration_without_options_has_the_defaults() {
     assert_eq!(settings.limits, build_file::Limits::default());
     let cube = &settings.profiles["cube"];
     assert_eq!(cube.trigger.max_wait_secs, 86_400.0);
-    assert_eq!(cube.nest, nester::Config::default());
-    assert_eq!(cube.settle_secs, 5.0);
+    assert_eq!(cube.search.nest, nester::Config::default());
+    assert_eq!(cube.intake.settle_secs, 5.0);
 }
 
 #[test]
@@ -114,7 +114,13 @@ fn a_machine_beats_the_farm_and_the_farm_beats_the_default() {
     let profiles = config.load().unwrap().profiles;
     let of = |name: &str| {
         let p = &profiles[name];
-        (p.clearance_mm, p.settle_secs, p.nest.paper.population, p.nest.paper.iterations, p.nest.seed)
+        (
+            p.space.clearance_mm,
+            p.intake.settle_secs,
+            p.search.nest.paper.population,
+            p.search.nest.paper.iterations,
+            p.search.nest.seed,
+        )
     };
     assert_eq!(of("a"), (5.0, 60.0, 30, 20, 1));
     assert_eq!(of("b"), (4.0, 60.0, 10, 20, 1));

@@ -4,7 +4,7 @@ use build_file::Unit;
 use glam::DVec3;
 use serde::Deserialize;
 
-use super::{Folders, Profile, inputs::ProfileInputs, judge::Judge, validate};
+use super::{BuildSpace, Folders, Profile, inputs::ProfileInputs, judge::Judge, validate};
 
 /// What is taken from the profile as it was; what an older version did not write down is not there.
 #[derive(Debug, Default, Deserialize)]
@@ -29,12 +29,12 @@ impl Profile {
             Some(now) => now.clone(),
             None => Self { folders: then.folders.unwrap_or_default(), ..Self::unknown(name) },
         };
-        profile.volume_mm = then.volume_mm.unwrap_or(profile.volume_mm);
-        profile.wall_margin_mm = then.wall_margin_mm.unwrap_or(profile.wall_margin_mm);
-        profile.floor_margin_mm = then.floor_margin_mm.unwrap_or(profile.floor_margin_mm);
-        profile.lid_margin_mm = then.lid_margin_mm.unwrap_or(profile.lid_margin_mm);
-        profile.layer_mm = then.layer_mm.unwrap_or(profile.layer_mm);
-        profile.unit = then.unit.unwrap_or(profile.unit);
+        profile.space.volume_mm = then.volume_mm.unwrap_or(profile.space.volume_mm);
+        profile.space.wall_margin_mm = then.wall_margin_mm.unwrap_or(profile.space.wall_margin_mm);
+        profile.space.floor_margin_mm = then.floor_margin_mm.unwrap_or(profile.space.floor_margin_mm);
+        profile.space.lid_margin_mm = then.lid_margin_mm.unwrap_or(profile.space.lid_margin_mm);
+        profile.space.layer_mm = then.layer_mm.unwrap_or(profile.space.layer_mm);
+        profile.intake.unit = then.unit.unwrap_or(profile.intake.unit);
         profile
     }
 
@@ -42,7 +42,7 @@ impl Profile {
     fn unknown(name: &str) -> Self {
         let mut nobody = Judge::new(Vec::new());
         let bare = validate::profile(name, ProfileInputs::default(), Folders::default(), &mut nobody);
-        Self { volume_mm: DVec3::ZERO, ..bare }
+        Self { space: BuildSpace { volume_mm: DVec3::ZERO, ..bare.space }, ..bare }
     }
 }
 
@@ -52,18 +52,23 @@ mod tests {
 
     #[test]
     fn a_build_keeps_the_volume_and_the_layer_that_it_was_made_with() {
-        let was = Profile { volume_mm: DVec3::new(200.0, 160.0, 220.0), layer_mm: 0.08, ..Profile::unknown("m") };
-        let was = Profile { folders: Folders { archive: "/farm/archive/m".into(), ..Folders::default() }, ..was };
+        let mut was = Profile::unknown("m");
+        (was.space.volume_mm, was.space.layer_mm) = (DVec3::new(200.0, 160.0, 220.0), 0.08);
+        was.folders = Folders { archive: "/farm/archive/m".into(), ..Folders::default() };
         let snapshot = serde_json::to_string(&was).unwrap();
         let sold = Profile::then("m", Some(&snapshot), None);
         assert_eq!(sold, was);
-        let now = Profile { volume_mm: DVec3::splat(300.0), layer_mm: 0.1, archive_days: 7, ..Profile::unknown("m") };
+        let mut now = Profile::unknown("m");
+        (now.space.volume_mm, now.space.layer_mm, now.output.archive_days) = (DVec3::splat(300.0), 0.1, 7);
         let changed = Profile::then("m", Some(&snapshot), Some(&now));
-        assert_eq!((changed.volume_mm, changed.layer_mm, changed.archive_days), (was.volume_mm, 0.08, 7));
+        assert_eq!(
+            (changed.space.volume_mm, changed.space.layer_mm, changed.output.archive_days),
+            (was.space.volume_mm, 0.08, 7)
+        );
         assert_eq!(changed.folders, now.folders, "folders that were moved are looked for where they are");
         for nothing in [None, Some("{}"), Some("torn")] {
             assert_eq!(Profile::then("m", nothing, Some(&now)), now);
-            assert_eq!(Profile::then("m", nothing, None).volume_mm, DVec3::ZERO);
+            assert_eq!(Profile::then("m", nothing, None).space.volume_mm, DVec3::ZERO);
         }
     }
 }

@@ -37,8 +37,9 @@ pub fn build_facts(
     (copies, file): (String, Option<String>),
     now: Timestamp,
 ) -> Vec<SheetFact> {
-    let layers = row.measures.layers.or_else(|| Some((row.measures.height_mm? / machine?.layer_mm).ceil() as u32));
-    let thick = machine.and_then(|machine| fields::LAYER_THICKNESS.with_unit(machine.layer_mm));
+    let layers =
+        row.measures.layers.or_else(|| Some((row.measures.height_mm? / machine?.space.layer_mm).ceil() as u32));
+    let thick = machine.and_then(|machine| fields::LAYER_THICKNESS.with_unit(machine.space.layer_mm));
     let volume = row.measures.part_volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
     let fired_by = (!row.fired_by.is_empty()).then(|| format!("{}, nested {}", row.fired_by, times(row.attempts)));
     let content = row.staged.file_hash.as_ref().map(|hash| content(row.staged.file_bytes.unwrap_or_default(), hash));
@@ -47,7 +48,7 @@ pub fn build_facts(
     let published = row.times.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
     let told = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
-        told(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.volume_mm.z))),
+        told(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.space.volume_mm.z))),
         told(fields::LOWER_BOUND, bound.map(|bound| format!("{bound}: no build of these parts is lower"))),
         told(fields::LAYERS, layers.map(|layers| joined([Some(layers.to_string()), thick], " of "))),
         fields::DENSITY.fact(row.measures.density),
@@ -72,7 +73,7 @@ pub fn height(height_mm: Option<f64>, volume_z_mm: Option<f64>) -> Option<String
 }
 
 fn clearance(row: &BuildRow, machine: Option<&Profile>) -> Option<String> {
-    let asked_mm = row.measures.clearance_mm.or(machine.map(|machine| machine.clearance_mm));
+    let asked_mm = row.measures.clearance_mm.or(machine.map(|machine| machine.space.clearance_mm));
     let asked = fields::CLEARANCE.with_unit(asked_mm)?;
     let proved = match (fields::CLEARANCE_PROVED.with_unit(row.measures.clearance_proved_mm), row.times.verified_at) {
         (Some(proved), _) => format!("{proved} proved on the triangles"),

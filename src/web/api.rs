@@ -58,7 +58,7 @@ pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
         let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
         let station = stations.iter().find(|station| station.profile == *name);
         Machine {
-            volume_mm: profile.volume_mm.to_array(),
+            volume_mm: profile.space.volume_mm.to_array(),
             available: station.map(|station| station.trouble.is_empty()),
             trouble: station.map(|station| station.trouble.clone()).filter(|trouble| !trouble.is_empty()),
             trouble_at: station.and_then(|station| station.trouble_at),

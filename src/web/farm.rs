@@ -120,7 +120,7 @@ fn card(
             h2 { (name) }
             @for text in hindrance(status, station) { p.bad role="status" { (text) } }
             (shot)
-            @if let Some(open) = open { (open_build(open, profile.volume_mm.z)) } @else { p { "No open build." } }
+            @if let Some(open) = open { (open_build(open, profile.space.volume_mm.z)) } @else { p { "No open build." } }
             (facts(&waiting(&machine, fires(profile, status), now)))
             @if status.rejected_parts > 0 {
                 p { a href=(format!("/parts?state=rejected&profile={name}")) { (fields::REJECTED.label) ": " (status.rejected_parts) } }

@@ -54,7 +54,7 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Path(number_of_build): Pat
 }
 
 async fn map_of(web: &Arc<Web>, build: &BuildRow, profile: &Profile) -> Answer<Map> {
-    let kept = Kept { cache: |web| &web.picks, key: version(build) };
+    let kept = Kept { cache: |web| &web.caches.picks, key: version(build) };
     let number_of_build = build.id.0;
     of_cake(web, build, profile, kept, move |cake: &Cake| Ok(Map::of(cake, number_of_build))).await
 }

@@ -42,7 +42,7 @@ pub(super) async fn picture(
     let (build, profile) = build_of(&web, number).await?;
     let wanted = asked.width.unwrap_or(WIDTHS[WIDTHS.len() - 1]);
     let width = WIDTHS.into_iter().find(|&width| width >= wanted).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
-    let kept = Kept { cache: |web| &web.pictures, key: format!("{} {width}", version(&build)) };
+    let kept = Kept { cache: |web| &web.caches.pictures, key: format!("{} {width}", version(&build)) };
     let draw = move |cake: &Cake| Ok(Bytes::from(cake.picture(Viewpoint::Iso, (width, width / 4 * 3))));
     let png = of_cake(&web, &build, &profile, kept, draw).await?;
     let stays = asked.of.is_some_and(|of| of == version(&build));

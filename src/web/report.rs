@@ -114,7 +114,9 @@ impl Report<'_> {
     fn numbers(&self) -> (i64, Option<f64>, f64) {
         let top_mm = || self.cake.top_mm();
         match self.source {
-            Source::Ledger(build, profile) => (build.id.0, build.measures.height_mm.or_else(top_mm), profile.layer_mm),
+            Source::Ledger(build, profile) => {
+                (build.id.0, build.measures.height_mm.or_else(top_mm), profile.space.layer_mm)
+            }
             Source::File(_, info) => {
                 let number = info.build_id.as_ref().and_then(|id| id.parse().ok()).unwrap_or(0);
                 (number, top_mm(), info.layer_mm.unwrap_or(nester::DEFAULT_LAYER_MM))

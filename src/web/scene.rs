@@ -62,8 +62,8 @@ struct Copy {
 /// The scene of a build.
 pub(super) async fn scene(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Response> {
     let (build, profile) = build_of(&web, number).await?;
-    let kept = Kept { cache: |web| &web.scenes, key: version(&build) };
-    let facts = (build.id.0, build.measures.height_mm, profile.layer_mm);
+    let kept = Kept { cache: |web| &web.caches.scenes, key: version(&build) };
+    let facts = (build.id.0, build.measures.height_mm, profile.space.layer_mm);
     let pack = move |cake: &Cake| Ok(Bytes::from(packed(cake, facts, MOST_DRAWN)?));
     let bytes = of_cake(&web, &build, &profile, kept, pack).await?;
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())

@@ -20,7 +20,7 @@ use super::{
     farm as farm_page, guard, history, live, metrics, openapi, order, part, pick, picture,
     problem::Problem,
     scene,
-    state::Web,
+    state::{PageCaches, Web},
 };
 use crate::{
     access,
@@ -51,10 +51,12 @@ pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
         orders: web.orders,
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),
-        scenes: Cache::new(scene::KEPT),
-        picks: Cache::new(pick::KEPT),
+        caches: PageCaches {
+            scenes: Cache::new(scene::KEPT),
+            picks: Cache::new(pick::KEPT),
+            pictures: Cache::new(picture::KEPT),
+        },
         metrics: Metrics::default(),
-        pictures: Cache::new(picture::KEPT),
         looking: Arc::new(Semaphore::new(1)),
         changes: changes.clone(),
     });

@@ -252,7 +252,7 @@ impl Build {
             measures: row.measures,
             search: row.search,
             curve,
-            machine: MachineThen { volume_mm: profile.volume_mm.to_array(), layer_mm: profile.layer_mm },
+            machine: MachineThen { volume_mm: profile.space.volume_mm.to_array(), layer_mm: profile.space.layer_mm },
         }
     }
 }

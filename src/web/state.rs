@@ -24,13 +24,18 @@ pub(super) struct Web {
     pub(super) token: Option<String>,
     /// Stands in every form, so that no other site can post one.
     pub(super) form_key: String,
-    pub(super) scenes: Cache<Bytes>,
-    pub(super) picks: Cache<Map>,
+    pub(super) caches: PageCaches,
     pub(super) metrics: Metrics,
-    pub(super) pictures: Cache<Bytes>,
-    /// Who holds it makes one of these three: looking takes one core and the meshes of one build from the farm at most.
+    /// Who holds it makes something for the caches: looking takes one core and the meshes of one build from the farm at most.
     pub(super) looking: Arc<Semaphore>,
     pub(super) changes: watch::Sender<u64>,
+}
+
+/// What is made of builds once, and kept.
+pub(super) struct PageCaches {
+    pub(super) scenes: Cache<Bytes>,
+    pub(super) picks: Cache<Map>,
+    pub(super) pictures: Cache<Bytes>,
 }
 
 impl Web {

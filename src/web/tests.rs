@@ -9,7 +9,11 @@ use axum::{
 use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
-use super::{cache::Cache, server::routes, state::Web};
+use super::{
+    cache::Cache,
+    server::routes,
+    state::{PageCaches, Web},
+};
 use crate::{
     ledger::fixtures::{self, TestLedger},
     settings,
@@ -50,10 +54,8 @@ impl Dashboard {
             orders: true,
             token: None,
             form_key: "key".to_owned(),
-            scenes: Cache::new(2),
-            picks: Cache::new(2),
+            caches: PageCaches { scenes: Cache::new(2), picks: Cache::new(2), pictures: Cache::new(2) },
             metrics: Default::default(),
-            pictures: Cache::new(2),
             looking: Arc::new(Semaphore::new(1)),
             changes: watch::Sender::new(0),
         };

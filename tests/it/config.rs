@@ -23,7 +23,7 @@ fn shipped(name: &str) -> PathBuf {
 fn the_shipped_machines_have_their_volumes_and_clearances() {
     let settings = load(Some(&shipped("nestd.toml")), None).unwrap();
     let machines: Vec<_> =
-        settings.profiles.values().map(|p| (p.name.as_str(), p.build_volume().size_mm, p.clearance_mm)).collect();
+        settings.profiles.values().map(|p| (p.name.as_str(), p.build_volume().size_mm, p.space.clearance_mm)).collect();
     assert_eq!(machines, MACHINES);
 }
 

@@ -18,6 +18,24 @@ use crate::{
     group = clap::ArgGroup::new("machine").args(["profile", "volume"]).multiple(true).required(true)
 )]
 pub struct Args {
+    #[command(flatten)]
+    pub(super) source: PartSource,
+    #[command(flatten)]
+    pub(super) machine: MachineChoice,
+    #[command(flatten)]
+    pub(super) search: SearchChoice,
+    #[command(flatten)]
+    pub(super) turning: TurningChoice,
+    /// Folder where work on meshes is kept from one run to the next
+    #[arg(long, value_name = "DIR")]
+    pub(super) cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) files: OutputFiles,
+}
+
+// Groups of options; a doc comment on one would be taken for the description of the command.
+#[derive(Debug, clap::Args)]
+pub(super) struct PartSource {
     /// Parts (STL or 3MF), each with a number of copies after `=` [default: 1]
     #[arg(value_name = "PART[=COPIES]", required_unless_present = "list")]
     pub(super) parts: Vec<String>,
@@ -27,6 +45,10 @@ pub struct Args {
     /// Folder that the list's files are relative to [default: the list's own]
     #[arg(long, value_name = "DIR", requires = "list")]
     pub(super) base: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct MachineChoice {
     /// Machine profile: its volume, margins, clearance, orientation rule and search parameters
     #[arg(long, value_name = "PROFILE")]
     pub(super) profile: Option<String>,
@@ -45,6 +67,10 @@ pub struct Args {
     /// No layer is filled beyond this share of the base, e.g. 0.3 [default: the profile's, else any]
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub(super) layer_area_cap: Option<f64>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct SearchChoice {
     /// Search: our own or the published one [default: the profile's, else nestd]
     #[arg(long, value_name = "METHOD", value_parser = word::<Method>)]
     pub(super) method: Option<Method>,
@@ -60,6 +86,10 @@ pub struct Args {
     /// Seed of every random choice [default: the profile's, else 1]
     #[arg(long, value_name = "S")]
     pub(super) seed: Option<u64>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct TurningChoice {
     /// How parts may be turned: free, upright (about z), axis (24 rotations) or fixed [default: the profile's, else free]
     #[arg(long, value_name = "RULE", value_parser = word::<OrientationRule>)]
     pub(super) orientation: Option<OrientationRule>,
@@ -73,9 +103,10 @@ pub struct Args {
     /// A face of the parts, by its outward normal, that must not look down; keeps so many degrees from it, else 45
     #[arg(long, value_name = "X,Y,Z[:DEG]", allow_hyphen_values = true, value_parser = str::parse::<NotDown>)]
     pub(super) not_down: Vec<NotDown>,
-    /// Folder where work on meshes is kept from one run to the next
-    #[arg(long, value_name = "DIR")]
-    pub(super) cache: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct OutputFiles {
     /// Build file to write, e.g. build.3mf
     #[arg(short = 'o', long = "output", value_name = "OUT.build.3mf")]
     pub(super) output: PathBuf,

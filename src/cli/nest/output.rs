@@ -29,9 +29,9 @@ pub fn write(
 ) -> Result<Report> {
     let build = solved_build(setup, parts, instance, solution);
     if build.placed.is_empty() {
-        tell(&format!("no copy could be placed; {} is not written", args.output.display()));
+        tell(&format!("no copy could be placed; {} is not written", args.files.output.display()));
     } else {
-        let (draft, proved) = stage(&args.output, &build, &setup.limits, build_file::write_build)?;
+        let (draft, proved) = stage(&args.files.output, &build, &setup.limits, build_file::write_build)?;
         if let Some(found) = proved.separable.as_ref().filter(|found| !found.locked.is_empty()) {
             tell(&found.in_words());
         }
@@ -40,13 +40,13 @@ pub fn write(
         draft.publish()?;
     }
     let report = build.report(nester::lower_bound_mm(instance), solution.evaluations, &solution.unplaced, course);
-    if let Some(target) = &args.stl {
+    if let Some(target) = &args.files.stl {
         let poses: Vec<(&Mesh, Pose)> =
             (build.placed.iter()).map(|p| (&*build.parts[p.part].mesh, build.machine.machine_pose(&p.pose))).collect();
         let placed = poses.iter().map(|(mesh, pose)| (*mesh, pose));
         Draft::fill(target, |file| Ok(build_file::write_stl(placed, BufWriter::new(file))?))?.publish()?;
     }
-    if let Some(target) = &args.report {
+    if let Some(target) = &args.files.report {
         Draft::fill(target, |file| Ok(serde_json::to_writer_pretty(BufWriter::new(file), &report)?))?.publish()?;
     }
     Ok(report)

@@ -25,8 +25,8 @@ pub struct Row {
 
 /// All files that are asked for, not read yet.
 pub fn rows(args: &Args) -> Result<Vec<Row>> {
-    let mut rows = args.parts.iter().map(|text| row_of(text)).collect::<Result<Vec<Row>>>()?;
-    if args.list.is_some() {
+    let mut rows = args.source.parts.iter().map(|text| row_of(text)).collect::<Result<Vec<Row>>>()?;
+    if args.source.list.is_some() {
         rows.extend(listed(args)?);
     }
     Ok(rows)
@@ -91,8 +91,8 @@ fn row_of(text: &str) -> Result<Row> {
 
 /// The rows of the list.
 fn listed(args: &Args) -> Result<Vec<Row>> {
-    let Some(list) = &args.list else { return Ok(Vec::new()) };
-    let base = args.base.clone().or_else(|| list.parent().map(PathBuf::from)).unwrap_or_default();
+    let Some(list) = &args.source.list else { return Ok(Vec::new()) };
+    let base = args.source.base.clone().or_else(|| list.parent().map(PathBuf::from)).unwrap_or_default();
     let wrong = |what: String| Usage(format!("{}: {what}", list.display()));
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)

@@ -11,13 +11,17 @@ use crate::cli::Usage;
 /// Refuses an output that cannot be written, that is another output, or that is a file which is read.
 pub fn check(args: &Args, rows: &[Row]) -> Result<()> {
     let mut taken: Vec<(PathBuf, &str)> = Vec::new();
-    let inputs = rows.iter().map(|row| &row.file).chain(&args.list);
+    let inputs = rows.iter().map(|row| &row.file).chain(&args.source.list);
     for input in inputs {
         // A link is read through, so that both it and its target are inputs.
         taken.extend(written_as(input).map(|path| (path, "a file that is read")));
         taken.extend(input.canonicalize().map(|path| (path, "a file that is read")));
     }
-    let outputs = [("-o", Some(&args.output)), ("--report", args.report.as_ref()), ("--stl", args.stl.as_ref())];
+    let outputs = [
+        ("-o", Some(&args.files.output)),
+        ("--report", args.files.report.as_ref()),
+        ("--stl", args.files.stl.as_ref()),
+    ];
     for (option, output) in outputs.into_iter().filter_map(|(option, output)| Some((option, output?))) {
         let wrong = |what: String| Usage(format!("{option} {}: {what}", output.display()));
         let folder = folder_of(output);

@@ -31,37 +31,37 @@ pub(super) struct Setup {
 
 /// The setup that the options ask for.
 pub(super) fn setup(common: &Common, args: &Args) -> Result<Setup> {
-    let (mut setup, layer_area_cap) = match &args.profile {
+    let (mut setup, layer_area_cap) = match &args.machine.profile {
         Some(name) => from_profile(common, args, name)?,
         None => (without_profile(args), None),
     };
     let (machine, config) = (&mut setup.machine, &mut setup.config);
-    config.method = args.method.unwrap_or(config.method);
-    config.threads = args.threads.unwrap_or(config.threads);
-    config.interlock = args.interlock.unwrap_or(config.interlock);
-    config.seed = args.seed.unwrap_or(config.seed);
-    machine.volume_mm = args.volume.unwrap_or(machine.volume_mm);
-    machine.margins = args.margins.unwrap_or(machine.margins);
-    machine.clearance_mm = args.clearance.unwrap_or(machine.clearance_mm);
-    machine.clearance_z_extra_mm = args.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
+    config.method = args.search.method.unwrap_or(config.method);
+    config.threads = args.search.threads.unwrap_or(config.threads);
+    config.interlock = args.turning.interlock.unwrap_or(config.interlock);
+    config.seed = args.search.seed.unwrap_or(config.seed);
+    machine.volume_mm = args.machine.volume.unwrap_or(machine.volume_mm);
+    machine.margins = args.machine.margins.unwrap_or(machine.margins);
+    machine.clearance_mm = args.machine.clearance.unwrap_or(machine.clearance_mm);
+    machine.clearance_z_extra_mm = args.machine.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
     machine.interlock = config.interlock();
-    let layer_area_cap = args.layer_area_cap.or(layer_area_cap);
+    let layer_area_cap = args.machine.layer_area_cap.or(layer_area_cap);
     machine.layer_cap = LayerCap::of_share(machine.layer_cap.layer_mm, layer_area_cap, &machine.build_volume());
     Ok(setup)
 }
 
 /// The machine's rules but for what an option says.
 fn turning(args: &Args, rule: OrientationRule, keep_up: &[Tilt], not_down: &[NotDown]) -> Orientation {
-    let keep_up = if args.keep_up.is_empty() { keep_up } else { &args.keep_up };
-    let not_down = if args.not_down.is_empty() { not_down } else { &args.not_down };
-    Orientation::new(args.orientation.unwrap_or(rule), keep_up, not_down)
+    let keep_up = if args.turning.keep_up.is_empty() { keep_up } else { &args.turning.keep_up };
+    let not_down = if args.turning.not_down.is_empty() { not_down } else { &args.turning.not_down };
+    Orientation::new(args.turning.orientation.unwrap_or(rule), keep_up, not_down)
 }
 
 fn without_profile(args: &Args) -> Setup {
     let config = Config::default();
     let machine = Machine {
         name: "none".to_owned(),
-        volume_mm: args.volume.unwrap_or(DVec3::ZERO),
+        volume_mm: args.machine.volume.unwrap_or(DVec3::ZERO),
         margins: Margins::default(),
         keep_out: Vec::new(),
         clearance_mm: DEFAULT_CLEARANCE_MM,
@@ -84,10 +84,10 @@ fn from_profile(common: &Common, args: &Args, name: &str) -> Result<(Setup, Opti
         .ok_or_else(|| Usage(format!("there is no profile {name}; there are: {}", known())))?;
     let setup = Setup {
         machine: profile.machine(),
-        orientation: turning(args, profile.orientation, &profile.keep_up, &profile.not_down),
-        unit: profile.unit,
+        orientation: turning(args, profile.turning.orientation, &profile.turning.keep_up, &profile.turning.not_down),
+        unit: profile.intake.unit,
         limits: settings.limits.clone(),
-        config: profile.nest.clone(),
+        config: profile.search.nest.clone(),
     };
-    Ok((setup, profile.layer_area_cap))
+    Ok((setup, profile.space.layer_area_cap))
 }

@@ -145,12 +145,12 @@ async fn doubled_in_error(
 
 /// The originals of published builds are in the archive for as long as the profile says.
 pub async fn built(settings: &Settings, ledger: &Ledger, looked: &mut Looked) -> Result<()> {
-    let oldest = settings.profiles.values().map(|profile| since(profile.archive_days)).min();
+    let oldest = settings.profiles.values().map(|profile| since(profile.output.archive_days)).min();
     let mut archives: HashMap<String, ByHash> = HashMap::new();
     for row in ledger.built_places(oldest.unwrap_or(Timestamp::MIN)).await? {
         let Some(profile) = settings.profiles.get(&row.profile) else { continue };
         let published = ledger.build(row.build).await?.and_then(|build| build.times.published_at);
-        if published.is_none_or(|at| at.0 < since(profile.archive_days)) {
+        if published.is_none_or(|at| at.0 < since(profile.output.archive_days)) {
             continue;
         }
         let stem = row.file_name.strip_suffix(".build.3mf").unwrap_or(&row.file_name);

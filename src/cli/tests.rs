@@ -159,7 +159,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     for told in [
         "Build 1 of paper-200: complete",
         "height      87.50 mm",
-        "lower bound 40.00 mm: no build of these parts is lower",
+        "bound       40.00 mm: no build of these parts is lower",
         "3.00 mm asked, 3.020 mm proved",
         "ann@farm  fine",
         "Part 1, fan.stl: waiting",

@@ -25,7 +25,7 @@ pub const HEIGHT: Field = Field::real("Height", "mm", 2);
 /// Height of the machine's volume.
 pub const VOLUME_Z: Field = Field::real("Machine height", "mm", 0);
 /// No build of these parts can be lower.
-pub const LOWER_BOUND: Field = Field::real("Lower bound", "mm", 2);
+pub const LOWER_BOUND: Field = Field::real("Bound", "mm", 2);
 /// Part volume / (base area x height).
 pub const DENSITY: Field = Field::share("Density");
 /// Mean of several densities.

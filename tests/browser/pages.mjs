@@ -227,19 +227,21 @@ const checks = {
   async "history shows the figures of the ledger, filtered and sorted"() {
     const page = await open(browser, base, "/history?sort=height");
     const shown = await page.$$eval("[aria-label=Builds] tbody tr", (rows) => rows.map((row) => [...row.cells].map((cell) => cell.textContent.trim())));
+    const heads = await page.$$eval("[aria-label=Builds] thead th", (heads) => heads.map((head) => head.textContent.trim()));
+    const at = (head) => { assert.ok(heads.includes(head), `${head} is none of ${heads}`); return heads.indexOf(head); };
     const known = new Map(farm.history.map((row) => [String(row.build), row]));
-    const heights = shown.map((cells) => Number(cells[4])).filter((height) => height > 0);
+    const heights = shown.map((cells) => Number(cells[at("Height, mm")])).filter((height) => height > 0);
     assert.deepEqual(heights, [...heights].sort((a, b) => a - b), "sorted by height");
     assert.ok(heights.length >= 2);
     for (const [build, row] of known) {
       const cells = shown.find((cells) => cells[0] === build);
       assert.ok(cells, `build ${build}`);
-      assert.equal(cells[4], row.height_mm.toFixed(2));
-      assert.equal(cells[5], row.lower_bound_mm.toFixed(2));
-      assert.equal(cells[7], `${(100 * row.height_mm / row.volume_z_mm).toFixed(1)} %`);
-      assert.equal(Number(cells[9]), row.copies);
+      assert.equal(cells[at("Height, mm")], row.height_mm.toFixed(2));
+      assert.equal(cells[at("Bound, mm")], row.lower_bound_mm.toFixed(2));
+      assert.equal(cells[at("Used, %")], (100 * row.height_mm / row.volume_z_mm).toFixed(1));
+      assert.equal(Number(cells[at("Copies")]), row.copies);
     }
-    const sum = Number(await page.textContent("[aria-label=Heights] tbody tr:last-child b"));
+    const sum = Number(await page.textContent("[aria-label=Heights] tbody tr:last-child td:nth-child(2)"));
     assert.ok(Math.abs(sum - heights.reduce((sum, height) => sum + height, 0)) < 0.01 * heights.length, `${sum} mm in all`);
     assert.ok(await page.locator(".charts svg polyline").count() >= 3, "three charts");
     const csv = await (await fetch(`${base}/history.csv?sort=height`)).text();

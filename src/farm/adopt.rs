@@ -87,7 +87,7 @@ impl Farm {
         if now < before
             && let Some(station) = self.stations.get_mut(name)
         {
-            station.relist = true;
+            station.inbox.relist = true;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The ages of parts are kept when the wall clock is set, also while the farm did not run.
 
 use anyhow::Result;
-use jiff::{SignedDuration, Timestamp};
+use jiff::SignedDuration;
 use tracing::warn;
 
 use super::{clock::JUMP, farm::Farm};
@@ -22,7 +22,7 @@ impl Farm {
     /// slept or the clock is wrong.
     pub(super) async fn compare_clock_with_ledger(&mut self) -> Result<()> {
         let Some(last) = self.ledger.last_event_at().await? else { return Ok(()) };
-        let since = Timestamp::now().duration_since(last.0);
+        let since = self.date().duration_since(last.0);
         if since > LONG_ASLEEP {
             self.schedule.clock.distrust();
         }

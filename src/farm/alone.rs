@@ -9,7 +9,7 @@ use std::{
     process::{Child, Command, ExitStatus, Stdio},
 };
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use build_file::{Contents, Limits, Solid, Unit};
 use glam::DVec3;
 use rustix::process::{Resource, Rlimit, Signal};
@@ -101,8 +101,10 @@ impl Errand {
         let mut from = BufReader::new(child.stdout.as_mut().context("it has no output")?);
         let mut length = [0; 8];
         from.read_exact(&mut length)?;
-        let mut head = vec![0; usize::try_from(u64::from_le_bytes(length))?];
-        from.read_exact(&mut head)?;
+        // Room is made for what comes, not for what is announced.
+        let (length, mut head) = (u64::from_le_bytes(length), Vec::new());
+        from.by_ref().take(length).read_to_end(&mut head)?;
+        ensure!(head.len() as u64 == length, "its answer is cut");
         let (warnings, heads) = match serde_json::from_slice(&head)? {
             Answer::Read { warnings, solids } => (warnings, solids),
             Answer::Refused(cause, reason) => return Ok(Err(Unread::Refused(cause, reason))),

@@ -6,6 +6,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use super::time_source::TimeSource;
+
 /// After the first failure.
 const FIRST: Duration = Duration::from_secs(1);
 /// After many.
@@ -15,18 +17,26 @@ const LONGEST: Duration = Duration::from_secs(60);
 #[derive(Debug)]
 pub struct BackOff<K> {
     waits: HashMap<K, (Instant, Duration)>,
+    time: TimeSource,
 }
 
 impl<K> Default for BackOff<K> {
     fn default() -> Self {
-        Self { waits: HashMap::new() }
+        Self::by(TimeSource::default())
+    }
+}
+
+impl<K> BackOff<K> {
+    /// Waits that these clocks measure.
+    pub fn by(time: TimeSource) -> Self {
+        Self { waits: HashMap::new(), time }
     }
 }
 
 impl<K: Eq + Hash> BackOff<K> {
     /// Whether it failed and its wait is not over.
     pub fn rests(&self, what: &K) -> bool {
-        self.waits.get(what).is_some_and(|(until, _)| Instant::now() < *until)
+        self.waits.get(what).is_some_and(|(until, _)| self.time.instant() < *until)
     }
 
     /// Whether it failed when it was last tried.
@@ -37,7 +47,7 @@ impl<K: Eq + Hash> BackOff<K> {
     /// It failed (again).
     pub fn failed(&mut self, what: K) {
         let wait = self.waits.get(&what).map_or(FIRST, |(_, wait)| (*wait * 2).min(LONGEST));
-        self.waits.insert(what, (Instant::now() + wait, wait));
+        self.waits.insert(what, (self.time.instant() + wait, wait));
     }
 
     /// How many failed when they were last tried.

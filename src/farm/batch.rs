@@ -4,7 +4,6 @@ use std::{collections::BTreeSet, time::Instant};
 
 use anyhow::{Context, Result};
 use build_file::counted;
-use jiff::Timestamp;
 use nester::SearchBudget;
 use tracing::{info, warn};
 
@@ -56,7 +55,7 @@ impl Job<Farm> for ImproveJob {
 
     fn not_started(self, farm: &mut Farm, _why: &str) {
         if let Some(station) = farm.stations.get_mut(&self.profile) {
-            station.open.ended(station.open.rounds, None);
+            station.open.ended(station.open.rounds, None, farm.schedule.time.instant());
         }
     }
 }
@@ -64,15 +63,15 @@ impl Job<Farm> for ImproveJob {
 impl Farm {
     /// As [`Farm::batch`], unless the last time took long and is not long ago.
     pub(super) async fn batch_when_rested(&mut self, name: &str) -> Result<()> {
+        let (began, now) = (Instant::now(), self.now());
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
-        let began = Instant::now();
-        if began < station.batch_at || station.agrees.is_none() {
+        if now < station.batch_at || station.agrees.is_none() {
             station.is_settled = false;
             return Ok(());
         }
         let result = self.batch(name).await;
         if let Some(station) = self.stations.get_mut(name) {
-            station.batch_at = Instant::now() + BATCH_REST * began.elapsed();
+            station.batch_at = self.schedule.time.instant() + BATCH_REST * began.elapsed();
         }
         result
     }
@@ -114,7 +113,7 @@ impl Farm {
                 flush: !station.flush.is_empty() && !being_read,
                 knows_the_date: self.schedule.clock.knows_the_date(),
             };
-            if let Some(by) = fired_by(&station.profile, &facts, Timestamp::now()) {
+            if let Some(by) = fired_by(&station.profile, &facts, self.schedule.time.date()) {
                 return self.fire(name, by, &wanted).await;
             }
         }
@@ -135,7 +134,7 @@ impl Farm {
         }
         let meshes = self.meshes.clone();
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
-        if !station.open.wants_search(&wanted, Instant::now()) || self.jobs.runs::<ImproveJob>(name) {
+        if !station.open.wants_search(&wanted, self.schedule.time.instant()) || self.jobs.runs::<ImproveJob>(name) {
             return Ok(());
         }
         let build = self.ledger.open_build(name).await?;
@@ -178,7 +177,7 @@ impl Farm {
         let nested = match nested {
             Ok(nested) => nested,
             Err(failure) => {
-                station.open.ended(round, None);
+                station.open.ended(round, None, self.schedule.time.instant());
                 if let Some(lost) = Lost::of(&failure) {
                     return self.ask_again(lost).await;
                 }
@@ -186,7 +185,7 @@ impl Farm {
                 return Ok(());
             }
         };
-        station.open.ended(round, Some(nested.layout.clone()));
+        station.open.ended(round, Some(nested.layout.clone()), self.schedule.time.instant());
         self.save_layout(build.id, &nested.layout).await?;
         self.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
         self.refuse_what_fits_nowhere(name, &nested.layout).await
@@ -212,7 +211,7 @@ impl Farm {
     async fn on_search_panicked(&mut self, name: &str, message: &str) -> Result<()> {
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
         let copies = station.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
-        station.open.ended(station.open.rounds, None);
+        station.open.ended(station.open.rounds, None, self.schedule.time.instant());
         let (true, Some(&(part, _))) = (station.open.placed_nothing(copies.len()), copies.first()) else {
             return Ok(());
         };

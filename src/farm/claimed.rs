@@ -1,13 +1,9 @@
 //! The event loop's side of "claimed" and "read": rows for what was claimed, and what becomes of it once it is read.
 
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::{sync::Arc, time::Duration};
 
 use anyhow::{Context, Result};
 use build_file::counted;
-use jiff::Timestamp;
 use tracing::{debug, info, warn};
 
 use super::{
@@ -94,23 +90,23 @@ impl Job<Farm> for ReadJob {
 impl Farm {
     /// Something changed: look soon.
     pub(super) fn look_soon(&mut self) {
-        let soon = Instant::now() + LOOK_AFTER_EVENT;
-        self.stations.values_mut().for_each(|s| s.look_at = s.look_at.min(soon));
+        let soon = self.now() + LOOK_AFTER_EVENT;
+        self.stations.values_mut().for_each(|s| s.inbox.look_at = s.inbox.look_at.min(soon));
     }
 
     /// Starts a look through every hot folder whose time has come.
     pub(super) fn receive(&mut self) {
-        let orphan_secs = self.settings.orphan_ticket_secs;
+        let (now, orphan_secs) = (self.now(), self.settings.orphan_ticket_secs);
         for (name, station) in &mut self.stations {
             if !station.may_take
                 || !station.holds.are_fresh()
-                || Instant::now() < station.look_at
+                || now < station.inbox.look_at
                 || self.jobs.runs::<ReceiveJob>(name)
             {
                 continue;
             }
-            let Some(mut gate) = station.gate.take() else { continue };
-            if std::mem::take(&mut station.relist) {
+            let Some(mut gate) = station.inbox.gate.take() else { continue };
+            if std::mem::take(&mut station.inbox.relist) {
                 gate.relist();
             }
             let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
@@ -132,10 +128,14 @@ impl Farm {
 
     /// A hot folder is looked at by a gate that remembers nothing.
     fn new_gate(&mut self, name: &str) {
-        let scan_secs = self.settings.scan_secs;
+        let (now, scan_secs) = (self.now(), self.settings.scan_secs);
         if let Some(station) = self.stations.get_mut(name) {
-            station.gate = Some(Box::new(Gate::new(&station.profile, self.settings.orphan_ticket_secs)));
-            station.look_at = Instant::now() + Duration::from_secs_f64(scan_secs);
+            station.inbox.gate = Some(Box::new(Gate::new(
+                &station.profile,
+                self.settings.orphan_ticket_secs,
+                self.schedule.time.clone(),
+            )));
+            station.inbox.look_at = now + Duration::from_secs_f64(scan_secs);
         }
     }
 
@@ -164,21 +164,21 @@ impl Farm {
                 gate.take_back(drop.claim);
             }
         }
-        let scan_secs = self.settings.scan_secs;
+        let (now, scan_secs) = (self.now(), self.settings.scan_secs);
         if let Some(station) = self.stations.get_mut(name) {
             if gate.is_of(&station.profile) {
-                station.gate = Some(gate);
+                station.inbox.gate = Some(gate);
             }
             let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
-            station.look_at = Instant::now() + Duration::from_secs_f64(next_secs);
-            station.refused_kept = received.refused_kept.unwrap_or(station.refused_kept);
+            station.inbox.look_at = now + Duration::from_secs_f64(next_secs);
+            station.inbox.refused_kept = received.refused_kept.unwrap_or(station.inbox.refused_kept);
             let error_dir = station.profile.folders.error.display();
             match received.is_cut || received.unavailable.is_some() {
                 true => {}
                 false if received.held.is_empty() => self.notices.clear(Attention::Incomplete, name, ""),
                 false => self.notices.raise(Attention::Incomplete, name, "", &few(&received.held)),
             }
-            match station.refused_kept {
+            match station.inbox.refused_kept {
                 0 => self.notices.clear(Attention::Refused, name, ""),
                 files => {
                     let detail = format!("{} in {error_dir}", counted(files, "file", "files"));
@@ -205,8 +205,9 @@ impl Farm {
     /// A hot folder is there and was looked through.
     fn looked_through(&mut self, name: &str) {
         self.notices.clear(Attention::HotFolderAway, name, "");
+        let date = self.date();
         if let Some(station) = self.stations.get_mut(name) {
-            station.scanned_at = Some(Utc(Timestamp::now()));
+            station.inbox.scanned_at = Some(Utc(date));
         }
     }
 
@@ -231,7 +232,7 @@ impl Farm {
             self.give_back(name, claim, stored);
             return Ok(());
         }
-        let note = Taken::of(self.owner.farm(), row.clone(), given.as_ref().err()).to_text();
+        let note = Taken::of(self.life.owner.farm(), row.clone(), given.as_ref().err()).to_text();
         self.ending.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
         match (part.state, given) {
             (PartState::Claimed, Err(error)) => {

@@ -49,7 +49,7 @@ impl Farm {
             Compared::AsBefore => return,
             Compared::Agrees(seen) => {
                 station.agrees = Some(seen);
-                station.batch_at = std::time::Instant::now();
+                station.batch_at = self.schedule.time.instant();
                 (None, None)
             }
             Compared::Behind(detail) => (Some(detail), None),

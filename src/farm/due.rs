@@ -44,7 +44,7 @@ impl Farm {
         if !self.schedule.clock.knows_the_date() {
             return Ok(());
         }
-        let now = Timestamp::now();
+        let now = self.date();
         let longest = self.stations.values().map(|station| {
             let profile = &station.profile;
             profile.space.volume_mm.z * profile.space.print_hours_per_mm * 3600.0

@@ -275,7 +275,7 @@ impl Farm {
                     (self.ending.claims.contains_key(&of.claim), self.stations.get_mut(&of.profile))
                 {
                     // Nobody remembers it but its folder: the next look finds it there.
-                    station.relist = true;
+                    station.inbox.relist = true;
                 }
             }
         }
@@ -325,7 +325,7 @@ impl Farm {
         }
         self.trouble(Attention::EndingFails, &part.profile, &part.name, failure);
         if let Some(station) = self.stations.get_mut(&part.profile) {
-            station.open.forget_tried();
+            station.open.forget_tried(self.schedule.time.instant());
         }
     }
 }

@@ -1,8 +1,12 @@
 //! The farm: its state, and what all of its steps share. It knows no step.
 
-use std::{collections::BTreeMap, time::Duration};
+use std::{
+    collections::BTreeMap,
+    time::{Duration, Instant},
+};
 
 use anyhow::Result;
+use jiff::Timestamp;
 
 use super::{
     attention::Attention,
@@ -10,27 +14,17 @@ use super::{
     lost_ledger::of_the_ledger,
     meshes::Meshes,
     notices::Notices,
-    owner::Owner,
     state::{EndingState, Lifecycle, NestingState, ReadingState, Schedule, ShownState},
     station::Station,
 };
-use crate::{
-    ledger::Ledger,
-    settings::{Settings, SettingsError},
-};
+use crate::{ledger::Ledger, settings::Settings};
 
 /// Between two beats of the farm when nothing happens.
 pub(super) const BEAT: Duration = Duration::from_millis(500);
 
-/// Reads the configuration, at start and at each reload.
-pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
-
 /// The running farm.
 pub struct Farm {
-    pub(super) load: Load,
     pub(super) settings: Settings,
-    /// This daemon, as the folders that it serves name it.
-    pub(super) owner: Owner,
     pub(super) ledger: Ledger,
     pub(super) meshes: Meshes,
     pub(super) stations: BTreeMap<String, Station>,
@@ -46,6 +40,16 @@ pub struct Farm {
 }
 
 impl Farm {
+    /// Now, by the clock that only passes.
+    pub(super) fn now(&self) -> Instant {
+        self.schedule.time.instant()
+    }
+
+    /// Now, by the clock that people set.
+    pub(super) fn date(&self) -> Timestamp {
+        self.schedule.time.date()
+    }
+
     /// Does a step; one that fails is logged, rests, and is tried again.
     pub(super) async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
         if self.schedule.steps.rests(&what.to_owned()) {

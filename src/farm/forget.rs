@@ -82,7 +82,7 @@ impl Farm {
 
     /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
     pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
-        let since = Timestamp::now().checked_sub(SignedDuration::from_secs_f64(KEEP_REFUSED_SECS));
+        let since = self.date().checked_sub(SignedDuration::from_secs_f64(KEEP_REFUSED_SECS));
         Ok(self.ledger.hash_in_use(content_hash, since.unwrap_or(Timestamp::UNIX_EPOCH)).await?)
     }
 }

@@ -1,6 +1,6 @@
 //! The folders of every machine are shown to be served, at the start and at each beat of `owner`.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::Result;
 use tracing::info;
@@ -60,11 +60,11 @@ impl Farm {
     /// at once. Nothing is done with its parts meanwhile.
     pub(super) fn keep_holds(&mut self, is_due: bool) {
         if is_due {
-            self.schedule.last_hold = Instant::now();
+            self.schedule.last_hold = self.now();
         }
         for (name, station) in self.stations.iter().filter(|(_, s)| is_due || !s.holds.are_fresh()) {
             let (profile, mut holds) = (name.clone(), Box::new(station.holds.clone()));
-            let queue = station.queue.clone();
+            let queue = station.queue.opened.clone();
             self.jobs.start(HoldJob { profile }, move || {
                 holds.keep();
                 let is_same_queue = queue.is_none_or(|queue| queue.check().is_ok());
@@ -87,7 +87,7 @@ impl Farm {
         if let Some(station) = self.stations.get_mut(name) {
             if !is_same_queue || !holds.can_publish() {
                 // It is opened anew; until then nothing is nested for it.
-                station.queue = None;
+                station.queue.opened = None;
             }
             station.holds = holds;
         }

@@ -104,7 +104,7 @@ impl Farm {
         let wanted = self.parts_with_copies(build.id).await?;
         let station = &self.stations[&build.profile];
         let profile = station.profile.clone();
-        let queue = station.queue.clone().context("the queue folder is not open")?;
+        let queue = station.queue.opened.clone().context("the queue folder is not open")?;
         // Each further attempt gets half the time: an attempt that a crash or a restart cut short should come through.
         let secs = profile.search.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
         let budget = SearchBudget::of_secs(secs);

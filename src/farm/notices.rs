@@ -10,11 +10,13 @@ use std::{
     time::{Duration, Instant},
 };
 
-use jiff::Timestamp;
 use tokio::sync::watch;
 use tracing::{debug, error, info, warn};
 
-use super::attention::{Attention, Notice};
+use super::{
+    attention::{Attention, Notice},
+    time_source::TimeSource,
+};
 use crate::intake;
 
 /// The file in the state folder.
@@ -95,9 +97,15 @@ pub struct Notices {
     standing: BTreeMap<Key, (Notice, Instant)>,
     troubles: BTreeMap<Key, Trouble>,
     written: Option<Vec<Notice>>,
+    time: TimeSource,
 }
 
 impl Notices {
+    /// Notices whose ages these clocks measure.
+    pub fn by(time: TimeSource) -> Self {
+        Self { time, ..Self::default() }
+    }
+
     /// A person must see to it from now on, until it is cleared.
     pub fn raise(&mut self, kind: Attention, profile: &str, about: &str, detail: &str) {
         // A name may hold what moves a terminal.
@@ -107,13 +115,13 @@ impl Notices {
         if known.is_some_and(|(known, _)| known.detail == *detail) {
             return;
         }
-        let since = known.map_or_else(Timestamp::now, |(known, _)| known.since);
+        let since = known.map_or_else(|| self.time.date(), |(known, _)| known.since);
         let notice = Notice { kind, profile: profile.to_owned(), detail: detail.clone(), since };
         let logged = match known {
-            Some((_, logged)) if logged.elapsed() < CHANGES_AGAIN => *logged,
+            Some((_, logged)) if self.time.passed_since(*logged) < CHANGES_AGAIN => *logged,
             _ => {
                 error!(profile, "{} {}", notice.sentence(), kind.remedy());
-                Instant::now()
+                self.time.instant()
             }
         };
         self.standing.insert(key, (notice, logged));
@@ -143,7 +151,7 @@ impl Notices {
 
     /// Something failed and is tried again: a warning, and a notice once it lasts.
     pub fn trouble(&mut self, kind: Attention, profile: &str, about: &str, detail: &str) {
-        let now = Instant::now();
+        let now = self.time.instant();
         let key = (kind, profile.to_owned(), about.to_owned());
         if self.troubles.len() >= MAX_TROUBLES && !self.troubles.contains_key(&key) {
             self.troubles.clear();
@@ -165,7 +173,7 @@ impl Notices {
 
     /// Forgets troubles that did not come again for so long: they were tried again, and it went well.
     pub fn forget_what_is_over(&mut self, after: Duration) {
-        let is_over = |trouble: &Trouble| trouble.last.elapsed() > after;
+        let is_over = |trouble: &Trouble| self.time.passed_since(trouble.last) > after;
         let over: Vec<Key> = self.troubles.iter().filter(|(_, t)| is_over(t)).map(|(key, _)| key.clone()).collect();
         over.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
     }

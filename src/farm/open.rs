@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
-use jiff::Timestamp;
 use tracing::warn;
 
 use super::{
@@ -11,7 +10,7 @@ use super::{
     back_off::BackOff,
     current::demand_current,
     failure::is_of_the_disk,
-    farm::{BEAT, Farm, Load},
+    farm::{BEAT, Farm},
     jobs::Jobs,
     lock::Lock,
     lost_ledger::{Lost, lost, of_the_ledger},
@@ -21,7 +20,8 @@ use super::{
     sd,
     shelf::Shelf,
     signals::{Signal, Signals},
-    state::{EndingState, Lifecycle, NestingState, ReadingState, Schedule, ShownState},
+    state::{EndingState, Lifecycle, Load, NestingState, ReadingState, Schedule, ShownState},
+    time_source::TimeSource,
 };
 use crate::{
     access,
@@ -40,7 +40,7 @@ impl Farm {
     ) -> Result<Option<Self>> {
         let (mut load, mut settings, mut waits, mut notices) = (load, settings, BackOff::default(), Notices::default());
         loop {
-            let (back, known, failure) = match Self::open(load, settings).await {
+            let (back, known, failure) = match Self::open(load, settings, TimeSource::of_this_machine()).await {
                 Ok(farm) => return Ok(Some(farm)),
                 Err(kept) => kept,
             };
@@ -66,16 +66,19 @@ impl Farm {
     }
 
     /// On failure, what is needed for another try comes back.
-    async fn open(load: Load, settings: Settings) -> Result<Self, (Load, Settings, anyhow::Error)> {
-        let since = Timestamp::now();
-        match Parts::open(&settings, since).await {
+    pub(super) async fn open(
+        load: Load,
+        settings: Settings,
+        time: TimeSource,
+    ) -> Result<Self, (Load, Settings, anyhow::Error)> {
+        match Parts::open(&settings, &time).await {
             Ok(parts) => {
-                let mut farm = Self::new(load, settings, parts, since);
+                let mut farm = Self::new(load, settings, parts, time);
                 match farm.open_stations().await {
                     Ok(()) => Ok(farm),
                     Err(failure) => {
                         farm.ledger.close().await;
-                        Err((farm.load, farm.settings, failure))
+                        Err((farm.life.load, farm.settings, failure))
                     }
                 }
             }
@@ -92,10 +95,8 @@ impl Farm {
         self.hold_folders_at_start()
     }
 
-    fn new(load: Load, settings: Settings, parts: Parts, since: Timestamp) -> Self {
+    fn new(load: Load, settings: Settings, parts: Parts, time: TimeSource) -> Self {
         Self {
-            load,
-            owner: parts.owner,
             ledger: parts.ledger,
             meshes: Meshes {
                 shelf: Shelf::default(),
@@ -108,18 +109,20 @@ impl Farm {
             stations: BTreeMap::new(),
             jobs: Jobs::default(),
             ending: EndingState::default(),
-            reading: ReadingState::default(),
-            nesting: NestingState { slots: 1, ..NestingState::default() },
+            reading: ReadingState::by(time.clone()),
+            nesting: NestingState::by(time.clone()),
             shown: ShownState { line: "opening".to_owned(), ..ShownState::default() },
-            schedule: Schedule::starting_now(super::tidy::FIRST_TIDY_AFTER),
             life: Lifecycle {
-                started_at: since,
+                load,
+                owner: parts.owner,
+                started_at: time.date(),
                 stopping: false,
                 is_halted: false,
                 outside: Outside::default(),
                 _lock: parts.lock,
             },
-            notices: Notices::default(),
+            notices: Notices::by(time.clone()),
+            schedule: Schedule::starting_now(super::tidy::FIRST_TIDY_AFTER, time),
             settings,
         }
     }
@@ -134,14 +137,16 @@ struct Parts {
 }
 
 impl Parts {
-    async fn open(settings: &Settings, since: Timestamp) -> Result<Self> {
+    async fn open(settings: &Settings, time: &TimeSource) -> Result<Self> {
+        let since = time.date();
         settings.files.set();
         access::create_private_folders(&settings.state_dir)
             .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
         let lock = Lock::take(&settings.state_dir, since)?;
         ledger::clear_unfinished(&settings.ledger)?;
         sd::status("looking through the ledger");
-        let ledger = open_ledger(settings).await?;
+        let clock = time.clone();
+        let ledger = open_ledger(settings).await?.with_clock(move || clock.date());
         // After the ledger: a farm with a number has had one.
         let owner = Owner::of_this_process(&settings.state_dir, since)
             .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;

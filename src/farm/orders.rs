@@ -35,7 +35,7 @@ impl Farm {
                 }
             }
         }
-        if self.stations.values().any(|s| s.queue.is_none()) {
+        if self.stations.values().any(|s| s.queue.opened.is_none()) {
             self.open_queues().await?;
         }
         Ok(())
@@ -58,7 +58,8 @@ impl Farm {
                 false => Ok(format!("{name} was not paused")),
             },
             CommandKind::Scan => {
-                self.stations.values_mut().for_each(|s| s.look_at = std::time::Instant::now());
+                let now = self.now();
+                self.stations.values_mut().for_each(|s| s.inbox.look_at = now);
                 Ok("the hot folders are being looked through".to_owned())
             }
             CommandKind::Retry | CommandKind::Cancel => match command.part_id {

@@ -60,7 +60,7 @@ impl Farm {
             // The notice of a machine that is gone tells it.
             let Some(station) = self.stations.get(&build.profile) else { continue };
             let is_served = station.agrees.is_some() && station.holds.are_fresh();
-            let Some(queue) = station.queue.clone().filter(|_| is_served) else { continue };
+            let Some(queue) = station.queue.opened.clone().filter(|_| is_served) else { continue };
             let (is_tried, archive) = (build.staged.publishing_at.is_some(), station.profile.folders.archive.clone());
             let (record, is_first) = (self.ledger.record_of_build(id).await?, self.nesting.untried.remove(&id));
             let staged = Staged { queue, build, archive, holds: station.holds.clone() };

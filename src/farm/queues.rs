@@ -1,7 +1,7 @@
 //! The printer queue folders: opened anew when one was away, swept of what a crash left half written, and rid of the files of a
 //! build that is given up. All on threads, for a queue folder may be a share that hangs.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use tracing::{info, warn};
@@ -62,7 +62,8 @@ impl Job<Farm> for DiscardJob {
 impl Farm {
     /// Starts to open the queue folders that are not open.
     pub(super) async fn open_queues(&mut self) -> Result<()> {
-        let is_due = |station: &super::station::Station| station.queue.is_none() && Instant::now() >= station.queue_at;
+        let now = self.now();
+        let is_due = |station: &super::station::Station| station.queue.opened.is_none() && now >= station.queue.open_at;
         if !self.stations.values().any(is_due) {
             return Ok(());
         }
@@ -74,7 +75,7 @@ impl Farm {
             }
         }
         for (name, station) in self.stations.iter_mut().filter(|(_, station)| is_due(station)) {
-            station.queue_at = Instant::now() + OPEN_AGAIN;
+            station.queue.open_at = now + OPEN_AGAIN;
             let opening = QueueOpening {
                 profile: name.clone(),
                 hold: station.holds.queue.clone(),
@@ -93,7 +94,7 @@ impl Farm {
             // After a reload the folder may be another.
             Ok(queue) if queue.dir() != station.profile.folders.queue => {}
             Ok(queue) => {
-                station.queue = Some(queue);
+                station.queue.opened = Some(queue);
                 self.notices.clear(Attention::QueueAway, name, "");
             }
             Err(why) => self.notices.raise(Attention::QueueAway, name, "", &why),
@@ -104,13 +105,13 @@ impl Farm {
     /// costs no attempt.
     pub(super) fn has_queue(&self, profile: &str) -> bool {
         let Some(station) = self.stations.get(profile) else { return false };
-        station.agrees.is_some() && station.queue.is_some() && station.holds.are_fresh()
+        station.agrees.is_some() && station.queue.opened.is_some() && station.holds.are_fresh()
     }
 
     /// A written build is taken into the ledger only where its queue folder is the one that is configured now.
     pub(super) async fn demand_same_queue(&self, build: BuildId, verified: &Verified) -> Result<()> {
         let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
-        let queue = self.stations.get(&profile).and_then(|s| s.queue.as_ref());
+        let queue = self.stations.get(&profile).and_then(|s| s.queue.opened.as_ref());
         let queue = queue.context("the queue folder is not available any more")?;
         ensure!(queue.id() == verified.queue_id, "the queue folder has changed since the build was written");
         Ok(())
@@ -118,7 +119,7 @@ impl Farm {
 
     /// Starts to remove what is staged of a build that is given up.
     pub(super) fn discard_staged(&mut self, build: &BuildRow) {
-        let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.clone()) else { return };
+        let Some(queue) = self.stations.get(&build.profile).and_then(|s| s.queue.opened.clone()) else { return };
         let name = file_name(&build.profile, build);
         self.jobs.start(DiscardJob { build: build.id }, move || queue.discard(&name));
     }

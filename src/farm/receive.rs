@@ -14,6 +14,7 @@ use super::{
     owner::Hold,
     refused::RefusedFiles,
     taken::{Taken, new_part},
+    time_source::TimeSource,
 };
 use crate::{
     intake::{
@@ -42,6 +43,7 @@ pub struct Gate {
     inbox: Inbox,
     settler: Settler,
     lists: Lists,
+    time: TimeSource,
     began: Instant,
     /// Order folders whose files were claimed; they go when they stay empty.
     left: LeftFolders,
@@ -101,12 +103,13 @@ pub struct Received {
 
 impl Gate {
     /// A gate that remembers nothing yet.
-    pub fn new(profile: &Profile, orphan_secs: f64) -> Self {
+    pub fn new(profile: &Profile, orphan_secs: f64, time: TimeSource) -> Self {
         Self {
             inbox: Inbox::new(&profile.folders.inbox, ScanLimits::default()),
             settler: Settler::new(rules(profile, orphan_secs)),
             lists: Lists::default(),
-            began: Instant::now(),
+            began: time.instant(),
+            time,
             left: LeftFolders::default(),
             pending: None,
             refused: RefusedFiles::default(),
@@ -171,8 +174,8 @@ impl Gate {
             self.store(profile, claim, store, &mut received);
         }
         self.left.sweep(self.inbox.path(), LeftFolders::MIN_AGE);
-        if self.counted.is_none_or(|at| at.elapsed() >= COUNT_AGAIN) || !received.refused.is_empty() {
-            self.counted = Some(Instant::now());
+        if self.counted.is_none_or(|at| self.time.passed_since(at) >= COUNT_AGAIN) || !received.refused.is_empty() {
+            self.counted = Some(self.time.instant());
             received.refused_kept = received.may_refuse.then(|| self.refused.count(&profile.folders.error));
         }
         received
@@ -187,7 +190,7 @@ impl Gate {
         claims: &mut Vec<Claim>,
         received: &mut Received,
     ) {
-        let now_secs = self.began.elapsed().as_secs_f64();
+        let now_secs = self.time.passed_since(self.began).as_secs_f64();
         let most = CLAIMS_PER_LOOK.max(seen.len() / SHARE_PER_LOOK);
         let inbox = self.inbox.path();
         let list_rules =
@@ -263,8 +266,8 @@ impl Gate {
         if why.kind() != io::ErrorKind::PermissionDenied {
             return why.raw_os_error().is_none_or(|code| code == rustix::io::Errno::LOOP.raw_os_error());
         }
-        let since = *self.unreadable.entry(claim.id.clone()).or_insert_with(Instant::now);
-        since.elapsed() >= DENIED_FOR
+        let since = *self.unreadable.entry(claim.id.clone()).or_insert_with(|| self.time.instant());
+        self.time.passed_since(since) >= DENIED_FOR
     }
 
     /// Claims that wait for the store; at the first look those that an earlier run left.

@@ -9,12 +9,13 @@ use tracing::{info, warn};
 use super::{
     attention::Attention,
     claimed::ReadJob,
-    farm::{BEAT, Farm, Load},
+    farm::{BEAT, Farm},
     jobs::Event,
     lease,
     notices::Outside,
     sd,
     signals::{Signal, Signals},
+    state::Load,
     tidy::TIDY_EVERY,
 };
 
@@ -73,8 +74,9 @@ impl Farm {
     }
 
     /// One beat: every step does what there is to do. A step that fails is logged and tried again at the next beat.
-    async fn beat(&mut self) {
+    pub(super) async fn beat(&mut self) {
         sd::alive();
+        let (time, now) = (self.schedule.time.clone(), self.now());
         self.tell_people();
         if !self.life.is_halted
             && let Err(replaced) = self.ledger.demand_in_place()
@@ -85,31 +87,31 @@ impl Farm {
             return;
         }
         // Before anything else: while this process stood still, another farm may have taken folders and claims.
-        let is_due = self.schedule.last_hold.elapsed() >= lease::beat_every();
+        let is_due = time.passed_since(self.schedule.last_hold) >= lease::beat_every();
         self.keep_holds(is_due);
         self.tell("looking at the clock", Self::look_at_clock).await;
         self.receive();
         if self.may_have_work() {
             self.work().await;
         }
-        if self.shown.sign_of_life.is_none_or(|at| at.elapsed() >= SIGN_OF_LIFE) {
-            self.shown.sign_of_life = Some(Instant::now());
+        if self.shown.sign_of_life.is_none_or(|at| time.passed_since(at) >= SIGN_OF_LIFE) {
+            self.shown.sign_of_life = Some(now);
             self.tell("sign of life", Self::sign_of_life).await;
         }
-        if self.schedule.last_watch_check.elapsed().as_secs_f64() >= self.settings.scan_secs {
-            self.schedule.last_watch_check = Instant::now();
+        if time.passed_since(self.schedule.last_watch_check).as_secs_f64() >= self.settings.scan_secs {
+            self.schedule.last_watch_check = now;
             self.make_missing_folders();
             self.compare_folders();
             self.watch();
             self.look_for_stray_files();
         }
-        if self.schedule.last_claims.elapsed() >= CLAIMS_AGAIN {
-            self.schedule.last_claims = Instant::now();
+        if time.passed_since(self.schedule.last_claims) >= CLAIMS_AGAIN {
+            self.schedule.last_claims = now;
             self.tell("settling claims", Self::settle_claims).await;
             self.tell("looking at damaged files", Self::look_at_damaged).await;
         }
-        if Instant::now() >= self.schedule.tidy_at {
-            self.schedule.tidy_at = Instant::now() + TIDY_EVERY;
+        if now >= self.schedule.tidy_at {
+            self.schedule.tidy_at = now + TIDY_EVERY;
             self.tell("tidying", Self::tidy).await;
         }
     }
@@ -132,7 +134,8 @@ impl Farm {
     fn may_have_work(&mut self) -> bool {
         let is_busy = !self.jobs.is_idle() || !self.nesting.fresh.is_empty();
         let is_settled = self.stations.values().all(|station| station.is_settled && station.flush.is_empty());
-        let news = self.schedule.quiet.has_news(&self.settings.ledger, Instant::now());
+        let now = self.now();
+        let news = self.schedule.quiet.has_news(&self.settings.ledger, now);
         is_busy || !is_settled || news
     }
 
@@ -159,7 +162,7 @@ impl Farm {
     }
 
     /// Ends searches with what they have found, waits for jobs a little, and keeps the open layouts.
-    async fn stop(&mut self) {
+    pub(super) async fn stop(&mut self) {
         info!("The farm closes.");
         self.life.outside.set_open(false);
         self.life.stopping = true;

@@ -11,12 +11,13 @@ use jiff::Timestamp;
 use nester::SearchBudget;
 
 use super::{
-    back_off::BackOff, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best, notices::Outside,
-    quiet::Quiet, standing_claim::StandingClaim,
+    back_off::BackOff, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best,
+    notices::Outside, owner::Owner, quiet::Quiet, standing_claim::StandingClaim, time_source::TimeSource,
 };
 use crate::{
     intake::Watcher,
     ledger::{BuildId, CommandRow, PartId, PartRow, Refusal},
+    settings::{Settings, SettingsError},
 };
 
 /// A waiting part that is refused once a copy of its original is in the error folder. Until then it is not batched.
@@ -75,6 +76,20 @@ pub(super) struct NestingState {
     pub(super) untried: HashSet<BuildId>,
 }
 
+impl ReadingState {
+    /// Nothing is read yet; these clocks measure how long what failed rests.
+    pub(super) fn by(time: TimeSource) -> Self {
+        Self { again: BackOff::by(time), ..Self::default() }
+    }
+}
+
+impl NestingState {
+    /// Nothing is nested yet; these clocks measure how long what failed rests.
+    pub(super) fn by(time: TimeSource) -> Self {
+        Self { slots: 1, resting: BackOff::by(time), ..Self::default() }
+    }
+}
+
 /// Of what is shown to people.
 #[derive(Debug, Default)]
 pub(super) struct ShownState {
@@ -95,6 +110,7 @@ pub(super) struct WatchedInboxes {
 
 /// When the loop looks for what.
 pub(super) struct Schedule {
+    pub(super) time: TimeSource,
     pub(super) clock: Clock,
     pub(super) quiet: Quiet,
     pub(super) watched: Option<WatchedInboxes>,
@@ -110,24 +126,32 @@ pub(super) struct Schedule {
 
 impl Schedule {
     /// Of a farm that opens now.
-    pub(super) fn starting_now(first_tidy_after: Duration) -> Self {
-        let now = Instant::now();
+    pub(super) fn starting_now(first_tidy_after: Duration, time: TimeSource) -> Self {
+        let now = time.instant();
         Self {
-            clock: Clock::of_this_machine(),
+            clock: Clock::reading(time.clone()),
             quiet: Quiet::default(),
             watched: None,
             is_unwatched: false,
-            steps: BackOff::default(),
+            steps: BackOff::by(time.clone()),
             tidy_at: now + first_tidy_after,
             last_watch_check: now,
             last_claims: now,
             last_hold: now,
+            time,
         }
     }
 }
 
+/// Reads the configuration, at start and at each reload.
+pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
+
 /// Of the life of the daemon.
 pub(super) struct Lifecycle {
+    /// Reads the configuration.
+    pub(super) load: Load,
+    /// This daemon, as the folders that it serves name it.
+    pub(super) owner: Owner,
     pub(super) started_at: Timestamp,
     /// It was told to stop.
     pub(super) stopping: bool,

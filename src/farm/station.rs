@@ -17,6 +17,7 @@ use super::{
     owner::Owner,
     receive::Gate,
     stamp::stamp,
+    time_source::TimeSource,
 };
 use crate::{
     ledger::{BuildRow, CommandId, Utc, WaitingPart},
@@ -29,19 +30,37 @@ const RETRY_AFTER: Duration = Duration::from_secs(15);
 /// Arrivals within this time share one search, so that a folder of parts dropped at once is nested at once.
 const ARRIVALS_SETTLE: Duration = Duration::from_millis(700);
 
+/// The hot folder of a profile at work.
+#[derive(Debug)]
+pub struct InboxState {
+    /// Its memory; away while a job looks through it.
+    pub gate: Option<Box<Gate>>,
+    /// When to look next.
+    pub look_at: Instant,
+    /// When it was last looked through in this run.
+    pub scanned_at: Option<Utc>,
+    /// Refused files that lie in the error folder.
+    pub refused_kept: usize,
+    /// What lies in `.claimed/` is to be listed anew: claims were adopted, or one could not be ended.
+    pub relist: bool,
+}
+
+/// The printer queue folder of a profile at work.
+#[derive(Debug)]
+pub struct QueueFolder {
+    /// Once it could be opened.
+    pub opened: Option<Queue>,
+    /// One that could not be opened is not tried again before this.
+    pub open_at: Instant,
+}
+
 /// A profile at work.
 #[derive(Debug)]
 pub struct Station {
     /// The machine.
     pub profile: Arc<Profile>,
-    /// The memory of its hot folder; away while a job looks through it.
-    pub gate: Option<Box<Gate>>,
-    /// When to look next.
-    pub look_at: Instant,
-    /// When its hot folder was last looked through in this run.
-    pub scanned_at: Option<Utc>,
-    /// Refused files that lie in its error folder.
-    pub refused_kept: usize,
+    /// Its hot folder.
+    pub inbox: InboxState,
     /// That this daemon serves its folders.
     pub holds: Holds,
     /// Its archive and queue as they were when the ledger knew all that they tell; `None` = nothing is printed.
@@ -49,14 +68,10 @@ pub struct Station {
     /// Whether files are taken and read: not before its folders were held against the ledger, and not while they tell of what
     /// the ledger does not know. Folders that are away only hold up printing.
     pub may_take: bool,
-    /// Its printer queue folder, once it could be opened.
-    pub queue: Option<Queue>,
-    /// One that could not be opened is not tried again before this.
-    pub queue_at: Instant,
+    /// Its printer queue folder.
+    pub queue: QueueFolder,
     /// The build that is being gathered.
     pub open: OpenBuild,
-    /// Claims were adopted: what lies in `.claimed/` is to be listed anew.
-    pub relist: bool,
     /// Orders to publish now that have not been carried out.
     pub flush: Vec<CommandId>,
     /// Whether all that waits is nested as far as it will be: only news from the ledger or the clock bring work.
@@ -103,24 +118,26 @@ pub struct OpenBuild {
 
 impl Station {
     /// A station that has looked at nothing yet; `row` is its open build, whose layout is gone on from.
-    pub fn new(profile: Arc<Profile>, orphan_secs: f64, owner: &Owner, row: &BuildRow) -> Self {
+    pub fn new(profile: Arc<Profile>, orphan_secs: f64, owner: &Owner, row: &BuildRow, time: &TimeSource) -> Self {
         let placed = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
+        let now = time.instant();
         Self {
-            gate: Some(Box::new(Gate::new(&profile, orphan_secs))),
+            inbox: InboxState {
+                gate: Some(Box::new(Gate::new(&profile, orphan_secs, time.clone()))),
+                look_at: now,
+                scanned_at: None,
+                refused_kept: 0,
+                relist: false,
+            },
             holds: Holds::new(owner, &profile),
             profile,
-            look_at: Instant::now(),
-            scanned_at: None,
-            refused_kept: 0,
             agrees: None,
             may_take: false,
-            queue: None,
-            queue_at: Instant::now(),
+            queue: QueueFolder { opened: None, open_at: now },
             open: OpenBuild { layout: Layout { placed, ..Layout::default() }, ..OpenBuild::default() },
-            relist: false,
             flush: Vec::new(),
             is_settled: false,
-            batch_at: Instant::now(),
+            batch_at: now,
             paused: false,
             status: Default::default(),
         }
@@ -171,13 +188,13 @@ impl OpenBuild {
     }
 
     /// What was tried is searched once more, after a while.
-    pub fn forget_tried(&mut self) {
+    pub fn forget_tried(&mut self, now: Instant) {
         self.tried.clear();
-        self.retry_at = Some(Instant::now() + RETRY_AFTER);
+        self.retry_at = Some(now + RETRY_AFTER);
     }
 
     /// Takes in what a search found.
-    pub fn ended(&mut self, round: u64, layout: Option<Layout>) {
+    pub fn ended(&mut self, round: u64, layout: Option<Layout>, now: Instant) {
         if self.search.as_ref().is_none_or(|s| s.round != round) {
             return;
         }
@@ -188,7 +205,7 @@ impl OpenBuild {
                 self.tried = search.copies;
                 self.retry_at = None;
             }
-            None => self.retry_at = Some(Instant::now() + RETRY_AFTER),
+            None => self.retry_at = Some(now + RETRY_AFTER),
         }
     }
 

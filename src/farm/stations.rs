@@ -34,8 +34,13 @@ impl Farm {
                 Some(station) => {
                     // Another volume or clearance makes the layout worthless; another hot folder needs another gate.
                     let row = self.ledger.open_build(&name).await?;
-                    let mut fresh =
-                        Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &self.owner, &row);
+                    let mut fresh = Station::new(
+                        Arc::new(profile),
+                        self.settings.orphan_ticket_secs,
+                        &self.life.owner,
+                        &row,
+                        &self.schedule.time,
+                    );
                     fresh.open.layout = Default::default();
                     station.open.clear();
                     fresh.paused = station.paused;
@@ -45,7 +50,13 @@ impl Farm {
                 }
                 None => {
                     let row = self.ledger.open_build(&name).await?;
-                    let station = Station::new(Arc::new(profile), self.settings.orphan_ticket_secs, &self.owner, &row);
+                    let station = Station::new(
+                        Arc::new(profile),
+                        self.settings.orphan_ticket_secs,
+                        &self.life.owner,
+                        &row,
+                        &self.schedule.time,
+                    );
                     self.stations.insert(name, station);
                 }
             }
@@ -73,7 +84,7 @@ impl Farm {
     }
 
     async fn take_configuration(&mut self) -> Result<()> {
-        let settings = (self.load)()?;
+        let settings = (self.life.load)()?;
         if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir {
             anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
         }

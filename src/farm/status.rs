@@ -58,10 +58,10 @@ impl Job<Farm> for TellJob {
 impl Farm {
     /// Brings all that is shown up to date.
     pub(super) async fn show_status(&mut self) -> Result<()> {
-        if self.shown.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
+        if self.shown.shown_at.is_some_and(|at| self.schedule.time.passed_since(at) < SHOW_EVERY) {
             return Ok(());
         }
-        self.shown.shown_at = Some(Instant::now());
+        self.shown.shown_at = Some(self.now());
         let rows = self.ledger.status().await?;
         for (name, station) in &mut self.stations {
             if let Some(row) = rows.iter().find(|row| row.profile == *name) {
@@ -120,10 +120,12 @@ impl Farm {
             }
         }
         self.notices.keep(&self.settings.state_dir);
-        if !self.life.is_halted || self.shown.shown_at.is_some_and(|at| at.elapsed() < SHOW_EVERY) {
+        if !self.life.is_halted
+            || self.shown.shown_at.is_some_and(|at| self.schedule.time.passed_since(at) < SHOW_EVERY)
+        {
             return;
         }
-        self.shown.shown_at = Some(Instant::now());
+        self.shown.shown_at = Some(self.now());
         for (name, station) in &self.stations {
             let (profile, inbox, (text, json)) = (
                 name.clone(),
@@ -296,7 +298,7 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
-        "refused_files": station.refused_kept,
+        "refused_files": station.inbox.refused_kept,
         "open_build": {
             "height_mm": open.height_mm,
             "density": open.density,

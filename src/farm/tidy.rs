@@ -107,7 +107,7 @@ impl Farm {
 
     /// Forgets stored files of built and long refused parts that no live part needs.
     async fn sweep_store(&mut self) -> Result<()> {
-        let now = Timestamp::now();
+        let now = self.date();
         let mut unneeded = Vec::new();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
             let (from, to) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));

@@ -4,7 +4,6 @@
 use std::time::Duration;
 
 use anyhow::Result;
-use jiff::Timestamp;
 
 use super::{attention::Attention, farm::Farm};
 use crate::ledger::{BuildRow, PartRow};
@@ -42,7 +41,7 @@ impl Farm {
             names.join(", ")
         );
         self.notices.raise(Attention::NestingFails, &build.profile, &format!("ended at build {}", build.id), &detail);
-        let running = Timestamp::now().duration_since(self.life.started_at);
+        let running = self.date().duration_since(self.life.started_at);
         Duration::try_from(running).is_ok_and(|running| running < wait)
     }
 

@@ -1,7 +1,7 @@
 //! What those who watch the farm from outside are shown of each machine: when it was scanned, whether its folders can be used,
 //! and whether it is unavailable.
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::SignedDuration;
 
 use super::{
     attention::{Attention, Notice},
@@ -31,19 +31,20 @@ impl Farm {
 
     /// Every machine as it stands now.
     pub(super) fn stations_seen(&self) -> Vec<StationSeen> {
-        let now = Timestamp::now();
+        let now = self.date();
         let stations = self.stations.iter().map(|(name, station)| {
             let notices: Vec<Notice> =
                 self.notices.all().filter(|notice| notice.profile == *name && KINDS.contains(&notice.kind)).collect();
             let is = |kind: Attention| notices.iter().any(|notice| notice.kind == kind);
             let lasts = notices.iter().find(|notice| now.duration_since(notice.since) >= LASTS);
             // After a start nothing is known until all has been looked at once.
-            let is_looked_at = station.scanned_at.is_some() && station.queue.is_some() && self.shown.shown_at.is_some();
+            let is_looked_at =
+                station.inbox.scanned_at.is_some() && station.queue.opened.is_some() && self.shown.shown_at.is_some();
             StationSeen {
                 profile: name.clone(),
-                scanned_at: station.scanned_at,
-                is_inbox_there: station.scanned_at.is_some() && !is(Attention::HotFolderAway),
-                is_queue_writable: station.queue.is_some() && !is(Attention::QueueAway),
+                scanned_at: station.inbox.scanned_at,
+                is_inbox_there: station.inbox.scanned_at.is_some() && !is(Attention::HotFolderAway),
+                is_queue_writable: station.queue.opened.is_some() && !is(Attention::QueueAway),
                 trouble: match lasts {
                     Some(notice) => Some(notice.sentence()),
                     None => (is_looked_at && notices.is_empty()).then(String::new),

@@ -125,8 +125,9 @@ impl Farm {
     /// What stands in the folders is looked at as soon as they are there.
     fn on_folders_made(&mut self, name: &str, failed: &[String]) {
         self.tell_of_folders(name, failed);
-        if let Some(station) = self.stations.get_mut(name).filter(|station| station.scanned_at.is_none()) {
-            station.look_at = std::time::Instant::now();
+        let now = self.now();
+        if let Some(station) = self.stations.get_mut(name).filter(|station| station.inbox.scanned_at.is_none()) {
+            station.inbox.look_at = now;
             self.keep_holds(true);
             self.watch();
             self.compare_folders();

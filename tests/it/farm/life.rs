@@ -1,10 +1,6 @@
 //! A part's life: dropped, claimed, read, waiting, batched, nested, verified, published, history.
 
-use std::{
-    fs,
-    io::Write,
-    time::{Duration, Instant},
-};
+use std::{fs, time::Duration};
 
 use nestd::ledger::{HistoryQuery, PartState};
 
@@ -36,56 +32,6 @@ fn dropped_parts_become_one_build_in_the_queue_with_its_height_in_the_history() 
         assert!(fs::metadata(format!("{stem}{suffix}")).unwrap().len() > 0, "{suffix} is missing");
     }
     assert!(farm.nestd(&["verify", file.to_str().unwrap()]).status.success());
-    farm.assert_nothing_lost_or_doubled();
-}
-
-#[test]
-fn the_originals_of_a_published_build_lie_in_the_archive_and_leave_the_inbox() {
-    let farm = TestFarm::running(QUICK);
-    let bytes = stl(&block(10.0, 10.0, 10.0));
-    farm.drop_bytes("order 7/cube.stl", &bytes);
-    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
-    assert_eq!(part.terms.order_name, "order 7");
-    farm.flush();
-    let file = farm.wait_for_queued(1).remove(0);
-    let stem = file.file_name().unwrap().to_string_lossy().replace(".build.3mf", "");
-    let archived = farm.folder("archive").join(stem).join("cube.stl");
-    assert_eq!(fs::read(archived).unwrap(), bytes);
-    wait_until("the claimed original is let go", 5.0, || {
-        fs::read_dir(farm.folder("inbox").join(".claimed"))
-            .is_ok_and(|mut d| d.all(|e| e.unwrap().file_name().to_string_lossy().starts_with('.')))
-    });
-}
-
-#[test]
-fn a_file_that_is_still_being_written_is_taken_once_and_whole() {
-    let farm = TestFarm::running(QUICK);
-    let bytes = stl(&sample_parts::lattice_block([2, 2, 2], 8.0, 2.0));
-    let mut file = fs::File::create(farm.folder("inbox").join("slow.stl")).unwrap();
-    let began = Instant::now();
-    for chunk in bytes.chunks(bytes.len() / 12 + 1) {
-        file.write_all(chunk).unwrap();
-        std::thread::sleep(Duration::from_millis(200));
-        assert!(farm.parts(PartState::Waiting).is_empty(), "taken after {:?}", began.elapsed());
-    }
-    drop(file);
-    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
-    assert_eq!(part.file.bytes, bytes.len() as u64);
-}
-
-#[test]
-fn a_stopped_farm_goes_on_where_it_was() {
-    let mut farm = TestFarm::running(QUICK);
-    farm.drop_part("a_x3.stl", &block(20.0, 30.0, 10.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
-    std::thread::sleep(Duration::from_millis(1500));
-    farm.stop();
-    farm.drop_part("b_x2.stl", &block(10.0, 10.0, 40.0));
-    farm.start();
-    farm.wait_for_parts(PartState::Waiting, 2);
-    farm.flush();
-    farm.wait_for_parts(PartState::Built, 2);
-    assert_eq!(farm.queued().len(), 1);
     farm.assert_nothing_lost_or_doubled();
 }
 
@@ -151,17 +97,4 @@ fn reloads_while_a_build_is_made_do_not_take_its_file_away() {
     farm.wait_for_parts(PartState::Built, 1);
     assert_eq!(farm.queued().len(), 1, "{}", farm.log());
     farm.assert_nothing_lost_or_doubled();
-}
-
-#[test]
-fn a_profile_whose_folders_cannot_be_made_does_not_stop_the_others() {
-    let mut farm = TestFarm::new(QUICK);
-    fs::write(farm.root().join("file"), "in the way").unwrap();
-    let elsewhere = farm.root().join("file/queue");
-    farm.write_profile("broken", &format!("{QUICK}[folders]\nqueue = {:?}\n", elsewhere.to_str().unwrap()));
-    farm.start();
-    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
-    farm.flush();
-    farm.wait_for_queued(1);
 }

@@ -22,7 +22,6 @@ mod returned;
 mod rot;
 mod share;
 mod slow;
-mod triggers;
 mod watchers;
 mod words;
 

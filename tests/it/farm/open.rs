@@ -47,23 +47,6 @@ fn a_flush_while_parts_arrive_publishes_all_of_them_within_the_final_budget() {
 }
 
 #[test]
-fn a_cancelled_part_leaves_the_open_build() {
-    let farm = TestFarm::running(QUICK);
-    farm.drop_part("a_x4.stl", &block(20.0, 15.0, 8.0));
-    farm.drop_part("b_x4.stl", &block(18.0, 12.0, 9.0));
-    let parts = farm.wait_for_parts(PartState::Waiting, 2);
-    std::thread::sleep(Duration::from_millis(2500));
-    let gone = parts.iter().find(|part| part.name.starts_with('b')).unwrap();
-    farm.nestd_ok(&["cancel", &gone.id.to_string()]);
-    farm.wait_for_parts(PartState::Waiting, 1);
-    farm.flush();
-    farm.wait_for_parts(PartState::Built, 1);
-    let placed = build_file::read_build(&farm.queued()[0], &Default::default()).unwrap();
-    assert_eq!(placed.len(), 4);
-    assert!(placed.iter().all(|p| p.part_number.as_deref() != Some(&gone.id.to_string())));
-}
-
-#[test]
 fn an_idle_farm_uses_next_to_no_cpu() {
     let farm = TestFarm::running(QUICK);
     // What waits and is nested costs no more than nothing.

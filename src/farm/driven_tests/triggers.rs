@@ -1,18 +1,16 @@
 //! When a batch fires.
 
-use nestd::ledger::PartState;
-
-use super::support::{QUICK, TestFarm, block};
+use super::{HandDrivenFarm, QUICK, block};
+use crate::ledger::PartState;
 
 #[test]
 fn a_full_volume_fires_and_what_does_not_fit_stays_first_in_line() {
-    let farm = TestFarm::running(&QUICK.replace("[120, 120, 120]", "[50, 50, 50]"));
+    let mut farm = HandDrivenFarm::open(&QUICK.replace("[120, 120, 120]", "[50, 50, 50]"));
     farm.drop_part("slab_x4.stl", &block(46.0, 46.0, 18.0));
     farm.wait_for_queued(1);
     let placed = build_file::read_build(&farm.queued()[0], &Default::default()).unwrap();
     assert_eq!(placed.len(), 2, "two slabs of 18 mm fit into 50 mm");
-    farm.wait_for_queued(1);
-    farm.flush();
+    farm.order(crate::ledger::CommandKind::Flush, None);
     farm.wait_for_parts(PartState::Built, 1);
     farm.assert_nothing_lost_or_doubled();
     assert_eq!(farm.queued().len(), 2);
@@ -20,26 +18,29 @@ fn a_full_volume_fires_and_what_does_not_fit_stays_first_in_line() {
 
 #[test]
 fn enough_copies_fire() {
-    let farm = TestFarm::running(&format!("{QUICK}[trigger]\ncopies = 5\n"));
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ncopies = 5\n"));
     farm.drop_part("a_x4.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    std::thread::sleep(std::time::Duration::from_millis(1500));
+    farm.pass_secs(60.0);
     assert!(farm.queued().is_empty());
     farm.drop_part("b.stl", &block(10.0, 11.0, 10.0));
     farm.wait_for_parts(PartState::Built, 2);
 }
 
 #[test]
-fn the_oldest_part_never_waits_longer_than_it_may() {
-    let farm = TestFarm::running(&format!("{QUICK}[trigger]\nmax_wait_secs = 3\n"));
+fn a_part_that_has_waited_as_long_as_it_may_fires_and_not_before() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\nmax_wait_secs = 60\n"));
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.wait_for_queued(1);
+    farm.pass_secs(50.0);
+    assert!(farm.queued().is_empty());
+    farm.pass_secs(15.0);
+    assert_eq!(farm.queued().len(), 1);
 }
 
 #[test]
 fn a_near_due_date_fires() {
-    let farm = TestFarm::running(&format!("{QUICK}[trigger]\ndue_margin_secs = \"2h\"\n"));
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ndue_margin_secs = \"2h\"\n"));
     farm.drop_bytes("a.stl.toml", b"due = 2020-01-01");
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_queued(1);
@@ -47,7 +48,7 @@ fn a_near_due_date_fires() {
 
 #[test]
 fn a_build_that_reaches_its_share_of_the_height_fires() {
-    let farm = TestFarm::running(&format!("{QUICK}[trigger]\nfill_height = 0.5\n"));
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\nfill_height = 0.5\n"));
     farm.drop_part("tall.stl", &block(100.0, 100.0, 70.0));
     farm.wait_for_queued(1);
 }

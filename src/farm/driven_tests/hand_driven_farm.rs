@@ -1,0 +1,230 @@
+//! A farm that a test drives by hand: real folders, a real ledger and real threads for jobs, but no process, no event loop and no
+//! waiting. Its clocks stand still until the test lets time pass.
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+use solids::{Mesh, Pose};
+use tempfile::TempDir;
+use tokio::runtime::{Builder, Runtime};
+
+use super::super::{
+    Attention, Witness,
+    farm::Farm,
+    invariants,
+    time_source::{ClockHands, TimeSource},
+};
+use crate::{
+    ledger::{CommandId, CommandKind, CommandRow, Ledger, NewCommand, PartId, PartRow, PartState},
+    settings,
+};
+
+/// The machine of these tests.
+pub const PROFILE: &str = "test";
+/// What a profile says when a test does not say otherwise: small volume, quick settling, short searches.
+pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.05\n\
+                         arrival_secs = 0.05\nmax_attempts = 50\n";
+/// Between two beats; as much time passes.
+const STEP: Duration = Duration::from_millis(250);
+/// What is waited for comes within so many beats, or never.
+const MOST_BEATS: usize = 480;
+/// Real time in which jobs end; none takes a second.
+const JOBS_END_WITHIN: Duration = Duration::from_secs(120);
+
+/// A farm with one machine, `test`.
+pub struct HandDrivenFarm {
+    dir: TempDir,
+    hands: ClockHands,
+    time: TimeSource,
+    runtime: Runtime,
+    farm: Option<Farm>,
+}
+
+impl HandDrivenFarm {
+    /// A farm whose machine's file is `profile`; it is not open yet.
+    pub fn closed(profile: &str) -> Self {
+        let dir = TempDir::new().unwrap();
+        fs::create_dir_all(dir.path().join("config/profiles")).unwrap();
+        fs::write(dir.path().join("config/nestd.toml"), "scan_secs = 0.5\norphan_ticket_secs = 3\n").unwrap();
+        let (hands, time) = ClockHands::make();
+        let runtime = Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
+        let farm = Self { dir, hands, time, runtime, farm: None };
+        farm.write_profile(PROFILE, profile);
+        farm
+    }
+
+    /// A farm that is open.
+    pub fn open(profile: &str) -> Self {
+        let mut farm = Self::closed(profile);
+        farm.start();
+        farm
+    }
+
+    /// Opens it, as the daemon does at its start.
+    pub fn start(&mut self) {
+        let (config, root) = (self.root().join("config/nestd.toml"), self.root().to_owned());
+        let load = Box::new(move || settings::load(Some(&config), Some(&root)));
+        let settings = load().unwrap();
+        let opening = Farm::open(load, settings, self.time.clone());
+        let opened = self.runtime.block_on(opening).map_err(|(_, _, failure)| format!("{failure:#}"));
+        self.farm = Some(opened.unwrap());
+        self.beat();
+    }
+
+    /// Closes it in order.
+    pub fn stop(&mut self) {
+        let mut farm = self.farm.take().unwrap();
+        self.runtime.block_on(farm.stop());
+    }
+
+    /// Reads the configuration again.
+    pub fn reload(&mut self) {
+        self.runtime.block_on(self.farm.as_mut().unwrap().reload());
+        self.beat();
+    }
+
+    /// One beat, and the ends of all jobs that it starts.
+    pub fn beat(&mut self) {
+        let farm = self.farm.as_mut().unwrap();
+        self.runtime.block_on(async {
+            farm.beat().await;
+            farm.wait_for_jobs(Instant::now() + JOBS_END_WITHIN).await;
+        });
+        assert!(farm.jobs.is_idle(), "a job does not end");
+    }
+
+    /// Time passes, with the beats that fall into it.
+    pub fn pass_secs(&mut self, secs: f64) {
+        for _ in 0..(secs / STEP.as_secs_f64()).ceil() as usize {
+            self.hands.pass(STEP);
+            self.beat();
+        }
+    }
+
+    /// Time passes until something holds, or a minute or two have passed.
+    pub fn pass_until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
+        for _ in 0..MOST_BEATS {
+            if holds(self) {
+                return;
+            }
+            self.pass_secs(STEP.as_secs_f64());
+        }
+        let farm = self.farm.as_ref().unwrap();
+        let alerts: Vec<String> = farm.notices.all().map(|alert| alert.sentence()).collect();
+        let failures = &farm.nesting.failures;
+        panic!("it does not come to pass that {what}; alerts: {alerts:#?}, failures of builds: {failures:#?}");
+    }
+
+    /// Whether a person is asked to see to something of this kind.
+    pub fn tells_of(&self, kind: Attention) -> bool {
+        self.farm.as_ref().unwrap().notices.all().any(|alert| alert.kind == kind)
+    }
+
+    pub fn root(&self) -> &Path {
+        self.dir.path()
+    }
+
+    pub fn folder(&self, kind: &str) -> PathBuf {
+        self.root().join(kind).join(PROFILE)
+    }
+
+    pub fn write_profile(&self, name: &str, text: &str) {
+        fs::write(self.root().join(format!("config/profiles/{name}.toml")), text).unwrap();
+    }
+
+    /// Drops a file as a careful sender does: written elsewhere on the same file system, then renamed in.
+    pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
+        let target = self.folder("inbox").join(name);
+        fs::create_dir_all(target.parent().unwrap()).unwrap();
+        let outside = self.root().join("sending");
+        fs::write(&outside, bytes).unwrap();
+        fs::rename(outside, target).unwrap();
+    }
+
+    pub fn drop_part(&self, name: &str, mesh: &Mesh) {
+        self.drop_bytes(name, &stl(mesh));
+    }
+
+    /// Gives an order by hand.
+    pub fn order(&self, kind: CommandKind, part: Option<PartId>) -> CommandId {
+        let profile = if part.is_some() { String::new() } else { PROFILE.to_owned() };
+        let command = NewCommand { kind, profile, part, asked_by: "a@test".to_owned() };
+        self.ask(async |ledger| ledger.ask(&command).await.unwrap())
+    }
+
+    /// Gives an order and lets time pass until it is answered.
+    pub fn order_and_wait(&mut self, kind: CommandKind, part: Option<PartId>) -> CommandRow {
+        let id = self.order(kind, part);
+        let answer = |farm: &Self| farm.ask(async |ledger| ledger.command(id).await.unwrap().unwrap());
+        self.pass_until("the order is answered", |farm| answer(farm).answered_at.is_some());
+        answer(self)
+    }
+
+    /// Asks the ledger.
+    pub fn ask<T>(&self, question: impl AsyncFnOnce(&Ledger) -> T) -> T {
+        self.runtime.block_on(question(&self.farm.as_ref().unwrap().ledger))
+    }
+
+    pub fn parts(&self, state: PartState) -> Vec<PartRow> {
+        self.ask(async |ledger| ledger.parts_in_state(state).await.unwrap())
+    }
+
+    pub fn wait_for_parts(&mut self, state: PartState, count: usize) -> Vec<PartRow> {
+        self.pass_until(&format!("{count} parts are {state}"), |farm| farm.parts(state).len() == count);
+        self.parts(state)
+    }
+
+    /// The published build files that lie in the queue.
+    pub fn queued(&self) -> Vec<PathBuf> {
+        let Ok(entries) = fs::read_dir(self.folder("queue")) else { return Vec::new() };
+        let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
+        files.retain(|f| {
+            let name = f.file_name().unwrap().to_string_lossy();
+            name.ends_with(".build.3mf") && !name.starts_with('.')
+        });
+        files.sort();
+        files
+    }
+
+    pub fn wait_for_queued(&mut self, count: usize) -> Vec<PathBuf> {
+        self.pass_until(&format!("{count} builds are in the queue"), |farm| farm.queued().len() >= count);
+        self.queued()
+    }
+
+    /// Asserts that the ledger agrees with itself and with the folders, and that each published copy is in exactly one build file.
+    pub fn assert_nothing_lost_or_doubled(&self) {
+        let faults = self.ask(async |ledger| ledger.faults().await.unwrap());
+        assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
+        let settings = &self.farm.as_ref().unwrap().settings;
+        let looked =
+            self.ask(async |ledger| invariants::invariants(settings, ledger, &Witness::default()).await.unwrap());
+        assert!(looked.violations.is_empty(), "{:#?}", looked.violations);
+        let mut seen = BTreeMap::new();
+        for file in self.queued() {
+            for placed in build_file::read_build(&file, &build_file::Limits::default()).unwrap() {
+                let key = (placed.part_number.unwrap(), placed.copy.unwrap());
+                if let Some(other) = seen.insert(key.clone(), file.clone()) {
+                    panic!("copy {key:?} is in {} and in {}", other.display(), file.display());
+                }
+            }
+        }
+        let built: usize = self.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
+        assert!(seen.len() >= built, "{built} copies are built, but only {} are in the queue", seen.len());
+    }
+}
+
+/// A mesh as the bytes of a binary STL.
+pub fn stl(mesh: &Mesh) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    build_file::write_stl([(mesh, &Pose::IDENTITY)].into_iter(), &mut bytes).unwrap();
+    bytes
+}
+
+/// A box of the given size, mm.
+pub fn block(x: f64, y: f64, z: f64) -> Mesh {
+    sample_parts::cuboid(glam::DVec3::new(x, y, z))
+}

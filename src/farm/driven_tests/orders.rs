@@ -1,0 +1,50 @@
+//! Orders by hand.
+
+use super::{HandDrivenFarm, QUICK, block};
+use crate::ledger::{CommandKind, CommandState, PartState};
+
+#[test]
+fn a_paused_profile_fires_nothing_until_it_is_resumed() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ncopies = 1\n"));
+    assert_eq!(farm.order_and_wait(CommandKind::Pause, None).state, CommandState::Done);
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    assert_eq!(farm.order_and_wait(CommandKind::Flush, None).state, CommandState::Refused);
+    farm.pass_secs(60.0);
+    assert!(farm.queued().is_empty());
+    assert_eq!(farm.order_and_wait(CommandKind::Resume, None).state, CommandState::Done);
+    farm.wait_for_queued(1);
+}
+
+#[test]
+fn a_cancelled_part_is_in_no_build() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    farm.drop_part("b.stl", &block(12.0, 10.0, 10.0));
+    let parts = farm.wait_for_parts(PartState::Waiting, 2);
+    let a = parts.iter().find(|p| p.name == "a.stl").unwrap();
+    assert_eq!(farm.order_and_wait(CommandKind::Cancel, Some(a.id)).state, CommandState::Done);
+    farm.order(CommandKind::Flush, None);
+    let built = farm.wait_for_parts(PartState::Built, 1);
+    assert_eq!(built[0].name, "b.stl");
+    assert_eq!(farm.parts(PartState::Rejected)[0].name, "a.stl");
+    let copy = farm.folder("error").join(format!("part-{}", a.id)).join("a.stl");
+    assert!(copy.exists(), "the original of a cancelled part is given back");
+}
+
+#[test]
+fn a_part_that_was_cancelled_and_taken_back_is_printed_and_leaves_the_error_folder() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a_x2.stl", &block(10.0, 10.0, 10.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert_eq!(farm.order_and_wait(CommandKind::Cancel, Some(part.id)).state, CommandState::Done);
+    let folder = farm.folder("error").join(format!("part-{}", part.id));
+    assert!(folder.join("a_x2.stl").exists());
+    assert_eq!(farm.order_and_wait(CommandKind::Cancel, Some(part.id)).state, CommandState::Refused);
+    assert_eq!(farm.order_and_wait(CommandKind::Retry, Some(part.id)).state, CommandState::Done);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    assert!(!folder.exists());
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_parts(PartState::Built, 1);
+    farm.assert_nothing_lost_or_doubled();
+}

@@ -15,7 +15,7 @@ use super::{
     nest_order::{Best, NestOrder, Nested},
     priority::give_way,
     station::Search,
-    trigger::{Facts, FiredBy, fired_by},
+    trigger::{FiredBy, fired_by},
 };
 use crate::ledger::{BuildId, OpenLayout, PartId, PartRow, Refusal, WaitingPart};
 
@@ -99,20 +99,8 @@ impl Farm {
         let wanted: BTreeSet<Copy> = copies_of(&cut).into_iter().collect();
         station.is_settled = station.open.covers(&wanted);
         if !station.paused {
-            let copies = waiting.iter().map(|w| w.copies.len()).sum();
-            let beyond = wanted.len() < copies;
-            let facts = Facts {
-                copies,
-                oldest: waiting.iter().map(|w| w.part.times.claimed_at.0).min().unwrap_or_default(),
-                due: waiting.iter().filter_map(|w| w.part.terms.due_at.map(|d| d.0)).min(),
-                height_mm: station.open.layout.height_mm,
-                density: station.open.layout.part_volume_mm3 / station.profile.build_volume().size_mm.element_product(),
-                full: station.open.covers(&wanted)
-                    && !station.open.layout.placed.is_empty()
-                    && (beyond || !station.open.layout.unplaced.is_empty()),
-                flush: !station.flush.is_empty() && !being_read,
-                knows_the_date: self.schedule.clock.knows_the_date(),
-            };
+            let flush = !station.flush.is_empty() && !being_read;
+            let facts = station.trigger_facts(&waiting, &wanted, flush, self.schedule.clock.knows_the_date());
             if let Some(by) = fired_by(&station.profile, &facts, self.schedule.time.date()) {
                 return self.fire(name, by, &wanted).await;
             }
@@ -243,18 +231,10 @@ impl Farm {
     /// The open build becomes a batch: its copies are taken, and the next open build begins with the rest.
     async fn fire(&mut self, name: &str, by: FiredBy, wanted: &BTreeSet<Copy>) -> Result<()> {
         let Some(station) = self.stations.get_mut(name) else { return Ok(()) };
-        let open = &station.open;
-        let mut layout = Layout { placed: open.best_placed(), ..open.layout.clone() };
-        // A full build takes what was tried and stands; any other takes all that waits, and what finds no place after
-        // the final search goes back to the head of the line.
-        let copies: Vec<Copy> = match by {
-            FiredBy::Full => open.layout.placed.iter().map(|p| p.copy).collect(),
-            _ => wanted.iter().copied().collect(),
-        };
+        let (copies, layout) = station.open.taken_by(by, wanted);
         if copies.is_empty() {
             return Ok(());
         }
-        layout.placed.retain(|p| copies.contains(&p.copy));
         let build = self.ledger.open_build(name).await?.id;
         self.ledger.begin_nesting(build, &by.to_string(), &copies).await?;
         self.nesting.fresh.insert(build);

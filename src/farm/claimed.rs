@@ -14,18 +14,18 @@ use super::{
     jobs::Job,
     meshes::READS_IN_THE_DAEMON,
     read::{ReadOutcome, read_part},
+    read_turn::{READERS, ReadTurn},
     receive::{Drop, Gate, Received},
     standing_claim::StandingClaim,
     taken::Taken,
+    twins::TwinVerdict,
 };
 use crate::{
     intake::{self, TicketError},
     ledger::{NewPart, PartId, PartRow, PartState, Recorded, Refusal, Utc},
-    settings::{Duplicates, Profile},
+    settings::Profile,
 };
 
-/// Files that are read at once.
-const READERS: usize = 2;
 /// A look that follows a file-system event waits this long, so that a burst of events is one look.
 const LOOK_AFTER_EVENT: Duration = Duration::from_millis(200);
 
@@ -273,19 +273,15 @@ impl Farm {
     }
 
     async fn begin_read(&mut self, mut part: PartRow, profile: &Arc<Profile>) -> Result<()> {
-        let waits = self.reading.again.rests(&part.id);
-        let reading = self.jobs.running::<ReadJob>().count();
-        // What has ended the process before is read when nothing else is, so that only it can be the reason.
-        let most = if part.file.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
-        if reading == 0 {
-            self.reading.is_alone = false;
-        }
-        if waits
-            || self.is_ending(&part)
-            || reading >= most
-            || self.reading.is_alone
-            || self.jobs.runs::<ReadJob>(part.id)
-        {
+        let turn = ReadTurn {
+            reads: part.file.reads,
+            is_resting: self.reading.again.rests(&part.id),
+            is_ending: self.is_ending(&part),
+            is_being_read: self.jobs.runs::<ReadJob>(part.id),
+            readers: self.jobs.running::<ReadJob>().count(),
+            is_reader_alone: self.reading.is_alone,
+        };
+        if !turn.has_come() {
             return Ok(());
         }
         let was_rejected = self.ledger.was_rejected(part.id).await?;
@@ -319,24 +315,10 @@ impl Farm {
         }
         match outcome {
             ReadOutcome::Solids(mut solids) => {
-                if let Some(warning) = match self.duplicate_of(&part).await? {
-                    Some((earlier, _)) if self.is_in_another_unit(&part, earlier, &solids).await? => Some(format!(
-                        "The same file as part {earlier}, but in another unit: it is a part of another size."
-                    )),
-                    Some((earlier, Duplicates::Reject)) => {
-                        let reason = format!(
-                            "It is the same file as part {earlier}, and this profile takes no file twice. Where \
-                             more copies are meant, set duplicates = \"warn\" in the profile {}, reload nestd and take it back.",
-                            part.profile
-                        );
-                        return self.refuse(&part, Refusal::Duplicate, &reason).await;
-                    }
-                    Some((earlier, Duplicates::Warn)) => {
-                        Some(format!("The same file as part {earlier}: taken as more copies."))
-                    }
-                    _ => None,
-                } {
-                    solids[0].warnings.push(warning);
+                match self.verdict_on_twins(&part, &solids).await? {
+                    TwinVerdict::None => {}
+                    TwinVerdict::Warn(warning) => solids[0].warnings.push(warning),
+                    TwinVerdict::Refuse(reason) => return self.refuse(&part, Refusal::Duplicate, &reason).await,
                 }
                 let ids = self.ledger.accept(id, &solids).await?;
                 let copies = counted(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");

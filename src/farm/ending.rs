@@ -151,7 +151,7 @@ impl Farm {
         warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
         self.ledger.reject(part.id, cause, reason).await?;
         self.mark_decided(part).await;
-        self.put_into_error(part, reason);
+        self.put_into_error(part, Some(cause), reason);
         Ok(())
     }
 
@@ -168,7 +168,7 @@ impl Farm {
     pub(super) fn settle_claim(&mut self, part: &PartRow) {
         match part.state {
             PartState::Claimed => {}
-            PartState::Rejected => self.put_into_error(part, &part.reason),
+            PartState::Rejected => self.put_into_error(part, part.refusal, &part.reason),
             // It was read: only its original is left to let go.
             _ => self.let_go(part),
         }
@@ -181,12 +181,12 @@ impl Farm {
             || self.ending.forgetting.is_under_way(&part.content_hash)
     }
 
-    fn refused(&self, part: &PartRow, reason: &str) -> Option<Refused> {
+    fn refused(&self, part: &PartRow, cause: Option<Refusal>, reason: &str) -> Option<Refused> {
         let station = self.stations.get(&part.profile)?;
         let folders = &station.profile.folders;
         Some(Refused {
             part: part.clone(),
-            text: reason_text(part, reason),
+            text: reason_text(part, cause, reason),
             inbox: folders.inbox.clone(),
             error_dir: folders.error.clone(),
             meshes: self.meshes.clone(),
@@ -195,15 +195,15 @@ impl Farm {
         })
     }
 
-    fn put_into_error(&mut self, part: &PartRow, reason: &str) {
+    fn put_into_error(&mut self, part: &PartRow, cause: Option<Refusal>, reason: &str) {
         self.reading.again.done(&part.id);
-        let Some(refused) = self.refused(part, reason) else { return };
+        let Some(refused) = self.refused(part, cause, reason) else { return };
         self.end(EndJob::of(part), move || refused.put_into_error());
     }
 
     /// Another farm has the file: a copy goes to the refused ones where there is one and the folder is ours.
     pub(super) fn put_aside(&mut self, part: &PartRow, reason: &str) {
-        let Some(refused) = self.refused(part, reason) else { return };
+        let Some(refused) = self.refused(part, Some(Refusal::Cancelled), reason) else { return };
         let id = part.id;
         self.end(EndJob::of(part), move || {
             if let Err(failure) = refused.copy_into_error() {
@@ -285,7 +285,7 @@ impl Farm {
     /// waiting -> rejected, once a copy of the original is in the error folder: after a crash between, whoever asked asks
     /// again.
     pub(super) fn begin_leaving(&mut self, part: PartRow, cause: Refusal, reason: &str, command: Option<&CommandRow>) {
-        let Some(refused) = self.refused(&part, reason) else { return };
+        let Some(refused) = self.refused(&part, Some(cause), reason) else { return };
         let id = part.id;
         self.ending.leaving.insert(id, Leaving { part, cause, reason: reason.to_owned(), command: command.cloned() });
         self.jobs.start(CopyJob { part: id }, move || refused.copy_into_error());

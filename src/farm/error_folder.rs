@@ -7,11 +7,14 @@ use std::{
 
 use anyhow::{Context, Result};
 
-use crate::{intake, ledger::PartRow};
+use crate::{
+    intake,
+    ledger::{PartRow, Refusal},
+};
 
 /// Ends the name of the file beside a refused one.
 pub(super) const REASON: &str = ".reason.txt";
-/// Said of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
+/// Said to people of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
 pub(super) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
 
 /// Where a refused part's file and its reason lie in the error folder: the reason that names the part tells which of
@@ -73,10 +76,11 @@ pub fn part_line(part: &PartRow) -> String {
 }
 
 /// What a refused part's reason says below the reason itself.
-pub(super) fn reason_text(part: &PartRow, reason: &str) -> String {
-    let again = match reason.contains(COPIES_UNKNOWN) {
-        true => String::new(),
-        false => format!(" To take it back: nestd retry {}", part.id),
+pub(super) fn reason_text(part: &PartRow, cause: Option<Refusal>, reason: &str) -> String {
+    let again = match cause {
+        // Its copies would be guessed.
+        Some(Refusal::Ticket) => String::new(),
+        _ => format!(" To take it back: nestd retry {}", part.id),
     };
     format!("{}\n\n{}{again}\n", reason.trim_end(), part_line(part))
 }

@@ -50,6 +50,7 @@ mod publish;
 mod queues;
 mod quiet;
 mod read;
+mod read_turn;
 mod recall;
 mod receive;
 mod reconcile;

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use tracing::info;
 
-use super::{attention::Attention, error_folder::COPIES_UNKNOWN, farm::Farm, refused::CANCELLED};
+use super::{attention::Attention, farm::Farm, refused::CANCELLED};
 use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState, Refusal};
 
 impl Farm {
@@ -87,7 +87,7 @@ impl Farm {
             return Ok(None);
         }
         let done = match command.kind {
-            CommandKind::Retry if row.reason.contains(COPIES_UNKNOWN) => {
+            CommandKind::Retry if row.has_unknown_copies() => {
                 let refused = format!("the ticket of part {part} could not be read: mend it and drop both again");
                 return Ok(Some(Err(refused)));
             }

@@ -106,7 +106,7 @@ impl Recall<'_> {
                 let mut reason = file.into_os_string();
                 reason.push(REASON);
                 if PathBuf::from(&reason).is_file() {
-                    self.found.later.push(Later::Rename(reason.into(), reason_text(row, &row.reason)));
+                    self.found.later.push(Later::Rename(reason.into(), reason_text(row, row.refusal, &row.reason)));
                 }
                 Ok(())
             }

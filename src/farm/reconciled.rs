@@ -97,7 +97,7 @@ impl Refused {
 /// A refused part's file and its reason in the error folder, from the store.
 pub(super) fn put_into_error(settings: &Settings, profile: &Profile, part: &PartRow) -> Result<()> {
     let stored = Store::at(settings.state_dir.join("store")).path(&part.file.content_hash)?;
-    let (folder, text) = (format!("part-{}", part.id), reason_text(part, &part.reason));
+    let (folder, text) = (format!("part-{}", part.id), reason_text(part, part.refusal, &part.reason));
     intake::refuse_copy(Some(&stored), &profile.folders.error, &folder, &part.name, &text)
         .with_context(|| format!("copying {} into the error folder", part.name))
 }

@@ -18,6 +18,7 @@ use super::{
     receive::Gate,
     stamp::stamp,
     time_source::TimeSource,
+    trigger::{Facts, FiredBy},
 };
 use crate::{
     ledger::{BuildRow, CommandId, Utc, WaitingPart},
@@ -161,7 +162,43 @@ impl Station {
     }
 }
 
+impl Station {
+    /// What a trigger looks at: the parts that wait, the copies of them that are tried together, and the open build.
+    pub fn trigger_facts(
+        &self,
+        waiting: &[WaitingPart],
+        wanted: &BTreeSet<Copy>,
+        flush: bool,
+        knows_the_date: bool,
+    ) -> Facts {
+        let (copies, layout) = (waiting.iter().map(|w| w.copies.len()).sum(), &self.open.layout);
+        let has_more = wanted.len() < copies || !layout.unplaced.is_empty();
+        Facts {
+            copies,
+            oldest: waiting.iter().map(|w| w.part.claimed_at.0).min().unwrap_or_default(),
+            due: waiting.iter().filter_map(|w| w.part.due_at.map(|d| d.0)).min(),
+            height_mm: layout.height_mm,
+            density: layout.part_volume_mm3 / self.profile.build_volume().size_mm.element_product(),
+            full: self.open.covers(wanted) && !layout.placed.is_empty() && has_more,
+            flush,
+            knows_the_date,
+        }
+    }
+}
+
 impl OpenBuild {
+    /// The copies that a build takes, and the layout that its final search goes on from. A full build takes what was tried and
+    /// stands; any other takes all that waits, and what finds no place after the final search goes back to the head of the line.
+    pub fn taken_by(&self, by: FiredBy, wanted: &BTreeSet<Copy>) -> (Vec<Copy>, Layout) {
+        let copies: Vec<Copy> = match by {
+            FiredBy::Full => self.layout.placed.iter().map(|p| p.copy).collect(),
+            _ => wanted.iter().copied().collect(),
+        };
+        let mut layout = Layout { placed: self.best_placed(), ..self.layout.clone() };
+        layout.placed.retain(|p| copies.contains(&p.copy));
+        (copies, layout)
+    }
+
     /// Whether the layout is one of exactly these copies, searched to the end of its budget.
     pub fn covers(&self, wanted: &BTreeSet<Copy>) -> bool {
         self.search.is_none() && self.tried == *wanted

@@ -61,26 +61,27 @@ impl Change {
 
     /// Moves a part; `detail` is the detail of the event.
     pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
-        let profile = self.enter(id, next, "").await?;
+        let profile = self.enter(id, next, None, "").await?;
         self.event(&next.to_string(), &profile, Some(id), build, detail).await
     }
 
     /// Rejects a part.
     pub async fn reject_part(&mut self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
-        let profile = self.enter(id, PartState::Rejected, reason).await?;
+        let profile = self.enter(id, PartState::Rejected, Some(cause), reason).await?;
         self.count_decision(id).await?;
         self.refusal(&PartState::Rejected.to_string(), &profile, Some(id), cause, reason).await
     }
 
     /// Puts a part into a state; returns its profile.
-    async fn enter(&mut self, id: PartId, next: PartState, reason: &str) -> Result<String> {
+    async fn enter(&mut self, id: PartId, next: PartState, cause: Option<Refusal>, reason: &str) -> Result<String> {
         let part = self.part(id).await?;
         let next = part.state.move_to(next)?;
         let now = self.now;
-        sqlx::query("UPDATE part SET state = ?, state_at = ?, reason = ? WHERE id = ?")
+        sqlx::query("UPDATE part SET state = ?, state_at = ?, refusal = ?, reason = ? WHERE id = ?")
             .bind(next)
             .bind(now)
+            .bind(cause)
             .bind(reason)
             .bind(id)
             .execute(self.db())

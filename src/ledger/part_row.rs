@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
 use super::{
-    PartId, PartState, Utc,
+    PartId, PartState, Refusal, Utc,
     word::{Word, own_word},
 };
 
@@ -239,6 +239,15 @@ pub struct PartTimes {
     pub state_at: Utc,
     /// When its stored file was found damaged; it waits for the same file to be dropped again.
     pub damaged_at: Option<Utc>,
+    /// Why it is refused; `None` = it is not, or was before words for it were kept.
+    pub refusal: Option<Refusal>,
+}
+
+impl PartRow {
+    /// Whether nobody knows how many copies were meant: it is printed only when it is dropped again.
+    pub fn has_unknown_copies(&self) -> bool {
+        self.refusal == Some(Refusal::Ticket)
+    }
 }
 
 impl PartRow {

@@ -229,6 +229,7 @@ async fn take_part(change: &mut Change, part: &Row) -> Result<PartId> {
             let mut row = part.clone();
             row.insert("state".to_owned(), "waiting".into());
             row.insert("reason".to_owned(), "".into());
+            row.insert("refusal".to_owned(), Value::Null);
             // They only grow.
             let more = part.get("decisions").and_then(Value::as_i64).unwrap_or(0);
             row.insert("decisions".to_owned(), decisions.max(more).into());
@@ -239,6 +240,7 @@ async fn take_part(change: &mut Change, part: &Row) -> Result<PartId> {
             let mut row = part.clone();
             if word(part, "state") != "rejected" {
                 row.insert("state".to_owned(), "waiting".into());
+                row.insert("refusal".to_owned(), Value::Null);
             }
             if is_taken(change, "part", number(part, "id")?).await? {
                 row.remove("id");
@@ -292,7 +294,8 @@ async fn settle(change: &mut Change, part: PartId, build: BuildId) -> Result<()>
     }
     let now = change.now;
     let set = sqlx::query(
-        "UPDATE part SET state = ?1, state_at = ?2, reason = CASE ?1 WHEN 'rejected' THEN reason ELSE '' END WHERE id = ?3",
+        "UPDATE part SET state = ?1, state_at = ?2, reason = CASE ?1 WHEN 'rejected' THEN reason ELSE '' END, \
+         refusal = CASE ?1 WHEN 'rejected' THEN refusal END WHERE id = ?3",
     );
     set.bind(state).bind(now).bind(part).execute(change.db()).await?;
     let detail = "by the record of a build";

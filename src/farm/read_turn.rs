@@ -1,0 +1,56 @@
+//! Whether it is a claimed part's turn to be read: a pure function of what is known of it and of what is being read.
+
+use super::meshes::READS_IN_THE_DAEMON;
+
+/// Files that are read at once.
+pub const READERS: usize = 2;
+
+/// What decides whether a claimed part is read now.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ReadTurn {
+    /// How often its reading was begun.
+    pub reads: u32,
+    /// The disk hindered its reading a moment ago.
+    pub is_resting: bool,
+    /// A job still puts its file where it belongs.
+    pub is_ending: bool,
+    /// It is being read.
+    pub is_being_read: bool,
+    /// Files that are being read.
+    pub readers: usize,
+    /// Whether what is being read has ended the process before.
+    pub is_reader_alone: bool,
+}
+
+impl ReadTurn {
+    /// Whether it is read now. What has ended the process before is read when nothing else is, so that only it can be the
+    /// reason.
+    pub fn has_come(&self) -> bool {
+        let most = if self.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
+        let is_hindered = self.is_resting || self.is_ending || self.is_being_read;
+        !is_hindered && self.readers < most && !(self.is_reader_alone && self.readers > 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_are_read_at_once_but_what_has_ended_the_process_is_read_alone() {
+        let first = ReadTurn { reads: 1, ..ReadTurn::default() };
+        assert!(first.has_come() && ReadTurn { readers: 1, ..first }.has_come());
+        assert!(!ReadTurn { readers: READERS, ..first }.has_come());
+        let suspect = ReadTurn { reads: READS_IN_THE_DAEMON, ..first };
+        assert!(suspect.has_come() && !ReadTurn { readers: 1, ..suspect }.has_come());
+        assert!(!ReadTurn { readers: 1, is_reader_alone: true, ..first }.has_come(), "nothing is read beside it");
+        assert!(ReadTurn { is_reader_alone: true, ..first }.has_come(), "it has ended");
+        for hindered in [
+            ReadTurn { is_resting: true, ..first },
+            ReadTurn { is_ending: true, ..first },
+            ReadTurn { is_being_read: true, ..first },
+        ] {
+            assert!(!hindered.has_come());
+        }
+    }
+}

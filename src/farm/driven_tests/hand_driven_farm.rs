@@ -97,10 +97,11 @@ impl HandDrivenFarm {
         assert!(farm.jobs.is_idle(), "a job does not end");
     }
 
-    /// Time passes, with the beats that fall into it.
+    /// Time passes, with beats in it; over a long time they come less often.
     pub fn pass_secs(&mut self, secs: f64) {
-        for _ in 0..(secs / STEP.as_secs_f64()).ceil() as usize {
-            self.hands.pass(STEP);
+        let step = if secs < 10.0 { STEP } else { 4 * STEP };
+        for _ in 0..(secs / step.as_secs_f64()).ceil() as usize {
+            self.hands.pass(step);
             self.beat();
         }
     }

@@ -29,7 +29,8 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
     let instance = setup.machine.instance(parts.iter().map(BuildPart::item).collect());
     let instance = instance.map_err(|error| Usage(error.to_string()))?;
     let prepared = PreparedMeshes::default().with_cache(cache(args)?);
-    let budget = args.search.evaluations.map_or_else(|| SearchBudget::of_secs(args.search.budget), SearchBudget::of_evaluations);
+    let budget =
+        args.search.evaluations.map_or_else(|| SearchBudget::of_secs(args.search.budget), SearchBudget::of_evaluations);
     let mut progress = Progress::new(std::io::stderr().is_terminal(), budget.clone(), setup.machine.origin_mm().z);
     let solution = nester::nest_with(&instance, &setup.config, &[], &prepared, &budget, &mut progress);
     let course = progress.finish(setup.config.seed);

@@ -228,7 +228,7 @@ impl Farm {
             self.reading.counted.insert(recorded.id);
         }
         let part = self.ledger.part(recorded.id).await?.context("a recorded part has no row")?;
-        if part.content_hash != stored.hash {
+        if part.file.content_hash != stored.hash {
             self.give_back(name, claim, stored);
             return Ok(());
         }

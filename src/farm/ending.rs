@@ -52,7 +52,7 @@ impl Refused {
         self.holds.demand_error()?;
         if let Some(claim) = &self.claim {
             // For who takes it back.
-            claim.ensure_stored(&self.meshes.store, &self.part.content_hash)?;
+            claim.ensure_stored(&self.meshes.store, &self.part.file.content_hash)?;
             intake::refuse(&claim.claim, &self.error_dir, &self.text)?;
             return Ok(ClaimEnd::Done);
         }
@@ -110,7 +110,7 @@ impl Job<Farm> for EndJob {
 
 impl EndJob {
     fn of(part: &PartRow) -> Self {
-        Self { claim: part.claim.clone(), profile: part.profile.clone(), name: part.name.clone() }
+        Self { claim: part.file.claim.clone(), profile: part.profile.clone(), name: part.name.clone() }
     }
 
     fn of_claim(profile: &str, claim: &Claim) -> Self {
@@ -176,9 +176,9 @@ impl Farm {
 
     /// Whether a job still puts a part's file where it belongs, or takes it out of the store.
     pub(super) fn is_ending(&self, part: &PartRow) -> bool {
-        self.jobs.runs::<EndJob>(&part.claim)
+        self.jobs.runs::<EndJob>(&part.file.claim)
             || self.ending.leaving.contains_key(&part.id)
-            || self.ending.forgetting.is_under_way(&part.content_hash)
+            || self.ending.forgetting.is_under_way(&part.file.content_hash)
     }
 
     fn refused(&self, part: &PartRow, cause: Option<Refusal>, reason: &str) -> Option<Refused> {
@@ -216,8 +216,8 @@ impl Farm {
     /// Lets the claimed original go: the store has it, and its row is committed.
     pub(super) fn let_go(&mut self, part: &PartRow) {
         self.reading.again.done(&part.id);
-        let Some(StandingClaim { claim, .. }) = self.ending.claims.get(&part.claim).cloned() else { return };
-        let content_hash = part.content_hash.clone();
+        let Some(StandingClaim { claim, .. }) = self.ending.claims.get(&part.file.claim).cloned() else { return };
+        let content_hash = part.file.content_hash.clone();
         self.end(EndJob::of(part), move || {
             match intake::release(&claim, &content_hash)? {
                 Released::GivenBack(path) => {

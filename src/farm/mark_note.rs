@@ -19,7 +19,7 @@ impl Job<Farm> for MarkJob {
     type Outcome = Result<()>;
 
     fn about(&self) -> String {
-        self.part.claim.clone()
+        self.part.file.claim.clone()
     }
 
     async fn done(self, farm: &mut Farm, marked: Self::Outcome) -> Result<()> {
@@ -27,7 +27,7 @@ impl Job<Farm> for MarkJob {
             tell_failure(&self.part, &failure);
         }
         // What was decided meanwhile found this job running.
-        if farm.ledger.decisions(&self.part.claim).await? > self.decisions {
+        if farm.ledger.decisions(&self.part.file.claim).await? > self.decisions {
             farm.mark_decided(&self.part).await;
         }
         Ok(())
@@ -37,9 +37,10 @@ impl Job<Farm> for MarkJob {
 impl Farm {
     /// Something was decided of a part, and the ledger says so: the note beside its stored file is made to say it too.
     pub(super) async fn mark_decided(&mut self, part: &PartRow) {
-        match self.ledger.decisions(&part.claim).await {
+        match self.ledger.decisions(&part.file.claim).await {
             Ok(decisions) => {
-                let (store, hash, claim) = (self.meshes.store.clone(), part.content_hash.clone(), part.claim.clone());
+                let (store, hash, claim) =
+                    (self.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
                 self.jobs.start(MarkJob { part: part.clone(), decisions }, move || {
                     Ok(store.mark(&hash, &claim, decisions)?)
                 });

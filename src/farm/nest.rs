@@ -234,7 +234,7 @@ fn nest_write_and_prove(order: &NestOrder, write: &WriteOrder, archive: &mut Hol
     let written = write_and_prove(write, &nested)?;
     archive.check()?;
     archive_originals(&write.profile, &write.build, &nested, meshes)?;
-    demand_staged(&write.queue, &written.verified.file_name)?;
+    demand_staged(&write.queue, &written.verified.file.file_name)?;
     Ok(written)
 }
 

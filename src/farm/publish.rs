@@ -132,10 +132,10 @@ impl Farm {
     async fn forget_built(&mut self, build: &BuildRow) -> Result<()> {
         let mut unneeded = Vec::new();
         for part in self.ledger.parts_of_build(build.id).await? {
-            unneeded.push(Forgettable::StoredFile(part.content_hash.clone()));
-            if self.ledger.parts_of_claim(&part.claim).await?.iter().all(|p| p.state == PartState::Built) {
+            unneeded.push(Forgettable::StoredFile(part.file.content_hash.clone()));
+            if self.ledger.parts_of_claim(&part.file.claim).await?.iter().all(|p| p.state == PartState::Built) {
                 // Where the file is kept for another claim, a note of this one would have it printed again.
-                unneeded.push(Forgettable::ClaimNote { hash: part.content_hash, claim: part.claim });
+                unneeded.push(Forgettable::ClaimNote { hash: part.file.content_hash, claim: part.file.claim });
             }
         }
         self.forget(unneeded).await

@@ -71,7 +71,7 @@ impl Farm {
         // A build that is being nested may have been staged already: only what no build names is swept.
         for state in [BuildState::Nesting, BuildState::Verified] {
             for build in self.ledger.builds_in_state(state).await? {
-                staged.push(build.file_name.clone().unwrap_or_else(|| file_name(&build.profile, &build)));
+                staged.push(build.staged.file_name.clone().unwrap_or_else(|| file_name(&build.profile, &build)));
             }
         }
         for (name, station) in self.stations.iter_mut().filter(|(_, station)| is_due(station)) {
@@ -113,7 +113,7 @@ impl Farm {
         let profile = self.ledger.build(build).await?.map(|b| b.profile).unwrap_or_default();
         let queue = self.stations.get(&profile).and_then(|s| s.queue.opened.as_ref());
         let queue = queue.context("the queue folder is not available any more")?;
-        ensure!(queue.id() == verified.queue_id, "the queue folder has changed since the build was written");
+        ensure!(queue.id() == verified.file.queue_id, "the queue folder has changed since the build was written");
         Ok(())
     }
 

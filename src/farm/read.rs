@@ -39,7 +39,7 @@ pub fn read_part(
     profile: &Arc<Profile>,
     meshes: &Meshes,
 ) -> ReadOutcome {
-    if let Some(Err(failure)) = claim.map(|claim| claim.ensure_stored(&meshes.store, &part.content_hash)) {
+    if let Some(Err(failure)) = claim.map(|claim| claim.ensure_stored(&meshes.store, &part.file.content_hash)) {
         return ReadOutcome::Later(chain(&failure));
     }
     let heal = |failure: anyhow::Error| match (Lost::of(&failure), claim) {

@@ -11,8 +11,8 @@ use jiff::Timestamp;
 use nester::SearchBudget;
 
 use super::{
-    back_off::BackOff, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best,
-    notices::Outside, owner::Owner, quiet::Quiet, standing_claim::StandingClaim, time_source::TimeSource,
+    back_off::BackOff, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best, notices::Outside,
+    owner::Owner, quiet::Quiet, standing_claim::StandingClaim, time_source::TimeSource,
 };
 use crate::{
     intake::Watcher,

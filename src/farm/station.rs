@@ -175,8 +175,8 @@ impl Station {
         let has_more = wanted.len() < copies || !layout.unplaced.is_empty();
         Facts {
             copies,
-            oldest: waiting.iter().map(|w| w.part.claimed_at.0).min().unwrap_or_default(),
-            due: waiting.iter().filter_map(|w| w.part.due_at.map(|d| d.0)).min(),
+            oldest: waiting.iter().map(|w| w.part.times.claimed_at.0).min().unwrap_or_default(),
+            due: waiting.iter().filter_map(|w| w.part.terms.due_at.map(|d| d.0)).min(),
             height_mm: layout.height_mm,
             density: layout.part_volume_mm3 / self.profile.build_volume().size_mm.element_product(),
             full: self.open.covers(wanted) && !layout.placed.is_empty() && has_more,

@@ -44,21 +44,23 @@ impl Farm {
     /// What follows from an earlier part of the same bytes, if there is one.
     pub(super) async fn verdict_on_twins(&self, part: &PartRow, solids: &[SolidFacts]) -> Result<TwinVerdict> {
         let Some(station) = self.stations.get(&part.profile) else { return Ok(TwinVerdict::None) };
-        let Some(earlier) = self.ledger.earlier_with_hash(&part.profile, &part.content_hash, part.id).await? else {
+        let Some(earlier) = self.ledger.earlier_with_hash(&part.profile, &part.file.content_hash, part.id).await?
+        else {
             return Ok(TwinVerdict::None);
         };
         let earlier = self.ledger.part(earlier).await?;
-        Ok(earlier
-            .map_or(TwinVerdict::None, |earlier| TwinVerdict::of(part, solids, &earlier, station.profile.duplicates)))
+        Ok(earlier.map_or(TwinVerdict::None, |earlier| {
+            TwinVerdict::of(part, solids, &earlier, station.profile.intake.duplicates)
+        }))
     }
 }
 
 /// Whether the same bytes give another size than they gave before, for the unit that a ticket or the profile says.
 fn is_in_another_unit(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow) -> bool {
-    let now = solids.iter().find(|solid| solid.object_index == earlier.object_index).map(|solid| solid.size_mm);
+    let now = solids.iter().find(|solid| solid.object_index == earlier.solid.object_index).map(|solid| solid.size_mm);
     match (earlier.size_mm(), now) {
         (Some(then), Some(now)) => then.iter().zip(now).any(|(then, now)| (then - now).abs() > 1e-6 * now),
         // Not read yet: what the tickets say is all that is known.
-        _ => earlier.unit != part.unit,
+        _ => earlier.terms.unit != part.terms.unit,
     }
 }

@@ -151,6 +151,8 @@ pub struct PartRow {
     pub state: PartState,
     /// Why it was rejected, "" otherwise.
     pub reason: String,
+    /// Why it is refused; `None` = it is not, or was before words for it were kept.
+    pub refusal: Option<Refusal>,
     /// What was odd, one per line.
     pub warnings: String,
     /// Copies in all.
@@ -239,8 +241,6 @@ pub struct PartTimes {
     pub state_at: Utc,
     /// When its stored file was found damaged; it waits for the same file to be dropped again.
     pub damaged_at: Option<Utc>,
-    /// Why it is refused; `None` = it is not, or was before words for it were kept.
-    pub refusal: Option<Refusal>,
 }
 
 impl PartRow {

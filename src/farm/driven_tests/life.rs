@@ -11,7 +11,7 @@ fn the_originals_of_a_published_build_lie_in_the_archive_and_leave_the_inbox() {
     let bytes = stl(&block(10.0, 10.0, 10.0));
     farm.drop_bytes("order 7/cube.stl", &bytes);
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
-    assert_eq!(part.order_name, "order 7");
+    assert_eq!(part.terms.order_name, "order 7");
     farm.order(CommandKind::Flush, None);
     let file = farm.wait_for_queued(1).remove(0);
     let stem = file.file_name().unwrap().to_string_lossy().replace(".build.3mf", "");
@@ -34,7 +34,7 @@ fn a_file_that_is_still_being_written_is_taken_once_and_whole() {
     }
     drop(file);
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
-    assert_eq!(part.bytes, bytes.len() as u64);
+    assert_eq!(part.file.bytes, bytes.len() as u64);
 }
 
 #[test]

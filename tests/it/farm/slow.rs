@@ -139,7 +139,7 @@ impl TracedFarm {
     }
 
     fn stored(&self, part: &PartRow) -> PathBuf {
-        self.farm.root().join("state/store").join(&part.content_hash[..2]).join(&part.content_hash)
+        self.farm.root().join("state/store").join(&part.file.content_hash[..2]).join(&part.file.content_hash)
     }
 
     /// The longest time between two signs of life since a moment.
@@ -180,7 +180,7 @@ fn the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part() {
     let kept = traced.part(PartState::Waiting, "kept.stl").unwrap();
     traced.stop();
     // Of a crash: a claimed original that was written to after its row was committed. And its stored file rots.
-    let claim = traced.farm.folder("inbox").join(".claimed").join(&kept.claim);
+    let claim = traced.farm.folder("inbox").join(".claimed").join(&kept.file.claim);
     fs::create_dir_all(&claim).unwrap();
     fs::write(claim.join("kept.stl"), stl(&block(8.0, 9.0, 11.0))).unwrap();
     let stored = traced.stored(&kept);

@@ -1,5 +1,5 @@
-//! Distance queries between parts at tight poses, by the clearance tree and by parry3d on the same pairs, and what a tree
-//! costs to build. `cargo bench --bench kernel`; the figures of the record are in `docs/benchmark.md`.
+//! Measures distance queries between parts at tight poses, with the clearance tree and with parry3d on the same pairs,
+//! and the time to build a tree. `cargo bench --bench kernel`; the recorded figures are in `docs/benchmark.md`.
 
 #[path = "common/pairs.rs"]
 mod pairs;
@@ -10,7 +10,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use parry3d_f64::{math::Pose3, query, shape::TriMesh};
 use solids::ClearanceTree;
 
-/// Pairs of each set; one sample asks about all of them.
+/// Pairs of each set; one sample queries all of them.
 const PAIRS: usize = 50;
 
 fn distances(criterion: &mut Criterion) {
@@ -31,7 +31,7 @@ fn distances(criterion: &mut Criterion) {
         });
         group.bench_function("closer than the clearance", |bencher| {
             bencher.iter(|| {
-                let closer = |(a, b, pose): &&(usize, usize, _)| trees[*a].closer_than(&trees[*b], pose, cap);
+                let closer = |(a, b, pose): &&(usize, usize, _)| trees[*a].is_closer_than(&trees[*b], pose, cap);
                 black_box(pairs.poses.iter().filter(closer).count())
             });
         });

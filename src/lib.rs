@@ -1,7 +1,8 @@
 //! nestd: the daemon that runs a powder-bed print farm.
 //!
-//! A part's life is the plot of the code: dropped, claimed, read, waiting, batched, nested, verified, published, history.
-//! Modules stand on floors; a module knows only floors below its own (`tests/it/floors.rs` enforces it).
+//! The modules follow the life of a part: dropped, claimed, read, waiting, batched, nested, verified, published,
+//! history. Modules are arranged in layers ("floors"). A module may use only the floors below its own;
+//! `tests/it/floors.rs` enforces this.
 //!
 //! ```text
 //! 9  cli                      the face to terminals: parse, print; no decisions
@@ -14,8 +15,8 @@
 //! 2  access                   mode and group of files
 //! ```
 //!
-//! Below them stand crates of their own: `solids` (meshes, poses, distances), `nester` (the packing search), `build_file`
-//! (STL and 3MF in, build files and pictures out) and `sample_parts` (the project's own parts).
+//! Separate crates form the floors below: `solids` (meshes, poses, distances), `nester` (the packing search),
+//! `build_file` (STL and 3MF in, build files and pictures out) and `sample_parts` (the project's own parts).
 
 pub mod access;
 pub mod build;

@@ -1,4 +1,4 @@
-//! Arguments -> `cli` -> exit code.
+//! Entry point: passes the arguments to `cli` and returns its exit code.
 
 use std::process::ExitCode;
 

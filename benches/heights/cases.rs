@@ -1,4 +1,4 @@
-//! The workloads: piles of the project's own parts, and, where `NESTD_DATA` says so, lists of somebody's files.
+//! The workloads: piles of the project's own parts and, if `NESTD_DATA` is set, lists of other people's files.
 
 use std::{
     collections::BTreeMap,
@@ -7,28 +7,28 @@ use std::{
 };
 
 use anyhow::{Context, Result, bail};
-use build_file::{Limits, Unit};
+use build_file::{LengthUnit, ReadLimits};
 use glam::DVec3;
-use nester::{BuildVolume, Instance, Item, OrientationRule};
-use sample_parts::{Workload, workload};
+use nester::{BuildVolume, NestingInstance, NestingItem, OrientationRule};
+use sample_parts::{SampleWorkload, workload_parts};
 use serde::Deserialize;
 use solids::Mesh;
 
 /// The workloads whose heights are compared.
 pub const COMPARED: [&str; 4] = ["fans20", "engine30", "small200", "small600"];
-/// Copies of the workloads that tell how the search grows.
+/// Numbers of copies of the workloads that show how the search scales.
 pub const SCALE: [u32; 6] = [20, 50, 100, 200, 500, 1000];
-/// What names of listed files begin with.
+/// Prefix of the names of listed workloads.
 pub const LISTED: &str = "data/";
-/// All machines are open at the top: heights are compared, not room.
+/// Height of all machines: more than any build needs, because only heights are compared.
 const ROOM_MM: f64 = 600.0;
 
 /// The workload of a name: one of [`COMPARED`], `small60`, `scale-COPIES`, `first-COPIES-MESHES`, `first-engine30` or `data/LIST`.
-pub fn instance(name: &str) -> Result<Instance> {
-    let small = |copies: u32, meshes: u32| Workload::Small { copies, meshes, seed: 7 };
+pub fn instance(name: &str) -> Result<NestingInstance> {
+    let small = |copies: u32, meshes: u32| SampleWorkload::Small { copies, meshes, seed: 7 };
     match name {
-        "fans20" => generated(Workload::Fans, [200.0, 200.0], 3.0),
-        "engine30" | "first-engine30" => generated(Workload::EngineLike, [150.0, 150.0], 3.0),
+        "fans20" => generated(SampleWorkload::Fans, [200.0, 200.0], 3.0),
+        "engine30" | "first-engine30" => generated(SampleWorkload::EngineLike, [150.0, 150.0], 3.0),
         "small60" => generated(small(60, 30), [100.0, 100.0], 2.0),
         "small200" => generated(small(200, 40), [160.0, 160.0], 2.0),
         "small600" => generated(small(600, 60), [250.0, 250.0], 2.0),
@@ -47,38 +47,38 @@ pub fn instance(name: &str) -> Result<Instance> {
 }
 
 /// Base in mm and clearance, for tables.
-pub fn machine(instance: &Instance) -> String {
+pub fn machine(instance: &NestingInstance) -> String {
     let size = instance.volume().size_mm;
     format!("{} x {}, {}", size.x, size.y, instance.clearance_mm())
 }
 
 /// The different meshes of an instance.
-pub fn distinct(instance: &Instance) -> Vec<Arc<Mesh>> {
+pub fn distinct(instance: &NestingInstance) -> Vec<Arc<Mesh>> {
     let meshes: BTreeMap<usize, Arc<Mesh>> =
         instance.items().iter().map(|item| (Arc::as_ptr(&item.mesh) as usize, item.mesh.clone())).collect();
     meshes.into_values().collect()
 }
 
-fn item(name: String, mesh: Arc<Mesh>, copies: u32) -> Item {
-    Item { name, mesh, copies, orientation: OrientationRule::Free.into(), clearance_mm: None }
+fn item(name: String, mesh: Arc<Mesh>, copies: u32) -> NestingItem {
+    NestingItem { name, mesh, copies, orientation: OrientationRule::Free.into(), clearance_mm: None }
 }
 
-fn generated(pile: Workload, base_mm: [f64; 2], clearance_mm: f64) -> Result<Instance> {
-    let parts = workload(pile).into_iter().enumerate();
+fn generated(pile: SampleWorkload, base_mm: [f64; 2], clearance_mm: f64) -> Result<NestingInstance> {
+    let parts = workload_parts(pile).into_iter().enumerate();
     let items = parts.map(|(at, (mesh, copies))| item(format!("part {at}"), Arc::new(mesh), copies)).collect();
     let volume = BuildVolume { size_mm: DVec3::new(base_mm[0], base_mm[1], ROOM_MM) };
-    Ok(Instance::new(volume, clearance_mm, items)?)
+    Ok(NestingInstance::new(volume, clearance_mm, items)?)
 }
 
-/// What stands beside a list of files.
+/// The settings beside a list of files.
 #[derive(Deserialize)]
-struct Beside {
+struct ListSettings {
     volume_mm: [f64; 3],
     clearance_mm: f64,
 }
 
 #[derive(Deserialize)]
-struct Row {
+struct ListRow {
     file: String,
     quantity: u32,
 }
@@ -101,25 +101,25 @@ pub fn lists() -> Result<Vec<String>> {
     Ok(names)
 }
 
-fn listed(list: &str) -> Result<Instance> {
+fn listed(list: &str) -> Result<NestingInstance> {
     let folder = data_folder()?;
     let file = |ending: &str| folder.join("workloads").join(format!("{list}.{ending}"));
-    let beside: Beside = serde_json::from_slice(&std::fs::read(file("json"))?)?;
+    let beside: ListSettings = serde_json::from_slice(&std::fs::read(file("json"))?)?;
     let mut known: BTreeMap<[u8; 32], Vec<(Arc<Mesh>, u32)>> = BTreeMap::new();
     let mut items = Vec::new();
     for row in csv::Reader::from_path(file("csv"))?.deserialize() {
-        let row: Row = row?;
+        let row: ListRow = row?;
         for (mesh, copies) in solids(&folder.join(&row.file), &row.file, &mut known)? {
             items.push(item(row.file.clone(), mesh, copies * row.quantity));
         }
     }
     let size = DVec3::from_array(beside.volume_mm);
-    // As for our own workloads: open at the top.
+    // As for our own workloads: higher than any build.
     let volume = BuildVolume { size_mm: size.with_z(size.z.max(ROOM_MM)) };
-    Ok(Instance::new(volume, beside.clearance_mm, items)?)
+    Ok(NestingInstance::new(volume, beside.clearance_mm, items)?)
 }
 
-/// The solids of a file; equal files are read once.
+/// The solids of a file; files with the same content are read once.
 fn solids(
     path: &Path,
     name: &str,
@@ -129,7 +129,7 @@ fn solids(
     if let Some(solids) = known.get(&hash) {
         return Ok(solids.clone());
     }
-    let contents = build_file::read(path, name, None, Unit::default(), &Limits::default())?;
+    let contents = build_file::read_part_file(path, name, None, LengthUnit::default(), &ReadLimits::default())?;
     let solids: Vec<_> = contents.solids.into_iter().map(|s| (Arc::new(s.mesh), s.copies)).collect();
     known.insert(hash, solids.clone());
     Ok(solids)

@@ -1,4 +1,4 @@
-//! The clearance tree beside parry3d's triangle meshes: the same pairs, queries per CPU second of both.
+//! Compares the clearance tree with parry3d's triangle meshes: queries per CPU second on the same pairs.
 
 use parry3d_f64::{
     math::Pose3,
@@ -7,22 +7,22 @@ use parry3d_f64::{
 };
 
 use super::{
-    book::{KernelRecord, Origin},
-    pairs::{self, Pairs},
+    pairs::{self, PartPairs},
+    record_book::{KernelRecord, MeasurementOrigin},
     trial::cpu_secs,
 };
 
 /// Pairs of each set.
 const PAIRS: usize = 200;
-/// CPU seconds that each kind of query is asked for, at least.
+/// Least CPU seconds for each kind of query.
 const SECS: f64 = 1.0;
 
 /// Measures all sets of pairs.
-pub fn measured(origin: &Origin) -> Vec<KernelRecord> {
+pub fn measured(origin: &MeasurementOrigin) -> Vec<KernelRecord> {
     pairs::all(PAIRS).iter().map(|pairs| record(pairs, origin)).collect()
 }
 
-fn record(pairs: &Pairs, origin: &Origin) -> KernelRecord {
+fn record(pairs: &PartPairs, origin: &MeasurementOrigin) -> KernelRecord {
     let (trees, poses, cap) = (&pairs.trees, &pairs.poses, pairs.clearance_mm);
     let meshes = trees.iter().map(|tree| {
         let mesh = tree.mesh();
@@ -32,7 +32,7 @@ fn record(pairs: &Pairs, origin: &Origin) -> KernelRecord {
     let seen: Vec<Pose3> = poses.iter().map(|(.., pose)| Pose3::from_parts(pose.translation, pose.rotation)).collect();
     let ours = |at: usize| trees[poses[at].0].distance_capped_mm(&trees[poses[at].1], &poses[at].2, cap);
     let closer =
-        |at: usize| f64::from(u8::from(trees[poses[at].0].closer_than(&trees[poses[at].1], &poses[at].2, cap)));
+        |at: usize| f64::from(u8::from(trees[poses[at].0].is_closer_than(&trees[poses[at].1], &poses[at].2, cap)));
     let pair = |at: usize| (&meshes[poses[at].0], &meshes[poses[at].1]);
     let parry = |at: usize| {
         let found = query::distance(&Pose3::IDENTITY, pair(at).0, &seen[at], pair(at).1);
@@ -70,7 +70,7 @@ fn record(pairs: &Pairs, origin: &Origin) -> KernelRecord {
     record
 }
 
-/// Queries per CPU second, each pair as often as the others.
+/// Queries per CPU second, with the same number of queries for each pair.
 fn per_second(pairs: usize, query: impl Fn(usize) -> f64) -> f64 {
     let began = cpu_secs();
     let (mut asked, mut sum) = (0, 0.0);

@@ -1,12 +1,11 @@
 //! How low the search gets: our own method beside the published one, organ by organ, from 20 to 1,000 copies.
 //!
-//! `cargo bench --bench heights` measures everything on the project's own parts and writes `docs/benchmark.md`; `-- --help`
-//! tells how to measure a part of it. `cargo test --bench heights -- --gate` is the short run that guards every merge.
-#![allow(clippy::print_stdout)] // a bench tells what it measures
+//! `cargo bench --bench heights` measures everything on the project's own parts and writes `docs/benchmark.md`; `--
+//! --help` shows how to measure a part of it. `cargo test --bench heights -- --gate` is the short run before every
+//! merge.
+#![allow(clippy::print_stdout)] // a bench prints its measurements
 
-mod book;
 mod cases;
-mod crew;
 mod gate;
 mod kernel;
 mod page;
@@ -14,6 +13,8 @@ mod page;
 mod pairs;
 mod plan;
 mod plot;
+mod record_book;
+mod runner;
 mod tables;
 mod trial;
 
@@ -22,16 +23,16 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use clap::Parser;
 
-use book::{Book, Origin};
-use plan::Section;
-use trial::Trial;
+use plan::BenchSection;
+use record_book::{MeasurementOrigin, RecordBook};
+use trial::SearchTrial;
 
 /// Measures how low the search gets and writes docs/benchmark.md.
 #[derive(Debug, Parser)]
-struct Args {
+struct BenchArgs {
     /// What to measure, e.g. heights,ablation; `data` needs NESTD_DATA [default: everything but data]
     #[arg(long, value_delimiter = ',', value_enum)]
-    only: Vec<Section>,
+    only: Vec<BenchSection>,
     /// Only these workloads, e.g. fans20,engine30
     #[arg(long, value_delimiter = ',')]
     cases: Vec<String>,
@@ -53,22 +54,22 @@ struct Args {
     /// Searches at the same time
     #[arg(long, default_value_t = 2)]
     jobs: usize,
-    /// Leave out what has been measured at this commit already
+    /// Leave out measurements that exist for this commit
     #[arg(long)]
     resume: bool,
-    /// Measure nothing, write the page anew
+    /// Measure nothing, write the page again
     #[arg(long)]
     page: bool,
     /// Compare heights at fixed evaluations with benches/baseline.toml; fails when they are worse by more than 2 %
     #[arg(long)]
     gate: bool,
-    /// Measure as the gate does and write benches/baseline.toml anew
+    /// Measure as the gate does and write a new benches/baseline.toml
     #[arg(long)]
     update: bool,
-    /// One search, told as JSON: what the bench starts for each of its searches
+    /// Run one search, given as JSON: the bench starts this for each search
     #[arg(long, hide = true)]
     trial: Option<String>,
-    /// Said by `cargo bench`
+    /// Passed by `cargo bench`
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -79,9 +80,9 @@ fn repository(file: &str) -> PathBuf {
 }
 
 fn main() -> Result<()> {
-    let args = Args::parse();
+    let args = BenchArgs::parse();
     if let Some(text) = &args.trial {
-        let trial: Trial = serde_json::from_str(text)?;
+        let trial: SearchTrial = serde_json::from_str(text)?;
         println!("{}", serde_json::to_string(&trial.run()?)?);
         return Ok(());
     }
@@ -95,19 +96,21 @@ fn main() -> Result<()> {
     measure(&args)
 }
 
-fn measure(args: &Args) -> Result<()> {
-    let mut book = Book::read()?;
-    let origin = Origin::here();
+fn measure(args: &BenchArgs) -> Result<()> {
+    let mut book = RecordBook::read()?;
+    let origin = MeasurementOrigin::here();
     if !args.page {
         let plan = plan::plan(args)?;
-        let known = |trial: &Trial| args.resume && book.finds(trial).is_some_and(|r| r.origin.commit == origin.commit);
-        let left: Vec<Trial> = plan.into_iter().filter(|trial| !known(trial)).collect();
-        crew::run(left, args.jobs, |finding| {
+        let known = |trial: &SearchTrial| {
+            args.resume && book.find_record(trial).is_some_and(|r| r.origin.commit == origin.commit)
+        };
+        let left: Vec<SearchTrial> = plan.into_iter().filter(|trial| !known(trial)).collect();
+        runner::run_trials(left, args.jobs, |finding| {
             println!("{}", finding.line());
-            book.keep(finding, &origin);
+            book.add_finding(finding, &origin);
             book.write()
         })?;
-        if plan::asks_for(args, Section::Kernel) {
+        if plan::asks_for(args, BenchSection::Kernel) {
             book.kernel = kernel::measured(&origin);
             book.write()?;
         }

@@ -1,14 +1,15 @@
-//! `docs/benchmark.md` and its drawings, out of the record.
+//! Writes `docs/benchmark.md` and its drawings from the record of all measurements.
 
 use std::collections::BTreeSet;
 
 use anyhow::{Context, Result};
 
 use super::{
-    book::{Book, Origin, Record},
     cases::{COMPARED, LISTED},
-    plot, repository, tables,
-    trial::Budget,
+    plot,
+    record_book::{MeasurementOrigin, RecordBook, SearchRecord},
+    repository, tables,
+    trial::TrialBudget,
 };
 
 const PAGE: &str = "docs/benchmark.md";
@@ -16,8 +17,8 @@ const PAGE: &str = "docs/benchmark.md";
 const HEAD: &str = "\
 # How low, how fast
 
-Written by `cargo bench --bench heights` out of [benchmark.json](benchmark.json), where every search stands with its seed,
-its commit and its curve. Anybody can measure again:
+Written by `cargo bench --bench heights` from [benchmark.json](benchmark.json), which records every search with its
+seed, its commit and its curve. To measure again:
 
     cargo bench --bench heights                                        # everything, about 25 minutes on two cores
     cargo bench --bench heights -- --only heights --secs 10,60,160     # a part of it, with longer searches
@@ -25,23 +26,23 @@ its commit and its curve. Anybody can measure again:
     cargo bench --bench heights -- --resume                            # what is missing at this commit
     cargo bench --bench heights -- --page                              # only this page
 
-A search is a process of its own; its time is its CPU time, so that other work on the machine counts little. Heights are mm,
-means over the seeds with the least and the greatest in brackets. Every layout is proved on its triangles after the search.
-The published method is `--method paper`; both search in one thread. No layout can be lower than the lower bound, but
-perhaps none can be as low.
+Each search is a separate process. Its time is CPU time, so that other work on the machine has little influence. Heights
+are in mm: means over the seeds, with the least and the greatest in brackets. Every layout is proved on its triangles
+after the search. The published method is `--method paper`; both methods search in one thread. No layout can be lower
+than the lower bound, but the bound may be out of reach.
 ";
 
 /// Writes page and drawings.
-pub fn write(book: &Book) -> Result<()> {
+pub fn write(book: &RecordBook) -> Result<()> {
     let mut page = HEAD.to_owned();
-    let own = |r: &&Record| COMPARED.contains(&r.finding.trial.case.as_str());
-    let compared: Vec<&Record> = book.records.iter().filter(own).collect();
+    let own = |r: &&SearchRecord| COMPARED.contains(&r.finding.trial.case.as_str());
+    let compared: Vec<&SearchRecord> = book.records.iter().filter(own).collect();
     section(&mut page, "Height at the same CPU seconds", &compared, tables::heights);
     page.push_str(&drawings(&compared)?);
-    let listed: Vec<&Record> = book.records.iter().filter(|r| r.finding.trial.case.starts_with(LISTED)).collect();
+    let listed: Vec<&SearchRecord> = book.records.iter().filter(|r| r.finding.trial.case.starts_with(LISTED)).collect();
     section(&mut page, "Other people's parts", &listed, tables::listed);
     page.push_str(&drawings(&listed)?);
-    let all: Vec<&Record> = book.records.iter().collect();
+    let all: Vec<&SearchRecord> = book.records.iter().collect();
     section(&mut page, "What each organ is worth", &all, tables::ablation);
     section(&mut page, "From 20 to 1,000 copies", &all, tables::scale);
     section(&mut page, "The first layout", &all, tables::first_layouts);
@@ -52,31 +53,36 @@ pub fn write(book: &Book) -> Result<()> {
     std::fs::write(repository(PAGE), page).with_context(|| format!("writing {PAGE}"))
 }
 
-/// A table with its title and where it was measured; nothing without rows.
-fn section(page: &mut String, title: &str, records: &[&Record], table: fn(&[&Record]) -> (String, Vec<Origin>)) {
+/// A table with its title and the machines that measured it; empty without rows.
+fn section(
+    page: &mut String,
+    title: &str,
+    records: &[&SearchRecord],
+    table: fn(&[&SearchRecord]) -> (String, Vec<MeasurementOrigin>),
+) {
     let (text, measured) = table(records);
     if !measured.is_empty() {
         page.push_str(&format!("\n## {title}\n\n{text}{}", origins(measured.iter())));
     }
 }
 
-fn origins<'a>(measured: impl Iterator<Item = &'a Origin>) -> String {
+fn origins<'a>(measured: impl Iterator<Item = &'a MeasurementOrigin>) -> String {
     let told: BTreeSet<String> = measured.map(|o| format!("{} on {}, {}", o.date, o.machine, o.commit)).collect();
     format!("\nMeasured {}.\n", told.into_iter().collect::<Vec<_>>().join("; "))
 }
 
 /// A drawing for each workload, of its longest searches.
-fn drawings(records: &[&Record]) -> Result<String> {
+fn drawings(records: &[&SearchRecord]) -> Result<String> {
     let cases: BTreeSet<&str> = records.iter().map(|r| r.finding.trial.case.as_str()).collect();
     let mut links = String::new();
     for case in cases {
-        let secs = |r: &Record| match r.finding.trial.budget {
-            Budget::CpuSecs(secs) => Some(secs),
-            Budget::Evaluations(_) => None,
+        let secs = |r: &SearchRecord| match r.finding.trial.budget {
+            TrialBudget::CpuSecs(secs) => Some(secs),
+            TrialBudget::Evaluations(_) => None,
         };
         let of_case = || records.iter().filter(|r| r.finding.trial.case == case && r.finding.trial.without.is_none());
         let Some(longest) = of_case().filter_map(|r| secs(r)).max() else { continue };
-        let drawn: Vec<&Record> = of_case().filter(|r| secs(r) == Some(longest)).copied().collect();
+        let drawn: Vec<&SearchRecord> = of_case().filter(|r| secs(r) == Some(longest)).copied().collect();
         let name = case.replace('/', "-");
         let file = format!("docs/heights-{name}.svg");
         let drawing = plot::drawing(&format!("{name}: build height over time"), &drawn, longest as f64);

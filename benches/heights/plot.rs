@@ -1,26 +1,26 @@
-//! Height over time as an SVG drawing: every seed a line, the published method beside our own.
+//! Height over time as an SVG drawing: a line per seed, for our own method and the published one.
 
 use std::fmt::Write;
 
-use nester::Method;
+use nester::NestingMethod;
 
-use super::{book::Record, trial::Step};
+use super::{record_book::SearchRecord, trial::CurveStep};
 
 const WIDTH: f64 = 760.0;
 const HEIGHT: f64 = 400.0;
 /// Left, right, top, bottom.
 const MARGIN: [f64; 4] = [60.0, 20.0, 36.0, 48.0];
-/// The time axis begins here, CPU seconds; it is logarithmic.
+/// Start of the time axis, CPU seconds; the axis is logarithmic.
 const FIRST_SECS: f64 = 0.03;
 
-/// From CPU seconds and mm to the drawing.
-struct Axes {
+/// Maps CPU seconds and mm to coordinates of the drawing.
+struct PlotAxes {
     last_secs: f64,
     low_mm: f64,
     high_mm: f64,
 }
 
-impl Axes {
+impl PlotAxes {
     fn x(&self, secs: f64) -> f64 {
         let share = (secs.max(FIRST_SECS) / FIRST_SECS).ln() / (self.last_secs / FIRST_SECS).ln();
         MARGIN[0] + share.min(1.0) * (WIDTH - MARGIN[0] - MARGIN[1])
@@ -32,18 +32,18 @@ impl Axes {
     }
 }
 
-fn colour(method: Method) -> &'static str {
+fn colour(method: NestingMethod) -> &'static str {
     match method {
-        Method::Nestd => "#1668a8",
-        Method::Paper => "#c0442f",
+        NestingMethod::Nestd => "#1668a8",
+        NestingMethod::Paper => "#c0442f",
     }
 }
 
 /// The drawing of the records of one workload; `last_secs` is their budget.
-pub fn drawing(title: &str, records: &[&Record], last_secs: f64) -> String {
+pub fn drawing(title: &str, records: &[&SearchRecord], last_secs: f64) -> String {
     let heights = || records.iter().flat_map(|r| r.finding.curve.iter().map(|step| step.2));
     let bound_mm = records.iter().map(|r| r.finding.lower_bound_mm).fold(0.0, f64::max);
-    let axes = Axes { last_secs, low_mm: 0.0, high_mm: 1.05 * heights().fold(bound_mm.max(1.0), f64::max) };
+    let axes = PlotAxes { last_secs, low_mm: 0.0, high_mm: 1.05 * heights().fold(bound_mm.max(1.0), f64::max) };
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" \
          font-size=\"13\">\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"white\"/>\n\
@@ -55,14 +55,15 @@ pub fn drawing(title: &str, records: &[&Record], last_secs: f64) -> String {
     line(&mut svg, [axes.x(FIRST_SECS), bound_y, axes.x(last_secs), bound_y], "#777\" stroke-dasharray=\"5 4");
     text(&mut svg, axes.x(FIRST_SECS) + 6.0, bound_y - 5.0, "start", "lower bound");
     for record in records {
-        let way = way(&axes, &record.finding.curve, record.finding.cpu_secs);
+        let way = step_path(&axes, &record.finding.curve, record.finding.cpu_secs);
         let stroke = colour(record.finding.trial.method);
         let _ = writeln!(
             svg,
             "<path d=\"{way}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"1.6\" stroke-opacity=\"0.8\"/>"
         );
     }
-    for (at, (method, name)) in [(Method::Nestd, "nestd"), (Method::Paper, "published method")].into_iter().enumerate()
+    for (at, (method, name)) in
+        [(NestingMethod::Nestd, "nestd"), (NestingMethod::Paper, "published method")].into_iter().enumerate()
     {
         let (x, y) = (WIDTH - 270.0 + 90.0 * at as f64, 22.0);
         line(&mut svg, [x, y - 4.0, x + 24.0, y - 4.0], colour(method));
@@ -72,8 +73,8 @@ pub fn drawing(title: &str, records: &[&Record], last_secs: f64) -> String {
     svg
 }
 
-/// Steps down: a height holds until a lower one is found.
-fn way(axes: &Axes, curve: &[Step], end_secs: f64) -> String {
+/// The path of a curve in steps: a height is valid until a lower one is found.
+fn step_path(axes: &PlotAxes, curve: &[CurveStep], end_secs: f64) -> String {
     let mut way = String::new();
     for (at, step) in curve.iter().enumerate() {
         let (x, y) = (axes.x(step.0), axes.y(step.2));
@@ -85,7 +86,7 @@ fn way(axes: &Axes, curve: &[Step], end_secs: f64) -> String {
     way
 }
 
-fn grid(svg: &mut String, axes: &Axes) {
+fn grid(svg: &mut String, axes: &PlotAxes) {
     let steps = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
     let step = steps.into_iter().find(|step| axes.high_mm / step <= 8.0).unwrap_or(500.0);
     let mut mm = 0.0;

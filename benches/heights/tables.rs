@@ -2,21 +2,21 @@
 
 use std::collections::BTreeMap;
 
-use nester::{Method, Organs};
+use nester::{NestingMethod, SearchComponents};
 
 use super::{
-    book::{KernelRecord, Origin, Record},
     cases,
     plan::{self, ABLATED, FIRST, FIRST_BUDGET},
+    record_book::{KernelRecord, MeasurementOrigin, SearchRecord},
     repository,
-    trial::{Budget, Finding},
+    trial::{SearchFinding, TrialBudget},
 };
 
 /// Values of the same search with different seeds.
-struct Sample(Vec<f64>);
+struct SeedSample(Vec<f64>);
 
-impl Sample {
-    fn of(findings: &[&Finding], value: impl Fn(&Finding) -> f64) -> Self {
+impl SeedSample {
+    fn of(findings: &[&SearchFinding], value: impl Fn(&SearchFinding) -> f64) -> Self {
         Self(findings.iter().map(|f| value(f)).collect())
     }
 
@@ -25,7 +25,7 @@ impl Sample {
     }
 
     /// `mean (least - greatest)`; only the mean where there is one value.
-    fn told(&self) -> String {
+    fn mean_and_range(&self) -> String {
         let (least, most) = self.0.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), &v| (l.min(v), m.max(v)));
         if self.0.len() < 2 {
             return format!("{:.1}", self.mean());
@@ -34,23 +34,25 @@ impl Sample {
     }
 }
 
-/// Heights of whole layouts; tells where copies found no place.
-fn height(findings: &[&Finding]) -> String {
-    let whole: Vec<&Finding> = findings.iter().copied().filter(|f| f.unplaced == 0).collect();
+/// Heights of complete layouts; says if copies found no place.
+fn height(findings: &[&SearchFinding]) -> String {
+    let whole: Vec<&SearchFinding> = findings.iter().copied().filter(|f| f.unplaced == 0).collect();
     match (whole.len(), findings.len()) {
         (_, 0) => "-".to_owned(),
         (0, _) => "no whole layout".to_owned(),
-        (some, all) if some < all => format!("{}, {} of {all} whole", Sample::of(&whole, |f| f.height_mm).told(), some),
-        _ => Sample::of(&whole, |f| f.height_mm).told(),
+        (some, all) if some < all => {
+            format!("{}, {} of {all} whole", SeedSample::of(&whole, |f| f.height_mm).mean_and_range(), some)
+        }
+        _ => SeedSample::of(&whole, |f| f.height_mm).mean_and_range(),
     }
 }
 
-fn first(findings: &[&Finding]) -> String {
-    let known: Vec<&Finding> = findings.iter().copied().filter(|f| f.first_secs().is_some()).collect();
+fn first(findings: &[&SearchFinding]) -> String {
+    let known: Vec<&SearchFinding> = findings.iter().copied().filter(|f| f.first_secs().is_some()).collect();
     if known.is_empty() {
         "-".to_owned()
     } else {
-        format!("{:.2}", Sample::of(&known, |f| f.first_secs().unwrap_or(0.0)).mean())
+        format!("{:.2}", SeedSample::of(&known, |f| f.first_secs().unwrap_or(0.0)).mean())
     }
 }
 
@@ -64,7 +66,7 @@ fn machine(case: &str) -> String {
     cases::instance(case).map_or_else(|_| "-".to_owned(), |instance| cases::machine(&instance))
 }
 
-/// What others reached on a list, out of `benches/references.toml`.
+/// The heights that other packers reached on a list, from `benches/references.toml`.
 fn others(case: &str) -> String {
     let Some(list) = case.strip_prefix(cases::LISTED) else { return String::new() };
     let text = std::fs::read_to_string(repository("benches/references.toml")).unwrap_or_default();
@@ -73,24 +75,24 @@ fn others(case: &str) -> String {
     format!(" {} |", told.collect::<Vec<_>>().join("; "))
 }
 
-/// As [`heights`], with what others reached.
-pub fn listed(records: &[&Record]) -> (String, Vec<Origin>) {
+/// Like [`heights`], with the heights that others reached.
+pub fn listed(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let (text, origins) = heights(records);
     let head = text.replacen("| evaluations |\n|", "| evaluations | others |\n|---|", 1);
     (head, origins)
 }
 
-/// Our own method beside the published one.
-pub fn heights(records: &[&Record]) -> (String, Vec<Origin>) {
-    let mut rows: BTreeMap<(usize, &str, Budget, usize), [Vec<&Finding>; 2]> = BTreeMap::new();
+/// Our own method compared with the published one.
+pub fn heights(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
+    let mut rows: BTreeMap<(usize, &str, TrialBudget, usize), [Vec<&SearchFinding>; 2]> = BTreeMap::new();
     let mut origins = Vec::new();
-    let threads = |f: &Finding| if f.trial.method == Method::Paper { 1 } else { f.trial.threads };
+    let threads = |f: &SearchFinding| if f.trial.method == NestingMethod::Paper { 1 } else { f.trial.threads };
     for record in records.iter().filter(|r| r.finding.trial.without.is_none()) {
         let (f, trial) = (&record.finding, &record.finding.trial);
-        if matches!(trial.budget, Budget::CpuSecs(_)) {
+        if matches!(trial.budget, TrialBudget::CpuSecs(_)) {
             let known = cases::COMPARED.iter().position(|c| *c == trial.case).unwrap_or(usize::MAX);
             let row = rows.entry((known, &trial.case, trial.budget, threads(f))).or_default();
-            row[usize::from(trial.method == Method::Paper)].push(f);
+            row[usize::from(trial.method == NestingMethod::Paper)].push(f);
             origins.push(record.origin.clone());
         }
     }
@@ -98,16 +100,19 @@ pub fn heights(records: &[&Record]) -> (String, Vec<Origin>) {
         "| workload | copies (meshes) | base, clearance | CPU s | published method | nestd | ratio | lower bound \
                     | first layout, s | evaluations |\n|---|---|---|---|---|---|---|---|---|---|\n"
             .to_owned();
-    let paper: BTreeMap<(&str, Budget), Vec<&Finding>> =
+    let paper: BTreeMap<(&str, TrialBudget), Vec<&SearchFinding>> =
         rows.iter().filter(|(key, _)| key.3 == 1).map(|(key, row)| ((key.1, key.2), row[1].clone())).collect();
     for ((_, case, budget, threads), [ours, _]) in &rows {
         let Some(any) = ours.first().or(paper.get(&(case, *budget)).and_then(|p| p.first())) else { continue };
-        let (Budget::CpuSecs(secs) | Budget::Evaluations(secs)) = budget;
+        let (TrialBudget::CpuSecs(secs) | TrialBudget::Evaluations(secs)) = budget;
         let threads = if *threads > 1 { format!(", {threads} threads") } else { String::new() };
         let none = Vec::new();
         let theirs = paper.get(&(case, *budget)).unwrap_or(&none);
-        let evaluations =
-            if ours.is_empty() { "-".to_owned() } else { thousands(Sample::of(ours, |f| f.evaluations as f64).mean()) };
+        let evaluations = if ours.is_empty() {
+            "-".to_owned()
+        } else {
+            thousands(SeedSample::of(ours, |f| f.evaluations as f64).mean())
+        };
         text.push_str(&format!(
             "| {case} | {} ({}) | {} | {secs}{threads} | {} | **{}** | {} | {:.1} | {} | {evaluations} |{}\n",
             any.copies,
@@ -124,21 +129,21 @@ pub fn heights(records: &[&Record]) -> (String, Vec<Origin>) {
     (text, origins)
 }
 
-/// Mean height of ours over theirs, when all layouts are whole.
-fn ratio(ours: &[&Finding], theirs: &[&Finding]) -> String {
-    let whole = |findings: &[&Finding]| !findings.is_empty() && findings.iter().all(|f| f.unplaced == 0);
+/// Our mean height divided by theirs, when all layouts are complete.
+fn ratio(ours: &[&SearchFinding], theirs: &[&SearchFinding]) -> String {
+    let whole = |findings: &[&SearchFinding]| !findings.is_empty() && findings.iter().all(|f| f.unplaced == 0);
     if !whole(ours) || !whole(theirs) {
         return "-".to_owned();
     }
-    let mean = |findings: &[&Finding]| Sample::of(findings, |f| f.height_mm).mean();
+    let mean = |findings: &[&SearchFinding]| SeedSample::of(findings, |f| f.height_mm).mean();
     format!("{:.3}", mean(ours) / mean(theirs))
 }
 
 /// Each organ taken out.
-pub fn ablation(records: &[&Record]) -> (String, Vec<Origin>) {
+pub fn ablation(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let counts = records.iter().filter(|r| r.finding.trial.without.is_some());
     let Some(budget) = counts.map(|r| r.finding.trial.budget).max() else { return Default::default() };
-    let (Budget::CpuSecs(evaluations) | Budget::Evaluations(evaluations)) = budget;
+    let (TrialBudget::CpuSecs(evaluations) | TrialBudget::Evaluations(evaluations)) = budget;
     let mut origins = Vec::new();
     let mut mean = |case: &str, organ: Option<&str>| {
         let of = records.iter().filter(|r| {
@@ -146,12 +151,12 @@ pub fn ablation(records: &[&Record]) -> (String, Vec<Origin>) {
             trial.case == case
                 && trial.without.as_deref() == organ
                 && trial.budget == budget
-                && trial.method == Method::Nestd
+                && trial.method == NestingMethod::Nestd
         });
-        let found: Vec<&Record> = of.copied().collect();
+        let found: Vec<&SearchRecord> = of.copied().collect();
         origins.extend(found.iter().map(|r| r.origin.clone()));
-        let findings: Vec<&Finding> = found.iter().map(|r| &r.finding).collect();
-        let mean = |value: fn(&Finding) -> f64| Sample::of(&findings, value).mean();
+        let findings: Vec<&SearchFinding> = found.iter().map(|r| &r.finding).collect();
+        let mean = |value: fn(&SearchFinding) -> f64| SeedSample::of(&findings, value).mean();
         (!findings.is_empty()).then(|| (mean(|f| f.height_mm), mean(|f| f.cpu_secs)))
     };
     let mut text = format!(
@@ -161,7 +166,7 @@ pub fn ablation(records: &[&Record]) -> (String, Vec<Origin>) {
         ABLATED.join(" | "),
         "---|".repeat(ABLATED.len())
     );
-    let organs = Organs::each_taken_out().map(|(organ, _)| Some(organ));
+    let organs = SearchComponents::each_disabled().map(|(organ, _)| Some(organ));
     for organ in [None].into_iter().chain(organs) {
         let mut cells = String::new();
         let mut changes = Vec::new();
@@ -175,14 +180,14 @@ pub fn ablation(records: &[&Record]) -> (String, Vec<Origin>) {
             let told = if organ.is_some() { format!(" {change:+.1} %") } else { String::new() };
             cells.push_str(&format!(" {mm:.1}{told} ({secs:.1}) |"));
         }
-        let mean = if changes.is_empty() { String::new() } else { format!("{:+.1} %", Sample(changes).mean()) };
+        let mean = if changes.is_empty() { String::new() } else { format!("{:+.1} %", SeedSample(changes).mean()) };
         text.push_str(&format!("| {} |{cells} {mean} |\n", organ.unwrap_or("nothing")));
     }
     (text, origins)
 }
 
 /// Growing piles on one machine.
-pub fn scale(records: &[&Record]) -> (String, Vec<Origin>) {
+pub fn scale(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let mut text = format!(
         "Small parts of the project's own on a base of {}, {} evaluations per copy.\n\n| copies (meshes) | triangles \
          | first layout, s | s per copy | first height | height | lower bound | CPU s | CPU s per copy | evaluations per s \
@@ -192,7 +197,7 @@ pub fn scale(records: &[&Record]) -> (String, Vec<Origin>) {
     );
     let mut origins = Vec::new();
     for copies in cases::SCALE {
-        let of = |r: &&&Record| {
+        let of = |r: &&&SearchRecord| {
             let trial = &r.finding.trial;
             trial.case == format!("scale-{copies}") && trial.budget == plan::scale_budget(copies)
         };
@@ -218,8 +223,8 @@ pub fn scale(records: &[&Record]) -> (String, Vec<Origin>) {
     (text, origins)
 }
 
-/// How soon a first layout stands.
-pub fn first_layouts(records: &[&Record]) -> (String, Vec<Origin>) {
+/// The time to the first layout.
+pub fn first_layouts(records: &[&SearchRecord]) -> (String, Vec<MeasurementOrigin>) {
     let mut text = "CPU seconds of one core from the meshes in memory to the first layout of all copies, nothing prepared before.\n\n\
                     | workload | copies (meshes) | first layout, s | its height | height at the end | lower bound | memory, MB |\n\
                     |---|---|---|---|---|---|---|\n"

@@ -1,9 +1,12 @@
-//! One search to measure, and what was found.
+//! One search to measure, and its result.
 
 use std::sync::Mutex;
 
 use anyhow::{Result, bail, ensure};
-use nester::{Body, Config, Instance, Method, Organs, Solution, Stop, lower_bound_mm, nest, prove};
+use nester::{
+    NestingConfig, NestingInstance, NestingMethod, NestingSolution, PlacedSolid, SearchComponents, StopCondition,
+    lower_bound_mm, nest, prove_placed_solids,
+};
 use serde::{Deserialize, Serialize};
 use solids::Pose;
 
@@ -12,25 +15,25 @@ use super::cases;
 /// What ends a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Budget {
+pub enum TrialBudget {
     /// CPU seconds of all threads.
     CpuSecs(u64),
     /// Evaluations; the same placements on every run.
     Evaluations(u64),
 }
 
-/// One search: all that decides its outcome but the machine and the code.
+/// One search: everything that determines its result, except the machine and the code.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Trial {
+pub struct SearchTrial {
     /// Name of the workload.
     pub case: String,
     /// Which search.
-    pub method: Method,
+    pub method: NestingMethod,
     /// The organ that is taken out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without: Option<String>,
     /// What ends it.
-    pub budget: Budget,
+    pub budget: TrialBudget,
     /// Seed of every random choice.
     pub seed: u64,
     /// Threads.
@@ -38,17 +41,17 @@ pub struct Trial {
 }
 
 /// One step down: CPU seconds, evaluations, mm.
-pub type Step = (f64, u64, f64);
+pub type CurveStep = (f64, u64, f64);
 
-/// What a search found; every layout told here was proved on its triangles.
+/// The result of a search; every layout in it was proved on its triangles.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Finding {
+pub struct SearchFinding {
     /// The search.
     #[serde(flatten)]
-    pub trial: Trial,
+    pub trial: SearchTrial,
     /// Build height, mm.
     pub height_mm: f64,
-    /// No layout can be lower, mm.
+    /// Lower bound of the height of any layout, mm.
     pub lower_bound_mm: f64,
     /// Copies asked for.
     pub copies: usize,
@@ -62,13 +65,13 @@ pub struct Finding {
     pub evaluations: u64,
     /// CPU seconds of all threads.
     pub cpu_secs: f64,
-    /// Greatest memory of the process, MB.
+    /// Peak memory of the process, MB.
     pub peak_mb: f64,
     /// Every lower layout of all copies; the first one is the first valid build.
-    pub curve: Vec<Step>,
+    pub curve: Vec<CurveStep>,
 }
 
-impl Finding {
+impl SearchFinding {
     /// CPU seconds until the first layout of all copies.
     pub fn first_secs(&self) -> Option<f64> {
         self.curve.first().map(|step| step.0)
@@ -76,7 +79,7 @@ impl Finding {
 
     /// One line for the terminal.
     pub fn line(&self) -> String {
-        let Trial { case, method, without, budget, seed, .. } = &self.trial;
+        let SearchTrial { case, method, without, budget, seed, .. } = &self.trial;
         let without = without.as_ref().map_or_else(String::new, |organ| format!(" without {organ}"));
         let first = self.first_secs().map_or_else(|| "no whole layout".to_owned(), |s| format!("first at {s:.2} s"));
         format!(
@@ -86,20 +89,20 @@ impl Finding {
     }
 }
 
-impl Trial {
-    /// Searches, and proves what was found.
-    pub fn run(&self) -> Result<Finding> {
+impl SearchTrial {
+    /// Runs the search, and proves its layouts.
+    pub fn run(&self) -> Result<SearchFinding> {
         let instance = cases::instance(&self.case)?;
-        let config = Config {
+        let config = NestingConfig {
             method: self.method,
             seed: self.seed,
             threads: self.threads,
-            organs: self.organs()?,
-            ..Config::default()
+            components: self.organs()?,
+            ..NestingConfig::default()
         };
-        let meter = Meter { began_secs: cpu_secs(), budget: self.budget };
-        let curve = Mutex::new(Vec::<Step>::new());
-        let solution = nest(&instance, &config, &[], &meter, &mut |found: &Solution, evaluations: u64| {
+        let meter = BudgetMeter { began_secs: cpu_secs(), budget: self.budget };
+        let curve = Mutex::new(Vec::<CurveStep>::new());
+        let solution = nest(&instance, &config, &[], &meter, &mut |found: &NestingSolution, evaluations: u64| {
             if found.unplaced.is_empty() {
                 let step = (rounded(meter.secs()), evaluations, rounded(found.height_mm));
                 curve.lock().expect("nobody panics with it").push(step);
@@ -108,11 +111,11 @@ impl Trial {
         let cpu_secs = rounded(meter.secs());
         assert_proved(&instance, &solution)?;
         let meshes = cases::distinct(&instance);
-        Ok(Finding {
+        Ok(SearchFinding {
             trial: self.clone(),
             height_mm: rounded(solution.height_mm),
             lower_bound_mm: rounded(lower_bound_mm(&instance)),
-            copies: instance.copies(),
+            copies: instance.copy_count(),
             unplaced: solution.unplaced.len(),
             meshes: meshes.len(),
             triangles: meshes.iter().map(|mesh| mesh.triangles().len()).sum(),
@@ -123,57 +126,57 @@ impl Trial {
         })
     }
 
-    fn organs(&self) -> Result<Organs> {
-        let Some(name) = &self.without else { return Ok(Organs::default()) };
-        match Organs::each_taken_out().into_iter().find(|(organ, _)| organ == name) {
+    fn organs(&self) -> Result<SearchComponents> {
+        let Some(name) = &self.without else { return Ok(SearchComponents::default()) };
+        match SearchComponents::each_disabled().into_iter().find(|(organ, _)| organ == name) {
             Some((_, organs)) => Ok(organs),
             None => bail!("there is no organ {name:?}"),
         }
     }
 }
 
-/// The budget as the search asks for it.
-struct Meter {
+/// The budget in the form that the search queries.
+struct BudgetMeter {
     began_secs: f64,
-    budget: Budget,
+    budget: TrialBudget,
 }
 
-impl Meter {
+impl BudgetMeter {
     fn secs(&self) -> f64 {
         cpu_secs() - self.began_secs
     }
 }
 
-impl Stop for Meter {
-    fn spent(&self, evaluations: u64) -> f64 {
+impl StopCondition for BudgetMeter {
+    fn spent_share_at(&self, evaluations: u64) -> f64 {
         match self.budget {
-            Budget::CpuSecs(limit) => self.secs() / limit as f64,
-            Budget::Evaluations(limit) => evaluations as f64 / limit as f64,
+            TrialBudget::CpuSecs(limit) => self.secs() / limit as f64,
+            TrialBudget::Evaluations(limit) => evaluations as f64 / limit as f64,
         }
     }
 }
 
-/// CPU seconds of this process so far: other work on the machine does not count.
+/// CPU seconds of this process so far, which other work on the machine does not change.
 pub fn cpu_secs() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// Greatest resident memory of this process so far, MB; 0 where the system does not tell.
+/// Peak resident memory of this process so far, MB; 0 if unknown.
 fn peak_mb() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
     line.and_then(|rest| rest.split_whitespace().next()?.parse::<f64>().ok()).map_or(0.0, |kb| kb / 1024.0)
 }
 
-/// A hundredth of a second or of a millimetre is enough in a record.
+/// Rounds to hundredths, which is precise enough for a record.
 fn rounded(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
 
-/// Leaves out steps of less than a thousandth of the height, so that records stay small; first and last stay.
-fn thinned(curve: Vec<Step>) -> Vec<Step> {
-    let mut kept: Vec<Step> = Vec::new();
+/// Removes steps of less than a thousandth of the height, so that records stay small; keeps the first and the last.
+fn thinned(curve: Vec<CurveStep>) -> Vec<CurveStep> {
+    let mut kept: Vec<CurveStep> = Vec::new();
     for (at, &step) in curve.iter().enumerate() {
         if at + 1 == curve.len() || kept.last().is_none_or(|last| step.2 < 0.999 * last.2) {
             kept.push(step);
@@ -182,16 +185,16 @@ fn thinned(curve: Vec<Step>) -> Vec<Step> {
     kept
 }
 
-/// A height counts only when the independent judge finds nothing.
-fn assert_proved(instance: &Instance, solution: &Solution) -> Result<()> {
-    let body = |item: usize, copy: u32, pose: Pose| Body {
+/// Asserts that the independent judge finds no fault; only then does a height count.
+fn assert_proved(instance: &NestingInstance, solution: &NestingSolution) -> Result<()> {
+    let body = |item: usize, copy: u32, pose: Pose| PlacedSolid {
         name: format!("{} #{copy}", instance.items()[item].name),
         mesh: instance.items()[item].mesh.clone(),
         pose,
         clearance_mm: instance.clearance_between_mm(item, item),
     };
-    let bodies: Vec<Body> = solution.placements.iter().map(|p| body(p.item, p.copy, p.pose)).collect();
-    let proof = prove(&bodies, instance.volume().size_mm);
+    let bodies: Vec<PlacedSolid> = solution.placements.iter().map(|p| body(p.item, p.copy, p.pose)).collect();
+    let proof = prove_placed_solids(&bodies, instance.volume().size_mm);
     ensure!(proof.is_proved(), "the layout is not proved: {proof:?}");
     ensure!((proof.height_mm - solution.height_mm).abs() < 1e-6, "the height is not what was told");
     Ok(())

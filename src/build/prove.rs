@@ -1,119 +1,123 @@
-//! A written build file is read back, compared with a second reader and proved on its triangles against what was to be
-//! written. Nothing is published that has not been through here.
+//! Proves a written build file: reads it back, compares the result with a second reader, and proves it on its triangles
+//! against what should have been written. No build is published without this.
 
 use std::{collections::BTreeSet, path::Path};
 
-use build_file::{Limits, PlacedMesh, ReadError};
+use build_file::{FileReadError, PlacedMesh, ReadLimits};
 use glam::DVec3;
-use nester::{Body, Proof, Separability};
+use nester::{LayoutProof, PlacedSolid, Separability};
 use solids::Mesh;
 
 use super::SolvedBuild;
 
-/// A mesh that is read back may differ from the one that was nested by this share: rounding of decimal digits.
+/// Allowed relative difference between a mesh that was read back and the nested one, from rounding of decimal digits.
 const SAME_MESH: f64 = 1e-9;
-/// Faults that are named in one message.
+/// Maximum number of faults named in one message.
 const NAMED_FAULTS: usize = 5;
 
-/// A written build is not what it should be, or could not be looked at.
+/// Why a written build is not proved.
 #[derive(Debug, thiserror::Error)]
-pub enum ProveError {
-    /// Our own reader.
+pub enum BuildProofError {
+    /// Our own reader cannot read it.
     #[error("reading the written build back")]
-    Read(#[source] ReadError),
-    /// Somebody else's reader.
+    ReadBack(#[source] FileReadError),
+    /// The second reader cannot read it, or reads something else.
     #[error("comparing with a second reader")]
-    SecondReader(#[source] ReadError),
-    /// It is not what was to be written, or not proved.
+    SecondReader(#[source] FileReadError),
+    /// It is not what should have been written, or the proof found faults.
     #[error("the written build {0}")]
-    Wrong(String),
+    NotProved(String),
 }
 
-/// What was found out about a written and proved file.
+/// Results of the proof of a written file.
 #[derive(Debug)]
 pub struct ProvedBuild {
     /// Walls, clearance, containment and keep-out boxes.
-    pub proof: Proof,
-    /// How it comes apart; `None` where locked parts are allowed and nobody looked.
-    pub separable: Option<Separability>,
-    /// Part, copy and straight line of the copies that can be drawn out of the cake, in this order.
-    pub drawn: Vec<(usize, u32, DVec3)>,
+    pub proof: LayoutProof,
+    /// How the build can be taken apart; `None` = locked parts are allowed, so this was not checked.
+    pub separability: Option<Separability>,
+    /// Part, copy and direction of the copies that can be drawn out of the cake, in this order.
+    pub removal_order: Vec<(usize, u32, DVec3)>,
 }
 
-/// Index of a part and number of its copy.
-type PartCopy = (usize, u32);
+/// Index of a part and number of the copy.
+type PartCopyIndex = (usize, u32);
 
 impl SolvedBuild {
-    /// Proves what was written of it: every copy once and with its mesh, orientation, walls, clearance, containment, keep-out
-    /// boxes, layers, and that it comes apart.
+    /// Proves the written file: each copy is there once, with its mesh and an allowed orientation; walls, clearance,
+    /// containment, keep-out boxes and layers are correct; and the parts can be taken apart.
     ///
     /// # Errors
-    /// The file cannot be read, a second reader reads it differently, or it is not proved.
-    pub fn prove(&self, written: &Path, limits: &Limits) -> Result<ProvedBuild, ProveError> {
-        let read = build_file::read_build(written, limits).map_err(ProveError::Read)?;
-        let (copies, bodies) = self.compare(&read)?;
-        build_file::cross_check(written, &read, limits).map_err(ProveError::SecondReader)?;
-        let judged = self.machine.judge(&bodies);
+    /// The file cannot be read, the second reader reads it differently, or it is not proved.
+    pub fn prove_written_file(&self, written: &Path, limits: &ReadLimits) -> Result<ProvedBuild, BuildProofError> {
+        let read = build_file::read_build(written, limits).map_err(BuildProofError::ReadBack)?;
+        let (copies, bodies) = self.match_placed_copies(&read)?;
+        build_file::cross_check(written, &read, limits).map_err(BuildProofError::SecondReader)?;
+        let judged = self.machine.verify_placements(&bodies);
         if !judged.proof.is_proved() {
             let mut faults = judged.placement_faults(|i| bodies[i].name.clone());
             faults.truncate(NAMED_FAULTS);
-            return wrong(format!("is not proved: {}", faults.join("; ")));
+            return not_proved(format!("is not proved: {}", faults.join("; ")));
         }
         if let Some(fault) = judged.layer_fault() {
-            return wrong(format!("fills a layer beyond its cap: {fault}"));
+            return not_proved(format!("fills a layer beyond its cap: {fault}"));
         }
         let name = |at: usize| (self.parts[copies[at].0].name.clone(), copies[at].1);
-        let separable = judged.apart.as_ref().map(|apart| Separability::new(apart, self.machine.clearance_mm, name));
-        if let Some(found) = separable.as_ref().filter(|found| !found.obeys(self.machine.interlock)) {
-            return wrong(format!("is not proved: {}", found.in_words()));
+        let separable =
+            judged.disassembly.as_ref().map(|apart| Separability::new(apart, self.machine.clearance_mm, name));
+        if let Some(found) = separable.as_ref().filter(|found| !found.obeys_rule(self.machine.interlock)) {
+            return not_proved(format!("is not proved: {}", found.in_words()));
         }
-        let order = judged.apart.iter().flat_map(|apart| &apart.order);
+        let order = judged.disassembly.iter().flat_map(|apart| &apart.order);
         let drawn = order.map(|&(at, way)| (copies[at].0, copies[at].1, way)).collect();
-        Ok(ProvedBuild { proof: judged.proof, separable, drawn })
+        Ok(ProvedBuild { proof: judged.proof, separability: separable, removal_order: drawn })
     }
 
-    /// Part and copy of everything that was read, and it as it is judged; each has to be what was placed.
-    fn compare(&self, read: &[PlacedMesh]) -> Result<(Vec<PartCopy>, Vec<Body>), ProveError> {
+    /// Matches the items that were read with the placed copies. Returns part, copy and body of each item.
+    fn match_placed_copies(
+        &self,
+        read: &[PlacedMesh],
+    ) -> Result<(Vec<PartCopyIndex>, Vec<PlacedSolid>), BuildProofError> {
         if read.len() != self.placed.len() {
-            return wrong(format!("holds {} placements instead of {}", read.len(), self.placed.len()));
+            return not_proved(format!("holds {} placements instead of {}", read.len(), self.placed.len()));
         }
-        let asked: BTreeSet<PartCopy> = self.placed.iter().map(|p| (p.part, p.copy)).collect();
+        let asked: BTreeSet<PartCopyIndex> = self.placed.iter().map(|p| (p.part, p.copy)).collect();
         let mut seen = BTreeSet::new();
         let (mut copies, mut bodies) = (Vec::with_capacity(read.len()), Vec::with_capacity(read.len()));
         for item in read {
-            let (copy, body) = self.body_of(item)?;
+            let (copy, body) = self.check_read_item(item)?;
             if !seen.insert(copy) {
-                return wrong(format!("holds copy {} of {} twice", copy.1 + 1, body.name));
+                return not_proved(format!("holds copy {} of {} twice", copy.1 + 1, body.name));
             }
             copies.push(copy);
             bodies.push(body);
         }
-        if seen == asked { Ok((copies, bodies)) } else { wrong("holds other copies than were placed".to_owned()) }
+        if seen == asked { Ok((copies, bodies)) } else { not_proved("holds other copies than were placed".to_owned()) }
     }
 
-    /// A read-back item as it is judged, compared with the part that it should be.
-    fn body_of(&self, item: &PlacedMesh) -> Result<(PartCopy, Body), ProveError> {
+    /// Compares an item that was read back with its part. Returns its copy and its body.
+    fn check_read_item(&self, item: &PlacedMesh) -> Result<(PartCopyIndex, PlacedSolid), BuildProofError> {
         let number = item.part_number.as_deref().unwrap_or_default();
         let Some(at) = self.parts.iter().position(|part| part.part_number == number) else {
-            return wrong(format!("holds {} (part {number}), which was not asked for", item.name));
+            return not_proved(format!("holds {} (part {number}), which was not asked for", item.name));
         };
         let part = &self.parts[at];
         let Some(copy) = item.copy.and_then(|copy| copy.checked_sub(1)) else {
-            return wrong(format!("holds {} without the number of its copy", part.name));
+            return not_proved(format!("holds {} without the number of its copy", part.name));
         };
         if !is_same_mesh(&item.mesh, &part.mesh) {
-            return wrong(format!("holds part {number} ({}) with another mesh", part.name));
+            return not_proved(format!("holds part {number} ({}) with another mesh", part.name));
         }
-        if !nester::rotation_obeys(&part.orientation, &item.pose) {
-            return wrong(format!("holds part {number} ({}) turned against its orientation rule", part.name));
+        if !nester::obeys_orientation(&part.orientation, &item.pose) {
+            return not_proved(format!("holds part {number} ({}) turned against its orientation rule", part.name));
         }
-        let body = self.machine.body(part.name.clone(), item.mesh.clone(), &item.pose, part.clearance_mm);
+        let body = self.machine.placed_body(part.name.clone(), item.mesh.clone(), &item.pose, part.clearance_mm);
         Ok(((at, copy), body))
     }
 }
 
-fn wrong<T>(how: String) -> Result<T, ProveError> {
-    Err(ProveError::Wrong(how))
+fn not_proved<T>(how: String) -> Result<T, BuildProofError> {
+    Err(BuildProofError::NotProved(how))
 }
 
 fn is_same_mesh(read: &Mesh, nested: &Mesh) -> bool {

@@ -1,21 +1,21 @@
-//! A build whose layout is found: what its build file says, and what is reported of it.
+//! A build with a found layout: it becomes a build file and a report.
 
 use std::collections::BTreeSet;
 
-use build_file::{BuildFile, BuildItem, BuildObject, Drawn, Viewpoint};
-use nester::{Course, LayerAreas, PlacedPart, Report, UnplacedPart};
+use build_file::{BuildFile, BuildFileItem, BuildFileObject, PictureBody, Viewpoint};
+use nester::{LayerAreas, NestingReport, PlacedPart, SearchSummary, UnplacedPart};
 use solids::{Mesh, Pose};
 
-use super::{BuildPart, Machine, PartPlacement};
+use super::{BuildPart, MachineSpec, PartPlacement};
 
-/// What a build file says of itself beside machine and placements.
+/// Metadata of a build file besides machine and placements.
 #[derive(Debug, Clone)]
 pub struct BuildHeading {
-    /// Shown by viewers.
+    /// Title shown by viewers.
     pub title: String,
-    /// The ledger's number of the build; 0 = none.
+    /// Number of the build in the ledger; 0 = none.
     pub build_id: String,
-    /// When it was made.
+    /// Creation time.
     pub created: jiff::Timestamp,
     /// Seed of the search.
     pub seed: u64,
@@ -24,13 +24,13 @@ pub struct BuildHeading {
 /// Parts on a machine, each copy at its pose.
 #[derive(Debug, Clone)]
 pub struct SolvedBuild {
-    /// What the file says of itself.
+    /// Metadata of the file.
     pub heading: BuildHeading,
     /// The machine.
-    pub machine: Machine,
-    /// Parts; those of which no copy is placed are left out of the file.
+    pub machine: MachineSpec,
+    /// Parts. Those without a placed copy are left out of the file.
     pub parts: Vec<BuildPart>,
-    /// Copies that stand.
+    /// Placed copies.
     pub placed: Vec<PartPlacement>,
     /// Top of the highest placement above the build volume's floor, mm.
     pub height_mm: f64,
@@ -44,8 +44,8 @@ impl SolvedBuild {
         self.height_mm + self.machine.origin_mm().z
     }
 
-    /// As a build file says it: one object per part, one item per copy.
-    pub fn build_file(&self, thumbnail_size: (u32, u32)) -> BuildFile {
+    /// The contents of the build file: one object per part, one item per copy.
+    pub fn to_build_file(&self, thumbnail_size: (u32, u32)) -> BuildFile {
         let machine = &self.machine;
         let used: BTreeSet<usize> = self.placed.iter().map(|p| p.part).collect();
         let used: Vec<usize> = used.into_iter().collect();
@@ -61,25 +61,29 @@ impl SolvedBuild {
             clearance_mm: machine.clearance_mm,
             clearance_z_extra_mm: machine.clearance_z_extra_mm,
             layer_mm: machine.layer_cap.layer_mm,
-            layer_area_cap_mm2: machine.layer_cap.capped_mm2(),
+            layer_area_cap_mm2: machine.layer_cap.cap_mm2(),
             height_mm: self.machine_height_mm(),
             density: self.density,
-            interlock: machine.interlock.word().to_owned(),
+            interlock: machine.interlock.as_str().to_owned(),
             application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
-            objects: used.iter().map(|&part| object(&self.parts[part])).collect(),
-            items: self.placed.iter().map(|p| self.item(p, used.partition_point(|&part| part < p.part))).collect(),
+            objects: used.iter().map(|&part| to_build_object(&self.parts[part])).collect(),
+            items: self
+                .placed
+                .iter()
+                .map(|p| self.to_build_item(p, used.partition_point(|&part| part < p.part)))
+                .collect(),
             instances: machine.instances,
             arrangement: machine.arrangement,
             thumbnail_png: None,
         };
-        build.thumbnail_png = Some(picture(&build, thumbnail_size));
+        build.thumbnail_png = Some(render_picture(&build, thumbnail_size));
         build
     }
 
-    fn item(&self, placed: &PartPlacement, object: usize) -> BuildItem {
+    fn to_build_item(&self, placed: &PartPlacement, object: usize) -> BuildFileItem {
         let part = &self.parts[placed.part];
         let tilts = &part.orientation.tilts;
-        BuildItem {
+        BuildFileItem {
             object,
             pose: self.machine.machine_pose(&placed.pose),
             order: part.order.clone(),
@@ -87,20 +91,26 @@ impl SolvedBuild {
             source_name: part.source_name.clone(),
             source_hash: part.source_hash.clone(),
             clearance_mm: part.clearance_mm,
-            orientation: serde_word(&part.orientation.rule),
+            orientation: serialized_name(&part.orientation.rule),
             tilts: (!tilts.is_empty()).then(|| nester::write_tilts(tilts)),
         }
     }
 
-    /// The report on it. `unplaced` are the parts' indices and numbers of copies that found no place.
-    pub fn report(&self, lower_bound_mm: f64, evaluations: u64, unplaced: &[(usize, u32)], course: Course) -> Report {
+    /// The report of the build. `unplaced` holds part index and copy number of the copies that found no place.
+    pub fn to_report(
+        &self,
+        lower_bound_mm: f64,
+        evaluations: u64,
+        unplaced: &[(usize, u32)],
+        course: SearchSummary,
+    ) -> NestingReport {
         let name = |part: usize| self.parts[part].name.clone();
         let placed = |p: &PartPlacement| PlacedPart {
             part: name(p.part),
             copy: p.copy,
-            pose: self.machine.machine_pose(&p.pose).rows(),
+            pose: self.machine.machine_pose(&p.pose).matrix_rows(),
         };
-        let report = Report {
+        let report = NestingReport {
             height_mm: if self.placed.is_empty() { 0.0 } else { self.machine_height_mm() },
             density: self.density,
             packed_density: 0.0,
@@ -121,12 +131,12 @@ impl SolvedBuild {
             placements: self.placed.iter().map(placed).collect(),
         };
         let standing: Vec<(&Mesh, Pose)> = self.placed.iter().map(|p| (&*self.parts[p.part].mesh, p.pose)).collect();
-        report.measured(&standing, self.machine.layer_cap)
+        report.with_measurements(&standing, self.machine.layer_cap)
     }
 }
 
-fn object(part: &BuildPart) -> BuildObject {
-    BuildObject {
+fn to_build_object(part: &BuildPart) -> BuildFileObject {
+    BuildFileObject {
         name: part.object_name.clone(),
         mesh: part.mesh.clone(),
         part_number: part.part_number.clone(),
@@ -134,14 +144,14 @@ fn object(part: &BuildPart) -> BuildObject {
     }
 }
 
-/// The build as seen from above one corner.
-pub fn picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
-    let drawn = |i: &BuildItem| Drawn { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
-    let bodies: Vec<Drawn> = build.items.iter().map(drawn).collect();
-    build_file::picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
+/// Renders the build as seen from above one corner.
+pub fn render_picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
+    let drawn = |i: &BuildFileItem| PictureBody { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
+    let bodies: Vec<PictureBody> = build.items.iter().map(drawn).collect();
+    build_file::draw_picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
 }
 
-/// The word that serde writes for a plain enum.
-fn serde_word(value: &impl serde::Serialize) -> Option<String> {
+/// The name that serde writes for a unit variant.
+fn serialized_name(value: &impl serde::Serialize) -> Option<String> {
     serde_json::to_value(value).ok()?.as_str().map(str::to_owned)
 }

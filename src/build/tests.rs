@@ -1,30 +1,30 @@
-//! What is written is proved, and what is written wrongly is noticed.
+//! Written files are proved, and faults in a written file are detected.
 
 use std::{
     io::{Cursor, Read, Write},
     sync::Arc,
 };
 
-use build_file::{Arrangement, Instances, Limits};
+use build_file::{Arrangement, InstanceSharing, ReadLimits};
 use glam::{DQuat, DVec3};
-use nester::{Interlock, LayerCap, Margins, Orientation, OrientationRule};
+use nester::{InterlockRule, LayerAreaCap, OrientationLimits, OrientationRule, VolumeMargins};
 use solids::Pose;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::*;
 
-/// A cube of 10 mm, standing free on a machine of 100 mm.
+/// A cube of 10 mm that stands free on a machine of 100 mm.
 pub fn one_cube() -> SolvedBuild {
-    let machine = Machine {
+    let machine = MachineSpec {
         name: "small".to_owned(),
         volume_mm: DVec3::splat(100.0),
-        margins: Margins { wall_mm: 2.0, floor_mm: 3.0, lid_mm: 1.0 },
+        margins: VolumeMargins { wall_mm: 2.0, floor_mm: 3.0, lid_mm: 1.0 },
         keep_out: Vec::new(),
         clearance_mm: 3.0,
         clearance_z_extra_mm: 0.0,
-        layer_cap: LayerCap::default(),
-        interlock: Interlock::Forbid,
-        instances: Instances::default(),
+        layer_cap: LayerAreaCap::default(),
+        interlock: InterlockRule::Forbid,
+        instances: InstanceSharing::default(),
         arrangement: Arrangement::default(),
     };
     let part = BuildPart {
@@ -36,7 +36,7 @@ pub fn one_cube() -> SolvedBuild {
         content_hash: "00-0".to_owned(),
         mesh: Arc::new(sample_parts::cuboid(DVec3::splat(10.0))),
         copies: vec![4],
-        orientation: Orientation::new(OrientationRule::Upright, &[], &[]),
+        orientation: OrientationLimits::new(OrientationRule::Upright, &[], &[]),
         clearance_mm: None,
         order: None,
     };
@@ -56,7 +56,7 @@ pub fn one_cube() -> SolvedBuild {
     }
 }
 
-/// A written build with one more item, which is not printable: our reader leaves it out, the second reader counts it.
+/// A written build with one more item that is not printable: our reader leaves it out, the second reader counts it.
 pub fn with_an_item_more(package: &[u8]) -> Vec<u8> {
     let mut package = ZipArchive::new(Cursor::new(package)).unwrap();
     let mut changed = ZipWriter::new(Cursor::new(Vec::new()));
@@ -77,19 +77,21 @@ pub fn with_an_item_more(package: &[u8]) -> Vec<u8> {
     changed.finish().unwrap().into_inner()
 }
 
-/// What comes of proving `asked` on a file that says `written`.
+/// Proves `asked` against a file that contains `written`.
 fn proved(asked: &SolvedBuild, written: &SolvedBuild) -> Result<ProvedBuild, String> {
     let mut file = tempfile::NamedTempFile::new().unwrap();
-    build_file::write_build(&written.build_file((16, 16)), file.as_file_mut()).unwrap();
-    asked.prove(file.path(), &Limits::for_testing()).map_err(|error| format!("{:#}", anyhow::Error::from(error)))
+    build_file::write_build(&written.to_build_file((16, 16)), file.as_file_mut()).unwrap();
+    asked
+        .prove_written_file(file.path(), &ReadLimits::for_testing())
+        .map_err(|error| format!("{:#}", anyhow::Error::from(error)))
 }
 
 #[test]
 fn a_build_that_is_written_as_it_was_found_is_proved() {
     let build = one_cube();
     let proved = proved(&build, &build).unwrap();
-    assert!(proved.proof.is_proved() && proved.separable.is_some());
-    assert_eq!((proved.drawn[0].0, proved.drawn[0].1), (0, 4));
+    assert!(proved.proof.is_proved() && proved.separability.is_some());
+    assert_eq!((proved.removal_order[0].0, proved.removal_order[0].1), (0, 4));
     assert_eq!(build.machine_height_mm(), 33.0);
 }
 
@@ -97,19 +99,19 @@ fn a_build_that_is_written_as_it_was_found_is_proved() {
 fn a_build_that_a_second_reader_reads_differently_is_not_proved() {
     let build = one_cube();
     let mut written = Cursor::new(Vec::new());
-    build_file::write_build(&build.build_file((16, 16)), &mut written).unwrap();
+    build_file::write_build(&build.to_build_file((16, 16)), &mut written).unwrap();
     let mut file = tempfile::NamedTempFile::new().unwrap();
     file.write_all(&with_an_item_more(written.get_ref())).unwrap();
-    let error = build.prove(file.path(), &Limits::for_testing()).unwrap_err();
-    assert!(matches!(error, ProveError::SecondReader(_)), "{error:?}");
+    let error = build.prove_written_file(file.path(), &ReadLimits::for_testing()).unwrap_err();
+    assert!(matches!(error, BuildProofError::SecondReader(_)), "{error:?}");
 }
 
-/// A wrong write and what is said of it.
-type Wrong = (&'static str, fn(&mut SolvedBuild));
+/// A fault in the written file, and the expected message.
+type WriteFault = (&'static str, fn(&mut SolvedBuild));
 
 #[test]
 fn a_build_that_holds_something_else_is_not_proved() {
-    let wrong: [Wrong; 7] = [
+    let wrong: [WriteFault; 7] = [
         ("which was not asked for", |build| build.parts[0].part_number = "8".to_owned()),
         ("other copies", |build| build.placed[0].copy = 5),
         ("another mesh", |build| {

@@ -1,22 +1,22 @@
-//! `nestd adopt`: takes over what another farm has claimed.
+//! `nestd adopt`: takes over the files that another nestd has claimed.
 
 use anyhow::Result;
 
 use super::{
-    Common, Exit,
-    reach::{demand_profile, settings},
-    table::say,
+    CommandExit, CommonArgs,
+    farm_context::{load_settings, require_profile},
+    table::print_text,
 };
 use crate::farm;
 
 /// Runs the command.
-pub fn run(common: &Common, profile: &str) -> Result<Exit> {
-    let settings = settings(common)?;
-    demand_profile(&settings, profile)?;
-    match farm::adopt(&settings, &settings.profiles[profile])? {
-        0 => say("No other nestd has claimed anything there.")?,
-        1 => say("1 claim is taken over; the daemon takes it up within seconds.")?,
-        claims => say(&format!("{claims} claims are taken over; the daemon takes them up within seconds."))?,
+pub fn run(common: &CommonArgs, profile: &str) -> Result<CommandExit> {
+    let settings = load_settings(common)?;
+    require_profile(&settings, profile)?;
+    match farm::adopt_claims(&settings, &settings.profiles[profile])? {
+        0 => print_text("No other nestd has claimed anything there.")?,
+        1 => print_text("1 claim is taken over; the daemon takes it up within seconds.")?,
+        claims => print_text(&format!("{claims} claims are taken over; the daemon takes them up within seconds."))?,
     }
-    Ok(Exit::Success)
+    Ok(CommandExit::Success)
 }

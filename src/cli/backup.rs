@@ -1,20 +1,20 @@
-//! `nestd backup` and `nestd restore`: a copy of the ledger, and back.
+//! `nestd backup` and `nestd restore`: writes a copy of the ledger, and puts it back.
 
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
 use super::{
-    Common, Exit,
-    reach::{look_at_ledger, settings},
-    table::say,
+    CommandExit, CommonArgs,
+    farm_context::{load_settings, with_ledger_to_read},
+    table::print_text,
 };
-use crate::farm::{self, Reconciled};
+use crate::farm::{self, ReconcileReport};
 
 /// Arguments of `nestd backup`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
-    /// Where to write it; must not be there. Its checksum is written beside it, as FILE.b3
+pub struct BackupArgs {
+    /// The file to write; it must not exist. Its checksum is written beside it, as FILE.b3
     file: PathBuf,
 }
 
@@ -24,26 +24,26 @@ pub struct RestoreArgs {
     /// A backup made by `nestd backup`
     #[arg(required_unless_present = "empty")]
     file: Option<PathBuf>,
-    /// There is no backup: begin a new ledger with what the folders tell
+    /// There is no backup: begin a new ledger from the contents of the folders
     #[arg(long, conflicts_with = "file")]
     empty: bool,
-    /// A folder of which it is known that nothing is in it: it is lost for good, or truly new
+    /// A folder that is known to be empty, because its contents are lost for good or because it is new
     #[arg(long, value_name = "DIR")]
     new_folder: Vec<PathBuf>,
 }
 
 /// Runs `nestd backup`.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let bytes = look_at_ledger(common, async |_, ledger| Ok(ledger.backup(&args.file).await?))?;
-    say(&format!("Wrote {}: {bytes} bytes, every page checked.", args.file.display()))?;
-    Ok(Exit::Success)
+pub fn run(common: &CommonArgs, args: &BackupArgs) -> Result<CommandExit> {
+    let bytes = with_ledger_to_read(common, async |_, ledger| Ok(ledger.write_backup(&args.file).await?))?;
+    print_text(&format!("Wrote {}: {bytes} bytes, every page checked.", args.file.display()))?;
+    Ok(CommandExit::Success)
 }
 
 /// Runs `nestd restore`.
-pub fn restore(common: &Common, args: &RestoreArgs) -> Result<Exit> {
-    let settings = settings(common)?;
+pub fn run_restore(common: &CommonArgs, args: &RestoreArgs) -> Result<CommandExit> {
+    let settings = load_settings(common)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
-    let restored = runtime.block_on(farm::restore(&settings, args.file.as_deref(), &args.new_folder))?;
+    let restored = runtime.block_on(farm::restore_ledger(&settings, args.file.as_deref(), &args.new_folder))?;
     let mut text = match &args.file {
         Some(file) => format!("{} is the ledger now.\n", file.display()),
         None => "A new ledger was begun.\n".to_owned(),
@@ -51,15 +51,15 @@ pub fn restore(common: &Common, args: &RestoreArgs) -> Result<Exit> {
     if let Some(aside) = &restored.aside {
         text += &format!("The one before is kept as {}.\n", aside.display());
     }
-    for line in tell(&restored.reconciled) {
+    for line in reconciliation_lines(&restored.reconciled) {
         text += &format!("  {line}\n");
     }
-    say(&(text + "Run `nestd check --deep`, then start the daemon."))?;
-    Ok(Exit::Success)
+    print_text(&(text + "Run `nestd check --deep`, then start the daemon."))?;
+    Ok(CommandExit::Success)
 }
 
-/// What was taken in, and what a person should look at.
-pub fn tell(reconciled: &Reconciled) -> Vec<String> {
+/// The changes that were made to the ledger, and the doubts that a person should check.
+pub fn reconciliation_lines(reconciled: &ReconcileReport) -> Vec<String> {
     let done = reconciled.done.iter().map(|line| format!("{line}."));
     let doubts = reconciled.doubts.iter().map(|line| format!("LOOK AT: {line}."));
     let mut lines: Vec<String> = done.chain(doubts).collect();

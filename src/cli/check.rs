@@ -1,5 +1,5 @@
-//! `nestd check`: everything that can be known to be wrong before the daemon runs, each with its remedy. Leaves nothing
-//! behind.
+//! `nestd check`: finds everything that can be known to be wrong before the daemon runs, each problem with its remedy.
+//! It leaves no files behind.
 
 mod deep;
 mod folders;
@@ -10,56 +10,57 @@ mod system;
 
 use anyhow::Result;
 
-use self::report::Report;
-use super::{Common, Exit, Usage};
+use self::report::CheckReport;
+use super::{CommandExit, CommonArgs, UsageError};
 use crate::settings::{self, Settings, SettingsError};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub struct CheckArgs {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Also read every file in store, error, archive and queue folders and hold it against the ledger
+    /// Also read every file in store, error, archive and queue folders and compare it with the ledger
     #[arg(long)]
     deep: bool,
-    /// Take what the folders tell into a ledger that is older than they are; only while no daemon runs
+    /// Update a ledger that is older than the folders from their contents; only while no daemon runs
     #[arg(long, requires = "deep")]
     repair: bool,
-    /// With --repair: a folder of which it is known that nothing is in it: it is lost for good, or truly new
+    /// With --repair: a folder that is known to be empty, because its contents are lost for good or because it is new
     #[arg(long, value_name = "DIR", requires = "repair")]
     new_folder: Vec<std::path::PathBuf>,
 }
 
-/// Runs the command: exit code 0 when all is well or there are only warnings, which hinder no daemon, 1 when something around the daemon is wrong, 2 when the configuration is.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let mut report = Report::default();
-    let settings = match settings::load(common.config.as_deref(), common.root.as_deref()) {
+/// Runs the command. Exit code 0: no problem, perhaps warnings, with which the daemon can run. 1: something around the
+/// daemon is wrong. 2: the configuration is wrong.
+pub fn run(common: &CommonArgs, args: &CheckArgs) -> Result<CommandExit> {
+    let mut report = CheckReport::default();
+    let settings = match settings::load_settings(common.config.as_deref(), common.root.as_deref()) {
         Ok(settings) => settings,
         Err(SettingsError::Invalid(problems)) => {
-            problems.into_iter().for_each(|problem| report.configuration_problem(problem));
-            report.print(args.json)?;
-            return Err(Usage("the configuration is wrong".into()).into());
+            problems.into_iter().for_each(|problem| report.add_configuration_problem(problem));
+            report.print_findings(args.json)?;
+            return Err(UsageError("the configuration is wrong".into()).into());
         }
-        Err(error) => return Err(Usage(error.to_string()).into()),
+        Err(error) => return Err(UsageError(error.to_string()).into()),
     };
     if args.repair {
-        deep::repair(&settings, &args.new_folder, &mut report)?;
+        deep::repair_ledger(&settings, &args.new_folder, &mut report)?;
     }
-    look(&settings, &mut report)?;
+    check_all(&settings, &mut report)?;
     if args.deep {
-        deep::look(&settings, &mut report)?;
+        deep::check_invariants(&settings, &mut report)?;
     }
-    report.print(args.json)?;
-    Ok(if report.problems() == 0 { Exit::Success } else { Exit::Failure })
+    report.print_findings(args.json)?;
+    Ok(if report.problem_count() == 0 { CommandExit::Success } else { CommandExit::Failure })
 }
 
-fn look(settings: &Settings, report: &mut Report) -> Result<()> {
+fn check_all(settings: &Settings, report: &mut CheckReport) -> Result<()> {
     let machines: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-    report.ok("configuration", format!("{}: {}", settings.file.display(), machines.join(", ")));
-    report.ok("root", settings.root.display().to_string());
-    system::look(settings, report);
-    folders::look(settings, report);
-    notify::look(settings, report);
-    ledger::look(settings, report)
+    report.add_ok("configuration", format!("{}: {}", settings.file.display(), machines.join(", ")));
+    report.add_ok("root", settings.root.display().to_string());
+    system::check_system(settings, report);
+    folders::check_folders(settings, report);
+    notify::check_receivers(settings, report);
+    ledger::check_ledger(settings, report)
 }

@@ -1,27 +1,27 @@
-//! `nestd flush|pause|resume|retry|cancel|scan`: orders by hand, given to the daemon through the ledger.
+//! `nestd flush|pause|resume|retry|cancel|scan`: commands of an operator, sent to the daemon through the ledger.
 
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
 use super::{
-    Common, Exit,
-    reach::{demand_profile, who, with_ledger},
-    table::say,
+    CommandExit, CommonArgs,
+    farm_context::{require_profile, user_at_host, with_ledger},
+    table::print_text,
 };
 use crate::ledger::{CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartId};
 
-/// The daemon looks for orders about every second; longer is not worth a person's time.
-const PATIENCE: Duration = Duration::from_secs(5);
-/// Between two looks for the answer.
-const LOOK: Duration = Duration::from_millis(100);
+/// How long the operator waits for the answer. The daemon reads new commands about every second.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
+/// Time between two checks for the answer.
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What an order is about.
+/// A command to the daemon.
 #[derive(Debug, Clone)]
-pub enum Order {
-    /// Publish what waits in a profile now.
+pub enum DaemonCommand {
+    /// Nest and publish the waiting parts of a profile now.
     Flush(String),
-    /// Fire no batch in a profile until it is resumed.
+    /// Stop a profile from firing batches until it is resumed.
     Pause(String),
     /// Let a profile fire again.
     Resume(String),
@@ -29,12 +29,12 @@ pub enum Order {
     Retry(i64),
     /// Reject a waiting part.
     Cancel(i64),
-    /// Look into the hot folders now.
+    /// Scan the hot folders now.
     Scan,
 }
 
-impl Order {
-    fn kind(&self) -> CommandKind {
+impl DaemonCommand {
+    fn command_kind(&self) -> CommandKind {
         match self {
             Self::Flush(_) => CommandKind::Flush,
             Self::Pause(_) => CommandKind::Pause,
@@ -45,14 +45,14 @@ impl Order {
         }
     }
 
-    fn profile(&self) -> Option<&str> {
+    fn profile_name(&self) -> Option<&str> {
         match self {
             Self::Flush(profile) | Self::Pause(profile) | Self::Resume(profile) => Some(profile),
             Self::Retry(_) | Self::Cancel(_) | Self::Scan => None,
         }
     }
 
-    fn part(&self) -> Option<PartId> {
+    fn part_id(&self) -> Option<PartId> {
         match self {
             Self::Retry(part) | Self::Cancel(part) => Some(PartId(*part)),
             _ => None,
@@ -60,55 +60,57 @@ impl Order {
     }
 }
 
-/// Gives the order and waits a little for the answer.
-pub fn run(common: &Common, order: &Order) -> Result<Exit> {
+/// Sends the command and waits a few seconds for the answer.
+pub fn run(common: &CommonArgs, order: &DaemonCommand) -> Result<CommandExit> {
     let (text, exit) = with_ledger(common, async |settings, ledger| {
-        if let Some(profile) = order.profile() {
-            demand_profile(settings, profile)?;
+        if let Some(profile) = order.profile_name() {
+            require_profile(settings, profile)?;
         }
-        give(ledger, order, PATIENCE).await
+        send_command(ledger, order, ANSWER_TIMEOUT).await
     })?;
-    say(&text)?;
+    print_text(&text)?;
     Ok(exit)
 }
 
-/// What to print, and how the command ends.
-pub async fn give(ledger: &Ledger, order: &Order, patience: Duration) -> Result<(String, Exit)> {
+/// Sends the command; returns the text to print and how the program ends.
+pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, patience: Duration) -> Result<(String, CommandExit)> {
     let command = NewCommand {
-        kind: order.kind(),
-        profile: order.profile().unwrap_or_default().to_owned(),
-        part: order.part(),
-        asked_by: who(),
+        kind: order.command_kind(),
+        profile: order.profile_name().unwrap_or_default().to_owned(),
+        part: order.part_id(),
+        asked_by: user_at_host(),
     };
-    let id = ledger.ask(&command).await?;
-    let answered = if is_alive(ledger).await? { answer(ledger, id, patience).await? } else { None };
+    let id = ledger.submit_command(&command).await?;
+    let answered = if is_daemon_alive(ledger).await? { wait_for_answer(ledger, id, patience).await? } else { None };
     let kind = command.kind;
     Ok(match answered {
-        Some(row) if row.state == CommandState::Refused => (format!("Refused: {}", row.answer), Exit::Failure),
-        Some(row) if row.answer.is_empty() => ("Done.".to_owned(), Exit::Success),
-        Some(row) => (row.answer, Exit::Success),
-        None if is_alive(ledger).await? => {
+        Some(row) if row.state == CommandState::Refused => (format!("Refused: {}", row.answer), CommandExit::Failure),
+        Some(row) if row.answer.is_empty() => ("Done.".to_owned(), CommandExit::Success),
+        Some(row) => (row.answer, CommandExit::Success),
+        None if is_daemon_alive(ledger).await? => {
             let text = format!(
                 "{kind} is noted, but the daemon has not answered yet: it is busy or hangs. `nestd status` says what it does."
             );
-            (text, Exit::Failure)
+            (text, CommandExit::Failure)
         }
-        None => (format!("The daemon does not run; {kind} is noted and will be done when it starts."), Exit::Success),
+        None => {
+            (format!("The daemon does not run; {kind} is noted and will be done when it starts."), CommandExit::Success)
+        }
     })
 }
 
-async fn is_alive(ledger: &Ledger) -> Result<bool> {
+async fn is_daemon_alive(ledger: &Ledger) -> Result<bool> {
     Ok(ledger.is_served().await?)
 }
 
-/// The answered order, `None` when patience ends before.
-async fn answer(ledger: &Ledger, id: CommandId, patience: Duration) -> Result<Option<CommandRow>> {
+/// Waits for the answered command; `None` when the time runs out first.
+async fn wait_for_answer(ledger: &Ledger, id: CommandId, patience: Duration) -> Result<Option<CommandRow>> {
     let asked = Instant::now();
     loop {
-        match ledger.command(id).await? {
+        match ledger.find_command(id).await? {
             Some(row) if row.state != CommandState::Asked => return Ok(Some(row)),
             _ if asked.elapsed() >= patience => return Ok(None),
-            _ => tokio::time::sleep(LOOK).await,
+            _ => tokio::time::sleep(POLL_INTERVAL).await,
         }
     }
 }

@@ -1,26 +1,26 @@
-//! `nestd history`: builds with their heights.
+//! `nestd history`: lists builds with their heights.
 
 use anyhow::Result;
 use jiff::Timestamp;
 
 use super::{
-    Common, Exit, Usage,
-    reach::{look_at_ledger, time_argument},
-    table::{Table, say, say_json},
+    CommandExit, CommonArgs, UsageError,
+    farm_context::{parse_time_argument, with_ledger_to_read},
+    table::{TextTable, print_json, print_text},
 };
 use crate::{
-    ledger::{HeightSum, HistoryQuery},
+    ledger::{HeightSummary, HistoryQuery},
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, csv_of},
 };
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub struct HistoryArgs {
     /// Builds since then: an age (7d, 12h), a date (2026-11-01, UTC) or an RFC 3339 time
-    #[arg(long, value_name = "TIME", value_parser = time_argument)]
+    #[arg(long, value_name = "TIME", value_parser = parse_time_argument)]
     since: Option<Timestamp>,
     /// Builds before then
-    #[arg(long, value_name = "TIME", value_parser = time_argument)]
+    #[arg(long, value_name = "TIME", value_parser = parse_time_argument)]
     until: Option<Timestamp>,
     /// Builds of one machine profile
     #[arg(long, value_name = "P")]
@@ -29,8 +29,8 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     limit: Option<u32>,
     /// How to print
-    #[arg(long, value_enum, default_value_t = Format::Table)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = HistoryFormat::Table)]
+    format: HistoryFormat,
     /// Print JSON; the same as --format json
     #[arg(long, conflicts_with = "format")]
     json: bool,
@@ -38,7 +38,7 @@ pub struct Args {
 
 /// How a history is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Format {
+enum HistoryFormat {
     /// For people
     Table,
     /// For programs, every column
@@ -48,7 +48,7 @@ enum Format {
 }
 
 /// Runs the command.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
+pub fn run(common: &CommonArgs, args: &HistoryArgs) -> Result<CommandExit> {
     let query = HistoryQuery {
         since: args.since,
         until: args.until,
@@ -56,28 +56,29 @@ pub fn run(common: &Common, args: &Args) -> Result<Exit> {
         limit: args.limit,
         ..HistoryQuery::default()
     };
-    let (rows, sums) = look_at_ledger(common, async |settings, ledger| {
-        let rows = ledger.history(&query).await?;
+    let (rows, sums) = with_ledger_to_read(common, async |settings, ledger| {
+        let rows = ledger.read_history(&query).await?;
         match &args.profile {
-            // The history of a machine that was sold stays readable.
+            // The history of a profile that is no longer configured stays readable.
             Some(profile) if rows.is_empty() && !settings.profiles.contains_key(profile) => {
-                Err(Usage(format!("there is no profile '{profile}', and no build of one")).into())
+                Err(UsageError(format!("there is no profile '{profile}', and no build of one")).into())
             }
-            _ => Ok((rows, ledger.height_sums(&query).await?)),
+            _ => Ok((rows, ledger.height_summaries(&query).await?)),
         }
     })?;
-    match if args.json { Format::Json } else { args.format } {
-        Format::Table if rows.is_empty() => say("No builds.")?,
-        Format::Table => {
-            let mut text = Table::of(HISTORY_COLUMNS, &rows).to_string();
-            // The sum of a few of them would be taken for that of all.
+    match if args.json { HistoryFormat::Json } else { args.format } {
+        HistoryFormat::Table if rows.is_empty() => print_text("No builds.")?,
+        HistoryFormat::Table => {
+            let mut text = TextTable::of(HISTORY_COLUMNS, &rows).to_string();
+            // No sums with --limit: a reader would take them for the sums of all builds.
             if args.limit.is_none() {
-                text += &format!("\nPublished\n{}", Table::of(HEIGHT_SUM_COLUMNS, &HeightSum::with_all(sums)));
+                text +=
+                    &format!("\nPublished\n{}", TextTable::of(HEIGHT_SUM_COLUMNS, &HeightSummary::with_total(sums)));
             }
-            say(&text)?;
+            print_text(&text)?;
         }
-        Format::Json => say_json(&rows)?,
-        Format::Csv => say(&csv_of(HISTORY_COLUMNS, &rows)?)?,
+        HistoryFormat::Json => print_json(&rows)?,
+        HistoryFormat::Csv => print_text(&csv_of(HISTORY_COLUMNS, &rows)?)?,
     }
-    Ok(Exit::Success)
+    Ok(CommandExit::Success)
 }

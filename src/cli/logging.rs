@@ -1,4 +1,4 @@
-//! Where the log goes: the journal under systemd, else standard error.
+//! Starts the log: to the journal under systemd, else to standard error.
 
 use std::{
     env,
@@ -10,38 +10,38 @@ use anyhow::{Context, Error, Result};
 use build_file::is_invisible;
 use tracing_subscriber::{Layer, Registry, layer::SubscriberExt, util::SubscriberInitExt};
 
-use crate::settings::{LogFormat, Logging, parse_log_filter};
+use crate::settings::{LogFormat, LogSettings, parse_log_filter};
 
-/// Beats the configured filter.
+/// The environment variable that overrides the configured filter.
 const FILTER_VARIABLE: &str = "NESTD_LOG";
-/// Set by systemd for a service whose output goes to the journal: device and inode of that output.
+/// Set by systemd for a service whose output goes to the journal; holds device and inode of that output.
 const JOURNAL_VARIABLE: &str = "JOURNAL_STREAM";
 
-/// Starts the log. `NESTD_LOG` beats the configured filter. To be called once, by the commands that run the farm.
+/// Starts the log. `NESTD_LOG` overrides the configured filter. To be called once, by the commands that run the farm.
 ///
 /// # Errors
-/// When the filter is none, the log was started before, or the journal cannot be reached.
-pub fn start(logging: &Logging) -> Result<()> {
+/// When the filter is invalid, when the log was started before, or when the journal cannot be reached.
+pub fn start_logging(logging: &LogSettings) -> Result<()> {
     let (place, filter) = match env::var(FILTER_VARIABLE) {
         Ok(filter) if !filter.is_empty() => (FILTER_VARIABLE, filter),
         _ => ("log.filter", logging.filter.clone()),
     };
-    let filter = parse_log_filter(&quiet(&filter)).map_err(Error::msg).context(place)?;
+    let filter = parse_log_filter(&with_quiet_watcher(&filter)).map_err(Error::msg).context(place)?;
     tracing_subscriber::registry()
-        .with(lines(logging.format)?.with_filter(filter))
+        .with(log_layer(logging.format)?.with_filter(filter))
         .try_init()
         .context("starting the log")
 }
 
-/// A filter in which the crate that watches folders says only what is wrong, unless the filter names it: that a folder which
-/// is gone has no watch any more is no news.
-fn quiet(filter: &str) -> String {
+/// Adds `notify=warn` to a filter, unless the filter names that crate itself. The crate that watches folders otherwise
+/// logs every removed folder.
+fn with_quiet_watcher(filter: &str) -> String {
     format!("notify=warn,{filter}")
 }
 
-/// What turns events into lines.
-fn lines(format: LogFormat) -> Result<Box<dyn Layer<Registry> + Send + Sync>> {
-    let text = tracing_subscriber::fmt::layer().with_writer(|| OneLine);
+/// The layer that formats events as lines.
+fn log_layer(format: LogFormat) -> Result<Box<dyn Layer<Registry> + Send + Sync>> {
+    let text = tracing_subscriber::fmt::layer().with_writer(|| OneLineStderr);
     Ok(match format {
         LogFormat::Auto if goes_to_journal() => {
             tracing_journald::layer().context("reaching the journal")?.with_syslog_identifier("nestd".into()).boxed()
@@ -51,16 +51,16 @@ fn lines(format: LogFormat) -> Result<Box<dyn Layer<Registry> + Send + Sync>> {
     })
 }
 
-/// Standard error, an event a line: what an event quotes from outside (a name, a file's words) makes no line of its own and
-/// moves no cursor.
-struct OneLine;
+/// Writes each event as one line to standard error. Text that an event quotes from outside, such as a file name, cannot
+/// start a new line or move the cursor.
+struct OneLineStderr;
 
-impl Write for OneLine {
-    /// `event` is a whole event: the subscriber writes each at once.
+impl Write for OneLineStderr {
+    /// `event` is one whole event: the subscriber writes each event with one call.
     fn write(&mut self, event: &[u8]) -> io::Result<usize> {
         let text = String::from_utf8_lossy(event);
         let line = text.strip_suffix('\n').unwrap_or(&text);
-        io::stderr().write_all(format!("{}\n", quoted(line)).as_bytes())?;
+        io::stderr().write_all(format!("{}\n", escape_invisible(line)).as_bytes())?;
         Ok(event.len())
     }
 
@@ -69,13 +69,15 @@ impl Write for OneLine {
     }
 }
 
-/// `\u001b` is understood in JSON too, where nothing is left to escape but the newer controls.
-fn quoted(line: &str) -> String {
+/// Escapes invisible characters as `\u001b`, which is valid in JSON as well. JSON has escaped the ASCII controls
+/// already.
+fn escape_invisible(line: &str) -> String {
     let escaped = |c: char| c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect::<String>();
     line.chars().map(|c| if is_invisible(c) { escaped(c) } else { c.to_string() }).collect()
 }
 
-/// Whether standard error is the journal. The variable alone does not say so: it is inherited by shells and redirections.
+/// Whether standard error is the journal. The variable alone does not prove it, because child processes inherit it even
+/// when their output is redirected.
 fn goes_to_journal() -> bool {
     let Ok(output) = std::fs::metadata("/proc/self/fd/2") else { return false };
     env::var(JOURNAL_VARIABLE).is_ok_and(|stream| stream == format!("{}:{}", output.dev(), output.ino()))
@@ -87,6 +89,6 @@ mod tests {
 
     #[test]
     fn an_event_is_one_line_of_what_can_be_seen() {
-        assert_eq!(quoted("INFO a\n ERROR \u{1b}[2Jb\u{202e}"), r"INFO a\u000a ERROR \u001b[2Jb\u202e");
+        assert_eq!(escape_invisible("INFO a\n ERROR \u{1b}[2Jb\u{202e}"), r"INFO a\u000a ERROR \u001b[2Jb\u202e");
     }
 }

@@ -1,20 +1,20 @@
-//! Looks up a build, a part or an order, with everything that the ledger knows of it.
+//! Looks up a build, a part or an order, with everything that the ledger knows about it.
 
 use std::collections::BTreeSet;
 
 use anyhow::Result;
 use serde::Serialize;
 
-use super::values::numbered;
+use super::values::parse_prefixed_number;
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow},
-    settings::Profile,
+    settings::MachineProfile,
     tables::CountedPart,
 };
 
-/// What somebody wants to see; a bare number or name may be several things.
+/// What the user wants to see. A bare number or name may match a build, a part, an order and a file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Wanted {
+pub struct LookupQuery {
     /// A build number.
     build: Option<i64>,
     /// A part number.
@@ -25,41 +25,41 @@ pub struct Wanted {
     file: Option<String>,
 }
 
-/// What was found.
+/// Everything that was found.
 #[derive(Debug, Default, Serialize)]
-pub struct Found {
+pub struct LookupResult {
     /// A build.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub build: Option<BuildSheet>,
+    pub build: Option<BuildDetails>,
     /// A part.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub part: Option<PartSheet>,
+    pub part: Option<PartDetails>,
     /// The parts of an order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub order: Vec<PartSheet>,
+    pub order: Vec<PartDetails>,
     /// The parts of a file name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub named: Vec<PartSheet>,
+    pub named: Vec<PartDetails>,
 }
 
 /// A build with all that belongs to it.
 #[derive(Debug, Serialize)]
-pub struct BuildSheet {
+pub struct BuildDetails {
     /// Its row.
     pub build: BuildRow,
-    /// Where its file was put; the printer may have taken it.
+    /// The path where its file was published; the printer may have taken it since.
     pub file: Option<std::path::PathBuf>,
     /// Its machine as it was then, where the configuration or the build knows it.
     #[serde(skip)]
-    pub machine: Option<Profile>,
+    pub machine: Option<MachineProfile>,
     /// Its parts.
     pub parts: Vec<PartRow>,
-    /// What waits for it while it is open: it takes no copy before it is fired.
+    /// The waiting parts of an open build: an open build takes no copies before it fires.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub waiting: Vec<CountedPart>,
     /// Its copies with their poses.
     pub placements: Vec<PlacementRow>,
-    /// What was told of it.
+    /// Its recorded outcomes.
     pub outcomes: Vec<OutcomeRow>,
     /// What happened to it.
     pub events: Vec<EventRow>,
@@ -67,7 +67,7 @@ pub struct BuildSheet {
 
 /// A part with all that belongs to it.
 #[derive(Debug, Serialize)]
-pub struct PartSheet {
+pub struct PartDetails {
     /// Its row.
     pub part: PartRow,
     /// Where its copies are.
@@ -76,18 +76,22 @@ pub struct PartSheet {
     pub events: Vec<EventRow>,
 }
 
-impl Wanted {
-    /// From the words of the command line.
-    pub fn parse(words: &[String]) -> Self {
+impl LookupQuery {
+    /// Parses the words of the command line.
+    pub fn from_words(words: &[String]) -> Self {
         let words: Vec<&str> = words.iter().map(String::as_str).collect();
         match words.as_slice() {
-            ["build", n] if numbered(n, 'b').is_some() => Self { build: numbered(n, 'b'), ..Self::default() },
-            ["part", n] if numbered(n, 'p').is_some() => Self { part: numbered(n, 'p'), ..Self::default() },
+            ["build", n] if parse_prefixed_number(n, 'b').is_some() => {
+                Self { build: parse_prefixed_number(n, 'b'), ..Self::default() }
+            }
+            ["part", n] if parse_prefixed_number(n, 'p').is_some() => {
+                Self { part: parse_prefixed_number(n, 'p'), ..Self::default() }
+            }
             ["part", name @ ..] if !name.is_empty() => Self { file: Some(name.join(" ")), ..Self::default() },
             ["order", name @ ..] if !name.is_empty() => Self { order: Some(name.join(" ")), ..Self::default() },
             [word] => Self {
-                build: numbered(word, 'b'),
-                part: numbered(word, 'p'),
+                build: parse_prefixed_number(word, 'b'),
+                part: parse_prefixed_number(word, 'p'),
                 order: Some((*word).to_owned()),
                 file: Some((*word).to_owned()),
             },
@@ -96,65 +100,65 @@ impl Wanted {
     }
 }
 
-impl Found {
-    /// Whether nothing was.
+impl LookupResult {
+    /// Whether nothing was found.
     pub fn is_empty(&self) -> bool {
         self.build.is_none() && self.part.is_none() && self.order.is_empty() && self.named.is_empty()
     }
 }
 
-/// Asks the ledger for everything of that number or name.
-pub async fn look(ledger: &Ledger, wanted: &Wanted) -> Result<Found> {
-    let mut found = Found::default();
+/// Finds everything in the ledger with that number or name.
+pub async fn look_up(ledger: &Ledger, wanted: &LookupQuery) -> Result<LookupResult> {
+    let mut found = LookupResult::default();
     if let Some(number) = wanted.build {
-        found.build = build_sheet(ledger, BuildId(number)).await?;
+        found.build = read_build_details(ledger, BuildId(number)).await?;
     }
     if let Some(number) = wanted.part
-        && let Some(part) = ledger.part(PartId(number)).await?
+        && let Some(part) = ledger.find_part(PartId(number)).await?
     {
-        found.part = Some(part_sheet(ledger, part).await?);
+        found.part = Some(read_part_details(ledger, part).await?);
     }
     if let Some(name) = &wanted.order {
-        for part in ledger.order(name).await? {
-            found.order.push(part_sheet(ledger, part).await?);
+        for part in ledger.parts_of_order(name).await? {
+            found.order.push(read_part_details(ledger, part).await?);
         }
     }
     if let Some(name) = &wanted.file {
         for part in ledger.parts_named(name).await? {
-            found.named.push(part_sheet(ledger, part).await?);
+            found.named.push(read_part_details(ledger, part).await?);
         }
     }
     Ok(found)
 }
 
-/// The builds that hold copies of the orders and parts that are wanted.
-pub async fn builds_named(ledger: &Ledger, wanted: &Wanted) -> Result<Vec<BuildId>> {
-    let found = look(ledger, &Wanted { build: None, ..wanted.clone() }).await?;
+/// The builds that hold copies of the matching orders and parts.
+pub async fn find_builds(ledger: &Ledger, wanted: &LookupQuery) -> Result<Vec<BuildId>> {
+    let found = look_up(ledger, &LookupQuery { build: None, ..wanted.clone() }).await?;
     let sheets = found.part.iter().chain(&found.order).chain(&found.named);
     let builds: BTreeSet<BuildId> = sheets.flat_map(|sheet| sheet.placements.iter().map(|p| p.build_id)).collect();
     Ok(builds.into_iter().collect())
 }
 
-async fn build_sheet(ledger: &Ledger, id: BuildId) -> Result<Option<BuildSheet>> {
-    let Some(build) = ledger.build(id).await? else { return Ok(None) };
+async fn read_build_details(ledger: &Ledger, id: BuildId) -> Result<Option<BuildDetails>> {
+    let Some(build) = ledger.find_build(id).await? else { return Ok(None) };
     let line = match build.state {
         BuildState::Open => ledger.waiting_copies(&build.profile).await?,
         _ => Vec::new(),
     };
-    Ok(Some(BuildSheet {
+    Ok(Some(BuildDetails {
         build,
         file: None,
         machine: None,
         parts: ledger.parts_of_build(id).await?,
         waiting: line.into_iter().map(|w| CountedPart { copies: w.copies.len() as u32, part: w.part }).collect(),
         placements: ledger.placements_of_build(id).await?,
-        outcomes: ledger.outcomes(id).await?,
-        // Of its parts it is enough to see them in the list.
+        outcomes: ledger.outcomes_of_build(id).await?,
+        // Events of its parts are left out: the parts are listed.
         events: ledger.events_of_build(id).await?.into_iter().filter(|e| e.part_id.is_none()).collect(),
     }))
 }
 
-async fn part_sheet(ledger: &Ledger, part: PartRow) -> Result<PartSheet> {
+async fn read_part_details(ledger: &Ledger, part: PartRow) -> Result<PartDetails> {
     let (placements, events) = (ledger.placements_of_part(part.id).await?, ledger.events_of_part(part.id).await?);
-    Ok(PartSheet { part, placements, events })
+    Ok(PartDetails { part, placements, events })
 }

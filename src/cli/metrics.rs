@@ -1,13 +1,15 @@
-//! `nestd metrics`: the farm's numbers as Prometheus reads them, also while no daemon runs.
+//! `nestd metrics`: prints the farm's metrics in the Prometheus format, even while no daemon runs.
 
 use anyhow::Result;
 
-use super::{Common, Exit, reach::look_at_ledger, table::say};
-use crate::metrics::Metrics;
+use super::{CommandExit, CommonArgs, farm_context::with_ledger_to_read, table::print_text};
+use crate::metrics::MetricsExporter;
 
 /// Runs the command.
-pub fn run(common: &Common) -> Result<Exit> {
-    let text = look_at_ledger(common, async |settings, ledger| Metrics::default().text(ledger, settings).await)?;
-    say(&text)?;
-    Ok(Exit::Success)
+pub fn run(common: &CommonArgs) -> Result<CommandExit> {
+    let text = with_ledger_to_read(common, async |settings, ledger| {
+        MetricsExporter::default().render_text(ledger, settings).await
+    })?;
+    print_text(&text)?;
+    Ok(CommandExit::Success)
 }

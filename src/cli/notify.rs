@@ -1,69 +1,70 @@
-//! `nestd notify`: how far the receivers of `[notify]` have been told; with `--test`, a trial message to each.
+//! `nestd notify`: shows which messages each receiver of `[notify]` has received; with `--test`, sends each a trial
+//! message.
 
 use anyhow::Result;
 
 use super::{
-    Common, Exit,
-    reach::{look_at_ledger, settings, zoned},
-    table::{say, tell},
+    CommandExit, CommonArgs,
+    farm_context::{format_time_utc, load_settings, with_ledger_to_read},
+    table::{print_text, print_to_stderr},
 };
 use crate::{
-    outbox::{Message, configured, kinds, send},
-    settings::Notify,
+    outbox::{EventMessage, configured_receivers, event_kinds, send_message},
+    settings::NotifySettings,
 };
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub struct NotifyArgs {
     /// Send a trial message to each receiver
     #[arg(long)]
     test: bool,
 }
 
 /// Runs the command: exit code 1 when a trial message did not arrive.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let notify = settings(common)?.notify;
-    if !notify.is_on() {
-        say("Nobody is told: [notify] names neither a webhook nor a command.")?;
-        return Ok(Exit::Success);
+pub fn run(common: &CommonArgs, args: &NotifyArgs) -> Result<CommandExit> {
+    let notify = load_settings(common)?.notify;
+    if !notify.is_enabled() {
+        print_text("No messages are sent: [notify] names neither a webhook nor a command.")?;
+        return Ok(CommandExit::Success);
     }
-    if args.test { try_out(&notify) } else { show(common, &notify) }
+    if args.test { send_trial(&notify) } else { show_delivery(common, &notify) }
 }
 
-fn try_out(notify: &Notify) -> Result<Exit> {
-    let message = Message::trial();
-    let mut exit = Exit::Success;
-    for receiver in configured(notify) {
-        match send(notify, receiver, &message) {
-            Ok(()) => say(&format!("The {receiver} has the message {}.", message.id))?,
+fn send_trial(notify: &NotifySettings) -> Result<CommandExit> {
+    let message = EventMessage::trial_message();
+    let mut exit = CommandExit::Success;
+    for receiver in configured_receivers(notify) {
+        match send_message(notify, receiver, &message) {
+            Ok(()) => print_text(&format!("The {receiver} has the message {}.", message.id))?,
             Err(failure) => {
-                tell(&format!("the {receiver} has not got the message: {failure:#}"));
-                exit = Exit::Failure;
+                print_to_stderr(&format!("the {receiver} did not receive the message: {failure:#}"));
+                exit = CommandExit::Failure;
             }
         }
     }
     Ok(exit)
 }
 
-fn show(common: &Common, notify: &Notify) -> Result<Exit> {
-    let kinds = kinds(&notify.events);
-    let lines = look_at_ledger(common, async |_, ledger| {
-        let rows = ledger.receivers().await?;
+fn show_delivery(common: &CommonArgs, notify: &NotifySettings) -> Result<CommandExit> {
+    let kinds = event_kinds(&notify.events);
+    let lines = with_ledger_to_read(common, async |_, ledger| {
+        let rows = ledger.list_receivers().await?;
         let mut lines = Vec::new();
-        for receiver in configured(notify) {
+        for receiver in configured_receivers(notify) {
             let Some(row) = rows.iter().find(|row| row.name == receiver) else {
-                lines.push(format!("{receiver}: is told of what happens once the daemon runs."));
+                lines.push(format!("{receiver}: receives messages once the daemon runs."));
                 continue;
             };
-            let waiting = ledger.events_after(row.told_id, &kinds).await?;
+            let waiting = ledger.count_events_after(row.told_id, &kinds).await?;
             let failing = match row.failing_at {
-                Some(since) => format!("; cannot be told since {}: {}", zoned(Some(since)), row.failure),
+                Some(since) => format!("; delivery fails since {}: {}", format_time_utc(Some(since)), row.failure),
                 None => String::new(),
             };
             lines.push(format!("{receiver}: {waiting} messages wait, {} were dropped{failing}", row.dropped));
         }
         Ok(lines.join("\n"))
     })?;
-    say(&lines)?;
-    Ok(Exit::Success)
+    print_text(&lines)?;
+    Ok(CommandExit::Success)
 }

@@ -1,31 +1,31 @@
-//! `nestd outcome`: what became of a published build.
+//! `nestd outcome`: records the outcome of a published build.
 
 use anyhow::Result;
 
 use super::{
-    Common, Exit,
-    reach::{who, with_ledger},
-    table::say,
-    values::build_number,
+    CommandExit, CommonArgs,
+    farm_context::{user_at_host, with_ledger},
+    table::print_text,
+    values::parse_build_number,
 };
-use crate::ledger::{BuildId, Outcome};
+use crate::ledger::{BuildId, PrintOutcome};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub struct OutcomeArgs {
     /// Build number, as history prints it (4 or b4)
-    #[arg(value_parser = build_number)]
+    #[arg(value_parser = parse_build_number)]
     build: i64,
-    /// What became of it
-    outcome: Told,
-    /// A word on it, kept in the history
+    /// Outcome of the print
+    outcome: OutcomeChoice,
+    /// A remark, kept in the history
     #[arg(long, default_value = "", value_name = "TEXT")]
     note: String,
 }
 
-/// What an operator tells.
+/// The outcomes that an operator can record.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Told {
+enum OutcomeChoice {
     /// Printed
     Complete,
     /// The machine stopped before the end
@@ -35,15 +35,15 @@ enum Told {
 }
 
 /// Runs the command.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
+pub fn run(common: &CommonArgs, args: &OutcomeArgs) -> Result<CommandExit> {
     let outcome = match args.outcome {
-        Told::Complete => Outcome::Complete,
-        Told::Interrupted => Outcome::Interrupted,
-        Told::Failed => Outcome::Failed,
+        OutcomeChoice::Complete => PrintOutcome::Complete,
+        OutcomeChoice::Interrupted => PrintOutcome::Interrupted,
+        OutcomeChoice::Failed => PrintOutcome::Failed,
     };
     with_ledger(common, async |_, ledger| {
-        Ok(ledger.record_outcome(BuildId(args.build), outcome, &args.note, &who()).await?)
+        Ok(ledger.record_outcome(BuildId(args.build), outcome, &args.note, &user_at_host()).await?)
     })?;
-    say(&format!("Build {} is {outcome}.", args.build))?;
-    Ok(Exit::Success)
+    print_text(&format!("Build {} is {outcome}.", args.build))?;
+    Ok(CommandExit::Success)
 }

@@ -1,4 +1,4 @@
-//! `nestd render`: the picture of a build.
+//! `nestd render`: draws a picture of a build.
 
 use std::path::PathBuf;
 
@@ -6,30 +6,30 @@ use anyhow::Result;
 use build_file::Viewpoint;
 
 use super::{
-    Common, Exit,
-    looked::{BuildArgs, hand_over, look},
-    values::pixels,
+    CommandExit, CommonArgs,
+    build_lookup::{BuildLookupArgs, find_build, write_output},
+    values::parse_pixels,
 };
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub struct RenderArgs {
     #[command(flatten)]
-    build: BuildArgs,
-    /// Where it is looked at from
-    #[arg(long, value_enum, default_value_t = View::Iso)]
-    view: View,
+    build: BuildLookupArgs,
+    /// Viewpoint of the picture
+    #[arg(long, value_enum, default_value_t = RenderView::Iso)]
+    view: RenderView,
     /// PNG to write, - for standard output [default: the build's name with .png, in this folder]
     #[arg(short = 'o', long = "output", value_name = "F.png")]
     output: Option<PathBuf>,
     /// Width and height, pixels
-    #[arg(long, value_name = "WxH", default_value = "1024x768", value_parser = pixels)]
+    #[arg(long, value_name = "WxH", default_value = "1024x768", value_parser = parse_pixels)]
     size: (u32, u32),
 }
 
-/// Where a build is looked at from.
+/// The viewpoints of a picture.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum View {
+enum RenderView {
     /// From the front, the right and above
     Iso,
     /// From above
@@ -39,13 +39,13 @@ enum View {
 }
 
 /// Runs the command.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let looked = look(common, &args.build)?;
+pub fn run(common: &CommonArgs, args: &RenderArgs) -> Result<CommandExit> {
+    let looked = find_build(common, &args.build)?;
     let viewpoint = match args.view {
-        View::Iso => Viewpoint::Iso,
-        View::Top => Viewpoint::Top,
-        View::Front => Viewpoint::Front,
+        RenderView::Iso => Viewpoint::Iso,
+        RenderView::Top => Viewpoint::Top,
+        RenderView::Front => Viewpoint::Front,
     };
-    let target = args.output.clone().unwrap_or_else(|| format!("{}.png", looked.source.stem()).into());
-    hand_over(&target, &looked.cake.picture(viewpoint, args.size))
+    let target = args.output.clone().unwrap_or_else(|| format!("{}.png", looked.source.output_stem()).into());
+    write_output(&target, &looked.cake.render_picture(viewpoint, args.size))
 }

@@ -1,4 +1,4 @@
-//! `nestd run`: the daemon in the foreground.
+//! `nestd run`: runs the daemon in the foreground.
 
 use std::{
     sync::{Arc, Mutex, PoisonError, RwLock},
@@ -8,127 +8,128 @@ use std::{
 use anyhow::{Context, Result};
 use tokio::runtime::Runtime;
 
-use super::{Common, Exit, Usage, logging};
+use super::{CommandExit, CommonArgs, UsageError, logging};
 use crate::{
     access, farm,
-    ledger::Receiver,
+    ledger::ReceiverKind,
     metrics, outbox,
-    settings::{self, Settings, Shared},
+    settings::{self, Settings, SharedSettings},
     web,
 };
 
-/// Between two looks whether anybody is to be told anything.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Time between two checks whether the settings name any receiver.
+const POLL_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
-    /// Run even as root, which may read and move everything that somebody links into a hot folder
+pub struct RunArgs {
+    /// Run even as root, although root may read and move any file that a user links into a hot folder
     #[arg(long, env = "NESTD_ALLOW_ROOT", value_parser = clap::builder::FalseyValueParser::new())]
     allow_root: bool,
 }
 
 /// Runs the command.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
+pub fn run(common: &CommonArgs, args: &RunArgs) -> Result<CommandExit> {
     let (config, root) = (common.config.clone(), common.root.clone());
-    let load = move || settings::load(config.as_deref(), root.as_deref());
-    // A wrong configuration is told before anything is opened.
-    let settings = load().map_err(|error| Usage(error.to_string()))?;
-    demand_little(&settings, args.allow_root)?;
-    logging::start(&settings.log)?;
-    let runtime = threads("nestd", 512)?;
+    let load = move || settings::load_settings(config.as_deref(), root.as_deref());
+    // A wrong configuration is reported before anything is opened.
+    let settings = load().map_err(|error| UsageError(error.to_string()))?;
+    check_privileges(&settings, args.allow_root)?;
+    logging::start_logging(&settings.log)?;
+    let runtime = start_runtime("nestd", 512)?;
     let web = settings.web.clone();
-    let shared: Shared = Arc::new(RwLock::new(Arc::new(settings)));
+    let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(settings)));
     let (told, served) = (shared.clone(), web.clone());
     let load = move || {
         let settings = load()?;
         if settings.web != served {
-            tracing::warn!("What [web] says now is taken at the next start.");
+            tracing::warn!("The new values in [web] take effect at the next start.");
         }
         *told.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
         Ok(settings)
     };
-    let outside = farm::Outside::default();
-    runtime.spawn(watch(shared, web, outside.clone()));
+    let outside = farm::ServiceBridge::default();
+    runtime.spawn(start_observers(shared, web, outside.clone()));
     let result = runtime.block_on(farm::run(Box::new(load), outside));
-    // Jobs run on threads of their own; what has not ended by now finds its work again at the next start.
-    if let Some(watching) = WATCHING.lock().unwrap_or_else(PoisonError::into_inner).take() {
+    // Jobs run on their own threads. A job that has not ended by now is repeated at the next start.
+    if let Some(watching) = OBSERVER_RUNTIME.lock().unwrap_or_else(PoisonError::into_inner).take() {
         watching.shutdown_background();
     }
     runtime.shutdown_background();
-    result.map(|()| Exit::Success)
+    result.map(|()| CommandExit::Success)
 }
 
-/// Threads for tasks, and at most so many for what blocks.
-fn threads(name: &str, blocking: usize) -> Result<Runtime> {
+/// Starts a runtime with two threads for tasks and at most `blocking` threads for blocking work.
+fn start_runtime(name: &str, blocking: usize) -> Result<Runtime> {
     let mut builder = tokio::runtime::Builder::new_multi_thread();
     builder.worker_threads(2).max_blocking_threads(blocking).thread_name(name).enable_all();
     builder.build().context("starting the runtime")
 }
 
-/// Whoever watches has threads of its own: one that hangs, on a share or a pipe, holds up nobody but the others there. A farm
-/// that nobody watches has none.
-static WATCHING: Mutex<Option<Runtime>> = Mutex::new(None);
+/// The runtime of the dashboard, the metrics and the messages. A task that hangs, on a share or a pipe, cannot delay
+/// the farm. A farm without dashboard, metrics and messages does not start this runtime.
+static OBSERVER_RUNTIME: Mutex<Option<Runtime>> = Mutex::new(None);
 
-/// Begins to show and to tell as soon as somebody is to be shown or told anything; the settings may change that at any time.
-async fn watch(shared: Shared, web: Option<settings::Web>, outside: farm::Outside) {
+/// Starts dashboard, metrics and messages as soon as the settings ask for any of them. The settings may change at any
+/// time.
+async fn start_observers(shared: SharedSettings, web: Option<settings::WebSettings>, outside: farm::ServiceBridge) {
     let begun = async {
-        if let Err(failure) = outbox::forget_others(&shared).await {
+        if let Err(failure) = outbox::forget_unconfigured_receivers(&shared).await {
             tracing::debug!("Receivers that are not configured could not be forgotten: {failure:#}.");
         }
-        while !is_anybody_told(&shared) && web.is_none() {
-            tokio::time::sleep(LOOK_EVERY).await;
+        while !has_receivers(&shared) && web.is_none() {
+            tokio::time::sleep(POLL_INTERVAL).await;
         }
-        let watching = match threads("nestd-watch", 8) {
+        let watching = match start_runtime("nestd-watch", 8) {
             Ok(watching) => watching,
-            Err(failure) => return outside.fails(&format!("{failure:#}")),
+            Err(failure) => return outside.report_dashboard_failure(&format!("{failure:#}")),
         };
-        watching.spawn(tell(shared.clone(), outside.clone()));
+        watching.spawn(serve_monitoring(shared.clone(), outside.clone()));
         if let Some(web) = web {
-            watching.spawn(serve(shared, web, outside.clone()));
+            watching.spawn(serve_dashboard(shared, web, outside.clone()));
         }
-        *WATCHING.lock().unwrap_or_else(PoisonError::into_inner) = Some(watching);
+        *OBSERVER_RUNTIME.lock().unwrap_or_else(PoisonError::into_inner) = Some(watching);
     };
-    outside.while_open(begun).await;
+    outside.run_while_open(begun).await;
 }
 
-fn is_anybody_told(shared: &Shared) -> bool {
+fn has_receivers(shared: &SharedSettings) -> bool {
     let settings = shared.read().unwrap_or_else(PoisonError::into_inner);
-    settings.metrics.is_some() || !outbox::configured(&settings.notify).is_empty()
+    settings.metrics.is_some() || !outbox::configured_receivers(&settings.notify).is_empty()
 }
 
-/// The dashboard, while the farm is open: the ledger may be opened only when it was found whole, and the address be taken only
-/// by the one daemon that holds the farm. One that cannot be served is told; the farm works without it.
-async fn serve(shared: Shared, web: settings::Web, outside: farm::Outside) {
+/// Serves the dashboard while the farm is open: before that, the ledger is not checked yet, and this process may not be
+/// the one daemon of the farm that may bind the address. A failure is reported; the farm works without the dashboard.
+async fn serve_dashboard(shared: SharedSettings, web: settings::WebSettings, outside: farm::ServiceBridge) {
     let serving = async {
-        if let Err(failure) = web::serve(shared, web).await {
-            outside.fails(&format!("{failure:#}"));
+        if let Err(failure) = web::serve_dashboard(shared, web).await {
+            outside.report_dashboard_failure(&format!("{failure:#}"));
         }
     };
-    outside.while_open(serving).await;
+    outside.run_while_open(serving).await;
 }
 
-/// Those who watch the farm from outside are told by tasks beside it, while its ledger is open.
-async fn tell(shared: Shared, outside: farm::Outside) {
-    let trouble = |receiver: Receiver, why| outside.receiver(&receiver.to_string(), why);
+/// Writes metrics and sends messages in tasks beside the farm, while its ledger is open.
+async fn serve_monitoring(shared: SharedSettings, outside: farm::ServiceBridge) {
+    let trouble = |receiver: ReceiverKind, why| outside.report_receiver(&receiver.to_string(), why);
     let telling = async {
-        tokio::join!(metrics::keep(shared.clone()), outbox::serve(shared.clone(), trouble));
+        tokio::join!(metrics::keep_metrics_file(shared.clone()), outbox::deliver_events(shared.clone(), trouble));
     };
-    outside.while_open(telling).await;
+    outside.run_while_open(telling).await;
 }
 
-/// The daemon takes files out of folders that anybody may write to: it must not be able to do more than that.
-fn demand_little(settings: &Settings, allow_root: bool) -> Result<()> {
+/// Refuses to run with more privileges than needed: the daemon takes files from folders that anybody may write to.
+fn check_privileges(settings: &Settings, allow_root: bool) -> Result<()> {
     if rustix::process::geteuid().is_root() && !allow_root {
         let text = "the daemon does not run as root: it takes files from folders that others write to. Run it as a user of its \
                     own (systemd/README.md says how), or say --allow-root";
-        return Err(Usage(text.to_owned()).into());
+        return Err(UsageError(text.to_owned()).into());
     }
     match settings.files.group {
-        Some(group) if !access::may_give_to(group) => {
+        Some(group) if !access::can_assign_group(group) => {
             let text =
                 format!("files.group: nestd's user is not in the group {group}; add it with usermod -aG {group} USER");
-            Err(Usage(text).into())
+            Err(UsageError(text).into())
         }
         _ => Ok(()),
     }

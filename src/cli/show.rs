@@ -1,20 +1,21 @@
-//! `nestd show`: a build, a part or an order, with everything that the ledger knows of it.
+//! `nestd show`: shows a build, a part or an order, with everything that the ledger knows about it.
 
 use anyhow::Result;
 
 use super::{
-    Common, Exit,
-    lookup::{Wanted, look},
-    reach::look_at_ledger,
+    CommandExit, CommonArgs,
+    farm_context::with_ledger_to_read,
+    lookup::{LookupQuery, look_up},
     show_text,
-    table::{say, say_json, tell},
+    table::{print_json, print_text, print_to_stderr},
 };
-use crate::settings::Profile;
+use crate::settings::MachineProfile;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
-    /// 'build 42' or b42, 'part 7' or p7, 'part FILE', 'order NAME', or just a number or a name: then everything of that name
+pub struct ShowArgs {
+    /// 'build 42' or b42, 'part 7' or p7, 'part FILE', 'order NAME', or only a number or name, which shows everything
+    /// that matches
     #[arg(required = true, num_args = 1.., value_name = "BUILD|PART|ORDER")]
     what: Vec<String>,
     /// Print JSON
@@ -23,30 +24,31 @@ pub struct Args {
 }
 
 /// Runs the command.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let wanted = Wanted::parse(&args.what);
-    let found = look_at_ledger(common, async |settings, ledger| {
-        let mut found = look(ledger, &wanted).await?;
+pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
+    let wanted = LookupQuery::from_words(&args.what);
+    let found = with_ledger_to_read(common, async |settings, ledger| {
+        let mut found = look_up(ledger, &wanted).await?;
         if let Some(sheet) = &mut found.build {
             let build = &sheet.build;
             let now = settings.profiles.get(&build.profile);
             let folder = now.map(|profile| profile.folders.queue.clone());
             sheet.file = folder.zip(build.staged.file_name.as_ref()).map(|(folder, name)| folder.join(name));
-            sheet.machine = Some(Profile::then(&build.profile, build.kept.profile_snapshot.as_deref(), now));
+            sheet.machine =
+                Some(MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now));
         }
         Ok(found)
     })?;
     if found.is_empty() {
-        // Whoever asks for JSON gets JSON; the exit code says that there is nothing.
+        // With --json, the output is JSON even when nothing was found; the exit code says so.
         match args.json {
-            true => say_json(&found)?,
-            false => tell(&format!("there is no build, part or order '{}'", args.what.join(" "))),
+            true => print_json(&found)?,
+            false => print_to_stderr(&format!("there is no build, part or order '{}'", args.what.join(" "))),
         }
-        return Ok(Exit::Failure);
+        return Ok(CommandExit::Failure);
     }
     match args.json {
-        true => say_json(&found)?,
-        false => say(&show_text::found(&found))?,
+        true => print_json(&found)?,
+        false => print_text(&show_text::lookup_text(&found))?,
     }
-    Ok(Exit::Success)
+    Ok(CommandExit::Success)
 }

@@ -1,11 +1,11 @@
-//! The sheets of `nestd show` for people.
+//! The output of `nestd show` for people.
 
-use build_file::visible;
+use build_file::escape_invisible;
 use jiff::Timestamp;
 
 use super::{
-    lookup::{BuildSheet, Found, PartSheet},
-    table::Table,
+    lookup::{BuildDetails, LookupResult, PartDetails},
+    table::TextTable,
 };
 use crate::{
     ledger::{BuildState, EventRow},
@@ -16,39 +16,39 @@ use crate::{
 };
 
 /// Everything that was found.
-pub fn found(found: &Found) -> String {
+pub fn lookup_text(found: &LookupResult) -> String {
     let mut sheets = Vec::new();
-    sheets.extend(found.build.as_ref().map(build));
-    sheets.extend(found.part.as_ref().map(part));
+    sheets.extend(found.build.as_ref().map(build_text));
+    sheets.extend(found.part.as_ref().map(part_text));
     if let Some(first) = found.order.first() {
         let name = &first.part.terms.order_name;
-        sheets.push(format!("Order {name}\n\n{}", parts(&found.order)));
+        sheets.push(format!("Order {name}\n\n{}", parts_table(&found.order)));
     }
     match found.named.as_slice() {
         [] => {}
-        [one] => sheets.push(part(one)),
-        [first, ..] => sheets.push(format!("Parts named {}\n\n{}", first.part.name, parts(&found.named))),
+        [one] => sheets.push(part_text(one)),
+        [first, ..] => sheets.push(format!("Parts named {}\n\n{}", first.part.name, parts_table(&found.named))),
     }
     sheets.join("\n")
 }
 
-fn build(sheet: &BuildSheet) -> String {
+fn build_text(sheet: &BuildDetails) -> String {
     let row = &sheet.build;
     let file = sheet.file.as_ref().map(|file| file.display().to_string());
-    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_of(sheet), file), Timestamp::now());
+    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), Timestamp::now());
     facts.splice(0..0, fields::REASON.fact(&row.reason));
-    let mut text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, aligned(&facts));
+    let mut text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, align_fields(&facts));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;
     let parts: Vec<CountedPart> =
         sheet.parts.iter().map(|part| CountedPart { part: part.clone(), copies: here(part.id) }).collect();
     text += &table_below(BUILD_PART_COLUMNS, &parts);
     text += &table_below(WAITING_PART_COLUMNS, &sheet.waiting);
     text += &table_below(OUTCOME_COLUMNS, &sheet.outcomes);
-    text + &events(&sheet.events)
+    text + &events_text(&sheet.events)
 }
 
-/// How many copies are in a build; an open one has a forecast and takes none.
-fn copies_of(sheet: &BuildSheet) -> String {
+/// The number of copies in a build. An open build has only a forecast: it takes no copies before it fires.
+fn copies_text(sheet: &BuildDetails) -> String {
     let copies = sheet.build.measures.copies.unwrap_or(0);
     match sheet.build.state {
         BuildState::Open => {
@@ -59,28 +59,35 @@ fn copies_of(sheet: &BuildSheet) -> String {
     }
 }
 
-fn part(sheet: &PartSheet) -> String {
+fn part_text(sheet: &PartDetails) -> String {
     let row = &sheet.part;
     let mut facts = part_facts(row, format!("{}, {}", row.copies, whereabouts(&sheet.placements)));
     facts.extend(fields::REASON.fact(&row.reason));
     facts.extend(row.warnings.lines().filter_map(|warning| fields::WARNING.fact(warning)));
-    format!("Part {}, {}: {}\n{}{}", row.id, row.full_name(), row.state, aligned(&facts), events(&sheet.events))
+    format!(
+        "Part {}, {}: {}\n{}{}",
+        row.id,
+        row.full_name(),
+        row.state,
+        align_fields(&facts),
+        events_text(&sheet.events)
+    )
 }
 
-fn parts(sheets: &[PartSheet]) -> Table {
-    let row = |sheet: &PartSheet| OrderedPart { part: sheet.part.clone(), placements: sheet.placements.clone() };
-    Table::of(ORDERED_PART_COLUMNS, &sheets.iter().map(row).collect::<Vec<_>>())
+fn parts_table(sheets: &[PartDetails]) -> TextTable {
+    let row = |sheet: &PartDetails| OrderedPart { part: sheet.part.clone(), placements: sheet.placements.clone() };
+    TextTable::of(ORDERED_PART_COLUMNS, &sheets.iter().map(row).collect::<Vec<_>>())
 }
 
-fn events(events: &[EventRow]) -> String {
+fn events_text(events: &[EventRow]) -> String {
     table_below(EVENT_COLUMNS, events)
 }
 
 /// A table after an empty line; nothing where it has no row.
 fn table_below<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> String {
-    if rows.is_empty() { String::new() } else { format!("\n{}", Table::of(columns, rows)) }
+    if rows.is_empty() { String::new() } else { format!("\n{}", TextTable::of(columns, rows)) }
 }
 
-fn aligned(facts: &[SheetFact]) -> String {
-    facts.iter().map(|fact| format!("  {:<12}{}\n", fact.label.to_lowercase(), visible(&fact.text))).collect()
+fn align_fields(facts: &[SheetFact]) -> String {
+    facts.iter().map(|fact| format!("  {:<12}{}\n", fact.label.to_lowercase(), escape_invisible(&fact.text))).collect()
 }

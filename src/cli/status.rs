@@ -1,29 +1,29 @@
-//! `nestd status`: what waits, what is being nested, whether the daemon runs.
+//! `nestd status`: shows the waiting parts, the builds that are being nested and whether the daemon runs.
 
 use anyhow::Result;
 use jiff::Timestamp;
 use serde::Serialize;
 
 use super::{
-    Common, Exit,
-    reach::{age, over, settings_to_look},
-    table::{Table, say, say_json},
-    watch::watch,
+    CommandExit, CommonArgs,
+    farm_context::{format_age, load_settings_leniently, run_with_ledger},
+    table::{TextTable, print_json, print_text},
+    watch::watch_terminal,
 };
 use crate::{
-    farm::{self, Notice},
+    farm::{self, FarmAlert},
     intake,
     ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
     settings::Settings,
     tables::{MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS, ToldNotice},
 };
 
-/// So many rejected parts are listed; `show` finds the older ones.
+/// This many rejected parts are listed; `nestd show` finds the older ones.
 const REJECTED_LISTED: u32 = 20;
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
-pub struct Args {
+pub struct StatusArgs {
     /// Also list the parts that are claimed, waiting, batched or rejected, with their numbers
     #[arg(long)]
     parts: bool,
@@ -35,74 +35,74 @@ pub struct Args {
     json: bool,
 }
 
-/// A farm as it stands.
+/// The current state of a farm.
 #[derive(Debug, Serialize)]
 pub struct FarmStatus {
     /// The daemon that serves or served the ledger.
     daemon: Option<DaemonRow>,
-    /// Whether a daemon holds the ledger, also one that has not written into it yet.
+    /// Whether a daemon holds the ledger, even one that has not written into it yet.
     #[serde(skip)]
     is_served: bool,
-    /// What a person must see to.
+    /// Problems that a person must solve.
     #[serde(serialize_with = "attention_as_json")]
-    attention: Vec<Notice>,
+    attention: Vec<FarmAlert>,
     /// Machines, by name.
-    profiles: Vec<Machine>,
-    /// The parts that were asked for.
+    profiles: Vec<MachineStatus>,
+    /// The requested parts.
     #[serde(skip_serializing_if = "Option::is_none")]
     parts: Option<Vec<PartRow>>,
 }
 
-/// A machine as it stands.
+/// The current state of a machine.
 #[derive(Debug, Serialize)]
-struct Machine {
-    /// Whether the configuration knows it (still).
+struct MachineStatus {
+    /// Whether the machine is configured (still).
     configured: bool,
     #[serde(flatten)]
     forecast: MachineForecast,
 }
 
 /// Runs the command.
-pub fn run(common: &Common, args: &Args) -> Result<Exit> {
-    let settings = settings_to_look(common)?;
+pub fn run(common: &CommonArgs, args: &StatusArgs) -> Result<CommandExit> {
+    let settings = load_settings_leniently(common)?;
     if args.watch {
-        watch(|columns| {
-            let attention = farm::kept_notices(&settings.state_dir);
-            let status = looked(settings.clone(), args.parts);
+        watch_terminal(|columns| {
+            let attention = farm::read_stored_alerts(&settings.state_dir);
+            let status = read_farm_status(settings.clone(), args.parts);
             // The ledger itself may be what needs a person.
             let status = status.map_err(|error| match attention_text(&attention) {
                 text if text.is_empty() => error,
                 text => anyhow::anyhow!("{error:#}\n\n{text}"),
             })?;
-            Ok(FarmStatus { attention, ..status }.print(Timestamp::now(), columns))
+            Ok(FarmStatus { attention, ..status }.to_text(Timestamp::now(), columns))
         })?;
-        return Ok(Exit::Success);
+        return Ok(CommandExit::Success);
     }
-    let attention = farm::kept_notices(&settings.state_dir);
-    let status = match looked(settings, args.parts) {
+    let attention = farm::read_stored_alerts(&settings.state_dir);
+    let status = match read_farm_status(settings, args.parts) {
         Ok(status) => FarmStatus { attention, ..status },
         Err(error) => {
             // The ledger itself may be what needs a person.
             match (attention.is_empty(), args.json) {
                 (true, _) => {}
-                (_, true) => say_json(&serde_json::json!({ "attention": attention_json(&attention) }))?,
-                (_, false) => say(&attention_text(&attention))?,
+                (_, true) => print_json(&serde_json::json!({ "attention": attention_json(&attention) }))?,
+                (_, false) => print_text(&attention_text(&attention))?,
             }
             return Err(error);
         }
     };
     match args.json {
-        true => say_json(&status)?,
-        false => say(&status.print(Timestamp::now(), usize::MAX))?,
+        true => print_json(&status)?,
+        false => print_text(&status.to_text(Timestamp::now(), usize::MAX))?,
     }
-    Ok(Exit::Success)
+    Ok(CommandExit::Success)
 }
 
-/// Asks the ledger of a farm.
-fn looked(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
-    over(settings, async |settings, ledger| {
+/// Reads the status from a farm's ledger.
+fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
+    run_with_ledger(settings, async |settings, ledger| {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-        let mut status = look(ledger, &names, with_parts).await?;
+        let mut status = read_status(ledger, &names, with_parts).await?;
         for machine in &mut status.profiles {
             let profile = settings.profiles.get(&machine.forecast.status.profile);
             machine.forecast = MachineForecast::new(machine.forecast.status.clone(), profile);
@@ -111,45 +111,47 @@ fn looked(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
     })
 }
 
-/// Asks the ledger; `configured` are the profiles of the settings.
-pub async fn look(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
-    let known = ledger.status().await?;
-    let machine = |configured: bool, status| Machine { configured, forecast: MachineForecast::new(status, None) };
-    let mut profiles: Vec<Machine> = (configured.iter())
+/// Reads the status from a ledger; `configured` are the profiles of the settings.
+pub async fn read_status(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
+    let known = ledger.profile_statuses().await?;
+    let machine = |configured: bool, status| MachineStatus { configured, forecast: MachineForecast::new(status, None) };
+    let mut profiles: Vec<MachineStatus> = (configured.iter())
         .filter(|name| !known.iter().any(|k| k.profile == **name))
         .map(|name| ProfileStatus { profile: (*name).to_owned(), ..ProfileStatus::default() })
         .map(|status| machine(true, status))
         .collect();
     profiles.extend(known.into_iter().map(|status| machine(configured.contains(&status.profile.as_str()), status)));
     profiles.sort_by(|a, b| a.forecast.status.profile.cmp(&b.forecast.status.profile));
-    let parts = if with_parts { Some(parts(ledger).await?) } else { None };
-    let (daemon, is_served) = (ledger.daemon().await?, ledger.is_served().await?);
+    let parts = if with_parts { Some(list_parts(ledger).await?) } else { None };
+    let (daemon, is_served) = (ledger.last_daemon().await?, ledger.is_served().await?);
     Ok(FarmStatus { daemon, is_served, attention: Vec::new(), profiles, parts })
 }
 
-async fn parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
+async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
     let mut parts = Vec::new();
     for state in PartState::ALL.into_iter().filter(|state| state.is_live()) {
         parts.extend(ledger.parts_in_state(state).await?);
     }
-    parts.extend(ledger.parts_since(PartState::Rejected, Timestamp::MIN, Timestamp::MAX, REJECTED_LISTED).await?);
+    parts.extend(
+        ledger.parts_in_state_between(PartState::Rejected, Timestamp::MIN, Timestamp::MAX, REJECTED_LISTED).await?,
+    );
     Ok(parts)
 }
 
 impl FarmStatus {
-    /// For people; tables that are wider than so many columns are lists.
-    pub fn print(&self, now: Timestamp, columns: usize) -> String {
-        let machine = |machine: &Machine| MachineNow {
+    /// The status as text; tables wider than `columns` become lists.
+    pub fn to_text(&self, now: Timestamp, columns: usize) -> String {
+        let machine = |machine: &MachineStatus| MachineNow {
             forecast: machine.forecast.clone(),
             is_configured: machine.configured,
             now,
         };
-        let table = Table::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>());
+        let table = TextTable::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>());
         let attention = attention_text(&self.attention);
         let gap = if attention.is_empty() { "" } else { "\n" };
-        let mut text = format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.within(columns));
+        let mut text = format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_columns(columns));
         if let Some(parts) = &self.parts {
-            text += &format!("\n{}", Table::of(PART_COLUMNS, parts).within(columns));
+            text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts).fit_columns(columns));
         }
         text
     }
@@ -162,36 +164,36 @@ impl FarmStatus {
             }
             None => "The daemon does not run.".to_owned(),
             Some(d) if !d.alive => {
-                format!("The daemon does not run; its last sign of life was {} ago.", age(Some(d.beat_at), now))
+                format!("The daemon does not run; its last sign of life was {} ago.", format_age(Some(d.beat_at), now))
             }
             Some(d) => {
-                let since = age(Some(d.started_at), now);
+                let since = format_age(Some(d.started_at), now);
                 let runs = format!("The daemon runs on {} (process {}, version {}) for {since}", d.host, d.pid, d.version);
                 match d.is_silent(now) {
                     true => format!(
-                        "{runs}, but has not written into the ledger for {}: what stands here may be as old. Where \
+                        "{runs}, but has not written into the ledger for {}: this status may be that old. Where \
                          the disk of the state folder is full, free some room; `nestd check` says more.",
-                        age(Some(d.beat_at), now)
+                        format_age(Some(d.beat_at), now)
                     ),
-                    false => format!("{runs}: {}.", self.does(d)),
+                    false => format!("{runs}: {}.", self.activity_text(d)),
                 }
             }
         }
     }
 
-    /// What the daemon does, by the same rows as the table below.
-    fn does(&self, daemon: &DaemonRow) -> String {
+    /// What the daemon does, according to the rows of the table below.
+    fn activity_text(&self, daemon: &DaemonRow) -> String {
         if daemon.status.starts_with(farm::HALTED) {
             return daemon.status.clone();
         }
         let machines = self.profiles.iter().filter(|machine| machine.configured).count();
-        farm::summary(machines, self.profiles.iter().map(|machine| &machine.forecast.status))
+        farm::farm_summary(machines, self.profiles.iter().map(|machine| &machine.forecast.status))
     }
 }
 
-/// What a person must see to, each with what to do; "" when there is nothing.
-fn attention_text(notices: &[Notice]) -> String {
-    let sentence = |notice: &Notice| intake::display_name(notice.sentence().as_ref()).replace("\\\\", "\\");
+/// The problems that a person must solve, each with its remedy; empty when there are none.
+fn attention_text(notices: &[FarmAlert]) -> String {
+    let sentence = |notice: &FarmAlert| intake::display_name(notice.alert_text().as_ref()).replace("\\\\", "\\");
     let lines = notices.iter().map(|n| format!("  {}\n    -> {}\n", sentence(n), n.kind.remedy()));
     match notices {
         [] => String::new(),
@@ -200,10 +202,10 @@ fn attention_text(notices: &[Notice]) -> String {
     }
 }
 
-fn attention_json(notices: &[Notice]) -> Vec<ToldNotice> {
+fn attention_json(notices: &[FarmAlert]) -> Vec<ToldNotice> {
     notices.iter().map(ToldNotice::from).collect()
 }
 
-fn attention_as_json<S: serde::Serializer>(notices: &[Notice], serializer: S) -> Result<S::Ok, S::Error> {
+fn attention_as_json<S: serde::Serializer>(notices: &[FarmAlert], serializer: S) -> Result<S::Ok, S::Error> {
     attention_json(notices).serialize(serializer)
 }

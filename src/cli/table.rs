@@ -1,4 +1,5 @@
-//! Plain aligned tables and the one door to the terminal. No colours, so that a pipe gets what a person sees.
+//! Aligned text tables, and the functions that print to the terminal. Without colours, so that a pipe gets what a
+//! person sees.
 
 use std::{
     fmt,
@@ -6,14 +7,14 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use build_file::{is_invisible, visible, visible_lines};
+use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
 use crate::tables::{FieldDefinition, TableColumn, for_people};
 
 /// A table; numbers stand to the right.
 #[derive(Debug, Clone)]
-pub struct Table {
-    heads: Vec<TableHead>,
+pub struct TextTable {
+    headings: Vec<TableHead>,
     rows: Vec<Vec<String>>,
 }
 
@@ -30,14 +31,14 @@ impl TableHead {
     }
 }
 
-impl Table {
+impl TextTable {
     /// Rows in the columns that people see.
     pub fn of<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> Self {
         let cell = |column: &TableColumn<Row>, row: &Row| {
-            visible(&column.field.cell_text(&(column.value)(row)).unwrap_or_else(|| "-".to_owned()))
+            escape_invisible(&column.field.cell_text(&(column.value)(row)).unwrap_or_else(|| "-".to_owned()))
         };
         Self {
-            heads: for_people(columns).map(|column| TableHead::of(&column.field)).collect(),
+            headings: for_people(columns).map(|column| TableHead::of(&column.field)).collect(),
             rows: rows.iter().map(|row| for_people(columns).map(|column| cell(column, row)).collect()).collect(),
         }
     }
@@ -47,19 +48,19 @@ impl Table {
         self.rows.is_empty()
     }
 
-    /// The table where it fits so many columns of a terminal; where not, each row as a list of its cells with their headings.
-    pub fn within(&self, columns: usize) -> String {
+    /// The table if it fits `columns` terminal columns; else each row as a list of its headings and cells.
+    pub fn fit_columns(&self, columns: usize) -> String {
         let table = self.to_string();
         if self.is_empty() || table.lines().all(|line| line.chars().count() <= columns) {
             return table;
         }
-        self.rows.iter().map(|row| self.list(row, columns)).collect()
+        self.rows.iter().map(|row| self.row_as_list(row, columns)).collect()
     }
 
-    /// "PART: 3  PROFILE: mjf", as many in a line as fit, the first line further out.
-    fn list(&self, row: &[String], columns: usize) -> String {
+    /// A row as "PART: 3  PROFILE: mjf": as many pairs in a line as fit, the lines after the first indented.
+    fn row_as_list(&self, row: &[String], columns: usize) -> String {
         let mut lines: Vec<String> = Vec::new();
-        for (head, cell) in self.heads.iter().zip(row) {
+        for (head, cell) in self.headings.iter().zip(row) {
             let pair = format!("{}: {cell}", head.text);
             match lines.last_mut() {
                 Some(line) if line.chars().count() + 2 + pair.chars().count() <= columns => {
@@ -72,18 +73,18 @@ impl Table {
         lines.iter().map(|line| format!("{line}\n")).collect()
     }
 
-    fn width(&self, column: usize) -> usize {
-        let head = self.heads[column].text.chars().count();
+    fn column_width(&self, column: usize) -> usize {
+        let head = self.headings[column].text.chars().count();
         self.rows.iter().map(|row| row[column].chars().count()).fold(head, usize::max)
     }
 }
 
-impl fmt::Display for Table {
+impl fmt::Display for TextTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let widths: Vec<usize> = (0..self.heads.len()).map(|column| self.width(column)).collect();
-        let heads: Vec<String> = self.heads.iter().map(|head| head.text.clone()).collect();
+        let widths: Vec<usize> = (0..self.headings.len()).map(|column| self.column_width(column)).collect();
+        let heads: Vec<String> = self.headings.iter().map(|head| head.text.clone()).collect();
         for row in std::iter::once(&heads).chain(&self.rows) {
-            let cells = row.iter().zip(&widths).zip(&self.heads).map(|((cell, &width), head)| match head.is_right {
+            let cells = row.iter().zip(&widths).zip(&self.headings).map(|((cell, &width), head)| match head.is_right {
                 true => format!("{cell:>width$}"),
                 false => format!("{cell:<width$}"),
             });
@@ -93,10 +94,10 @@ impl fmt::Display for Table {
     }
 }
 
-/// Prints; a reader that has seen enough (`| head`) is no fault. What a customer wrote does not move the cursor of an
-/// operator's terminal.
-pub fn say(text: &str) -> Result<()> {
-    let text = visible_lines(text);
+/// Prints to standard output. A closed pipe (`| head`) is no error. Control characters are escaped, so that text from
+/// customers cannot move the cursor of the operator's terminal.
+pub fn print_text(text: &str) -> Result<()> {
+    let text = escape_invisible_lines(text);
     let mut out = io::stdout().lock();
     let written = out.write_all(text.as_bytes()).and_then(|()| match text.ends_with('\n') {
         true => out.flush(),
@@ -109,16 +110,17 @@ pub fn say(text: &str) -> Result<()> {
 }
 
 /// Prints as JSON.
-pub fn say_json(value: &impl serde::Serialize) -> Result<()> {
-    say(&escaped_json(&serde_json::to_string_pretty(value)?))
+pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
+    print_text(&escaped_json(&serde_json::to_string_pretty(value)?))
 }
 
-/// Tells on standard error.
-pub fn tell(text: &str) {
-    eprintln!("nestd: {}", visible_lines(text));
+/// Prints to standard error.
+pub fn print_to_stderr(text: &str) {
+    eprintln!("nestd: {}", escape_invisible_lines(text));
 }
 
-/// JSON escapes the oldest controls only; the others, and what turns text around, stand in strings alone.
+/// Escapes invisible characters that JSON leaves as they are, such as bidirectional controls. They occur only inside
+/// strings.
 fn escaped_json(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
@@ -151,7 +153,7 @@ mod tests {
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell_and_numbers_stand_to_the_right() {
-        let table = Table::of(COLUMNS, &[("größe.stl", 3, "", "waiting"), ("a\u{1b}", 12, "", "")]);
+        let table = TextTable::of(COLUMNS, &[("größe.stl", 3, "", "waiting"), ("a\u{1b}", 12, "", "")]);
         let text = "NAME       COPIES  NEXT BUILD  NOW\ngröße.stl       3  -           waiting\na\\u{1b}        12  -           -\n";
         assert_eq!(table.to_string(), text);
     }
@@ -159,12 +161,12 @@ mod tests {
     #[test]
     fn a_table_that_is_too_wide_is_a_list_that_leaves_nothing_out() {
         let rows = [("mjf", 3, "55.61 mm, 11 copies", "collecting"), ("sls", 0, "", "idle")];
-        let table = Table::of(COLUMNS, &rows);
+        let table = TextTable::of(COLUMNS, &rows);
         let width = table.to_string().lines().map(|line| line.chars().count()).max().unwrap();
-        assert_eq!(table.within(width), table.to_string());
+        assert_eq!(table.fit_columns(width), table.to_string());
         let list = "NAME: mjf  COPIES: 3\n  NEXT BUILD: 55.61 mm, 11 copies\n  NOW: collecting\n\
                     NAME: sls  COPIES: 0  NEXT BUILD: -\n  NOW: idle\n";
-        assert_eq!(table.within(36), list);
-        assert_eq!(table.within(12).matches(": ").count(), 8, "however narrow it is");
+        assert_eq!(table.fit_columns(36), list);
+        assert_eq!(table.fit_columns(12).matches(": ").count(), 8, "however narrow it is");
     }
 }

@@ -1,42 +1,48 @@
-//! Tests of the faces over a real ledger.
+//! Tests of the commands over a real ledger.
 
 use std::time::Duration;
 
 use jiff::Timestamp;
-use nester::Tilt;
+use nester::TiltLimit;
 
-use super::{Cli, Exit, command, command::Order, lookup, lookup::Wanted, show_text, status, table};
-use crate::ledger::{Beat, CommandKind, HistoryQuery, Ledger, NewPart, Outcome, PartId, Refusal, Tilts, fixtures::*};
+use super::{
+    CommandExit, CommandLine, command, command::DaemonCommand, lookup, lookup::LookupQuery, show_text, status, table,
+};
+use crate::ledger::{
+    CommandKind, DaemonHeartbeat, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause, RequiredTilts,
+    fixtures::*,
+};
 
 fn words(text: &str) -> Vec<String> {
     text.split(' ').map(str::to_owned).collect()
 }
 
 async fn beat(ledger: &Ledger) {
-    let beat = Beat {
+    let beat = DaemonHeartbeat {
         pid: 4711,
         host: "farm".into(),
         version: "0.1.0".into(),
         started_at: Timestamp::now(),
         status: "idle".into(),
-        stations: Vec::new(),
+        machines: Vec::new(),
     };
-    ledger.beat(&beat).await.unwrap();
+    ledger.write_heartbeat(&beat).await.unwrap();
 }
 
 #[test]
 fn the_command_line_is_sound() {
     use clap::CommandFactory;
-    Cli::command().debug_assert();
+    CommandLine::command().debug_assert();
 }
 
 #[tokio::test]
 async fn an_order_is_noted_while_the_daemon_does_not_run() {
     let ledger = fresh().await;
-    let (text, exit) = command::give(&ledger, &Order::Flush("paper-200".into()), Duration::ZERO).await.unwrap();
-    assert_eq!(exit, Exit::Success);
+    let (text, exit) =
+        command::send_command(&ledger, &DaemonCommand::Flush("paper-200".into()), Duration::ZERO).await.unwrap();
+    assert_eq!(exit, CommandExit::Success);
     assert_eq!(text, "The daemon does not run; flush is noted and will be done when it starts.");
-    let asked = ledger.asked().await.unwrap();
+    let asked = ledger.pending_commands().await.unwrap();
     assert_eq!((asked[0].kind, asked[0].profile.as_str()), (CommandKind::Flush, "paper-200"));
     assert!(asked[0].asked_by.contains('@'));
 }
@@ -45,22 +51,24 @@ async fn an_order_is_noted_while_the_daemon_does_not_run() {
 async fn the_answer_of_the_daemon_is_printed_and_a_refusal_fails() {
     let ledger = fresh().await;
     beat(&ledger).await;
-    for (done, exit, told) in [(true, Exit::Success, "nothing waits"), (false, Exit::Failure, "Refused: nothing waits")]
+    for (done, exit, told) in
+        [(true, CommandExit::Success, "nothing waits"), (false, CommandExit::Failure, "Refused: nothing waits")]
     {
         let daemon = async {
-            while ledger.asked().await.unwrap().is_empty() {
+            while ledger.pending_commands().await.unwrap().is_empty() {
                 tokio::time::sleep(Duration::from_millis(5)).await;
             }
-            let id = ledger.asked().await.unwrap()[0].id;
-            ledger.answer(id, done, "nothing waits").await.unwrap();
+            let id = ledger.pending_commands().await.unwrap()[0].id;
+            ledger.answer_command(id, done, "nothing waits").await.unwrap();
         };
-        let (given, ()) = tokio::join!(command::give(&ledger, &Order::Scan, Duration::from_secs(20)), daemon);
+        let (given, ()) =
+            tokio::join!(command::send_command(&ledger, &DaemonCommand::Scan, Duration::from_secs(20)), daemon);
         assert_eq!(given.unwrap(), (told.to_owned(), exit));
     }
-    let (text, exit) = command::give(&ledger, &Order::Scan, Duration::ZERO).await.unwrap();
+    let (text, exit) = command::send_command(&ledger, &DaemonCommand::Scan, Duration::ZERO).await.unwrap();
     assert!(text.starts_with("scan is noted, but the daemon has not answered yet") && text.contains("`nestd status`"));
-    assert_eq!(exit, Exit::Failure);
-    let unknown = command::give(&ledger, &Order::Retry(99), Duration::ZERO).await.unwrap_err();
+    assert_eq!(exit, CommandExit::Failure);
+    let unknown = command::send_command(&ledger, &DaemonCommand::Retry(99), Duration::ZERO).await.unwrap_err();
     assert_eq!(unknown.to_string(), "there is no part 99");
 }
 
@@ -70,14 +78,16 @@ async fn status_shows_every_machine_and_what_it_does() {
     let (a, b) = (waiting(&ledger, "a", 3).await, waiting(&ledger, "b", 1).await);
     published(&ledger, &[(a, 0)]).await;
     nesting(&ledger, &[(a, 1)]).await;
-    ledger.cancel(b, Refusal::Cancelled, "not\nneeded").await.unwrap();
-    ledger.pause("sold", "ann@farm").await.unwrap();
-    let stopped =
-        status::look(&ledger, &["fuse-1", "paper-200"], false).await.unwrap().print(Timestamp::now(), usize::MAX);
+    ledger.cancel_part(b, RefusalCause::Cancelled, "not\nneeded").await.unwrap();
+    ledger.pause_profile("sold", "ann@farm").await.unwrap();
+    let stopped = status::read_status(&ledger, &["fuse-1", "paper-200"], false)
+        .await
+        .unwrap()
+        .to_text(Timestamp::now(), usize::MAX);
     assert!(stopped.starts_with("The daemon does not run.\n"), "{stopped}");
     beat(&ledger).await;
-    let farm = status::look(&ledger, &["fuse-1", "paper-200"], true).await.unwrap();
-    let text = farm.print(Timestamp::now(), usize::MAX);
+    let farm = status::read_status(&ledger, &["fuse-1", "paper-200"], true).await.unwrap();
+    let text = farm.to_text(Timestamp::now(), usize::MAX);
     assert!(text.starts_with("The daemon runs on farm (process 4711, version 0.1.0)"), "{text}");
     let line = |name: &str| text.lines().find(|l| l.starts_with(name)).unwrap().split_whitespace().collect::<Vec<_>>();
     assert_eq!(line("fuse-1")[..7], ["fuse-1", "0", "0", "-", "-", "-", "idle"]);
@@ -96,8 +106,8 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 2).await;
     published(&ledger, &[(id, 0), (id, 1)]).await;
-    let rows = ledger.history(&HistoryQuery::default()).await.unwrap();
-    let table = table::Table::of(crate::tables::HISTORY_COLUMNS, &rows).to_string();
+    let rows = ledger.read_history(&HistoryQuery::default()).await.unwrap();
+    let table = table::TextTable::of(crate::tables::HISTORY_COLUMNS, &rows).to_string();
     assert!(table.lines().nth(1).unwrap().contains("87.50"), "{table}");
     let heads: Vec<String> =
         crate::tables::for_people(crate::tables::HISTORY_COLUMNS).map(|c| c.field.terminal_heading()).collect();
@@ -126,18 +136,18 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
 
 #[test]
 fn a_bare_number_or_name_may_be_several_things() {
-    let json = |text: &str| format!("{:?}", Wanted::parse(&words(text)));
-    assert_eq!(json("42"), r#"Wanted { build: Some(42), part: Some(42), order: Some("42"), file: Some("42") }"#);
-    assert_eq!(json("b42"), r#"Wanted { build: Some(42), part: None, order: Some("b42"), file: Some("b42") }"#);
-    assert_eq!(json("p7"), r#"Wanted { build: None, part: Some(7), order: Some("p7"), file: Some("p7") }"#);
-    assert_eq!(json("build 42"), "Wanted { build: Some(42), part: None, order: None, file: None }");
-    assert_eq!(json("part 7"), "Wanted { build: None, part: Some(7), order: None, file: None }");
-    assert_eq!(json("order kit 7"), r#"Wanted { build: None, part: None, order: Some("kit 7"), file: None }"#);
+    let json = |text: &str| format!("{:?}", LookupQuery::from_words(&words(text)));
+    assert_eq!(json("42"), r#"LookupQuery { build: Some(42), part: Some(42), order: Some("42"), file: Some("42") }"#);
+    assert_eq!(json("b42"), r#"LookupQuery { build: Some(42), part: None, order: Some("b42"), file: Some("b42") }"#);
+    assert_eq!(json("p7"), r#"LookupQuery { build: None, part: Some(7), order: Some("p7"), file: Some("p7") }"#);
+    assert_eq!(json("build 42"), "LookupQuery { build: Some(42), part: None, order: None, file: None }");
+    assert_eq!(json("part 7"), "LookupQuery { build: None, part: Some(7), order: None, file: None }");
+    assert_eq!(json("order kit 7"), r#"LookupQuery { build: None, part: None, order: Some("kit 7"), file: None }"#);
     assert_eq!(
         json("kit seven"),
-        r#"Wanted { build: None, part: None, order: Some("kit seven"), file: Some("kit seven") }"#
+        r#"LookupQuery { build: None, part: None, order: Some("kit seven"), file: Some("kit seven") }"#
     );
-    assert_eq!(json("part b42"), r#"Wanted { build: None, part: None, order: None, file: Some("b42") }"#);
+    assert_eq!(json("part b42"), r#"LookupQuery { build: None, part: None, order: None, file: Some("b42") }"#);
 }
 
 #[tokio::test]
@@ -146,16 +156,16 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let part = asked(new_part("fan", 3), |terms| {
         terms.order_name = "kit 7".into();
         terms.clearance_mm = Some(4.5);
-        terms.tilts = Tilts(vec![Tilt::new(glam::DVec3::new(0.0, 1.0, 1.0), 30.0).unwrap()]);
+        terms.tilts = RequiredTilts(vec![TiltLimit::new(glam::DVec3::new(0.0, 1.0, 1.0), 30.0).unwrap()]);
     });
-    let claim = NewPart { warnings: vec!["odd name".into()], ..part };
+    let claim = NewPartRow { warnings: vec!["odd name".into()], ..part };
     let id = ledger.record_claim(&claim).await.unwrap().id;
-    ledger.accept(id, &[solid(0, 3)]).await.unwrap();
+    ledger.accept_solids(id, &[solid(0, 3)]).await.unwrap();
     let build = published(&ledger, &[(id, 0), (id, 2)]).await;
-    ledger.record_outcome(build, Outcome::Complete, "fine", "ann@farm").await.unwrap();
+    ledger.record_outcome(build, PrintOutcome::Complete, "fine", "ann@farm").await.unwrap();
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
-    let found = lookup::look(&ledger, &Wanted::parse(&words("1"))).await.unwrap();
-    let text = show_text::found(&found);
+    let found = lookup::look_up(&ledger, &LookupQuery::from_words(&words("1"))).await.unwrap();
+    let text = show_text::lookup_text(&found);
     for told in [
         "Build 1 of paper-200: complete",
         "height      87.50 mm",
@@ -173,14 +183,17 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let json = serde_json::to_value(&found).unwrap();
     assert_eq!(json["build"]["placements"][1]["tx_mm"], 2.0);
     assert_eq!(json["part"]["part"]["state"], "waiting");
-    let order = lookup::look(&ledger, &Wanted::parse(&words("kit 7"))).await.unwrap();
-    assert!(show_text::found(&order).starts_with("Order kit 7\n\n"));
-    let named = show_text::found(&lookup::look(&ledger, &Wanted::parse(&words("fan.stl"))).await.unwrap());
+    let order = lookup::look_up(&ledger, &LookupQuery::from_words(&words("kit 7"))).await.unwrap();
+    assert!(show_text::lookup_text(&order).starts_with("Order kit 7\n\n"));
+    let named =
+        show_text::lookup_text(&lookup::look_up(&ledger, &LookupQuery::from_words(&words("fan.stl"))).await.unwrap());
     assert!(named.starts_with("Part 1, fan.stl: waiting") && named.contains("clearance   4.50 mm"), "{named}");
     let open = ledger.open_build("paper-200").await.unwrap().id;
-    let open = show_text::found(&lookup::look(&ledger, &Wanted::parse(&[format!("b{open}")])).await.unwrap());
+    let open = show_text::lookup_text(
+        &lookup::look_up(&ledger, &LookupQuery::from_words(&[format!("b{open}")])).await.unwrap(),
+    );
     assert!(open.contains("0 in the layout so far, 1 wait"), "{open}");
     assert!(open.contains("COPIES WAITING") && open.contains("fan.stl"), "{open}");
-    let nothing = lookup::look(&ledger, &Wanted::parse(&words("build 9"))).await.unwrap();
+    let nothing = lookup::look_up(&ledger, &LookupQuery::from_words(&words("build 9"))).await.unwrap();
     assert_eq!(serde_json::to_string(&nothing).unwrap(), "{}");
 }

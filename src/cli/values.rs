@@ -1,13 +1,13 @@
-//! Values of options that several commands take.
+//! Parsers of option values that several commands use.
 
 use glam::DVec3;
-use nester::Margins;
+use nester::VolumeMargins;
 
-/// Longest side of a picture, pixels; half a gigabyte is needed to draw the largest.
-const MOST_PIXELS: u32 = 4096;
+/// Longest side of a picture, pixels. Drawing the largest picture needs half a gigabyte of memory.
+const MAX_PIXELS: u32 = 4096;
 
 /// `380x284x380`.
-pub(super) fn volume(text: &str) -> Result<DVec3, String> {
+pub(super) fn parse_volume(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(['x', 'X']).map(|n| n.trim().parse().ok()).collect();
     let size = numbers.and_then(|n| <[f64; 3]>::try_from(n).ok()).map(DVec3::from_array);
     size.filter(|s| s.is_finite() && s.min_element() > 0.0)
@@ -15,52 +15,54 @@ pub(super) fn volume(text: &str) -> Result<DVec3, String> {
 }
 
 /// Width and height of a picture: `1024x768`.
-pub(super) fn pixels(text: &str) -> Result<(u32, u32), String> {
-    let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MOST_PIXELS).contains(side));
+pub(super) fn parse_pixels(text: &str) -> Result<(u32, u32), String> {
+    let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MAX_PIXELS).contains(side));
     let sides = text.split_once(['x', 'X']).and_then(|(width, height)| side(width).zip(side(height)));
-    sides.ok_or_else(|| format!("wants width and height, 1 to {MOST_PIXELS} pixels each, e.g. 1024x768"))
+    sides.ok_or_else(|| format!("wants width and height, 1 to {MAX_PIXELS} pixels each, e.g. 1024x768"))
 }
 
 /// A share of a whole: above 0, at most 1.
-pub(super) fn share(text: &str) -> Result<f64, String> {
+pub(super) fn parse_share(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|share: &f64| *share > 0.0 && *share <= 1.0);
     number.ok_or_else(|| "wants a share above 0, at most 1, e.g. 0.3".to_owned())
 }
 
 /// `2` (all around) or `2,5,3` (walls, floor, lid).
-pub(super) fn margins(text: &str) -> Result<Margins, String> {
+pub(super) fn parse_margins(text: &str) -> Result<VolumeMargins, String> {
     let wrong = || "wants one distance in mm, or those to walls, floor and lid, e.g. 2,5,3".to_owned();
-    let numbers = text.split(',').map(|n| distance(n.trim())).collect::<Result<Vec<f64>, _>>().map_err(|_| wrong())?;
+    let numbers =
+        text.split(',').map(|n| parse_distance(n.trim())).collect::<Result<Vec<f64>, _>>().map_err(|_| wrong())?;
     match numbers[..] {
-        [all] => Ok(Margins { wall_mm: all, floor_mm: all, lid_mm: all }),
-        [wall_mm, floor_mm, lid_mm] => Ok(Margins { wall_mm, floor_mm, lid_mm }),
+        [all] => Ok(VolumeMargins { wall_mm: all, floor_mm: all, lid_mm: all }),
+        [wall_mm, floor_mm, lid_mm] => Ok(VolumeMargins { wall_mm, floor_mm, lid_mm }),
         _ => Err(wrong()),
     }
 }
 
 /// A distance in mm.
-pub(super) fn distance(text: &str) -> Result<f64, String> {
+pub(super) fn parse_distance(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|d: &f64| d.is_finite() && *d >= 0.0);
     number.ok_or_else(|| "wants a distance in mm".to_owned())
 }
 
-/// The number of a build: '4', or 'b4' as `show` takes it.
-pub(super) fn build_number(text: &str) -> Result<i64, String> {
-    numbered(text, 'b').ok_or_else(|| "wants a build as status and history print it, e.g. 4 or b4".to_owned())
+/// The number of a build: `4`, or `b4` as `nestd show` accepts it.
+pub(super) fn parse_build_number(text: &str) -> Result<i64, String> {
+    parse_prefixed_number(text, 'b')
+        .ok_or_else(|| "wants a build as status and history print it, e.g. 4 or b4".to_owned())
 }
 
-/// The number of a part: '5', or 'p5' as `show` takes it.
-pub(super) fn part_number(text: &str) -> Result<i64, String> {
-    numbered(text, 'p').ok_or_else(|| "wants a part as status and show print it, e.g. 5 or p5".to_owned())
+/// The number of a part: `5`, or `p5` as `nestd show` accepts it.
+pub(super) fn parse_part_number(text: &str) -> Result<i64, String> {
+    parse_prefixed_number(text, 'p').ok_or_else(|| "wants a part as status and show print it, e.g. 5 or p5".to_owned())
 }
 
 /// A number with or without its letter.
-pub(super) fn numbered(text: &str, letter: char) -> Option<i64> {
+pub(super) fn parse_prefixed_number(text: &str, letter: char) -> Option<i64> {
     let digits = text.strip_prefix([letter, letter.to_ascii_uppercase()]).unwrap_or(text);
     digits.parse().ok().filter(|number| *number >= 0)
 }
 
-/// A word of one of the settings' enumerations.
-pub fn word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
+/// A value of one of the settings' enumerations.
+pub fn parse_word<T: serde::de::DeserializeOwned>(text: &str) -> Result<T, String> {
     serde_json::from_value(serde_json::Value::String(text.to_owned())).map_err(|error| error.to_string())
 }

@@ -1,4 +1,4 @@
-//! `nestd verify`: reads a build file back and proves it on its triangles, whoever wrote it.
+//! `nestd verify`: reads a build file from any program and proves it on its triangles.
 
 use std::{
     io::Write,
@@ -6,41 +6,41 @@ use std::{
 };
 
 use anyhow::Result;
-use build_file::{Arrangement, BuildInfo, Instances, Limits};
+use build_file::{Arrangement, BuildMetadata, InstanceSharing, ReadLimits};
 use glam::DVec3;
-use nester::{DEFAULT_LAYER_MM, Interlock, LayerCap, Margins};
+use nester::{DEFAULT_LAYER_MM, InterlockRule, LayerAreaCap, VolumeMargins};
 use serde_json::{Value, json};
 
 use super::{
-    Common, Exit, Usage, asked,
-    values::{distance, margins, volume, word},
+    CommandExit, CommonArgs, UsageError, expected_parts,
+    values::{parse_distance, parse_margins, parse_volume, parse_word},
 };
-use crate::build::{Machine, Verdict};
+use crate::build::{BuildFileVerification, MachineSpec};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Exit code 0 proved, 1 not proved, 2 wrong use or not readable.")]
-pub struct Args {
+pub struct VerifyArgs {
     /// The build file
     #[arg(value_name = "BUILD.3mf")]
     build: PathBuf,
     /// Build volume in mm, e.g. 380x284x380 [default: what the file says]
-    #[arg(long, value_name = "XxYxZ", value_parser = volume)]
+    #[arg(long, value_name = "XxYxZ", value_parser = parse_volume)]
     volume: Option<DVec3>,
     /// Least distance between two parts, mm [default: what the file says]
-    #[arg(long, value_name = "MM", value_parser = distance)]
+    #[arg(long, value_name = "MM", value_parser = parse_distance)]
     clearance: Option<f64>,
-    /// Parts locked into each other: forbid (then they are no proof), warn or allow (nobody looks) [default: what the file
-    /// says, else warn]
-    #[arg(long, value_name = "RULE", value_parser = word::<Interlock>)]
-    interlock: Option<Interlock>,
+    /// Parts locked into each other: forbid (then the build is not proved), warn or allow (not checked) [default: what
+    /// the file says, else warn]
+    #[arg(long, value_name = "RULE", value_parser = parse_word::<InterlockRule>)]
+    interlock: Option<InterlockRule>,
     /// The clearance also holds when either of two parts is raised by up to this, mm [default: what the file says, else 0]
-    #[arg(long, value_name = "MM", value_parser = distance)]
+    #[arg(long, value_name = "MM", value_parser = parse_distance)]
     clearance_z_extra: Option<f64>,
     /// Kept free, mm: all around, or at walls, floor and lid [default: what the file says, else 0]
-    #[arg(long, value_name = "MM|WALL,FLOOR,LID", value_parser = margins)]
-    margins: Option<Margins>,
-    /// Parts that must be in it, each as often as asked: CSV with the columns file and copies (or quantity)
+    #[arg(long, value_name = "MM|WALL,FLOOR,LID", value_parser = parse_margins)]
+    margins: Option<VolumeMargins>,
+    /// Parts that the file must contain, with their copies: CSV with the columns file and copies (or quantity)
     #[arg(long, value_name = "PARTS.csv")]
     list: Option<PathBuf>,
     /// Folder that the list's files are relative to [default: the list's own]
@@ -51,78 +51,78 @@ pub struct Args {
     json: bool,
 }
 
-/// Everything that was found out.
-struct Verified {
-    info: BuildInfo,
-    machine: Machine,
-    verdict: Verdict,
+/// The result of a verification.
+struct VerificationResult {
+    info: BuildMetadata,
+    machine: MachineSpec,
+    verdict: BuildFileVerification,
     /// Top of the highest placement above the machine's floor, mm.
     height_mm: f64,
-    /// Asked, but not in the file, or in it but not asked.
+    /// Parts of the list that are missing in the file, and parts in the file that are not in the list.
     list_faults: Vec<String>,
 }
 
-impl Verified {
+impl VerificationResult {
     fn is_proved(&self) -> bool {
         self.verdict.is_proved() && self.list_faults.is_empty()
     }
 
     /// The faults, a line each.
-    fn faults(&self) -> impl Iterator<Item = String> {
-        self.verdict.faults().into_iter().chain(self.list_faults.iter().cloned())
+    fn fault_lines(&self) -> impl Iterator<Item = String> {
+        self.verdict.fault_messages().into_iter().chain(self.list_faults.iter().cloned())
     }
 }
 
 /// Runs the command.
-pub fn run(_common: &Common, args: &Args) -> Result<Exit> {
-    let verified = verify(args)?;
+pub fn run(_common: &CommonArgs, args: &VerifyArgs) -> Result<CommandExit> {
+    let verified = verify_build(args)?;
     let text = match args.json {
         true => format!("{:#}", as_json(&verified)),
-        false => format!("{}: {}", args.build.display(), as_text(&verified).join("\n  ")),
+        false => format!("{}: {}", args.build.display(), text_lines(&verified).join("\n  ")),
     };
-    // Whoever reads only the first lines (`| head`) still gets the exit code.
+    // A closed pipe (`| head`) is ignored, so that the exit code stays right.
     let _ = writeln!(std::io::stdout(), "{text}");
-    Ok(if verified.is_proved() { Exit::Success } else { Exit::Failure })
+    Ok(if verified.is_proved() { CommandExit::Success } else { CommandExit::Failure })
 }
 
-fn verify(args: &Args) -> Result<Verified> {
-    let limits = Limits::default();
-    let (info, placed) = build_file::read_build_and_info(&args.build, &limits)
-        .map_err(|error| Usage(format!("{}: {:#}", args.build.display(), anyhow::Error::from(error))))?;
-    let machine = machine(args, &info)?;
+fn verify_build(args: &VerifyArgs) -> Result<VerificationResult> {
+    let limits = ReadLimits::default();
+    let (info, placed) = build_file::read_build_and_metadata(&args.build, &limits)
+        .map_err(|error| UsageError(format!("{}: {:#}", args.build.display(), anyhow::Error::from(error))))?;
+    let machine = resolve_machine(args, &info)?;
     let list_faults = match &args.list {
         Some(list) => {
             let base = args.base.as_deref().or(list.parent()).unwrap_or(Path::new("."));
-            asked::faults(&asked::read_list(list, base, &limits)?, &placed)
+            expected_parts::find_list_faults(&expected_parts::read_expected_parts(list, base, &limits)?, &placed)
         }
         None => Vec::new(),
     };
-    let verdict = Verdict::of(&args.build, &info, &placed, &machine, &limits);
-    let height_mm = verdict.judgement.proof.height_mm + machine.margins.floor_mm;
-    Ok(Verified { info, machine, verdict, height_mm, list_faults })
+    let verdict = BuildFileVerification::verify_file(&args.build, &info, &placed, &machine, &limits);
+    let height_mm = verdict.placement_checks.proof.height_mm + machine.margins.floor_mm;
+    Ok(VerificationResult { info, machine, verdict, height_mm, list_faults })
 }
 
-/// The machine that the file is for, as it says itself unless an option says otherwise.
-fn machine(args: &Args, info: &BuildInfo) -> Result<Machine> {
-    let missing = |what: &str| Usage(format!("the file does not say its {what}: give --{what}"));
-    let said = || info.interlock.as_deref().and_then(|said| word(said).ok());
+/// The machine that the file is for: the file's metadata, overridden by the options.
+fn resolve_machine(args: &VerifyArgs, info: &BuildMetadata) -> Result<MachineSpec> {
+    let missing = |what: &str| UsageError(format!("the file does not say its {what}: give --{what}"));
+    let said = || info.interlock.as_deref().and_then(|said| parse_word(said).ok());
     let layer_mm = info.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
-    Ok(Machine {
+    Ok(MachineSpec {
         name: info.profile.clone().unwrap_or_default(),
         volume_mm: args.volume.or(info.volume_mm).ok_or_else(|| missing("volume"))?,
-        margins: args.margins.or(info.margins_mm.map(Margins::from)).unwrap_or_default(),
+        margins: args.margins.or(info.margins_mm.map(VolumeMargins::from)).unwrap_or_default(),
         keep_out: info.keep_out.clone(),
         clearance_mm: args.clearance.or(info.clearance_mm).ok_or_else(|| missing("clearance"))?,
         clearance_z_extra_mm: args.clearance_z_extra.or(info.clearance_z_extra_mm).unwrap_or(0.0),
-        layer_cap: LayerCap { layer_mm, area_mm2: info.layer_area_cap_mm2.unwrap_or(f64::INFINITY) },
-        interlock: args.interlock.or_else(said).unwrap_or(Interlock::Warn),
-        instances: Instances::default(),
+        layer_cap: LayerAreaCap { layer_mm, area_mm2: info.layer_area_cap_mm2.unwrap_or(f64::INFINITY) },
+        interlock: args.interlock.or_else(said).unwrap_or(InterlockRule::Warn),
+        instances: InstanceSharing::default(),
         arrangement: Arrangement::default(),
     })
 }
 
-fn as_text(verified: &Verified) -> Vec<String> {
-    let Verified { machine, verdict, .. } = verified;
+fn text_lines(verified: &VerificationResult) -> Vec<String> {
+    let VerificationResult { machine, verdict, .. } = verified;
     let size = machine.volume_mm;
     let mut lines = vec![if verified.is_proved() { "proved".to_owned() } else { "NOT proved".to_owned() }];
     lines.push(format!("placements      {}", verdict.bodies.len()));
@@ -131,32 +131,32 @@ fn as_text(verified: &Verified) -> Vec<String> {
         lines.push(format!("keep-out boxes  {}", machine.keep_out.len()));
     }
     lines.push(format!("build height    {:.4} mm", verified.height_mm));
-    lines.push(match verdict.judgement.proof.clearance_proved_mm {
+    lines.push(match verdict.placement_checks.proof.clearance_proved_mm {
         Some(least) => format!("least distance  {least:.6} mm, {} mm asked", machine.clearance_mm),
         None => format!("least distance  more than twice the {} mm asked", machine.clearance_mm),
     });
-    if machine.margins != Margins::default() {
-        let Margins { wall_mm, floor_mm, lid_mm } = machine.margins;
+    if machine.margins != VolumeMargins::default() {
+        let VolumeMargins { wall_mm, floor_mm, lid_mm } = machine.margins;
         lines.push(format!("kept free       {wall_mm} mm at the walls, {floor_mm} at the floor, {lid_mm} at the lid"));
     }
     if machine.clearance_z_extra_mm > 0.0 {
         lines.push(format!("raised parts    keep it, too, up to {} mm", machine.clearance_z_extra_mm));
     }
-    let gap_mm = nester::drawing_gap_mm(machine.clearance_mm);
-    lines.push(match verdict.judgement.locked().len() {
-        _ if verdict.judgement.apart.is_none() => "comes apart     not asked".to_owned(),
+    let gap_mm = nester::removal_gap_mm(machine.clearance_mm);
+    lines.push(match verdict.placement_checks.locked_bodies().len() {
+        _ if verdict.placement_checks.disassembly.is_none() => "comes apart     not asked".to_owned(),
         0 => format!("comes apart     part by part, {gap_mm} mm kept on the way"),
         locked => format!("comes apart     not, {locked} parts are locked"),
     });
-    lines.extend(verified.faults());
+    lines.extend(verified.fault_lines());
     lines
 }
 
-fn as_json(verified: &Verified) -> Value {
-    let Verified { info, machine, verdict, .. } = verified;
+fn as_json(verified: &VerificationResult) -> Value {
+    let VerificationResult { info, machine, verdict, .. } = verified;
     let name = |i: usize| json!({ "item": i + 1, "name": verdict.bodies[i].name });
     let named = |bodies: &[usize]| bodies.iter().map(|&i| name(i)).collect::<Vec<_>>();
-    let judgement = &verdict.judgement;
+    let judgement = &verdict.placement_checks;
     let proof = &judgement.proof;
     let pairs: Vec<Value> = (proof.too_close.iter())
         .map(|p| {
@@ -186,11 +186,11 @@ fn as_json(verified: &Verified) -> Value {
         "inside": inside,
         "keep_out": machine.keep_out.len(),
         "intruding": intruding,
-        "interlock": machine.interlock.word(),
-        "locked": judgement.apart.as_ref().map(|apart| named(&apart.locked)),
-        "turned": named(&verdict.turned),
+        "interlock": machine.interlock.as_str(),
+        "locked": judgement.disassembly.as_ref().map(|apart| named(&apart.locked)),
+        "turned": named(&verdict.wrongly_turned),
         "layers": judgement.layers,
-        "second_reader": verdict.second_reader,
+        "second_reader": verdict.second_reader_error,
         "list": verified.list_faults,
     })
 }

@@ -1,5 +1,5 @@
-//! Claims and two farms: what another farm has taken over is given up here, and what another one left is left alone until a
-//! person adopts it.
+//! Claims of two farms: gives up the parts of claims that another farm has taken over, and leaves the claims of another
+//! farm alone until a person adopts them.
 
 use std::collections::HashSet;
 
@@ -7,85 +7,85 @@ use anyhow::{Context, Result, bail};
 use tracing::warn;
 
 use super::{
-    attention::Attention,
+    alert::AlertKind,
     farm::Farm,
-    owner::{Hold, Owner, OwnerError},
+    folder_lease::{FolderLease, LeaseError, LeaseHolder},
 };
 use crate::{
     intake,
-    settings::{Profile, Settings},
+    settings::{MachineProfile, Settings},
 };
 
-/// Takes over what other farms have claimed in the hot folder of a profile; returns how many claims. With or without a
-/// daemon; one that runs finds them at its next beat.
+/// Takes over the claims of other farms in the hot folder of a profile; returns their number. Works with or without a
+/// daemon; a running one finds them at its next tick.
 ///
 /// # Errors
-/// Another daemon serves the folder, this farm has never run, or the folder does not let it.
-pub fn adopt(settings: &Settings, profile: &Profile) -> Result<usize> {
+/// Another daemon serves the folder, this farm has never run, or the folder cannot be changed.
+pub fn adopt_claims(settings: &Settings, profile: &MachineProfile) -> Result<usize> {
     let inbox = &profile.folders.inbox;
-    if !Owner::is_made(&settings.state_dir) {
+    if !LeaseHolder::has_farm_id(&settings.state_dir) {
         bail!("there is no farm in {} yet: start nestd once, then adopt", settings.state_dir.display());
     }
-    let me = Owner::of_this_process(&settings.state_dir, jiff::Timestamp::now())
+    let me = LeaseHolder::for_this_process(&settings.state_dir, jiff::Timestamp::now())
         .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
-    let farm = me.farm().to_owned();
-    let mut hold = Hold::new(me, inbox);
+    let farm = me.farm_id().to_owned();
+    let mut hold = FolderLease::new(me, inbox);
     loop {
-        match hold.check() {
+        match hold.check_usable() {
             Ok(()) => break,
-            // Its number may stand still because it is dead: that takes a while to tell.
-            Err(OwnerError::Unclear { .. }) => std::thread::sleep(std::time::Duration::from_millis(500)),
+            // The other daemon may be dead: it takes a while to see that its number does not change.
+            Err(LeaseError::HolderUnclear { .. }) => std::thread::sleep(std::time::Duration::from_millis(500)),
             Err(refused) => return Err(refused.into()),
         }
     }
-    intake::adopt(inbox, &farm).with_context(|| format!("taking over the claims in {}", inbox.display()))
+    intake::adopt_claims(inbox, &farm).with_context(|| format!("taking over the claims in {}", inbox.display()))
 }
 
-/// Refuses a batch of parts whose claims were not all let go by this farm: one that still lies there may be taken over, one that
-/// was taken over is printed by the other.
-pub fn demand_let_go(profile: &Profile, farm: &str, claims: &HashSet<String>) -> Result<(), OwnerError> {
+/// Fails if any claim of the batch is not released by this farm: another farm may take over a remaining claim, and a
+/// claim that was taken over is printed by the other farm.
+pub fn check_claims_released(profile: &MachineProfile, farm: &str, claims: &HashSet<String>) -> Result<(), LeaseError> {
     if claims.is_empty() {
         return Ok(());
     }
     let folder = profile.folders.inbox.clone();
-    match intake::not_let_go(&folder, farm, claims) {
+    match intake::unreleased_claims(&folder, farm, claims) {
         Ok(left) if left.is_empty() => Ok(()),
-        Ok(left) => Err(OwnerError::NotLetGo { folder, claims: left.len() }),
-        Err(why) => Err(OwnerError::Io { folder, why }),
+        Ok(left) => Err(LeaseError::ClaimsNotReleased { folder, claims: left.len() }),
+        Err(why) => Err(LeaseError::Io { folder, why }),
     }
 }
 
 impl Farm {
     /// Gives up the parts of claims that another farm has taken over, before anything else is done with them.
-    pub(super) async fn give_up_claims(&mut self, profile: &str, claims: &[String]) -> Result<()> {
+    pub(super) async fn give_up_taken_over_claims(&mut self, profile: &str, claims: &[String]) -> Result<()> {
         const REASON: &str = "Another nestd has taken over this file while this one did not answer, and prints it.";
         if claims.is_empty() {
             return Ok(());
         }
         for build in self.ledger.nesting_builds_of_claims(claims).await? {
-            if let Some((budget, _)) = self.nesting.finals.get(&build) {
+            if let Some((budget, _)) = self.nesting.final_searches.get(&build) {
                 budget.cancel();
             }
-            self.nesting.fresh.remove(&build);
+            self.nesting.just_fired.remove(&build);
             self.ledger.fail_build(build, REASON).await?;
         }
         for part in self.ledger.give_up_claims(claims, REASON).await? {
             warn!(part.id = %part.id, profile, "Part {} ({}) is given up: {REASON}", part.id, part.name);
-            self.mark_decided(&part).await;
-            self.put_aside(&part, REASON);
+            self.update_decision_count(&part).await;
+            self.copy_given_up_part(&part, REASON);
         }
-        claims.iter().for_each(|claim| drop(self.ending.claims.remove(claim)));
+        claims.iter().for_each(|claim| drop(self.completion.claims.remove(claim)));
         Ok(())
     }
 
-    /// Tells of claims of other farms; what a person has adopted is taken up.
-    pub(super) fn tell_of_foreign_claims(&mut self, name: &str, before: usize, now: usize) {
+    /// Raises or clears the alert on claims of other farms; picks up claims that a person has adopted.
+    pub(super) fn update_foreign_claims_alert(&mut self, name: &str, before: usize, now: usize) {
         match now {
-            0 => self.notices.clear(Attention::ForeignClaims, name, ""),
-            _ => self.notices.raise(Attention::ForeignClaims, name, "", &format!("{now} in its .claimed folder")),
+            0 => self.alerts.clear(AlertKind::ForeignClaims, name, ""),
+            _ => self.alerts.raise(AlertKind::ForeignClaims, name, "", &format!("{now} in its .claimed folder")),
         }
         if now < before
-            && let Some(station) = self.stations.get_mut(name)
+            && let Some(station) = self.machines.get_mut(name)
         {
             station.inbox.relist = true;
         }

@@ -1,5 +1,5 @@
-//! The cake of a build, for faces to show: of each part its mesh, and where its copies stand. It comes from the ledger and the
-//! kept originals, or from a build file.
+//! The cake of a build, for pages and commands to show: the mesh of each part and the poses of its copies. It is read
+//! from the ledger and the stored originals, or from a build file.
 
 use std::{
     cell::OnceCell,
@@ -8,109 +8,110 @@ use std::{
     sync::Arc,
 };
 
-use build_file::{BuildInfo, Drawn, PlacedMesh, Viewpoint};
+use build_file::{BuildMetadata, PictureBody, PlacedMesh, Viewpoint};
 use glam::DVec3;
 use solids::{Bounds, Mesh, Pose};
 
-use super::{layout::placed_from_json, meshes::Meshes, shelf::Shelf};
+use super::{layout::placed_from_json, mesh_cache::MeshCache, mesh_source::MeshSource};
 use crate::{
-    intake::Store,
-    ledger::{BuildRow, BuildState, DrawnOut, Ledger, LedgerError, PartId, PartRow},
-    settings::{Profile, Settings},
+    intake::ContentStore,
+    ledger::{BuildRow, BuildState, Ledger, LedgerError, PartId, PartRow, RemovalStep},
+    settings::{MachineProfile, Settings},
 };
 
-/// What stands in a build.
+/// The contents of a build.
 #[derive(Debug, Clone)]
-pub struct Cake {
+pub struct CakeContents {
     /// Edge lengths of the build volume, mm.
     pub volume_mm: DVec3,
-    /// By part.
+    /// The parts.
     pub parts: Vec<CakePart>,
 }
 
 /// A part with its copies in a build.
 #[derive(Debug, Clone)]
 pub struct CakePart {
-    /// The ledger's number of the part, or its number in the file.
+    /// Number of the part in the ledger, or in the file.
     pub part: i64,
-    /// Name of the part with that of its solid.
+    /// Names of the part and of its solid.
     pub name: String,
     /// Order or kit, "" = none.
     pub order: String,
-    /// `None` when its original is past its keeping.
+    /// The mesh; `None` = its original is past its retention.
     pub mesh: Option<Arc<Mesh>>,
-    /// Where its copies stand.
-    pub copies: Vec<Standing>,
+    /// The placed copies.
+    pub copies: Vec<CakeCopy>,
 }
 
-/// A copy that stands in a build.
+/// A placed copy in a build.
 #[derive(Debug, Clone)]
-pub struct Standing {
-    /// From 1.
+pub struct CakeCopy {
+    /// Number of the copy, from 1.
     pub copy: u32,
     /// Mesh frame -> machine frame, mm.
     pub pose: Pose,
-    /// How it comes out of the cake; `None` = not proved.
-    pub drawn: Option<DrawnOut>,
+    /// How it is removed from the cake; `None` = not proved.
+    pub drawn: Option<RemovalStep>,
 }
 
-/// The parts of a build with their copies: of one that is past nesting as proved, else as in its layout so far.
-pub async fn standing(
+/// The parts of a build with their copies: from the proved placements if the build has been nested, otherwise from its
+/// current layout.
+pub async fn load_placed_parts(
     ledger: &Ledger,
     build: &BuildRow,
-    profile: &Profile,
-) -> Result<Vec<(PartRow, Vec<Standing>)>, LedgerError> {
-    let mut by_part: BTreeMap<PartId, Vec<Standing>> = BTreeMap::new();
+    profile: &MachineProfile,
+) -> Result<Vec<(PartRow, Vec<CakeCopy>)>, LedgerError> {
+    let mut by_part: BTreeMap<PartId, Vec<CakeCopy>> = BTreeMap::new();
     if matches!(build.state, BuildState::Open | BuildState::Nesting) {
         for placed in placed_from_json(build.kept.layout.as_deref().unwrap_or_default()) {
             let pose = Pose { translation: placed.pose.translation + profile.origin_mm(), ..placed.pose };
-            by_part.entry(placed.copy.0).or_default().push(Standing { copy: placed.copy.1 + 1, pose, drawn: None });
+            by_part.entry(placed.copy.0).or_default().push(CakeCopy { copy: placed.copy.1 + 1, pose, drawn: None });
         }
     } else {
         for row in ledger.placements_of_build(build.id).await? {
             if let Some(pose) = row.pose() {
-                let standing = Standing { copy: row.copy + 1, pose, drawn: row.drawn() };
+                let standing = CakeCopy { copy: row.copy + 1, pose, drawn: row.removal_step() };
                 by_part.entry(row.part_id).or_default().push(standing);
             }
         }
     }
     let mut parts = Vec::with_capacity(by_part.len());
     for (id, copies) in by_part {
-        if let Some(part) = ledger.part(id).await? {
+        if let Some(part) = ledger.find_part(id).await? {
             parts.push((part, copies));
         }
     }
     Ok(parts)
 }
 
-/// How many copies of a part stand in the layout that an open build has so far.
-pub fn copies_so_far(build: &BuildRow, part: PartId) -> u32 {
+/// Number of copies of a part in the current layout of an open build.
+pub fn count_copies_in_layout(build: &BuildRow, part: PartId) -> u32 {
     let layout = placed_from_json(build.kept.layout.as_deref().unwrap_or_default());
     layout.iter().filter(|placed| placed.copy.0 == part).count() as u32
 }
 
-impl Cake {
-    /// From what the ledger knows and the originals that are kept: in the store as long as they wait there, then in the
-    /// archive. Reads files.
-    pub fn of_ledger(
+impl CakeContents {
+    /// Built from the ledger and the stored originals, which lie in the store while the parts wait and in the archive
+    /// later. Reads files.
+    pub fn from_ledger(
         settings: &Settings,
-        profile: &Profile,
+        profile: &MachineProfile,
         build: &BuildRow,
-        parts: Vec<(PartRow, Vec<Standing>)>,
+        parts: Vec<(PartRow, Vec<CakeCopy>)>,
     ) -> Self {
-        let originals = Originals::new(settings, profile, build);
-        let part = |(row, copies): (PartRow, Vec<Standing>)| CakePart {
+        let originals = OriginalMeshes::new(settings, profile, build);
+        let part = |(row, copies): (PartRow, Vec<CakeCopy>)| CakePart {
             part: row.id.0,
             name: row.full_name(),
             order: row.terms.order_name.clone(),
-            mesh: originals.mesh(&row),
+            mesh: originals.load_mesh(&row),
             copies,
         };
         Self { volume_mm: profile.space.volume_mm, parts: parts.into_iter().map(part).collect() }
     }
 
-    /// From a build file. Parts are told apart by their numbers, without these by their meshes.
-    pub fn of_file(placed: &[PlacedMesh], volume_mm: DVec3) -> Self {
+    /// Built from a build file. Parts are distinguished by their numbers, or by their meshes if they have none.
+    pub fn from_placed_meshes(placed: &[PlacedMesh], volume_mm: DVec3) -> Self {
         let mut parts: Vec<CakePart> = Vec::new();
         let mut known: HashMap<(Option<&str>, &str, *const Mesh), usize> = HashMap::new();
         for item in placed {
@@ -119,8 +120,8 @@ impl Cake {
                 let number = item.part_number.as_deref().and_then(|n| n.parse().ok());
                 parts.push(CakePart {
                     part: number.unwrap_or(parts.len() as i64 + 1),
-                    name: name_in_file(item),
-                    order: build_file::visible(item.order.as_deref().unwrap_or_default()),
+                    name: placed_mesh_name(item),
+                    order: build_file::escape_invisible(item.order.as_deref().unwrap_or_default()),
                     mesh: Some(item.mesh.clone()),
                     copies: Vec::new(),
                 });
@@ -128,109 +129,122 @@ impl Cake {
             });
             let copies = &mut parts[at].copies;
             let copy = item.copy.unwrap_or(copies.len() as u32 + 1);
-            copies.push(Standing { copy, pose: item.pose, drawn: None });
+            copies.push(CakeCopy { copy, pose: item.pose, drawn: None });
         }
         Self { volume_mm, parts }
     }
 
-    /// How many copies stand in it.
-    pub fn copies(&self) -> usize {
+    /// Number of placed copies.
+    pub fn copy_count(&self) -> usize {
         self.parts.iter().map(|part| part.copies.len()).sum()
     }
 
-    /// Parts whose originals are past their keeping.
-    pub fn missing(&self) -> usize {
+    /// Number of parts whose originals are past their retention.
+    pub fn missing_mesh_count(&self) -> usize {
         self.parts.iter().filter(|part| part.mesh.is_none()).count()
     }
 
-    /// Top of the highest copy whose mesh is there, mm.
+    /// Top of the highest copy that has a mesh, mm.
     pub fn top_mm(&self) -> Option<f64> {
-        let bounds = self.parts.iter().flat_map(|p| p.copies.iter().filter_map(|copy| p.bounds(copy)));
+        let bounds = self.parts.iter().flat_map(|p| p.copies.iter().filter_map(|copy| p.copy_bounds(copy)));
         bounds.map(|bounds| bounds.max.z).reduce(f64::max)
     }
 
-    /// Its picture, a PNG.
-    pub fn picture(&self, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
-        let mut bodies = Vec::with_capacity(self.copies());
+    /// A picture of it, as PNG.
+    pub fn render_picture(&self, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
+        let mut bodies = Vec::with_capacity(self.copy_count());
         for (kind, part) in self.parts.iter().enumerate() {
             if let Some(mesh) = &part.mesh {
-                bodies.extend(part.copies.iter().map(|copy| Drawn { mesh, pose: copy.pose, kind }));
+                bodies.extend(part.copies.iter().map(|copy| PictureBody { mesh, pose: copy.pose, kind }));
             }
         }
-        build_file::picture(&bodies, self.volume_mm, viewpoint, size)
+        build_file::draw_picture(&bodies, self.volume_mm, viewpoint, size)
     }
 }
 
 impl CakePart {
-    /// Where a copy is.
-    pub fn bounds(&self, copy: &Standing) -> Option<Bounds> {
+    /// Bounds of a copy.
+    pub fn copy_bounds(&self, copy: &CakeCopy) -> Option<Bounds> {
         self.mesh.as_ref().map(|mesh| mesh.bounds_at(&copy.pose))
     }
 }
 
-/// Name of a placed copy: as it was dropped, with that of its solid.
-fn name_in_file(item: &PlacedMesh) -> String {
+/// Name of a placed copy: the name of its source file with that of its solid.
+fn placed_mesh_name(item: &PlacedMesh) -> String {
     let name = match item.source_name.as_deref() {
         Some(source) if source != item.name => format!("{source} ({})", item.name),
         _ => item.name.clone(),
     };
-    build_file::visible(&name)
+    build_file::escape_invisible(&name)
 }
 
-/// A published build whose file lies in the queue as it was proved.
-pub fn file_in_queue(profile: &Profile, build: &BuildRow) -> Option<PathBuf> {
+/// The file of a published build, if it lies in the queue and is the one that was proved.
+pub fn find_proved_file(profile: &MachineProfile, build: &BuildRow) -> Option<PathBuf> {
     let file = profile.folders.queue.join(build.staged.file_name.as_deref()?);
-    let is_proved = |file: &Path| Some(hash_of(file).ok()?.to_hex().as_str() == build.staged.file_hash.as_deref()?);
+    let is_proved = |file: &Path| Some(hash_file(file).ok()?.to_hex().as_str() == build.staged.file_hash.as_deref()?);
     is_proved(&file)?.then_some(file)
 }
 
-/// What a file says of its volume, else what is given.
-pub fn volume_of(info: &BuildInfo, given_mm: Option<DVec3>) -> Option<DVec3> {
+/// The build volume given in the file, or else `given_mm`.
+pub fn resolve_volume_mm(info: &BuildMetadata, given_mm: Option<DVec3>) -> Option<DVec3> {
     given_mm.or(info.volume_mm).filter(|mm| mm.is_finite() && mm.min_element() > 0.0)
 }
 
 /// The originals of a build's parts.
-struct Originals {
-    meshes: Meshes,
-    profile: Profile,
-    /// Where the archived ones are.
+struct OriginalMeshes {
+    meshes: MeshSource,
+    profile: MachineProfile,
+    /// The build's archive folder.
     archive: Option<PathBuf>,
-    /// Archived ones by their content, once one is needed.
+    /// Archived originals by content; filled when first needed.
     archived: OnceCell<HashMap<String, PathBuf>>,
 }
 
-impl Originals {
-    fn new(settings: &Settings, profile: &Profile, build: &BuildRow) -> Self {
-        // Only to look: opening it would clear away what the daemon is just putting there.
-        let store = Store::at(settings.state_dir.join("store"));
-        let (shelf, limits, unreadable) = (Shelf::default(), settings.limits.clone(), Default::default());
-        let meshes = Meshes { shelf, store, limits, prepared: Default::default(), cache: None, unreadable };
+impl OriginalMeshes {
+    fn new(settings: &Settings, profile: &MachineProfile, build: &BuildRow) -> Self {
+        // Read only: `ContentStore::open` would remove files that the daemon is just writing.
+        let store = ContentStore::from_dir(settings.state_dir.join("store"));
+        let (shelf, limits, unreadable) = (MeshCache::default(), settings.limits.clone(), Default::default());
+        let meshes = MeshSource {
+            mesh_cache: shelf,
+            store,
+            limits,
+            prepared: Default::default(),
+            preparation_cache: None,
+            unreadable_since: unreadable,
+        };
         let stem = build.staged.file_name.as_deref().and_then(|name| name.strip_suffix(".build.3mf"));
         let archive = stem.map(|stem| profile.folders.archive.join(stem));
         Self { meshes, profile: profile.clone(), archive, archived: OnceCell::new() }
     }
 
-    fn archived(&self) -> &HashMap<String, PathBuf> {
+    fn archived_by_hash(&self) -> &HashMap<String, PathBuf> {
         self.archived.get_or_init(|| {
             let files = self.archive.as_ref().and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten();
-            let known = |path: PathBuf| Some((hash_of(&path).ok()?.to_hex().to_string(), path));
+            let known = |path: PathBuf| Some((hash_file(&path).ok()?.to_hex().to_string(), path));
             files.flatten().filter_map(|file| known(file.path())).collect()
         })
     }
 
-    /// The mesh of a part; `None` when its original is past its keeping.
-    fn mesh(&self, part: &PartRow) -> Option<Arc<Mesh>> {
-        if let Ok(mesh) = self.meshes.mesh(&self.profile, part) {
+    /// The mesh of a part; `None` = its original is past its retention.
+    fn load_mesh(&self, part: &PartRow) -> Option<Arc<Mesh>> {
+        if let Ok(mesh) = self.meshes.load_mesh(&self.profile, part) {
             return Some(mesh);
         }
-        let file = self.archived().get(&part.file.content_hash)?;
-        let contents =
-            build_file::read(file, &part.name, part.terms.unit, self.profile.intake.unit, &self.meshes.limits).ok()?;
+        let file = self.archived_by_hash().get(&part.file.content_hash)?;
+        let contents = build_file::read_part_file(
+            file,
+            &part.name,
+            part.terms.unit,
+            self.profile.intake.unit,
+            &self.meshes.limits,
+        )
+        .ok()?;
         Some(Arc::new(contents.solids.into_iter().nth(part.solid.object_index as usize)?.mesh))
     }
 }
 
-fn hash_of(file: &Path) -> std::io::Result<blake3::Hash> {
+fn hash_file(file: &Path) -> std::io::Result<blake3::Hash> {
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(std::fs::File::open(file)?)?;
     Ok(hasher.finalize())

@@ -1,4 +1,4 @@
-//! A refused part in the error folder: its file, and the reason beside it.
+//! A refused part in the error folder: its file, and a reason file beside it.
 
 use std::{
     fs,
@@ -9,29 +9,29 @@ use anyhow::{Context, Result};
 
 use crate::{
     intake,
-    ledger::{PartRow, Refusal},
+    ledger::{PartRow, RefusalCause},
 };
 
-/// Ends the name of the file beside a refused one.
-pub(super) const REASON: &str = ".reason.txt";
+/// End of the name of the reason file.
+pub(super) const REASON_SUFFIX: &str = ".reason.txt";
 /// Said to people of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
 pub(super) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
 
-/// Where a refused part's file and its reason lie in the error folder: the reason that names the part tells which of
-/// several of the same content it is.
-pub fn refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
+/// The paths of a refused part's file and its reason in the error folder. Several files may have the same content: the
+/// reason that names the part identifies the right one.
+pub fn find_refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
     let line = part_line(part);
     let files = match intake::files_below(error_dir) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         other => other.with_context(|| format!("listing {}", error_dir.display()))?,
     };
     let mut found = Vec::new();
-    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON.as_bytes())) {
+    for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes())) {
         let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
         if !text.is_some_and(|text| text.lines().any(|said| said.starts_with(&line))) {
             continue;
         }
-        // Its name without the suffix, except where that was too long.
+        // The name without the suffix, unless the name was shortened.
         let named = reason.with_extension("").with_extension("");
         let beside = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
         for file in [&named].into_iter().chain(beside) {
@@ -56,30 +56,30 @@ fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
     }
 }
 
-/// Removes a refused file from the error folder, if it is still the same file, with its reason.
-pub fn remove_refused(error_dir: &Path, part: &PartRow) -> Result<()> {
-    for (file, reason) in refused_files(error_dir, part)? {
+/// Removes a refused file and its reason from the error folder, if the file is unchanged.
+pub fn remove_refused_files(error_dir: &Path, part: &PartRow) -> Result<()> {
+    for (file, reason) in find_refused_files(error_dir, part)? {
         for gone in [&file, &reason] {
             fs::remove_file(gone).with_context(|| format!("removing {}", gone.display()))?;
         }
         if let Some(folder) = file.parent().filter(|folder| *folder != error_dir) {
-            // Only an empty one goes.
+            // Fails if the folder is not empty.
             let _ = fs::remove_dir(folder);
         }
     }
     Ok(())
 }
 
-/// How the reason of a refused part opens the line that names it.
+/// Start of the line in the reason that names the part.
 pub fn part_line(part: &PartRow) -> String {
     format!("Part {} of the profile {}.", part.id, part.profile)
 }
 
-/// What a refused part's reason says below the reason itself.
-pub(super) fn reason_text(part: &PartRow, cause: Option<Refusal>, reason: &str) -> String {
+/// The complete text of a reason file.
+pub(super) fn reason_text(part: &PartRow, cause: Option<RefusalCause>, reason: &str) -> String {
     let again = match cause {
         // Its copies would be guessed.
-        Some(Refusal::Ticket) => String::new(),
+        Some(RefusalCause::Ticket) => String::new(),
         _ => format!(" To take it back: nestd retry {}", part.id),
     };
     format!("{}\n\n{}{again}\n", reason.trim_end(), part_line(part))

@@ -1,86 +1,87 @@
-//! Why a step failed, and whose fault it is: the file's, the store's or the disk's.
+//! Causes of failures: the file, the store or the disk.
 
 use std::path::PathBuf;
 
-use build_file::ReadError;
+use build_file::FileReadError;
 
-use super::owner::OwnerError;
-use crate::{ledger::Refusal, queue::QueueError};
+use super::folder_lease::LeaseError;
+use crate::{ledger::RefusalCause, queue::QueueError};
 
-/// Why a file gave no meshes.
+/// Why a file could not be read into meshes.
 #[derive(Debug, thiserror::Error)]
-pub enum Unread {
-    /// It cannot be read; whole sentences for the technician.
+pub enum PartReadError {
+    /// The file cannot be read; whole sentences for the technician.
     #[error("{1}")]
-    Refused(Refusal, String),
+    Refused(RefusalCause, String),
     /// The disk failed, not the file.
     #[error("{0}")]
-    Later(String),
+    TryLater(String),
 }
 
-impl Unread {
-    /// What a reader's error says of a file.
-    pub fn of(name: &str, error: &ReadError) -> Self {
+impl PartReadError {
+    /// Converts a reader's error for a file.
+    pub fn from_read_error(name: &str, error: &FileReadError) -> Self {
         match error.is_io() {
-            true => Self::Later(chain(error)),
-            // What it quotes of the file is for people.
+            true => Self::TryLater(error_chain(error)),
+            // The error may quote bytes of the file, which are made printable.
             false => {
-                let reason = format!("{name}: {}. {}", build_file::visible(&chain(error)), error.remedy());
-                Self::Refused(kind_of(error), reason)
+                let reason =
+                    format!("{name}: {}. {}", build_file::escape_invisible(&error_chain(error)), error.remedy());
+                Self::Refused(refusal_kind(error), reason)
             }
         }
     }
 }
 
-/// The stored file of a part does not hold what was dropped: only the same file, dropped again, helps.
+/// The stored file of a part differs from the file that was dropped: only dropping the same file again helps.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "the stored file of {name} {}",
     aside.as_ref().map_or("is not there".to_owned(), |aside| format!("was damaged and is set aside as {}", aside.display()))
 )]
-pub struct Lost {
+pub struct LostFileError {
     /// Name of the part.
     pub name: String,
-    /// Whose bytes are lost.
+    /// Hash of the lost content.
     pub content_hash: String,
-    /// Where the damaged file is now; `None` = there was none.
+    /// Where the damaged file is now; `None` = there was no file.
     pub aside: Option<PathBuf>,
 }
 
-impl Lost {
-    /// The lost file that a failure is about.
-    pub fn of(failure: &anyhow::Error) -> Option<&Self> {
+impl LostFileError {
+    /// The lost file that caused a failure, if any.
+    pub fn find_in_chain(failure: &anyhow::Error) -> Option<&Self> {
         failure.chain().find_map(|cause| cause.downcast_ref())
     }
 }
 
-/// Whether a disk or a share failed, not what was to be done on it: trying again will help once that is mended.
-pub fn is_of_the_disk(failure: &anyhow::Error) -> bool {
+/// Whether a disk or a share failed, not the operation itself: a retry helps once the disk works again.
+pub fn is_disk_failure(failure: &anyhow::Error) -> bool {
     failure.chain().any(|cause| {
         let io = cause.downcast_ref::<std::io::Error>();
         let queue = cause.downcast_ref::<QueueError>();
         io.is_some_and(|e| e.raw_os_error().is_some() || e.kind() == std::io::ErrorKind::WriteZero)
-            || matches!(cause.downcast_ref(), Some(Unread::Later(_)))
+            || matches!(cause.downcast_ref(), Some(PartReadError::TryLater(_)))
             || matches!(queue, Some(QueueError::Unavailable { .. }))
-            || cause.is::<OwnerError>()
+            || cause.is::<LeaseError>()
     })
 }
 
-/// What kind of reason it is that a file cannot be read.
-fn kind_of(error: &ReadError) -> Refusal {
+/// The kind of refusal for a reader's error.
+fn refusal_kind(error: &FileReadError) -> RefusalCause {
     match error {
-        ReadError::TooLarge { .. } => Refusal::Limit,
-        ReadError::NoSolid { .. } => Refusal::NotClosed,
-        ReadError::Io(_) => Refusal::Unreadable,
-        ReadError::Unknown { .. }
-        | ReadError::Truncated(_)
-        | ReadError::Invalid { .. }
-        | ReadError::Unsupported { .. } => Refusal::Format,
+        FileReadError::TooLarge { .. } => RefusalCause::Limit,
+        FileReadError::NoSolid { .. } => RefusalCause::NotClosed,
+        FileReadError::Io(_) => RefusalCause::Unreadable,
+        FileReadError::Unknown { .. }
+        | FileReadError::Truncated(_)
+        | FileReadError::Invalid { .. }
+        | FileReadError::Unsupported { .. } => RefusalCause::Format,
     }
 }
 
-/// An error with its sources in one line.
-pub fn chain(error: &dyn std::error::Error) -> String {
+/// An error and its sources on one line.
+pub fn error_chain(error: &dyn std::error::Error) -> String {
     let mut text = error.to_string();
     let mut source = error.source();
     while let Some(error) = source {
@@ -98,7 +99,7 @@ mod tests {
     fn a_full_disk_is_of_the_disk_and_a_wrong_build_is_not() {
         let full = std::io::Error::from_raw_os_error(28);
         let write = crate::queue::QueueError::Write { path: "x".into(), source: full.into() };
-        assert!(is_of_the_disk(&anyhow::Error::from(write).context("writing the build")));
-        assert!(!is_of_the_disk(&anyhow::anyhow!("the written build is not proved")));
+        assert!(is_disk_failure(&anyhow::Error::from(write).context("writing the build")));
+        assert!(!is_disk_failure(&anyhow::anyhow!("the written build is not proved")));
     }
 }

@@ -1,4 +1,4 @@
-//! The farm: its state, and what all of its steps share. It knows no step.
+//! The farm: its state, and what all steps share. It depends on no step.
 
 use std::{
     collections::BTreeMap,
@@ -9,34 +9,34 @@ use anyhow::Result;
 use jiff::Timestamp;
 
 use super::{
-    attention::Attention,
-    jobs::Jobs,
-    lost_ledger::of_the_ledger,
-    meshes::Meshes,
-    notices::Notices,
-    state::{EndingState, Lifecycle, NestingState, ReadingState, Schedule, ShownState},
-    station::Station,
+    alert::AlertKind,
+    alert_registry::AlertRegistry,
+    jobs::JobRunner,
+    lost_ledger::ledger_alert,
+    machine_state::MachineState,
+    mesh_source::MeshSource,
+    state::{CompletionState, DaemonLifecycle, DisplayState, LoopSchedule, NestingState, ReadingState},
 };
 use crate::{ledger::Ledger, settings::Settings};
 
-/// Between two beats of the farm when nothing happens.
-pub(super) const BEAT: Duration = Duration::from_millis(500);
+/// Interval of the ticks when nothing happens.
+pub(super) const TICK_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The running farm.
 pub struct Farm {
     pub(super) settings: Settings,
     pub(super) ledger: Ledger,
-    pub(super) meshes: Meshes,
-    pub(super) stations: BTreeMap<String, Station>,
-    pub(super) jobs: Jobs<Farm>,
-    pub(super) ending: EndingState,
+    pub(super) meshes: MeshSource,
+    pub(super) machines: BTreeMap<String, MachineState>,
+    pub(super) jobs: JobRunner<Farm>,
+    pub(super) completion: CompletionState,
     pub(super) reading: ReadingState,
     pub(super) nesting: NestingState,
-    pub(super) shown: ShownState,
-    pub(super) schedule: Schedule,
-    pub(super) life: Lifecycle,
-    /// What a person must see to.
-    pub(super) notices: Notices,
+    pub(super) display: DisplayState,
+    pub(super) schedule: LoopSchedule,
+    pub(super) lifecycle: DaemonLifecycle,
+    /// Alerts: what a person must act on.
+    pub(super) alerts: AlertRegistry,
 }
 
 impl Farm {
@@ -50,30 +50,30 @@ impl Farm {
         self.schedule.time.date()
     }
 
-    /// Does a step; one that fails is logged, rests, and is tried again.
-    pub(super) async fn tell(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
-        if self.schedule.steps.rests(&what.to_owned()) {
+    /// Runs a step. A step that fails is logged, waits, and is retried.
+    pub(super) async fn run_step(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
+        if self.schedule.step_backoff.is_waiting(&what.to_owned()) {
             return;
         }
         match step(self).await {
             Ok(()) => {
-                self.schedule.steps.done(&what.to_owned());
-                self.notices.clear(Attention::StepFails, "", what);
+                self.schedule.step_backoff.record_success(&what.to_owned());
+                self.alerts.clear(AlertKind::StepFails, "", what);
             }
             Err(failure) => {
-                self.schedule.steps.failed(what.to_owned());
-                self.trouble(Attention::StepFails, "", what, &failure);
+                self.schedule.step_backoff.record_failure(what.to_owned());
+                self.report_failure(AlertKind::StepFails, "", what, &failure);
             }
         }
     }
 
-    /// Something failed and is tried again, unless the ledger is damaged: then nothing is.
-    pub(super) fn trouble(&mut self, kind: Attention, profile: &str, about: &str, failure: &anyhow::Error) {
-        match of_the_ledger(failure) {
-            // The next beat sees it and saves what is known.
-            Some((Attention::LedgerReplaced, _)) => {}
-            Some((kind, detail)) => self.halt(kind, &detail),
-            None => self.notices.trouble(kind, profile, about, &format!("{about}: {failure:#}")),
+    /// Reports a failure that is retried. If the ledger is damaged, the farm halts instead.
+    pub(super) fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, failure: &anyhow::Error) {
+        match ledger_alert(failure) {
+            // The next tick detects it and saves what is known.
+            Some((AlertKind::LedgerReplaced, _)) => {}
+            Some((kind, detail)) => self.halt_farm(kind, &detail),
+            None => self.alerts.report_failure(kind, profile, about, &format!("{about}: {failure:#}")),
         }
     }
 }

@@ -6,10 +6,10 @@ use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
-    attention::Attention,
+    alert::AlertKind,
     farm::Farm,
     forgettable::{Forgettable, KEEP_REFUSED_SECS},
-    jobs::Job,
+    jobs::BackgroundJob,
 };
 use crate::intake::StoreError;
 
@@ -17,25 +17,25 @@ use crate::intake::StoreError;
 #[derive(Clone)]
 pub(super) struct ForgetJob;
 
-impl Job<Farm> for ForgetJob {
+impl BackgroundJob<Farm> for ForgetJob {
     const KIND: &'static str = "Forget";
     type Outcome = Result<()>;
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         String::new()
     }
 
-    async fn done(self, farm: &mut Farm, removed: Self::Outcome) -> Result<()> {
+    async fn on_done(self, farm: &mut Farm, removed: Self::Outcome) -> Result<()> {
         farm.on_forgotten(removed).await
     }
 
-    async fn panicked(self, farm: &mut Farm, message: &str) -> Result<()> {
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
         farm.on_forgotten(Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 
-    fn not_started(self, farm: &mut Farm, _why: &str) {
+    fn on_not_started(self, farm: &mut Farm, _why: &str) {
         // The next tidying finds them again.
-        farm.ending.forgetting.end();
+        farm.completion.forgetting.end();
     }
 }
 
@@ -43,25 +43,25 @@ impl Farm {
     /// Removes these from the store where nobody needs them, with what was wanted before; what cannot be removed is found again
     /// by a later tidying.
     pub(super) async fn forget(&mut self, unneeded: impl IntoIterator<Item = Forgettable>) -> Result<()> {
-        self.ending.forgetting.want(unneeded);
-        if self.jobs.runs::<ForgetJob>("") {
+        self.completion.forgetting.want(unneeded);
+        if self.jobs.is_running::<ForgetJob>("") {
             return Ok(());
         }
         let mut work = Vec::new();
-        for wanted in self.ending.forgetting.take_wanted() {
+        for wanted in self.completion.forgetting.take_wanted() {
             if let Forgettable::StoredFile(hash) = &wanted
-                && self.is_needed(hash).await?
+                && self.is_content_needed(hash).await?
             {
                 continue;
             }
-            self.ending.forgetting.begin(&wanted);
+            self.completion.forgetting.begin(&wanted);
             work.push(wanted);
         }
         if work.is_empty() {
             return Ok(());
         }
-        let forgetting = &self.ending.forgetting;
-        self.meshes.shelf.keep(|key| !forgetting.is_under_way(&key.content_hash));
+        let forgetting = &self.completion.forgetting;
+        self.meshes.mesh_cache.retain(|key| !forgetting.is_under_way(&key.content_hash));
         let store = self.meshes.store.clone();
         self.jobs.start(ForgetJob, move || {
             // One that cannot be removed keeps no other.
@@ -72,17 +72,17 @@ impl Farm {
     }
 
     async fn on_forgotten(&mut self, removed: Result<()>) -> Result<()> {
-        self.ending.forgetting.end();
+        self.completion.forgetting.end();
         match &removed {
-            Ok(()) => self.notices.clear(Attention::StepFails, "", "forgetting"),
-            Err(failure) => self.trouble(Attention::StepFails, "", "forgetting", failure),
+            Ok(()) => self.alerts.clear(AlertKind::StepFails, "", "forgetting"),
+            Err(failure) => self.report_failure(AlertKind::StepFails, "", "forgetting", failure),
         }
         self.forget([]).await
     }
 
-    /// Whether a stored file is needed: by a part that lives, or by a refused one that may still be taken back.
-    pub(super) async fn is_needed(&self, content_hash: &str) -> Result<bool> {
+    /// Whether a stored file is needed: by a live part, or by a refused one that may still be taken back.
+    pub(super) async fn is_content_needed(&self, content_hash: &str) -> Result<bool> {
         let since = self.date().checked_sub(SignedDuration::from_secs_f64(KEEP_REFUSED_SECS));
-        Ok(self.ledger.hash_in_use(content_hash, since.unwrap_or(Timestamp::UNIX_EPOCH)).await?)
+        Ok(self.ledger.is_hash_in_use(content_hash, since.unwrap_or(Timestamp::UNIX_EPOCH)).await?)
     }
 }

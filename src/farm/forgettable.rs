@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 
 use crate::{
-    intake::{Store, StoreError},
-    ledger::REFUSED_COUNTS,
+    intake::{ContentStore, StoreError},
+    ledger::RETRY_PERIOD,
 };
 
-/// Refused files stay in the store so long, so that `nestd retry` finds them.
-pub(super) const KEEP_REFUSED_SECS: f64 = REFUSED_COUNTS.as_secs() as f64;
+/// Refused files stay in the store this long, so that `nestd retry` finds them.
+pub(super) const KEEP_REFUSED_SECS: f64 = RETRY_PERIOD.as_secs() as f64;
 
 /// Something in the store that is not needed any more.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,10 +29,10 @@ impl Forgettable {
     ///
     /// # Errors
     /// The disk does not let it.
-    pub(super) fn remove_from(&self, store: &Store) -> Result<(), StoreError> {
+    pub(super) fn remove_from(&self, store: &ContentStore) -> Result<(), StoreError> {
         match self {
-            Self::StoredFile(hash) => store.remove(hash),
-            Self::ClaimNote { hash, claim } => store.forget_note(hash, claim),
+            Self::StoredFile(hash) => store.remove_content(hash),
+            Self::ClaimNote { hash, claim } => store.delete_note(hash, claim),
         }
     }
 }

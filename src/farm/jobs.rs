@@ -1,5 +1,5 @@
-//! Work that would hold up the event loop (reading, nesting, proving, copying) runs on threads of its own. A kind of job says
-//! how its end is taken in by the owner of the loop, also when it panicked or got no thread.
+//! Work that would block the event loop (reading, nesting, proving, copying) runs on threads of its own. Each kind of
+//! job defines how the owner of the loop takes in its result, including a panic or a thread that could not be started.
 
 use std::{
     any::Any,
@@ -14,168 +14,168 @@ use anyhow::Result;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tracing::warn;
 
-/// A kind of work off the event loop of `O`: what it is about, and what follows when it ends.
-pub trait Job<O>: Clone + Send + 'static {
-    /// Its name in logs and of its threads.
+/// A kind of work outside the event loop of `O`: its subject, and what happens when it ends.
+pub trait BackgroundJob<O>: Clone + Send + 'static {
+    /// Name in logs and of its threads.
     const KIND: &'static str;
-    /// What comes of the work.
+    /// Result of the work.
     type Outcome: Send + 'static;
 
-    /// What this one is about; only one job of a kind and a subject runs at a time.
-    fn about(&self) -> String;
+    /// The subject of this job; only one job of a kind and subject runs at a time.
+    fn subject(&self) -> String;
 
-    /// Takes in what came of the work.
-    async fn done(self, owner: &mut O, outcome: Self::Outcome) -> Result<()>;
+    /// Takes in the result.
+    async fn on_done(self, owner: &mut O, outcome: Self::Outcome) -> Result<()>;
 
     /// The work panicked.
-    async fn panicked(self, _owner: &mut O, _message: &str) -> Result<()> {
+    async fn on_panic(self, _owner: &mut O, _message: &str) -> Result<()> {
         Ok(())
     }
 
-    /// There was no thread for the work: nothing was done, and its step finds it again.
-    fn not_started(self, _owner: &mut O, _why: &str) {}
+    /// The thread could not be started: nothing was done, and the step will find the work again.
+    fn on_not_started(self, _owner: &mut O, _why: &str) {}
 }
 
-/// A kind of job and what it is about.
+/// Kind and subject of a job.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 struct JobKey {
     kind: &'static str,
-    about: String,
+    subject: String,
 }
 
 impl fmt::Display for JobKey {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.about.as_str() {
+        match self.subject.as_str() {
             "" => f.write_str(self.kind),
             about => write!(f, "{}({about})", self.kind),
         }
     }
 }
 
-/// What the owner of the loop does to take in an event.
-type Taking<'a> = Pin<Box<dyn Future<Output = Result<()>> + 'a>>;
-type Take<O> = Box<dyn for<'a> FnOnce(&'a mut O) -> Taking<'a> + Send>;
+/// Future in which the owner of the loop takes in an event.
+type EventFuture<'a> = Pin<Box<dyn Future<Output = Result<()>> + 'a>>;
+type EventHandler<O> = Box<dyn for<'a> FnOnce(&'a mut O) -> EventFuture<'a> + Send>;
 
-/// What the event loop of `O` hears: a job has ended, or something else has happened.
-pub struct Event<O> {
+/// An event for the event loop of `O`: a job has ended, or something else has happened.
+pub struct LoopEvent<O> {
     job: Option<JobKey>,
-    take: Take<O>,
+    handler: EventHandler<O>,
 }
 
-impl<O: 'static> Event<O> {
-    /// Something has happened that is no job.
+impl<O: 'static> LoopEvent<O> {
+    /// An event that is not the end of a job.
     pub fn new(take: impl FnOnce(&mut O) + Send + 'static) -> Self {
-        let take = taking(move |owner: &mut O| {
+        let take = box_handler(move |owner: &mut O| {
             take(owner);
             Box::pin(async { Ok(()) })
         });
-        Self { job: None, take }
+        Self { job: None, handler: take }
     }
 
-    /// Whether a job of a kind has ended.
-    pub fn is_of<J: Job<O>>(&self) -> bool {
+    /// Whether this is the end of a job of a given kind.
+    pub fn is_end_of<J: BackgroundJob<O>>(&self) -> bool {
         self.job.as_ref().is_some_and(|key| key.kind == J::KIND)
     }
 
-    /// Takes it in.
-    pub async fn take_in(self, owner: &mut O) -> Result<()> {
-        (self.take)(owner).await
+    /// Takes in the event.
+    pub async fn apply_to(self, owner: &mut O) -> Result<()> {
+        (self.handler)(owner).await
     }
 }
 
-/// How the work of a job has ended.
-enum End<T> {
-    Done(T),
+/// How a job has ended.
+enum JobResult<T> {
+    Completed(T),
     Panicked(String),
     NotStarted(String),
 }
 
-/// Lets the compiler know that the future borrows the owner.
-fn taking<O, F>(take: F) -> Take<O>
+/// Tells the compiler that the future borrows the owner.
+fn box_handler<O, F>(take: F) -> EventHandler<O>
 where
-    F: for<'a> FnOnce(&'a mut O) -> Taking<'a> + Send + 'static,
+    F: for<'a> FnOnce(&'a mut O) -> EventFuture<'a> + Send + 'static,
 {
     Box::new(take)
 }
 
-fn ended<O: 'static, J: Job<O>>(key: JobKey, job: J, end: End<J::Outcome>) -> Event<O> {
+fn job_end_event<O: 'static, J: BackgroundJob<O>>(key: JobKey, job: J, end: JobResult<J::Outcome>) -> LoopEvent<O> {
     let told = key.clone();
-    let take = taking(move |owner: &mut O| {
+    let take = box_handler(move |owner: &mut O| {
         Box::pin(async move {
             match end {
-                End::Done(outcome) => job.done(owner, outcome).await,
-                End::Panicked(message) => {
+                JobResult::Completed(outcome) => job.on_done(owner, outcome).await,
+                JobResult::Panicked(message) => {
                     warn!("A job panicked ({told}): {message}.");
-                    job.panicked(owner, &message).await
+                    job.on_panic(owner, &message).await
                 }
-                End::NotStarted(why) => {
+                JobResult::NotStarted(why) => {
                     warn!("A job could not be started ({told}): {why}.");
-                    job.not_started(owner, &why);
+                    job.on_not_started(owner, &why);
                     Ok(())
                 }
             }
         })
     });
-    Event { job: Some(key), take }
+    LoopEvent { job: Some(key), handler: take }
 }
 
-/// Jobs that run now, and the events that wait to be taken in.
-pub struct Jobs<O> {
+/// The running jobs, and the events that wait to be taken in.
+pub struct JobRunner<O> {
     running: HashSet<JobKey>,
-    sender: UnboundedSender<Event<O>>,
-    events: UnboundedReceiver<Event<O>>,
+    sender: UnboundedSender<LoopEvent<O>>,
+    events: UnboundedReceiver<LoopEvent<O>>,
 }
 
-impl<O> Default for Jobs<O> {
+impl<O> Default for JobRunner<O> {
     fn default() -> Self {
         let (sender, events) = unbounded_channel();
         Self { running: HashSet::new(), sender, events }
     }
 }
 
-impl<O: 'static> Jobs<O> {
-    /// Where events go.
-    pub fn sender(&self) -> UnboundedSender<Event<O>> {
+impl<O: 'static> JobRunner<O> {
+    /// The sender of events.
+    pub fn event_sender(&self) -> UnboundedSender<LoopEvent<O>> {
         self.sender.clone()
     }
 
-    /// The next event; a job that it tells of does not run any more. Nothing is lost when this is not waited for.
-    pub async fn next(&mut self) -> Option<Event<O>> {
+    /// The next event; its job no longer counts as running. Cancel safe: dropping the future loses no event.
+    pub async fn next_event(&mut self) -> Option<LoopEvent<O>> {
         let event = self.events.recv().await;
-        self.has_ended(event)
+        self.remove_ended_job(event)
     }
 
-    /// As [`Jobs::next`], without waiting.
-    pub fn next_now(&mut self) -> Option<Event<O>> {
+    /// Same as [`JobRunner::next`], without waiting.
+    pub fn try_next_event(&mut self) -> Option<LoopEvent<O>> {
         let event = self.events.try_recv().ok();
-        self.has_ended(event)
+        self.remove_ended_job(event)
     }
 
-    fn has_ended(&mut self, event: Option<Event<O>>) -> Option<Event<O>> {
-        if let Some(Event { job: Some(key), .. }) = &event {
+    fn remove_ended_job(&mut self, event: Option<LoopEvent<O>>) -> Option<LoopEvent<O>> {
+        if let Some(LoopEvent { job: Some(key), .. }) = &event {
             self.running.remove(key);
         }
         event
     }
 
-    /// Whether a job of this kind and subject runs.
-    pub fn runs<J: Job<O>>(&self, about: impl fmt::Display) -> bool {
-        self.running.contains(&JobKey { kind: J::KIND, about: about.to_string() })
+    /// Whether a job of this kind and subject is running.
+    pub fn is_running<J: BackgroundJob<O>>(&self, about: impl fmt::Display) -> bool {
+        self.running.contains(&JobKey { kind: J::KIND, subject: about.to_string() })
     }
 
-    /// What the running jobs of a kind are about.
-    pub fn running<J: Job<O>>(&self) -> impl Iterator<Item = &str> {
-        self.running.iter().filter(|key| key.kind == J::KIND).map(|key| key.about.as_str())
+    /// The subjects of the running jobs of a kind.
+    pub fn running_subjects<J: BackgroundJob<O>>(&self) -> impl Iterator<Item = &str> {
+        self.running.iter().filter(|key| key.kind == J::KIND).map(|key| key.subject.as_str())
     }
 
-    /// Whether nothing runs.
+    /// Whether no job is running.
     pub fn is_idle(&self) -> bool {
         self.running.is_empty()
     }
 
-    /// Starts `work` on a thread of its own unless a job of this kind and subject runs.
-    pub fn start<J: Job<O>>(&mut self, job: J, work: impl FnOnce() -> J::Outcome + Send + 'static) {
-        let key = JobKey { kind: J::KIND, about: job.about() };
+    /// Starts `work` on its own thread, unless a job of this kind and subject is running.
+    pub fn start<J: BackgroundJob<O>>(&mut self, job: J, work: impl FnOnce() -> J::Outcome + Send + 'static) {
+        let key = JobKey { kind: J::KIND, subject: job.subject() };
         if !self.running.insert(key.clone()) {
             return;
         }
@@ -185,13 +185,13 @@ impl<O: 'static> Jobs<O> {
             let (key, job) = (key.clone(), job.clone());
             move || {
                 let end = catch_unwind(AssertUnwindSafe(work))
-                    .map_or_else(|panic| End::Panicked(panic_message(&*panic)), End::Done);
-                // The loop may have ended; then nobody needs the event, since every step finds its work again.
-                let _ = sender.send(ended(key, job, end));
+                    .map_or_else(|panic| JobResult::Panicked(panic_message(&*panic)), JobResult::Completed);
+                // If the loop has ended, nobody needs the event: every step finds its work again.
+                let _ = sender.send(job_end_event(key, job, end));
             }
         });
         if let Err(error) = spawned {
-            let _ = self.sender.send(ended(key, job, End::NotStarted(format!("no thread: {error}"))));
+            let _ = self.sender.send(job_end_event(key, job, JobResult::NotStarted(format!("no thread: {error}"))));
         }
     }
 }
@@ -208,20 +208,20 @@ mod tests {
     #[derive(Clone)]
     struct Add(u32);
 
-    impl Job<Vec<String>> for Add {
+    impl BackgroundJob<Vec<String>> for Add {
         const KIND: &'static str = "Add";
         type Outcome = u32;
 
-        fn about(&self) -> String {
+        fn subject(&self) -> String {
             self.0.to_string()
         }
 
-        async fn done(self, owner: &mut Vec<String>, outcome: u32) -> Result<()> {
+        async fn on_done(self, owner: &mut Vec<String>, outcome: u32) -> Result<()> {
             owner.push(format!("{} gave {outcome}", self.0));
             Ok(())
         }
 
-        async fn panicked(self, owner: &mut Vec<String>, message: &str) -> Result<()> {
+        async fn on_panic(self, owner: &mut Vec<String>, message: &str) -> Result<()> {
             owner.push(format!("{} panicked: {message}", self.0));
             Ok(())
         }
@@ -229,20 +229,20 @@ mod tests {
 
     #[tokio::test]
     async fn a_job_of_a_subject_runs_once_at_a_time_and_its_end_is_taken_in_even_after_a_panic() {
-        let (mut jobs, mut owner) = (Jobs::default(), Vec::new());
+        let (mut jobs, mut owner) = (JobRunner::default(), Vec::new());
         let (go, wait) = std::sync::mpsc::channel::<()>();
         jobs.start(Add(1), move || wait.recv().map_or(0, |()| 7));
         jobs.start(Add(1), || 8);
-        assert!(jobs.runs::<Add>(1) && !jobs.runs::<Add>(2) && jobs.running::<Add>().count() == 1);
+        assert!(jobs.is_running::<Add>(1) && !jobs.is_running::<Add>(2) && jobs.running_subjects::<Add>().count() == 1);
         go.send(()).unwrap();
         jobs.start(Add(2), || panic!("no sum"));
         for _ in 0..2 {
-            let event = jobs.next().await.unwrap();
-            assert!(event.is_of::<Add>());
-            event.take_in(&mut owner).await.unwrap();
+            let event = jobs.next_event().await.unwrap();
+            assert!(event.is_end_of::<Add>());
+            event.apply_to(&mut owner).await.unwrap();
         }
         owner.sort();
         assert_eq!(owner, ["1 gave 7", "2 panicked: no sum"]);
-        assert!(jobs.is_idle() && jobs.next_now().is_none());
+        assert!(jobs.is_idle() && jobs.try_next_event().is_none());
     }
 }

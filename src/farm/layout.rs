@@ -1,5 +1,5 @@
-//! What the farm knows of a layout: which copies of which parts stand where. The nester speaks of items, the ledger of
-//! parts; this is where the two meet.
+//! The farm's view of a layout: which copies of which parts are placed where. The nester speaks of items, the ledger of
+//! parts; this file converts between them.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -7,35 +7,35 @@ use std::{
 };
 
 use glam::{DQuat, DVec3};
-use nester::{Instance, InstanceError, Item, Placement, Solution};
+use nester::{InstanceError, ItemPlacement, NestingInstance, NestingItem, NestingSolution};
 use serde::{Deserialize, Serialize};
 use solids::{Mesh, Pose};
 
 use crate::{
     build::{BuildPart, PartPlacement},
     ledger::{PartId, PartRow, PlacementRow, WaitingPart},
-    settings::Profile,
+    settings::MachineProfile,
 };
 
-/// A copy of a part: the unit that is never lost and never doubled.
-pub type Copy = (PartId, u32);
+/// A copy of a part: the unit that is never lost and never printed twice.
+pub type CopyId = (PartId, u32);
 
 /// One copy at a pose in the build volume's frame (its lower front left corner is the origin), mm.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlacedCopy {
-    /// Which copy.
-    pub copy: Copy,
+pub struct LayoutPlacement {
+    /// The copy.
+    pub copy: CopyId,
     /// Mesh frame -> build volume frame.
     pub pose: Pose,
 }
 
 /// A layout of a batch.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Layout {
-    /// Copies that stand.
-    pub placed: Vec<PlacedCopy>,
+pub struct BatchLayout {
+    /// Placed copies.
+    pub placed: Vec<LayoutPlacement>,
     /// Copies that were tried and found no place, in order of precedence.
-    pub unplaced: Vec<Copy>,
+    pub unplaced: Vec<CopyId>,
     /// Top of the highest placement above the volume's floor, mm.
     pub height_mm: f64,
     /// Part volume / (base area x height).
@@ -48,38 +48,38 @@ pub struct Layout {
 
 /// Parts with their meshes and the copies of them that are to be nested, in order of precedence.
 #[derive(Debug, Clone)]
-pub struct Batch {
+pub struct NestingBatch {
     /// Parts in order of precedence.
-    pub parts: Vec<BatchPart>,
+    pub parts: Vec<NestingPart>,
 }
 
 /// A part of a batch.
 #[derive(Debug, Clone)]
-pub struct BatchPart {
-    /// Its row.
+pub struct NestingPart {
+    /// The row of the part.
     pub part: PartRow,
     /// Its mesh.
     pub mesh: Arc<Mesh>,
-    /// Copy numbers that are wanted.
+    /// Wanted copy numbers.
     pub copies: Vec<u32>,
 }
 
-impl Batch {
-    /// As the nester sees it.
-    pub fn instance(&self, profile: &Profile) -> Result<Instance, InstanceError> {
-        let items = self.parts.iter().map(|p| Item {
+impl NestingBatch {
+    /// The instance for the nester.
+    pub fn create_instance(&self, profile: &MachineProfile) -> Result<NestingInstance, InstanceError> {
+        let items = self.parts.iter().map(|p| NestingItem {
             name: format!("{} (part {})", p.part.name, p.part.id.0),
             mesh: p.mesh.clone(),
             copies: p.copies.len() as u32,
-            orientation: p.part.turning(),
+            orientation: p.part.orientation_limits(),
             clearance_mm: p.part.terms.clearance_mm,
         });
-        profile.machine().instance(items.collect())
+        profile.to_machine().create_instance(items.collect())
     }
 
-    /// As a build file sees it: its parts in the same order.
+    /// The parts for a build file, in the same order.
     pub fn build_parts(&self) -> Vec<BuildPart> {
-        let build_part = |BatchPart { part, mesh, copies }: &BatchPart| BuildPart {
+        let build_part = |NestingPart { part, mesh, copies }: &NestingPart| BuildPart {
             name: part.name.clone(),
             object_name: if part.solid.object_name.is_empty() {
                 part.name.clone()
@@ -92,40 +92,40 @@ impl Batch {
             content_hash: format!("{}-{}", part.file.content_hash, part.solid.object_index),
             mesh: mesh.clone(),
             copies: copies.clone(),
-            orientation: part.turning(),
+            orientation: part.orientation_limits(),
             clearance_mm: part.terms.clearance_mm,
             order: (!part.terms.order_name.is_empty()).then(|| part.terms.order_name.clone()),
         };
         self.parts.iter().map(build_part).collect()
     }
 
-    /// Where the copies of a layout stand, by [`Batch::build_parts`].
-    pub fn part_placements(&self, layout: &Layout) -> Vec<PartPlacement> {
+    /// The placed copies of a layout, with the indices of [`NestingBatch::build_parts`].
+    pub fn part_placements(&self, layout: &BatchLayout) -> Vec<PartPlacement> {
         let index: HashMap<PartId, usize> = self.parts.iter().enumerate().map(|(at, p)| (p.part.id, at)).collect();
         let placed =
-            |p: &PlacedCopy| Some(PartPlacement { part: *index.get(&p.copy.0)?, copy: p.copy.1, pose: p.pose });
+            |p: &LayoutPlacement| Some(PartPlacement { part: *index.get(&p.copy.0)?, copy: p.copy.1, pose: p.pose });
         layout.placed.iter().filter_map(placed).collect()
     }
 
     /// An earlier layout as placements of this batch; copies that are not in the batch are left out.
-    pub fn placements(&self, placed: &[PlacedCopy]) -> Vec<Placement> {
-        let mut index: HashMap<Copy, (usize, u32)> = HashMap::new();
+    pub fn matching_placements(&self, placed: &[LayoutPlacement]) -> Vec<ItemPlacement> {
+        let mut index: HashMap<CopyId, (usize, u32)> = HashMap::new();
         for (item, part) in self.parts.iter().enumerate() {
             for (number, &copy) in part.copies.iter().enumerate() {
                 index.insert((part.part.id, copy), (item, number as u32));
             }
         }
         (placed.iter())
-            .filter_map(|p| index.get(&p.copy).map(|&(item, copy)| Placement { item, copy, pose: p.pose }))
+            .filter_map(|p| index.get(&p.copy).map(|&(item, copy)| ItemPlacement { item, copy, pose: p.pose }))
             .collect()
     }
 
-    /// A solution of [`Batch::instance`] in the ledger's words.
-    pub fn layout(&self, instance: &Instance, solution: &Solution) -> Layout {
+    /// Converts a solution of [`NestingBatch::instance`] to parts and copies.
+    pub fn layout_from_solution(&self, instance: &NestingInstance, solution: &NestingSolution) -> BatchLayout {
         let name = |item: usize, copy: u32| (self.parts[item].part.id, self.parts[item].copies[copy as usize]);
-        Layout {
+        BatchLayout {
             placed: (solution.placements.iter())
-                .map(|p| PlacedCopy { copy: name(p.item, p.copy), pose: p.pose })
+                .map(|p| LayoutPlacement { copy: name(p.item, p.copy), pose: p.pose })
                 .collect(),
             unplaced: solution.unplaced.iter().map(|&(item, copy)| name(item, copy)).collect(),
             height_mm: solution.height_mm,
@@ -136,8 +136,8 @@ impl Batch {
     }
 
     /// The batch without the copies that a layout leaves out.
-    pub fn placed_only(&self, layout: &Layout) -> Self {
-        let placed: HashSet<Copy> = layout.placed.iter().map(|p| p.copy).collect();
+    pub fn placed_only(&self, layout: &BatchLayout) -> Self {
+        let placed: HashSet<CopyId> = layout.placed.iter().map(|p| p.copy).collect();
         let mut batch = self.clone();
         batch.parts.iter_mut().for_each(|p| p.copies.retain(|&copy| placed.contains(&(p.part.id, copy))));
         batch
@@ -145,29 +145,29 @@ impl Batch {
 }
 
 /// All copies of waiting parts, in order of precedence.
-pub fn copies_of(waiting: &[WaitingPart]) -> Vec<Copy> {
+pub fn waiting_copy_ids(waiting: &[WaitingPart]) -> Vec<CopyId> {
     waiting.iter().flat_map(|w| w.copies.iter().map(|&c| (w.part.id, c))).collect()
 }
 
-/// The form in which a layout lies in the ledger: part, copy, quaternion, translation (mm).
+/// A placed copy as stored in the ledger: part, copy, quaternion, translation (mm).
 #[derive(Serialize, Deserialize)]
-struct Stored(i64, u32, [f64; 4], [f64; 3]);
+struct StoredPlacement(i64, u32, [f64; 4], [f64; 3]);
 
-impl Layout {
-    /// The placed copies as JSON, so that a restart goes on from them.
+impl BatchLayout {
+    /// The placed copies as JSON, so that the search continues from them after a restart.
     pub fn to_json(&self) -> String {
-        let stored: Vec<Stored> = (self.placed.iter())
-            .map(|p| Stored(p.copy.0.0, p.copy.1, p.pose.rotation.to_array(), p.pose.translation.to_array()))
+        let stored: Vec<StoredPlacement> = (self.placed.iter())
+            .map(|p| StoredPlacement(p.copy.0.0, p.copy.1, p.pose.rotation.to_array(), p.pose.translation.to_array()))
             .collect();
         serde_json::to_string(&stored).unwrap_or_default()
     }
 }
 
-/// The placed copies of a stored layout; an unreadable one is as good as none.
-pub fn placed_from_json(json: &str) -> Vec<PlacedCopy> {
-    let stored: Vec<Stored> = serde_json::from_str(json).unwrap_or_default();
+/// The placed copies of a stored layout; an unreadable layout counts as empty.
+pub fn placed_from_json(json: &str) -> Vec<LayoutPlacement> {
+    let stored: Vec<StoredPlacement> = serde_json::from_str(json).unwrap_or_default();
     (stored.into_iter())
-        .map(|Stored(part, copy, rotation, translation)| PlacedCopy {
+        .map(|StoredPlacement(part, copy, rotation, translation)| LayoutPlacement {
             copy: (PartId(part), copy),
             pose: Pose::new(DQuat::from_array(rotation), DVec3::from_array(translation)),
         })
@@ -175,11 +175,11 @@ pub fn placed_from_json(json: &str) -> Vec<PlacedCopy> {
         .collect()
 }
 
-/// The placed copies of a build that was proved, from the poses that the ledger has of them in the machine's frame.
-pub fn placed_from_rows(rows: &[PlacementRow], origin_mm: DVec3) -> Vec<PlacedCopy> {
+/// The placed copies of a proved build, from its poses in the ledger, which are in the machine's frame.
+pub fn placed_from_rows(rows: &[PlacementRow], origin_mm: DVec3) -> Vec<LayoutPlacement> {
     let in_volume = |pose: Pose| Pose { translation: pose.translation - origin_mm, ..pose };
     rows.iter()
-        .filter_map(|row| Some(PlacedCopy { copy: (row.part_id, row.copy), pose: in_volume(row.pose()?) }))
+        .filter_map(|row| Some(LayoutPlacement { copy: (row.part_id, row.copy), pose: in_volume(row.pose()?) }))
         .collect()
 }
 
@@ -190,7 +190,8 @@ mod tests {
     #[test]
     fn a_stored_layout_comes_back_to_the_last_digit() {
         let pose = Pose::new(DQuat::from_rotation_x(0.3), DVec3::new(1.0 / 3.0, 2e-9, 170.25));
-        let layout = Layout { placed: vec![PlacedCopy { copy: (PartId(7), 3), pose }], ..Layout::default() };
+        let layout =
+            BatchLayout { placed: vec![LayoutPlacement { copy: (PartId(7), 3), pose }], ..BatchLayout::default() };
         let back = placed_from_json(&layout.to_json());
         assert_eq!(back[0].copy, (PartId(7), 3));
         assert!((back[0].pose.translation - pose.translation).length() == 0.0);

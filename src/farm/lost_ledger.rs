@@ -1,38 +1,38 @@
-//! A ledger that is gone, damaged or behind: how that is known, and what it is to people.
+//! A missing, damaged or outdated ledger: how it is detected, and which alert it raises.
 
-use super::{attention::Attention, current::Behind, owner};
+use super::{alert::AlertKind, folder_lease, ledger_freshness::LedgerBehindError};
 use crate::{intake, ledger::LedgerError, settings::Settings};
 
-/// The ledger is gone, and its farm is not.
+/// The ledger is missing, although its farm has worked before.
 #[derive(Debug, thiserror::Error)]
-#[error("{detail}. {}", Attention::LedgerLost.remedy())]
-pub struct Lost {
-    /// How it is known.
+#[error("{detail}. {}", AlertKind::LedgerLost.remedy())]
+pub struct LostLedgerError {
+    /// How this was detected.
     pub detail: String,
 }
 
-/// What a failure is to people, if it is the ledger's: the kind of notice, and what was found.
-pub fn of_the_ledger(failure: &anyhow::Error) -> Option<(Attention, String)> {
-    if let Some(Lost { detail }) = failure.downcast_ref() {
-        return Some((Attention::LedgerLost, detail.clone()));
+/// The alert for a failure of the ledger: its kind and detail; `None` = the ledger is not the cause.
+pub fn ledger_alert(failure: &anyhow::Error) -> Option<(AlertKind, String)> {
+    if let Some(LostLedgerError { detail }) = failure.downcast_ref() {
+        return Some((AlertKind::LedgerLost, detail.clone()));
     }
-    if let Some(Behind { detail }) = failure.downcast_ref() {
-        return Some((Attention::LedgerBehind, detail.clone()));
+    if let Some(LedgerBehindError { detail }) = failure.downcast_ref() {
+        return Some((AlertKind::LedgerBehind, detail.clone()));
     }
     failure.chain().find_map(|error| match error.downcast_ref()? {
-        LedgerError::Damaged { path, what } => Some((Attention::LedgerDamaged, format!("{}: {what}", path.display()))),
-        LedgerError::Corrupt(what) => Some((Attention::LedgerDamaged, what.clone())),
-        LedgerError::Replaced { what, .. } => Some((Attention::LedgerReplaced, what.clone())),
+        LedgerError::Damaged { path, what } => Some((AlertKind::LedgerDamaged, format!("{}: {what}", path.display()))),
+        LedgerError::Corrupt(what) => Some((AlertKind::LedgerDamaged, what.clone())),
+        LedgerError::Replaced { what, .. } => Some((AlertKind::LedgerReplaced, what.clone())),
         _ => None,
     })
 }
 
-/// How it is known that there was a ledger where none is now; `None` = there is one, or there never was.
-pub fn lost(settings: &Settings) -> Option<String> {
+/// How it is known that a ledger existed where there is none now; `None` = there is one, or there never was one.
+pub fn detect_lost_ledger(settings: &Settings) -> Option<String> {
     let path = &settings.ledger;
     match std::fs::metadata(path) {
         Ok(meta) if meta.len() > 0 => return None,
-        // What cannot be looked at is told by opening it.
+        // If it cannot be examined, opening it reports the error.
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return None,
         _ => {}
     }
@@ -40,7 +40,7 @@ pub fn lost(settings: &Settings) -> Option<String> {
         |folder: &str| intake::files_below(&settings.state_dir.join(folder)).is_ok_and(|files| !files.is_empty());
     let known_by = if holds("store") {
         "files that were taken are in the store"
-    } else if settings.state_dir.join(owner::FARM).exists() {
+    } else if settings.state_dir.join(folder_lease::FARM_ID_FILE).exists() {
         "this farm has worked before"
     } else {
         return None;

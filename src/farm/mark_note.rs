@@ -4,7 +4,7 @@
 use anyhow::Result;
 use tracing::warn;
 
-use super::{farm::Farm, jobs::Job};
+use super::{farm::Farm, jobs::BackgroundJob};
 use crate::ledger::PartRow;
 
 /// Marking the note of a claim with so many decisions.
@@ -14,21 +14,21 @@ struct MarkJob {
     decisions: u32,
 }
 
-impl Job<Farm> for MarkJob {
+impl BackgroundJob<Farm> for MarkJob {
     const KIND: &'static str = "Mark";
     type Outcome = Result<()>;
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         self.part.file.claim.clone()
     }
 
-    async fn done(self, farm: &mut Farm, marked: Self::Outcome) -> Result<()> {
+    async fn on_done(self, farm: &mut Farm, marked: Self::Outcome) -> Result<()> {
         if let Err(failure) = marked {
             tell_failure(&self.part, &failure);
         }
         // What was decided meanwhile found this job running.
-        if farm.ledger.decisions(&self.part.file.claim).await? > self.decisions {
-            farm.mark_decided(&self.part).await;
+        if farm.ledger.decision_count(&self.part.file.claim).await? > self.decisions {
+            farm.update_decision_count(&self.part).await;
         }
         Ok(())
     }
@@ -36,13 +36,13 @@ impl Job<Farm> for MarkJob {
 
 impl Farm {
     /// Something was decided of a part, and the ledger says so: the note beside its stored file is made to say it too.
-    pub(super) async fn mark_decided(&mut self, part: &PartRow) {
-        match self.ledger.decisions(&part.file.claim).await {
+    pub(super) async fn update_decision_count(&mut self, part: &PartRow) {
+        match self.ledger.decision_count(&part.file.claim).await {
             Ok(decisions) => {
                 let (store, hash, claim) =
                     (self.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
                 self.jobs.start(MarkJob { part: part.clone(), decisions }, move || {
-                    Ok(store.mark(&hash, &claim, decisions)?)
+                    Ok(store.mark_decisions(&hash, &claim, decisions)?)
                 });
             }
             Err(failure) => tell_failure(part, &failure.into()),
@@ -51,5 +51,5 @@ impl Farm {
 }
 
 fn tell_failure(part: &PartRow, failure: &anyhow::Error) {
-    warn!(part.id = %part.id, "The note beside {} could not be marked: {failure:#}.", part.name);
+    warn!(part.id = %part.id, "The note of {} could not be updated: {failure:#}.", part.name);
 }

@@ -1,4 +1,4 @@
-//! Opening the farm: what must be there and whole before anything is taken.
+//! Opens the farm: checks what must exist and be intact before any file is claimed.
 
 use std::collections::BTreeMap;
 
@@ -6,79 +6,80 @@ use anyhow::{Context, Result};
 use tracing::warn;
 
 use super::{
-    attention::Attention,
-    back_off::BackOff,
-    current::demand_current,
-    failure::is_of_the_disk,
-    farm::{BEAT, Farm},
-    jobs::Jobs,
-    lock::Lock,
-    lost_ledger::{Lost, lost, of_the_ledger},
-    meshes::Meshes,
-    notices::{Notices, Outside},
-    owner::{Owner, OwnerError},
-    sd,
-    shelf::Shelf,
-    signals::{Signal, Signals},
-    state::{EndingState, Lifecycle, Load, NestingState, ReadingState, Schedule, ShownState},
+    alert::AlertKind,
+    alert_registry::{AlertRegistry, ServiceBridge},
+    failure::is_disk_failure,
+    farm::{Farm, TICK_INTERVAL},
+    folder_lease::{LeaseError, LeaseHolder},
+    jobs::JobRunner,
+    ledger_freshness::check_ledger_current,
+    lost_ledger::{LostLedgerError, detect_lost_ledger, ledger_alert},
+    mesh_cache::MeshCache,
+    mesh_source::MeshSource,
+    retry_backoff::RetryBackoff,
+    signals::{DaemonSignal, SignalListener},
+    state::{CompletionState, DaemonLifecycle, DisplayState, Load, LoopSchedule, NestingState, ReadingState},
+    state_lock::StateDirLock,
+    systemd,
     time_source::TimeSource,
 };
 use crate::{
     access,
-    intake::{self, Store},
+    intake::{self, ContentStore},
     ledger::{self, Ledger, LedgerError},
     settings::Settings,
 };
 
 impl Farm {
-    /// Opens the farm; while the disk of the state folder is full or away, waits for it instead of ending again and again.
-    /// `None` = told to stop meanwhile.
-    pub(super) async fn open_when_possible(
+    /// Opens the farm. While the disk of the state folder is full or unavailable, waits instead of ending again and
+    /// again. `None` = the daemon was stopped meanwhile.
+    pub(super) async fn open_with_retry(
         load: Load,
         settings: Settings,
-        signals: &mut Signals,
+        signals: &mut SignalListener,
     ) -> Result<Option<Self>> {
-        let (mut load, mut settings, mut waits, mut notices) = (load, settings, BackOff::default(), Notices::default());
+        let (mut load, mut settings, mut waits, mut notices) =
+            (load, settings, RetryBackoff::default(), AlertRegistry::default());
         loop {
             let (back, known, failure) = match Self::open(load, settings, TimeSource::of_this_machine()).await {
                 Ok(farm) => return Ok(Some(farm)),
                 Err(kept) => kept,
             };
             (load, settings) = (back, known);
-            if let Some((kind, detail)) = of_the_ledger(&failure) {
-                tell_that_it_does_not_run(&settings, kind, &detail);
+            if let Some((kind, detail)) = ledger_alert(&failure) {
+                report_not_running(&settings, kind, &detail);
             }
-            if !may_pass(&failure) {
+            if !is_transient(&failure) {
                 return Err(failure);
             }
             let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
-            notices.trouble(Attention::StepFails, "", "opening", &text);
-            notices.keep(&settings.state_dir);
-            sd::waiting(&text);
-            waits.failed(());
-            while waits.rests(&()) {
+            notices.report_failure(AlertKind::StepFails, "", "opening", &text);
+            notices.write_if_changed(&settings.state_dir);
+            systemd::notify_start_delayed(&text);
+            waits.record_failure(());
+            while waits.is_waiting(&()) {
                 tokio::select! {
-                    signal = signals.next() => if matches!(signal, Signal::Stop) { return Ok(None) },
-                    () = tokio::time::sleep(BEAT) => {}
+                    signal = signals.next_signal() => if matches!(signal, DaemonSignal::Stop) { return Ok(None) },
+                    () = tokio::time::sleep(TICK_INTERVAL) => {}
                 }
             }
         }
     }
 
-    /// On failure, what is needed for another try comes back.
+    /// On failure, returns what the next attempt needs.
     pub(super) async fn open(
         load: Load,
         settings: Settings,
         time: TimeSource,
     ) -> Result<Self, (Load, Settings, anyhow::Error)> {
-        match Parts::open(&settings, &time).await {
+        match OpenedState::open(&settings, &time).await {
             Ok(parts) => {
                 let mut farm = Self::new(load, settings, parts, time);
-                match farm.open_stations().await {
+                match farm.open_machines().await {
                     Ok(()) => Ok(farm),
                     Err(failure) => {
                         farm.ledger.close().await;
-                        Err((farm.life.load, farm.settings, failure))
+                        Err((farm.lifecycle.load, farm.settings, failure))
                     }
                 }
             }
@@ -86,110 +87,111 @@ impl Farm {
         }
     }
 
-    async fn open_stations(&mut self) -> Result<()> {
+    async fn open_machines(&mut self) -> Result<()> {
         self.compare_clock_with_ledger().await?;
-        self.set_up_stations().await?;
+        self.set_up_machines().await?;
         self.make_folders_at_start();
-        self.watch();
-        self.compare_folders();
-        self.hold_folders_at_start()
+        self.start_watcher();
+        self.start_folder_comparison();
+        self.acquire_leases_at_start()
     }
 
-    fn new(load: Load, settings: Settings, parts: Parts, time: TimeSource) -> Self {
+    fn new(load: Load, settings: Settings, parts: OpenedState, time: TimeSource) -> Self {
         Self {
             ledger: parts.ledger,
-            meshes: Meshes {
-                shelf: Shelf::default(),
+            meshes: MeshSource {
+                mesh_cache: MeshCache::default(),
                 store: parts.store,
                 limits: settings.limits.clone(),
                 prepared: Default::default(),
-                cache: None,
-                unreadable: Default::default(),
+                preparation_cache: None,
+                unreadable_since: Default::default(),
             },
-            stations: BTreeMap::new(),
-            jobs: Jobs::default(),
-            ending: EndingState::default(),
+            machines: BTreeMap::new(),
+            jobs: JobRunner::default(),
+            completion: CompletionState::default(),
             reading: ReadingState::by(time.clone()),
             nesting: NestingState::by(time.clone()),
-            shown: ShownState { line: "opening".to_owned(), ..ShownState::default() },
-            life: Lifecycle {
+            display: DisplayState { status_line: "opening".to_owned(), ..DisplayState::default() },
+            lifecycle: DaemonLifecycle {
                 load,
                 owner: parts.owner,
                 started_at: time.date(),
-                stopping: false,
+                is_stopping: false,
                 is_halted: false,
-                outside: Outside::default(),
+                services: ServiceBridge::default(),
                 _lock: parts.lock,
             },
-            notices: Notices::by(time.clone()),
-            schedule: Schedule::starting_now(super::tidy::FIRST_TIDY_AFTER, time),
+            alerts: AlertRegistry::by(time.clone()),
+            schedule: LoopSchedule::starting_now(super::tidy::FIRST_TIDY_AFTER, time),
             settings,
         }
     }
 }
 
 /// What is opened in the state directory.
-struct Parts {
-    lock: Lock,
-    owner: Owner,
+struct OpenedState {
+    lock: StateDirLock,
+    owner: LeaseHolder,
     ledger: Ledger,
-    store: Store,
+    store: ContentStore,
 }
 
-impl Parts {
+impl OpenedState {
     async fn open(settings: &Settings, time: &TimeSource) -> Result<Self> {
         let since = time.date();
-        settings.files.set();
+        settings.files.apply_to_process();
         access::create_private_folders(&settings.state_dir)
             .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
-        let lock = Lock::take(&settings.state_dir, since)?;
+        let lock = StateDirLock::acquire(&settings.state_dir, since)?;
         ledger::clear_unfinished(&settings.ledger)?;
-        sd::status("looking through the ledger");
+        systemd::notify_status("looking through the ledger");
         let clock = time.clone();
         let ledger = open_ledger(settings).await?.with_clock(move || clock.date());
-        // After the ledger: a farm with a number has had one.
-        let owner = Owner::of_this_process(&settings.state_dir, since)
+        // Opened after the ledger: if the farm has an id, it must have had a ledger.
+        let owner = LeaseHolder::for_this_process(&settings.state_dir, since)
             .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
-        let store = Store::open(settings.state_dir.join("store"))?;
+        let store = ContentStore::open(settings.state_dir.join("store"))?;
         Ok(Self { lock, owner, ledger, store })
     }
 }
 
-/// Whether what hinders the start may pass by itself: a full disk, a share that hangs.
-fn may_pass(failure: &anyhow::Error) -> bool {
-    // Another daemon that serves a folder is not waited for: whoever started this one must know.
-    let is_served = |cause: &OwnerError| matches!(cause, OwnerError::Other { .. });
+/// Whether the cause of a failed start may end by itself: a full disk, a share that hangs.
+fn is_transient(failure: &anyhow::Error) -> bool {
+    // If another daemon serves a folder, this one does not wait: whoever started it must know.
+    let is_served = |cause: &LeaseError| matches!(cause, LeaseError::HeldByOther { .. });
     if failure.chain().any(|cause| cause.downcast_ref().is_some_and(is_served)) {
         return false;
     }
-    is_of_the_disk(failure)
-        || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_of_the_disk))
+    is_disk_failure(failure)
+        || failure.chain().any(|cause| cause.downcast_ref::<LedgerError>().is_some_and(LedgerError::is_disk_failure))
 }
 
-/// The ledger, when it is whole and is this farm's.
+/// Opens the ledger, if it is intact and belongs to this farm.
 async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     let path = &settings.ledger;
-    if let Some(detail) = lost(settings) {
-        return Err(Lost { detail }.into());
+    if let Some(detail) = detect_lost_ledger(settings) {
+        return Err(LostLedgerError { detail }.into());
     }
-    let ledger = Ledger::open_whole(path).await?;
-    if let Err(failure) = demand_current(settings, &ledger).await {
+    let ledger = Ledger::open_checked(path).await?;
+    if let Err(failure) = check_ledger_current(settings, &ledger).await {
         ledger.close().await;
         return Err(failure);
     }
     Ok(ledger)
 }
 
-/// Tells in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.
-fn tell_that_it_does_not_run(settings: &Settings, kind: Attention, detail: &str) {
-    let mut notices = Notices::default();
+/// Reports in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.
+fn report_not_running(settings: &Settings, kind: AlertKind, detail: &str) {
+    let mut notices = AlertRegistry::default();
     notices.raise(kind, "", "", detail);
-    notices.keep(&settings.state_dir);
+    notices.write_if_changed(&settings.state_dir);
     for (name, profile) in &settings.profiles {
-        let text = format!("{name}: nestd does not run; what is dropped here waits.\n{}", notices.text_for(name));
-        let json = serde_json::json!({ "profile": name, "runs": false, "attention": notices.json_for(name) });
+        let text =
+            format!("{name}: nestd does not run; what is dropped here waits.\n{}", notices.status_text_for(name));
+        let json = serde_json::json!({ "profile": name, "runs": false, "attention": notices.status_json_for(name) });
         if let Err(error) = intake::write_status(&profile.folders.inbox, &text, &format!("{json:#}\n")) {
-            warn!("{} could not be told: {error}.", profile.folders.inbox.display());
+            warn!("The status could not be written into {}: {error}.", profile.folders.inbox.display());
         }
     }
 }

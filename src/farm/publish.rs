@@ -1,135 +1,136 @@
-//! The step "published": each verified build is taken into the queue step by step; the ledger says how far it is, so that a
-//! crash anywhere is taken up where it was.
+//! The step "published": moves each verified build into the queue in steps. The ledger records the progress, so that
+//! work continues where a crash interrupted it.
 
 use anyhow::Result;
 use tracing::{info, warn};
 
 use super::{
-    attention::Attention,
+    alert::AlertKind,
     farm::Farm,
     forgettable::Forgettable,
-    jobs::Job,
-    staged::{Replaced, Staged, Step},
+    jobs::BackgroundJob,
+    staged_build::{PublishStep, QueueReplacedError, StagedBuild},
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, PartState},
-    queue::Published,
+    queue::PublishOutcome,
 };
 
-/// Taking a verified build a step further into the queue.
+/// Takes a verified build one step further into the queue.
 #[derive(Clone)]
-pub(super) struct PublishJob {
+pub(super) struct PublishBuildJob {
     build: BuildId,
 }
 
-impl Job<Farm> for PublishJob {
+impl BackgroundJob<Farm> for PublishBuildJob {
     const KIND: &'static str = "Publish";
-    type Outcome = Result<Step>;
+    type Outcome = Result<PublishStep>;
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         self.build.to_string()
     }
 
-    async fn done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
-        farm.on_published(self.build, step).await
+    async fn on_done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
+        farm.on_publish_step(self.build, step).await
     }
 
-    async fn panicked(self, farm: &mut Farm, message: &str) -> Result<()> {
-        farm.on_published(self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        farm.on_publish_step(self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 
-    fn not_started(self, farm: &mut Farm, _why: &str) {
-        farm.nesting.resting.failed(self.build);
+    fn on_not_started(self, farm: &mut Farm, _why: &str) {
+        farm.nesting.backoff.record_failure(self.build);
     }
 }
 
 impl Farm {
-    /// Whether a build failed a moment ago and is left alone for now.
-    pub(super) fn rests(&self, build: BuildId) -> bool {
-        self.nesting.resting.rests(&build)
+    /// Whether a build failed recently and waits for a retry.
+    pub(super) fn is_build_resting(&self, build: BuildId) -> bool {
+        self.nesting.backoff.is_waiting(&build)
     }
 
-    /// Takes every verified build one step further into the queue: it is looked at, the ledger is told that it will be tried,
-    /// it is compared with what was proved and renamed.
-    pub(super) async fn publish(&mut self) -> Result<()> {
+    /// Takes every verified build one step further into the queue: check it, record in the ledger that it will be
+    /// tried, compare it with what was proved, and rename it.
+    pub(super) async fn publish_verified_builds(&mut self) -> Result<()> {
         for build in self.ledger.builds_in_state(BuildState::Verified).await? {
             let id = build.id;
-            if self.rests(id) || self.jobs.runs::<PublishJob>(id) {
+            if self.is_build_resting(id) || self.jobs.is_running::<PublishBuildJob>(id) {
                 continue;
             }
-            // The notice of a machine that is gone tells it.
-            let Some(station) = self.stations.get(&build.profile) else { continue };
-            let is_served = station.agrees.is_some() && station.holds.are_fresh();
+            // The alert on a machine that is not configured covers this.
+            let Some(station) = self.machines.get(&build.profile) else { continue };
+            let is_served = station.agreed_folders.is_some() && station.leases.are_fresh();
             let Some(queue) = station.queue.opened.clone().filter(|_| is_served) else { continue };
             let (is_tried, archive) = (build.staged.publishing_at.is_some(), station.profile.folders.archive.clone());
-            let (record, is_first) = (self.ledger.record_of_build(id).await?, self.nesting.untried.remove(&id));
-            let staged = Staged { queue, build, archive, holds: station.holds.clone() };
-            self.jobs.start(PublishJob { build: id }, move || match staged.holds.demand_published() {
-                Err(away) if is_first => Ok(Step::Untried(away.into())),
+            let (record, is_first) =
+                (self.ledger.export_build_record(id).await?, self.nesting.rename_untried.remove(&id));
+            let staged = StagedBuild { queue, build, archive, leases: station.leases.clone() };
+            self.jobs.start(PublishBuildJob { build: id }, move || match staged.leases.check_publish_folders() {
+                Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
                 Err(away) => Err(away.into()),
-                Ok(()) if is_tried => staged.publish(&record, is_first),
-                Ok(()) => staged.look(),
+                Ok(()) if is_tried => staged.try_publish(&record, is_first),
+                Ok(()) => staged.check_before_publishing(),
             });
         }
         Ok(())
     }
 
-    /// Commits what a build's step into the queue has brought.
-    async fn on_published(&mut self, id: BuildId, step: Result<Step>) -> Result<()> {
+    /// Commits the result of a build's step into the queue.
+    async fn on_publish_step(&mut self, id: BuildId, step: Result<PublishStep>) -> Result<()> {
         match step {
-            Ok(Step::Ready) => {
+            Ok(PublishStep::Ready) => {
                 self.ledger.begin_publishing(id).await?;
-                self.nesting.untried.insert(id);
-                self.publish().await
+                self.nesting.rename_untried.insert(id);
+                self.publish_verified_builds().await
             }
-            Ok(Step::Done(published)) => self.on_appeared(id, published).await,
-            Ok(Step::Spoilt(why)) => {
+            Ok(PublishStep::Done(published)) => self.on_build_published(id, published).await,
+            Ok(PublishStep::StagedFileDamaged(why)) => {
                 warn!(build.id = %id, "Build {id} is made again: {why}.");
-                self.nesting.resting.failed(id);
-                Ok(self.ledger.write_again(id, &format!("made again: {why}")).await?)
+                self.nesting.backoff.record_failure(id);
+                Ok(self.ledger.reopen_verified_build(id, &format!("made again: {why}")).await?)
             }
-            Ok(Step::Untried(failure)) => {
-                self.ledger.end_publishing(id).await?;
-                self.not_published(id, &failure).await
+            Ok(PublishStep::NotRenamed(failure)) => {
+                self.ledger.cancel_publishing(id).await?;
+                self.report_publish_failure(id, &failure).await
             }
-            Err(failure) => self.not_published(id, &failure).await,
+            Err(failure) => self.report_publish_failure(id, &failure).await,
         }
     }
 
-    async fn not_published(&mut self, id: BuildId, failure: &anyhow::Error) -> Result<()> {
-        self.nesting.resting.failed(id);
-        let profile = self.ledger.build(id).await?.map(|b| b.profile).unwrap_or_default();
+    async fn report_publish_failure(&mut self, id: BuildId, failure: &anyhow::Error) -> Result<()> {
+        self.nesting.backoff.record_failure(id);
+        let profile = self.ledger.find_build(id).await?.map(|b| b.profile).unwrap_or_default();
         let about = format!("build {id}");
-        match failure.downcast_ref::<Replaced>() {
+        match failure.downcast_ref::<QueueReplacedError>() {
             Some(replaced) => {
-                self.notices.raise(Attention::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
+                self.alerts.raise(AlertKind::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
             }
-            None => self.trouble(Attention::PublishingFails, &profile, &about, failure),
+            None => self.report_failure(AlertKind::PublishingFails, &profile, &about, failure),
         }
         Ok(())
     }
 
-    async fn on_appeared(&mut self, id: BuildId, published: Published) -> Result<()> {
+    async fn on_build_published(&mut self, id: BuildId, published: PublishOutcome) -> Result<()> {
         self.ledger.publish_build(id).await?;
-        self.nesting.resting.done(&id);
-        let Some(build) = self.ledger.build(id).await? else { return Ok(()) };
-        for kind in [Attention::QueueReplaced, Attention::PublishingFails] {
-            self.notices.clear(kind, &build.profile, &format!("build {id}"));
+        self.nesting.backoff.record_success(&id);
+        let Some(build) = self.ledger.find_build(id).await? else { return Ok(()) };
+        for kind in [AlertKind::QueueReplaced, AlertKind::PublishingFails] {
+            self.alerts.clear(kind, &build.profile, &format!("build {id}"));
         }
         let height_mm = (build.measures.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
         match published {
-            Published::Now => {
+            PublishOutcome::PublishedNow => {
                 info!(build.id = %id, profile = %build.profile, height_mm, "Published build {id} of {}: {height_mm} mm.", build.profile)
             }
-            Published::Before => {
+            PublishOutcome::AlreadyPublished => {
                 warn!(build.id = %id, "Build {id} had been published before a crash; nothing was done twice.")
             }
         }
-        self.forget_built(&build).await
+        self.remove_built_from_store(&build).await
     }
 
     /// The store's copies of parts that are built are needed no more: the archive has them.
-    async fn forget_built(&mut self, build: &BuildRow) -> Result<()> {
+    async fn remove_built_from_store(&mut self, build: &BuildRow) -> Result<()> {
         let mut unneeded = Vec::new();
         for part in self.ledger.parts_of_build(build.id).await? {
             unneeded.push(Forgettable::StoredFile(part.file.content_hash.clone()));

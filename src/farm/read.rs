@@ -1,67 +1,68 @@
-//! The step "read": a claimed part's file becomes checked meshes, or a reason why not. Runs on a job's thread.
+//! The step "read": turns a claimed part's file into checked meshes, or a reason for refusal. Runs on a job's thread.
 
 use std::sync::Arc;
 
-use build_file::{Solid, Unit};
+use build_file::{LengthUnit, PartFileSolid};
 use nester::OrientationRule;
-use solids::Defects;
+use solids::MeshDefects;
 
 use super::{
-    failure::{Lost, Unread, chain},
-    meshes::Meshes,
-    shelf::MeshKey,
+    failure::{LostFileError, PartReadError, error_chain},
+    mesh_cache::MeshCacheKey,
+    mesh_source::MeshSource,
     standing_claim::StandingClaim,
 };
 use crate::{
-    ledger::{PartRow, Refusal, SolidFacts},
-    settings::{MeshErrors, Profile},
+    ledger::{PartRow, RefusalCause, SolidFacts},
+    settings::{MachineProfile, MeshErrorPolicy},
 };
 
-/// What came out of reading a part's file.
+/// Result of reading a part's file.
 #[derive(Debug)]
-pub enum ReadOutcome {
+pub enum PartReadOutcome {
     /// Printable solids.
     Solids(Vec<SolidFacts>),
-    /// It cannot be printed; whole sentences for the technician.
-    Refused(Refusal, String),
-    /// The stored file is damaged: the part waits for it to be dropped again.
-    Lost(Lost),
-    /// The disk failed, not the file: it is tried again.
-    Later(String),
+    /// The part cannot be printed; whole sentences for the technician.
+    Refused(RefusalCause, String),
+    /// The stored file is damaged: the part waits until it is dropped again.
+    LostFile(LostFileError),
+    /// The disk failed, not the file: the part is retried.
+    TryLater(String),
 }
 
-/// Reads and checks; the meshes go onto the shelf.
+/// Reads and checks a file; the meshes go into the mesh cache.
 ///
-/// A stored file that is damaged is put there again from the claimed original, as long as that lies in the hot folder.
+/// A damaged stored file is replaced from the claimed original, if that is still in the hot folder.
 pub fn read_part(
     part: &PartRow,
     claim: Option<&StandingClaim>,
-    profile: &Arc<Profile>,
-    meshes: &Meshes,
-) -> ReadOutcome {
+    profile: &Arc<MachineProfile>,
+    meshes: &MeshSource,
+) -> PartReadOutcome {
     if let Some(Err(failure)) = claim.map(|claim| claim.ensure_stored(&meshes.store, &part.file.content_hash)) {
-        return ReadOutcome::Later(chain(&failure));
+        return PartReadOutcome::TryLater(error_chain(&failure));
     }
-    let heal = |failure: anyhow::Error| match (Lost::of(&failure), claim) {
-        (Some(_), Some(claim)) if meshes.store.put_claimed(&claim.claim).is_ok() => meshes.stored(part),
+    let heal = |failure: anyhow::Error| match (LostFileError::find_in_chain(&failure), claim) {
+        (Some(_), Some(claim)) if meshes.store.store_claimed(&claim.claim).is_ok() => meshes.verified_file(part),
         _ => Err(failure),
     };
-    let file = match meshes.stored(part).or_else(heal) {
+    let file = match meshes.verified_file(part).or_else(heal) {
         Ok(file) => file,
         Err(failure) => {
-            return match failure.downcast::<Lost>() {
-                Ok(Lost { aside: None, .. }) if claim.is_none() => {
-                    ReadOutcome::Refused(Refusal::Other, "Its file is no longer kept. Drop it again.".to_owned())
-                }
-                Ok(lost) => ReadOutcome::Lost(lost),
-                Err(failure) => ReadOutcome::Later(format!("{failure:#}")),
+            return match failure.downcast::<LostFileError>() {
+                Ok(LostFileError { aside: None, .. }) if claim.is_none() => PartReadOutcome::Refused(
+                    RefusalCause::Other,
+                    "Its file is no longer kept. Drop it again.".to_owned(),
+                ),
+                Ok(lost) => PartReadOutcome::LostFile(lost),
+                Err(failure) => PartReadOutcome::TryLater(format!("{failure:#}")),
             };
         }
     };
-    let contents = match meshes.contents(file, part, profile.intake.unit) {
+    let contents = match meshes.read_contents(file, part, profile.intake.unit) {
         Ok(contents) => contents,
-        Err(Unread::Later(why)) => return ReadOutcome::Later(why),
-        Err(Unread::Refused(cause, reason)) => return ReadOutcome::Refused(cause, reason),
+        Err(PartReadError::TryLater(why)) => return PartReadOutcome::TryLater(why),
+        Err(PartReadError::Refused(cause, reason)) => return PartReadOutcome::Refused(cause, reason),
     };
     let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
     if copies > meshes.limits.max_copies {
@@ -70,32 +71,32 @@ pub fn read_part(
              raise that limit in the configuration and reload nestd.",
             meshes.limits.max_copies
         );
-        return ReadOutcome::Refused(Refusal::Limit, reason);
+        return PartReadOutcome::Refused(RefusalCause::Limit, reason);
     }
-    let faults: Vec<(Refusal, String)> =
-        contents.solids.iter().filter_map(|solid| fault_of(solid, part, profile)).collect();
+    let faults: Vec<(RefusalCause, String)> =
+        contents.solids.iter().filter_map(|solid| find_solid_fault(solid, part, profile)).collect();
     if let Some((first, _)) = faults.first() {
         let reasons: Vec<&str> = faults.iter().map(|(_, reason)| reason.as_str()).collect();
-        return ReadOutcome::Refused(*first, reasons.join("\n"));
+        return PartReadOutcome::Refused(*first, reasons.join("\n"));
     }
     let mut facts = Vec::new();
     for (index, solid) in contents.solids.into_iter().enumerate() {
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
-        warnings.iter_mut().for_each(|warning| *warning = build_file::visible(warning));
-        facts.push(facts_of(&solid, index as u32, part, warnings));
-        let key = MeshKey {
+        warnings.iter_mut().for_each(|warning| *warning = build_file::escape_invisible(warning));
+        facts.push(solid_facts(&solid, index as u32, part, warnings));
+        let key = MeshCacheKey {
             content_hash: part.file.content_hash.clone(),
             object_index: index as u32,
             default_unit: profile.intake.unit,
             unit: part.terms.unit,
         };
-        meshes.shelf.put(key, solid.mesh);
+        meshes.mesh_cache.insert(key, solid.mesh);
     }
-    ReadOutcome::Solids(facts)
+    PartReadOutcome::Solids(facts)
 }
 
-fn facts_of(solid: &Solid, object_index: u32, part: &PartRow, mut warnings: Vec<String>) -> SolidFacts {
+fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut warnings: Vec<String>) -> SolidFacts {
     let defects = solid.mesh.defects();
     if !defects.is_closed() {
         warnings.push(format!("The mesh is not closed: {}.", defects_text(&defects)));
@@ -112,9 +113,9 @@ fn facts_of(solid: &Solid, object_index: u32, part: &PartRow, mut warnings: Vec<
 }
 
 /// Why a solid cannot be printed on this machine.
-fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<(Refusal, String)> {
+fn find_solid_fault(solid: &PartFileSolid, part: &PartRow, profile: &MachineProfile) -> Option<(RefusalCause, String)> {
     let defects = solid.mesh.defects();
-    if !defects.is_closed() && profile.intake.mesh_errors == MeshErrors::Reject {
+    if !defects.is_closed() && profile.intake.mesh_errors == MeshErrorPolicy::Reject {
         let reason = format!(
             "{}: the mesh is not closed ({}), so it is not known what is inside. Repair it, or set mesh_errors = \"warn\" in \
              the profile {}.",
@@ -122,12 +123,12 @@ fn fault_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<(Refusal
             defects_text(&defects),
             profile.name
         );
-        return Some((Refusal::NotClosed, reason));
+        return Some((RefusalCause::NotClosed, reason));
     }
-    misfit_of(solid, part, profile).map(|reason| (Refusal::TooLarge, reason))
+    find_misfit(solid, part, profile).map(|reason| (RefusalCause::TooLarge, reason))
 }
 
-fn defects_text(defects: &Defects) -> String {
+fn defects_text(defects: &MeshDefects) -> String {
     [
         (defects.open_edges, "open edge", "open edges"),
         (defects.non_manifold_edges, "edge of more than two triangles", "edges of more than two triangles"),
@@ -139,17 +140,17 @@ fn defects_text(defects: &Defects) -> String {
     ]
     .iter()
     .filter(|(count, ..)| *count > 0)
-    .map(|&(count, one, several)| build_file::counted(count, one, several))
+    .map(|&(count, one, several)| build_file::format_count(count, one, several))
     .collect::<Vec<_>>()
     .join(", ")
 }
 
-/// Why a solid does not fit into the machine in any allowed orientation. Nothing is rescaled; units in which it would
-/// fit are named.
-fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String> {
+/// Why a solid does not fit into the machine in any allowed orientation. Nothing is rescaled; if it would fit in
+/// another unit, the reason says so.
+fn find_misfit(solid: &PartFileSolid, part: &PartRow, profile: &MachineProfile) -> Option<String> {
     let rule = part.terms.orientation;
     let volume = profile.build_volume();
-    let misfit = nester::fits(&solid.mesh, &part.turning(), &volume).err()?;
+    let misfit = nester::find_fitting_rotation(&solid.mesh, &part.orientation_limits(), &volume).err()?;
     if misfit.is_forbidden {
         return Some(format!(
             "{}: no rotation obeys all of its orientation rules ({}{}). Take one of them out of its ticket and drop both again.",
@@ -172,14 +173,14 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
         has.y,
         has.z
     );
-    // Wrong units are the commonest reason: say what the numbers would be in a smaller unit, and let people decide.
+    // A wrong unit is the most common reason: give the size in a smaller unit, and let people decide.
     if part.terms.unit.is_none() {
-        let read_in = profile.intake.unit.mm();
-        let smaller = [Unit::Millimeter, Unit::Micron]
+        let read_in = profile.intake.unit.mm_per_unit();
+        let smaller = [LengthUnit::Millimeter, LengthUnit::Micron]
             .into_iter()
-            .find(|unit| unit.mm() < read_in && (needs * (unit.mm() / read_in)).cmple(has).all());
+            .find(|unit| unit.mm_per_unit() < read_in && (needs * (unit.mm_per_unit() / read_in)).cmple(has).all());
         if let Some(unit) = smaller {
-            let size = needs * (unit.mm() / read_in);
+            let size = needs * (unit.mm_per_unit() / read_in);
             let word = format!("{unit:?}").to_lowercase();
             reason.push_str(&format!(
                 " Read in {word}s it would be {:.1} x {:.1} x {:.1} mm and fit: if that is meant, drop it with a ticket that says \
@@ -196,7 +197,7 @@ fn misfit_of(solid: &Solid, part: &PartRow, profile: &Profile) -> Option<String>
     Some(reason)
 }
 
-/// What must stand near to straight up, as it follows the rule's name.
+/// The directions that must point nearly upwards, to be appended to the name of the rule.
 fn tilts_text(part: &PartRow) -> String {
     part.terms.tilts.0.iter().map(|tilt| format!(", {}", tilt.in_words())).collect()
 }

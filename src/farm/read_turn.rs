@@ -1,8 +1,8 @@
 //! Whether it is a claimed part's turn to be read: a pure function of what is known of it and of what is being read.
 
-use super::meshes::READS_IN_THE_DAEMON;
+use super::mesh_source::READS_IN_THE_DAEMON;
 
-/// Files that are read at once.
+/// Maximum number of files read at once.
 pub const READERS: usize = 2;
 
 /// What decides whether a claimed part is read now.

@@ -1,5 +1,5 @@
-//! Puts a backup of the ledger in its place, after it was made to agree with the folders: nothing that was published since is
-//! printed again. All is done on a copy; one rename at the end makes it the farm's ledger.
+//! Replaces the ledger by a backup, after bringing that up to date with the folders: nothing that was published since
+//! is printed again. All work is done on a copy; one rename at the end puts it into place.
 
 use std::{
     fs::{self, File},
@@ -8,83 +8,94 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 
-use super::{lock::Lock, reconcile::reconcile, reconciled::Reconciled, told::Known};
+use super::{
+    folder_builds::FolderExpectations, reconcile::reconcile_ledger, reconcile_report::ReconcileReport,
+    state_lock::StateDirLock,
+};
 use crate::{
     access,
     ledger::{self, Ledger},
     settings::Settings,
 };
 
-/// What restoring did.
+/// Result of restoring.
 #[derive(Debug)]
-pub struct Restored {
-    /// Where the ledger that was there is now, if there was one.
+pub struct RestoreOutcome {
+    /// Where the previous ledger is now, if there was one.
     pub aside: Option<PathBuf>,
-    /// What the folders told.
-    pub reconciled: Reconciled,
+    /// What was learned from the folders.
+    pub reconciled: ReconcileReport,
 }
 
-/// What the new ledger begins with.
+/// What the new ledger starts from.
 #[derive(Debug, Clone, Copy)]
-enum Begin<'a> {
+enum LedgerSource<'a> {
     Backup(&'a Path),
     Empty,
-    /// The ledger that is in place.
+    /// The current ledger.
     Present,
 }
 
-/// Puts `backup` in the ledger's place; `None` = a new ledger. What was there is kept aside. `new_folders` are those of which a
-/// person says that they are truly new.
+/// Replaces the ledger by `backup`; `None` = by a new ledger. The previous ledger is kept aside. `new_folders` are the
+/// folders that a person has declared as new.
 ///
 /// # Errors
-/// A daemon serves the farm, a folder cannot be asked, the backup is not whole or of a newer nestd, or the disk does not let it.
-pub async fn restore(settings: &Settings, backup: Option<&Path>, new_folders: &[PathBuf]) -> Result<Restored> {
-    let begin = backup.map_or(Begin::Empty, Begin::Backup);
-    begin_anew(settings, begin, new_folders).await
+/// A daemon serves the farm, a folder cannot be read, the backup is damaged or from a newer nestd, or the disk failed.
+pub async fn restore_ledger(
+    settings: &Settings,
+    backup: Option<&Path>,
+    new_folders: &[PathBuf],
+) -> Result<RestoreOutcome> {
+    let begin = backup.map_or(LedgerSource::Empty, LedgerSource::Backup);
+    rebuild_ledger(settings, begin, new_folders).await
 }
 
-/// Takes what the folders tell into the ledger of a farm that no daemon serves.
+/// Records what the folders hold in the ledger of a farm that no daemon serves.
 ///
 /// # Errors
-/// As [`restore`].
-pub async fn repair(settings: &Settings, new_folders: &[PathBuf]) -> Result<Reconciled> {
-    Ok(begin_anew(settings, Begin::Present, new_folders).await?.reconciled)
+/// See [`restore_ledger`].
+pub async fn repair_ledger(settings: &Settings, new_folders: &[PathBuf]) -> Result<ReconcileReport> {
+    Ok(rebuild_ledger(settings, LedgerSource::Present, new_folders).await?.reconciled)
 }
 
-async fn begin_anew(settings: &Settings, begin: Begin<'_>, new_folders: &[PathBuf]) -> Result<Restored> {
+async fn rebuild_ledger(
+    settings: &Settings,
+    begin: LedgerSource<'_>,
+    new_folders: &[PathBuf],
+) -> Result<RestoreOutcome> {
     access::create_private_folders(&settings.state_dir)
         .with_context(|| format!("creating {}", settings.state_dir.display()))?;
-    let _lock = Lock::take(&settings.state_dir, jiff::Timestamp::now())?;
+    let _lock = StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())?;
     ledger::clear_unfinished(&settings.ledger)?;
-    let known = Known { state_dir: settings.state_dir.clone(), new_folders: new_folders.to_vec() };
-    known.demand_all(settings)?;
-    let new = ledger::restoring(&settings.ledger);
+    let known = FolderExpectations { state_dir: settings.state_dir.clone(), new_folders: new_folders.to_vec() };
+    known.check_all_available(settings)?;
+    let new = ledger::restoring_path(&settings.ledger);
     match begin {
-        Begin::Backup(backup) => copy_proved(backup, &new).await?,
-        Begin::Empty => {}
-        Begin::Present => {
-            let present = Ledger::open_whole(&settings.ledger).await?;
-            let copied = present.backup(&new).await;
+        LedgerSource::Backup(backup) => copy_verified_backup(backup, &new).await?,
+        LedgerSource::Empty => {}
+        LedgerSource::Present => {
+            let present = Ledger::open_checked(&settings.ledger).await?;
+            let copied = present.write_backup(&new).await;
             present.close().await;
             copied?;
         }
     }
     let ledger = Ledger::open(&new).await?;
-    let reconciled = reconcile(settings, &ledger, &known).await;
-    ledger.close_sealed().await?;
+    let reconciled = reconcile_ledger(settings, &ledger, &known).await;
+    ledger.close_with_checksum().await?;
     let mut reconciled = reconciled?;
-    if matches!(begin, Begin::Present) && reconciled == Reconciled::default() {
+    if matches!(begin, LedgerSource::Present) && reconciled == ReconcileReport::default() {
         ledger::clear_unfinished(&settings.ledger)?;
-        return Ok(Restored { aside: None, reconciled });
+        return Ok(RestoreOutcome { aside: None, reconciled });
     }
-    let aside = ledger::replace(&settings.ledger).await?;
-    reconciled.finish(settings);
-    Ledger::open_existing(&settings.ledger).await?.close_sealed().await?;
-    Ok(Restored { aside, reconciled })
+    let aside = ledger::replace_ledger(&settings.ledger).await?;
+    reconciled.apply_folder_steps(settings);
+    Ledger::open_existing(&settings.ledger).await?.close_with_checksum().await?;
+    Ok(RestoreOutcome { aside, reconciled })
 }
 
-/// A copy of the backup beside the ledger, on disk, and proved to be whole.
-async fn copy_proved(backup: &Path, copy: &Path) -> Result<()> {
+/// Copies the backup beside the ledger, after checking that it is intact; the copy is on disk when this returns.
+async fn copy_verified_backup(backup: &Path, copy: &Path) -> Result<()> {
     let mut log = backup.as_os_str().to_owned();
     log.push("-wal");
     ensure!(

@@ -1,11 +1,11 @@
-//! What the system tells the daemon by signals.
+//! Signals from the system to the daemon.
 
 use anyhow::{Context, Result};
 use tokio::signal::unix::{SignalKind, signal};
 
-/// What a signal means.
+/// The meaning of a signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
+pub enum DaemonSignal {
     /// SIGTERM or SIGINT: stop in order.
     Stop,
     /// SIGHUP: read the configuration again.
@@ -14,14 +14,14 @@ pub enum Signal {
 
 /// The signals that the daemon listens to.
 #[derive(Debug)]
-pub struct Signals {
+pub struct SignalListener {
     terminate: tokio::signal::unix::Signal,
     interrupt: tokio::signal::unix::Signal,
     hang_up: tokio::signal::unix::Signal,
 }
 
-impl Signals {
-    /// Listens from now on.
+impl SignalListener {
+    /// Starts to listen.
     pub fn listen() -> Result<Self> {
         let listen = |kind| signal(kind).context("listening to signals");
         Ok(Self {
@@ -32,11 +32,11 @@ impl Signals {
     }
 
     /// The next signal.
-    pub async fn next(&mut self) -> Signal {
+    pub async fn next_signal(&mut self) -> DaemonSignal {
         tokio::select! {
-            _ = self.terminate.recv() => Signal::Stop,
-            _ = self.interrupt.recv() => Signal::Stop,
-            _ = self.hang_up.recv() => Signal::Reload,
+            _ = self.terminate.recv() => DaemonSignal::Stop,
+            _ = self.interrupt.recv() => DaemonSignal::Stop,
+            _ = self.hang_up.recv() => DaemonSignal::Reload,
         }
     }
 }

@@ -1,5 +1,5 @@
-//! What each step remembers between two beats. All of it may be lost: after a restart the steps find their work in the ledger
-//! and on the disk.
+//! What each step remembers between two ticks. All of it may be lost: after a restart the steps find their work in the
+//! ledger and on the disk.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -11,153 +11,154 @@ use jiff::Timestamp;
 use nester::SearchBudget;
 
 use super::{
-    back_off::BackOff, clock::Clock, forgettable::ForgettingState, lock::Lock, nest_order::Best, notices::Outside,
-    owner::Owner, quiet::Quiet, standing_claim::StandingClaim, time_source::TimeSource,
+    alert_registry::ServiceBridge, folder_lease::LeaseHolder, forgettable::ForgettingState,
+    ledger_changes::LedgerChangeDetector, nesting_search::SharedBestLayout, retry_backoff::RetryBackoff,
+    standing_claim::StandingClaim, state_lock::StateDirLock, time_source::TimeSource, wall_clock::WallClockMonitor,
 };
 use crate::{
-    intake::Watcher,
-    ledger::{BuildId, CommandRow, PartId, PartRow, Refusal},
+    intake::InboxWatcher,
+    ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause},
     settings::{Settings, SettingsError},
 };
 
-/// A waiting part that is refused once a copy of its original is in the error folder. Until then it is not batched.
+/// A waiting part that is refused once a copy of its original is in the error folder. Until then no batch takes it.
 #[derive(Debug)]
-pub(super) struct Leaving {
-    /// Which.
+pub(super) struct DeferredRefusal {
+    /// The part.
     pub(super) part: PartRow,
-    /// Why.
-    pub(super) cause: Refusal,
-    /// The same in whole sentences.
+    /// The kind of refusal.
+    pub(super) cause: RefusalCause,
+    /// The reason in whole sentences.
     pub(super) reason: String,
-    /// The order by hand that asked for it.
+    /// The command that asked for it, if any.
     pub(super) command: Option<CommandRow>,
 }
 
-/// Of dropped files whose end is near.
+/// State of completing claims.
 #[derive(Debug, Default)]
-pub(super) struct EndingState {
-    /// Claims whose originals still lie in the hot folder's `.claimed`, by claim id.
+pub(super) struct CompletionState {
+    /// Claims whose originals are still in the hot folder's `.claimed`, by claim id.
     pub(super) claims: HashMap<String, StandingClaim>,
     /// Waiting parts that are refused once their originals are copied.
-    pub(super) leaving: HashMap<PartId, Leaving>,
-    /// Claims that this process has let go.
-    pub(super) let_go: HashSet<String>,
+    pub(super) deferred_refusals: HashMap<PartId, DeferredRefusal>,
+    /// Claims that this process has released.
+    pub(super) released: HashSet<String>,
     /// What the store does not need any more.
     pub(super) forgetting: ForgettingState,
 }
 
-/// Of the reading of parts.
+/// State of reading parts.
 #[derive(Debug, Default)]
 pub(super) struct ReadingState {
-    /// Parts whose reading failed for the disk's sake.
-    pub(super) again: BackOff<PartId>,
-    /// Parts whose first reading was counted with their claim and is not begun yet.
-    pub(super) counted: HashSet<PartId>,
-    /// Times that parts were looked for to read.
-    pub(super) begun: usize,
-    /// Whether the file that is read now has ended the process before.
-    pub(super) is_alone: bool,
+    /// Parts that could not be read because the disk failed.
+    pub(super) backoff: RetryBackoff<PartId>,
+    /// Parts whose first read was counted when they were recorded, and has not started yet.
+    pub(super) counted_reads: HashSet<PartId>,
+    /// Number of times that the step looked for parts to read.
+    pub(super) rounds: usize,
+    /// Whether the file being read now has ended the process before.
+    pub(super) reads_alone: bool,
 }
 
-/// Of fired builds, until they are published.
+/// State of fired builds, until they are published.
 #[derive(Debug, Default)]
 pub(super) struct NestingState {
-    /// Searches that may run at once.
+    /// Maximum number of searches at once.
     pub(super) slots: usize,
-    /// Builds fired by this process that have not been begun.
-    pub(super) fresh: HashSet<BuildId>,
-    /// Final searches that run.
-    pub(super) finals: HashMap<BuildId, (SearchBudget, Best)>,
-    /// How often the making of builds has failed in this run, and why last.
+    /// Builds fired by this process that have not been started.
+    pub(super) just_fired: HashSet<BuildId>,
+    /// Running final searches.
+    pub(super) final_searches: HashMap<BuildId, (SearchBudget, SharedBestLayout)>,
+    /// How often making a build has failed in this run, and the last reason.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
-    /// Builds that failed and rest.
-    pub(super) resting: BackOff<BuildId>,
-    /// Builds of which the ledger was told just now that the first rename is tried.
-    pub(super) untried: HashSet<BuildId>,
+    /// Builds that failed and wait for a retry.
+    pub(super) backoff: RetryBackoff<BuildId>,
+    /// Builds whose first rename was just recorded in the ledger and not tried yet.
+    pub(super) rename_untried: HashSet<BuildId>,
 }
 
 impl ReadingState {
     /// Nothing is read yet; these clocks measure how long what failed rests.
     pub(super) fn by(time: TimeSource) -> Self {
-        Self { again: BackOff::by(time), ..Self::default() }
+        Self { backoff: RetryBackoff::by(time), ..Self::default() }
     }
 }
 
 impl NestingState {
     /// Nothing is nested yet; these clocks measure how long what failed rests.
     pub(super) fn by(time: TimeSource) -> Self {
-        Self { slots: 1, resting: BackOff::by(time), ..Self::default() }
+        Self { slots: 1, backoff: RetryBackoff::by(time), ..Self::default() }
     }
 }
 
-/// Of what is shown to people.
+/// State of the status shown to people.
 #[derive(Debug, Default)]
-pub(super) struct ShownState {
-    /// The line for the service manager.
-    pub(super) line: String,
-    /// When all that is shown was last brought up to date.
-    pub(super) shown_at: Option<Instant>,
-    /// When the last sign of life was written into the ledger.
-    pub(super) sign_of_life: Option<Instant>,
+pub(super) struct DisplayState {
+    /// The status line for the service manager.
+    pub(super) status_line: String,
+    /// When the status was last updated.
+    pub(super) updated_at: Option<Instant>,
+    /// When the last heartbeat was written into the ledger.
+    pub(super) heartbeat_at: Option<Instant>,
 }
 
 /// The watch on the hot folders of all machines.
 #[derive(Debug)]
 pub(super) struct WatchedInboxes {
-    pub(super) watcher: Watcher,
+    pub(super) watcher: InboxWatcher,
     pub(super) inboxes: Vec<PathBuf>,
 }
 
-/// When the loop looks for what.
-pub(super) struct Schedule {
+/// When the loop runs which step.
+pub(super) struct LoopSchedule {
     pub(super) time: TimeSource,
-    pub(super) clock: Clock,
-    pub(super) quiet: Quiet,
+    pub(super) clock: WallClockMonitor,
+    pub(super) ledger_changes: LedgerChangeDetector,
     pub(super) watched: Option<WatchedInboxes>,
     /// That hot folders tell nothing was told.
     pub(super) is_unwatched: bool,
-    /// Steps that failed and rest, by name.
-    pub(super) steps: BackOff<String>,
+    /// Steps that failed and wait for a retry, by name.
+    pub(super) step_backoff: RetryBackoff<String>,
     pub(super) tidy_at: Instant,
     pub(super) last_watch_check: Instant,
-    pub(super) last_claims: Instant,
-    pub(super) last_hold: Instant,
+    pub(super) last_claim_retry: Instant,
+    pub(super) last_renewal: Instant,
 }
 
-impl Schedule {
-    /// Of a farm that opens now.
+impl LoopSchedule {
+    /// The schedule of a farm that opens now.
     pub(super) fn starting_now(first_tidy_after: Duration, time: TimeSource) -> Self {
         let now = time.instant();
         Self {
-            clock: Clock::reading(time.clone()),
-            quiet: Quiet::default(),
+            clock: WallClockMonitor::with_reader(time.clone()),
+            ledger_changes: LedgerChangeDetector::default(),
             watched: None,
             is_unwatched: false,
-            steps: BackOff::by(time.clone()),
+            step_backoff: RetryBackoff::by(time.clone()),
             tidy_at: now + first_tidy_after,
             last_watch_check: now,
-            last_claims: now,
-            last_hold: now,
+            last_claim_retry: now,
+            last_renewal: now,
             time,
         }
     }
 }
 
-/// Reads the configuration, at start and at each reload.
+/// Reads the configuration at the start and at each reload.
 pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
 
-/// Of the life of the daemon.
-pub(super) struct Lifecycle {
+/// The life cycle of the daemon.
+pub(super) struct DaemonLifecycle {
     /// Reads the configuration.
     pub(super) load: Load,
-    /// This daemon, as the folders that it serves name it.
-    pub(super) owner: Owner,
+    /// This daemon, as named in the markers of its folders.
+    pub(super) owner: LeaseHolder,
     pub(super) started_at: Timestamp,
-    /// It was told to stop.
-    pub(super) stopping: bool,
-    /// The ledger is damaged: nothing is done any more but telling so.
+    /// The daemon was told to stop.
+    pub(super) is_stopping: bool,
+    /// The ledger is damaged: the farm does nothing but report that.
     pub(super) is_halted: bool,
-    /// What others of this process tell.
-    pub(super) outside: Outside,
-    pub(super) _lock: Lock,
+    /// Connection to the other services of this process.
+    pub(super) services: ServiceBridge,
+    pub(super) _lock: StateDirLock,
 }

@@ -1,138 +1,138 @@
-//! What the farm tells of itself: one line for the service manager, a sign of life in the ledger, and `STATUS.txt` and
+//! The status of the farm: one line for the service manager, a heartbeat in the ledger, and `STATUS.txt` and
 //! `status.json` in each hot folder.
 
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use build_file::counted;
+use build_file::format_count;
 use jiff::{Timestamp, tz::TimeZone};
 use serde_json::json;
 
 use super::{
-    attention::Attention,
-    claimed::ReceiveJob,
-    farm::{BEAT, Farm},
-    jobs::Job,
-    layout::Layout,
-    nest::GAVE_UP,
-    sd,
-    stamp::{minute, zoned},
-    station::Station,
-    trigger::{Facts, FiredBy, fires_next},
+    alert::AlertKind,
+    farm::{Farm, TICK_INTERVAL},
+    intake_jobs::HotFolderScanJob,
+    jobs::BackgroundJob,
+    layout::BatchLayout,
+    machine_state::MachineState,
+    nest::PAUSED_BY_NESTD,
+    systemd,
+    time_text::{floor_to_minute, format_with_zone},
+    trigger::{FireTrigger, TriggerFacts, next_timed_trigger},
 };
 use crate::{
     intake,
-    ledger::{Beat, LedgerError, ProfileStatus},
-    settings::Profile,
+    ledger::{DaemonHeartbeat, LedgerError, ProfileStatus},
+    settings::MachineProfile,
 };
 
-/// How the line of a farm begins that does nothing any more.
+/// Start of the status line of a halted farm.
 pub const HALTED: &str = "halted";
-/// After the farm has stopped, its hot folders are told so within this time; a share that hangs is not waited for longer.
-const FAREWELL_WITHIN: Duration = Duration::from_secs(1);
+/// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
+const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Troubles that did not come again for so long, or for three scans, are over.
-const TROUBLES_LAST: Duration = Duration::from_secs(150);
-/// Between two looks at the whole ledger for what is shown.
-const SHOW_EVERY: Duration = Duration::from_secs(2);
+/// Failures that did not occur again for this long, or for three scans, are over.
+const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
+/// Interval of the status updates, each of which queries the whole ledger.
+const STATUS_INTERVAL: Duration = Duration::from_secs(2);
 
-/// Telling in a hot folder that nothing is done any more.
+/// Writes into a hot folder that nestd has stopped or halted.
 #[derive(Clone)]
-pub(super) struct TellJob {
+pub(super) struct WriteStatusJob {
     profile: String,
 }
 
-impl Job<Farm> for TellJob {
+impl BackgroundJob<Farm> for WriteStatusJob {
     const KIND: &'static str = "Tell";
     type Outcome = ();
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn done(self, _farm: &mut Farm, (): ()) -> Result<()> {
+    async fn on_done(self, _farm: &mut Farm, (): ()) -> Result<()> {
         Ok(())
     }
 }
 
 impl Farm {
-    /// Brings all that is shown up to date.
-    pub(super) async fn show_status(&mut self) -> Result<()> {
-        if self.shown.shown_at.is_some_and(|at| self.schedule.time.passed_since(at) < SHOW_EVERY) {
+    /// Updates the status everywhere.
+    pub(super) async fn update_status(&mut self) -> Result<()> {
+        if self.display.updated_at.is_some_and(|at| self.schedule.time.passed_since(at) < STATUS_INTERVAL) {
             return Ok(());
         }
-        self.shown.shown_at = Some(self.now());
-        let rows = self.ledger.status().await?;
-        for (name, station) in &mut self.stations {
+        self.display.updated_at = Some(self.now());
+        let rows = self.ledger.profile_statuses().await?;
+        for (name, station) in &mut self.machines {
             if let Some(row) = rows.iter().find(|row| row.profile == *name) {
                 station.status = (status_text(station, row), status_json(station, row));
             }
         }
-        self.notice_what_the_ledger_says(&rows).await?;
-        self.look_at_due_dates().await?;
-        let line = summary(self.stations.len(), rows.iter());
-        if line != self.shown.line {
-            sd::status(&line);
-            self.shown.line = line;
-            // Whoever asks the ledger is not told what was.
-            self.shown.sign_of_life = None;
+        self.update_ledger_alerts(&rows).await?;
+        self.check_due_dates().await?;
+        let line = farm_summary(self.machines.len(), rows.iter());
+        if line != self.display.status_line {
+            systemd::notify_status(&line);
+            self.display.status_line = line;
+            // Otherwise the ledger would show the old line until the next heartbeat.
+            self.display.heartbeat_at = None;
         }
         Ok(())
     }
 
-    /// What needs a person and stands in the ledger: so it is known after a restart too.
-    async fn notice_what_the_ledger_says(&mut self, rows: &[ProfileStatus]) -> Result<()> {
-        let names: Vec<String> = self.stations.keys().cloned().collect();
+    /// Raises the alerts that follow from the ledger: so they are known after a restart too.
+    async fn update_ledger_alerts(&mut self, rows: &[ProfileStatus]) -> Result<()> {
+        let names: Vec<String> = self.machines.keys().cloned().collect();
         for name in &names {
             let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
-            match paused.filter(|paused| paused.paused_by == GAVE_UP) {
+            match paused.filter(|paused| paused.paused_by == PAUSED_BY_NESTD) {
                 Some(_) => {
                     let why = self.ledger.last_failure(name).await?;
                     let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
-                    self.notices.raise(Attention::BuildFailed, name, "", &detail);
+                    self.alerts.raise(AlertKind::BuildFailed, name, "", &detail);
                 }
-                None => self.notices.clear(Attention::BuildFailed, name, ""),
+                None => self.alerts.clear(AlertKind::BuildFailed, name, ""),
             }
         }
         let mut gone = Vec::new();
-        for row in rows.iter().filter(|row| !self.stations.contains_key(&row.profile)) {
+        for row in rows.iter().filter(|row| !self.machines.contains_key(&row.profile)) {
             let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
             if parts > 0 || builds > 0 {
-                let (parts, builds) = (counted(parts, "part", "parts"), counted(builds, "build", "builds"));
+                let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));
                 let detail = format!("{parts} and {builds} in work");
-                self.notices.raise(Attention::MachineGone, &row.profile, "", &detail);
+                self.alerts.raise(AlertKind::MachineGone, &row.profile, "", &detail);
                 gone.push(row.profile.clone());
             }
         }
-        self.notices.keep_only(Attention::MachineGone, &gone);
+        self.alerts.retain_profiles(AlertKind::MachineGone, &gone);
         Ok(())
     }
 
-    /// Keeps what needs a person where `nestd status` finds it; a farm that has stopped working tells it in the hot folders
-    /// too, which otherwise every look does.
-    pub(super) fn tell_people(&mut self) {
-        let over = TROUBLES_LAST.max(Duration::from_secs_f64(3.0 * self.settings.scan_secs));
-        self.notices.forget_what_is_over(over);
-        for ((kind, about), why) in self.life.outside.told() {
+    /// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each
+    /// scan does.
+    pub(super) fn publish_alerts(&mut self) {
+        let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * self.settings.scan_secs));
+        self.alerts.clear_expired_failures(over);
+        for ((kind, about), why) in self.lifecycle.services.service_reports() {
             match why.as_str() {
-                "" => self.notices.clear(kind, "", &about),
-                why => self.notices.raise(kind, "", &about, why),
+                "" => self.alerts.clear(kind, "", &about),
+                why => self.alerts.raise(kind, "", &about, why),
             }
         }
-        self.notices.keep(&self.settings.state_dir);
-        if !self.life.is_halted
-            || self.shown.shown_at.is_some_and(|at| self.schedule.time.passed_since(at) < SHOW_EVERY)
+        self.alerts.write_if_changed(&self.settings.state_dir);
+        if !self.lifecycle.is_halted
+            || self.display.updated_at.is_some_and(|at| self.schedule.time.passed_since(at) < STATUS_INTERVAL)
         {
             return;
         }
-        self.shown.shown_at = Some(self.now());
-        for (name, station) in &self.stations {
+        self.display.updated_at = Some(self.now());
+        for (name, station) in &self.machines {
             let (profile, inbox, (text, json)) = (
                 name.clone(),
                 station.profile.folders.inbox.clone(),
-                station.told(&self.notices, self.settings.scan_secs),
+                station.status_files(&self.alerts, self.settings.scan_secs),
             );
-            self.jobs.start(TellJob { profile: name.clone() }, move || {
+            self.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
                 if let Err(error) = intake::write_status(&inbox, &text, &json) {
                     tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
                 }
@@ -140,17 +140,17 @@ impl Farm {
         }
     }
 
-    /// The ledger's file is not there any more: what the daemon knows is saved beside it, and nothing is done any more.
-    pub(super) async fn leave_ledger(&mut self, why: &LedgerError) {
+    /// The ledger's file was removed or replaced: saves what the daemon knows beside it, and halts.
+    pub(super) async fn abandon_replaced_ledger(&mut self, why: &LedgerError) {
         let mut file = self.settings.ledger.clone().into_os_string();
         file.push(Timestamp::now().strftime(".saved-%Y%m%dT%H%M%SZ").to_string());
         let (file, ledger) = (std::path::PathBuf::from(file), self.ledger.clone());
-        let saving = ledger.backup(&file);
+        let saving = ledger.write_backup(&file);
         tokio::pin!(saving);
         let saved = loop {
             tokio::select! {
                 saved = &mut saving => break saved,
-                () = tokio::time::sleep(BEAT) => sd::alive(),
+                () = tokio::time::sleep(TICK_INTERVAL) => systemd::notify_watchdog(),
             }
         };
         let what = match why {
@@ -161,64 +161,65 @@ impl Farm {
             Ok(_) => format!("{what}; all that nestd knew is saved as {}", file.display()),
             Err(error) => format!("{what}; it could not be saved ({error}), so put the newest backup back"),
         };
-        self.halt(Attention::LedgerReplaced, &detail);
-        // Closing it, SQLite would remove the log of the ledger that stands there now.
+        self.halt_farm(AlertKind::LedgerReplaced, &detail);
+        // On closing, SQLite would remove the write-ahead log of the ledger that is there now.
         std::mem::forget(self.ledger.clone());
     }
 
-    /// The ledger cannot be relied on: nothing is taken and nothing published any more, for nobody would know of it.
-    pub(super) fn halt(&mut self, kind: Attention, why: &str) {
-        if !self.life.is_halted {
-            self.life.is_halted = true;
-            self.life.outside.set_open(false);
-            self.nesting.finals.values().for_each(|(budget, _)| budget.cancel());
-            self.stations.values_mut().for_each(|station| station.open.clear());
-            self.notices.raise(kind, "", "", why);
-            let what = if kind == Attention::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
-            self.shown.line = format!("{HALTED}: the ledger {what}");
-            sd::status(&self.shown.line);
+    /// Halts the farm, since the ledger cannot be relied on: files could be claimed and builds published without being
+    /// recorded.
+    pub(super) fn halt_farm(&mut self, kind: AlertKind, why: &str) {
+        if !self.lifecycle.is_halted {
+            self.lifecycle.is_halted = true;
+            self.lifecycle.services.set_open(false);
+            self.nesting.final_searches.values().for_each(|(budget, _)| budget.cancel());
+            self.machines.values_mut().for_each(|station| station.open.reset());
+            self.alerts.raise(kind, "", "", why);
+            let what = if kind == AlertKind::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
+            self.display.status_line = format!("{HALTED}: the ledger {what}");
+            systemd::notify_status(&self.display.status_line);
         }
     }
 
-    /// Says in each hot folder that nobody looks there any more: what stood there before promised builds.
-    pub(super) async fn say_farewell(&mut self) {
-        let rows = match self.life.is_halted {
+    /// Writes into each hot folder that nestd has stopped: the status there before promised builds.
+    pub(super) async fn write_stopped_status(&mut self) {
+        let rows = match self.lifecycle.is_halted {
             true => Vec::new(),
-            false => self.ledger.status().await.unwrap_or_default(),
+            false => self.ledger.profile_statuses().await.unwrap_or_default(),
         };
-        for (name, station) in &self.stations {
-            // A job that did not end hangs in that folder, and so would this one.
-            if self.jobs.runs::<ReceiveJob>(name) {
+        for (name, station) in &self.machines {
+            // A job that did not end hangs in that folder, and this one would hang too.
+            if self.jobs.is_running::<HotFolderScanJob>(name) {
                 continue;
             }
             let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
-            let (text, json) = last_words(station, &row);
+            let (text, json) = stopped_status(station, &row);
             let (profile, inbox) = (name.clone(), station.profile.folders.inbox.clone());
-            let mut hold = station.holds.inbox.clone();
-            self.jobs.start(TellJob { profile: name.clone() }, move || {
-                // An empty mount point is told nothing.
-                if hold.seen().is_some()
-                    && hold.check().is_ok()
+            let mut hold = station.leases.inbox.clone();
+            self.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+                // Nothing is written into an empty mount point.
+                if hold.held_identity().is_some()
+                    && hold.check_usable().is_ok()
                     && let Err(error) = intake::write_status(&inbox, &text, &json)
                 {
                     tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
                 }
             });
         }
-        self.wait_for_jobs(Instant::now() + FAREWELL_WITHIN).await;
+        self.wait_for_jobs(Instant::now() + STOPPED_STATUS_TIMEOUT).await;
     }
 
-    /// Writes a sign of life into the ledger.
-    pub(super) async fn sign_of_life(&mut self) -> Result<()> {
-        let beat = Beat {
+    /// Writes a heartbeat into the ledger.
+    pub(super) async fn write_heartbeat(&mut self) -> Result<()> {
+        let beat = DaemonHeartbeat {
             pid: std::process::id(),
             host: host_name(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            started_at: self.life.started_at,
-            status: self.shown.line.clone(),
-            stations: self.stations_seen(),
+            started_at: self.lifecycle.started_at,
+            status: self.display.status_line.clone(),
+            machines: self.observed_machines(),
         };
-        Ok(self.ledger.beat(&beat).await?)
+        Ok(self.ledger.write_heartbeat(&beat).await?)
     }
 }
 
@@ -226,72 +227,80 @@ fn host_name() -> String {
     rustix::system::uname().nodename().to_string_lossy().into_owned()
 }
 
-/// For the technician at the shared folder; lengths in mm, times local.
-fn status_text(station: &Station, row: &ProfileStatus) -> String {
+/// The status for the technician at the shared folder; lengths in mm, local times.
+fn status_text(station: &MachineState, row: &ProfileStatus) -> String {
     let profile = &station.profile;
     let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
     if let Some(paused) = &row.paused {
-        lines.push(format!("PAUSED by {} since {}: nothing is fired.", paused.paused_by, local(paused.paused_at.0)));
+        lines.push(format!(
+            "PAUSED by {} since {}: nothing is fired.",
+            paused.paused_by,
+            format_local(paused.paused_at.0)
+        ));
     }
     lines.push(match row.waiting_parts {
         0 => "Nothing waits.".to_owned(),
         _ => waiting_text(row) + ".",
     });
     if row.claimed_parts > 0 {
-        lines.push(counted(row.claimed_parts, "file is being read.", "files are being read."));
+        lines.push(format_count(row.claimed_parts, "file is being read.", "files are being read."));
     }
-    if is_forecast(station, row) {
+    if is_layout_current(station, row) {
         let (height_mm, volume_z_mm) = (station.open.layout.height_mm, profile.build_volume().size_mm.z);
         lines.push(format!(
             "Open build: {height_mm:.1} mm high, {:.0} % of the volume's height.",
             100.0 * height_mm / volume_z_mm
         ));
     }
-    if let Some(at) = fires_at(profile, row) {
-        lines.push(format!("It fires when it is full, at the latest {}: {}.", local(at.at), at.why(row)));
+    if let Some(at) = forecast_fire(profile, row) {
+        lines.push(format!(
+            "It fires when it is full, at the latest {}: {}.",
+            format_local(at.at),
+            at.fire_reason(row)
+        ));
     }
     for build in &row.nesting {
-        lines.push(format!("Build {} is being made: {}.", build.build, counted(build.copies, "copy", "copies")));
+        lines.push(format!("Build {} is being made: {}.", build.build, format_count(build.copies, "copy", "copies")));
     }
     if let Some(last) = &row.last_published {
         let height_mm = last.height_mm.unwrap_or_default();
-        lines.push(format!("Last build: {} on {}, {height_mm:.1} mm.", last.build, local(last.published_at.0)));
+        lines.push(format!("Last build: {} on {}, {height_mm:.1} mm.", last.build, format_local(last.published_at.0)));
     }
     lines.join("\n") + "\n"
 }
 
-/// What waits, in words.
+/// The waiting copies and parts, in words.
 fn waiting_text(row: &ProfileStatus) -> String {
-    let parts = counted(row.waiting_parts, "part", "parts");
+    let parts = format_count(row.waiting_parts, "part", "parts");
     format!(
         "{} of {parts} {}",
-        counted(row.waiting_copies, "copy", "copies"),
+        format_count(row.waiting_copies, "copy", "copies"),
         if row.waiting_copies == 1 { "waits" } else { "wait" }
     )
 }
 
-/// Whether the open layout is of what waits now.
-fn is_forecast(station: &Station, row: &ProfileStatus) -> bool {
+/// Whether the open layout belongs to the parts that wait now.
+fn is_layout_current(station: &MachineState, row: &ProfileStatus) -> bool {
     let layout = &station.open.layout;
     row.waiting_parts > 0 && layout.height_mm > 0.0 && layout.placed.len() <= row.waiting_copies as usize
 }
 
-/// One line on what machines do.
-pub fn summary<'r>(machines: usize, rows: impl Iterator<Item = &'r ProfileStatus>) -> String {
+/// One line on what the machines do.
+pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r ProfileStatus>) -> String {
     let (mut waiting, mut nesting) = (0, 0);
     for row in rows {
         waiting += row.waiting_copies;
         nesting += row.nesting.len();
     }
-    let machines = counted(machines, "machine", "machines");
-    let waiting = counted(waiting, "copy waits", "copies wait");
-    format!("{machines}, {waiting}, {} in work", counted(nesting, "build", "builds"))
+    let machines = format_count(machines, "machine", "machines");
+    let waiting = format_count(waiting, "copy waits", "copies wait");
+    format!("{machines}, {waiting}, {} in work", format_count(nesting, "build", "builds"))
 }
 
-fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
-    let fires = fires_at(&station.profile, row);
-    let nothing = Layout::default();
-    let open = if is_forecast(station, row) { &station.open.layout } else { &nothing };
+fn status_json(station: &MachineState, row: &ProfileStatus) -> serde_json::Value {
+    let fires = forecast_fire(&station.profile, row);
+    let nothing = BatchLayout::default();
+    let open = if is_layout_current(station, row) { &station.open.layout } else { &nothing };
     json!({
         "profile": row.profile,
         "paused": row.paused.is_some(),
@@ -314,13 +323,13 @@ fn status_json(station: &Station, row: &ProfileStatus) -> serde_json::Value {
     })
 }
 
-/// `STATUS.txt` and `status.json` of a farm that has stopped: what is known, and that nothing happens.
-fn last_words(station: &Station, row: &ProfileStatus) -> (String, String) {
+/// `STATUS.txt` and `status.json` of a stopped farm: the last known values, and that nothing happens.
+fn stopped_status(station: &MachineState, row: &ProfileStatus) -> (String, String) {
     let (name, now) = (&station.profile.name, Timestamp::now());
     let mut text = format!(
-        "{name}: nestd was stopped on {}: nobody looks here now, and nothing is built. What is dropped here is taken when it runs \
-         again.\n",
-        zoned(now)
+        "{name}: nestd was stopped on {}: this folder is not scanned, and nothing is built. Files dropped here are \
+         taken when it runs again.\n",
+        format_with_zone(now)
     );
     if row.waiting_parts > 0 {
         text += &format!("{} until then.\n", waiting_text(row));
@@ -328,7 +337,7 @@ fn last_words(station: &Station, row: &ProfileStatus) -> (String, String) {
     let json = json!({
         "profile": name,
         "running": false,
-        "written_at": minute(now).to_string(),
+        "written_at": floor_to_minute(now).to_string(),
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
         "fires_at_latest": null,
@@ -338,31 +347,31 @@ fn last_words(station: &Station, row: &ProfileStatus) -> (String, String) {
 
 /// When a machine's next build fires at the latest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Fires {
-    /// Then; what is over means at once.
+pub struct FireForecast {
+    /// The time; a time in the past means at once.
     pub at: Timestamp,
     /// The trigger that fires it.
-    pub by: FiredBy,
+    pub by: FireTrigger,
 }
 
-impl Fires {
-    /// Why then, in words.
-    pub fn why(&self, row: &ProfileStatus) -> String {
+impl FireForecast {
+    /// The reason in words.
+    pub fn fire_reason(&self, row: &ProfileStatus) -> String {
         match self.by {
-            FiredBy::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
-            FiredBy::Due => format!("deadline of {}", row.due_of),
-            FiredBy::At => format!("at {}", self.at.to_zoned(TimeZone::system()).strftime("%H:%M %Z")),
+            FireTrigger::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
+            FireTrigger::Due => format!("deadline of {}", row.due_of),
+            FireTrigger::At => format!("at {}", self.at.to_zoned(TimeZone::system()).strftime("%H:%M %Z")),
             _ => "waited long enough".to_owned(),
         }
     }
 }
 
-/// When the next build of a profile fires at the latest; unless it is full before, or an operator wants it.
-pub fn fires_at(profile: &Profile, row: &ProfileStatus) -> Option<Fires> {
+/// When the next build of a profile fires at the latest, unless it is full before or an operator flushes it.
+pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<FireForecast> {
     if row.paused.is_some() || row.waiting_parts == 0 {
         return None;
     }
-    let facts = Facts {
+    let facts = TriggerFacts {
         copies: row.waiting_copies.max(1) as usize,
         oldest: row.oldest_at?.0,
         due: row.due_at.map(|due| due.0),
@@ -370,11 +379,11 @@ pub fn fires_at(profile: &Profile, row: &ProfileStatus) -> Option<Fires> {
         density: 0.0,
         full: false,
         flush: false,
-        knows_the_date: true,
+        is_date_trusted: true,
     };
-    fires_next(profile, &facts).map(|(at, by)| Fires { at, by })
+    next_timed_trigger(profile, &facts).map(|(at, by)| FireForecast { at, by })
 }
 
-fn local(time: Timestamp) -> String {
+fn format_local(time: Timestamp) -> String {
     time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M").to_string()
 }

@@ -11,98 +11,98 @@ use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
 use super::{
-    attention::Attention,
+    alert::AlertKind,
+    claim_note,
     farm::Farm,
+    folder_lease::FolderLease,
     forgettable::{Forgettable, KEEP_REFUSED_SECS},
-    jobs::Job,
-    owner::Hold,
-    taken,
+    jobs::BackgroundJob,
 };
 use crate::{intake, ledger::PartState};
 
-/// The first tidying follows the start by so much, so that it delays no start.
+/// Delay of the first housekeeping, so that it does not slow down the start.
 pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
-/// How often the house is tidied.
+/// Interval of the housekeeping.
 pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
-/// Parts that were built or forgotten longer ago than this have been swept at an earlier tidying.
+/// Parts that were built or forgotten longer ago than this were handled by an earlier run.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 
-/// Going through the archives.
+/// Purges the archives.
 #[derive(Clone)]
-pub(super) struct PurgeJob;
+pub(super) struct ArchivePurgeJob;
 
-impl Job<Farm> for PurgeJob {
+impl BackgroundJob<Farm> for ArchivePurgeJob {
     const KIND: &'static str = "Purge";
     type Outcome = ();
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         String::new()
     }
 
-    async fn done(self, _farm: &mut Farm, (): ()) -> Result<()> {
+    async fn on_done(self, _farm: &mut Farm, (): ()) -> Result<()> {
         Ok(())
     }
 }
 
-/// Looking for files beside the hot folders; gives their names.
+/// Looks for files beside the hot folders; returns their names.
 #[derive(Clone)]
-pub(super) struct StrayJob;
+pub(super) struct MisplacedFilesJob;
 
-impl Job<Farm> for StrayJob {
+impl BackgroundJob<Farm> for MisplacedFilesJob {
     const KIND: &'static str = "Stray";
     type Outcome = Vec<String>;
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         String::new()
     }
 
-    async fn done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
-        farm.on_stray(&found);
+    async fn on_done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
+        farm.on_misplaced_files(&found);
         Ok(())
     }
 }
 
 impl Farm {
-    /// Tidies; nothing here is urgent, and everything is safe to repeat.
-    pub(super) async fn tidy(&mut self) -> Result<()> {
-        // By a clock that was just set, everything might be old.
-        if !self.schedule.clock.may_delete() {
+    /// Runs the housekeeping; nothing here is urgent, and everything is safe to repeat.
+    pub(super) async fn tidy_up(&mut self) -> Result<()> {
+        // If the clock was just set, everything might seem old.
+        if !self.schedule.clock.is_retention_trusted() {
             return Ok(());
         }
-        let archives: Vec<(Hold, PathBuf, u32)> = (self.stations.values())
-            .map(|s| (s.holds.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.archive_days))
+        let archives: Vec<(FolderLease, PathBuf, u32)> = (self.machines.values())
+            .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.archive_days))
             .filter(|(.., days)| *days > 0)
             .collect();
         let (settings, ledger, store) = (self.settings.clone(), self.ledger.clone(), self.meshes.store.clone());
         let runtime = tokio::runtime::Handle::current();
-        self.jobs.start(PurgeJob, move || {
-            if let Err(failure) = runtime.block_on(taken::drop_taken_over(&settings, &ledger, &store)) {
-                warn!("What is stored of claims that another nestd has taken over is dropped later: {failure:#}.");
+        self.jobs.start(ArchivePurgeJob, move || {
+            if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
+                warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
             }
             for (mut hold, archive, days) in archives {
-                if hold.check().is_ok() {
-                    purge(&archive, days);
+                if hold.check_usable().is_ok() {
+                    purge_archive(&archive, days);
                 }
             }
         });
         self.sweep_store().await
     }
 
-    /// Starts to look for what was dropped beside the hot folders.
-    pub(super) fn look_for_stray_files(&mut self) {
-        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.folders());
-        self.jobs.start(StrayJob, move || {
-            let stray = intake::stray(&base, &folders).unwrap_or_default();
+    /// Starts to look for files that were dropped beside the hot folders.
+    pub(super) fn start_misplaced_file_search(&mut self) {
+        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.all_folders());
+        self.jobs.start(MisplacedFilesJob, move || {
+            let stray = intake::find_misplaced(&base, &folders).unwrap_or_default();
             stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect()
         });
     }
 
-    /// Tells what lies beside the hot folders.
-    fn on_stray(&mut self, found: &[String]) {
-        let Some(first) = found.first() else { return self.notices.clear(Attention::Stray, "", "") };
+    /// Raises or clears the alert on files beside the hot folders.
+    fn on_misplaced_files(&mut self, found: &[String]) {
+        let Some(first) = found.first() else { return self.alerts.clear(AlertKind::Stray, "", "") };
         let more = if found.len() > 1 { format!(" and {} more", found.len() - 1) } else { String::new() };
         let detail = format!("{first}{more} in {}", self.settings.inbox_base.display());
-        self.notices.raise(Attention::Stray, "", "", &detail);
+        self.alerts.raise(AlertKind::Stray, "", "", &detail);
     }
 
     /// Forgets stored files of built and long refused parts that no live part needs.
@@ -110,28 +110,28 @@ impl Farm {
         let now = self.date();
         let mut unneeded = Vec::new();
         for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
-            let (from, to) = (ago(now, keep_secs + SWEEP_WITHIN_SECS), ago(now, keep_secs));
-            unneeded.extend(self.ledger.hashes_in_state(state, from, to).await?);
+            let (from, to) = (time_before(now, keep_secs + SWEEP_WITHIN_SECS), time_before(now, keep_secs));
+            unneeded.extend(self.ledger.hashes_in_state_between(state, from, to).await?);
         }
         self.forget(unneeded.into_iter().map(Forgettable::StoredFile)).await?;
         let mut live = HashSet::new();
         for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
-            live.extend(self.ledger.hashes_in_state(state, Timestamp::UNIX_EPOCH, now).await?);
+            live.extend(self.ledger.hashes_in_state_between(state, Timestamp::UNIX_EPOCH, now).await?);
         }
-        self.meshes.shelf.keep(|key| live.contains(&key.content_hash));
+        self.meshes.mesh_cache.retain(|key| live.contains(&key.content_hash));
         Ok(())
     }
 }
 
-fn ago(now: Timestamp, secs: f64) -> Timestamp {
+fn time_before(now: Timestamp, secs: f64) -> Timestamp {
     now.checked_sub(SignedDuration::from_secs_f64(secs)).unwrap_or(Timestamp::UNIX_EPOCH)
 }
 
-/// Removes originals that are older than the profile keeps them.
-fn purge(archive: &Path, days: u32) {
+/// Removes originals that are older than the profile's retention.
+fn purge_archive(archive: &Path, days: u32) {
     let keep = Duration::from_secs(u64::from(days) * 86_400);
     let Some(before) = SystemTime::now().checked_sub(keep) else { return };
-    match intake::purge(archive, before) {
+    match intake::purge_archive(archive, before) {
         Ok(0) => {}
         Ok(files) => info!("Removed {files} old originals from {}.", archive.display()),
         Err(error) => warn!("The archive {} could not be purged: {error}.", archive.display()),

@@ -36,7 +36,7 @@ impl fmt::Debug for TimeSource {
 }
 
 impl TimeSource {
-    /// The clocks of this machine.
+    /// Uses the clocks of this machine.
     pub fn of_this_machine() -> Self {
         Self(Arc::new(|| {
             let up = rustix::time::clock_gettime(rustix::time::ClockId::Boottime);

@@ -1,4 +1,4 @@
-//! When a batch fires: a pure function of what waits, what the open build looks like, and the time.
+//! When a batch fires: a pure function of the waiting parts, the open build, and the time.
 
 use std::fmt;
 
@@ -6,29 +6,29 @@ use jiff::{SignedDuration, Timestamp, civil::Date, tz::TimeZone};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::settings::Profile;
+use crate::settings::MachineProfile;
 
 /// Why a batch fired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum FiredBy {
-    /// An operator said so.
+pub enum FireTrigger {
+    /// An operator asked for it.
     Flush,
     /// A waiting copy was tried and found no place.
     Full,
-    /// The open build has reached its share of the volume.
+    /// The open build has reached the configured share of the volume.
     Fill,
     /// Enough copies wait.
     Copies,
     /// The oldest part has waited long enough.
     MaxWait,
-    /// A due date comes near.
+    /// A due date is near.
     Due,
     /// A time of day has come.
     At,
 }
 
-impl fmt::Display for FiredBy {
+impl fmt::Display for FireTrigger {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Flush => "flush",
@@ -42,10 +42,10 @@ impl fmt::Display for FiredBy {
     }
 }
 
-/// What a trigger looks at.
+/// The input of the triggers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Facts {
-    /// Copies that wait.
+pub struct TriggerFacts {
+    /// Number of waiting copies.
     pub copies: usize,
     /// When the oldest waiting part was claimed.
     pub oldest: Timestamp,
@@ -57,14 +57,14 @@ pub struct Facts {
     pub density: f64,
     /// Whether a layout of all waiting copies was tried to the end of its budget and a copy found no place.
     pub full: bool,
-    /// Whether an operator wants it now.
+    /// Whether an operator asked for it.
     pub flush: bool,
-    /// Whether the clock was not set a moment ago, so that dates may be acted on.
-    pub knows_the_date: bool,
+    /// Whether the clock was not set recently, so that dates may be acted on.
+    pub is_date_trusted: bool,
 }
 
 /// The first trigger that holds, if any.
-pub fn fired_by(profile: &Profile, facts: &Facts, now: Timestamp) -> Option<FiredBy> {
+pub fn find_trigger(profile: &MachineProfile, facts: &TriggerFacts, now: Timestamp) -> Option<FireTrigger> {
     if facts.copies == 0 {
         return None;
     }
@@ -72,38 +72,40 @@ pub fn fired_by(profile: &Profile, facts: &Facts, now: Timestamp) -> Option<Fire
     let share = |limit: Option<f64>, value: f64| limit.is_some_and(|limit| value >= limit);
     let height_share = facts.height_mm / profile.build_volume().size_mm.z;
     let holds = [
-        (facts.flush, FiredBy::Flush),
-        (facts.full, FiredBy::Full),
-        (share(trigger.fill_height, height_share) || share(trigger.fill_density, facts.density), FiredBy::Fill),
-        (trigger.copies.is_some_and(|n| facts.copies >= n as usize), FiredBy::Copies),
+        (facts.flush, FireTrigger::Flush),
+        (facts.full, FireTrigger::Full),
+        (share(trigger.fill_height, height_share) || share(trigger.fill_density, facts.density), FireTrigger::Fill),
+        (trigger.copies.is_some_and(|n| facts.copies >= n as usize), FireTrigger::Copies),
     ];
-    let timed = || moments(profile, facts).into_iter().find(|(at, _)| *at <= now);
+    let timed = || trigger_times(profile, facts).into_iter().find(|(at, _)| *at <= now);
     holds.into_iter().find(|(holds, _)| *holds).map(|(_, by)| by).or_else(|| Some(timed()?.1))
 }
 
-/// When a batch of what waits fires by the time alone, and why; a moment that is over means that it fires at once.
-pub fn fires_next(profile: &Profile, facts: &Facts) -> Option<(Timestamp, FiredBy)> {
+/// When a batch of the waiting parts fires because of the time alone, and why; a time in the past means that it fires
+/// at once.
+pub fn next_timed_trigger(profile: &MachineProfile, facts: &TriggerFacts) -> Option<(Timestamp, FireTrigger)> {
     if facts.copies == 0 {
         return None;
     }
-    // Of those at the same moment the first counts, as when it fires.
-    moments(profile, facts).into_iter().min_by_key(|(at, _)| *at)
+    // Of triggers at the same time the first counts, as in `fired_by`.
+    trigger_times(profile, facts).into_iter().min_by_key(|(at, _)| *at)
 }
 
-/// From when on each trigger holds that the time alone lets hold, the first of them first.
-fn moments(profile: &Profile, facts: &Facts) -> Vec<(Timestamp, FiredBy)> {
-    let (trigger, knows) = (&profile.trigger, facts.knows_the_date);
+/// The time from which each time-based trigger holds, in order of precedence.
+fn trigger_times(profile: &MachineProfile, facts: &TriggerFacts) -> Vec<(Timestamp, FireTrigger)> {
+    let (trigger, knows) = (&profile.trigger, facts.is_date_trusted);
     let moments = [
-        // When the clock is set, the times of the waiting parts are set with it: this is how long it really waits.
-        (shifted(facts.oldest, trigger.max_wait_secs), FiredBy::MaxWait),
-        (due_begins(profile, facts).filter(|_| knows), FiredBy::Due),
-        (first_time_after(&trigger.at, facts.oldest).filter(|_| knows), FiredBy::At),
+        // When the clock is set, the times of the waiting parts are adjusted: this is how long the part has really
+        // waited.
+        (add_secs(facts.oldest, trigger.max_wait_secs), FireTrigger::MaxWait),
+        (due_trigger_time(profile, facts).filter(|_| knows), FireTrigger::Due),
+        (first_daily_time_after(&trigger.at, facts.oldest).filter(|_| knows), FireTrigger::At),
     ];
     moments.into_iter().filter_map(|(at, by)| Some((at?, by))).collect()
 }
 
-/// So many seconds later.
-fn shifted(time: Timestamp, secs: f64) -> Option<Timestamp> {
+/// The time this many seconds later.
+fn add_secs(time: Timestamp, secs: f64) -> Option<Timestamp> {
     time.checked_add(SignedDuration::try_from_secs_f64(secs).ok()?).ok()
 }
 
@@ -112,15 +114,15 @@ pub fn secs_between(earlier: Timestamp, later: Timestamp) -> f64 {
     later.duration_since(earlier).as_secs_f64()
 }
 
-/// When printing must begin for the earliest due date to be met, with the margin.
-fn due_begins(profile: &Profile, facts: &Facts) -> Option<Timestamp> {
+/// When printing must begin to meet the earliest due date, with the margin.
+fn due_trigger_time(profile: &MachineProfile, facts: &TriggerFacts) -> Option<Timestamp> {
     let print_secs = facts.height_mm * profile.space.print_hours_per_mm * 3600.0;
-    shifted(facts.due?, -(print_secs + profile.trigger.due_margin_secs?))
+    add_secs(facts.due?, -(print_secs + profile.trigger.due_margin_secs?))
 }
 
-/// The first of the times of day, local, after the oldest part's arrival; so a time that passed while the daemon was down
+/// The first of the local times of day after the oldest part's arrival; so a time that passed while the daemon was down
 /// still counts.
-fn first_time_after(at: &[jiff::civil::Time], oldest: Timestamp) -> Option<Timestamp> {
+fn first_daily_time_after(at: &[jiff::civil::Time], oldest: Timestamp) -> Option<Timestamp> {
     let zone = TimeZone::system();
     let today = oldest.to_zoned(zone.clone()).date();
     let days = [Some(today), today.tomorrow().ok()];
@@ -138,18 +140,27 @@ mod tests {
     use crate::ledger::fixtures::{fresh, waiting};
 
     /// A machine that fires after a day, an hour before a due date, and at five o'clock.
-    fn machine() -> Profile {
+    fn machine() -> MachineProfile {
         let folder = tempfile::tempdir().unwrap();
         let profile = "volume_mm = [100, 100, 100]\n[trigger]\nmax_wait_secs = \"24h\"\nat = [\"17:00\"]\n";
         std::fs::create_dir(folder.path().join("profiles")).unwrap();
         std::fs::write(folder.path().join("profiles/m.toml"), profile).unwrap();
         std::fs::write(folder.path().join("nestd.toml"), "").unwrap();
-        let mut settings = crate::settings::load(Some(&folder.path().join("nestd.toml")), None).unwrap();
+        let mut settings = crate::settings::load_settings(Some(&folder.path().join("nestd.toml")), None).unwrap();
         settings.profiles.remove("m").unwrap()
     }
 
-    fn facts(oldest: Timestamp, due: Option<Timestamp>, knows_the_date: bool) -> Facts {
-        Facts { copies: 1, oldest, due, height_mm: 0.0, density: 0.0, full: false, flush: false, knows_the_date }
+    fn facts(oldest: Timestamp, due: Option<Timestamp>, knows_the_date: bool) -> TriggerFacts {
+        TriggerFacts {
+            copies: 1,
+            oldest,
+            due,
+            height_mm: 0.0,
+            density: 0.0,
+            full: false,
+            flush: false,
+            is_date_trusted: knows_the_date,
+        }
     }
 
     fn at(hour: i8, minute: i8) -> Timestamp {
@@ -164,15 +175,19 @@ mod tests {
             let claimed = at(8, 0);
             let ledger = ledger.ledger.clone().with_clock(move || claimed);
             let part = waiting(&ledger, "a", 1).await;
-            let oldest = async || ledger.part(part).await.unwrap().unwrap().times.claimed_at.0;
+            let oldest = async || ledger.find_part(part).await.unwrap().unwrap().times.claimed_at.0;
             // Twenty minutes later the clock is set.
-            ledger.keep_ages(jump).await.unwrap();
+            ledger.shift_claim_times(jump).await.unwrap();
             let now = at(8, 20).checked_add(jump).unwrap();
-            assert_eq!(fired_by(&machine, &facts(oldest().await, None, false), now), None, "set by {jump:#}");
+            assert_eq!(find_trigger(&machine, &facts(oldest().await, None, false), now), None, "set by {jump:#}");
             let just_before = now.checked_add((23.hours()).minutes(39)).unwrap();
-            assert_eq!(fired_by(&machine, &facts(oldest().await, None, false), just_before), None, "set by {jump:#}");
+            assert_eq!(
+                find_trigger(&machine, &facts(oldest().await, None, false), just_before),
+                None,
+                "set by {jump:#}"
+            );
             let then = now.checked_add((23.hours()).minutes(41)).unwrap();
-            assert_eq!(fired_by(&machine, &facts(oldest().await, None, false), then), Some(FiredBy::MaxWait));
+            assert_eq!(find_trigger(&machine, &facts(oldest().await, None, false), then), Some(FireTrigger::MaxWait));
         }
     }
 
@@ -180,11 +195,11 @@ mod tests {
     fn dates_wait_while_the_clock_is_not_sure_and_are_not_forgotten() {
         let machine = machine();
         let due = Some(at(12, 0));
-        assert_eq!(fired_by(&machine, &facts(at(8, 0), due, true), at(10, 30)), None);
-        assert_eq!(fired_by(&machine, &facts(at(8, 0), due, true), at(11, 30)), Some(FiredBy::Due));
-        assert_eq!(fired_by(&machine, &facts(at(8, 0), due, false), at(11, 30)), None);
-        assert_eq!(fired_by(&machine, &facts(at(8, 0), None, false), at(17, 1)), None);
-        assert_eq!(fired_by(&machine, &facts(at(8, 0), None, true), at(17, 6)), Some(FiredBy::At));
+        assert_eq!(find_trigger(&machine, &facts(at(8, 0), due, true), at(10, 30)), None);
+        assert_eq!(find_trigger(&machine, &facts(at(8, 0), due, true), at(11, 30)), Some(FireTrigger::Due));
+        assert_eq!(find_trigger(&machine, &facts(at(8, 0), due, false), at(11, 30)), None);
+        assert_eq!(find_trigger(&machine, &facts(at(8, 0), None, false), at(17, 1)), None);
+        assert_eq!(find_trigger(&machine, &facts(at(8, 0), None, true), at(17, 6)), Some(FireTrigger::At));
     }
 
     #[test]
@@ -203,10 +218,10 @@ mod tests {
             machine.trigger.due_margin_secs = (case % 5 != 0).then_some(case as f64 * 1.7);
             machine.space.print_hours_per_mm = 0.013 * (case % 7) as f64;
             let due = (case % 2 == 0).then(|| arrived.checked_add(day * (case % 4) as i32).unwrap());
-            let facts = Facts { height_mm: (case % 90) as f64 * 0.37, ..facts(arrived, due, case % 11 != 0) };
-            let (then, by) = fires_next(&machine, &facts).unwrap();
-            assert_eq!(fired_by(&machine, &facts, then), Some(by), "case {case}");
-            assert_eq!(fired_by(&machine, &facts, then.checked_sub(second).unwrap()), None, "case {case}");
+            let facts = TriggerFacts { height_mm: (case % 90) as f64 * 0.37, ..facts(arrived, due, case % 11 != 0) };
+            let (then, by) = next_timed_trigger(&machine, &facts).unwrap();
+            assert_eq!(find_trigger(&machine, &facts, then), Some(by), "case {case}");
+            assert_eq!(find_trigger(&machine, &facts, then.checked_sub(second).unwrap()), None, "case {case}");
             seen.insert(by.to_string());
         }
         assert_eq!(seen.into_iter().collect::<Vec<_>>(), ["at", "due", "max_wait"]);

@@ -7,31 +7,31 @@ use anyhow::Result;
 use tracing::{debug, warn};
 
 use super::{
-    attention::Attention,
+    alert::AlertKind,
     farm::Farm,
-    holds::Holds,
-    jobs::{Event, Job},
+    folder_leases::FolderLeases,
+    jobs::{BackgroundJob, LoopEvent},
     state::WatchedInboxes,
 };
 use crate::{
     access,
-    intake::{WatchError, Watcher},
-    settings::Profile,
+    intake::{InboxWatcher, WatchError},
+    settings::MachineProfile,
 };
 
 /// Asking for file-system events, anew where hot folders were made or changed.
 #[derive(Clone)]
 struct WatchJob;
 
-impl Job<Farm> for WatchJob {
+impl BackgroundJob<Farm> for WatchJob {
     const KIND: &'static str = "Watch";
     type Outcome = Result<WatchedInboxes, WatchError>;
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         String::new()
     }
 
-    async fn done(self, farm: &mut Farm, watched: Self::Outcome) -> Result<()> {
+    async fn on_done(self, farm: &mut Farm, watched: Self::Outcome) -> Result<()> {
         farm.on_watched(watched);
         Ok(())
     }
@@ -43,15 +43,15 @@ struct FoldersJob {
     profile: String,
 }
 
-impl Job<Farm> for FoldersJob {
+impl BackgroundJob<Farm> for FoldersJob {
     const KIND: &'static str = "Folders";
     type Outcome = Vec<String>;
 
-    fn about(&self) -> String {
+    fn subject(&self) -> String {
         self.profile.clone()
     }
 
-    async fn done(self, farm: &mut Farm, failed: Self::Outcome) -> Result<()> {
+    async fn on_done(self, farm: &mut Farm, failed: Self::Outcome) -> Result<()> {
         farm.on_folders_made(&self.profile, &failed);
         Ok(())
     }
@@ -59,28 +59,30 @@ impl Job<Farm> for FoldersJob {
 
 impl Farm {
     /// Watches the hot folders, also those that were made or made anew; where that cannot be, the periodic scan serves.
-    pub(super) fn watch(&mut self) {
-        if self.jobs.runs::<WatchJob>("") {
+    pub(super) fn start_watcher(&mut self) {
+        if self.jobs.is_running::<WatchJob>("") {
             return;
         }
         let (inboxes, before) = (self.inboxes(), self.schedule.watched.take());
-        let events = self.jobs.sender();
+        let events = self.jobs.event_sender();
         self.jobs.start(WatchJob, move || match before {
             Some(mut watched) if watched.inboxes == inboxes => {
-                for (path, why) in watched.watcher.check() {
+                for (path, why) in watched.watcher.check_roots() {
                     debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
                 }
                 Ok(watched)
             }
             _ => {
-                let watcher = Watcher::start(inboxes.clone(), move || drop(events.send(Event::new(Farm::look_soon))))?;
+                let watcher = InboxWatcher::start(inboxes.clone(), move || {
+                    drop(events.send(LoopEvent::new(Farm::schedule_scan)))
+                })?;
                 Ok(WatchedInboxes { watcher, inboxes })
             }
         });
     }
 
     fn inboxes(&self) -> Vec<PathBuf> {
-        self.stations.values().map(|station| station.profile.folders.inbox.clone()).collect()
+        self.machines.values().map(|station| station.profile.folders.inbox.clone()).collect()
     }
 
     fn on_watched(&mut self, watched: Result<WatchedInboxes, WatchError>) {
@@ -90,7 +92,7 @@ impl Farm {
                 self.schedule.watched = Some(watched);
                 self.schedule.is_unwatched = false;
                 if !is_current {
-                    self.watch();
+                    self.start_watcher();
                 }
             }
             Err(failure) => {
@@ -103,8 +105,8 @@ impl Farm {
 
     /// Makes the folders of all machines, before anything else is done with them.
     pub(super) fn make_folders_at_start(&mut self) {
-        let stations: Vec<(Arc<Profile>, Holds)> =
-            self.stations.values().map(|station| (station.profile.clone(), station.holds.clone())).collect();
+        let stations: Vec<(Arc<MachineProfile>, FolderLeases)> =
+            self.machines.values().map(|station| (station.profile.clone(), station.leases.clone())).collect();
         for (profile, holds) in stations {
             let failed = make_folders(&profile, &holds);
             self.tell_of_folders(&profile.name, &failed);
@@ -112,12 +114,12 @@ impl Farm {
     }
 
     /// Folders that could not be made, or belong to a machine that is new, are made when they can be.
-    pub(super) fn make_missing_folders(&mut self) {
-        for (name, station) in &mut self.stations {
-            if station.holds.all().iter().all(|hold| hold.seen().is_some()) {
+    pub(super) fn create_missing_folders(&mut self) {
+        for (name, station) in &mut self.machines {
+            if station.leases.all_leases().iter().all(|hold| hold.held_identity().is_some()) {
                 continue;
             }
-            let (profile, holds) = (station.profile.clone(), station.holds.clone());
+            let (profile, holds) = (station.profile.clone(), station.leases.clone());
             self.jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &holds));
         }
     }
@@ -126,25 +128,25 @@ impl Farm {
     fn on_folders_made(&mut self, name: &str, failed: &[String]) {
         self.tell_of_folders(name, failed);
         let now = self.now();
-        if let Some(station) = self.stations.get_mut(name).filter(|station| station.inbox.scanned_at.is_none()) {
+        if let Some(station) = self.machines.get_mut(name).filter(|station| station.inbox.scanned_at.is_none()) {
             station.inbox.look_at = now;
-            self.keep_holds(true);
-            self.watch();
-            self.compare_folders();
+            self.renew_leases(true);
+            self.start_watcher();
+            self.start_folder_comparison();
         }
     }
 
     fn tell_of_folders(&mut self, name: &str, failed: &[String]) {
         match failed.is_empty() {
-            true => self.notices.clear(Attention::FoldersMissing, name, ""),
-            false => self.notices.raise(Attention::FoldersMissing, name, "", &failed.join("; ")),
+            true => self.alerts.clear(AlertKind::FoldersMissing, name, ""),
+            false => self.alerts.raise(AlertKind::FoldersMissing, name, "", &failed.join("; ")),
         }
     }
 }
 
 /// A share that is away must not keep the other machines from working. What was served once is not made again: an empty directory
 /// in its place would hinder whoever puts it back. Returns what could not be made.
-fn make_folders(profile: &Profile, holds: &Holds) -> Vec<String> {
+fn make_folders(profile: &MachineProfile, holds: &FolderLeases) -> Vec<String> {
     let folders = &profile.folders;
     let wanted = [
         (&folders.inbox, &holds.inbox),
@@ -154,7 +156,7 @@ fn make_folders(profile: &Profile, holds: &Holds) -> Vec<String> {
     ];
     let mut failed = Vec::new();
     // One that cannot be made does not hinder the others.
-    for (folder, _) in wanted.into_iter().filter(|(_, hold)| hold.is_new()) {
+    for (folder, _) in wanted.into_iter().filter(|(_, hold)| hold.was_never_served()) {
         if let Err(error) = access::create_folders(folder) {
             failed.push(format!("creating {}: {error}", folder.display()));
         }

@@ -1,30 +1,34 @@
-//! Whose a claim is, and how it becomes another farm's. A claim's folder is `.claimed/<id>@<farm>`; one without a farm is of an
-//! earlier release and counts as own. A claim has one name at a time, so that of two farms, one that lets it go and one that
-//! takes it over, exactly one comes first.
+//! Who owns a claim, and how another farm takes it over. The folder of a claim is `.claimed/<id>@<farm>`. A folder
+//! without a farm was made by an earlier release and counts as our own. A claim has exactly one name at a time. So if
+//! one farm releases it while another takes it over, exactly one of the two renames succeeds.
 
 use std::{collections::HashSet, fs, io, path::Path};
 
 use super::{
     claim_folder::{
-        ADOPTED, CLAIMED_DIR, DONE, NEW, claiming, folder_name, id_and_farm, is_foreign, names, taken_over_name,
+        ADOPTED_PREFIX, CLAIMED_DIR, REMOVED_PREFIX, UNFINISHED_PREFIX, claim_folder_name, is_foreign_claim,
+        list_claim_folders, lock_claims, parse_folder_name, takeover_trace_path,
     },
     disk,
 };
 
-/// The claims of other farms that lie in `.claimed/` and may be taken over: the names of their folders.
-pub fn foreign(inbox: &Path, farm: &str) -> io::Result<Vec<String>> {
-    // What is being removed was taken into the store of its farm.
-    Ok(names(inbox)?.into_iter().filter(|name| !name.starts_with(DONE) && is_foreign(name, farm)).collect())
+/// Folder names of the claims in `.claimed/` that belong to other farms and may be taken over.
+pub fn foreign_claims(inbox: &Path, farm: &str) -> io::Result<Vec<String>> {
+    // A claim that is being removed is already in the store of its farm.
+    Ok(list_claim_folders(inbox)?
+        .into_iter()
+        .filter(|name| !name.starts_with(REMOVED_PREFIX) && is_foreign_claim(name, farm))
+        .collect())
 }
 
-/// Claims of this farm that another one has taken over: their ids.
-pub fn taken_over(inbox: &Path, farm: &str) -> io::Result<Vec<String>> {
-    let names: HashSet<String> = names(inbox)?.into_iter().collect();
+/// Ids of the claims of this farm that another farm has taken over.
+pub fn taken_over_claims(inbox: &Path, farm: &str) -> io::Result<Vec<String>> {
+    let names: HashSet<String> = list_claim_folders(inbox)?.into_iter().collect();
     let mut taken = Vec::new();
-    for trace in names.iter().filter(|name| name.starts_with(ADOPTED)) {
-        let (id, former) = id_and_farm(trace);
-        let stands = |farm: &str| names.contains(&folder_name(id, farm));
-        // A trace whose claim is still there is of a taking over that did not come to its end.
+    for trace in names.iter().filter(|name| name.starts_with(ADOPTED_PREFIX)) {
+        let (id, former) = parse_folder_name(trace);
+        let stands = |farm: &str| names.contains(&claim_folder_name(id, farm));
+        // A trace whose claim is still there belongs to a takeover that did not complete.
         if former.unwrap_or_default() == farm && !stands(farm) {
             taken.push(id.to_owned());
         }
@@ -32,39 +36,40 @@ pub fn taken_over(inbox: &Path, farm: &str) -> io::Result<Vec<String>> {
     Ok(taken)
 }
 
-/// Those of these claims that have not been let go by this farm: they lie in `.claimed/`, or another farm took them over.
-pub fn not_let_go(inbox: &Path, farm: &str, ids: &HashSet<String>) -> io::Result<Vec<String>> {
-    let mut left = names(inbox)?;
+/// Returns those of the given claims that this farm has not released: they are in `.claimed/`, or another farm took
+/// them over.
+pub fn unreleased_claims(inbox: &Path, farm: &str, ids: &HashSet<String>) -> io::Result<Vec<String>> {
+    let mut left = list_claim_folders(inbox)?;
     left.retain(|name| {
-        let (id, of) = id_and_farm(name);
-        let is_past = name.starts_with(DONE) || (name.starts_with(ADOPTED) && of != Some(farm));
+        let (id, of) = parse_folder_name(name);
+        let is_past = name.starts_with(REMOVED_PREFIX) || (name.starts_with(ADOPTED_PREFIX) && of != Some(farm));
         !is_past && ids.contains(id)
     });
     Ok(left)
 }
 
-/// Takes over the claims of other farms; returns how many there were. The trace is on disk before the claim changes its name.
-pub fn adopt(inbox: &Path, farm: &str) -> io::Result<usize> {
-    let _only_one = claiming(inbox);
+/// Takes over the claims of other farms and returns their number. The trace is on disk before the claim is renamed.
+pub fn adopt_claims(inbox: &Path, farm: &str) -> io::Result<usize> {
+    let _only_one = lock_claims(inbox);
     let claimed = inbox.join(CLAIMED_DIR);
-    let (names, mut count) = (foreign(inbox, farm)?, 0);
+    let (names, mut count) = (foreign_claims(inbox, farm)?, 0);
     if names.is_empty() {
         return Ok(0);
     }
     for name in names {
-        let (id, _) = id_and_farm(&name);
-        if !name.starts_with(NEW) {
-            let trace = taken_over_name(&claimed.join(&name));
+        let (id, _) = parse_folder_name(&name);
+        if !name.starts_with(UNFINISHED_PREFIX) {
+            let trace = takeover_trace_path(&claimed.join(&name));
             let text =
                 serde_json::json!({ "claim": id, "taken_over_by": farm, "at": jiff::Timestamp::now().to_string() });
-            disk::write_by_rename(&trace, format!("{text}\n").as_bytes())?;
+            disk::write_file_atomically(&trace, format!("{text}\n").as_bytes())?;
         }
-        let begins = if name.starts_with(NEW) { NEW } else { "" };
-        let own = claimed.join(format!("{begins}{}", folder_name(id, farm)));
+        let begins = if name.starts_with(UNFINISHED_PREFIX) { UNFINISHED_PREFIX } else { "" };
+        let own = claimed.join(format!("{begins}{}", claim_folder_name(id, farm)));
         match disk::rename_noreplace(&claimed.join(&name), &own) {
-            // Its farm has let it go meanwhile, so that nothing was taken over.
+            // Its farm released the claim in the meantime, so nothing was taken over.
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                let _ = fs::remove_file(taken_over_name(&claimed.join(&name)));
+                let _ = fs::remove_file(takeover_trace_path(&claimed.join(&name)));
             }
             Err(error) => return Err(error),
             Ok(()) => count += 1,
@@ -77,45 +82,51 @@ pub fn adopt(inbox: &Path, farm: &str) -> io::Result<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::intake::{Released, claim_as, claims, release, test_inbox::TestInbox};
+    use crate::intake::{ReleaseOutcome, claim_for_farm, recover_claims, release_claim, test_inbox::TestInbox};
 
     #[test]
     fn of_two_farms_one_that_lets_a_claim_go_and_one_that_takes_it_over_one_comes_first() {
         let farm = TestInbox::new();
         farm.drop_file("a.stl", "a");
-        let claim = claim_as(&farm.inbox, &farm.ready_part(), "aa").unwrap();
+        let claim = claim_for_farm(&farm.inbox, &farm.ready_part(), "aa").unwrap();
         let ids = HashSet::from([claim.id.clone()]);
-        assert_eq!(claims(&farm.inbox, "aa").unwrap().0, std::slice::from_ref(&claim));
-        assert!(claims(&farm.inbox, "bb").unwrap().0.is_empty() && claim.part.exists());
-        assert_eq!(foreign(&farm.inbox, "bb").unwrap().len(), 1);
-        assert!(foreign(&farm.inbox, "aa").unwrap().is_empty() && taken_over(&farm.inbox, "aa").unwrap().is_empty());
-        assert_eq!(adopt(&farm.inbox, "bb").unwrap(), 1);
-        assert_eq!(taken_over(&farm.inbox, "aa").unwrap(), std::slice::from_ref(&claim.id));
-        assert_eq!(release(&claim, "").unwrap(), Released::TakenOver);
-        let own = claims(&farm.inbox, "bb").unwrap().0;
+        assert_eq!(recover_claims(&farm.inbox, "aa").unwrap().0, std::slice::from_ref(&claim));
+        assert!(recover_claims(&farm.inbox, "bb").unwrap().0.is_empty() && claim.part.exists());
+        assert_eq!(foreign_claims(&farm.inbox, "bb").unwrap().len(), 1);
+        assert!(
+            foreign_claims(&farm.inbox, "aa").unwrap().is_empty()
+                && taken_over_claims(&farm.inbox, "aa").unwrap().is_empty()
+        );
+        assert_eq!(adopt_claims(&farm.inbox, "bb").unwrap(), 1);
+        assert_eq!(taken_over_claims(&farm.inbox, "aa").unwrap(), std::slice::from_ref(&claim.id));
+        assert_eq!(release_claim(&claim, "").unwrap(), ReleaseOutcome::TakenOver);
+        let own = recover_claims(&farm.inbox, "bb").unwrap().0;
         assert_eq!(own[0].id, claim.id);
-        assert_eq!(not_let_go(&farm.inbox, "aa", &ids).unwrap().len(), 2);
-        assert_eq!(release(&own[0], "").unwrap(), Released::Removed);
-        assert!(not_let_go(&farm.inbox, "bb", &ids).unwrap().is_empty());
-        // The trace stays, for the former farm may come back at any time.
-        assert_eq!(release(&claim, "").unwrap(), Released::TakenOver);
-        assert_eq!((adopt(&farm.inbox, "bb").unwrap(), taken_over(&farm.inbox, "bb").unwrap().len()), (0, 0));
+        assert_eq!(unreleased_claims(&farm.inbox, "aa", &ids).unwrap().len(), 2);
+        assert_eq!(release_claim(&own[0], "").unwrap(), ReleaseOutcome::Removed);
+        assert!(unreleased_claims(&farm.inbox, "bb", &ids).unwrap().is_empty());
+        // The trace stays, because the former farm may come back at any time.
+        assert_eq!(release_claim(&claim, "").unwrap(), ReleaseOutcome::TakenOver);
+        assert_eq!(
+            (adopt_claims(&farm.inbox, "bb").unwrap(), taken_over_claims(&farm.inbox, "bb").unwrap().len()),
+            (0, 0)
+        );
     }
 
     #[test]
     fn where_nothing_was_ever_claimed_there_is_nothing_to_take_over() {
         let farm = TestInbox::new();
-        assert_eq!(adopt(&farm.inbox, "bb").unwrap(), 0);
+        assert_eq!(adopt_claims(&farm.inbox, "bb").unwrap(), 0);
     }
 
     #[test]
     fn what_was_let_go_cannot_be_taken_over() {
         let farm = TestInbox::new();
         farm.drop_file("a.stl", "a");
-        let claim = claim_as(&farm.inbox, &farm.ready_part(), "aa").unwrap();
-        assert_eq!(release(&claim, "").unwrap(), Released::Removed);
-        assert_eq!(release(&claim, "").unwrap(), Released::Removed);
-        assert_eq!(adopt(&farm.inbox, "bb").unwrap(), 0);
-        assert!(not_let_go(&farm.inbox, "aa", &HashSet::from([claim.id])).unwrap().is_empty());
+        let claim = claim_for_farm(&farm.inbox, &farm.ready_part(), "aa").unwrap();
+        assert_eq!(release_claim(&claim, "").unwrap(), ReleaseOutcome::Removed);
+        assert_eq!(release_claim(&claim, "").unwrap(), ReleaseOutcome::Removed);
+        assert_eq!(adopt_claims(&farm.inbox, "bb").unwrap(), 0);
+        assert!(unreleased_claims(&farm.inbox, "aa", &HashSet::from([claim.id])).unwrap().is_empty());
     }
 }

@@ -8,22 +8,22 @@ use std::{
 
 use super::{
     disk,
-    name::{numbered, raw_name},
+    name::{numbered_name, raw_name},
 };
 
-/// Copies a stored file to `archive_dir/<build stem>/<name>`, where the name is the part's display name unescaped. Never
-/// overwrites: the same bytes there already is success (so that it can be repeated after a crash), other bytes make this
-/// one `name (2)`.
-pub fn archive(stored: &Path, archive_dir: &Path, build_stem: &str, display_name: &str) -> io::Result<PathBuf> {
-    let below = plain(build_stem)?;
+/// Copies a stored file to `archive_dir/<build stem>/<name>`, where the name is the part's unescaped display name. It
+/// never overwrites a file. If a file with the same bytes is there already, the call succeeds, so it can be repeated
+/// after a crash. If its bytes differ, the copy is named `name (2)`.
+pub fn archive_file(stored: &Path, archive_dir: &Path, build_stem: &str, display_name: &str) -> io::Result<PathBuf> {
+    let below = plain_file_name(build_stem)?;
     let folder = archive_dir.join(&below);
     disk::create_dirs_beneath(archive_dir, &below)?;
     let name = raw_name(display_name).unwrap_or_else(|| display_name.into());
-    let name = plain(&name)?;
-    for n in 1..=disk::MAX_NUMBER {
-        let to = folder.join(numbered(name.as_os_str(), n));
-        match disk::is_there(&to) {
-            true if is_same(stored, &to)? => return Ok(to),
+    let name = plain_file_name(&name)?;
+    for n in 1..=disk::MAX_NAME_NUMBER {
+        let to = folder.join(numbered_name(name.as_os_str(), n));
+        match disk::path_exists(&to) {
+            true if has_same_bytes(stored, &to)? => return Ok(to),
             true => continue,
             false => {}
         }
@@ -35,8 +35,8 @@ pub fn archive(stored: &Path, archive_dir: &Path, build_stem: &str, display_name
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// One plain component of a path.
-fn plain(name: &(impl AsRef<std::ffi::OsStr> + ?Sized)) -> io::Result<PathBuf> {
+/// Checks that a name is a single path component.
+fn plain_file_name(name: &(impl AsRef<std::ffi::OsStr> + ?Sized)) -> io::Result<PathBuf> {
     let path = Path::new(name);
     match path.file_name() == Some(name.as_ref()) {
         true => Ok(path.to_owned()),
@@ -44,26 +44,26 @@ fn plain(name: &(impl AsRef<std::ffi::OsStr> + ?Sized)) -> io::Result<PathBuf> {
     }
 }
 
-fn is_same(one: &Path, other: &Path) -> io::Result<bool> {
+fn has_same_bytes(one: &Path, other: &Path) -> io::Result<bool> {
     let is_size = fs::metadata(one)?.len() == fs::symlink_metadata(other)?.len();
-    Ok(is_size && disk::same_bytes(one, other))
+    Ok(is_size && disk::have_same_bytes(one, other))
 }
 
-/// Removes what came into the archive before `before`, and folders that became empty. Returns how many files. What came
-/// when is told by the ctime: a file that was moved here keeps its old mtime.
-pub fn purge(archive_dir: &Path, before: SystemTime) -> io::Result<usize> {
-    if !disk::is_there(archive_dir) {
+/// Removes files that were archived before `before`, and folders that became empty. Returns the number of files. The
+/// ctime tells when a file was archived, because a moved file keeps its old mtime.
+pub fn purge_archive(archive_dir: &Path, before: SystemTime) -> io::Result<usize> {
+    if !disk::path_exists(archive_dir) {
         return Ok(0);
     }
     let mut count = 0;
-    // What lies in the archive itself is not of a build: the marker of the folder.
+    // Files directly in the archive folder belong to no build: they mark the folder as ours.
     for file in disk::files_below(archive_dir)?.iter().filter(|file| file.parent() != Some(archive_dir)) {
-        let came = disk::as_time(disk::ctime_ns(&fs::symlink_metadata(file)?));
+        let came = disk::to_system_time(disk::ctime_ns(&fs::symlink_metadata(file)?));
         if came < before {
             fs::remove_file(file)?;
             count += 1;
             if let Some(folder) = file.parent() {
-                disk::remove_empty_up_to(folder, archive_dir);
+                disk::remove_empty_parents(folder, archive_dir);
             }
         }
     }
@@ -82,16 +82,16 @@ mod tests {
         fs::write(&one, "one").unwrap();
         fs::write(&other, "two").unwrap();
         let archive_dir = dir.path().join("archive");
-        let first = archive(&one, &archive_dir, "b1", r"a\n\xff.stl").unwrap();
+        let first = archive_file(&one, &archive_dir, "b1", r"a\n\xff.stl").unwrap();
         assert_eq!(first.file_name().unwrap().as_encoded_bytes(), b"a\n\xff.stl");
-        assert_eq!(archive(&one, &archive_dir, "b1", r"a\n\xff.stl").unwrap(), first);
-        let second = archive(&other, &archive_dir, "b1", r"a\n\xff.stl").unwrap();
+        assert_eq!(archive_file(&one, &archive_dir, "b1", r"a\n\xff.stl").unwrap(), first);
+        let second = archive_file(&other, &archive_dir, "b1", r"a\n\xff.stl").unwrap();
         assert_eq!(second.file_name().unwrap().as_encoded_bytes(), b"a\n\xff (2).stl");
         assert_eq!(fs::read_to_string(first).unwrap(), "one");
         assert_eq!(fs::read_to_string(second).unwrap(), "two");
         for name in ["", "..", "a/b", "/etc/passwd"] {
-            assert!(archive(&one, &archive_dir, "b1", name).is_err(), "{name}");
-            assert!(archive(&one, &archive_dir, name, "a.stl").is_err(), "{name}");
+            assert!(archive_file(&one, &archive_dir, "b1", name).is_err(), "{name}");
+            assert!(archive_file(&one, &archive_dir, name, "a.stl").is_err(), "{name}");
         }
     }
 
@@ -99,12 +99,12 @@ mod tests {
     fn only_what_is_old_is_purged_and_its_empty_folders_with_it() {
         let dir = tempfile::tempdir().unwrap();
         let (one, archive_dir) = (dir.path().join("one"), dir.path().join("archive"));
-        assert_eq!(purge(&archive_dir, SystemTime::now()).unwrap(), 0);
+        assert_eq!(purge_archive(&archive_dir, SystemTime::now()).unwrap(), 0);
         fs::write(&one, "one").unwrap();
-        let kept = archive(&one, &archive_dir, "b1", "a.stl").unwrap();
-        assert_eq!(purge(&archive_dir, SystemTime::now() - Duration::from_secs(3600)).unwrap(), 0);
+        let kept = archive_file(&one, &archive_dir, "b1", "a.stl").unwrap();
+        assert_eq!(purge_archive(&archive_dir, SystemTime::now() - Duration::from_secs(3600)).unwrap(), 0);
         assert!(kept.exists());
-        assert_eq!(purge(&archive_dir, SystemTime::now() + Duration::from_secs(1)).unwrap(), 1);
+        assert_eq!(purge_archive(&archive_dir, SystemTime::now() + Duration::from_secs(1)).unwrap(), 1);
         assert!(!archive_dir.join("b1").exists() && archive_dir.exists());
     }
 }

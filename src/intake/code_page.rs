@@ -1,5 +1,6 @@
-//! The text of a file that people made with a spreadsheet or an editor: UTF-8, UTF-16, or one of the code pages of Windows,
-//! DOS, Macs and East Asia. Nothing in such a file says which code page; the names of the files beside it do.
+//! Decodes text files that people made with a spreadsheet or an editor: UTF-8, UTF-16, or one of the code pages of
+//! Windows, DOS, Macs and East Asia. The file itself does not say which code page it uses. The names of the files in
+//! the same folder show which decoding is right.
 
 use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
 use encoding_rs::{
@@ -7,8 +8,9 @@ use encoding_rs::{
     WINDOWS_1251, WINDOWS_1252, WINDOWS_1253, WINDOWS_1254, WINDOWS_1257,
 };
 
-/// Code pages that are tried after the likeliest. `encoding_rs` knows those of the web, which does not know DOS.
-const PAGES: [&Encoding; 13] = [
+/// Code pages that are tried after the most likely one. `encoding_rs` has the encodings of the web, which do not
+/// include those of DOS.
+const CODE_PAGES: [&Encoding; 13] = [
     WINDOWS_1252,
     WINDOWS_1250,
     SHIFT_JIS,
@@ -23,19 +25,20 @@ const PAGES: [&Encoding; 13] = [
     WINDOWS_1254,
     WINDOWS_1257,
 ];
-/// What bytes from 128 mean to DOS: Western Europe (850), the United States (437), Central Europe (852).
+/// The characters of bytes 128 to 255 in DOS code pages: Western Europe (850), the United States (437), Central Europe
+/// (852).
 const DOS_PAGES: [&str; 3] = [
     "ÇüéâäàåçêëèïîìÄÅÉæÆôöòûùÿÖÜø£Ø×ƒáíóúñÑªº¿®¬½¼¡«»░▒▓│┤ÁÂÀ©╣║╗╝¢¥┐└┴┬├─┼ãÃ╚╔╩╦╠═╬¤ðÐÊËÈıÍÎÏ┘┌█▄¦Ì▀ÓßÔÒõÕµþÞÚÛÙýÝ¯´\u{ad}±‗¾¶§÷¸°¨·¹³²■\u{a0}",
     "ÇüéâäàåçêëèïîìÄÅÉæÆôöòûùÿÖÜ¢£¥₧ƒáíóúñÑªº¿⌐¬½¼¡«»░▒▓│┤╡╢╖╕╣║╗╝╜╛┐└┴┬├─┼╞╟╚╔╩╦╠═╬╧╨╤╥╙╘╒╓╫╪┘┌█▄▌▐▀αßΓπΣσµτΦΘΩδ∞φε∩≡±≥≤⌠⌡÷≈°∙·√ⁿ²■\u{a0}",
     "ÇüéâäůćçłëŐőîŹÄĆÉĹĺôöĽľŚśÖÜŤťŁ×čáíóúĄąŽžĘę¬źČş«»░▒▓│┤ÁÂĚŞ╣║╗╝Żż┐└┴┬├─┼Ăă╚╔╩╦╠═╬¤đĐĎËďŇÍÎě┘┌█▄ŢŮ▀ÓßÔŃńňŠšŔÚŕŰýÝţ´\u{ad}˝˛ˇ˘§÷¸°¨˙űŘř■\u{a0}",
 ];
 
-/// The ways to read a file as text, the likeliest first; one alone where there is no doubt.
-pub(super) fn readings(bytes: &[u8]) -> Vec<String> {
+/// The possible decodings of a file, the most likely first. Only one where the encoding is certain.
+pub(super) fn decode_candidates(bytes: &[u8]) -> Vec<String> {
     if let Some((encoding, mark_bytes)) = Encoding::for_bom(bytes) {
         return vec![encoding.decode_without_bom_handling(&bytes[mark_bytes..]).0.into_owned()];
     }
-    if let Some(encoding) = unmarked_utf16(bytes) {
+    if let Some(encoding) = detect_utf16(bytes) {
         return vec![encoding.decode_without_bom_handling(bytes).0.into_owned()];
     }
     if let Ok(text) = std::str::from_utf8(bytes) {
@@ -45,10 +48,10 @@ pub(super) fn readings(bytes: &[u8]) -> Vec<String> {
     detector.feed(bytes, true);
     let likely = detector.guess(None, Utf8Detection::Deny);
     let mut readings: Vec<String> = Vec::new();
-    let pages = [likely].into_iter().chain(PAGES.into_iter().filter(|&page| page != likely));
+    let pages = [likely].into_iter().chain(CODE_PAGES.into_iter().filter(|&page| page != likely));
     let read =
         |page: &'static Encoding| Some(page.decode_without_bom_handling_and_without_replacement(bytes)?.into_owned());
-    let dos = DOS_PAGES.iter().map(|page| of_dos(bytes, page));
+    let dos = DOS_PAGES.iter().map(|page| decode_dos(bytes, page));
     for reading in pages.filter_map(read).chain(dos) {
         if !readings.contains(&reading) {
             readings.push(reading);
@@ -57,8 +60,8 @@ pub(super) fn readings(bytes: &[u8]) -> Vec<String> {
     readings
 }
 
-/// UTF-16 without its mark: in tables most characters are ASCII, so that every other byte is 0.
-fn unmarked_utf16(bytes: &[u8]) -> Option<&'static Encoding> {
+/// Detects UTF-16 without a byte order mark: most characters in tables are ASCII, so every second byte is 0.
+fn detect_utf16(bytes: &[u8]) -> Option<&'static Encoding> {
     let head = &bytes[..bytes.len().min(4096) & !1];
     let zeros = |odd: usize| head.iter().skip(odd).step_by(2).filter(|&&byte| byte == 0).count();
     let most = |zeros: usize| head.len() >= 4 && bytes.len().is_multiple_of(2) && zeros * 4 >= head.len();
@@ -69,7 +72,7 @@ fn unmarked_utf16(bytes: &[u8]) -> Option<&'static Encoding> {
     }
 }
 
-fn of_dos(bytes: &[u8], page: &str) -> String {
+fn decode_dos(bytes: &[u8], page: &str) -> String {
     let upper: Vec<char> = page.chars().collect();
     let char_of = |&byte: &u8| match byte {
         0..128 => char::from(byte),
@@ -97,7 +100,7 @@ mod tests {
             little,
             big,
         ] {
-            assert_eq!(readings(&bytes), [TEXT], "{bytes:?}");
+            assert_eq!(decode_candidates(&bytes), [TEXT], "{bytes:?}");
         }
     }
 
@@ -110,7 +113,11 @@ mod tests {
             (b"\x95\x94\x95i", "\u{90e8}\u{54c1}"),
             (b"\x8d\xa1", "\u{ec}\u{ed}"),
         ] {
-            assert!(readings(bytes).iter().any(|reading| reading == text), "{text}: {:?}", readings(bytes));
+            assert!(
+                decode_candidates(bytes).iter().any(|reading| reading == text),
+                "{text}: {:?}",
+                decode_candidates(bytes)
+            );
         }
     }
 

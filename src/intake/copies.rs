@@ -1,48 +1,50 @@
-//! Copies in a file's name: `bracket_x10.stl` is ten brackets.
+//! Number of copies in a file name: `bracket_x10.stl` means ten brackets.
 
-/// More copies than this in one drop are a slip of the finger.
+/// More copies than this in one drop are taken for a typing error.
 pub(super) const MAX_COPIES: u32 = 10_000;
 
-/// The copies that a file name asks for by `_x10 _10x _qty10 _10pcs` right before the extension, set off by `_`, `-`, `.`
-/// or a space; `None` if it asks for none or ambiguously: two such words, a leading zero, more than 10 000, or nothing but
-/// the word.
+/// Returns the number of copies that a file name asks for by `_x10 _10x _qty10 _10pcs` right before the extension,
+/// separated by `_`, `-`, `.` or a space. `None` if it asks for none or is ambiguous: two such words, a leading zero,
+/// more than 10 000 copies, or no other word in the name.
 pub fn copies_in_name(name: &str) -> Option<u32> {
-    let (last, before) = words(name)?;
-    if before.iter().any(|w| count(w).is_some()) {
+    let (last, before) = split_words(name)?;
+    if before.iter().any(|w| parse_count(w).is_some()) {
         return None;
     }
-    count(last).filter(|&copies| copies <= u64::from(MAX_COPIES)).map(|copies| copies as u32)
+    parse_count(last).filter(|&copies| copies <= u64::from(MAX_COPIES)).map(|copies| copies as u32)
 }
 
-/// The word of a file name that stands where copies do and looks like them, but is not understood by [`copies_in_name`].
+/// Returns the word at the place of the copies that looks like a number of copies but that [`copies_in_name`] does not
+/// accept.
 pub(super) fn unclear_copies(name: &str) -> Option<String> {
-    let (last, _) = words(name)?;
-    let is_unclear = digits(last).is_some() && copies_in_name(name).is_none();
+    let (last, _) = split_words(name)?;
+    let is_unclear = count_digits(last).is_some() && copies_in_name(name).is_none();
     is_unclear.then(|| last.to_owned())
 }
 
-/// The last word before the extension, and the words before it, of which one at least says something.
-fn words(name: &str) -> Option<(&str, Vec<&str>)> {
+/// Splits a file name into the last word before the extension and the words before it, at least one of which is not
+/// empty.
+fn split_words(name: &str) -> Option<(&str, Vec<&str>)> {
     let (stem, _) = name.rsplit_once('.')?;
-    let stem = without_number(stem);
+    let stem = without_copy_number(stem);
     let mut words: Vec<&str> = stem.split(['_', '-', '.', ' ']).collect();
     let last = words.pop()?;
     words.iter().any(|w| !w.is_empty()).then_some((last, words))
 }
 
-/// A stem without the ` (2)` that browsers and file managers add to a second file of the same name.
-fn without_number(stem: &str) -> &str {
+/// Removes the ` (2)` that browsers and file managers add to the name of a second file.
+fn without_copy_number(stem: &str) -> &str {
     let inner = stem.strip_suffix(')').and_then(|rest| rest.rsplit_once(" ("));
     inner.filter(|(_, n)| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())).map_or(stem, |(before, _)| before)
 }
 
-/// The number in a word that says a count, whatever its size.
-fn count(word: &str) -> Option<u64> {
-    digits(word).filter(|digits| !digits.starts_with('0')).and_then(|digits| digits.parse().ok())
+/// Parses the number in a word such as `x10`, without a limit on its size.
+fn parse_count(word: &str) -> Option<u64> {
+    count_digits(word).filter(|digits| !digits.starts_with('0')).and_then(|digits| digits.parse().ok())
 }
 
-/// The digits of a word that looks like a count.
-fn digits(word: &str) -> Option<String> {
+/// Returns the digits of a word that looks like a number of copies.
+fn count_digits(word: &str) -> Option<String> {
     let word = word.to_ascii_lowercase();
     let digits = word
         .strip_prefix("qty")

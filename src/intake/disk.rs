@@ -1,5 +1,5 @@
-//! Small file-system steps: a rename that overwrites nothing, folders that are on disk when a function returns, sub-folders
-//! opened without following a link.
+//! Basic file-system operations: renaming without overwriting, creating folders durably, and opening sub-folders
+//! without following links.
 
 use std::{
     ffi::OsStr,
@@ -18,16 +18,16 @@ use rustix::{
     io::Errno,
 };
 
-use super::{Seen, name::numbered};
+use super::{InboxEntry, name::numbered_name};
 use crate::access;
 
-/// So many things of one name fit into a folder.
-pub(super) const MAX_NUMBER: u32 = 9999;
+/// Highest number that is added to a name to make it unique in a folder.
+pub(super) const MAX_NAME_NUMBER: u32 = 9999;
 
 /// Renames `from` in `from_dir` to `to` in `to_dir`; an existing `to` is an error (`AlreadyExists`).
 ///
-/// Where the file system cannot promise that (NFS, old kernels), it is looked first and then renamed: only nestd gives
-/// the names that it renames to.
+/// Some file systems (NFS) and old kernels do not support this. Then the target is checked first and renamed
+/// afterwards; this is safe because only nestd uses these target names.
 fn rename_at(from_dir: impl AsFd, from: &Path, to_dir: impl AsFd, to: &Path) -> io::Result<()> {
     match renameat_with(&from_dir, from, &to_dir, to, RenameFlags::NOREPLACE) {
         Err(Errno::INVAL | Errno::NOSYS | Errno::OPNOTSUPP) => {
@@ -46,27 +46,28 @@ pub(super) fn rename_noreplace(from: &Path, to: &Path) -> io::Result<()> {
     rename_at(CWD, from, CWD, to)
 }
 
-/// Renames `base/relative` to `to` without overwriting and without following a link in `relative`: a sub-folder of the
-/// hot folder that was swapped for a link must not make nestd take files from elsewhere.
+/// Renames `base/relative` to `to` without overwriting and without following links in `relative`. Otherwise somebody
+/// could replace a sub-folder of the hot folder by a link and make nestd take files from elsewhere.
 pub(super) fn rename_out(base: &Path, relative: &Path, to: &Path) -> io::Result<()> {
     let name = relative.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     let folder = open_dir_beneath(base, relative.parent().unwrap_or(Path::new("")))?;
     rename_at(folder, Path::new(name), CWD, to)
 }
 
-/// As [`rename_out`], between file systems too: what stands there is then copied and removed, links as links.
-pub(super) fn move_out(base: &Path, relative: &Path, to: &Path) -> io::Result<()> {
+/// Like [`rename_out`], but also works between file systems: the entry is then copied and removed, and links are copied
+/// as links.
+pub(super) fn move_out_of(base: &Path, relative: &Path, to: &Path) -> io::Result<()> {
     match rename_out(base, relative, to) {
         Err(error) if error.kind() == io::ErrorKind::CrossesDevices => {}
         other => return other.and_then(|()| to.parent().map_or(Ok(()), fsync_dir)),
     }
     let folder = open_dir_beneath(base, relative.parent().unwrap_or(Path::new("")))?;
-    // The folder that is open, whatever its path has become meanwhile.
+    // Addresses the opened folder itself, even if its path was replaced in the meantime.
     let open = PathBuf::from(format!("/proc/self/fd/{}", folder.as_raw_fd()));
     move_noreplace(&open.join(relative.file_name().ok_or(io::ErrorKind::InvalidInput)?), to)
 }
 
-/// Renames `from` to `base/relative`, likewise; makes the sub-folders that are missing.
+/// Renames `from` to `base/relative` in the same way; creates missing sub-folders.
 pub(super) fn rename_in(from: &Path, base: &Path, relative: &Path) -> io::Result<()> {
     let name = relative.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     let above = relative.parent().unwrap_or(Path::new(""));
@@ -75,7 +76,7 @@ pub(super) fn rename_in(from: &Path, base: &Path, relative: &Path) -> io::Result
     File::from(folder).sync_all()
 }
 
-/// Opens `base/relative` and makes what is missing of it; a link in `relative` is not followed but an error.
+/// Opens `base/relative` and creates missing folders. A link in `relative` is an error.
 pub(super) fn create_dirs_beneath(base: &Path, relative: &Path) -> io::Result<OwnedFd> {
     create_dirs(base)?;
     let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
@@ -88,16 +89,21 @@ pub(super) fn create_dirs_beneath(base: &Path, relative: &Path) -> io::Result<Ow
         };
         folder = openat(&folder, name, flags | OFlags::NOFOLLOW, Mode::empty())?;
         if is_made {
-            access::of_open_folder(&folder)?;
+            access::apply_open_folder_permissions(&folder)?;
         }
     }
     Ok(folder)
 }
 
-/// Opens the regular file `base/relative` to read: no link is followed anywhere in `relative`, no pipe is waited for.
+/// Opens the regular file `base/relative` for reading. It follows no link in `relative` and does not block on a pipe.
 pub(super) fn open_beneath(base: &Path, relative: &Path) -> io::Result<File> {
     let folder = open_dir_beneath(base, relative.parent().unwrap_or(Path::new("")))?;
-    regular(openat(&folder, relative.file_name().ok_or(io::ErrorKind::InvalidInput)?, READ, Mode::empty())?)
+    require_regular(openat(
+        &folder,
+        relative.file_name().ok_or(io::ErrorKind::InvalidInput)?,
+        READ_FLAGS,
+        Mode::empty(),
+    )?)
 }
 
 /// Opens the folder `base/relative`; a link in `relative` is an error.
@@ -111,22 +117,22 @@ pub(super) fn open_dir_beneath(base: &Path, relative: &Path) -> io::Result<Owned
     Ok(folder)
 }
 
-/// How a file is opened that others can put something else in the place of.
-const READ: OFlags = OFlags::RDONLY.union(OFlags::NOFOLLOW).union(OFlags::NONBLOCK).union(OFlags::CLOEXEC);
+/// Flags for opening a file that others may replace by a link or a pipe.
+const READ_FLAGS: OFlags = OFlags::RDONLY.union(OFlags::NOFOLLOW).union(OFlags::NONBLOCK).union(OFlags::CLOEXEC);
 
-/// Opens a regular file to read: no link is followed, no pipe is waited for.
-pub(super) fn open_regular(path: &Path) -> io::Result<File> {
-    regular(rustix::fs::open(path, READ, Mode::empty())?)
+/// Opens a regular file for reading. It follows no link and does not block on a pipe.
+pub(super) fn open_regular_file(path: &Path) -> io::Result<File> {
+    require_regular(rustix::fs::open(path, READ_FLAGS, Mode::empty())?)
 }
 
-/// The first bytes of a regular file, `max_bytes` at most; `None` where there is none, or something else.
+/// Reads the first bytes of a regular file, at most `max_bytes`. `None` if there is no file, or not a regular one.
 pub fn read_start(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
     use io::ErrorKind::{InvalidInput, IsADirectory, NotFound};
     let mut bytes = Vec::new();
-    match open_regular(path) {
+    match open_regular_file(path) {
         Ok(file) => file.take(max_bytes).read_to_end(&mut bytes).map(|_| Some(bytes)),
         Err(error) if matches!(error.kind(), NotFound | IsADirectory | InvalidInput) => Ok(None),
-        // How a link and a socket are told.
+        // These error codes mean a link or a socket.
         Err(error) if [Errno::LOOP, Errno::NXIO].iter().any(|e| error.raw_os_error() == Some(e.raw_os_error())) => {
             Ok(None)
         }
@@ -134,7 +140,7 @@ pub fn read_start(path: &Path, max_bytes: u64) -> io::Result<Option<Vec<u8>>> {
     }
 }
 
-fn regular(opened: OwnedFd) -> io::Result<File> {
+fn require_regular(opened: OwnedFd) -> io::Result<File> {
     let file = File::from(opened);
     match file.metadata()?.is_file() {
         true => Ok(file),
@@ -142,12 +148,12 @@ fn regular(opened: OwnedFd) -> io::Result<File> {
     }
 }
 
-/// Makes the names in a folder last.
+/// Makes the names in a folder durable.
 pub(super) fn fsync_dir(dir: &Path) -> io::Result<()> {
     File::open(dir)?.sync_all()
 }
 
-/// Creates a folder and those above it that are missing, and makes their names last.
+/// Creates a folder and its missing parents, and makes their names durable.
 pub(super) fn create_dirs(dir: &Path) -> io::Result<()> {
     if dir.is_dir() {
         return Ok(());
@@ -159,51 +165,52 @@ pub(super) fn create_dirs(dir: &Path) -> io::Result<()> {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
         Err(error) if !dir.is_dir() => return Err(error),
         Err(_) => {}
-        Ok(()) => access::of_folder(dir)?,
+        Ok(()) => access::apply_folder_permissions(dir)?,
     }
     dir.parent().filter(|p| !p.as_os_str().is_empty()).map_or(Ok(()), fsync_dir)
 }
 
-/// A dot-name beside `path` for what is not whole yet; the scan ignores it.
-pub(super) fn unfinished(path: &Path) -> PathBuf {
+/// Path of the temporary file beside `path` while its content is incomplete. The name begins with a dot, so the scan
+/// ignores it.
+pub(super) fn temporary_path(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or(OsStr::new("file")).as_encoded_bytes();
     let hash = blake3::hash(name).to_hex();
     path.with_file_name(format!(".nestd-{}.tmp", &hash[..24]))
 }
 
-/// Creates the file anew; whatever stood under that dot-name (a leftover, a planted link) goes.
-pub(super) fn create_anew(path: &Path) -> io::Result<File> {
+/// Creates a new file. An existing entry of that name (a leftover, a planted link) is removed first.
+pub(super) fn create_fresh_file(path: &Path) -> io::Result<File> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
     let file = OpenOptions::new().write(true).create_new(true).open(path)?;
-    access::of_file(&file)?;
+    access::apply_file_permissions(&file)?;
     Ok(file)
 }
 
-/// Writes a whole file under a dot-name, fsyncs and renames it, replacing what stood there.
-pub fn write_by_rename(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let part = unfinished(path);
-    let mut file = create_anew(&part)?;
+/// Writes a file atomically: writes it under a temporary name, calls fsync, and renames it over the target.
+pub fn write_file_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let part = temporary_path(path);
+    let mut file = create_fresh_file(&part)?;
     file.write_all(bytes)?;
     file.sync_all()?;
     fs::rename(&part, path)?;
     path.parent().map_or(Ok(()), fsync_dir)
 }
 
-/// Copies a regular file to a free name, on disk when it returns; `to` appears whole or not at all.
+/// Copies a regular file to a free name. The copy is durable on return; `to` appears complete or not at all.
 pub(super) fn copy_noreplace(from: &Path, to: &Path) -> io::Result<()> {
-    let part = unfinished(to);
-    let mut file = create_anew(&part)?;
-    io::copy(&mut open_regular(from)?, &mut file)?;
+    let part = temporary_path(to);
+    let mut file = create_fresh_file(&part)?;
+    io::copy(&mut open_regular_file(from)?, &mut file)?;
     file.sync_all()?;
     rename_noreplace(&part, to)?;
     to.parent().map_or(Ok(()), fsync_dir)
 }
 
-/// Moves whatever stands at `from` to the free name `to`, between file systems too. A file appears whole; a crash between
-/// leaves it at both places, never at none.
+/// Moves the entry at `from` to the free name `to`, also between file systems. A file appears complete. After a crash
+/// it may exist at both places, but never at neither.
 pub(super) fn move_noreplace(from: &Path, to: &Path) -> io::Result<()> {
     match rename_noreplace(from, to) {
         Err(error) if error.kind() == io::ErrorKind::CrossesDevices => {}
@@ -215,7 +222,7 @@ pub(super) fn move_noreplace(from: &Path, to: &Path) -> io::Result<()> {
     let file_type = fs::symlink_metadata(from)?.file_type();
     if file_type.is_dir() {
         fs::create_dir(to)?;
-        access::of_folder(to)?;
+        access::apply_folder_permissions(to)?;
         for entry in fs::read_dir(from)? {
             let entry = entry?;
             move_noreplace(&entry.path(), &to.join(entry.file_name()))?;
@@ -227,17 +234,17 @@ pub(super) fn move_noreplace(from: &Path, to: &Path) -> io::Result<()> {
     } else if file_type.is_symlink() {
         std::os::unix::fs::symlink(fs::read_link(from)?, to)?;
     } else {
-        // A socket, pipe or device holds no bytes: its name and kind are in the reason.
-        create_anew(to)?;
+        // A socket, pipe or device has no content. An empty file keeps its name; the reason file says what it was.
+        create_fresh_file(to)?;
     }
     fs::remove_file(from)?;
     from.parent().map_or(Ok(()), fsync_dir)
 }
 
-/// Moves to the first free of `name`, `name (2)`, `name (3)` in a folder.
+/// Moves an entry to a folder under the first free name of `name`, `name (2)`, `name (3)` and so on.
 pub(super) fn move_to_free_name(from: &Path, folder: &Path, name: &OsStr) -> io::Result<PathBuf> {
-    for n in 1..=MAX_NUMBER {
-        let to = folder.join(numbered(name, n));
+    for n in 1..=MAX_NAME_NUMBER {
+        let to = folder.join(numbered_name(name, n));
         match move_noreplace(from, &to) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             other => return other.map(|()| to),
@@ -246,25 +253,26 @@ pub(super) fn move_to_free_name(from: &Path, folder: &Path, name: &OsStr) -> io:
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// Whether two regular files hold the same bytes; an unreadable one holds none.
-pub(super) fn same_bytes(one: &Path, other: &Path) -> bool {
+/// Whether two regular files have the same bytes. `false` if one cannot be read.
+pub(super) fn have_same_bytes(one: &Path, other: &Path) -> bool {
     matches!((hash_file(one), hash_file(other)), (Ok(a), Ok(b)) if a == b)
 }
 
-/// BLAKE3 of a regular file, 64 hex digits; no link is followed.
+/// BLAKE3 hash of a regular file, 64 hex digits. Links are not followed.
 pub fn hash_file(path: &Path) -> io::Result<String> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(open_regular(path)?)?;
+    hasher.update_reader(open_regular_file(path)?)?;
     Ok(hasher.finalize().to_hex().to_string())
 }
 
-/// Whether something stands under this name, a dangling link too; what cannot be looked at is taken for gone.
-pub(super) fn is_there(path: &Path) -> bool {
-    try_is_there(path).unwrap_or(false)
+/// Whether an entry exists at this path, including a dangling link. An entry that cannot be inspected counts as
+/// missing.
+pub(super) fn path_exists(path: &Path) -> bool {
+    try_path_exists(path).unwrap_or(false)
 }
 
-/// Whether something stands under this name, a dangling link too.
-pub(super) fn try_is_there(path: &Path) -> io::Result<bool> {
+/// Whether an entry exists at this path, including a dangling link.
+pub(super) fn try_path_exists(path: &Path) -> io::Result<bool> {
     match fs::symlink_metadata(path) {
         Ok(_) => Ok(true),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
@@ -272,18 +280,18 @@ pub(super) fn try_is_there(path: &Path) -> io::Result<bool> {
     }
 }
 
-/// Whether this is one of several names of a file that not everybody may read: whoever made a hard link to it may be one
-/// who may not, and would have nestd read it for him.
-pub(super) fn is_second_name_of_a_secret(meta: &fs::Metadata) -> bool {
+/// Whether this is one of several hard links to a file that is not readable by everyone. A user who may not read the
+/// file can make a hard link to it, and nestd would then read it for that user.
+pub(super) fn is_hard_link_to_private_file(meta: &fs::Metadata) -> bool {
     const OTHERS_READ: u32 = 0o004;
     meta.is_file() && meta.nlink() > 1 && meta.mode() & OTHERS_READ == 0
 }
 
-/// Whether this is what a scan saw, unchanged, and no link to a secret.
-pub(super) fn is_still(seen: &Seen, meta: &fs::Metadata) -> bool {
+/// Whether the file is unchanged since the scan and is not a hard link to a private file.
+pub(super) fn is_unchanged(seen: &InboxEntry, meta: &fs::Metadata) -> bool {
     meta.is_file()
         && (meta.ino(), ctime_ns(meta), meta.len()) == (seen.inode, seen.ctime_ns, seen.size)
-        && !is_second_name_of_a_secret(meta)
+        && !is_hard_link_to_private_file(meta)
 }
 
 /// Nanoseconds since 1970 of the last change of contents.
@@ -296,12 +304,12 @@ pub(super) fn ctime_ns(meta: &fs::Metadata) -> i128 {
     i128::from(meta.ctime()) * 1_000_000_000 + i128::from(meta.ctime_nsec())
 }
 
-/// A file time as the system's.
-pub(super) fn as_time(ns: i128) -> SystemTime {
+/// Converts a file time to [`SystemTime`].
+pub(super) fn to_system_time(ns: i128) -> SystemTime {
     UNIX_EPOCH + std::time::Duration::from_nanos(u64::try_from(ns).unwrap_or(0))
 }
 
-/// All files below a folder, sorted; links are not followed, also where `dir` is one.
+/// All files below a folder, sorted. Links are not followed, even if `dir` is one.
 pub fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     if !fs::symlink_metadata(dir)?.is_dir() {
@@ -318,7 +326,7 @@ pub fn files_below(dir: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Removes a folder and its sub-folders as far as they hold no file; one that holds something is an error.
+/// Removes a folder and its sub-folders if they hold no file. A file in one of them is an error.
 pub(super) fn remove_empty_folders(dir: &Path) -> io::Result<()> {
     for entry in fs::read_dir(dir)? {
         let entry = entry?;
@@ -329,8 +337,8 @@ pub(super) fn remove_empty_folders(dir: &Path) -> io::Result<()> {
     fs::remove_dir(dir)
 }
 
-/// Removes `dir` and the folders above it up to `top` (which stays) as long as they are empty.
-pub(super) fn remove_empty_up_to(dir: &Path, top: &Path) {
+/// Removes `dir` and its parent folders while they are empty, up to but not including `top`.
+pub(super) fn remove_empty_parents(dir: &Path, top: &Path) {
     let mut dir = dir;
     while dir != top && dir.starts_with(top) && fs::remove_dir(dir).is_ok() {
         let Some(above) = dir.parent() else { return };

@@ -1,17 +1,17 @@
-//! Opens what stands in folders that others may write into, to look at it.
+//! Opens files in folders that other users may write into.
 
 use std::{fs::File, io, path::Path};
 
 use super::{disk, refuse::MAX_REASON_BYTES};
 
-/// Opens a regular file of the hot folder to read. It may have been swapped for something else since it was listed: no link
-/// is followed, neither in its own place nor above it, and no pipe is waited for.
-pub fn open_dropped(inbox: &Path, file: &Path) -> io::Result<File> {
+/// Opens a regular file of the hot folder for reading. It may have been replaced since the scan, so no link is
+/// followed, neither in its own path component nor above it, and a pipe does not block.
+pub fn open_dropped_file(inbox: &Path, file: &Path) -> io::Result<File> {
     let relative = file.strip_prefix(inbox).map_err(|_| io::ErrorKind::InvalidInput)?;
     disk::open_beneath(inbox, relative)
 }
 
-/// What a reason in the error folder says; `None` where somebody has put something else in its place.
+/// Reads a reason file of the error folder. `None` if somebody replaced it by something that is not a file.
 pub fn read_reason(file: &Path) -> io::Result<Option<String>> {
     let bytes = disk::read_start(file, MAX_REASON_BYTES)?;
     Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))

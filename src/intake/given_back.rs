@@ -1,5 +1,6 @@
-//! What was said about a part that had to be given back to the hot folder: its list may be gone since, and its name may have
-//! been taken. Notes lie in `.claimed/.given/`, one for each file, by its inode.
+//! Notes about parts that were given back to the hot folder. They keep what the order list said, because the list may
+//! be gone since, and the original name, because the part may have got another one. The notes are in
+//! `.claimed/.given/`, one per file, named by its inode.
 
 use std::{
     ffi::OsString,
@@ -9,54 +10,55 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::{Said, Seen, claim_folder::CLAIMED_DIR, disk, display_name, name::raw_name};
+use super::{InboxEntry, ListLookup, claim_folder::CLAIMED_DIR, disk, display_name, name::raw_name};
 
-/// A note.
+/// Note about a part that was given back.
 #[derive(Debug, Serialize, Deserialize)]
-struct Note {
+struct GivenBackNote {
     /// The name under which it was given back, escaped.
     now: String,
     /// The name under which it was dropped, escaped.
     dropped: String,
-    said: Said,
+    said: ListLookup,
 }
 
 /// A part that was given back.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct GivenBack {
+pub(super) struct GivenBackPart {
     /// The name under which it was dropped.
     pub name: OsString,
     /// What its list said.
-    pub said: Said,
+    pub lookup: ListLookup,
 }
 
-/// Longer notes are nobody's.
+/// A longer file is not a note of nestd.
 const MAX_BYTES: u64 = 16 << 20;
 
-fn folder(inbox: &Path) -> PathBuf {
+fn notes_dir(inbox: &Path) -> PathBuf {
     inbox.join(CLAIMED_DIR).join(".given")
 }
 
-/// Notes what is said about a part before it goes back as `to`, relative to the hot folder.
-pub(super) fn keep(inbox: &Path, part: &Path, to: &Path, said: Said) -> io::Result<()> {
+/// Saves the note about a part before it is moved back to `to`, relative to the hot folder.
+pub(super) fn save_note(inbox: &Path, part: &Path, to: &Path, said: ListLookup) -> io::Result<()> {
     use std::os::unix::fs::MetadataExt;
     let shown = |path: &Path| display_name(path.file_name().unwrap_or_default());
-    let note = Note { now: shown(to), dropped: shown(part), said };
+    let note = GivenBackNote { now: shown(to), dropped: shown(part), said };
     let inode = fs::symlink_metadata(part)?.ino();
-    let folder = folder(inbox);
+    let folder = notes_dir(inbox);
     disk::create_dirs_beneath(inbox, folder.strip_prefix(inbox).unwrap_or(&folder))?;
-    disk::write_by_rename(&folder.join(format!("{inode}.json")), &serde_json::to_vec(&note)?)
+    disk::write_file_atomically(&folder.join(format!("{inode}.json")), &serde_json::to_vec(&note)?)
 }
 
-/// What is known of a part that was given back; `None` = it never was. A note of another file with the same inode is none.
-pub(super) fn find(inbox: &Path, part: &Seen) -> Option<GivenBack> {
-    let bytes = disk::read_start(&folder(inbox).join(format!("{}.json", part.inode)), MAX_BYTES).ok()??;
-    let note: Note = serde_json::from_slice(&bytes).ok()?;
+/// Finds the note about a part that was given back. `None` = it never was. A note about another file that had the same
+/// inode is ignored.
+pub(super) fn find_given_back(inbox: &Path, part: &InboxEntry) -> Option<GivenBackPart> {
+    let bytes = disk::read_start(&notes_dir(inbox).join(format!("{}.json", part.inode)), MAX_BYTES).ok()??;
+    let note: GivenBackNote = serde_json::from_slice(&bytes).ok()?;
     let is_it = display_name(part.path.file_name()?) == note.now;
-    is_it.then(|| GivenBack { name: raw_name(&note.dropped).unwrap_or_default(), said: note.said })
+    is_it.then(|| GivenBackPart { name: raw_name(&note.dropped).unwrap_or_default(), lookup: note.said })
 }
 
-/// A part was claimed again: its note has done its work.
-pub(super) fn forget(inbox: &Path, part: &Seen) {
-    let _ = fs::remove_file(folder(inbox).join(format!("{}.json", part.inode)));
+/// Deletes the note of a part that was claimed again.
+pub(super) fn delete_note(inbox: &Path, part: &InboxEntry) {
+    let _ = fs::remove_file(notes_dir(inbox).join(format!("{}.json", part.inode)));
 }

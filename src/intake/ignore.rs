@@ -1,16 +1,18 @@
-//! Names that are nobody's part: temporary files of copiers, editors and browsers, and folders of systems.
+//! Names that are never parts: temporary files of copying programs, editors and browsers, and folders of operating
+//! systems.
 
 use std::ffi::OsStr;
 
-/// What copiers and browsers add to a file that is not whole.
+/// Suffixes that copying programs and browsers add to incomplete files.
 const SUFFIXES: [&str; 5] = [".tmp", ".partial", ".part", ".crdownload", ".filepart"];
-/// Office lock files. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`) are ignored as such.
+/// Prefix of Office lock files. Dotfiles (`.~lock.`, `._` of macOS, `.DS_Store`, `.stfolder`, `.Trashes`) are always
+/// ignored.
 const PREFIXES: [&str; 1] = ["~$"];
-/// Files and folders that systems and synchronisers put into every folder.
+/// Files and folders that operating systems and sync tools put into every folder.
 const NAMES: [&str; 5] = ["desktop.ini", "thumbs.db", "@eadir", "__macosx", "lost+found"];
 
-/// Whether a file or folder of this name is passed over, at any depth and in any case: Windows and macOS do not tell
-/// `THUMBS.DB` from `Thumbs.db`.
+/// Whether a file or folder of this name is ignored, at any depth. Case does not matter, because Windows and macOS do
+/// not distinguish `THUMBS.DB` from `Thumbs.db`.
 pub fn is_ignored(name: &OsStr) -> bool {
     let name = name.as_encoded_bytes().to_ascii_lowercase();
     name.starts_with(b".")
@@ -19,8 +21,8 @@ pub fn is_ignored(name: &OsStr) -> bool {
         || NAMES.iter().any(|n| name == n.as_bytes())
 }
 
-/// Whether nestd itself writes this file into the top of a hot folder.
-pub(super) fn is_own(name: &OsStr) -> bool {
+/// Whether this is a status file that nestd itself writes into the top level of a hot folder.
+pub(super) fn is_status_file(name: &OsStr) -> bool {
     name == super::status::TEXT_NAME || name == super::status::JSON_NAME
 }
 

@@ -1,5 +1,5 @@
-//! How an order list ends. It stays where it is while its files come, each claim takes a copy along; marks in
-//! `.claimed/.lists/` say which rows were served, so that a restart does not forget.
+//! What finally becomes of an order list. The list stays in place while its files arrive, and each claim takes its row
+//! along. Marks in `.claimed/.lists/` record which rows were served, so the state survives a restart.
 
 use std::{
     ffi::OsStr,
@@ -8,84 +8,86 @@ use std::{
 };
 
 use super::{
-    Lists, Ready, RefuseError, Seen, disk, display_name,
-    marks::{Marks, age_secs},
-    order_list::{OrderList, Row},
-    refuse::{io_error, refuse_path},
+    InboxEntry, OrderListTracker, RefuseError, SettledEntry, disk, display_name,
+    order_list::{OrderList, OrderListRow},
+    refuse::{io_error, refuse_entry},
+    served_rows::{ServedRows, age_secs},
 };
 
-/// Lists that were served lie here in the archive folder.
+/// Sub-folder of the archive for lists whose rows were all served.
 const ARCHIVE_DIR: &str = "order-lists";
 /// What became of an order list.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ListEnd {
-    /// It stays: files that it names are still to come, or parts of its folder still settle.
+pub enum ListOutcome {
+    /// The list stays: files that it names are still missing, or parts of its folder have not settled.
     Awaited,
-    /// Every row's file was claimed; the list is in the archive, here.
+    /// The file of every row was claimed. The list was moved to this path in the archive.
     Archived(PathBuf),
-    /// It is in the error folder, with this reason.
+    /// The list was moved to the error folder with this reason.
     Refused(String),
 }
 
-/// Ends the order list of a [`Ready::List`] when its time has come: archives it when all its files were claimed, refuses
-/// it when the others did not come for `incomplete_secs` after the last one that did. It stays as long as parts stand beside
-/// it that it is for, or that wait because it does not name them. To be called for each [`Ready::List`], after the claims of
-/// the same scan.
-pub fn end_list(
+/// Finishes the order list of a [`SettledEntry::List`]. If all its files were claimed, the list is archived. If the missing
+/// files did not arrive within `incomplete_secs` after the last one that did, it is refused. The list stays while its
+/// folder holds parts that it names, or parts that wait because it does not name them. Call this for each
+/// [`SettledEntry::List`], after the claims of the same scan.
+pub fn finish_order_list(
     inbox: &Path,
-    lists: &mut Lists,
-    ready: &Ready,
+    lists: &mut OrderListTracker,
+    ready: &SettledEntry,
     incomplete_secs: f64,
     archive_dir: &Path,
     error_dir: &Path,
-) -> Result<ListEnd, RefuseError> {
-    let Ready::List { list, quiet_secs } = ready else { return Ok(ListEnd::Awaited) };
-    let standing = lists.standing(inbox, list, incomplete_secs).map_err(|e| io_error("read", &list.path, e))?;
+) -> Result<ListOutcome, RefuseError> {
+    let SettledEntry::List { list, quiet_secs } = ready else { return Ok(ListOutcome::Awaited) };
+    let standing = lists.list_progress(inbox, list, incomplete_secs).map_err(|e| io_error("read", &list.path, e))?;
     let (content, marks, is_needed) = standing;
     let idle_secs = quiet_secs.min(age_secs(&marks.dir).unwrap_or(f64::MAX));
     let verdict = match is_needed {
-        true => Verdict::Wait,
-        false => verdict(content, marks, idle_secs >= incomplete_secs, incomplete_secs),
+        true => ListDecision::Wait,
+        false => decide_list_outcome(content, marks, idle_secs >= incomplete_secs, incomplete_secs),
     };
     let dir = marks.dir.clone();
     let end = match verdict {
-        Verdict::Wait => return Ok(ListEnd::Awaited),
-        Verdict::Served => ListEnd::Archived(archive(inbox, list, archive_dir)?),
-        Verdict::Refuse(reason) => {
-            refuse_path(inbox, list, error_dir, &reason)?;
-            ListEnd::Refused(reason)
+        ListDecision::Wait => return Ok(ListOutcome::Awaited),
+        ListDecision::Served => ListOutcome::Archived(archive_list(inbox, list, archive_dir)?),
+        ListDecision::Refuse(reason) => {
+            refuse_entry(inbox, list, error_dir, &reason)?;
+            ListOutcome::Refused(reason)
         }
     };
     let _ = fs::remove_dir_all(dir);
     Ok(end)
 }
 
-enum Verdict {
+enum ListDecision {
     Wait,
     Served,
     Refuse(String),
 }
 
-fn verdict(content: &OrderList, marks: &Marks, is_over: bool, incomplete_secs: f64) -> Verdict {
+fn decide_list_outcome(content: &OrderList, marks: &ServedRows, is_over: bool, incomplete_secs: f64) -> ListDecision {
     let rows = match content.rows() {
         Err(why) if is_over => {
-            return Verdict::Refuse(format!(
-                "This order list cannot be read: {why}. Mend it and drop it again together with its files."
+            return ListDecision::Refuse(format!(
+                "This order list cannot be read: {why}. Correct it and drop it again together with its files."
             ));
         }
-        Err(_) => return Verdict::Wait,
+        Err(_) => return ListDecision::Wait,
         Ok(rows) => rows,
     };
-    let missing: Vec<&Row> = rows.iter().filter(|r| !r.file.is_empty() && !marks.is_served(&r.file)).collect();
+    let missing: Vec<&OrderListRow> = rows.iter().filter(|r| !r.file.is_empty() && !marks.is_served(&r.file)).collect();
     let nameless = rows.iter().filter(|r| r.file.is_empty()).count();
     match missing[..] {
-        [] if !rows.is_empty() && nameless == 0 => Verdict::Served,
-        _ if !is_over => Verdict::Wait,
-        [] if rows.is_empty() => Verdict::Refuse("This order list names no files.".to_owned()),
-        [] => Verdict::Refuse(format!("{nameless} rows of this order list name no file; the others were served.")),
+        [] if !rows.is_empty() && nameless == 0 => ListDecision::Served,
+        _ if !is_over => ListDecision::Wait,
+        [] if rows.is_empty() => ListDecision::Refuse("This order list names no files.".to_owned()),
+        [] => ListDecision::Refuse(format!(
+            "{nameless} rows of this order list name no file; the other rows were served."
+        )),
         _ => {
             let names: Vec<String> = missing.iter().map(|r| display_name(OsStr::new(&r.file))).collect();
-            Verdict::Refuse(format!(
+            ListDecision::Refuse(format!(
                 "No file came within {incomplete_secs:.0} s for {} of {} rows of this order list: {}. The other rows were \
                  served. Drop these files together with a list for them.",
                 names.len(),
@@ -96,7 +98,7 @@ fn verdict(content: &OrderList, marks: &Marks, is_over: bool, incomplete_secs: f
     }
 }
 
-fn archive(inbox: &Path, list: &Seen, archive_dir: &Path) -> Result<PathBuf, RefuseError> {
+fn archive_list(inbox: &Path, list: &InboxEntry, archive_dir: &Path) -> Result<PathBuf, RefuseError> {
     let folder = list.path.parent().and_then(|p| p.strip_prefix(inbox).ok()).unwrap_or(Path::new(""));
     let folder = archive_dir.join(ARCHIVE_DIR).join(folder);
     disk::create_dirs(&folder).map_err(|e| io_error("create", &folder, e))?;

@@ -1,77 +1,78 @@
-//! The hot folder: what stands in it, what has settled, and how it is claimed.
+//! The hot folder: which files it holds, which of them have settled, and how they are claimed.
 //!
-//! The plot: [`Inbox::scan`] lists, [`Settler::observe`] says what may be taken, [`claim`] takes it by rename into
-//! `.claimed/`, [`Store::put`] copies it to the store, and once its row is committed [`release`] lets the original go.
-//! What cannot be printed goes to the error folder by [`refuse`] or [`refuse_path`], always beside a reason.
-//! [`Watcher`] only says "look". After a crash [`claims`] finds what was being taken.
+//! The sequence: [`InboxFolder::scan`] lists the files. [`SettleTracker::observe_scan`] reports which of them may be taken. [`claim_part`]
+//! renames a part into `.claimed/`. [`ContentStore::store_file`] copies it to the store. [`release_claim`] removes the original after its
+//! row is committed. [`refuse_claim`] and [`refuse_entry`] move everything that cannot be printed to the error folder, always
+//! together with a reason. [`InboxWatcher`] only signals that a scan is due. After a crash, [`recover_claims`] finds the claims that
+//! were in progress.
 
 mod adopt;
 mod archive;
-mod beside;
-mod cells;
 mod claim;
 mod claim_folder;
-mod claimed;
+mod claim_notes;
+mod claimed_part;
 mod code_page;
-mod columns;
 mod copies;
 mod disk;
 mod dropped;
-mod given;
+mod emptied_folders;
 mod given_back;
+#[cfg(test)]
+mod hostile_files_tests;
 mod ignore;
-mod left_folders;
+mod inbox_entry;
+mod list_cells;
+mod list_columns;
 mod list_end;
-mod listed;
-mod marks;
+mod list_lookup;
+mod list_tracker;
+mod misplaced;
 mod name;
-mod note;
+mod name_match;
 mod order_list;
-mod ready;
+mod part_spec;
 mod recover;
 mod refuse;
-mod said;
-mod same_name;
 mod scan;
-mod seen;
+mod served_rows;
 mod settle;
+mod settled_entry;
+mod sidecars;
 mod status;
 mod store;
-mod stray;
 #[cfg(test)]
 mod test_inbox;
 #[cfg(test)]
 mod tests;
 mod ticket;
-#[cfg(test)]
-mod tricks_tests;
 mod watch;
 
-pub use adopt::{adopt, foreign, not_let_go, taken_over};
-pub use archive::{archive, purge};
-pub use claim::{Released, claim, claim_as, give_back, release};
+pub use adopt::{adopt_claims, foreign_claims, taken_over_claims, unreleased_claims};
+pub use archive::{archive_file, purge_archive};
+pub use claim::{ReleaseOutcome, claim_for_farm, claim_part, give_back_claim, release_claim};
 pub use claim_folder::{claim_dir, claim_id};
-pub use claimed::{Claim, ClaimError};
+pub use claim_notes::StoredContent;
+pub use claimed_part::{ClaimError, ClaimedPart};
 pub use copies::copies_in_name;
-pub use disk::{files_below, hash_file, read_start, write_by_rename};
-pub use dropped::{open_dropped, read_reason};
-pub use given::{Given, Source, TicketSource};
+pub use disk::{files_below, hash_file, read_start, write_file_atomically};
+pub use dropped::{open_dropped_file, read_reason};
+pub use emptied_folders::EmptiedFolders;
 pub use ignore::is_ignored;
-pub use left_folders::LeftFolders;
-pub use list_end::{ListEnd, end_list};
-pub use listed::{Judged, ListRules, Lists, Unlisted};
+pub use inbox_entry::{EntryKind, InboxEntry};
+pub use list_end::{ListOutcome, finish_order_list};
+pub use list_lookup::ListLookup;
+pub use list_tracker::{OrderListRules, OrderListTracker, TakeDecision, UnlistedPolicy};
+pub use misplaced::find_misplaced;
 pub use name::{display_name, raw_name};
-pub use note::Kept;
-pub use order_list::{OrderList, Row};
-pub use ready::Ready;
-pub use recover::{Work, claims, work};
-pub use refuse::{RefuseError, refuse, refuse_copy, refuse_path, rewrite_reason};
-pub use said::Said;
-pub use scan::{Inbox, Listing, ScanError, ScanLimits, scan};
-pub use seen::{Kind, Seen};
-pub use settle::{SettleRules, Settler};
+pub use order_list::{OrderList, OrderListRow};
+pub use part_spec::{PartSpec, ReceivedTicket, SpecSource};
+pub use recover::{ClaimsOnDisk, list_claims, recover_claims};
+pub use refuse::{RefuseError, copy_to_error_folder, refuse_claim, refuse_entry, rewrite_reason};
+pub use scan::{InboxFolder, InboxListing, ScanError, ScanLimits, scan_inbox};
+pub use settle::{SettleRules, SettleTracker};
+pub use settled_entry::SettledEntry;
 pub use status::write_status;
-pub use store::{Store, StoreError, Stored};
-pub use stray::stray;
-pub use ticket::{Due, Ticket, TicketError};
-pub use watch::{WatchError, Watcher};
+pub use store::{ContentStore, StoreError, StoredFile};
+pub use ticket::{DueDate, Ticket, TicketError};
+pub use watch::{InboxWatcher, WatchError};

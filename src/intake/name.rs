@@ -1,4 +1,4 @@
-//! File names for people: names are bytes, a display name is text from which the bytes can be had back.
+//! File names for display. A name is a sequence of bytes; a display name is text from which the bytes can be restored.
 
 use std::{
     ffi::{OsStr, OsString},
@@ -8,11 +8,12 @@ use std::{
 
 use build_file::is_invisible;
 
-/// A name cannot be longer on the file systems that we know.
+/// Maximum length of a file name on common file systems.
 pub(super) const MAX_NAME_BYTES: usize = 255;
 
-/// A name as text: printable characters as they are, the rest escaped (`\n`, `\xff`, `\u{202e}`, `\\`), so that no two
-/// names look alike in a log and none can play tricks on a terminal. [`raw_name`] is the way back.
+/// Converts a name to text. Printable characters stay as they are, all others are escaped (`\n`, `\xff`, `\u{202e}`,
+/// `\\`), so that different names always look different in a log and cannot manipulate a terminal. [`raw_name`]
+/// reverses this.
 pub fn display_name(name: &OsStr) -> String {
     let mut text = String::with_capacity(name.len());
     for chunk in name.as_bytes().utf8_chunks() {
@@ -33,7 +34,7 @@ pub fn display_name(name: &OsStr) -> String {
     text
 }
 
-/// The bytes of a name that [`display_name`] escaped; `None` if the text is no such name.
+/// Restores the bytes of a name that [`display_name`] escaped. `None` if the text is not a valid display name.
 pub fn raw_name(display: &str) -> Option<OsString> {
     let mut bytes = Vec::with_capacity(display.len());
     let mut rest = display;
@@ -47,7 +48,7 @@ pub fn raw_name(display: &str) -> Option<OsString> {
     Some(OsString::from_vec(bytes))
 }
 
-/// The bytes of the escape that `text` (after its backslash) opens with, and what follows it.
+/// Parses the escape sequence at the start of `text` (after its backslash). Returns its bytes and the remaining text.
 fn split_escape(text: &str) -> Option<(Vec<u8>, &str)> {
     let mut chars = text.chars();
     let one = |byte: u8, rest| Some((vec![byte], rest));
@@ -66,20 +67,20 @@ fn split_escape(text: &str) -> Option<(Vec<u8>, &str)> {
     }
 }
 
-/// Sub-folders as an order name: each escaped, joined by `/`.
-pub(super) fn order_name(folders: &Path) -> String {
+/// Makes an order name of sub-folders: each is escaped, and they are joined by `/`.
+pub(super) fn order_display_name(folders: &Path) -> String {
     folders.iter().map(display_name).collect::<Vec<_>>().join("/")
 }
 
-/// `name (n).ext`, cut to the length that a file system takes; `n` = 1 is the name itself.
-pub(super) fn numbered(name: &OsStr, n: u32) -> OsString {
+/// Returns `name (n).ext`, shortened to the maximum length of a name. `n` = 1 gives the name itself.
+pub(super) fn numbered_name(name: &OsStr, n: u32) -> OsString {
     with_suffix(name, &if n == 1 { String::new() } else { format!(" ({n})") }, "")
 }
 
-/// `stem` + `number` + extension + `tail`. What is too long is cut out of the stem, between two characters.
+/// Returns `stem` + `number` + extension + `tail`. If this is too long, the stem is shortened at a character boundary.
 pub(super) fn with_suffix(name: &OsStr, number: &str, tail: &str) -> OsString {
     let bytes = name.as_bytes();
-    // An extension longer than this is no extension but a long name with a dot in it.
+    // A longer "extension" is part of a long name with a dot in it.
     let dot = bytes.iter().rposition(|&b| b == b'.').filter(|&at| at > 0 && bytes.len() - at <= 32);
     let (stem, extension) = bytes.split_at(dot.unwrap_or(bytes.len()));
     let room = MAX_NAME_BYTES - extension.len() - number.len() - tail.len();
@@ -91,7 +92,8 @@ pub(super) fn with_suffix(name: &OsStr, number: &str, tail: &str) -> OsString {
     OsString::from_vec([&stem[..cut], number.as_bytes(), extension, tail.as_bytes()].concat())
 }
 
-/// Whether a name is that of a part file. A folder named so is no order: somebody unpacked or mistook something.
+/// Whether a name ends like a part file. A folder with such a name is not an order: it was created by mistake or by
+/// unpacking.
 pub(super) fn is_part_name(name: &OsStr) -> bool {
     Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("stl") || e.eq_ignore_ascii_case("3mf"))
 }
@@ -124,7 +126,7 @@ mod tests {
     #[test]
     fn a_long_name_keeps_its_extension_and_whole_characters() {
         let name = OsString::from("ä".repeat(125) + ".stl");
-        let second = numbered(&name, 2);
+        let second = numbered_name(&name, 2);
         assert!(second.len() <= 255);
         assert!(second.to_str().unwrap().ends_with("ä (2).stl"));
         let reason = with_suffix(&name, "", ".reason.txt");
@@ -133,8 +135,11 @@ mod tests {
 
     #[test]
     fn a_name_without_extension_is_numbered_at_its_end() {
-        assert_eq!(numbered(OsStr::new("socket"), 3), "socket (3)");
-        assert_eq!(numbered(OsStr::new("v1.this is no extension but a sentence of it"), 2).to_str().unwrap().len(), 48);
+        assert_eq!(numbered_name(OsStr::new("socket"), 3), "socket (3)");
+        assert_eq!(
+            numbered_name(OsStr::new("v1.this is no extension but a sentence of it"), 2).to_str().unwrap().len(),
+            48
+        );
     }
 
     proptest! {
@@ -146,7 +151,7 @@ mod tests {
 
         #[test]
         fn a_numbered_name_always_fits(bytes in proptest::collection::vec(any::<u8>(), 1..256), n in 1u32..9999) {
-            prop_assert!(numbered(OsStr::from_bytes(&bytes), n).len() <= 255);
+            prop_assert!(numbered_name(OsStr::from_bytes(&bytes), n).len() <= 255);
             prop_assert!(with_suffix(OsStr::from_bytes(&bytes), " (9999)", ".reason.txt").len() <= 255);
         }
     }

@@ -1,64 +1,65 @@
-//! Order lists: an `order.csv` says copies, due date, priority and more for the files of its own folder. It is read as
-//! people make it: in any code page, with any delimiter, with headers in their own words or none.
+//! Order lists: an `order.csv` gives copies, due date, priority and more for the files of its own folder. It accepts
+//! lists as people write them: in any code page, with any delimiter, with headers in their own words or without a
+//! header.
 
 use std::{borrow::Cow, ffi::OsStr};
 
-use build_file::{visible, visible_lines};
+use build_file::{escape_invisible, escape_invisible_lines};
 
 use super::{
     Ticket,
-    cells::{decimal, due_date, unit, whole},
-    code_page::readings,
-    columns::{Column, Columns, NO_HEADER},
+    code_page::decode_candidates,
     display_name,
+    list_cells::{parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
+    list_columns::{ColumnLayout, ListColumn, NO_HEADER},
     name::is_part_name,
-    same_name::{Meaning, Meant},
-    ticket::{clearance, copies, priority, text},
+    name_match::{FileNameMatch, NameMatches},
+    ticket::{check_clearance, check_copies, check_priority, check_text},
 };
 
-/// A longer list is none.
+/// A longer file is not accepted as a list.
 pub(super) const MAX_LIST_BYTES: u64 = 4 << 20;
-/// A header stands among so many lines: people write a title above it.
+/// The header must be among this many first lines, because people write a title above it.
 const HEADER_WITHIN: usize = 10;
 const DELIMITERS: [u8; 4] = [b';', b'\t', b',', b'|'];
 
-/// A list as it stands there.
+/// A parsed order list.
 #[derive(Debug)]
 pub struct OrderList {
-    content: Result<Vec<Row>, String>,
-    /// Headers of columns that mean nothing to nestd.
+    content: Result<Vec<OrderListRow>, String>,
+    /// Column headers that nestd does not know.
     unknown: Vec<String>,
 }
 
 /// What a list says about one file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
-    /// The file's name as the list says it; empty = the row names none.
+pub struct OrderListRow {
+    /// File name as written in the list. Empty = the row names no file.
     pub file: String,
-    /// What is said, or what is wrong with it.
+    /// The parsed instructions, or the error in the row.
     pub ticket: Result<Ticket, String>,
-    /// Header and row, as received: a list of this row alone.
+    /// Header and row as received: a valid list with only this row.
     pub text: String,
 }
 
 impl OrderList {
-    /// Reads a list whose files are not known.
-    pub fn parse(bytes: &[u8]) -> Self {
-        Self::parse_beside(bytes, &[])
+    /// Parses a list without knowing the files of its folder.
+    pub fn parse_list(bytes: &[u8]) -> Self {
+        Self::parse_for_files(bytes, &[])
     }
 
-    /// Reads a list beside `files`. A code page cannot be told from the bytes: the one in which the list names most of the
-    /// files is right.
-    pub fn parse_beside(bytes: &[u8], files: &[&OsStr]) -> Self {
+    /// Parses a list in the folder of `files`. The bytes do not tell the code page, so the decoding in which the list
+    /// names most of the files is chosen.
+    pub fn parse_for_files(bytes: &[u8], files: &[&OsStr]) -> Self {
         if bytes.len() as u64 > MAX_LIST_BYTES {
             let why = format!("it is longer than {MAX_LIST_BYTES} bytes");
             return Self { content: Err(why), unknown: Vec::new() };
         }
-        let mut lists = readings(bytes).into_iter().map(|text| Self::of_text(&text));
-        let Some(first) = lists.next() else { return Self::of_text("") };
-        let mut best = (first.fitness(files), first);
+        let mut lists = decode_candidates(bytes).into_iter().map(|text| Self::from_text(&text));
+        let Some(first) = lists.next() else { return Self::from_text("") };
+        let mut best = (first.match_quality(files), first);
         for list in lists {
-            let fitness = list.fitness(files);
+            let fitness = list.match_quality(files);
             if fitness > best.0 {
                 best = (fitness, list);
             }
@@ -66,87 +67,90 @@ impl OrderList {
         best.1
     }
 
-    /// What the one row of [`Row::text`] says.
-    pub(super) fn alone(text: &str) -> Result<Ticket, String> {
-        match Self::of_text(text).content?.into_iter().next() {
+    /// Parses the single row of [`Row::text`].
+    pub(super) fn parse_single_row(text: &str) -> Result<Ticket, String> {
+        match Self::from_text(text).content?.into_iter().next() {
             Some(row) => row.ticket,
             None => Err("its row is empty".to_owned()),
         }
     }
 
-    fn of_text(text: &str) -> Self {
-        match rows(text) {
+    fn from_text(text: &str) -> Self {
+        match parse_rows(text) {
             Ok((rows, unknown)) => Self { content: Ok(rows), unknown },
             Err(why) => Self { content: Err(why), unknown: Vec::new() },
         }
     }
 
-    /// How well it speaks for the files: whether it is understood at all, and how many of them it names.
-    fn fitness(&self, files: &[&OsStr]) -> (bool, usize) {
-        (self.content.is_ok(), self.meant(files.iter().copied()).found())
+    /// Scores a decoding: whether the list can be parsed, and how many of the files it names.
+    fn match_quality(&self, files: &[&OsStr]) -> (bool, usize) {
+        (self.content.is_ok(), self.match_files(files.iter().copied()).matched_count())
     }
 
-    /// The rows, or why there are none.
-    pub fn rows(&self) -> Result<&[Row], &str> {
+    /// The rows, or why the list cannot be parsed.
+    pub fn rows(&self) -> Result<&[OrderListRow], &str> {
         self.content.as_deref().map_err(String::as_str)
     }
 
-    /// Which rows are for which files.
-    pub(super) fn meant<'a>(&self, files: impl Iterator<Item = &'a OsStr>) -> Meant {
+    /// Matches rows with files.
+    pub(super) fn match_files<'a>(&self, files: impl Iterator<Item = &'a OsStr>) -> NameMatches {
         let said: Vec<&str> = self.rows().unwrap_or_default().iter().map(|row| row.file.as_str()).collect();
-        Meant::new(&said, files)
+        NameMatches::new(&said, files)
     }
 
-    /// The row for a file that is alone with the list. `Err` says why its copies cannot be known: its row is broken, there
-    /// are two, or the list is broken.
-    pub fn row_for(&self, name: &OsStr) -> Result<Option<&Row>, String> {
+    /// Finds the row for a single file. `Err` says why its number of copies is unknown: its row is broken, two rows
+    /// match, or the list is broken.
+    pub fn row_for_file(&self, name: &OsStr) -> Result<Option<&OrderListRow>, String> {
         self.rows()?;
-        let meant = self.meant(std::iter::once(name));
-        meant.files.get(name).map(|meaning| self.row_of(meaning, name)).transpose()
+        let meant = self.match_files(std::iter::once(name));
+        meant.files.get(name).map(|meaning| self.matched_row(meaning, name)).transpose()
     }
 
-    /// The row that a file's name means.
-    pub(super) fn row_of(&self, meaning: &Meaning, name: &OsStr) -> Result<&Row, String> {
+    /// The row that was matched with a file.
+    pub(super) fn matched_row(&self, meaning: &FileNameMatch, name: &OsStr) -> Result<&OrderListRow, String> {
         let rows = self.rows()?;
         let shown = display_name(name);
         match meaning {
-            Meaning::Only(at) => match at[..] {
+            FileNameMatch::Only(at) => match at[..] {
                 [at] => {
                     rows[at].ticket.as_ref().map(|_| &rows[at]).map_err(|why| format!("in the row of {shown}: {why}"))
                 }
                 _ => Err(format!("{} rows are for {shown}; leave one", at.len())),
             },
-            Meaning::Unclear(at, others) => {
-                let (said, other) = (visible(&rows[*at].file), others.first().map_or("", String::as_str));
-                Err(format!("its row {said} may be for {shown} or for {}; write the whole name", visible(other)))
+            FileNameMatch::Ambiguous(at, others) => {
+                let (said, other) = (escape_invisible(&rows[*at].file), others.first().map_or("", String::as_str));
+                Err(format!(
+                    "its row {said} may be for {shown} or for {}; write the whole name",
+                    escape_invisible(other)
+                ))
             }
         }
     }
 
-    /// What is to be told about it beside each part.
+    /// Warnings about the list, to be reported with each of its parts.
     pub(super) fn warnings(&self) -> Vec<String> {
-        let names: Vec<String> = self.unknown.iter().map(|name| format!("{:?}", visible(name))).collect();
+        let names: Vec<String> = self.unknown.iter().map(|name| format!("{:?}", escape_invisible(name))).collect();
         match names.len() {
             0 => Vec::new(),
-            1 => vec![format!("The column {} of its order list means nothing to nestd and was passed over.", names[0])],
+            1 => vec![format!("The column {} of its order list is unknown to nestd and was ignored.", names[0])],
             _ => {
                 let names = names.join(", ");
-                vec![format!("The columns {names} of its order list mean nothing to nestd and were passed over.")]
+                vec![format!("The columns {names} of its order list are unknown to nestd and were ignored.")]
             }
         }
     }
 }
 
-/// The rows of a list and the columns that are not known.
-fn rows(text: &str) -> Result<(Vec<Row>, Vec<String>), String> {
+/// Parses the rows of a list, and returns them with the headers of unknown columns.
+fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let (text, forced) = without_sep(text);
+    let (text, forced) = strip_sep_line(text);
     let delimiters: Vec<u8> = forced.map_or(DELIMITERS.to_vec(), |delimiter| vec![delimiter]);
-    let found = delimiters.iter().map(|&delimiter| (delimiter, header(text, delimiter)));
-    let mut best: Result<(u8, Header), String> = Err(NO_HEADER.to_owned());
+    let found = delimiters.iter().map(|&delimiter| (delimiter, find_header(text, delimiter)));
+    let mut best: Result<(u8, ListHeader), String> = Err(NO_HEADER.to_owned());
     for (delimiter, found) in found {
         match (found, &best) {
-            (Ok(header), Ok((_, known))) if header.columns.known() <= known.columns.known() => {}
+            (Ok(header), Ok((_, known))) if header.columns.known_count() <= known.columns.known_count() => {}
             (Ok(header), _) => best = Ok((delimiter, header)),
             (Err(why), Err(_)) if why != NO_HEADER => best = Err(why),
             (Err(_), _) => {}
@@ -154,31 +158,31 @@ fn rows(text: &str) -> Result<(Vec<Row>, Vec<String>), String> {
     }
     let (delimiter, header) = match best {
         Ok(found) => found,
-        Err(why) => delimiters.iter().find_map(|&d| headless(text, d).map(|header| (d, header))).ok_or(why)?,
+        Err(why) => delimiters.iter().find_map(|&d| infer_columns(text, d).map(|header| (d, header))).ok_or(why)?,
     };
     let mut rows = Vec::new();
-    each_record(&text[header.end..], delimiter, |record, row| {
+    for_each_record(&text[header.end..], delimiter, |record, row| {
         let row = match header.text {
             "" => row.to_owned(),
             header => format!("{header}\n{row}"),
         };
-        let file = header.columns.cell(record, Column::File).to_owned();
-        rows.push(Row { ticket: ticket(&header.columns, record), file, text: row });
+        let file = header.columns.cell_text(record, ListColumn::File).to_owned();
+        rows.push(OrderListRow { ticket: parse_row_ticket(&header.columns, record), file, text: row });
         true
     })?;
     Ok((rows, header.columns.unknown))
 }
 
-/// A header as it was found.
-struct Header<'a> {
-    columns: Columns,
+/// The header that was found.
+struct ListHeader<'a> {
+    columns: ColumnLayout,
     text: &'a str,
-    /// Where the rows begin.
+    /// Offset of the first row.
     end: usize,
 }
 
-/// What stands behind `sep=;`, by which Excel knows the delimiter.
-fn without_sep(text: &str) -> (&str, Option<u8>) {
+/// Removes a first line such as `sep=;`, which tells Excel the delimiter.
+fn strip_sep_line(text: &str) -> (&str, Option<u8>) {
     let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
     match first.trim_end_matches('\r').as_bytes() {
         [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', delimiter] => (rest, Some(*delimiter)),
@@ -186,8 +190,8 @@ fn without_sep(text: &str) -> (&str, Option<u8>) {
     }
 }
 
-/// Calls `each` with every record that says anything and its text, until it says no.
-fn each_record(
+/// Calls `each` with every record that is not empty and with its text, until `each` returns `false`.
+fn for_each_record(
     text: &str,
     delimiter: u8,
     mut each: impl FnMut(&csv::StringRecord, &str) -> bool,
@@ -212,33 +216,34 @@ fn each_record(
     }
 }
 
-fn header(text: &str, delimiter: u8) -> Result<Header<'_>, String> {
+fn find_header(text: &str, delimiter: u8) -> Result<ListHeader<'_>, String> {
     let mut found = Err(NO_HEADER.to_owned());
     let mut lines = 0;
-    let end = each_record(text, delimiter, |record, row| {
+    let end = for_each_record(text, delimiter, |record, row| {
         lines += 1;
-        let columns = Columns::of(record.iter());
+        let columns = ColumnLayout::from_header(record.iter());
         let is_header = match &columns {
-            // A title may hold a word of a header; a header has two, or is a line of its own.
-            Ok(columns) => columns.known() > 1 || record.len() == 1,
+            // A title line may contain one header word. A header has at least two, or only one column.
+            Ok(columns) => columns.known_count() > 1 || record.len() == 1,
             Err(why) => why != NO_HEADER,
         };
         if is_header {
             let from = row.as_ptr() as usize - text.as_ptr() as usize;
-            found = columns.map(|columns| Header { columns, text: &text[from..from + row.len()], end: 0 });
+            found = columns.map(|columns| ListHeader { columns, text: &text[from..from + row.len()], end: 0 });
         }
         !is_header && lines < HEADER_WITHIN
     })?;
-    found.map(|header| Header { end, ..header })
+    found.map(|header| ListHeader { end, ..header })
 }
 
-/// A list of two columns without a header, where only one of them can be files and only the other copies.
-fn headless(text: &str, delimiter: u8) -> Option<Header<'_>> {
+/// Recognises a list of two columns without a header, where it is clear which column holds files and which holds
+/// copies.
+fn infer_columns(text: &str, delimiter: u8) -> Option<ListHeader<'_>> {
     let mut file_at = None;
     let mut is_clear = true;
-    each_record(text, delimiter, |record, _| {
+    for_each_record(text, delimiter, |record, _| {
         let is_file = |at: usize| record.get(at).is_some_and(|cell| is_part_name(OsStr::new(cell)));
-        let is_count = |at: usize| record.get(at).is_some_and(|cell| whole("", cell).is_ok());
+        let is_count = |at: usize| record.get(at).is_some_and(|cell| parse_whole_number("", cell).is_ok());
         let here = (0..2).find(|&at| is_file(at) && is_count(1 - at) && !is_file(1 - at));
         let has_more = record.iter().skip(2).any(|cell| !cell.is_empty());
         is_clear = here.is_some() && !has_more && file_at.is_none_or(|at| Some(at) == here);
@@ -247,17 +252,18 @@ fn headless(text: &str, delimiter: u8) -> Option<Header<'_>> {
     })
     .ok()?;
     let file = file_at.filter(|_| is_clear)?;
-    Some(Header { columns: Columns::without_header(file, 1 - file), text: "", end: 0 })
+    Some(ListHeader { columns: ColumnLayout::without_header(file, 1 - file), text: "", end: 0 })
 }
 
-/// What a row says.
-fn ticket(columns: &Columns, record: &csv::StringRecord) -> Result<Ticket, String> {
-    let cell = |column| Some(columns.cell(record, column)).filter(|cell: &&str| !cell.is_empty());
-    let number = |column: Column| cell(column).map(|text| whole(column.word(), text)).transpose();
+/// Parses the instructions of a row.
+fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Result<Ticket, String> {
+    let cell = |column| Some(columns.cell_text(record, column)).filter(|cell: &&str| !cell.is_empty());
+    let number =
+        |column: ListColumn| cell(column).map(|text| parse_whole_number(column.ticket_word(), text)).transpose();
     if record.iter().skip(columns.count).any(|cell| !cell.is_empty()) {
         return Err(format!("it has {} cells for {} columns", record.len(), columns.count));
     }
-    if columns.cell(record, Column::File).split(['/', '\\']).any(|folder| folder == "..") {
+    if columns.cell_text(record, ListColumn::File).split(['/', '\\']).any(|folder| folder == "..") {
         return Err("it names a path; a list is for the files of its own folder".to_owned());
     }
     let orientation = |word: &str| {
@@ -266,27 +272,27 @@ fn ticket(columns: &Columns, record: &csv::StringRecord) -> Result<Ticket, Strin
         serde::Deserialize::deserialize(word).map_err(|error| error.to_string())
     };
     Ok(Ticket {
-        copies: number(Column::Copies)?.map(copies).transpose()?,
-        due: cell(Column::Due).map(due_date).transpose()?,
-        priority: number(Column::Priority)?.map(priority).transpose()?,
-        orientation: cell(Column::Orientation).map(orientation).transpose()?,
-        order: cell(Column::Order).map(|order| text("order", visible(order))).transpose()?,
-        unit: cell(Column::Unit).map(unit).transpose()?.flatten(),
-        clearance_mm: cell(Column::Clearance)
-            .map(|c| decimal("clearance", c))
+        copies: number(ListColumn::Copies)?.map(check_copies).transpose()?,
+        due: cell(ListColumn::Due).map(parse_due_cell).transpose()?,
+        priority: number(ListColumn::Priority)?.map(check_priority).transpose()?,
+        orientation: cell(ListColumn::Orientation).map(orientation).transpose()?,
+        order: cell(ListColumn::Order).map(|order| check_text("order", escape_invisible(order))).transpose()?,
+        unit: cell(ListColumn::Unit).map(parse_unit).transpose()?.flatten(),
+        clearance_mm: cell(ListColumn::Clearance)
+            .map(|c| parse_decimal("clearance", c))
             .transpose()?
-            .map(clearance)
+            .map(check_clearance)
             .transpose()?,
-        note: note(&cell).map(|note| text("note", visible_lines(&note))).transpose()?,
+        note: combine_notes(&cell).map(|note| check_text("note", escape_invisible_lines(&note))).transpose()?,
         ..Ticket::default()
     })
 }
 
-/// What is for people: the note, and what else a list says that a machine does not need.
-fn note<'a>(cell: &impl Fn(Column) -> Option<&'a str>) -> Option<String> {
-    let own = cell(Column::Note).map(Cow::from);
-    let others = [Column::Customer, Column::Material].into_iter();
-    let others = others.filter_map(|column| Some(Cow::from(format!("{}: {}", column.word(), cell(column)?))));
+/// Combines the note with the other columns that are meant for people.
+fn combine_notes<'a>(cell: &impl Fn(ListColumn) -> Option<&'a str>) -> Option<String> {
+    let own = cell(ListColumn::Note).map(Cow::from);
+    let others = [ListColumn::Customer, ListColumn::Material].into_iter();
+    let others = others.filter_map(|column| Some(Cow::from(format!("{}: {}", column.ticket_word(), cell(column)?))));
     let all: Vec<Cow<str>> = own.into_iter().chain(others).collect();
     (!all.is_empty()).then(|| all.join("; "))
 }

@@ -1,16 +1,16 @@
-//! Lists as people make them, byte for byte.
+//! Tests of order lists as people write them, byte for byte.
 
 use nester::OrientationRule;
 
 use super::*;
-use crate::intake::ticket::due;
+use crate::intake::ticket::parse_due;
 
 fn list(text: &str) -> OrderList {
-    OrderList::parse(text.as_bytes())
+    OrderList::parse_list(text.as_bytes())
 }
 
-fn row<'a>(list: &'a OrderList, name: &str) -> &'a Row {
-    list.row_for(OsStr::new(name)).unwrap().unwrap_or_else(|| panic!("no row for {name}"))
+fn row<'a>(list: &'a OrderList, name: &str) -> &'a OrderListRow {
+    list.row_for_file(OsStr::new(name)).unwrap().unwrap_or_else(|| panic!("no row for {name}"))
 }
 
 #[test]
@@ -19,10 +19,10 @@ fn each_column_is_read() {
     let ticket = row(&list, "a.stl").ticket.clone().unwrap();
     assert_eq!((ticket.copies, ticket.priority), (Some(10), Some(80)));
     assert_eq!(ticket.orientation, Some(OrientationRule::Fixed));
-    assert_eq!(ticket.due, Some(due("2026-11-25").unwrap()));
+    assert_eq!(ticket.due, Some(parse_due("2026-11-25").unwrap()));
     assert_eq!(row(&list, "a.stl").text, "file,copies,due,priority,orientation\na.stl,10,2026-11-25,80,fixed");
     assert_eq!(row(&list, "b.stl").ticket, Ok(Ticket::default()));
-    assert_eq!(list.row_for(OsStr::new("c.stl")), Ok(None));
+    assert_eq!(list.row_for_file(OsStr::new("c.stl")), Ok(None));
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn lists_of_spreadsheets_are_read() {
     ] {
         assert_eq!(row(&list(text), "größe; 2.stl").ticket.clone().unwrap().copies, Some(3), "{text:?}");
     }
-    let latin1 = OrderList::parse(b"file,copies\ngr\xf6\xdfe.stl,3\n");
+    let latin1 = OrderList::parse_list(b"file,copies\ngr\xf6\xdfe.stl,3\n");
     assert_eq!(row(&latin1, "größe.stl").ticket.clone().unwrap().copies, Some(3));
 }
 
@@ -44,7 +44,7 @@ fn quantity_is_another_word_for_copies() {
         assert_eq!(row(&list(text), "a.stl").ticket.clone().unwrap().copies, Some(3), "{text:?}");
     }
     let both = list("file,copies,qty\na.stl,3,4\n");
-    assert_eq!(both.row_for(OsStr::new("a.stl")).unwrap_err(), "it has two columns for copies");
+    assert_eq!(both.row_for_file(OsStr::new("a.stl")).unwrap_err(), "it has two columns for copies");
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn letters_may_differ_in_case_where_no_row_fits_exactly() {
 fn names_that_are_no_text_are_found_by_what_status_shows() {
     use std::os::unix::ffi::OsStrExt;
     let list = list("file,copies\na\\xff.stl,3\n");
-    assert!(list.row_for(OsStr::from_bytes(b"a\xff.stl")).unwrap().is_some());
+    assert!(list.row_for_file(OsStr::from_bytes(b"a\xff.stl")).unwrap().is_some());
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn a_broken_row_speaks_for_its_own_file_only() {
         ("../e.stl", "a path"),
         ("f.stl", "2 rows"),
     ] {
-        let why = list.row_for(OsStr::new(name)).unwrap_err();
+        let why = list.row_for_file(OsStr::new(name)).unwrap_err();
         assert!(why.contains(said), "{name}: {why}");
     }
     assert_eq!(row(&list, "g.stl").ticket.clone().unwrap().copies, Some(4));
@@ -85,18 +85,18 @@ fn a_list_that_is_not_understood_says_so_of_every_file() {
     for text in ["a.stl", "a.stl,b.stl,10\n", "a.stl,10\nb.stl\n", "file,file\na.stl,10\n", "price,sum\na.stl,10\n"] {
         let list = list(text);
         assert!(list.rows().is_err(), "{text}");
-        assert!(list.row_for(OsStr::new("a.stl")).is_err(), "{text}");
-        assert!(list.row_for(OsStr::new("b.stl")).is_err(), "{text}");
+        assert!(list.row_for_file(OsStr::new("a.stl")).is_err(), "{text}");
+        assert!(list.row_for_file(OsStr::new("b.stl")).is_err(), "{text}");
     }
     assert!(list("").rows().is_err());
 }
 
 fn copies_of(bytes: &[u8], files: &[&str], name: &str) -> Option<u32> {
     let files: Vec<&OsStr> = files.iter().map(OsStr::new).collect();
-    let list = OrderList::parse_beside(bytes, &files);
-    let meant = list.meant(files.iter().copied());
+    let list = OrderList::parse_for_files(bytes, &files);
+    let meant = list.match_files(files.iter().copied());
     let meaning = meant.files.get(OsStr::new(name)).unwrap_or_else(|| panic!("{name} is not in {list:?}"));
-    list.row_of(meaning, OsStr::new(name)).unwrap().ticket.clone().unwrap().copies
+    list.matched_row(meaning, OsStr::new(name)).unwrap().ticket.clone().unwrap().copies
 }
 
 #[test]
@@ -104,9 +104,9 @@ fn excels_unicode_text_is_read() {
     let text = "Datei\tStückzahl\tFällig\tPreis\r\nGröße.stl\t12\t25.11.2026\t3,50\r\n";
     let bytes: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     assert_eq!(copies_of(&bytes, &["Größe.stl"], "Größe.stl"), Some(12));
-    let list = OrderList::parse(&bytes);
-    assert_eq!(row(&list, "größe.stl").ticket.clone().unwrap().due, Some(due("2026-11-25").unwrap()));
-    assert_eq!(list.warnings(), ["The column \"Preis\" of its order list means nothing to nestd and was passed over."]);
+    let list = OrderList::parse_list(&bytes);
+    assert_eq!(row(&list, "größe.stl").ticket.clone().unwrap().due, Some(parse_due("2026-11-25").unwrap()));
+    assert_eq!(list.warnings(), ["The column \"Preis\" of its order list is unknown to nestd and was ignored."]);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn the_files_beside_it_tell_the_code_page() {
     for name in [&b"Gr\x94\xe1e"[..], b"Gr\xf6\xdfe", b"Gr\x9a\xa7e"] {
         let bytes = [b"datei;menge\r\n", name, b".stl;7\r\n"].concat();
         assert_eq!(copies_of(&bytes, &["Größe.stl", "b.stl"], "Größe.stl"), Some(7), "{name:?}");
-        // A Mac's share decomposes the name.
+        // A network share of a Mac decomposes the letters of the name.
         assert_eq!(copies_of(&bytes, &["Gro\u{308}ße.stl"], "Gro\u{308}ße.stl"), Some(7), "{name:?}");
     }
     let polish = b"plik;sztuk\r\nko\xb3o.stl;7\r\n";
@@ -166,6 +166,6 @@ fn further_columns_are_read_and_what_is_for_people_is_kept_in_the_note() {
     );
     let ticket = row(&list, "a.stl").ticket.clone().unwrap();
     assert_eq!((ticket.copies, ticket.order.as_deref(), ticket.clearance_mm), (Some(2), Some("K-7"), Some(2.5)));
-    assert_eq!(ticket.unit, Some(build_file::Unit::Inch));
+    assert_eq!(ticket.unit, Some(build_file::LengthUnit::Inch));
     assert_eq!(ticket.note.as_deref(), Some("urgent; customer: Brandt; material: PA12"));
 }

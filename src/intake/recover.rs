@@ -1,4 +1,5 @@
-//! What lies in `.claimed/` after a crash: whole claims are listed, half made ones given back, half removed ones removed.
+//! Recovers `.claimed/` after a crash: complete claims are listed, incomplete ones are given back to the hot folder,
+//! and partly removed ones are removed.
 
 use std::{
     ffi::{OsStr, OsString},
@@ -7,21 +8,21 @@ use std::{
 };
 
 use super::{
-    Claim, ClaimError, Said,
-    beside::{Role, SAID_NAME, role, short_name},
-    claim_folder::{CLAIMED_DIR, DONE, NEW, claiming, is_foreign},
-    claimed::io_error,
+    ClaimError, ClaimedPart, ListLookup,
+    claim_folder::{CLAIMED_DIR, REMOVED_PREFIX, UNFINISHED_PREFIX, is_foreign_claim, lock_claims},
+    claimed_part::io_error,
     disk, given_back,
-    marks::sweep_marks,
-    name::numbered,
-    same_name::folded_path,
+    name::numbered_name,
+    name_match::fold_path,
+    served_rows::sweep_marks,
+    sidecars::{FileRole, LIST_LOOKUP_NAME, file_role, short_name},
 };
 
-/// The claims of a farm that lie in `.claimed/`, oldest first, and what could not be recovered now; gives back what a crash left half
-/// claimed and removes what it left half released. To be called before a scan: what it gives back is then listed like any
-/// other drop.
-pub fn claims(inbox: &Path, farm: &str) -> Result<(Vec<Claim>, Vec<String>), ClaimError> {
-    let _only_one = claiming(inbox);
+/// Returns the complete claims of a farm in `.claimed/`, oldest first, and messages about claims that could not be
+/// recovered now. Gives back the files of incomplete claims and removes partly released ones. Call this before a scan,
+/// so that the scan lists the files that were given back.
+pub fn recover_claims(inbox: &Path, farm: &str) -> Result<(Vec<ClaimedPart>, Vec<String>), ClaimError> {
+    let _only_one = lock_claims(inbox);
     let claimed = inbox.join(CLAIMED_DIR);
     if fs::symlink_metadata(&claimed).is_ok_and(|meta| !meta.is_dir()) {
         return Err(io_error("use as the folder of the claims", &claimed, io::ErrorKind::NotADirectory.into()));
@@ -33,13 +34,13 @@ pub fn claims(inbox: &Path, farm: &str) -> Result<(Vec<Claim>, Vec<String>), Cla
     let (mut claims, mut troubles) = (Vec::new(), Vec::new());
     for entry in entries {
         let dir = entry.map_err(|e| io_error("list", &claimed, e))?.path();
-        // Another farm's lies there until a person adopts it.
-        if is_foreign(&dir.file_name().unwrap_or_default().to_string_lossy(), farm) {
+        // A claim of another farm stays until a person adopts it.
+        if is_foreign_claim(&dir.file_name().unwrap_or_default().to_string_lossy(), farm) {
             continue;
         }
-        match recover(inbox, &dir) {
+        match recover_claim(inbox, &dir) {
             Ok(found) => claims.extend(found),
-            // It stays where it is and is tried again: the other claims must not wait for it.
+            // The claim stays in place and is tried again later. The other claims must not wait for it.
             Err(error) => troubles.push(format!("cannot recover the claim {}: {error}", dir.display())),
         }
     }
@@ -48,35 +49,36 @@ pub fn claims(inbox: &Path, farm: &str) -> Result<(Vec<Claim>, Vec<String>), Cla
     Ok((claims, troubles))
 }
 
-/// What lies in `.claimed/`.
+/// The content of `.claimed/`.
 #[derive(Debug, Default)]
-pub struct Work {
-    /// Whole claims, oldest first.
-    pub claims: Vec<Claim>,
-    /// Claims that are being put together or taken apart, or that a crash left so.
+pub struct ClaimsOnDisk {
+    /// Complete claims, oldest first.
+    pub claims: Vec<ClaimedPart>,
+    /// Claims that are being assembled or removed, or that a crash left in that state.
     pub unfinished: Vec<PathBuf>,
-    /// The files in those that are being put together.
-    pub half_made: Vec<PathBuf>,
+    /// The files in claims that are being assembled.
+    pub unfinished_files: Vec<PathBuf>,
 }
 
-/// What lies in `.claimed/`, without touching it.
-pub fn work(inbox: &Path) -> io::Result<Work> {
-    let mut work = Work::default();
+/// Lists the content of `.claimed/` without changing it.
+pub fn list_claims(inbox: &Path) -> io::Result<ClaimsOnDisk> {
+    let mut work = ClaimsOnDisk::default();
     let entries = match fs::read_dir(inbox.join(CLAIMED_DIR)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(work),
         other => other?,
     };
     for entry in entries {
         let (name, path) = entry.map(|e| (e.file_name(), e.path()))?;
-        let is_unfinished = [NEW, DONE].iter().any(|with| name.as_encoded_bytes().starts_with(with.as_bytes()));
-        match name.to_str().filter(|name| !name.starts_with('.')).map(|id| Claim::load(inbox, id)) {
+        let is_unfinished =
+            [UNFINISHED_PREFIX, REMOVED_PREFIX].iter().any(|with| name.as_encoded_bytes().starts_with(with.as_bytes()));
+        match name.to_str().filter(|name| !name.starts_with('.')).map(|id| ClaimedPart::load_from_folder(inbox, id)) {
             Some(claim) => match claim? {
                 Some(claim) => work.claims.push(claim),
                 None => work.unfinished.push(path),
             },
             None if is_unfinished => {
-                if name.as_encoded_bytes().starts_with(NEW.as_bytes()) {
-                    work.half_made.extend(disk::files_below(&path)?);
+                if name.as_encoded_bytes().starts_with(UNFINISHED_PREFIX.as_bytes()) {
+                    work.unfinished_files.extend(disk::files_below(&path)?);
                 }
                 work.unfinished.push(path);
             }
@@ -87,70 +89,72 @@ pub fn work(inbox: &Path) -> io::Result<Work> {
     Ok(work)
 }
 
-fn recover(inbox: &Path, dir: &Path) -> io::Result<Option<Claim>> {
-    // Claims are folders that nestd made; anything else was put there by somebody else and is left alone.
+fn recover_claim(inbox: &Path, dir: &Path) -> io::Result<Option<ClaimedPart>> {
+    // Claims are folders made by nestd. Any other entry belongs to somebody else and is left alone.
     if !fs::symlink_metadata(dir)?.is_dir() {
         return Ok(None);
     }
     let name = dir.file_name().unwrap_or_default();
     let starts = |with: &str| name.as_encoded_bytes().starts_with(with.as_bytes());
-    if starts(NEW) {
+    if starts(UNFINISHED_PREFIX) {
         give_back_files(inbox, dir)?;
-    } else if starts(DONE) {
+    } else if starts(REMOVED_PREFIX) {
         fs::remove_dir_all(dir)?;
     } else if let (false, Some(id)) = (starts("."), name.to_str()) {
-        match Claim::load(inbox, id)? {
+        match ClaimedPart::load_from_folder(inbox, id)? {
             Some(claim) => return Ok(Some(claim)),
-            // Its part was refused; a ticket may be left to be given back.
+            // Its part was refused. A ticket may be left, which is given back.
             None => give_back_files(inbox, dir)?,
         };
     }
     Ok(None)
 }
 
-/// Moves all that was taken back to where it was dropped, under a free name if there is something new, and removes the
-/// claim. The copy of a list is only a copy. Returns where the (first) part is now.
+/// Moves all claimed files back to where they were dropped, under a free name if the name is taken now, and removes the
+/// claim. What the claim holds of a list is only a copy and is deleted. Returns the new path of the (first) part.
 pub(super) fn give_back_files(inbox: &Path, dir: &Path) -> io::Result<Option<PathBuf>> {
-    let dir = &unmake(dir)?;
+    let dir = &rename_to_unfinished(dir)?;
     let mut part = None;
     let files = disk::files_below(dir)?;
-    // A ticket that still has its part goes back with it.
-    let is_led = |file: &Path| files.iter().any(|part| follows(file, part));
-    for file in files.iter().filter(|f| role(f) != Role::List && !is_led(f)) {
-        let followers: Vec<&Path> = files.iter().map(PathBuf::as_path).filter(|f| follows(f, file)).collect();
-        let said = file.parent().map(|folder| Said::load(&folder.join(SAID_NAME))).transpose()?.flatten();
+    // A ticket whose part is still there goes back with the part.
+    let is_led = |file: &Path| files.iter().any(|part| is_ticket_of(file, part));
+    for file in files.iter().filter(|f| file_role(f) != FileRole::List && !is_led(f)) {
+        let followers: Vec<&Path> = files.iter().map(PathBuf::as_path).filter(|f| is_ticket_of(f, file)).collect();
+        let said =
+            file.parent().map(|folder| ListLookup::load_from(&folder.join(LIST_LOOKUP_NAME))).transpose()?.flatten();
         let back = give_back_one(inbox, dir, file, &followers, said)?;
-        if role(file) == Role::Part {
+        if file_role(file) == FileRole::Part {
             part = part.or(Some(back));
         }
     }
-    remove_emptied(dir)?;
+    remove_emptied_claim(dir)?;
     Ok(part)
 }
 
-/// Removes a claim that was taken apart: the copies of its list and the folders, nothing else.
-fn remove_emptied(dir: &Path) -> io::Result<()> {
-    for file in disk::files_below(dir)?.iter().filter(|f| role(f) == Role::List) {
+/// Removes a claim whose files were given back: deletes the copies of its list and the empty folders, nothing else.
+fn remove_emptied_claim(dir: &Path) -> io::Result<()> {
+    for file in disk::files_below(dir)?.iter().filter(|f| file_role(f) == FileRole::List) {
         fs::remove_file(file)?;
     }
     disk::remove_empty_folders(dir)
 }
 
-/// A claim that is taken apart must not look whole meanwhile: without its ticket it would be another order.
-fn unmake(dir: &Path) -> io::Result<PathBuf> {
+/// Renames a claim before its files are given back. It must not look complete meanwhile: without its ticket it would be
+/// another order.
+fn rename_to_unfinished(dir: &Path) -> io::Result<PathBuf> {
     let id = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    if id.starts_with(NEW) {
+    if id.starts_with(UNFINISHED_PREFIX) {
         return Ok(dir.to_owned());
     }
-    let new = dir.with_file_name(format!("{NEW}{id}"));
+    let new = dir.with_file_name(format!("{UNFINISHED_PREFIX}{id}"));
     disk::rename_noreplace(dir, &new)?;
     Ok(new)
 }
 
-fn follows(ticket: &Path, part: &Path) -> bool {
-    let Role::Ticket { part: named } = role(ticket) else { return false };
-    let (named, folded) = (folded_path(&named), folded_path(part));
-    role(part) == Role::Part && (named == folded || short_name(&folded) == Some(named))
+fn is_ticket_of(ticket: &Path, part: &Path) -> bool {
+    let FileRole::Ticket { part: named } = file_role(ticket) else { return false };
+    let (named, folded) = (fold_path(&named), fold_path(part));
+    file_role(part) == FileRole::Part && (named == folded || short_name(&folded) == Some(named))
 }
 
 fn give_back_one(
@@ -158,22 +162,22 @@ fn give_back_one(
     dir: &Path,
     file: &Path,
     followers: &[&Path],
-    said: Option<Said>,
+    said: Option<ListLookup>,
 ) -> io::Result<PathBuf> {
     let folder = file.parent().and_then(|p| p.strip_prefix(dir).ok()).unwrap_or(Path::new(""));
     let name = file.file_name().unwrap_or_default();
-    for n in 1..=disk::MAX_NUMBER {
-        let leader = numbered(name, n);
-        let targets = follower_names(&leader, followers);
-        if targets.iter().chain([&leader]).any(|t| disk::is_there(&inbox.join(folder).join(t))) {
+    for n in 1..=disk::MAX_NAME_NUMBER {
+        let leader = numbered_name(name, n);
+        let targets = full_ticket_names(&leader, followers);
+        if targets.iter().chain([&leader]).any(|t| disk::path_exists(&inbox.join(folder).join(t))) {
             continue;
         }
-        // The tickets first: a part in the hot folder is never without what is said about it.
+        // The tickets are moved first, so a part in the hot folder is never without its instructions.
         for (follower, target) in followers.iter().zip(&targets) {
             disk::rename_in(follower, inbox, &folder.join(target))?;
         }
-        if role(file) == Role::Part && (said.is_some() || n > 1) {
-            given_back::keep(inbox, file, &folder.join(&leader), said.unwrap_or_default())?;
+        if file_role(file) == FileRole::Part && (said.is_some() || n > 1) {
+            given_back::save_note(inbox, file, &folder.join(&leader), said.unwrap_or_default())?;
         }
         disk::rename_in(file, inbox, &folder.join(&leader))?;
         return Ok(inbox.join(folder).join(leader));
@@ -181,32 +185,32 @@ fn give_back_one(
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-/// Names of the tickets of one part, in full: what was clear when they were claimed may be so no more. Only a second one of
-/// the same kind has the short name.
-fn follower_names(part: &OsStr, tickets: &[&Path]) -> Vec<OsString> {
+/// Returns ticket names that contain the full name of the part, because a short name that was unique at the time of the
+/// claim may be ambiguous now. Only a second ticket with the same extension gets the short name.
+fn full_ticket_names(part: &OsStr, tickets: &[&Path]) -> Vec<OsString> {
     let mut names = Vec::new();
     for ticket in tickets {
-        let full = follower_name(part, ticket);
-        let short = follower_name(Path::new(part).with_extension("").as_os_str(), ticket);
+        let full = ticket_file_name(part, ticket);
+        let short = ticket_file_name(Path::new(part).with_extension("").as_os_str(), ticket);
         names.push(if names.contains(&full) { short } else { full });
     }
     names
 }
 
-/// The name of a ticket for a part of that name.
-pub(super) fn follower_name(part: &OsStr, ticket: &Path) -> OsString {
+/// File name of a ticket for a part with this name.
+pub(super) fn ticket_file_name(part: &OsStr, ticket: &Path) -> OsString {
     let mut name = part.to_owned();
     name.push(".");
     name.push(ticket.extension().unwrap_or_default());
     name
 }
 
-/// Removes a claim so that it is there whole or not at all.
+/// Removes a claim atomically: it exists completely or not at all.
 ///
-/// Returns whether this call gave it its last name.
+/// Returns whether this call did the rename that removes the claim.
 pub(super) fn remove_claim_dir(dir: &Path, step: &mut dyn FnMut()) -> io::Result<bool> {
     let id = dir.file_name().unwrap_or_default().to_string_lossy();
-    let done = dir.with_file_name(format!("{DONE}{}", id.trim_start_matches(NEW)));
+    let done = dir.with_file_name(format!("{REMOVED_PREFIX}{}", id.trim_start_matches(UNFINISHED_PREFIX)));
     let renamed = fs::rename(dir, &done);
     match &renamed {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return renamed.map(|()| true),

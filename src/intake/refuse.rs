@@ -1,7 +1,7 @@
-//! Refuses: moves to the error folder, beside a file that says why. Nothing is overwritten, nothing is lost.
+//! Refuses files: moves them to the error folder beside a file with the reason. Nothing is overwritten or lost.
 //!
-//! The reason is written first, so that a crash never leaves a file there that nobody can explain; the reason knows
-//! whose it is, so that the next try goes on where the crash was.
+//! The reason is written first, so a crash never leaves an unexplained file in the error folder. The reason names the
+//! claim or file that it belongs to, so the next attempt continues where the crash happened.
 
 use std::{
     ffi::OsStr,
@@ -13,27 +13,27 @@ use std::{
 use thiserror::Error;
 
 use super::{
-    Claim, Seen,
-    claim_folder::claiming,
+    ClaimedPart, InboxEntry,
+    claim_folder::lock_claims,
     disk, display_name,
-    name::{numbered, raw_name, with_suffix},
-    recover::{follower_name, remove_claim_dir},
+    name::{numbered_name, raw_name, with_suffix},
+    recover::{remove_claim_dir, ticket_file_name},
 };
 
-/// No reason of ours is longer.
+/// Maximum length of a reason that nestd writes.
 pub(super) const MAX_REASON_BYTES: u64 = 1 << 20;
-/// How the name of a reason ends.
-const REASON: &str = ".reason.txt";
+/// Suffix of the name of a reason file.
+const REASON_SUFFIX: &str = ".reason.txt";
 
-/// Why something could not be refused; it stays where it is.
+/// Why a file could not be refused. It stays in place.
 #[derive(Debug, Error)]
 #[error("cannot {what} {}", .path.display())]
 pub struct RefuseError {
-    /// What was tried.
+    /// The operation that failed.
     pub what: &'static str,
-    /// On what.
+    /// The path that it was applied to.
     pub path: PathBuf,
-    /// The error of the system.
+    /// The error of the operating system.
     #[source]
     pub source: io::Error,
 }
@@ -42,32 +42,34 @@ pub(super) fn io_error(what: &'static str, path: &Path, source: io::Error) -> Re
     RefuseError { what, path: path.to_owned(), source }
 }
 
-/// Moves a claimed part and its tickets into `error_dir/[order/]`, beside `<name>.reason.txt`. Returns where the part
-/// is. `reason` is whole sentences for the technician. Safe to repeat until it succeeds.
-pub fn refuse(claim: &Claim, error_dir: &Path, reason: &str) -> Result<PathBuf, RefuseError> {
+/// Moves a claimed part and its tickets into `error_dir/[order/]`, beside `<name>.reason.txt`. Returns the new path of
+/// the part. `reason` is addressed to the technician, in whole sentences. Safe to repeat until it succeeds.
+pub fn refuse_claim(claim: &ClaimedPart, error_dir: &Path, reason: &str) -> Result<PathBuf, RefuseError> {
     refuse_stepwise(claim, error_dir, reason, &mut || {})
 }
 
 pub(super) fn refuse_stepwise(
-    claim: &Claim,
+    claim: &ClaimedPart,
     error_dir: &Path,
     reason: &str,
     step: &mut dyn FnMut(),
 ) -> Result<PathBuf, RefuseError> {
-    let _only_one = claiming(&claim.inbox);
-    let folder = open_folder(error_dir, &claim.order_path)?;
+    let _only_one = lock_claims(&claim.inbox);
+    let folder = open_error_folder(error_dir, &claim.order_path)?;
     let refusal =
-        Refusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
+        PendingRefusal { source: &claim.part, folder: &folder, name: &claim.name, key: format!("Claim: {}", claim.id) };
     let relative = claim.part.strip_prefix(&claim.inbox).unwrap_or(&claim.part);
     let to = match fs::symlink_metadata(&claim.part) {
-        Ok(_) => refusal.write_and_move(&claim.order, reason, step, |to| disk::move_out(&claim.inbox, relative, to))?,
-        // An earlier try moved it and failed after that.
-        Err(error) if error.kind() == io::ErrorKind::NotFound => refusal.place_of_ours()?,
+        Ok(_) => {
+            refusal.write_and_move(&claim.order, reason, step, |to| disk::move_out_of(&claim.inbox, relative, to))?
+        }
+        // An earlier attempt moved the part and failed afterwards.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => refusal.find_moved_file()?,
         Err(error) => return Err(io_error("look at", &claim.part, error)),
     };
     for ticket in &claim.tickets {
-        let name = follower_name(to.file_name().unwrap_or_default(), ticket);
-        if disk::try_is_there(ticket).map_err(|e| io_error("look at", ticket, e))? {
+        let name = ticket_file_name(to.file_name().unwrap_or_default(), ticket);
+        if disk::try_path_exists(ticket).map_err(|e| io_error("look at", ticket, e))? {
             disk::move_to_free_name(ticket, &folder, &name).map_err(|e| io_error("refuse", ticket, e))?;
         }
         step();
@@ -76,23 +78,28 @@ pub(super) fn refuse_stepwise(
     Ok(to)
 }
 
-/// Moves what was never claimed (a link, a socket, a folder, an orphan ticket) out of `inbox` likewise.
-pub fn refuse_path(inbox: &Path, seen: &Seen, error_dir: &Path, reason: &str) -> Result<PathBuf, RefuseError> {
+/// Moves an entry that was never claimed (a link, a socket, a folder, an orphan ticket) from `inbox` to the error
+/// folder in the same way.
+pub fn refuse_entry(inbox: &Path, seen: &InboxEntry, error_dir: &Path, reason: &str) -> Result<PathBuf, RefuseError> {
     let gone = || io_error("refuse", &seen.path, io::ErrorKind::NotFound.into());
     let relative = seen.path.strip_prefix(inbox).map_err(|_| gone())?;
     let meta = fs::symlink_metadata(&seen.path).map_err(|e| io_error("refuse", &seen.path, e))?;
     if (meta.dev(), meta.ino()) != (seen.dev, seen.inode) {
         return Err(gone());
     }
-    let folder = open_folder(error_dir, relative.parent().unwrap_or(Path::new("")))?;
+    let folder = open_error_folder(error_dir, relative.parent().unwrap_or(Path::new("")))?;
     let name = seen.path.file_name().unwrap_or_default();
-    let refusal =
-        Refusal { source: &seen.path, folder: &folder, name, key: format!("Inode: {}-{}", seen.inode, seen.mtime_ns) };
-    refusal.write_and_move(&seen.order, reason, &mut || {}, |to| disk::move_out(inbox, relative, to))
+    let refusal = PendingRefusal {
+        source: &seen.path,
+        folder: &folder,
+        name,
+        key: format!("Inode: {}-{}", seen.inode, seen.mtime_ns),
+    };
+    refusal.write_and_move(&seen.order, reason, &mut || {}, |to| disk::move_out_of(inbox, relative, to))
 }
 
-/// Makes `error_dir/order`. An order folder in there that somebody made a link is no place for refused files.
-fn open_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
+/// Creates `error_dir/order`. It is an error if somebody replaced a folder in this path by a link.
+fn open_error_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
     let folder = error_dir.join(order);
     match disk::create_dirs_beneath(error_dir, order) {
         Ok(_) => Ok(folder),
@@ -100,40 +107,40 @@ fn open_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
     }
 }
 
-/// Copies a stored file, where there is one, to `error_dir/<folder>/<name>`, after its reason; the same copy again changes
-/// nothing. For a part whose claim has ended.
-pub fn refuse_copy(
+/// Writes the reason and then copies the stored file, if there is one, to `error_dir/<folder>/<name>`. Repeating it
+/// with the same file changes nothing. Used for a part whose claim has ended.
+pub fn copy_to_error_folder(
     stored: Option<&Path>,
     error_dir: &Path,
     folder: &str,
     display_name: &str,
     reason: &str,
 ) -> Result<(), RefuseError> {
-    let folder = open_folder(error_dir, Path::new(folder))?;
+    let folder = open_error_folder(error_dir, Path::new(folder))?;
     let name = raw_name(display_name).unwrap_or_else(|| display_name.into());
-    let (to, reason_file) = (folder.join(&name), folder.join(with_suffix(&name, "", REASON)));
-    disk::write_by_rename(&reason_file, reason.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
+    let (to, reason_file) = (folder.join(&name), folder.join(with_suffix(&name, "", REASON_SUFFIX)));
+    disk::write_file_atomically(&reason_file, reason.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
     let Some(stored) = stored else { return Ok(()) };
-    match disk::is_there(&to) && disk::same_bytes(stored, &to) {
+    match disk::path_exists(&to) && disk::have_same_bytes(stored, &to) {
         true => Ok(()),
         false => disk::copy_noreplace(stored, &to).map_err(|e| io_error("copy to the error folder", stored, e)),
     }
 }
 
-/// Another reason for a file that is in the error folder already.
+/// Replaces the reason of a file that is already in the error folder.
 pub fn rewrite_reason(reason_file: &Path, reason: &str) -> Result<(), RefuseError> {
-    disk::write_by_rename(reason_file, reason.as_bytes()).map_err(|e| io_error("write", reason_file, e))
+    disk::write_file_atomically(reason_file, reason.as_bytes()).map_err(|e| io_error("write", reason_file, e))
 }
 
-struct Refusal<'a> {
+struct PendingRefusal<'a> {
     source: &'a Path,
     folder: &'a Path,
     name: &'a OsStr,
-    /// A line that tells this refusal's reason from another one's.
+    /// A line in the reason file that identifies this refusal.
     key: String,
 }
 
-impl Refusal<'_> {
+impl PendingRefusal<'_> {
     fn write_and_move(
         &self,
         order: &str,
@@ -142,14 +149,15 @@ impl Refusal<'_> {
         move_to: impl FnOnce(&Path) -> io::Result<()>,
     ) -> Result<PathBuf, RefuseError> {
         step();
-        let (to, reason_file) = self.free_place()?;
-        if !self.is_ours(&reason_file)? {
+        let (to, reason_file) = self.find_free_paths()?;
+        if !self.is_own_reason(&reason_file)? {
             let text = self.reason_text(order, reason);
-            disk::write_by_rename(&reason_file, text.as_bytes()).map_err(|e| io_error("write", &reason_file, e))?;
+            disk::write_file_atomically(&reason_file, text.as_bytes())
+                .map_err(|e| io_error("write", &reason_file, e))?;
         }
         step();
-        let moved = match disk::is_there(&to) {
-            // A crash after copying it to another file system: the original is what is left to go.
+        let moved = match disk::path_exists(&to) {
+            // A crash happened after copying the file to another file system: only the original remains to be removed.
             true => fs::remove_file(self.source),
             false => move_to(&to),
         };
@@ -158,13 +166,13 @@ impl Refusal<'_> {
         Ok(to)
     }
 
-    /// The first number whose names are free, or ours from an earlier try.
-    fn free_place(&self) -> Result<(PathBuf, PathBuf), RefuseError> {
-        for n in 1..=disk::MAX_NUMBER {
-            let (to, reason_file) = self.place(n);
-            let is_free = match self.is_ours(&reason_file)? {
-                true => !disk::is_there(&to) || disk::same_bytes(self.source, &to),
-                false => !disk::is_there(&to) && !disk::is_there(&reason_file),
+    /// Finds the first number whose names are free, or used by an earlier attempt of this refusal.
+    fn find_free_paths(&self) -> Result<(PathBuf, PathBuf), RefuseError> {
+        for n in 1..=disk::MAX_NAME_NUMBER {
+            let (to, reason_file) = self.numbered_paths(n);
+            let is_free = match self.is_own_reason(&reason_file)? {
+                true => !disk::path_exists(&to) || disk::have_same_bytes(self.source, &to),
+                false => !disk::path_exists(&to) && !disk::path_exists(&reason_file),
             };
             if is_free {
                 return Ok((to, reason_file));
@@ -173,27 +181,30 @@ impl Refusal<'_> {
         Err(io_error("find a free name in", self.folder, io::ErrorKind::AlreadyExists.into()))
     }
 
-    fn place(&self, n: u32) -> (PathBuf, PathBuf) {
+    fn numbered_paths(&self, n: u32) -> (PathBuf, PathBuf) {
         let number = if n == 1 { String::new() } else { format!(" ({n})") };
-        (self.folder.join(numbered(self.name, n)), self.folder.join(with_suffix(self.name, &number, REASON)))
+        (
+            self.folder.join(numbered_name(self.name, n)),
+            self.folder.join(with_suffix(self.name, &number, REASON_SUFFIX)),
+        )
     }
 
-    /// Where an earlier try moved it to; somebody may have taken it away since.
-    fn place_of_ours(&self) -> Result<PathBuf, RefuseError> {
-        for n in 1..=disk::MAX_NUMBER {
-            let (to, reason_file) = self.place(n);
-            if self.is_ours(&reason_file)? {
+    /// Path to which an earlier attempt moved the file. Somebody may have removed the file since.
+    fn find_moved_file(&self) -> Result<PathBuf, RefuseError> {
+        for n in 1..=disk::MAX_NAME_NUMBER {
+            let (to, reason_file) = self.numbered_paths(n);
+            if self.is_own_reason(&reason_file)? {
                 return Ok(to);
             }
-            if !disk::is_there(&to) && !disk::is_there(&reason_file) {
+            if !disk::path_exists(&to) && !disk::path_exists(&reason_file) {
                 break;
             }
         }
         Err(io_error("refuse", self.source, io::ErrorKind::NotFound.into()))
     }
 
-    fn is_ours(&self, reason_file: &Path) -> Result<bool, RefuseError> {
-        // A folder, pipe or link of that name is nobody's reason.
+    fn is_own_reason(&self, reason_file: &Path) -> Result<bool, RefuseError> {
+        // A folder, pipe or link of that name is not a reason file.
         let text = disk::read_start(reason_file, MAX_REASON_BYTES).map_err(|e| io_error("read", reason_file, e))?;
         Ok(text.is_some_and(|text| text.split(|&b| b == b'\n').any(|line| line == self.key.as_bytes())))
     }

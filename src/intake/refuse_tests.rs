@@ -1,4 +1,4 @@
-//! Refusals on real folders, stopped after every step, on one file system and across two.
+//! Tests of refusals on real folders, interrupted after every step, on one file system and across two.
 
 use std::{
     os::unix::{fs::PermissionsExt, net::UnixListener},
@@ -7,7 +7,7 @@ use std::{
 
 use super::*;
 use crate::intake::{
-    Ready, claims,
+    SettledEntry, recover_claims,
     test_inbox::{TestInbox, files, stops_at},
 };
 
@@ -31,7 +31,7 @@ fn elsewhere(farm: &TestInbox) -> Option<tempfile::TempDir> {
 fn a_refused_part_stands_beside_its_reason_and_its_ticket() {
     let farm = dropped();
     let claim = farm.claim();
-    let to = refuse(&claim, &farm.error, "It has no triangles. Export it again.").unwrap();
+    let to = refuse_claim(&claim, &farm.error, "It has no triangles. Export it again.").unwrap();
     assert_eq!(to, farm.error.join("kit 1/a.stl"));
     assert_eq!(files(&farm.error), REFUSED);
     let reason = fs::read_to_string(farm.error.join(REFUSED[1])).unwrap();
@@ -39,7 +39,7 @@ fn a_refused_part_stands_beside_its_reason_and_its_ticket() {
         reason.starts_with("a.stl was refused.\n\nIt has no triangles. Export it again.\n\nFile: kit 1/a.stl\n"),
         "{reason}"
     );
-    assert!(farm.claimed().is_empty() && claims(&farm.inbox, "").unwrap().0.is_empty());
+    assert!(farm.claimed().is_empty() && recover_claims(&farm.inbox, "").unwrap().0.is_empty());
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn nothing_in_the_error_folder_is_overwritten() {
     for _ in 0..3 {
         farm.drop_file("kit 1/a.stl", "solid");
         farm.drop_file("kit 1/a.stl.toml", "copies = 0");
-        refuse(&farm.claim(), &farm.error, "No.").unwrap();
+        refuse_claim(&farm.claim(), &farm.error, "No.").unwrap();
     }
     let names = files(&farm.error);
     assert_eq!(names.len(), 9, "{names:?}");
@@ -66,15 +66,15 @@ fn a_refusal_stopped_anywhere_is_finished_by_the_next_one() {
             assert!(stop > 6);
             return;
         }
-        let left = claims(&farm.inbox, "").unwrap().0;
+        let left = recover_claims(&farm.inbox, "").unwrap().0;
         let parts = files(&farm.error).iter().filter(|f| f.ends_with("a.stl")).count();
         assert_eq!(left.len() + parts, 1, "stop {stop}");
         for claim in &left {
             assert_eq!(claim.tickets.len(), 1, "stop {stop}: the part lost its ticket");
-            refuse(claim, &farm.error, "No.").unwrap();
+            refuse_claim(claim, &farm.error, "No.").unwrap();
         }
         assert_eq!(files(&farm.error)[..2], REFUSED[..2], "stop {stop}");
-        // A ticket whose part has gone ahead is given back, to be refused as an orphan.
+        // A ticket whose part was already moved is given back, and is later refused as an orphan.
         assert_eq!(files(&farm.error).len() + farm.dropped().len(), 3, "stop {stop}");
         assert!(farm.claimed().is_empty());
     }
@@ -84,7 +84,7 @@ fn a_refusal_stopped_anywhere_is_finished_by_the_next_one() {
 fn a_refusal_goes_across_file_systems() {
     let farm = dropped();
     let Some(memory) = elsewhere(&farm) else { return };
-    refuse(&farm.claim(), memory.path(), "No.").unwrap();
+    refuse_claim(&farm.claim(), memory.path(), "No.").unwrap();
     assert_eq!(files(memory.path()), REFUSED);
     assert_eq!(fs::read_to_string(memory.path().join(REFUSED[0])).unwrap(), "solid");
     assert!(farm.claimed().is_empty());
@@ -98,7 +98,7 @@ fn a_refusal_across_file_systems_that_stopped_after_the_copy_leaves_one() {
     assert!(stops_at(2, |step| refuse_stepwise(&claim, memory.path(), "No.", step)));
     assert_eq!(files(memory.path()), REFUSED[1..2]);
     fs::copy(&claim.part, memory.path().join(REFUSED[0])).unwrap();
-    refuse(&claims(&farm.inbox, "").unwrap().0[0], memory.path(), "No.").unwrap();
+    refuse_claim(&recover_claims(&farm.inbox, "").unwrap().0[0], memory.path(), "No.").unwrap();
     assert_eq!(files(memory.path()), REFUSED);
     assert!(farm.claimed().is_empty());
 }
@@ -109,7 +109,7 @@ fn a_stranger_under_the_same_name_is_not_mistaken_for_a_copy() {
     let claim = farm.claim();
     assert!(stops_at(2, |step| refuse_stepwise(&claim, &farm.error, "No.", step)));
     fs::write(farm.error.join(REFUSED[0]), "other").unwrap();
-    let to = refuse(&claim, &farm.error, "No.").unwrap();
+    let to = refuse_claim(&claim, &farm.error, "No.").unwrap();
     assert_eq!(to, farm.error.join("kit 1/a (2).stl"));
     assert_eq!(fs::read_to_string(farm.error.join(REFUSED[0])).unwrap(), "other");
 }
@@ -120,7 +120,7 @@ fn names_of_255_bytes_get_a_reason_too() {
     let names = ["n".repeat(251) + ".stl", "n".repeat(250) + "m.stl", "ü".repeat(127)];
     for name in &names {
         farm.drop_file(name, "solid");
-        refuse(&farm.claim(), &farm.error, "No.").unwrap();
+        refuse_claim(&farm.claim(), &farm.error, "No.").unwrap();
     }
     let found = files(&farm.error);
     assert_eq!(found.len(), 6, "{found:?}");
@@ -133,22 +133,22 @@ fn an_error_folder_that_cannot_be_written_leaves_the_claim_whole() {
     let farm = dropped();
     let claim = farm.claim();
     fs::write(&farm.error, "a file in its place").unwrap();
-    assert!(refuse(&claim, &farm.error, "No.").is_err());
+    assert!(refuse_claim(&claim, &farm.error, "No.").is_err());
     fs::remove_file(&farm.error).unwrap();
     fs::create_dir(&farm.error).unwrap();
     fs::set_permissions(&farm.error, fs::Permissions::from_mode(0o500)).unwrap();
-    let result = refuse(&claim, &farm.error, "No.");
+    let result = refuse_claim(&claim, &farm.error, "No.");
     fs::set_permissions(&farm.error, fs::Permissions::from_mode(0o700)).unwrap();
-    // The superuser may write anyway.
+    // The superuser may write in any case.
     if let Err(error) = result {
         assert!(error.to_string().contains("cannot create"), "{error}");
-        assert_eq!(claims(&farm.inbox, "").unwrap().0, [claim]);
+        assert_eq!(recover_claims(&farm.inbox, "").unwrap().0, [claim]);
     }
 }
 
 fn refuse_all(farm: &TestInbox, error_dir: &Path) -> Vec<PathBuf> {
     let refused = farm.ready().into_iter().filter_map(|ready| match ready {
-        Ready::Refuse { seen, reason } => Some(refuse_path(&farm.inbox, &seen, error_dir, &reason).unwrap()),
+        SettledEntry::Refuse { seen, reason } => Some(refuse_entry(&farm.inbox, &seen, error_dir, &reason).unwrap()),
         _ => None,
     });
     refused.collect()
@@ -196,10 +196,10 @@ fn what_is_no_part_is_moved_across_file_systems_too() {
 fn what_was_replaced_since_it_was_seen_is_not_refused_in_its_stead() {
     let farm = TestInbox::new();
     std::os::unix::fs::symlink("/etc/hostname", farm.inbox.join("a.stl")).unwrap();
-    let [Ready::Refuse { seen, .. }] = &farm.ready()[..] else { panic!("no link is ready") };
+    let [SettledEntry::Refuse { seen, .. }] = &farm.ready()[..] else { panic!("no link is ready") };
     fs::rename(farm.inbox.join("a.stl"), farm.dir.path().join("kept")).unwrap();
     farm.drop_file("a.stl", "solid");
-    assert!(refuse_path(&farm.inbox, seen, &farm.error, "No.").is_err());
+    assert!(refuse_entry(&farm.inbox, seen, &farm.error, "No.").is_err());
     assert_eq!(farm.dropped(), ["a.stl"]);
 }
 
@@ -209,12 +209,12 @@ fn a_refusal_that_was_done_is_found_done_by_the_next_try() {
     farm.drop_file("a.stl", "solid");
     let error_dir = farm.dir.path().join("error");
     let claim = farm.claim();
-    let first = refuse(&claim, &error_dir, "No.").unwrap();
-    // The end of the first try may have failed after the part was moved.
-    assert_eq!(refuse(&claim, &error_dir, "No.").unwrap(), first);
+    let first = refuse_claim(&claim, &error_dir, "No.").unwrap();
+    // The first attempt may have failed after it moved the part.
+    assert_eq!(refuse_claim(&claim, &error_dir, "No.").unwrap(), first);
     assert_eq!(fs::read_dir(&error_dir).unwrap().count(), 2);
     fs::remove_file(&first).unwrap();
-    assert_eq!(refuse(&claim, &error_dir, "No.").unwrap(), first);
+    assert_eq!(refuse_claim(&claim, &error_dir, "No.").unwrap(), first);
     fs::remove_file(error_dir.join("a.stl.reason.txt")).unwrap();
-    assert!(refuse(&claim, &error_dir, "No.").is_err());
+    assert!(refuse_claim(&claim, &error_dir, "No.").is_err());
 }

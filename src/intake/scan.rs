@@ -1,4 +1,4 @@
-//! Lists the hot folder. The scan is the truth about what stands there; file-system events only say "look".
+//! Lists the hot folder. The scan decides which files are there; file-system events only trigger a scan.
 
 use std::{
     ffi::OsStr,
@@ -10,19 +10,18 @@ use std::{
 use thiserror::Error;
 
 use super::{
-    Kind, Seen,
-    beside::Unseen,
-    disk,
-    ignore::{is_ignored, is_own},
-    name::{is_part_name, order_name},
+    EntryKind, InboxEntry, disk,
+    ignore::{is_ignored, is_status_file},
+    name::{is_part_name, order_display_name},
+    sidecars::UnreadableSidecars,
 };
 
-/// How far a scan goes.
+/// Limits of one scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ScanLimits {
-    /// Sub-folders below the hot folder.
+    /// Maximum depth of sub-folders below the hot folder.
     pub max_depth: usize,
-    /// Things listed in one scan; the rest waits for the next one.
+    /// Maximum number of entries in one scan. The rest waits for the next scan.
     pub max_entries: usize,
 }
 
@@ -32,164 +31,167 @@ impl Default for ScanLimits {
     }
 }
 
-/// What a scan found.
+/// Result of a scan.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Listing {
-    /// What stands in the hot folder and is not ignored, sorted by path; without parts whose ticket or list may be among the
-    /// troubles.
-    pub seen: Vec<Seen>,
-    /// Sub-folders that could not be listed and things that could not be looked at, each with the reason in plain words.
-    pub troubles: Vec<(PathBuf, String)>,
+pub struct InboxListing {
+    /// All entries of the hot folder that are not ignored, sorted by path. Parts are left out while their ticket or
+    /// list may be among the entries that could not be read.
+    pub entries: Vec<InboxEntry>,
+    /// Sub-folders that could not be listed and entries that could not be inspected, each with the reason in plain
+    /// words.
+    pub warnings: Vec<(PathBuf, String)>,
 }
 
-/// Why there is no listing. It never means that the files were deleted.
+/// Why a scan failed. A failed scan never means that the files were deleted.
 #[derive(Debug, Error)]
 pub enum ScanError {
-    /// The hot folder is not there, cannot be read, or is another file system than before.
+    /// The hot folder is missing, cannot be read, or is on another file system than before.
     #[error("the hot folder {} is unavailable: {why}", .inbox.display())]
     Unavailable {
         /// The hot folder.
         inbox: PathBuf,
-        /// In plain words.
+        /// The reason, in plain words.
         why: String,
-        /// The error of the system, if there was one.
+        /// The error of the operating system, if there was one.
         #[source]
         source: Option<io::Error>,
     },
 }
 
-/// A hot folder that remembers which file system it is on.
+/// A hot folder, with the file system that it was on at the first scan.
 #[derive(Debug)]
-pub struct Inbox {
+pub struct InboxFolder {
     path: PathBuf,
     limits: ScanLimits,
     dev: Option<u64>,
 }
 
-impl Inbox {
-    /// Names the hot folder; touches nothing.
+impl InboxFolder {
+    /// Refers to the hot folder. Does not access the disk.
     pub fn new(path: impl Into<PathBuf>, limits: ScanLimits) -> Self {
         Self { path: path.into(), limits, dev: None }
     }
 
-    /// Where it is.
+    /// Path of the hot folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Lists it. Another file system than at the first scan (unmounted, or something mounted over it) is
-    /// [`ScanError::Unavailable`]: nothing may be concluded from what is missing there.
-    pub fn scan(&mut self) -> Result<Listing, ScanError> {
+    /// Lists the hot folder. If the file system differs from the first scan (unmounted, or another one mounted over
+    /// it), the result is [`ScanError::Unavailable`], because missing files then prove nothing.
+    pub fn scan(&mut self) -> Result<InboxListing, ScanError> {
         let dev = root_dev(&self.path)?;
         if let Some(first) = self.dev
             && first != dev
         {
             let why = "it is on another file system than when nestd first saw it; mount it again, or restart nestd";
-            return Err(unavailable(&self.path, why, None));
+            return Err(unavailable_error(&self.path, why, None));
         }
-        let listing = scan(&self.path, self.limits)?;
+        let listing = scan_inbox(&self.path, self.limits)?;
         self.dev = Some(dev);
         Ok(listing)
     }
 }
 
-/// Lists a hot folder without a memory of its file system; [`Inbox::scan`] is the daemon's.
-pub fn scan(inbox: &Path, limits: ScanLimits) -> Result<Listing, ScanError> {
+/// Lists a hot folder without comparing its file system with an earlier scan. The daemon uses [`InboxFolder::scan`].
+pub fn scan_inbox(inbox: &Path, limits: ScanLimits) -> Result<InboxListing, ScanError> {
     let dev = root_dev(inbox)?;
-    let mut walk = Walk { inbox, limits, dev, listing: Listing::default() };
-    walk.folder(Path::new(""), 0).map_err(|error| unavailable(inbox, "it cannot be listed", Some(error)))?;
-    // Unmounted while it was listed: what is missing says nothing.
+    let mut walk = InboxWalker { inbox, limits, dev, listing: InboxListing::default() };
+    walk.list_folder(Path::new(""), 0).map_err(|error| unavailable_error(inbox, "it cannot be listed", Some(error)))?;
+    // The folder was unmounted during the scan: missing files prove nothing.
     if root_dev(inbox)? != dev {
-        return Err(unavailable(inbox, "its file system changed while it was listed", None));
+        return Err(unavailable_error(inbox, "its file system changed while it was listed", None));
     }
-    // A ticket that cannot be looked at now is there all the same: its part waits for it.
-    let unseen = Unseen::of(walk.listing.troubles.iter().map(|(path, _)| path.as_path()));
-    walk.listing.seen.retain(|one| !unseen.may_belong_to(&one.path));
-    walk.listing.seen.sort_by(|a, b| a.path.cmp(&b.path));
+    // A ticket that cannot be inspected now still exists, so its part has to wait for it.
+    let unseen = UnreadableSidecars::from_paths(walk.listing.warnings.iter().map(|(path, _)| path.as_path()));
+    walk.listing.entries.retain(|one| !unseen.may_belong_to(&one.path));
+    walk.listing.entries.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(walk.listing)
 }
 
-fn unavailable(inbox: &Path, why: &str, source: Option<io::Error>) -> ScanError {
+fn unavailable_error(inbox: &Path, why: &str, source: Option<io::Error>) -> ScanError {
     ScanError::Unavailable { inbox: inbox.to_owned(), why: why.to_owned(), source }
 }
 
-/// The file system of a hot folder, which may itself be reached by a link.
+/// Returns the device number of the hot folder's file system. The hot folder itself may be a symbolic link.
 fn root_dev(inbox: &Path) -> Result<u64, ScanError> {
-    let meta = fs::metadata(inbox).map_err(|error| unavailable(inbox, "it is not there", Some(error)))?;
+    let meta = fs::metadata(inbox).map_err(|error| unavailable_error(inbox, "it is not there", Some(error)))?;
     match meta.is_dir() {
         true => Ok(meta.dev()),
-        false => Err(unavailable(inbox, "it is not a folder", None)),
+        false => Err(unavailable_error(inbox, "it is not a folder", None)),
     }
 }
 
-struct Walk<'a> {
+struct InboxWalker<'a> {
     inbox: &'a Path,
     limits: ScanLimits,
     dev: u64,
-    listing: Listing,
+    listing: InboxListing,
 }
 
-impl Walk<'_> {
-    /// Lists one folder, `depth` sub-folders below the hot folder. An error means that the whole hot folder is in doubt.
-    fn folder(&mut self, order: &Path, depth: usize) -> io::Result<()> {
+impl InboxWalker<'_> {
+    /// Lists one folder, `depth` levels below the hot folder. An error means that the whole hot folder may be
+    /// unavailable.
+    fn list_folder(&mut self, order: &Path, depth: usize) -> io::Result<()> {
         let path = self.inbox.join(order);
         let entries = match fs::read_dir(&path) {
-            Err(error) if depth > 0 => return self.trouble(path, error),
+            Err(error) if depth > 0 => return self.handle_error(path, error),
             other => other?,
         };
         for entry in entries {
             let name = match entry {
-                Err(error) if depth > 0 => return self.trouble(path, error),
+                Err(error) if depth > 0 => return self.handle_error(path, error),
                 other => other?.file_name(),
             };
-            if self.listing.seen.len() >= self.limits.max_entries {
+            if self.listing.entries.len() >= self.limits.max_entries {
                 let why = format!("holds more than {} files; the rest waits", self.limits.max_entries);
-                self.listing.troubles.push((path, why));
+                self.listing.warnings.push((path, why));
                 return Ok(());
             }
-            if is_ignored(&name) || (depth == 0 && is_own(&name)) {
+            if is_ignored(&name) || (depth == 0 && is_status_file(&name)) {
                 continue;
             }
-            self.entry(order, &name, depth)?;
+            self.add_entry(order, &name, depth)?;
         }
         Ok(())
     }
 
-    fn entry(&mut self, order: &Path, name: &OsStr, depth: usize) -> io::Result<()> {
+    fn add_entry(&mut self, order: &Path, name: &OsStr, depth: usize) -> io::Result<()> {
         let path = self.inbox.join(order).join(name);
         let meta = match fs::symlink_metadata(&path) {
-            Err(error) => return self.trouble(path, error),
+            Err(error) => return self.handle_error(path, error),
             Ok(meta) => meta,
         };
         if meta.is_dir() && depth < self.limits.max_depth && !is_part_name(name) {
             if meta.dev() != self.dev {
-                self.listing.troubles.push((path, "is another file system; parts cannot be claimed from it".into()));
+                self.listing.warnings.push((path, "is another file system; parts cannot be claimed from it".into()));
                 return Ok(());
             }
-            return self.folder(&order.join(name), depth + 1);
+            return self.list_folder(&order.join(name), depth + 1);
         }
-        self.listing.seen.push(Seen {
+        self.listing.entries.push(InboxEntry {
             path,
-            order: order_name(order),
-            kind: kind(meta.file_type()),
+            order: order_display_name(order),
+            kind: entry_kind(meta.file_type()),
             size: meta.len(),
             allocated: meta.blocks() * 512,
             ctime_ns: disk::ctime_ns(&meta),
             mtime_ns: disk::mtime_ns(&meta),
             inode: meta.ino(),
             dev: meta.dev(),
-            is_secret: disk::is_second_name_of_a_secret(&meta),
+            is_private_link: disk::is_hard_link_to_private_file(&meta),
         });
         Ok(())
     }
 
-    /// A thing that vanished while it was listed is none of ours, one without permission is noted and the rest goes on;
-    /// anything else (an unreachable server, a failing disk) puts the whole hot folder in doubt.
-    fn trouble(&mut self, path: PathBuf, error: io::Error) -> io::Result<()> {
+    /// Handles an error for one entry. An entry that vanished during the scan is skipped. An entry without permission
+    /// becomes a warning, and the scan goes on. Any other error (an unreachable server, a failing disk) fails the whole
+    /// scan.
+    fn handle_error(&mut self, path: PathBuf, error: io::Error) -> io::Result<()> {
         match error.kind() {
             io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Ok(()),
             io::ErrorKind::PermissionDenied => {
-                self.listing.troubles.push((path, "cannot be read: permission denied".to_owned()));
+                self.listing.warnings.push((path, "cannot be read: permission denied".to_owned()));
                 Ok(())
             }
             _ => Err(error),
@@ -197,14 +199,14 @@ impl Walk<'_> {
     }
 }
 
-fn kind(file_type: fs::FileType) -> Kind {
+fn entry_kind(file_type: fs::FileType) -> EntryKind {
     match file_type {
-        t if t.is_file() => Kind::File,
-        t if t.is_dir() => Kind::Directory,
-        t if t.is_symlink() => Kind::Symlink,
-        t if t.is_socket() => Kind::Socket,
-        t if t.is_fifo() => Kind::Fifo,
-        _ => Kind::Device,
+        t if t.is_file() => EntryKind::File,
+        t if t.is_dir() => EntryKind::Directory,
+        t if t.is_symlink() => EntryKind::Symlink,
+        t if t.is_socket() => EntryKind::Socket,
+        t if t.is_fifo() => EntryKind::Fifo,
+        _ => EntryKind::Device,
     }
 }
 

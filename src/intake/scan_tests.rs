@@ -1,4 +1,4 @@
-//! Real folders, real files of all kinds.
+//! Tests of the scan with real folders and files of all kinds.
 
 use std::{
     ffi::OsString,
@@ -11,8 +11,8 @@ use std::{
 
 use super::*;
 
-fn names(listing: &Listing, inbox: &Path) -> Vec<String> {
-    listing.seen.iter().map(|s| s.path.strip_prefix(inbox).unwrap().to_string_lossy().into_owned()).collect()
+fn names(listing: &InboxListing, inbox: &Path) -> Vec<String> {
+    listing.entries.iter().map(|s| s.path.strip_prefix(inbox).unwrap().to_string_lossy().into_owned()).collect()
 }
 
 #[test]
@@ -28,12 +28,12 @@ fn files_of_the_hot_folder_and_its_orders_are_listed_and_the_rest_is_ignored() {
     for name in ["STATUS.txt", "status.json", ".hidden.stl", "a.stl.part", "@eaDir/a.stl", ".claimed/x/a.stl"] {
         fs::write(at(name), "x").unwrap();
     }
-    let listing = scan(inbox.path(), ScanLimits::default()).unwrap();
+    let listing = scan_inbox(inbox.path(), ScanLimits::default()).unwrap();
     assert_eq!(names(&listing, inbox.path()), ["a.stl", "order 7/STATUS.txt", "order 7/b.3mf", "order 7/lid/c.stl"]);
-    let orders: Vec<_> = listing.seen.iter().map(|s| s.order.as_str()).collect();
+    let orders: Vec<_> = listing.entries.iter().map(|s| s.order.as_str()).collect();
     assert_eq!(orders, ["", "order 7", "order 7", "order 7/lid"]);
-    assert!(listing.seen.iter().all(|s| s.kind == Kind::File && s.size == 1 && s.inode > 0));
-    assert!(listing.troubles.is_empty());
+    assert!(listing.entries.iter().all(|s| s.kind == EntryKind::File && s.size == 1 && s.inode > 0));
+    assert!(listing.warnings.is_empty());
 }
 
 #[test]
@@ -51,8 +51,8 @@ fn names_of_all_kinds_are_listed() {
         fs::write(inbox.path().join(name), "x").unwrap();
     }
     names.sort();
-    let listing = scan(inbox.path(), ScanLimits::default()).unwrap();
-    let found: Vec<_> = listing.seen.iter().map(|s| s.path.file_name().unwrap().to_owned()).collect();
+    let listing = scan_inbox(inbox.path(), ScanLimits::default()).unwrap();
+    let found: Vec<_> = listing.entries.iter().map(|s| s.path.file_name().unwrap().to_owned()).collect();
     assert_eq!(found, names);
 }
 
@@ -68,9 +68,12 @@ fn what_is_no_file_is_told_by_its_kind_and_no_link_is_followed() {
     let _socket = UnixListener::bind(at("d_socket")).unwrap();
     fs::create_dir(at("e_folder.STL")).unwrap();
     fs::write(at("e_folder.STL/inner.stl"), "x").unwrap();
-    let listing = scan(inbox.path(), ScanLimits::default()).unwrap();
-    let kinds: Vec<_> = listing.seen.iter().map(|s| s.kind).collect();
-    assert_eq!(kinds, [Kind::Symlink, Kind::Symlink, Kind::Fifo, Kind::Socket, Kind::Directory]);
+    let listing = scan_inbox(inbox.path(), ScanLimits::default()).unwrap();
+    let kinds: Vec<_> = listing.entries.iter().map(|s| s.kind).collect();
+    assert_eq!(
+        kinds,
+        [EntryKind::Symlink, EntryKind::Symlink, EntryKind::Fifo, EntryKind::Socket, EntryKind::Directory]
+    );
 }
 
 #[test]
@@ -78,9 +81,9 @@ fn folders_deeper_than_the_limit_are_listed_as_folders() {
     let inbox = tempfile::tempdir().unwrap();
     fs::create_dir_all(inbox.path().join("1/2/3")).unwrap();
     fs::write(inbox.path().join("1/2/a.stl"), "x").unwrap();
-    let listing = scan(inbox.path(), ScanLimits { max_depth: 2, ..Default::default() }).unwrap();
+    let listing = scan_inbox(inbox.path(), ScanLimits { max_depth: 2, ..Default::default() }).unwrap();
     assert_eq!(names(&listing, inbox.path()), ["1/2/3", "1/2/a.stl"]);
-    assert_eq!(listing.seen[0].kind, Kind::Directory);
+    assert_eq!(listing.entries[0].kind, EntryKind::Directory);
 }
 
 #[test]
@@ -88,8 +91,8 @@ fn a_hot_folder_that_is_gone_is_unavailable_not_empty() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("inbox");
     fs::create_dir(&path).unwrap();
-    let mut inbox = Inbox::new(&path, ScanLimits::default());
-    assert!(inbox.scan().unwrap().seen.is_empty());
+    let mut inbox = InboxFolder::new(&path, ScanLimits::default());
+    assert!(inbox.scan().unwrap().entries.is_empty());
     fs::remove_dir(&path).unwrap();
     assert!(inbox.scan().unwrap_err().to_string().contains("unavailable: it is not there"));
     fs::write(&path, "a file").unwrap();
@@ -107,7 +110,7 @@ fn another_file_system_in_its_place_is_unavailable_until_the_first_is_back() {
     let real = disk.path().join("real");
     fs::create_dir(&real).unwrap();
     symlink(&real, &link).unwrap();
-    let mut inbox = Inbox::new(&link, ScanLimits::default());
+    let mut inbox = InboxFolder::new(&link, ScanLimits::default());
     inbox.scan().unwrap();
     fs::remove_file(&link).unwrap();
     symlink(memory.path(), &link).unwrap();
@@ -125,11 +128,11 @@ fn an_order_that_may_not_be_read_does_not_hide_the_others() {
     fs::write(inbox.path().join("a.stl"), "x").unwrap();
     fs::set_permissions(&locked, fs::Permissions::from_mode(0o000)).unwrap();
     let readable_anyway = fs::read_dir(&locked).is_ok();
-    let listing = scan(inbox.path(), ScanLimits::default()).unwrap();
+    let listing = scan_inbox(inbox.path(), ScanLimits::default()).unwrap();
     fs::set_permissions(&locked, fs::Permissions::from_mode(0o700)).unwrap();
     assert_eq!(names(&listing, inbox.path()), ["a.stl"]);
     // The superuser reads everything.
-    assert!(readable_anyway || listing.troubles[0].1.contains("permission denied"));
+    assert!(readable_anyway || listing.warnings[0].1.contains("permission denied"));
 }
 
 #[test]
@@ -138,7 +141,7 @@ fn more_files_than_the_limit_are_said_not_dropped_silently() {
     for i in 0..5 {
         fs::write(inbox.path().join(format!("{i}.stl")), "x").unwrap();
     }
-    let listing = scan(inbox.path(), ScanLimits { max_entries: 3, ..Default::default() }).unwrap();
-    assert_eq!(listing.seen.len(), 3);
-    assert!(listing.troubles[0].1.contains("more than 3"));
+    let listing = scan_inbox(inbox.path(), ScanLimits { max_entries: 3, ..Default::default() }).unwrap();
+    assert_eq!(listing.entries.len(), 3);
+    assert!(listing.warnings[0].1.contains("more than 3"));
 }

@@ -1,4 +1,5 @@
-//! Decides what may be taken: what stood still long enough and is there to its end. Pure: seen + now -> ready.
+//! Decides which files may be taken: files that have not changed for long enough and are complete. Pure function of the
+//! scanned entries and the time.
 
 use std::{
     collections::HashMap,
@@ -7,24 +8,25 @@ use std::{
 };
 
 use super::{
-    Kind, Ready, Seen,
-    beside::{Beside, Role, role},
-    display_name,
+    EntryKind, InboxEntry, SettledEntry, display_name,
+    sidecars::{FileRole, SidecarIndex, file_role},
 };
 
-/// A file with a hole may be a copy under way, or on a disk that compresses: it waits so many settle times.
-const HOLE_SETTLES: f64 = 6.0;
-/// Smaller files may be kept inside their inode, with nothing allocated.
+/// A file with a hole may be an unfinished copy, or may be on a disk that compresses. It must stay unchanged for this
+/// many settle times.
+const HOLE_SETTLE_FACTOR: f64 = 6.0;
+/// Smaller files may be stored inside their inode, with no blocks allocated.
 const SMALL_BYTES: u64 = 64 << 10;
 
-/// How long things must stand still.
+/// How long files must stay unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettleRules {
-    /// A file must be unchanged so long, seconds.
+    /// A file must be unchanged for this time, seconds.
     pub settle_secs: f64,
-    /// A file whose end is missing is taken (to be refused with a reason) after it stood unchanged so long, seconds.
+    /// A file whose end is missing is taken, and then refused with a reason, after it was unchanged for this time,
+    /// seconds.
     pub unfinished_secs: f64,
-    /// A ticket without its part is refused after so long, seconds.
+    /// A ticket without its part is refused after this time, seconds.
     pub orphan_secs: f64,
 }
 
@@ -34,11 +36,11 @@ impl Default for SettleRules {
     }
 }
 
-/// What must stay the same for a file to be settled. Copiers set old mtimes and may allocate the whole size at once, but
-/// every write changes the ctime.
+/// The attributes that must stay the same for a file to count as settled. Copying programs set old modification times
+/// and may allocate the whole size at once, but every write changes the ctime.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Print {
-    kind: Kind,
+struct StatFingerprint {
+    kind: EntryKind,
     size: u64,
     ctime_ns: i128,
     mtime_ns: i128,
@@ -46,118 +48,128 @@ struct Print {
     dev: u64,
 }
 
-impl Print {
-    fn of(seen: &Seen) -> Self {
-        let Seen { kind, size, ctime_ns, mtime_ns, inode, dev, .. } = *seen;
+impl StatFingerprint {
+    fn from_entry(seen: &InboxEntry) -> Self {
+        let InboxEntry { kind, size, ctime_ns, mtime_ns, inode, dev, .. } = *seen;
         Self { kind, size, ctime_ns, mtime_ns, inode, dev }
     }
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Watched {
-    print: Print,
-    /// When it was first seen like this.
+struct WatchedEntry {
+    fingerprint: StatFingerprint,
+    /// When the entry was first seen with this fingerprint.
     since_secs: f64,
-    /// Scans that saw it like this.
+    /// Number of scans that saw this fingerprint.
     scans: u32,
-    /// For a ticket: whether it could have been of several parts. Then it is of none, not of the one that is left.
-    is_unclear: bool,
+    /// For a ticket: whether several parts matched it at some time. It is then used for none of them, not even for the
+    /// only one that is left.
+    is_ambiguous: bool,
 }
 
-/// Remembers since when each thing in one hot folder has been unchanged.
+/// Remembers for each entry of one hot folder since when it has been unchanged.
 #[derive(Debug)]
-pub struct Settler {
+pub struct SettleTracker {
     rules: SettleRules,
-    watched: HashMap<PathBuf, Watched>,
+    watched: HashMap<PathBuf, WatchedEntry>,
 }
 
-impl Settler {
-    /// Knows nothing yet.
+impl SettleTracker {
+    /// Creates a tracker that has not seen any entry.
     pub fn new(rules: SettleRules) -> Self {
         Self { rules, watched: HashMap::new() }
     }
 
-    /// Other rules from now on; what is known is kept.
+    /// Replaces the rules. What was observed so far is kept.
     pub fn set_rules(&mut self, rules: SettleRules) {
         self.rules = rules;
     }
 
-    /// Takes in a scan made at `now_secs` (of any clock that never runs backwards) and says what may be taken.
-    /// `has_end(path, display name)` is asked only for files that otherwise have settled; an error counts as "not yet".
-    pub fn observe(
+    /// Takes in a scan made at `now_secs` (of any monotonic clock) and returns the entries that may be taken.
+    /// `has_end(path, display name)` is called only for files that have settled otherwise; an error counts as "not
+    /// complete yet".
+    pub fn observe_scan(
         &mut self,
-        seen: &[Seen],
+        seen: &[InboxEntry],
         now_secs: f64,
         has_end: impl FnMut(&Path, &str) -> io::Result<bool>,
-    ) -> Vec<Ready> {
-        self.ready(seen, now_secs, has_end).collect()
+    ) -> Vec<SettledEntry> {
+        self.settled_entries(seen, now_secs, has_end).collect()
     }
 
-    /// As [`Settler::observe`], one after the other: files behind those that are asked for are not opened.
-    pub fn ready<'a>(
+    /// Like [`SettleTracker::observe_scan`], but lazy: files after those that the caller consumes are not opened.
+    pub fn settled_entries<'a>(
         &'a mut self,
-        seen: &'a [Seen],
+        seen: &'a [InboxEntry],
         now_secs: f64,
         mut has_end: impl FnMut(&Path, &str) -> io::Result<bool> + 'a,
-    ) -> impl Iterator<Item = Ready> + 'a {
-        self.remember(seen, now_secs);
-        let beside = Beside::of(seen, |ticket| !self.is_unclear(ticket));
-        for ticket in beside.unclear() {
-            self.watched.entry(ticket.to_owned()).and_modify(|watched| watched.is_unclear = true);
+    ) -> impl Iterator<Item = SettledEntry> + 'a {
+        self.update_watched(seen, now_secs);
+        let beside = SidecarIndex::from_entries(seen, |ticket| !self.is_ambiguous(ticket));
+        for ticket in beside.ambiguous_tickets() {
+            self.watched.entry(ticket.to_owned()).and_modify(|watched| watched.is_ambiguous = true);
         }
         let this = &*self;
-        let orders = this.orders_since(seen);
+        let orders = this.order_folder_states(seen);
         let settled = seen.iter().filter(move |one| this.is_settled(one, now_secs));
         settled.filter_map(move |one| {
             let of_order = orders.get(one.path.parent().unwrap_or(Path::new("")));
             let still_secs = now_secs - of_order.map_or(this.watched[&one.path].since_secs, |order| order.since_secs);
-            // A folder is an order: what is copied last, a list perhaps, counts for all of it.
+            // A folder is one order. The file copied last, perhaps a list, determines when the whole folder has
+            // settled.
             if of_order.is_some_and(|order| !this.stands_still(order, now_secs)) {
                 return None;
             }
-            match (one.kind, role(&one.path)) {
-                (Kind::File, _) if one.is_secret => Some(Ready::Refuse { seen: one.clone(), reason: of_secret(one) }),
-                (Kind::File, Role::Part) => this.part(one, &beside, now_secs, still_secs, &mut has_end),
-                (Kind::File, Role::Ticket { part }) => this.orphan(one, &part, &beside, still_secs),
-                (Kind::File, Role::List) => list(one, &beside, still_secs),
-                (kind, _) => Some(Ready::Refuse { seen: one.clone(), reason: no_file(kind).to_owned() }),
+            match (one.kind, file_role(&one.path)) {
+                (EntryKind::File, _) if one.is_private_link => {
+                    Some(SettledEntry::Refuse { seen: one.clone(), reason: private_link_reason(one) })
+                }
+                (EntryKind::File, FileRole::Part) => this.check_part(one, &beside, now_secs, still_secs, &mut has_end),
+                (EntryKind::File, FileRole::Ticket { part }) => {
+                    this.check_orphan_ticket(one, &part, &beside, still_secs)
+                }
+                (EntryKind::File, FileRole::List) => check_list(one, &beside, still_secs),
+                (kind, _) => Some(SettledEntry::Refuse { seen: one.clone(), reason: non_file_reason(kind).to_owned() }),
             }
         })
     }
 
-    /// Seconds until something may be ready that is not yet, if anything is on its way: when to scan next.
-    pub fn next_secs(&self, now_secs: f64) -> Option<f64> {
-        let left = |w: &Watched| w.since_secs + self.rules.settle_secs - now_secs;
+    /// Seconds until another entry may have settled, or `None` if nothing is waiting to settle. Tells when to scan
+    /// next.
+    pub fn next_scan_secs(&self, now_secs: f64) -> Option<f64> {
+        let left = |w: &WatchedEntry| w.since_secs + self.rules.settle_secs - now_secs;
         self.watched.values().filter(|w| w.scans < 2 || left(w) > 0.0).map(|w| left(w).max(0.0)).min_by(f64::total_cmp)
     }
 
-    fn remember(&mut self, seen: &[Seen], now_secs: f64) {
+    fn update_watched(&mut self, seen: &[InboxEntry], now_secs: f64) {
         let mut before = std::mem::take(&mut self.watched);
         for one in seen {
-            let print = Print::of(one);
+            let print = StatFingerprint::from_entry(one);
             let watched = match before.remove(&one.path) {
-                Some(known) if known.print == print => Watched { scans: known.scans.saturating_add(1), ..known },
-                _ => Watched { print, since_secs: now_secs, scans: 1, is_unclear: false },
+                Some(known) if known.fingerprint == print => {
+                    WatchedEntry { scans: known.scans.saturating_add(1), ..known }
+                }
+                _ => WatchedEntry { fingerprint: print, since_secs: now_secs, scans: 1, is_ambiguous: false },
             };
             self.watched.insert(one.path.clone(), watched);
         }
     }
 
-    fn is_unclear(&self, ticket: &Path) -> bool {
-        self.watched.get(ticket).is_some_and(|watched| watched.is_unclear)
+    fn is_ambiguous(&self, ticket: &Path) -> bool {
+        self.watched.get(ticket).is_some_and(|watched| watched.is_ambiguous)
     }
 
-    fn is_settled(&self, seen: &Seen, now_secs: f64) -> bool {
+    fn is_settled(&self, seen: &InboxEntry, now_secs: f64) -> bool {
         self.watched.get(&seen.path).is_some_and(|watched| self.stands_still(watched, now_secs))
     }
 
-    fn stands_still(&self, watched: &Watched, now_secs: f64) -> bool {
+    fn stands_still(&self, watched: &WatchedEntry, now_secs: f64) -> bool {
         watched.scans >= 2 && now_secs - watched.since_secs >= self.rules.settle_secs
     }
 
-    /// What stands in each order folder as if it were one thing: since when nothing has changed in it.
-    fn orders_since<'a>(&self, seen: &'a [Seen]) -> HashMap<&'a Path, Watched> {
-        let mut orders: HashMap<&Path, Watched> = HashMap::new();
+    /// Treats each order folder as one entry and returns since when nothing in it has changed.
+    fn order_folder_states<'a>(&self, seen: &'a [InboxEntry]) -> HashMap<&'a Path, WatchedEntry> {
+        let mut orders: HashMap<&Path, WatchedEntry> = HashMap::new();
         for one in seen.iter().filter(|one| !one.order.is_empty()) {
             let (Some(folder), Some(&watched)) = (one.path.parent(), self.watched.get(&one.path)) else { continue };
             let order = orders.entry(folder).or_insert(watched);
@@ -167,28 +179,29 @@ impl Settler {
         orders
     }
 
-    /// A settled part is ready once what belongs to it has settled too and its end is there.
-    fn part(
+    /// A settled part may be taken once its tickets and its list have settled too and the file is complete.
+    fn check_part(
         &self,
-        part: &Seen,
-        beside: &Beside,
+        part: &InboxEntry,
+        beside: &SidecarIndex,
         now_secs: f64,
         order_still_secs: f64,
         has_end: &mut impl FnMut(&Path, &str) -> io::Result<bool>,
-    ) -> Option<Ready> {
+    ) -> Option<SettledEntry> {
         let tickets = beside.tickets_of(&part.path);
         let list = beside.list_of(&part.path);
         if !tickets.iter().copied().chain(list).all(|ticket| self.is_settled(ticket, now_secs)) {
             return None;
         }
-        // It leaves with its ticket or list in the same scan: alone it would be printed in guessed numbers.
-        if let Some(linked) = tickets.iter().copied().chain(list).find(|beside| beside.is_secret) {
-            return Some(Ready::Refuse { seen: part.clone(), reason: of_secret(linked) });
+        // The part is refused in the same scan as its ticket or list. Without them it would be printed in a guessed
+        // number of copies.
+        if let Some(linked) = tickets.iter().copied().chain(list).find(|beside| beside.is_private_link) {
+            return Some(SettledEntry::Refuse { seen: part.clone(), reason: private_link_reason(linked) });
         }
         let still_secs = now_secs - self.watched[&part.path].since_secs;
         let name = display_name(part.path.file_name()?);
         let has_hole = part.allocated < part.size && part.size > SMALL_BYTES;
-        if has_hole && still_secs < HOLE_SETTLES * self.rules.settle_secs {
+        if has_hole && still_secs < HOLE_SETTLE_FACTOR * self.rules.settle_secs {
             return None;
         }
         let unfinished = !has_end(&part.path, &name).unwrap_or(false);
@@ -198,16 +211,29 @@ impl Settler {
         let list_since = list.and_then(|list| self.watched.get(&list.path)).map(|watched| watched.since_secs);
         let still_secs = list_since.map_or(order_still_secs, |since| order_still_secs.min(now_secs - since));
         let tickets = tickets.into_iter().cloned().collect();
-        Some(Ready::Part { part: part.clone(), tickets, list: list.cloned(), said: None, still_secs, unfinished })
+        Some(SettledEntry::Part {
+            part: part.clone(),
+            tickets,
+            list: list.cloned(),
+            lookup: None,
+            still_secs,
+            unfinished,
+        })
     }
 
-    /// A ticket without its part, once it has waited long enough.
-    fn orphan(&self, ticket: &Seen, part: &Path, beside: &Beside, still_secs: f64) -> Option<Ready> {
-        if beside.is_led(ticket) || still_secs < self.rules.orphan_secs {
+    /// Refuses a ticket whose part did not arrive in time.
+    fn check_orphan_ticket(
+        &self,
+        ticket: &InboxEntry,
+        part: &Path,
+        beside: &SidecarIndex,
+        still_secs: f64,
+    ) -> Option<SettledEntry> {
+        if beside.has_part(ticket) || still_secs < self.rules.orphan_secs {
             return None;
         }
         let name = display_name(part.file_name()?);
-        let what = match self.is_unclear(&ticket.path) {
+        let what = match self.is_ambiguous(&ticket.path) {
             true => format!("several parts were called {name:?}, so it was used for none of them"),
             false => format!("no such part came within {:.0} s", self.rules.orphan_secs),
         };
@@ -215,40 +241,40 @@ impl Settler {
             "This is a ticket for a part {name:?}, but {what}. \
              Drop the part and the ticket together, the ticket named like the whole part file with .toml or .json added."
         );
-        Some(Ready::Refuse { seen: ticket.clone(), reason })
+        Some(SettledEntry::Refuse { seen: ticket.clone(), reason })
     }
 }
 
-/// An order list is not taken but looked at, as long as it serves; a folder has one.
-fn list(list: &Seen, beside: &Beside, still_secs: f64) -> Option<Ready> {
+/// An order list is not claimed. It is read as long as its rows are needed. A folder has only one list.
+fn check_list(list: &InboxEntry, beside: &SidecarIndex, still_secs: f64) -> Option<SettledEntry> {
     if beside.list_of(&list.path) != Some(list) {
-        let reason = "There is another order.csv in this folder, in other letters. Put all rows into one list.";
-        return Some(Ready::Refuse { seen: list.clone(), reason: reason.to_owned() });
+        let reason = "This folder has another order.csv, in other upper or lower case. Put all rows into one list.";
+        return Some(SettledEntry::Refuse { seen: list.clone(), reason: reason.to_owned() });
     }
-    Some(Ready::List { list: list.clone(), quiet_secs: still_secs })
+    Some(SettledEntry::List { list: list.clone(), quiet_secs: still_secs })
 }
 
-/// A hard link may be made by somebody who may not read the file himself.
-fn of_secret(seen: &Seen) -> String {
+/// Why a hard link to a private file is refused: the user who made the link may not be allowed to read the file.
+fn private_link_reason(seen: &InboxEntry) -> String {
     let name = display_name(seen.path.file_name().unwrap_or_default());
     format!(
-        "{name} has another name elsewhere (it is a hard link) and is not for everybody to read, so nestd does not read it, \
-         nor print what it would speak for. Drop a copy of the file."
+        "{name} is a hard link (it has another name elsewhere) and not everyone may read it, so nestd neither reads it \
+         nor prints parts according to it. Drop a copy of the file."
     )
 }
 
-/// Why a thing that is no file is refused.
-fn no_file(kind: Kind) -> &'static str {
+/// Why an entry that is not a regular file is refused.
+fn non_file_reason(kind: EntryKind) -> &'static str {
     match kind {
-        Kind::File => "This is a file.",
-        Kind::Symlink => "This is a symbolic link; nestd does not follow links. Drop the file itself.",
-        Kind::Directory => {
+        EntryKind::File => "This is a file.",
+        EntryKind::Symlink => "This is a symbolic link; nestd does not follow links. Drop the file itself.",
+        EntryKind::Directory => {
             "This is a folder with the name of a part file, or one that lies too deep. A folder is an order: \
              give it another name and drop it right into the hot folder."
         }
-        Kind::Socket => "This is a socket, not a file. Drop STL or 3MF files.",
-        Kind::Fifo => "This is a named pipe, not a file. Drop STL or 3MF files.",
-        Kind::Device => "This is a device, not a file. Drop STL or 3MF files.",
+        EntryKind::Socket => "This is a socket, not a file. Drop STL or 3MF files.",
+        EntryKind::Fifo => "This is a named pipe, not a file. Drop STL or 3MF files.",
+        EntryKind::Device => "This is a device, not a file. Drop STL or 3MF files.",
     }
 }
 

@@ -1,4 +1,5 @@
-//! `STATUS.txt` and `status.json` in the hot folder: what waits, how full, when it will fire.
+//! Writes `STATUS.txt` and `status.json` into the hot folder: what is waiting, how full the open build is, and when it
+//! will be nested.
 
 use std::{
     fs,
@@ -6,40 +7,40 @@ use std::{
     path::Path,
 };
 
-use build_file::visible_lines;
+use build_file::escape_invisible_lines;
 
 use super::disk;
 
-/// For people.
+/// Status for people.
 pub(super) const TEXT_NAME: &str = "STATUS.txt";
-/// For programs.
+/// Status for programs.
 pub(super) const JSON_NAME: &str = "status.json";
 
-/// Writes both by rename, each only when it says something new: a write wakes whoever watches the folder. Returns whether
-/// it did. A link in their place is replaced, not written through.
+/// Writes both files by rename, each only if its content changed, because each write wakes programs that watch the
+/// folder. Returns whether a file was written. If somebody put a link there, the link is replaced, not followed.
 pub fn write_status(inbox: &Path, text: &str, json: &str) -> io::Result<bool> {
     let mut written = false;
-    let text = &visible_lines(text);
+    let text = &escape_invisible_lines(text);
     for (name, content) in [(TEXT_NAME, text.as_str()), (JSON_NAME, json)] {
         let path = inbox.join(name);
-        if !says(&path, content) {
-            replace(&path, content)?;
+        if !has_content(&path, content) {
+            replace_file(&path, content)?;
             written = true;
         }
     }
     Ok(written)
 }
 
-fn says(path: &Path, content: &str) -> bool {
-    let Ok(file) = disk::open_regular(path) else { return false };
+fn has_content(path: &Path, content: &str) -> bool {
+    let Ok(file) = disk::open_regular_file(path) else { return false };
     let mut now = Vec::new();
     file.take(content.len() as u64 + 1).read_to_end(&mut now).is_ok() && now == content.as_bytes()
 }
 
-/// Not fsynced: it is written again at the next change, and a status that a power cut loses is old anyway.
-fn replace(path: &Path, content: &str) -> io::Result<()> {
-    let part = disk::unfinished(path);
-    disk::create_anew(&part)?.write_all(content.as_bytes())?;
+/// Not fsynced: the file is written again at the next change, and a status lost in a power cut is outdated anyway.
+fn replace_file(path: &Path, content: &str) -> io::Result<()> {
+    let part = disk::temporary_path(path);
+    disk::create_fresh_file(&part)?.write_all(content.as_bytes())?;
     fs::rename(part, path)
 }
 
@@ -66,7 +67,7 @@ mod tests {
         let precious = dir.path().join("precious");
         fs::write(&precious, "mine").unwrap();
         std::os::unix::fs::symlink(&precious, dir.path().join(TEXT_NAME)).unwrap();
-        std::os::unix::fs::symlink(&precious, disk::unfinished(&dir.path().join(TEXT_NAME))).unwrap();
+        std::os::unix::fs::symlink(&precious, disk::temporary_path(&dir.path().join(TEXT_NAME))).unwrap();
         write_status(dir.path(), "0 parts", "{}").unwrap();
         assert_eq!(fs::read_to_string(&precious).unwrap(), "mine");
         assert_eq!(fs::read_to_string(dir.path().join(TEXT_NAME)).unwrap(), "0 parts");

@@ -1,6 +1,7 @@
-//! The content-addressed store: what was claimed, by the hash of its bytes, on the state directory's own disk.
+//! The content-addressed store: claimed files by the hash of their bytes, on the disk of the state directory.
 //!
-//! Always a copy, never a link or a rename: whoever dropped the file may still have it open for writing.
+//! Files are always copied into the store, never linked or renamed, because the program that dropped a file may still
+//! have it open for writing.
 
 use std::{
     fs,
@@ -12,36 +13,36 @@ use std::{
 use thiserror::Error;
 use tracing::warn;
 
-use super::{Claim, disk};
+use super::{ClaimedPart, disk};
 
-/// What is being copied has this prefix.
-const TEMPORARY: &str = "tmp-";
-/// Beside the store: what was found damaged in it.
-const DAMAGED: &str = "damaged";
+/// Prefix of the name of an unfinished copy.
+const TEMPORARY_PREFIX: &str = "tmp-";
+/// Folder beside the store for damaged files.
+const DAMAGED_DIR: &str = "damaged";
 const BUFFER_BYTES: usize = 1 << 20;
 
 /// The store, `state/store/ab/<BLAKE3, 64 hex digits>`.
 #[derive(Debug, Clone)]
-pub struct Store {
+pub struct ContentStore {
     dir: PathBuf,
 }
 
 /// A file in the store.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Stored {
+pub struct StoredFile {
     /// BLAKE3 of its bytes, 64 hex digits.
     pub hash: String,
     /// Its size, bytes.
     pub bytes: u64,
 }
 
-/// Why the store did not do it.
+/// Why an operation of the store failed.
 #[derive(Debug, Error)]
 pub enum StoreError {
-    /// The file changed while it was copied; it must settle again.
+    /// The file changed during the copy; it must settle again.
     #[error("{} changed while it was copied to the store", .0.display())]
     Changed(PathBuf),
-    /// It is no file, or nestd may not read it: trying again will not help.
+    /// It is not a regular file, or nestd may not read it. Retrying does not help.
     #[error("{} cannot be read", .path.display())]
     Unreadable {
         /// The file.
@@ -50,18 +51,18 @@ pub enum StoreError {
         #[source]
         source: io::Error,
     },
-    /// Not 64 hex digits.
+    /// The text is not 64 hex digits.
     #[error("{0:?} is no BLAKE3 hash")]
-    NoHash(String),
-    /// The stored bytes are not those of their hash: the disk is failing.
-    #[error("{} does not hold what its name says", .0.display())]
+    InvalidHash(String),
+    /// The stored bytes do not match their hash: the disk is failing.
+    #[error("{} is damaged: its bytes do not match its hash", .0.display())]
     Damaged(PathBuf),
-    /// The system said no.
+    /// The operating system reported an error.
     #[error("cannot {what} {}", .path.display())]
     Io {
-        /// What was tried.
+        /// The operation that failed.
         what: &'static str,
-        /// On what.
+        /// The path that it was applied to.
         path: PathBuf,
         /// The error of the system.
         #[source]
@@ -70,11 +71,11 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Whether the stored file is gone or holds other bytes: only the same file from elsewhere helps.
+    /// Whether the stored file is missing or has other bytes. Only a new copy of the same file helps.
     pub fn is_lost(&self) -> bool {
         match self {
             Self::Damaged(_) => true,
-            // What `open_regular` says of a folder or link in its place.
+            // The error of `open_regular` for a folder or link in place of the file.
             Self::Io { what: "open" | "read", source, .. } => {
                 matches!(source.kind(), io::ErrorKind::NotFound | io::ErrorKind::InvalidInput)
             }
@@ -82,7 +83,8 @@ impl StoreError {
         }
     }
 
-    /// Whether the disk cannot read the stored file: a bad sector says so for ever, a cable or a share in passing.
+    /// Whether reading the stored file failed with an I/O error. A bad sector is permanent; a loose cable or a network
+    /// share may recover.
     pub fn is_unreadable(&self) -> bool {
         let io = rustix::io::Errno::IO.raw_os_error();
         matches!(self, Self::Io { what: "open" | "read", source, .. } if source.raw_os_error() == Some(io))
@@ -98,7 +100,7 @@ fn open_error(file: &Path, source: io::Error) -> StoreError {
     let path = file.to_owned();
     match source.kind() {
         PermissionDenied | InvalidInput => StoreError::Unreadable { path, source },
-        // How a link is told when none is followed.
+        // The error code for a link when links are not followed.
         _ if source.raw_os_error() == Some(rustix::io::Errno::LOOP.raw_os_error()) => {
             StoreError::Unreadable { path, source }
         }
@@ -106,66 +108,68 @@ fn open_error(file: &Path, source: io::Error) -> StoreError {
     }
 }
 
-impl Store {
-    /// Opens the store at `dir` and creates it if needed; removes what a crash left half copied. A store has one daemon.
+impl ContentStore {
+    /// Opens the store at `dir`, creates it if needed, and removes unfinished copies of a crash. Only one daemon uses a
+    /// store.
     pub fn open(dir: impl Into<PathBuf>) -> Result<Self, StoreError> {
         let dir = dir.into();
         disk::create_dirs(&dir).map_err(io_error("create", &dir))?;
         for entry in fs::read_dir(&dir).map_err(io_error("list", &dir))? {
             let path = entry.map_err(io_error("list", &dir))?.path();
-            if path.file_name().is_some_and(|n| n.as_encoded_bytes().starts_with(TEMPORARY.as_bytes())) {
+            if path.file_name().is_some_and(|n| n.as_encoded_bytes().starts_with(TEMPORARY_PREFIX.as_bytes())) {
                 fs::remove_file(&path).map_err(io_error("remove", &path))?;
             }
         }
         Ok(Self { dir })
     }
 
-    /// Names the store at `dir` without touching it, for whoever only looks.
-    pub fn at(dir: impl Into<PathBuf>) -> Self {
+    /// Refers to the store at `dir` without changing it, for read-only users.
+    pub fn from_dir(dir: impl Into<PathBuf>) -> Self {
         Self { dir: dir.into() }
     }
 
-    /// Copies a regular file in, hashing; on disk when it returns. Putting the same bytes again changes nothing, unless what is
-    /// stored was damaged: that is set aside.
-    pub fn put(&self, file: &Path) -> Result<Stored, StoreError> {
-        self.put_opened(file, disk::open_regular(file), &mut || {})
+    /// Copies a regular file into the store and computes its hash. The copy is durable on return. Storing the same
+    /// bytes again changes nothing, unless the stored file was damaged: then the damaged one is moved aside.
+    pub fn store_file(&self, file: &Path) -> Result<StoredFile, StoreError> {
+        self.store_opened(file, disk::open_regular_file(file), &mut || {})
     }
 
-    /// Copies a claimed part in. Who can write into the hot folder can make a link of what is above it there: none is
-    /// followed.
-    pub fn put_claimed(&self, claim: &Claim) -> Result<Stored, StoreError> {
+    /// Copies a claimed part into the store. Links are not followed, because a user who can write into the hot folder
+    /// could replace a folder above the part by a link.
+    pub fn store_claimed(&self, claim: &ClaimedPart) -> Result<StoredFile, StoreError> {
         let relative = claim.part.strip_prefix(&claim.inbox).unwrap_or(&claim.part);
-        self.put_opened(&claim.part, disk::open_beneath(&claim.inbox, relative), &mut || {})
+        self.store_opened(&claim.part, disk::open_beneath(&claim.inbox, relative), &mut || {})
     }
 
-    fn put_opened(
+    fn store_opened(
         &self,
         file: &Path,
         opened: io::Result<fs::File>,
         step: &mut dyn FnMut(),
-    ) -> Result<Stored, StoreError> {
+    ) -> Result<StoredFile, StoreError> {
         let mut source = opened.map_err(|source| open_error(file, source))?;
-        let before = print(&source).map_err(io_error("stat", file))?;
+        let before = file_fingerprint(&source).map_err(io_error("stat", file))?;
         let mut copy = tempfile::Builder::new()
-            .prefix(TEMPORARY)
+            .prefix(TEMPORARY_PREFIX)
             .tempfile_in(&self.dir)
             .map_err(io_error("create a file in", &self.dir))?;
         step();
-        let stored = copy_hashing(&mut source, copy.as_file_mut()).map_err(io_error("copy to the store", file))?;
-        let after = print(&source).map_err(io_error("stat", file))?;
+        let stored = copy_and_hash(&mut source, copy.as_file_mut()).map_err(io_error("copy to the store", file))?;
+        let after = file_fingerprint(&source).map_err(io_error("stat", file))?;
         if after != before || stored.bytes != before.0 {
             return Err(StoreError::Changed(file.to_owned()));
         }
         step();
-        let to = self.path(&stored.hash)?;
+        let to = self.file_path(&stored.hash)?;
         let folder = to.parent().unwrap_or(&self.dir);
-        let is_whole = match disk::try_is_there(&to).map_err(io_error("look at", &to))? {
+        let is_whole = match disk::try_path_exists(&to).map_err(io_error("look at", &to))? {
             false => false,
-            true => match self.verify(&stored.hash) {
+            true => match self.verify_hash(&stored.hash) {
                 Ok(()) => true,
-                // Its bytes are at hand, so that nothing is lost by it; what only cannot be looked at now stays.
+                // The same bytes are being stored now, so moving the damaged file aside loses nothing. A file that only
+                // cannot be read at the moment stays.
                 Err(error) if error.is_lost() || error.is_unreadable() => {
-                    self.set_damaged_aside(&stored.hash)?;
+                    self.move_damaged_aside(&stored.hash)?;
                     false
                 }
                 Err(error) => return Err(error),
@@ -182,45 +186,45 @@ impl Store {
         Ok(stored)
     }
 
-    /// Where the bytes of a hash are, or would be.
-    pub fn path(&self, hash: &str) -> Result<PathBuf, StoreError> {
+    /// Path of the file with this hash; if it does not exist, the path that it would have.
+    pub fn file_path(&self, hash: &str) -> Result<PathBuf, StoreError> {
         let is_hash = hash.len() == 64 && hash.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
         match is_hash {
             true => Ok(self.dir.join(&hash[..2]).join(hash)),
-            false => Err(StoreError::NoHash(hash.to_owned())),
+            false => Err(StoreError::InvalidHash(hash.to_owned())),
         }
     }
 
-    /// Reads the bytes of a hash and compares.
-    pub fn verify(&self, hash: &str) -> Result<(), StoreError> {
-        let path = self.path(hash)?;
-        let mut file = disk::open_regular(&path).map_err(io_error("open", &path))?;
-        let stored = copy_hashing(&mut file, &mut io::sink()).map_err(io_error("read", &path))?;
+    /// Reads the stored file and compares its hash.
+    pub fn verify_hash(&self, hash: &str) -> Result<(), StoreError> {
+        let path = self.file_path(hash)?;
+        let mut file = disk::open_regular_file(&path).map_err(io_error("open", &path))?;
+        let stored = copy_and_hash(&mut file, &mut io::sink()).map_err(io_error("read", &path))?;
         if stored.hash == hash { Ok(()) } else { Err(StoreError::Damaged(path)) }
     }
 
-    /// Its folder.
+    /// Folder of the store.
     pub(super) fn dir(&self) -> &Path {
         &self.dir
     }
 
-    /// Moves what is stored under a hash, and does not hold its bytes, to the folder `damaged` beside the store: nothing is
-    /// deleted. Returns where it is; `None` = nothing was there.
-    pub fn set_damaged_aside(&self, hash: &str) -> Result<Option<PathBuf>, StoreError> {
-        let path = self.path(hash)?;
-        if !disk::try_is_there(&path).map_err(io_error("look at", &path))? {
+    /// Moves a stored file that does not match its hash to the folder `damaged` beside the store. Nothing is deleted.
+    /// Returns the new path; `None` = there was no file.
+    pub fn move_damaged_aside(&self, hash: &str) -> Result<Option<PathBuf>, StoreError> {
+        let path = self.file_path(hash)?;
+        if !disk::try_path_exists(&path).map_err(io_error("look at", &path))? {
             return Ok(None);
         }
-        let damaged = self.dir.with_file_name(DAMAGED);
+        let damaged = self.dir.with_file_name(DAMAGED_DIR);
         disk::create_dirs(&damaged).map_err(io_error("create", &damaged))?;
         let aside = disk::move_to_free_name(&path, &damaged, hash.as_ref()).map_err(io_error("set aside", &path))?;
-        warn!("{} does not hold what was stored; it is kept as {}.", path.display(), aside.display());
+        warn!("{} is damaged: its bytes do not match its hash. It was moved to {}.", path.display(), aside.display());
         Ok(Some(aside))
     }
 
-    /// Removes the bytes of a hash, and before them the notes beside them; that they are not there is no error.
-    pub fn remove(&self, hash: &str) -> Result<(), StoreError> {
-        let path = self.path(hash)?;
+    /// Removes the notes beside a stored file and then the file. A missing file is not an error.
+    pub fn remove_content(&self, hash: &str) -> Result<(), StoreError> {
+        let path = self.file_path(hash)?;
         self.remove_notes(&path).map_err(io_error("remove the notes of", &path))?;
         match fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(io_error("remove", &path)(error)),
@@ -229,13 +233,13 @@ impl Store {
     }
 }
 
-/// Size, ctime and mtime of an open file: whoever writes into it changes them.
-fn print(file: &fs::File) -> io::Result<(u64, i128, i128)> {
+/// Size, ctime and mtime of an open file. Every write changes at least one of them.
+fn file_fingerprint(file: &fs::File) -> io::Result<(u64, i128, i128)> {
     let meta = file.metadata()?;
     Ok((meta.size(), disk::ctime_ns(&meta), disk::mtime_ns(&meta)))
 }
 
-fn copy_hashing(from: &mut impl Read, to: &mut impl Write) -> io::Result<Stored> {
+fn copy_and_hash(from: &mut impl Read, to: &mut impl Write) -> io::Result<StoredFile> {
     let mut hasher = blake3::Hasher::new();
     let mut buffer = vec![0; BUFFER_BYTES];
     let mut bytes = 0;
@@ -245,7 +249,7 @@ fn copy_hashing(from: &mut impl Read, to: &mut impl Write) -> io::Result<Stored>
             other => other?,
         };
         if count == 0 {
-            return Ok(Stored { hash: hasher.finalize().to_hex().to_string(), bytes });
+            return Ok(StoredFile { hash: hasher.finalize().to_hex().to_string(), bytes });
         }
         hasher.update(&buffer[..count]);
         to.write_all(&buffer[..count])?;
@@ -258,68 +262,68 @@ mod tests {
     use super::*;
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    fn farm() -> (tempfile::TempDir, PathBuf, Store) {
+    fn farm() -> (tempfile::TempDir, PathBuf, ContentStore) {
         let dir = tempfile::tempdir().unwrap();
         let part = dir.path().join("part.stl");
         fs::write(&part, vec![7; 3_000_000]).unwrap();
-        let store = Store::open(dir.path().join("state/store")).unwrap();
+        let store = ContentStore::open(dir.path().join("state/store")).unwrap();
         (dir, part, store)
     }
 
     #[test]
     fn what_is_put_is_found_by_its_hash_and_twice_is_once() {
         let (dir, part, store) = farm();
-        let stored = store.put(&part).unwrap();
+        let stored = store.store_file(&part).unwrap();
         assert_eq!(stored.hash, blake3::hash(&fs::read(&part).unwrap()).to_hex().to_string());
         assert_eq!(stored.bytes, 3_000_000);
-        let path = store.path(&stored.hash).unwrap();
+        let path = store.file_path(&stored.hash).unwrap();
         assert_eq!(path, dir.path().join("state/store").join(&stored.hash[..2]).join(&stored.hash));
         let inode = fs::metadata(&path).unwrap().ino();
         assert_ne!(inode, fs::metadata(&part).unwrap().ino());
-        assert_eq!(store.put(&part).unwrap(), stored);
+        assert_eq!(store.store_file(&part).unwrap(), stored);
         assert_eq!(fs::metadata(&path).unwrap().ino(), inode);
-        store.verify(&stored.hash).unwrap();
-        store.remove(&stored.hash).unwrap();
-        store.remove(&stored.hash).unwrap();
+        store.verify_hash(&stored.hash).unwrap();
+        store.remove_content(&stored.hash).unwrap();
+        store.remove_content(&stored.hash).unwrap();
         assert!(!path.exists());
     }
 
     #[test]
     fn a_damaged_file_is_noticed_and_a_short_one_replaced() {
         let (_dir, part, store) = farm();
-        let stored = store.put(&part).unwrap();
-        let path = store.path(&stored.hash).unwrap();
+        let stored = store.store_file(&part).unwrap();
+        let path = store.file_path(&stored.hash).unwrap();
         fs::write(&path, vec![8; 3_000_000]).unwrap();
-        assert!(matches!(store.verify(&stored.hash), Err(StoreError::Damaged(_))));
+        assert!(matches!(store.verify_hash(&stored.hash), Err(StoreError::Damaged(_))));
         fs::write(&path, "short").unwrap();
-        store.put(&part).unwrap();
-        store.verify(&stored.hash).unwrap();
+        store.store_file(&part).unwrap();
+        store.verify_hash(&stored.hash).unwrap();
     }
 
     #[test]
     fn a_good_copy_heals_a_damaged_file_which_is_set_aside() {
         let (dir, part, store) = farm();
-        let stored = store.put(&part).unwrap();
-        let path = store.path(&stored.hash).unwrap();
+        let stored = store.store_file(&part).unwrap();
+        let path = store.file_path(&stored.hash).unwrap();
         for (number, spoilt) in [vec![8; 3_000_000], vec![7; 2_999_999], Vec::new()].into_iter().enumerate() {
             fs::write(&path, &spoilt).unwrap();
-            assert!(store.verify(&stored.hash).unwrap_err().is_lost());
-            assert_eq!(store.put(&part).unwrap(), stored);
-            store.verify(&stored.hash).unwrap();
+            assert!(store.verify_hash(&stored.hash).unwrap_err().is_lost());
+            assert_eq!(store.store_file(&part).unwrap(), stored);
+            store.verify_hash(&stored.hash).unwrap();
             let aside = disk::files_below(&dir.path().join("state/damaged")).unwrap();
             assert_eq!(aside.len(), number + 1);
             assert!(aside.iter().any(|file| fs::read(file).unwrap() == spoilt), "what was damaged is kept");
         }
-        store.remove(&stored.hash).unwrap();
-        assert!(store.verify(&stored.hash).unwrap_err().is_lost());
-        assert_eq!(store.set_damaged_aside(&stored.hash).unwrap(), None);
+        store.remove_content(&stored.hash).unwrap();
+        assert!(store.verify_hash(&stored.hash).unwrap_err().is_lost());
+        assert_eq!(store.move_damaged_aside(&stored.hash).unwrap(), None);
     }
 
     #[test]
     fn a_file_that_is_written_while_it_is_copied_is_not_stored() {
         let (dir, part, store) = farm();
         let mut steps = 0;
-        let result = store.put_opened(&part, disk::open_regular(&part), &mut || {
+        let result = store.store_opened(&part, disk::open_regular_file(&part), &mut || {
             steps += 1;
             if steps == 1 {
                 fs::OpenOptions::new().append(true).open(&part).unwrap().write_all(b"more").unwrap();
@@ -335,16 +339,16 @@ mod tests {
             let (dir, part, store) = farm();
             let mut steps = 0;
             let stopped = catch_unwind(AssertUnwindSafe(|| {
-                store.put_opened(&part, disk::open_regular(&part), &mut || {
+                store.store_opened(&part, disk::open_regular_file(&part), &mut || {
                     steps += 1;
                     assert!(steps < stop, "stop here");
                 })
             }));
             assert!(stopped.is_err(), "step {stop} is not reached");
             fs::write(dir.path().join("state/store/tmp-killed"), "half").unwrap();
-            let store = Store::open(dir.path().join("state/store")).unwrap();
-            let stored = store.put(&part).unwrap();
-            store.verify(&stored.hash).unwrap();
+            let store = ContentStore::open(dir.path().join("state/store")).unwrap();
+            let stored = store.store_file(&part).unwrap();
+            store.verify_hash(&stored.hash).unwrap();
             assert_eq!(disk::files_below(&dir.path().join("state/store")).unwrap().len(), 1);
         }
     }
@@ -354,11 +358,11 @@ mod tests {
         let (dir, part, store) = farm();
         let link = dir.path().join("link.stl");
         std::os::unix::fs::symlink(&part, &link).unwrap();
-        assert!(matches!(store.put(&link), Err(StoreError::Unreadable { .. })));
-        assert!(matches!(store.put(dir.path()), Err(StoreError::Unreadable { .. })));
-        assert!(matches!(store.put(&dir.path().join("gone")), Err(StoreError::Io { .. })));
+        assert!(matches!(store.store_file(&link), Err(StoreError::Unreadable { .. })));
+        assert!(matches!(store.store_file(dir.path()), Err(StoreError::Unreadable { .. })));
+        assert!(matches!(store.store_file(&dir.path().join("gone")), Err(StoreError::Io { .. })));
         for text in ["", "../../etc/passwd", &"A".repeat(64), &"a".repeat(63)] {
-            assert!(matches!(store.path(text), Err(StoreError::NoHash(_))), "{text}");
+            assert!(matches!(store.file_path(text), Err(StoreError::InvalidHash(_))), "{text}");
         }
     }
 }

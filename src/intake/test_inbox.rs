@@ -31,43 +31,45 @@ impl TestInbox {
         path
     }
 
-    /// What is ready once everything has stood still for the orphan time.
-    pub fn ready(&self) -> Vec<Ready> {
-        let rules = ListRules { incomplete_secs: 1000.0, unlisted: Unlisted::Reject };
+    /// The entries that have settled after the orphan time.
+    pub fn ready(&self) -> Vec<SettledEntry> {
+        let rules = OrderListRules { incomplete_secs: 1000.0, unlisted: UnlistedPolicy::Reject };
         let judged = self.judged(rules).into_iter();
-        let take = |judged| if let Judged::Take(ready) = judged { Some(ready) } else { None };
+        let take = |judged| if let TakeDecision::Take(ready) = judged { Some(ready) } else { None };
         judged.filter_map(take).collect()
     }
 
-    /// The same, with what waits for its order list.
-    pub fn judged(&self, rules: ListRules) -> Vec<Judged> {
-        let mut settler = Settler::new(SettleRules { settle_secs: 1.0, unfinished_secs: 2.0, orphan_secs: 100.0 });
-        let seen = scan(&self.inbox, ScanLimits::default()).unwrap().seen;
-        settler.observe(&seen, 0.0, |_, _| Ok(true));
-        let mut lists = Lists::default();
-        lists.observe(&seen);
-        let ready = settler.observe(&seen, 100.0, |_, _| Ok(true)).into_iter();
-        ready.map(|ready| lists.judge(&self.inbox, ready, rules, |_| Ok(true))).collect()
+    /// The same, including parts that wait for their order list.
+    pub fn judged(&self, rules: OrderListRules) -> Vec<TakeDecision> {
+        let mut settler =
+            SettleTracker::new(SettleRules { settle_secs: 1.0, unfinished_secs: 2.0, orphan_secs: 100.0 });
+        let seen = scan_inbox(&self.inbox, ScanLimits::default()).unwrap().entries;
+        settler.observe_scan(&seen, 0.0, |_, _| Ok(true));
+        let mut lists = OrderListTracker::default();
+        lists.observe_scan(&seen);
+        let ready = settler.observe_scan(&seen, 100.0, |_, _| Ok(true)).into_iter();
+        ready.map(|ready| lists.check_against_list(&self.inbox, ready, rules, |_| Ok(true))).collect()
     }
 
-    /// The one part that is ready.
-    pub fn ready_part(&self) -> Ready {
-        let mut parts: Vec<Ready> = self.ready().into_iter().filter(|r| matches!(r, Ready::Part { .. })).collect();
+    /// The only settled part.
+    pub fn ready_part(&self) -> SettledEntry {
+        let mut parts: Vec<SettledEntry> =
+            self.ready().into_iter().filter(|r| matches!(r, SettledEntry::Part { .. })).collect();
         assert_eq!(parts.len(), 1, "{parts:?}");
         parts.remove(0)
     }
 
-    pub fn claim(&self) -> Claim {
-        claim(&self.inbox, &self.ready_part()).unwrap()
+    pub fn claim(&self) -> ClaimedPart {
+        claim_part(&self.inbox, &self.ready_part()).unwrap()
     }
 
-    /// Files in the hot folder that a scan lists, relative.
+    /// Relative paths of the files in the hot folder that a scan lists.
     pub fn dropped(&self) -> Vec<String> {
-        let seen = scan(&self.inbox, ScanLimits::default()).unwrap().seen;
+        let seen = scan_inbox(&self.inbox, ScanLimits::default()).unwrap().entries;
         seen.iter().map(|s| s.path.strip_prefix(&self.inbox).unwrap().to_string_lossy().into_owned()).collect()
     }
 
-    /// What lies in `.claimed/`.
+    /// Content of `.claimed/`.
     pub fn claimed(&self) -> Vec<String> {
         files(&self.inbox.join(".claimed"))
             .into_iter()
@@ -76,13 +78,14 @@ impl TestInbox {
     }
 }
 
-/// Files below a folder, relative, sorted; none if it is not there.
+/// Relative paths of the files below a folder, sorted. Empty if the folder does not exist.
 pub(super) fn files(dir: &Path) -> Vec<String> {
     let found = disk::files_below(dir).unwrap_or_default();
     found.iter().map(|f| f.strip_prefix(dir).unwrap().to_string_lossy().into_owned()).collect()
 }
 
-/// Runs `work` with a step that stops at the `stop`-th call as a kill would: nothing tidies up. Whether it got there.
+/// Runs `work` with a step function that stops at call number `stop` like a kill, without any cleanup. Returns whether
+/// that call was reached.
 pub(super) fn stops_at<T>(stop: usize, work: impl FnOnce(&mut dyn FnMut()) -> T) -> bool {
     let mut steps = 0;
     let mut step = || {

@@ -1,4 +1,4 @@
-//! The hot folder as people use it: real copies, real clocks, real events.
+//! Tests of the hot folder as people use it: real copies, real clocks, real events.
 
 use std::{
     fs::{self, OpenOptions},
@@ -14,7 +14,7 @@ use super::{test_inbox::TestInbox, *};
 const RULES: SettleRules = SettleRules { settle_secs: 0.25, unfinished_secs: 30.0, orphan_secs: 30.0 };
 const LIMIT: Duration = Duration::from_secs(10);
 
-/// A binary STL of so many triangles, all different bytes.
+/// A binary STL with this number of triangles and varying bytes.
 fn stl(triangles: u32) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend(triangles.to_le_bytes());
@@ -22,28 +22,28 @@ fn stl(triangles: u32) -> Vec<u8> {
     bytes
 }
 
-/// What a reader of binary STLs promises: 84 + 50 n bytes.
+/// The size of a complete binary STL: 84 + 50 n bytes.
 fn has_end(path: &Path, _name: &str) -> io::Result<bool> {
     let bytes = fs::read(path)?;
     let Some(count) = bytes.get(80..84) else { return Ok(false) };
     Ok(bytes.len() == 84 + 50 * u32::from_le_bytes(count.try_into().unwrap()) as usize)
 }
 
-/// Serves the hot folder as the daemon does, until `count` parts are in the store and some time after, for more to turn
-/// up wrongly. Returns their names and bytes.
+/// Serves the hot folder like the daemon until `count` parts are in the store, and for some time afterwards, in case
+/// too many parts appear. Returns their names and bytes.
 fn serve(farm: &TestInbox, count: usize) -> Vec<(String, Vec<u8>)> {
-    let mut inbox = Inbox::new(&farm.inbox, ScanLimits::default());
-    let mut settler = Settler::new(RULES);
-    let store = Store::open(farm.dir.path().join("store")).unwrap();
+    let mut inbox = InboxFolder::new(&farm.inbox, ScanLimits::default());
+    let mut settler = SettleTracker::new(RULES);
+    let store = ContentStore::open(farm.dir.path().join("store")).unwrap();
     let (begun, mut taken, mut done) = (Instant::now(), Vec::new(), None);
     while done.is_none_or(|at: Instant| at.elapsed().as_secs_f64() < 2.0 * RULES.settle_secs) {
         assert!(begun.elapsed() < LIMIT, "only {} of {count} parts were taken", taken.len());
-        let seen = inbox.scan().unwrap().seen;
-        for ready in settler.observe(&seen, begun.elapsed().as_secs_f64(), has_end) {
-            let claim = claim(&farm.inbox, &ready).unwrap();
-            let stored = store.put(&claim.part).unwrap();
-            assert_eq!(release(&claim, "").unwrap(), Released::Removed);
-            taken.push((claim.display_name(), fs::read(store.path(&stored.hash).unwrap()).unwrap()));
+        let seen = inbox.scan().unwrap().entries;
+        for ready in settler.observe_scan(&seen, begun.elapsed().as_secs_f64(), has_end) {
+            let claim = claim_part(&farm.inbox, &ready).unwrap();
+            let stored = store.store_file(&claim.part).unwrap();
+            assert_eq!(release_claim(&claim, "").unwrap(), ReleaseOutcome::Removed);
+            taken.push((claim.display_name(), fs::read(store.file_path(&stored.hash).unwrap()).unwrap()));
         }
         if taken.len() >= count {
             done = done.or(Some(Instant::now()));
@@ -53,7 +53,7 @@ fn serve(farm: &TestInbox, count: usize) -> Vec<(String, Vec<u8>)> {
     taken
 }
 
-/// Writes in so many pieces with a pause after each.
+/// Writes a file in this number of pieces with a pause after each.
 fn write_slowly(path: &Path, bytes: &[u8], pieces: usize, pause: Duration) {
     let mut file = OpenOptions::new().write(true).create(true).truncate(false).open(path).unwrap();
     for piece in bytes.chunks(bytes.len().div_ceil(pieces)) {
@@ -93,7 +93,7 @@ fn a_copy_that_allocates_its_whole_size_at_once_is_taken_when_it_is_written() {
         scope.spawn(|| {
             fs::File::create(&path).unwrap().set_len(part.len() as u64).unwrap();
             write_slowly(&path, &part, 12, Duration::from_millis(80));
-            // Copiers give the copy the time of the original in the end.
+            // Copying programs finally set the copy's time to that of the original.
             let old = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000_000);
             OpenOptions::new().append(true).open(&path).unwrap().set_modified(old).unwrap();
         });
@@ -137,13 +137,13 @@ fn the_same_name_dropped_again_is_taken_again() {
 fn an_event_brings_a_part_in_long_before_the_next_periodic_scan() {
     let farm = TestInbox::new();
     let (sender, woken) = channel();
-    let _watcher = Watcher::start(vec![farm.inbox.clone()], move || sender.send(()).unwrap_or(())).unwrap();
-    let (mut settler, begun) = (Settler::new(RULES), Instant::now());
+    let _watcher = InboxWatcher::start(vec![farm.inbox.clone()], move || sender.send(()).unwrap_or(())).unwrap();
+    let (mut settler, begun) = (SettleTracker::new(RULES), Instant::now());
     let mut dropped = false;
     loop {
         let now = begun.elapsed().as_secs_f64();
-        let seen = scan(&farm.inbox, ScanLimits::default()).unwrap().seen;
-        if let [Ready::Part { .. }] = settler.observe(&seen, now, has_end)[..] {
+        let seen = scan_inbox(&farm.inbox, ScanLimits::default()).unwrap().entries;
+        if let [SettledEntry::Part { .. }] = settler.observe_scan(&seen, now, has_end)[..] {
             break;
         }
         if !dropped {
@@ -151,8 +151,8 @@ fn an_event_brings_a_part_in_long_before_the_next_periodic_scan() {
             fs::write(farm.inbox.join("a.stl"), stl(1)).unwrap();
             dropped = true;
         }
-        // The periodic scan would come in an hour.
-        let wait = settler.next_secs(now).unwrap_or(3600.0);
+        // The next periodic scan would be in an hour.
+        let wait = settler.next_scan_secs(now).unwrap_or(3600.0);
         if woken.recv_timeout(Duration::from_secs_f64(wait)) == Err(RecvTimeoutError::Disconnected) {
             panic!("the watch died");
         }

@@ -1,23 +1,23 @@
-//! A ticket: what the customer says about a part beside it, `part.stl.toml` or `part.stl.json`.
+//! A ticket: the customer's instructions for the part beside it, `part.stl.toml` or `part.stl.json`.
 
-use build_file::{Unit, visible, visible_lines};
+use build_file::{LengthUnit, escape_invisible, escape_invisible_lines};
 use jiff::{Timestamp, civil, tz::TimeZone};
-use nester::{MAX_TILTS, NotDown, OrientationRule, Tilt};
+use nester::{FaceNotDown, MAX_TILTS, OrientationRule, TiltLimit};
 use serde::Deserialize;
 use thiserror::Error;
 
 use super::copies::MAX_COPIES;
 
-/// More than this around a part is no clearance but a slip of the unit.
+/// A larger clearance is taken for a wrong unit.
 const MAX_CLEARANCE_MM: f64 = 100.0;
-/// Of an order's name or a note.
+/// Maximum length of an order name or a note.
 const MAX_TEXT_BYTES: usize = 4096;
-/// Years of due dates; the ledger's times sort as text as long as their years have four digits.
+/// Accepted years of due dates. Times in the ledger sort as text only if years have four digits.
 const YEARS: std::ops::RangeInclusive<i16> = 1970..=9998;
 
 /// When a part is due.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Due {
+pub enum DueDate {
     /// By the end of a day.
     Day(civil::Date),
     /// At a local time.
@@ -26,9 +26,9 @@ pub enum Due {
     At(Timestamp),
 }
 
-impl Due {
-    /// The instant, in the farm's time zone.
-    pub fn at(self, zone: &TimeZone) -> Result<Timestamp, jiff::Error> {
+impl DueDate {
+    /// Converts it to an instant, using the time zone of the farm.
+    pub fn to_timestamp(self, zone: &TimeZone) -> Result<Timestamp, jiff::Error> {
         match self {
             Self::At(instant) => Ok(instant),
             Self::Local(time) => Ok(time.to_zoned(zone.clone())?.timestamp()),
@@ -45,56 +45,56 @@ impl Due {
     }
 }
 
-/// What a ticket says; `None` = it says nothing about that.
+/// The fields of a ticket. `None` = the ticket does not set the field.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ticket {
     /// Copies, 1 to 10 000.
     pub copies: Option<u32>,
-    /// Name of the order; else the sub-folder is it.
+    /// Name of the order. If not set, the sub-folder is the order.
     pub order: Option<String>,
     /// When it is due.
-    pub due: Option<Due>,
-    /// 0 to 100; 100 must be in the next build.
+    pub due: Option<DueDate>,
+    /// Priority from 0 to 100. A part with 100 must be in the next build.
     pub priority: Option<u8>,
     /// How the part may be turned.
     pub orientation: Option<OrientationRule>,
-    /// Directions of the mesh that must stand near to straight up.
-    pub keep_up: Option<Vec<Tilt>>,
-    /// Faces, by their outward normals, that must not look down.
-    pub not_down: Option<Vec<NotDown>>,
+    /// Directions of the mesh that must point nearly straight up.
+    pub keep_up: Option<Vec<TiltLimit>>,
+    /// Faces, by their outward normals, that must not face down.
+    pub not_down: Option<Vec<FaceNotDown>>,
     /// The part's own clearance, mm.
     pub clearance_mm: Option<f64>,
     /// Unit of the file.
-    pub unit: Option<Unit>,
-    /// For people.
+    pub unit: Option<LengthUnit>,
+    /// Note for people.
     pub note: Option<String>,
 }
 
-/// Why a ticket cannot be used; its part is refused with it, for its copies are not known.
+/// Why a ticket cannot be used. Its part is then refused, because its number of copies is unknown.
 #[derive(Debug, Error, Clone, PartialEq, Eq)]
 pub enum TicketError {
-    /// It says something that nestd does not understand.
+    /// Its content is not valid.
     #[error("the ticket {file} cannot be read: {why}")]
     Broken {
         /// Its name, escaped.
         file: String,
-        /// In plain words.
+        /// The reason, in plain words.
         why: String,
     },
-    /// The disk failed or denied it, not the ticket.
+    /// The operating system could not read the file; the ticket itself may be valid.
     #[error("the ticket {file} cannot be read: {}", std::io::Error::from_raw_os_error(*.errno))]
     Unreadable {
         /// Its name, escaped.
         file: String,
-        /// The error of the system.
+        /// The error code of the operating system.
         errno: i32,
     },
-    /// There is an order list, and it does not name the part.
+    /// There is an order list that does not name the part.
     #[error("{0}")]
     Unlisted(String),
     /// Two sidecars for one part.
     #[error("there are two tickets for one part, {first} and {second}; leave one")]
-    Two {
+    Duplicate {
         /// The first, escaped.
         first: String,
         /// The second, escaped.
@@ -102,38 +102,38 @@ pub enum TicketError {
     },
 }
 
-/// The words of a ticket file as they stand there.
+/// The fields of a ticket file before validation.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Words {
+struct TicketFields {
     copies: Option<toml::Value>,
     order: Option<toml::Value>,
     /// A string, or a date of TOML's own.
     due: Option<toml::Value>,
     priority: Option<toml::Value>,
     orientation: Option<OrientationRule>,
-    keep_up: Option<Vec<Tilt>>,
-    not_down: Option<Vec<NotDown>>,
+    keep_up: Option<Vec<TiltLimit>>,
+    not_down: Option<Vec<FaceNotDown>>,
     clearance_mm: Option<toml::Value>,
-    unit: Option<Unit>,
+    unit: Option<LengthUnit>,
     note: Option<String>,
 }
 
 impl Ticket {
     /// Reads a TOML ticket; `file` is its display name, for errors.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, TicketError> {
-        let words = toml::from_str(without_bom(text)).map_err(|error| broken(file, error.to_string()))?;
-        Self::check(words).map_err(|why| broken(file, why))
+        let words = toml::from_str(strip_bom(text)).map_err(|error| broken_ticket(file, error.to_string()))?;
+        Self::from_fields(words).map_err(|why| broken_ticket(file, why))
     }
 
     /// Reads a JSON ticket; `file` is its display name, for errors.
     pub fn from_json(text: &str, file: &str) -> Result<Self, TicketError> {
-        let words = serde_json::from_str(without_bom(text)).map_err(|error| broken(file, error.to_string()))?;
-        Self::check(words).map_err(|why| broken(file, why))
+        let words = serde_json::from_str(strip_bom(text)).map_err(|error| broken_ticket(file, error.to_string()))?;
+        Self::from_fields(words).map_err(|why| broken_ticket(file, why))
     }
 
-    /// What this ticket does not say is taken from a weaker one.
-    pub fn or(self, weaker: Self) -> Self {
+    /// Fills the fields that this ticket does not set from a ticket with lower precedence.
+    pub fn merge_weaker(self, weaker: Self) -> Self {
         Self {
             copies: self.copies.or(weaker.copies),
             order: self.order.or(weaker.order),
@@ -148,49 +148,55 @@ impl Ticket {
         }
     }
 
-    fn check(words: Words) -> Result<Self, String> {
+    fn from_fields(words: TicketFields) -> Result<Self, String> {
         Ok(Self {
-            copies: words.copies.map(|value| copies(whole("copies", value)?)).transpose()?,
-            order: words.order.map(|order| text("order", visible(&order_name(order)?))).transpose()?,
-            due: words.due.map(due_of_value).transpose()?,
-            priority: words.priority.map(|value| priority(whole("priority", value)?)).transpose()?,
+            copies: words.copies.map(|value| check_copies(whole_number("copies", value)?)).transpose()?,
+            order: words
+                .order
+                .map(|order| check_text("order", escape_invisible(&parse_order_name(order)?)))
+                .transpose()?,
+            due: words.due.map(parse_due_value).transpose()?,
+            priority: words.priority.map(|value| check_priority(whole_number("priority", value)?)).transpose()?,
             orientation: words.orientation,
-            keep_up: words.keep_up.map(|tilts| few("keep_up", tilts)).transpose()?,
-            not_down: words.not_down.map(|faces| few("not_down", faces)).transpose()?,
-            clearance_mm: words.clearance_mm.map(|value| clearance(number("clearance_mm", value)?)).transpose()?,
+            keep_up: words.keep_up.map(|tilts| check_directions("keep_up", tilts)).transpose()?,
+            not_down: words.not_down.map(|faces| check_directions("not_down", faces)).transpose()?,
+            clearance_mm: words
+                .clearance_mm
+                .map(|value| check_clearance(parse_number("clearance_mm", value)?))
+                .transpose()?,
             unit: words.unit,
-            note: words.note.map(|note| text("note", visible_lines(&note))).transpose()?,
+            note: words.note.map(|note| check_text("note", escape_invisible_lines(&note))).transpose()?,
         })
     }
 }
 
-/// A whole number; one in quotes is told how to write it.
-fn whole(word: &str, value: toml::Value) -> Result<i64, String> {
+/// Parses a whole number. For a number in quotes, the error shows how to write it.
+fn whole_number(word: &str, value: toml::Value) -> Result<i64, String> {
     match value {
         toml::Value::Integer(number) => Ok(number),
-        toml::Value::String(text) => Err(quoted::<i64>(word, &text)),
+        toml::Value::String(text) => Err(quoted_number_error::<i64>(word, &text)),
         other => Err(format!("{word} = {other}; it must be a whole number such as 10")),
     }
 }
 
-fn number(word: &str, value: toml::Value) -> Result<f64, String> {
+fn parse_number(word: &str, value: toml::Value) -> Result<f64, String> {
     match value {
         toml::Value::Integer(number) => Ok(number as f64),
         toml::Value::Float(number) => Ok(number),
-        toml::Value::String(text) => Err(quoted::<f64>(word, &text)),
+        toml::Value::String(text) => Err(quoted_number_error::<f64>(word, &text)),
         other => Err(format!("{word} = {other}; it must be a number such as 2.5")),
     }
 }
 
-fn quoted<N: std::str::FromStr>(word: &str, text: &str) -> String {
+fn quoted_number_error<N: std::str::FromStr>(word: &str, text: &str) -> String {
     match text.trim().parse::<N>() {
         Ok(_) => format!("{word} = {text:?} is text; write it without the quotes: {word} = {}", text.trim()),
         Err(_) => format!("{word} = {text:?}; it must be a number without quotes, such as 10"),
     }
 }
 
-/// Many orders have numbers for names.
-fn order_name(value: toml::Value) -> Result<String, String> {
+/// Accepts a number as an order name, because many orders are named by a number.
+fn parse_order_name(value: toml::Value) -> Result<String, String> {
     match value {
         toml::Value::String(name) => Ok(name),
         toml::Value::Integer(number) => Ok(number.to_string()),
@@ -198,67 +204,67 @@ fn order_name(value: toml::Value) -> Result<String, String> {
     }
 }
 
-fn without_bom(text: &str) -> &str {
+fn strip_bom(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-pub(super) fn broken(file: &str, why: impl Into<String>) -> TicketError {
-    TicketError::Broken { file: file.to_owned(), why: visible_lines(why.into().trim_end()) }
+pub(super) fn broken_ticket(file: &str, why: impl Into<String>) -> TicketError {
+    TicketError::Broken { file: file.to_owned(), why: escape_invisible_lines(why.into().trim_end()) }
 }
 
-pub(super) fn copies(copies: i64) -> Result<u32, String> {
+pub(super) fn check_copies(copies: i64) -> Result<u32, String> {
     match u32::try_from(copies) {
         Ok(copies @ 1..=MAX_COPIES) => Ok(copies),
         _ => Err(format!("copies = {copies}; it must be 1 to {MAX_COPIES}")),
     }
 }
 
-pub(super) fn priority(priority: i64) -> Result<u8, String> {
+pub(super) fn check_priority(priority: i64) -> Result<u8, String> {
     match u8::try_from(priority) {
         Ok(priority @ 0..=100) => Ok(priority),
         _ => Err(format!("priority = {priority}; it must be 0 to 100")),
     }
 }
 
-pub(super) fn clearance(clearance_mm: f64) -> Result<f64, String> {
+pub(super) fn check_clearance(clearance_mm: f64) -> Result<f64, String> {
     match (0.0..=MAX_CLEARANCE_MM).contains(&clearance_mm) {
         true => Ok(clearance_mm),
         false => Err(format!("clearance_mm = {clearance_mm}; it must be 0 to {MAX_CLEARANCE_MM}")),
     }
 }
 
-fn few<T>(word: &str, directions: Vec<T>) -> Result<Vec<T>, String> {
+fn check_directions<T>(word: &str, directions: Vec<T>) -> Result<Vec<T>, String> {
     match directions.len() <= MAX_TILTS {
         true => Ok(directions),
         false => Err(format!("{word} names {} directions; at most {MAX_TILTS} are taken", directions.len())),
     }
 }
 
-pub(super) fn text(word: &str, text: String) -> Result<String, String> {
+pub(super) fn check_text(word: &str, text: String) -> Result<String, String> {
     match text.len() <= MAX_TEXT_BYTES {
         true => Ok(text),
         false => Err(format!("{word} is {} bytes long; at most {MAX_TEXT_BYTES} are taken", text.len())),
     }
 }
 
-fn due_of_value(value: toml::Value) -> Result<Due, String> {
+fn parse_due_value(value: toml::Value) -> Result<DueDate, String> {
     match value {
-        toml::Value::String(text) => due(&text),
-        toml::Value::Datetime(time) => due(&time.to_string()),
+        toml::Value::String(text) => parse_due(&text),
+        toml::Value::Datetime(time) => parse_due(&time.to_string()),
         other => {
             Err(format!("due = {other}; it must be a date such as 2026-11-25 or a time such as 2026-11-25T17:00:00Z"))
         }
     }
 }
 
-/// A date, a local time or an instant.
-pub(super) fn due(text: &str) -> Result<Due, String> {
+/// Parses a date, a local time or an instant.
+pub(super) fn parse_due(text: &str) -> Result<DueDate, String> {
     let text = text.trim();
     let has_time = text.contains(['T', 't', ' ']);
     let parsed = match text.parse::<Timestamp>() {
-        Ok(instant) => Ok(Due::At(instant)),
-        Err(_) if has_time => text.parse().map(Due::Local),
-        Err(_) => text.parse().map(Due::Day),
+        Ok(instant) => Ok(DueDate::At(instant)),
+        Err(_) if has_time => text.parse().map(DueDate::Local),
+        Err(_) => text.parse().map(DueDate::Day),
     };
     parsed.ok().filter(|due| YEARS.contains(&due.year())).ok_or_else(|| {
         format!(
@@ -284,13 +290,13 @@ mod tests {
         let expected = Ticket {
             copies: Some(10),
             order: Some("A-7".into()),
-            due: Some(Due::Day(civil::date(2026, 11, 25))),
+            due: Some(DueDate::Day(civil::date(2026, 11, 25))),
             priority: Some(100),
             orientation: Some(OrientationRule::Upright),
-            keep_up: Some(vec![Tilt::new(glam::DVec3::Z, 30.0).unwrap()]),
-            not_down: Some(vec![NotDown::new(glam::DVec3::X, 45.0).unwrap()]),
+            keep_up: Some(vec![TiltLimit::new(glam::DVec3::Z, 30.0).unwrap()]),
+            not_down: Some(vec![FaceNotDown::new(glam::DVec3::X, 45.0).unwrap()]),
             clearance_mm: Some(2.0),
-            unit: Some(Unit::Inch),
+            unit: Some(LengthUnit::Inch),
             note: Some("für Jörg".into()),
         };
         assert_eq!(Ticket::from_toml(toml, "t").unwrap(), expected);
@@ -316,7 +322,7 @@ mod tests {
             ("keep_up = [{ direction = [0, 0, 0], within_deg = 30 }]", "not all 0"),
             ("keep_up = [{ direction = [0, 0, 1], within_deg = 200 }]", "0 to 180"),
             ("keep_up = [[0, 0, 1]]", "keep_up"),
-            ("not_down = [0, 0, 1]", "a direction as in"),
+            ("not_down = [0, 0, 1]", "a direction like"),
             ("clearance_mm = nan", "clearance_mm"),
             ("clearance_mm = -1", "clearance_mm"),
             ("unit = \"parsec\"", "parsec"),
@@ -342,7 +348,7 @@ mod tests {
     #[test]
     fn a_day_is_due_at_its_end_and_a_local_time_in_the_zone_of_the_farm() {
         let zone = TimeZone::fixed(jiff::tz::offset(1));
-        let at = |text: &str| due(text).unwrap().at(&zone).unwrap().to_string();
+        let at = |text: &str| parse_due(text).unwrap().to_timestamp(&zone).unwrap().to_string();
         assert_eq!(at("2026-11-25"), "2026-11-25T23:00:00Z");
         assert_eq!(at("2026-11-25T17:00"), "2026-11-25T16:00:00Z");
         assert_eq!(at("2026-11-25 17:00:00"), "2026-11-25T16:00:00Z");
@@ -353,14 +359,14 @@ mod tests {
     #[test]
     fn dates_of_toml_itself_are_read() {
         let ticket = Ticket::from_toml("due = 2026-11-25T17:00:00-05:00", "t").unwrap();
-        assert_eq!(ticket.due, Some(due("2026-11-25T22:00:00Z").unwrap()));
-        assert!(matches!(Ticket::from_toml("due = 2026-11-25 17:00:00", "t").unwrap().due, Some(Due::Local(_))));
+        assert_eq!(ticket.due, Some(parse_due("2026-11-25T22:00:00Z").unwrap()));
+        assert!(matches!(Ticket::from_toml("due = 2026-11-25 17:00:00", "t").unwrap().due, Some(DueDate::Local(_))));
     }
 
     #[test]
     fn a_stronger_ticket_wins_word_by_word() {
         let strong = Ticket { copies: Some(2), ..Default::default() };
         let weak = Ticket { copies: Some(9), priority: Some(70), ..Default::default() };
-        assert_eq!(strong.or(weak), Ticket { copies: Some(2), priority: Some(70), ..Default::default() });
+        assert_eq!(strong.merge_weaker(weak), Ticket { copies: Some(2), priority: Some(70), ..Default::default() });
     }
 }

@@ -1,4 +1,4 @@
-//! Real inotify on real folders.
+//! Tests with real inotify events on real folders.
 
 use std::{
     sync::mpsc::{Receiver, channel},
@@ -10,11 +10,11 @@ use super::*;
 const SOON: Duration = Duration::from_secs(5);
 const QUIET: Duration = Duration::from_millis(400);
 
-fn watched(paths: &[&Path]) -> (Watcher, Receiver<()>) {
+fn watched(paths: &[&Path]) -> (InboxWatcher, Receiver<()>) {
     let (sender, receiver) = channel();
     let paths = paths.iter().map(|p| p.to_path_buf()).collect();
-    let watcher = Watcher::start(paths, move || sender.send(()).unwrap_or(())).unwrap();
-    // The first watch is itself a reason to look.
+    let watcher = InboxWatcher::start(paths, move || sender.send(()).unwrap_or(())).unwrap();
+    // The first watch itself triggers a scan.
     receiver.recv_timeout(SOON).unwrap();
     drain(&receiver);
     (watcher, receiver)
@@ -76,7 +76,7 @@ fn a_file_in_a_folder_that_was_made_later_wakes_and_claims_are_not_watched() {
         woken.recv_timeout(SOON).unwrap_or_else(|_| panic!("{folder} is not watched"));
         drain(&woken);
     }
-    let watched = lock(&watcher.folders).watched.clone();
+    let watched = lock_mutex(&watcher.folders).watched.clone();
     assert!(!watched.iter().any(|folder| folder.starts_with(inbox.join(".claimed"))), "{watched:?}");
 }
 
@@ -88,7 +88,7 @@ fn folders_that_come_in_a_stream_hold_nobody_up() {
         fs::create_dir(dir.path().join(n.to_string())).unwrap();
     }
     let (sender, checked) = channel();
-    thread::spawn(move || sender.send(watcher.check()).unwrap());
+    thread::spawn(move || sender.send(watcher.check_roots()).unwrap());
     assert_eq!(checked.recv_timeout(SOON).unwrap(), [], "nobody waits for ever");
     drain(&woken);
 }
@@ -125,10 +125,10 @@ fn a_hot_folder_that_is_made_anew_is_watched_again() {
     fs::create_dir(&inbox).unwrap();
     let (mut watcher, woken) = watched(&[&inbox]);
     fs::remove_dir(&inbox).unwrap();
-    assert_eq!(watcher.check().len(), 1);
+    assert_eq!(watcher.check_roots().len(), 1);
     fs::create_dir(&inbox).unwrap();
     drain(&woken);
-    assert!(watcher.check().is_empty());
+    assert!(watcher.check_roots().is_empty());
     woken.recv_timeout(SOON).unwrap();
     drain(&woken);
     fs::write(inbox.join("a.stl"), "x").unwrap();
@@ -140,16 +140,16 @@ fn a_hot_folder_that_is_not_there_yet_is_no_error() {
     let dir = tempfile::tempdir().unwrap();
     let inbox = dir.path().join("inbox");
     let (sender, woken) = channel();
-    let mut watcher = Watcher::start(vec![inbox.clone()], move || sender.send(()).unwrap_or(())).unwrap();
+    let mut watcher = InboxWatcher::start(vec![inbox.clone()], move || sender.send(()).unwrap_or(())).unwrap();
     assert!(woken.recv_timeout(QUIET).is_err());
     fs::create_dir(&inbox).unwrap();
-    assert!(watcher.check().is_empty());
+    assert!(watcher.check_roots().is_empty());
     woken.recv_timeout(SOON).unwrap();
 }
 
 #[test]
 fn lost_events_and_errors_are_a_reason_to_look() {
     let lost = Event::new(EventKind::Other).set_flag(notify::event::Flag::Rescan);
-    assert!(matters(&Ok(lost), &[]));
-    assert!(matters(&Err(notify::Error::generic("no more")), &[]));
+    assert!(is_relevant(&Ok(lost), &[]));
+    assert!(is_relevant(&Err(notify::Error::generic("no more")), &[]));
 }

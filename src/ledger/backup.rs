@@ -1,4 +1,4 @@
-//! A copy of the ledger while the farm runs: consistent, proved, and there whole or not at all.
+//! Backs up the ledger while the farm runs. The copy is consistent, verified, and exists completely or not at all.
 
 use std::{
     fs::{self, File},
@@ -12,64 +12,65 @@ use sqlx::{
     sqlite::{SqliteConnectOptions, SqlitePoolOptions},
 };
 
-use super::{Ledger, LedgerError, error::Result, health, place, schema};
+use super::{Ledger, LedgerError, error::Result, health, location, schema};
 
 impl Ledger {
-    /// Writes a copy of the ledger as of now to `file`, which must not be there, and its seal beside it. The copy is
-    /// compact, on disk, and every page of it has been checked when this returns. Returns its size, bytes.
+    /// Writes a copy of the present ledger to `file`, which must not exist, and its checksum file beside it. On return
+    /// the copy is compact, durable, and every page of it has been checked. Returns its size, bytes.
     ///
-    /// # Errors
-    /// `Backup` when it cannot be written, `Damaged` when the copy is not whole; nothing is left behind then.
-    pub async fn backup(&self, file: &Path) -> Result<u64> {
-        for taken in [file.to_owned(), health::seal_of(file)] {
+    /// `Backup` if the copy cannot be written, `Damaged` if the copy is damaged. In both cases no file remains.
+    pub async fn write_backup(&self, file: &Path) -> Result<u64> {
+        for taken in [file.to_owned(), health::checksum_path(file)] {
             if fs::symlink_metadata(&taken).is_ok() {
-                return Err(failed(file, format!("{} is there already; nothing was overwritten", taken.display())));
+                return Err(backup_error(
+                    file,
+                    format!("{} is there already; nothing was overwritten", taken.display()),
+                ));
             }
         }
         let folder = tempfile::Builder::new()
             .prefix(".nestd-backup-")
-            .tempdir_in(place::folder(file))
-            .map_err(|error| failed(file, error))?;
+            .tempdir_in(location::parent_folder(file))
+            .map_err(|error| backup_error(file, error))?;
         let copy = folder.path().join("ledger");
         self.copy_into(file, &copy).await?;
-        prove(&copy).await?;
-        finish(&copy, file).map_err(|error| failed(file, error))
+        prove_backup(&copy).await?;
+        finish_backup(&copy, file).map_err(|error| backup_error(file, error))
     }
 
     async fn copy_into(&self, file: &Path, copy: &Path) -> Result<()> {
-        let name = copy.to_str().ok_or_else(|| failed(file, "its path is not UTF-8"))?;
+        let name = copy.to_str().ok_or_else(|| backup_error(file, "its path is not UTF-8"))?;
         let copied = sqlx::query("VACUUM INTO ?").bind(name).execute(self.writer()).await;
         match copied.map_err(LedgerError::from) {
-            Err(LedgerError::Sql(error)) => Err(failed(file, error)),
+            Err(LedgerError::Sql(error)) => Err(backup_error(file, error)),
             other => other.map(drop),
         }
     }
 }
 
-fn failed(file: &Path, what: impl ToString) -> LedgerError {
+fn backup_error(file: &Path, what: impl ToString) -> LedgerError {
     LedgerError::Backup { path: file.to_owned(), what: what.to_string() }
 }
 
-/// Checks every byte of a ledger that nobody uses against its seal, every page of it, and that its schema is none of a newer
-/// nestd. Changes nothing.
+/// Verifies a ledger that is not in use: every byte against its checksum, every page, and that its schema is not newer
+/// than this nestd. Changes nothing.
 ///
-/// # Errors
-/// `Damaged` when it is not whole or no ledger, `NewerSchema`, or SQLite's own trouble.
-pub async fn prove(file: &Path) -> Result<()> {
-    health::look_at_files(file).await?;
-    let pool = read_only(file).await?;
-    let proved = match schema::demand(file, &pool).await {
+/// `Damaged` if the file is damaged or is not a ledger, `NewerSchema`, or an error of SQLite.
+pub async fn prove_backup(file: &Path) -> Result<()> {
+    health::check_files(file).await?;
+    let pool = open_read_only(file).await?;
+    let proved = match schema::ensure_current_version(file, &pool).await {
         Err(LedgerError::OlderSchema { found: 0, .. }) => {
             Err(LedgerError::Damaged { path: file.to_owned(), what: "it holds no ledger of nestd".to_owned() })
         }
         Err(error) if !matches!(error, LedgerError::OlderSchema { .. }) => Err(error),
-        _ => health::check_all(file, &pool).await,
+        _ => health::check_database(file, &pool).await,
     };
     pool.close().await;
     proved
 }
 
-async fn read_only(file: &Path) -> Result<SqlitePool> {
+async fn open_read_only(file: &Path) -> Result<SqlitePool> {
     let options = SqliteConnectOptions::new().filename(file).read_only(true).immutable(true);
     let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await;
     pool.map_err(|error| match LedgerError::from(error) {
@@ -78,19 +79,20 @@ async fn read_only(file: &Path) -> Result<SqlitePool> {
     })
 }
 
-/// Gives the proved copy its name, which overwrites nothing; the seal comes after it, so that it never vouches for less.
-fn finish(copy: &Path, file: &Path) -> io::Result<u64> {
+/// Gives the verified copy its final name without overwriting a file. The checksum is written afterwards, so it never
+/// describes an incomplete file.
+fn finish_backup(copy: &Path, file: &Path) -> io::Result<u64> {
     let whole = File::open(copy)?;
-    // It holds what customers sent: its owner's alone until somebody decides otherwise.
+    // It contains customer data: only its owner may read it, until somebody decides otherwise.
     whole.set_permissions(fs::Permissions::from_mode(0o600))?;
     whole.sync_all()?;
     let bytes = whole.metadata()?.len();
     fs::hard_link(copy, file).or_else(|error| match error.kind() {
         io::ErrorKind::AlreadyExists => Err(error),
-        // A file system without hard links: it was looked before that the name is free.
+        // A file system without hard links: the name was checked to be free before.
         _ => fs::rename(copy, file),
     })?;
-    health::write_seal(file, None)?;
-    File::open(place::folder(file))?.sync_all()?;
+    health::write_checksum(file, None)?;
+    File::open(location::parent_folder(file))?.sync_all()?;
     Ok(bytes)
 }

@@ -1,4 +1,4 @@
-//! Builds: the parts of a profile taken together, one build file, one height.
+//! Builds: parts of one machine profile that are printed together, with one build file and one height.
 
 use super::{
     BuildId, BuildState, Ledger,
@@ -7,13 +7,13 @@ use super::{
 };
 
 impl Ledger {
-    /// The open build of a profile; opened when there is none.
+    /// Returns the open build of a profile, and creates it if there is none.
     pub async fn open_build(&self, profile: &str) -> Result<BuildRow> {
         let open = "SELECT * FROM build WHERE profile = ? AND state = 'open'";
         if let Some(build) = sqlx::query_as(open).bind(profile).fetch_optional(self.reader()?).await? {
             return Ok(build);
         }
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         let now = change.now;
         sqlx::query(
             "INSERT INTO build (profile, state, opened_at, state_at) VALUES (?, 'open', ?, ?) \
@@ -29,10 +29,10 @@ impl Ledger {
         Ok(build)
     }
 
-    /// Deletes the open build of a profile that is no more; it holds no copy. What was told of it stays, without its
-    /// number.
-    pub async fn drop_open_build(&self, profile: &str) -> Result<()> {
-        let mut change = self.change().await?;
+    /// Deletes the open build of a profile that does not exist any more; it holds no copy. Its events are kept without
+    /// the build number.
+    pub async fn delete_open_build(&self, profile: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
         sqlx::query(
             "UPDATE event SET build_id = NULL WHERE build_id IN \
              (SELECT id FROM build WHERE profile = ? AND state = 'open')",
@@ -45,10 +45,10 @@ impl Ledger {
         change.commit().await
     }
 
-    /// Keeps the layout of an open or nesting build.
+    /// Stores the layout of an open or nesting build.
     pub async fn save_layout(&self, build: BuildId, layout: &OpenLayout) -> Result<()> {
-        let mut change = self.change().await?;
-        change.demand(build, &[BuildState::Open, BuildState::Nesting]).await?;
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Open, BuildState::Nesting]).await?;
         sqlx::query(
             "UPDATE build SET layout = ?, height_mm = ?, density = ?, part_volume_mm3 = ?, \
              copies = CASE state WHEN 'open' THEN ? ELSE copies END WHERE id = ?",
@@ -66,8 +66,8 @@ impl Ledger {
 
     /// Adds CPU seconds of nesting for an open or nesting build.
     pub async fn add_cpu_secs(&self, build: BuildId, cpu_secs: f64) -> Result<()> {
-        let mut change = self.change().await?;
-        change.demand(build, &[BuildState::Open, BuildState::Nesting]).await?;
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Open, BuildState::Nesting]).await?;
         let add = sqlx::query("UPDATE build SET cpu_secs = coalesce(cpu_secs, 0) + ? WHERE id = ?");
         add.bind(cpu_secs).bind(build).execute(change.db()).await?;
         change.commit().await
@@ -79,7 +79,7 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The build of a profile that was given up last, and why.
+    /// The last build of a profile that failed before it was published, and why.
     pub async fn last_failure(&self, profile: &str) -> Result<Option<(BuildId, String)>> {
         let query = sqlx::query_as(
             "SELECT id, reason FROM build WHERE state = 'failed' AND profile = ? AND published_at IS NULL \
@@ -88,8 +88,8 @@ impl Ledger {
         Ok(query.bind(profile).fetch_optional(self.reader()?).await?)
     }
 
-    /// A build.
-    pub async fn build(&self, id: BuildId) -> Result<Option<BuildRow>> {
+    /// Finds a build by its number.
+    pub async fn find_build(&self, id: BuildId) -> Result<Option<BuildRow>> {
         let query = sqlx::query_as("SELECT * FROM build WHERE id = ?").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }

@@ -4,12 +4,12 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Utc};
+use super::{BuildId, BuildState, UtcTimestamp};
 
-/// Points of a curve that are kept.
+/// Maximum number of points of a stored curve.
 const MOST_POINTS: usize = 300;
 
-/// A build. Of an open build height, density and copies are those of its layout so far.
+/// A build. While it is open, height, density and copies describe its layout so far.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
 pub struct BuildRow {
     /// Its number.
@@ -24,7 +24,7 @@ pub struct BuildRow {
     pub fired_by: String,
     /// How often nesting was begun.
     pub attempts: u32,
-    /// How often a search was begun since one came to its end.
+    /// Number of searches started since the last one that finished.
     pub searches: u32,
     /// When it was where in its life.
     #[serde(flatten)]
@@ -52,15 +52,15 @@ pub struct BuildRow {
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
 pub struct BuildTimes {
     /// When it was opened.
-    pub opened_at: Utc,
+    pub opened_at: UtcTimestamp,
     /// When it fired.
-    pub nesting_at: Option<Utc>,
+    pub nesting_at: Option<UtcTimestamp>,
     /// When its file was proved.
-    pub verified_at: Option<Utc>,
-    /// When it came into the queue.
-    pub published_at: Option<Utc>,
+    pub verified_at: Option<UtcTimestamp>,
+    /// When its file was put into the queue.
+    pub published_at: Option<UtcTimestamp>,
     /// When its state was entered.
-    pub state_at: Utc,
+    pub state_at: UtcTimestamp,
 }
 
 /// The file of a build, where it was staged, and how far its publishing went.
@@ -68,14 +68,14 @@ pub struct BuildTimes {
 pub struct StagedFile {
     /// Name of the build file in the queue folder.
     pub file_name: Option<String>,
-    /// Which queue folder it was staged in (its marker).
+    /// Marker of the queue folder that it was staged in.
     pub queue_id: Option<String>,
     /// BLAKE3 of the build file, 64 hex digits.
     pub file_hash: Option<String>,
     /// Size of the build file.
     pub file_bytes: Option<u64>,
-    /// When the first rename that publishes it was about to be tried.
-    pub publishing_at: Option<Utc>,
+    /// When publishing began: set before the first attempt to rename its file into the queue.
+    pub publishing_at: Option<UtcTimestamp>,
 }
 
 /// What was measured of a build.
@@ -85,17 +85,17 @@ pub struct BuildMeasures {
     pub height_mm: Option<f64>,
     /// Part volume / (base area x height), 0..1.
     pub density: Option<f64>,
-    /// No build of these parts can be lower, mm.
+    /// Lower bound of the height of any build of these parts, mm.
     pub lower_bound_mm: Option<f64>,
     /// Layers to print.
     pub layers: Option<u32>,
     /// Volume of all parts in it, mm3.
     pub part_volume_mm3: Option<f64>,
-    /// Placements.
+    /// Number of placed copies.
     pub copies: Option<u32>,
-    /// Clearance asked, mm.
+    /// Required clearance, mm.
     pub clearance_mm: Option<f64>,
-    /// Least distance found on the triangles of the written file, mm.
+    /// Least distance measured on the triangles of the written file, mm.
     pub clearance_proved_mm: Option<f64>,
 }
 
@@ -133,18 +133,19 @@ pub struct BuildDocuments {
 }
 
 impl BuildRow {
-    /// How the height fell: (wall seconds, build height in mm) of the search's improvements; empty until verified.
-    pub fn curve(&self) -> Vec<(f64, f64)> {
+    /// Height over time: (wall seconds, build height in mm) of each improvement that the search found. Empty until the
+    /// build is verified.
+    pub fn height_curve(&self) -> Vec<(f64, f64)> {
         self.kept.curve.as_deref().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
     }
 
-    /// Name and BLAKE3 of each file that is staged beside the build file; empty where that is not known.
-    pub fn sidecars(&self) -> Vec<(String, String)> {
+    /// Name and BLAKE3 of each file staged beside the build file. Empty if unknown.
+    pub fn sidecar_hashes(&self) -> Vec<(String, String)> {
         self.kept.sidecars.as_deref().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
     }
 }
 
-/// The layout of an open build as it is kept.
+/// The stored layout of an open build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenLayout {
     /// JSON, the layout itself.
@@ -159,7 +160,7 @@ pub struct OpenLayout {
     pub part_volume_mm3: f64,
 }
 
-/// What is known of a build whose file is written and proved.
+/// The data of a build whose file was written and proved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verified {
     /// Its file.
@@ -168,7 +169,7 @@ pub struct Verified {
     pub measures: ProvedMeasures,
     /// What the search for it took.
     pub search: FinalSearch,
-    /// JSON, the profile as it was.
+    /// JSON, the profile at the time of the build.
     pub profile_snapshot: String,
 }
 
@@ -194,17 +195,17 @@ pub struct ProvedMeasures {
     pub height_mm: f64,
     /// Part volume / (base area x height), 0..1.
     pub density: f64,
-    /// No build of these parts can be lower, mm.
+    /// Lower bound of the height of any build of these parts, mm.
     pub lower_bound_mm: f64,
     /// Layers to print.
     pub layers: u32,
     /// Volume of all parts in it, mm3.
     pub part_volume_mm3: f64,
-    /// Placements.
+    /// Number of placed copies.
     pub copies: u32,
-    /// Clearance asked, mm.
+    /// Required clearance, mm.
     pub clearance_mm: f64,
-    /// Least distance found on the triangles of the written file, mm; `None` = a single copy has no neighbour.
+    /// Least distance measured on the triangles of the written file, mm; `None` = a single copy has no neighbour.
     pub clearance_proved_mm: Option<f64>,
 }
 
@@ -223,12 +224,12 @@ pub struct FinalSearch {
     pub method: String,
     /// Version of nestd.
     pub version: String,
-    /// How the height fell: (wall seconds, build height in mm) of every improvement.
+    /// Height over time: (wall seconds, build height in mm) of every improvement.
     pub curve: Vec<(f64, f64)>,
 }
 
 impl FinalSearch {
-    /// The curve as the ledger keeps it, of a few hundred points at most, the last one always.
+    /// The curve as JSON for the ledger, thinned to a few hundred points. The last point is always kept.
     pub(super) fn curve_json(&self) -> String {
         let step = self.curve.len().div_ceil(MOST_POINTS).max(1);
         let kept = self.curve.iter().rev().step_by(step);

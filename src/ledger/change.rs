@@ -1,24 +1,26 @@
-//! A change of the ledger: one short immediate transaction. Every state that a row enters, it enters here, together
-//! with the event that says so.
+//! A change of the ledger: one short immediate transaction. Every state transition of a row goes through this type,
+//! together with its event.
 
 use std::path::PathBuf;
 
 use sqlx::{Sqlite, SqliteConnection, Transaction};
 
-use super::{BuildId, BuildState, LedgerError, PartId, PartRow, PartState, Refusal, Utc, error::Result, health};
+use super::{
+    BuildId, BuildState, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp, error::Result, health,
+};
 
-/// A change that is not committed yet; dropping it takes everything back.
-pub struct Change {
+/// A change that is not committed yet. Dropping it rolls everything back.
+pub struct LedgerChange {
     transaction: Transaction<'static, Sqlite>,
-    /// The one time of everything in this change.
-    pub now: Utc,
+    /// The time used for everything in this change.
+    pub now: UtcTimestamp,
     /// Where the ledger is.
     ledger: PathBuf,
 }
 
-impl Change {
-    /// A change over a transaction that holds the write lock.
-    pub fn new(transaction: Transaction<'static, Sqlite>, now: Utc, ledger: PathBuf) -> Self {
+impl LedgerChange {
+    /// Creates a change from a transaction that holds the write lock.
+    pub fn new(transaction: Transaction<'static, Sqlite>, now: UtcTimestamp, ledger: PathBuf) -> Self {
         Self { transaction, now, ledger }
     }
 
@@ -27,10 +29,10 @@ impl Change {
         &mut self.transaction
     }
 
-    /// Makes the change last.
+    /// Commits the change.
     pub async fn commit(mut self) -> Result<()> {
         if cfg!(debug_assertions) {
-            let faults = super::truth::faults(self.db()).await?;
+            let faults = super::consistency::find_inconsistencies(self.db()).await?;
             debug_assert!(faults.is_empty(), "a change broke the ledger: {faults:?}");
         }
         let changes = health::count_change(self.db()).await?;
@@ -39,43 +41,49 @@ impl Change {
         Ok(())
     }
 
-    /// A part as it stands in this change.
-    pub async fn part(&mut self, id: PartId) -> Result<PartRow> {
+    /// Reads a part within this change.
+    pub async fn require_part(&mut self, id: PartId) -> Result<PartRow> {
         let part = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id).fetch_optional(self.db()).await?;
         part.ok_or(LedgerError::UnknownPart(id))
     }
 
-    /// Profile and state of a build as it stands in this change.
-    pub async fn build(&mut self, id: BuildId) -> Result<(String, BuildState)> {
+    /// Reads profile and state of a build within this change.
+    pub async fn require_build(&mut self, id: BuildId) -> Result<(String, BuildState)> {
         let query = sqlx::query_as("SELECT profile, state FROM build WHERE id = ?");
         query.bind(id).fetch_optional(self.db()).await?.ok_or(LedgerError::UnknownBuild(id))
     }
 
-    /// Refuses when the build is in none of these states. Returns its profile.
-    pub async fn demand(&mut self, build: BuildId, needed: &'static [BuildState]) -> Result<String> {
-        match self.build(build).await? {
+    /// Fails unless the build is in one of these states. Returns its profile.
+    pub async fn ensure_build_state(&mut self, build: BuildId, needed: &'static [BuildState]) -> Result<String> {
+        match self.require_build(build).await? {
             (profile, state) if needed.contains(&state) => Ok(profile),
             (_, state) => Err(LedgerError::WrongState { build, state, needed }),
         }
     }
 
-    /// Moves a part; `detail` is the detail of the event.
+    /// Moves a part to another state. `detail` is stored in the event.
     pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
-        let profile = self.enter(id, next, None, "").await?;
-        self.event(&next.to_string(), &profile, Some(id), build, detail).await
+        let profile = self.set_part_state(id, next, None, "").await?;
+        self.write_event(&next.to_string(), &profile, Some(id), build, detail).await
     }
 
     /// Rejects a part.
-    pub async fn reject_part(&mut self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
+    pub async fn reject_part(&mut self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
-        let profile = self.enter(id, PartState::Rejected, Some(cause), reason).await?;
+        let profile = self.set_part_state(id, PartState::Rejected, Some(cause), reason).await?;
         self.count_decision(id).await?;
-        self.refusal(&PartState::Rejected.to_string(), &profile, Some(id), cause, reason).await
+        self.write_refusal_event(&PartState::Rejected.to_string(), &profile, Some(id), cause, reason).await
     }
 
-    /// Puts a part into a state; returns its profile.
-    async fn enter(&mut self, id: PartId, next: PartState, cause: Option<Refusal>, reason: &str) -> Result<String> {
-        let part = self.part(id).await?;
+    /// Sets the state of a part. Returns its profile.
+    async fn set_part_state(
+        &mut self,
+        id: PartId,
+        next: PartState,
+        cause: Option<RefusalCause>,
+        reason: &str,
+    ) -> Result<String> {
+        let part = self.require_part(id).await?;
         let next = part.state.move_to(next)?;
         let now = self.now;
         sqlx::query("UPDATE part SET state = ?, state_at = ?, refusal = ?, reason = ? WHERE id = ?")
@@ -89,9 +97,10 @@ impl Change {
         Ok(part.profile)
     }
 
-    /// Moves a build; `detail` is the reason of a failure and the detail of the event. Returns its profile.
+    /// Moves a build to another state. `detail` is the reason of a failure and is stored in the event. Returns its
+    /// profile.
     pub async fn move_build(&mut self, id: BuildId, next: BuildState, detail: &str) -> Result<String> {
-        let (profile, state) = self.build(id).await?;
+        let (profile, state) = self.require_build(id).await?;
         let next = state.move_to(next)?;
         let now = self.now;
         sqlx::query(
@@ -109,12 +118,12 @@ impl Change {
         .bind(id)
         .execute(self.db())
         .await?;
-        self.event(&next.to_string(), &profile, None, Some(id), detail).await?;
+        self.write_event(&next.to_string(), &profile, None, Some(id), detail).await?;
         Ok(profile)
     }
 
     /// Writes an event.
-    pub async fn event(
+    pub async fn write_event(
         &mut self,
         kind: &str,
         profile: &str,
@@ -136,15 +145,15 @@ impl Change {
     }
 
     /// Writes the event of a refusal.
-    pub async fn refusal(
+    pub async fn write_refusal_event(
         &mut self,
         kind: &str,
         profile: &str,
         part: Option<PartId>,
-        cause: Refusal,
+        cause: RefusalCause,
         reason: &str,
     ) -> Result<()> {
-        self.event(kind, profile, part, None, reason).await?;
+        self.write_event(kind, profile, part, None, reason).await?;
         let cause = sqlx::query("UPDATE event SET cause = ? WHERE id = last_insert_rowid()").bind(cause);
         cause.execute(self.db()).await?;
         Ok(())

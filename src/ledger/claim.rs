@@ -1,65 +1,65 @@
-//! The first steps of a part's life: claimed, read, refused, cancelled, taken back.
+//! The first steps of a part: claimed, read, refused, cancelled, retried.
 
 use super::{
-    BuildId, BuildState, IllegalMove, Ledger, LedgerError, NewPart, NewTicket, PartId, PartRow, PartState, Recorded,
-    Refusal, SolidFacts, Utc, change::Change, error::Result, word::Word,
+    BuildId, BuildState, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
+    RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, text_column::TextColumn,
 };
 
 impl Ledger {
-    /// Records a claim and its ticket; the same claim again gives the same part.
-    pub async fn record_claim(&self, part: &NewPart) -> Result<Recorded> {
-        let mut change = self.change().await?;
-        let recorded = record(&mut change, part).await?;
-        if recorded.fresh {
+    /// Records a claim and its ticket. Recording the same claim again returns the same part.
+    pub async fn record_claim(&self, part: &NewPartRow) -> Result<RecordedPart> {
+        let mut change = self.begin_change().await?;
+        let recorded = record_new_part(&mut change, part).await?;
+        if recorded.is_new {
             change.commit().await?;
         }
         Ok(recorded)
     }
 
-    /// Records many claims in one change, all or none; those that are known stay as they are.
-    pub async fn record_claims(&self, parts: &[&NewPart]) -> Result<Vec<Recorded>> {
-        let mut change = self.change().await?;
+    /// Records many claims in one change, all or none. Claims that are already recorded stay unchanged.
+    pub async fn record_claims(&self, parts: &[&NewPartRow]) -> Result<Vec<RecordedPart>> {
+        let mut change = self.begin_change().await?;
         let mut recorded = Vec::with_capacity(parts.len());
         for part in parts {
-            recorded.push(record(&mut change, part).await?);
+            recorded.push(record_new_part(&mut change, part).await?);
         }
         change.commit().await?;
         Ok(recorded)
     }
 
-    /// Counts a further attempt to read a claimed part's file; returns how many there are now. The first is counted with the
-    /// claim, which saves a change of the ledger for each file.
+    /// Counts another attempt to read the file of a claimed part, and returns the number of attempts. The first attempt
+    /// is counted when the claim is recorded, which saves one change of the ledger per file.
     pub async fn begin_read(&self, id: PartId) -> Result<u32> {
-        self.count_read(id, 1).await
+        self.add_reads(id, 1).await
     }
 
-    /// An attempt that the disk hindered does not count.
-    pub async fn forget_read(&self, id: PartId) -> Result<u32> {
-        self.count_read(id, -1).await
+    /// Takes back the count of an attempt that failed because of the disk.
+    pub async fn uncount_read(&self, id: PartId) -> Result<u32> {
+        self.add_reads(id, -1).await
     }
 
-    async fn count_read(&self, id: PartId, more: i32) -> Result<u32> {
-        let mut change = self.change().await?;
+    async fn add_reads(&self, id: PartId, more: i32) -> Result<u32> {
+        let mut change = self.begin_change().await?;
         let count = "UPDATE part SET reads = max(reads + ?, 0) WHERE id = ? RETURNING reads";
         let reads = sqlx::query_scalar(count).bind(more).bind(id).fetch_one(change.db()).await?;
         change.commit().await?;
         Ok(reads)
     }
 
-    /// claimed -> waiting: the solids that were read; further solids than 0 become parts of their own. Returns the
-    /// parts that wait now. A sibling that is not claimed stays as it is.
-    pub async fn accept(&self, id: PartId, solids: &[SolidFacts]) -> Result<Vec<PartId>> {
-        let mut change = self.change().await?;
-        let claimed = change.part(id).await?;
+    /// claimed -> waiting: stores the solids that were read. Solids other than 0 become parts of their own. Returns the
+    /// parts that wait now. A part of the same file that is not claimed stays unchanged.
+    pub async fn accept_solids(&self, id: PartId, solids: &[SolidFacts]) -> Result<Vec<PartId>> {
+        let mut change = self.begin_change().await?;
+        let claimed = change.require_part(id).await?;
         if claimed.state != PartState::Claimed {
-            // Copies that are let go wait again too, but a part is read only when it is claimed.
+            // Released copies return to waiting too, but a part is read only while it is claimed.
             let (from, to) = (claimed.state.to_string(), PartState::Waiting.to_string());
             return Err(IllegalMove { thing: "part", from, to }.into());
         }
         let mut waiting = Vec::new();
         for solid in solids {
-            if let Some(part) = claimed_solid(&mut change, &claimed, solid).await? {
-                write_facts(&mut change, &part, solid).await?;
+            if let Some(part) = find_or_insert_solid(&mut change, &claimed, solid).await? {
+                write_solid_facts(&mut change, &part, solid).await?;
                 change.move_part(part.id, PartState::Waiting, None, "").await?;
                 waiting.push(part.id);
             }
@@ -71,12 +71,12 @@ impl Ledger {
         Ok(waiting)
     }
 
-    /// claimed -> rejected, with all claimed solids of the same claim.
-    pub async fn reject(&self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
-        let mut change = self.change().await?;
-        let claimed = change.part(id).await?;
+    /// claimed -> rejected, together with all claimed solids of the same claim.
+    pub async fn reject_claim(&self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let claimed = change.require_part(id).await?;
         if claimed.state != PartState::Claimed {
-            // A waiting part may be rejected too, but only by `cancel`, which looks at its copies.
+            // A waiting part may be rejected too, but only by `cancel`, which checks its copies.
             let (from, to) = (claimed.state.to_string(), PartState::Rejected.to_string());
             return Err(IllegalMove { thing: "part", from, to }.into());
         }
@@ -91,22 +91,22 @@ impl Ledger {
         change.commit().await
     }
 
-    /// Whether [`Ledger::cancel`] would do it now.
-    pub async fn demand_cancellable(&self, id: PartId) -> Result<()> {
-        let mut change = self.change().await?;
-        demand_cancellable(&mut change, id).await
+    /// Checks whether [`Ledger::cancel_part`] would succeed now.
+    pub async fn ensure_cancellable(&self, id: PartId) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        ensure_part_cancellable(&mut change, id).await
     }
 
-    /// waiting -> rejected: by an operator, or because the profile changed. Published copies stay published; refused
+    /// waiting -> rejected: by an operator, or because the profile changed. Published copies stay published. Fails
     /// while a copy is being nested.
-    pub async fn cancel(&self, id: PartId, cause: Refusal, reason: &str) -> Result<()> {
-        let mut change = self.change().await?;
-        demand_cancellable(&mut change, id).await?;
+    pub async fn cancel_part(&self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        ensure_part_cancellable(&mut change, id).await?;
         change.reject_part(id, cause, reason).await?;
         change.commit().await
     }
 
-    /// The builds in work that hold copies of parts of these claims.
+    /// The nesting builds that hold copies of parts of these claims.
     pub async fn nesting_builds_of_claims(&self, claims: &[String]) -> Result<Vec<BuildId>> {
         let query = sqlx::query_scalar(
             "SELECT DISTINCT b.id FROM build b JOIN placement l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
@@ -115,7 +115,8 @@ impl Ledger {
         Ok(query.bind(serde_json::json!(claims).to_string()).fetch_all(self.reader()?).await?)
     }
 
-    /// claimed, waiting -> rejected: another farm has taken these claims over. Returns the parts that were given up now.
+    /// claimed, waiting -> rejected: another farm has taken these claims over. Returns the parts that were rejected
+    /// now.
     pub async fn give_up_claims(&self, claims: &[String], reason: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as(
             "SELECT * FROM part WHERE state IN ('claimed', 'waiting') \
@@ -125,18 +126,18 @@ impl Ledger {
         if parts.is_empty() {
             return Ok(parts);
         }
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         for part in &parts {
-            change.reject_part(part.id, Refusal::Cancelled, reason).await?;
+            change.reject_part(part.id, RefusalCause::Cancelled, reason).await?;
         }
         change.commit().await?;
         Ok(parts)
     }
 
-    /// rejected -> claimed: it is read again.
-    pub async fn retry(&self, id: PartId) -> Result<()> {
-        let mut change = self.change().await?;
-        let state = change.part(id).await?.state;
+    /// rejected -> claimed: the part is read again.
+    pub async fn retry_part(&self, id: PartId) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let state = change.require_part(id).await?.state;
         if state != PartState::Rejected {
             return Err(LedgerError::NotRejected { part: id, state });
         }
@@ -146,7 +147,7 @@ impl Ledger {
     }
 }
 
-async fn demand_cancellable(change: &mut Change, id: PartId) -> Result<()> {
+async fn ensure_part_cancellable(change: &mut LedgerChange, id: PartId) -> Result<()> {
     let nested: Option<(BuildId, BuildState)> = sqlx::query_as(
         "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
          WHERE l.part_id = ? AND b.published_at IS NULL LIMIT 1",
@@ -157,29 +158,29 @@ async fn demand_cancellable(change: &mut Change, id: PartId) -> Result<()> {
     if let Some((build, state)) = nested {
         return Err(LedgerError::BeingBuilt { part: id, build, state });
     }
-    match change.part(id).await?.state {
-        PartState::Rejected => Err(LedgerError::IsOut(id)),
-        PartState::Built => Err(LedgerError::IsBuilt(id)),
+    match change.require_part(id).await?.state {
+        PartState::Rejected => Err(LedgerError::AlreadyRejected(id)),
+        PartState::Built => Err(LedgerError::AlreadyBuilt(id)),
         _ => Ok(()),
     }
 }
 
-/// A claim with its ticket and its event, unless it is recorded already.
-async fn record(change: &mut Change, part: &NewPart) -> Result<Recorded> {
+/// Inserts a claim with its ticket and its event, unless it is already recorded.
+async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result<RecordedPart> {
     let Some(id) = insert_claim(change, part).await? else {
         let known = sqlx::query_scalar("SELECT id FROM part WHERE claim = ? AND object_index = 0");
         let id = known.bind(&part.claim).fetch_one(change.db()).await?;
-        return Ok(Recorded { id, fresh: false });
+        return Ok(RecordedPart { id, is_new: false });
     };
     if let Some(ticket) = &part.ticket {
         insert_ticket(change, id, ticket).await?;
     }
-    change.event("claimed", &part.profile, Some(id), None, &part.name).await?;
-    Ok(Recorded { id, fresh: true })
+    change.write_event("claimed", &part.profile, Some(id), None, &part.name).await?;
+    Ok(RecordedPart { id, is_new: true })
 }
 
-/// `None` when the claim is recorded already.
-async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<PartId>> {
+/// Inserts the row of a claim. `None` if the claim is already recorded.
+async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Option<PartId>> {
     let now = change.now;
     let id = sqlx::query_scalar(
         "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
@@ -193,14 +194,14 @@ async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<Part
     .bind(&part.terms.order_name)
     .bind(&part.content_hash)
     .bind(part.bytes as i64)
-    .bind(lines("", &part.warnings))
+    .bind(merge_lines("", &part.warnings))
     .bind(part.copies)
     .bind(part.terms.priority)
-    .bind(part.terms.due_at.map(Utc))
-    .bind(Word(part.terms.orientation))
+    .bind(part.terms.due_at.map(UtcTimestamp))
+    .bind(TextColumn(part.terms.orientation))
     .bind(part.terms.tilts.to_string())
     .bind(part.terms.clearance_mm)
-    .bind(Word(part.terms.unit))
+    .bind(TextColumn(part.terms.unit))
     .bind(&part.terms.note)
     .bind(now)
     .bind(now)
@@ -209,7 +210,7 @@ async fn insert_claim(change: &mut Change, part: &NewPart) -> Result<Option<Part
     Ok(id)
 }
 
-async fn insert_ticket(change: &mut Change, part: PartId, ticket: &NewTicket) -> Result<()> {
+async fn insert_ticket(change: &mut LedgerChange, part: PartId, ticket: &NewTicketRow) -> Result<()> {
     let now = change.now;
     sqlx::query("INSERT INTO ticket (part_id, source, file_name, text, received_at) VALUES (?, ?, ?, ?, ?)")
         .bind(part)
@@ -222,8 +223,12 @@ async fn insert_ticket(change: &mut Change, part: PartId, ticket: &NewTicket) ->
     Ok(())
 }
 
-/// The row of a solid of the claimed file, made when there is none; `None` when it is not claimed any more.
-async fn claimed_solid(change: &mut Change, file: &PartRow, solid: &SolidFacts) -> Result<Option<PartRow>> {
+/// Finds or inserts the row of a solid of the claimed file. `None` if that part is not claimed any more.
+async fn find_or_insert_solid(
+    change: &mut LedgerChange,
+    file: &PartRow,
+    solid: &SolidFacts,
+) -> Result<Option<PartRow>> {
     let known: Option<PartRow> = sqlx::query_as("SELECT * FROM part WHERE claim = ? AND object_index = ?")
         .bind(&file.file.claim)
         .bind(solid.object_index)
@@ -244,12 +249,13 @@ async fn claimed_solid(change: &mut Change, file: &PartRow, solid: &SolidFacts) 
     .bind(file.id)
     .fetch_one(change.db())
     .await?;
-    change.event("claimed", &file.profile, Some(id), None, &solid.object_name).await?;
-    Ok(Some(change.part(id).await?))
+    change.write_event("claimed", &file.profile, Some(id), None, &solid.object_name).await?;
+    Ok(Some(change.require_part(id).await?))
 }
 
-/// Copies are kept when the part was read before: asking again must not multiply them.
-async fn write_facts(change: &mut Change, part: &PartRow, solid: &SolidFacts) -> Result<()> {
+/// Stores what was read about a solid. The number of copies is kept if the part was read before, so a retry does not
+/// multiply it.
+async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &SolidFacts) -> Result<()> {
     let [x, y, z] = solid.size_mm;
     sqlx::query(
         "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN ? ELSE copies END, object_name = ?, triangles = ?, \
@@ -262,15 +268,15 @@ async fn write_facts(change: &mut Change, part: &PartRow, solid: &SolidFacts) ->
     .bind(x)
     .bind(y)
     .bind(z)
-    .bind(lines(&part.warnings, &solid.warnings))
+    .bind(merge_lines(&part.warnings, &solid.warnings))
     .bind(part.id)
     .execute(change.db())
     .await?;
     Ok(())
 }
 
-/// `known` and those of `more` that are not in it, one per line.
-fn lines(known: &str, more: &[String]) -> String {
+/// Returns the lines of `known` and those of `more` that are not among them, one per line.
+fn merge_lines(known: &str, more: &[String]) -> String {
     let mut all: Vec<String> = known.lines().map(str::to_owned).collect();
     for warning in more {
         let line = warning.replace(['\n', '\r'], " ");

@@ -1,31 +1,31 @@
-//! Orders by hand to the daemon, which answers in the row; so they work from another server too.
+//! Commands from users to the daemon. The daemon answers in the row, so commands work from another server too.
 
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{CommandId, Ledger, LedgerError, PartId, Utc, error::Result, word::own_word};
+use super::{CommandId, Ledger, LedgerError, PartId, UtcTimestamp, error::Result, text_column::own_word};
 
-/// What is ordered.
+/// Kind of command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CommandKind {
-    /// Publish what waits in a profile now.
+    /// Nest and publish the waiting parts of a profile now.
     Flush,
-    /// Fire no batch in a profile until it is resumed.
+    /// Start no batch of a profile until it is resumed.
     Pause,
-    /// Let a profile fire again.
+    /// Let a profile start batches again.
     Resume,
-    /// Take a rejected part back.
+    /// Retry a rejected part.
     Retry,
     /// Reject a waiting part.
     Cancel,
-    /// Look into the hot folders now.
+    /// Scan the hot folders now.
     Scan,
 }
 
 own_word!(CommandKind);
 
-/// Where an order stands.
+/// State of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CommandState {
@@ -33,16 +33,16 @@ pub enum CommandState {
     Asked,
     /// Done.
     Done,
-    /// Refused; the answer says why.
+    /// Refused. The answer says why.
     Refused,
 }
 
 own_word!(CommandState);
 
-/// An order to give.
+/// A command to submit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewCommand {
-    /// What.
+    /// Kind of command.
     pub kind: CommandKind,
     /// Machine profile of flush, pause and resume, "" otherwise.
     pub profile: String,
@@ -52,12 +52,12 @@ pub struct NewCommand {
     pub asked_by: String,
 }
 
-/// An order as it stands.
+/// A command with its current state.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
 pub struct CommandRow {
     /// Its number.
     pub id: CommandId,
-    /// What.
+    /// Kind of command.
     pub kind: CommandKind,
     /// Machine profile, "" = none.
     pub profile: String,
@@ -65,22 +65,22 @@ pub struct CommandRow {
     pub part_id: Option<PartId>,
     /// user@host.
     pub asked_by: String,
-    /// When.
-    pub asked_at: Utc,
-    /// Where it stands.
+    /// When it was submitted.
+    pub asked_at: UtcTimestamp,
+    /// Current state.
     pub state: CommandState,
-    /// What the daemon answered.
+    /// Answer of the daemon.
     pub answer: String,
-    /// When it answered.
-    pub answered_at: Option<Utc>,
+    /// When the daemon answered.
+    pub answered_at: Option<UtcTimestamp>,
 }
 
 impl Ledger {
-    /// Gives an order to the daemon.
-    pub async fn ask(&self, command: &NewCommand) -> Result<CommandId> {
-        let mut change = self.change().await?;
+    /// Submits a command to the daemon.
+    pub async fn submit_command(&self, command: &NewCommand) -> Result<CommandId> {
+        let mut change = self.begin_change().await?;
         if let Some(part) = command.part {
-            change.part(part).await?;
+            change.require_part(part).await?;
         }
         let now = change.now;
         let id = sqlx::query_scalar(
@@ -98,15 +98,15 @@ impl Ledger {
         Ok(id)
     }
 
-    /// The orders that are not answered, oldest first.
-    pub async fn asked(&self) -> Result<Vec<CommandRow>> {
+    /// The commands that are not answered yet, oldest first.
+    pub async fn pending_commands(&self) -> Result<Vec<CommandRow>> {
         let query = sqlx::query_as("SELECT * FROM command WHERE state = 'asked' ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// Answers an order, once.
-    pub async fn answer(&self, id: CommandId, done: bool, answer: &str) -> Result<()> {
-        let mut change = self.change().await?;
+    /// Answers a command. A command can be answered only once.
+    pub async fn answer_command(&self, id: CommandId, done: bool, answer: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
         let state = if done { CommandState::Done } else { CommandState::Refused };
         let now = change.now;
         let answered =
@@ -123,40 +123,40 @@ impl Ledger {
         change.commit().await
     }
 
-    /// An order.
-    pub async fn command(&self, id: CommandId) -> Result<Option<CommandRow>> {
+    /// Finds a command by its number.
+    pub async fn find_command(&self, id: CommandId) -> Result<Option<CommandRow>> {
         let query = sqlx::query_as("SELECT * FROM command WHERE id = ?").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
-    /// Pauses a profile; `true` = it was not paused.
-    pub async fn pause(&self, profile: &str, by: &str) -> Result<bool> {
-        let mut change = self.change().await?;
+    /// Pauses a profile. Returns `false` if it was paused already.
+    pub async fn pause_profile(&self, profile: &str, by: &str) -> Result<bool> {
+        let mut change = self.begin_change().await?;
         let now = change.now;
         let insert = "INSERT INTO pause (profile, paused_by, paused_at) VALUES (?, ?, ?) ON CONFLICT DO NOTHING";
         let paused = sqlx::query(insert).bind(profile).bind(by).bind(now).execute(change.db()).await?;
         if paused.rows_affected() == 0 {
             return Ok(false);
         }
-        change.event("paused", profile, None, None, by).await?;
+        change.write_event("paused", profile, None, None, by).await?;
         change.commit().await?;
         Ok(true)
     }
 
-    /// Resumes a profile; `true` = it was paused.
-    pub async fn resume(&self, profile: &str, by: &str) -> Result<bool> {
-        let mut change = self.change().await?;
+    /// Resumes a profile. Returns `false` if it was not paused.
+    pub async fn resume_profile(&self, profile: &str, by: &str) -> Result<bool> {
+        let mut change = self.begin_change().await?;
         let lift = sqlx::query("DELETE FROM pause WHERE profile = ?").bind(profile);
         if lift.execute(change.db()).await?.rows_affected() == 0 {
             return Ok(false);
         }
-        change.event("resumed", profile, None, None, by).await?;
+        change.write_event("resumed", profile, None, None, by).await?;
         change.commit().await?;
         Ok(true)
     }
 
     /// The paused profiles, by name.
-    pub async fn paused(&self) -> Result<Vec<String>> {
+    pub async fn paused_profiles(&self) -> Result<Vec<String>> {
         let query = sqlx::query_scalar("SELECT profile FROM pause ORDER BY profile");
         Ok(query.fetch_all(self.reader()?).await?)
     }

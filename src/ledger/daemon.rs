@@ -1,4 +1,4 @@
-//! The daemon's sign of life, so that faces can say whether it runs.
+//! The heartbeat of the daemon. It tells user interfaces whether the daemon runs.
 
 use jiff::{SignedDuration, Timestamp};
 use rustix::{
@@ -13,29 +13,30 @@ use sqlx::FromRow;
 
 use std::{fs::File, path::Path};
 
-use super::{Ledger, StationSeen, Utc, error::Result, station};
+use super::{Ledger, ObservedMachine, UtcTimestamp, error::Result, machine};
 
-/// A beat is this long a sign of life, seconds; the daemon beats every few seconds.
-pub const BEAT_LASTS_SECS: i64 = 15;
+/// Time for which a heartbeat is valid, seconds. The daemon sends one every few seconds.
+pub const HEARTBEAT_VALID_SECS: i64 = 15;
 
-/// The file beside the ledger that a daemon holds locked for as long as it lives: a sign of life that needs no room on a disk.
+/// The file beside the ledger that a running daemon holds locked. It shows that the daemon is alive even if the disk is
+/// full.
 pub const LOCK_NAME: &str = "nestd.lock";
 
-/// A sign of life.
+/// A heartbeat.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Beat {
+pub struct DaemonHeartbeat {
     /// Process.
     pub pid: u32,
     /// Server.
     pub host: String,
     /// Version of nestd.
     pub version: String,
-    /// When this daemon started.
+    /// When the daemon process started.
     pub started_at: Timestamp,
     /// One line on what it does.
     pub status: String,
-    /// The machines that it serves.
-    pub stations: Vec<StationSeen>,
+    /// The machines that the daemon serves.
+    pub machines: Vec<ObservedMachine>,
 }
 
 /// The daemon that served this ledger last.
@@ -48,21 +49,21 @@ pub struct DaemonRow {
     /// Version of nestd.
     pub version: String,
     /// When it started.
-    pub started_at: Utc,
-    /// Its last sign of life.
-    pub beat_at: Utc,
+    pub started_at: UtcTimestamp,
+    /// Its last heartbeat.
+    pub beat_at: UtcTimestamp,
     /// One line on what it did.
     pub status: String,
-    /// Whether it runs: its last sign of life is younger than [`BEAT_LASTS_SECS`] or its lock is held and, on its own server, its
-    /// process is there.
+    /// Whether the daemon runs: its last heartbeat is younger than [`HEARTBEAT_VALID_SECS`], or its lock is held. If the
+    /// daemon ran on this server, its process must exist too.
     #[sqlx(default)]
     pub alive: bool,
 }
 
 impl Ledger {
-    /// Writes a sign of life.
-    pub async fn beat(&self, beat: &Beat) -> Result<()> {
-        let mut change = self.change().await?;
+    /// Writes a heartbeat.
+    pub async fn write_heartbeat(&self, beat: &DaemonHeartbeat) -> Result<()> {
+        let mut change = self.begin_change().await?;
         let now = change.now;
         sqlx::query(
             "INSERT INTO daemon (id, pid, host, version, started_at, beat_at, status) VALUES (1, ?, ?, ?, ?, ?, ?) \
@@ -72,58 +73,60 @@ impl Ledger {
         .bind(beat.pid)
         .bind(&beat.host)
         .bind(&beat.version)
-        .bind(Utc(beat.started_at))
+        .bind(UtcTimestamp(beat.started_at))
         .bind(now)
         .bind(&beat.status)
         .execute(change.db())
         .await?;
-        station::note(&mut change, &beat.stations).await?;
+        machine::record_machines(&mut change, &beat.machines).await?;
         change.commit().await
     }
 
-    /// The daemon has stopped in order: nobody serves this ledger.
-    pub async fn farewell(&self) -> Result<()> {
-        let mut change = self.change().await?;
+    /// Records an orderly shutdown: no daemon serves this ledger.
+    pub async fn record_shutdown(&self) -> Result<()> {
+        let mut change = self.begin_change().await?;
         sqlx::query("DELETE FROM daemon").execute(change.db()).await?;
         change.commit().await
     }
 
-    /// The daemon that serves this ledger, or that died without a farewell.
-    pub async fn daemon(&self) -> Result<Option<DaemonRow>> {
+    /// The daemon that serves this ledger, or that ended without an orderly shutdown.
+    pub async fn last_daemon(&self) -> Result<Option<DaemonRow>> {
         let query = sqlx::query_as("SELECT pid, host, version, started_at, beat_at, status FROM daemon");
         let row: Option<DaemonRow> = query.fetch_optional(self.reader()?).await?;
-        // A beat from the future is from before the clock was set back: the next one comes within seconds.
+        // A heartbeat in the future was written before the clock was set back. The next one follows within seconds.
         let beats = |row: &DaemonRow| {
-            self.now().duration_since(*row.beat_at).abs() < SignedDuration::from_secs(BEAT_LASTS_SECS)
+            self.now().duration_since(*row.beat_at).abs() < SignedDuration::from_secs(HEARTBEAT_VALID_SECS)
         };
-        let lives = |row: &DaemonRow| (beats(row) || self.is_locked()) && !row.is_known_to_be_gone();
+        let lives = |row: &DaemonRow| (beats(row) || self.is_locked()) && !row.is_process_gone();
         Ok(row.map(|row| DaemonRow { alive: lives(&row), ..row }))
     }
 
-    /// Whether a daemon holds this ledger, also one that cannot write a sign of life (a full disk) or is only starting.
+    /// Whether a daemon serves this ledger, including one that cannot write a heartbeat (a full disk) or is just
+    /// starting.
     pub async fn is_served(&self) -> Result<bool> {
-        Ok(self.is_locked() || self.daemon().await?.is_some_and(|daemon| daemon.alive))
+        Ok(self.is_locked() || self.last_daemon().await?.is_some_and(|daemon| daemon.alive))
     }
 
-    /// Whether a process holds the lock beside the ledger; `false` when that cannot be told.
+    /// Whether a process holds the lock file beside the ledger. `false` if this cannot be determined.
     fn is_locked(&self) -> bool {
         let lock = File::open(self.folder().join(LOCK_NAME));
         lock.is_ok_and(|lock| flock(&lock, FlockOperation::NonBlockingLockShared) == Err(Errno::WOULDBLOCK))
     }
 
     fn folder(&self) -> &Path {
-        super::place::folder(self.path())
+        super::location::parent_folder(self.path())
     }
 }
 
 impl DaemonRow {
-    /// Whether it runs, but has not been able to write a sign of life for a while: what it wrote before is as old.
+    /// Whether the daemon runs but could not write a heartbeat for a while. Its other data is then outdated as well.
     pub fn is_silent(&self, now: Timestamp) -> bool {
-        self.alive && now.duration_since(*self.beat_at).abs() >= SignedDuration::from_secs(BEAT_LASTS_SECS)
+        self.alive && now.duration_since(*self.beat_at).abs() >= SignedDuration::from_secs(HEARTBEAT_VALID_SECS)
     }
 
-    /// Whether it ran on this server and its process is no more: killed, so that nobody need wait for its next beat.
-    fn is_known_to_be_gone(&self) -> bool {
+    /// Whether the daemon ran on this server and its process does not exist any more. So nobody needs to wait for its
+    /// next heartbeat.
+    fn is_process_gone(&self) -> bool {
         let is_here = uname().nodename().to_string_lossy() == self.host;
         let pid = i32::try_from(self.pid).ok().and_then(Pid::from_raw);
         is_here && pid.is_some_and(|pid| test_kill_process(pid) == Err(Errno::SRCH))

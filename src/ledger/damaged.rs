@@ -1,11 +1,11 @@
-//! Parts whose stored file does not hold what was dropped: they wait until the same file is dropped again.
+//! Parts whose stored file is damaged. They wait until the same file is dropped again.
 
 use super::{Ledger, PartId, PartRow, error::Result};
 
 impl Ledger {
-    /// Every part that needs a stored file waits from now on, until the file is whole again.
+    /// Makes every part that needs this stored file wait until the file is intact again.
     pub async fn mark_damaged(&self, hash: &str, why: &str) -> Result<()> {
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         let parts: Vec<(PartId, String)> = sqlx::query_as(
             "SELECT id, profile FROM part WHERE content_hash = ? AND state IN ('claimed', 'waiting') AND damaged_at IS NULL",
         )
@@ -16,23 +16,24 @@ impl Ledger {
         for (part, profile) in parts {
             let mark = sqlx::query("UPDATE part SET damaged_at = ? WHERE id = ?").bind(now).bind(part);
             mark.execute(change.db()).await?;
-            change.event("damaged", &profile, Some(part), None, why).await?;
+            change.write_event("damaged", &profile, Some(part), None, why).await?;
         }
         change.commit().await
     }
 
-    /// The stored file is whole again: its parts go on.
+    /// Records that the stored file is intact again, so its parts continue.
     pub async fn mark_whole(&self, hash: &str) -> Result<()> {
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         let mark = sqlx::query("UPDATE part SET damaged_at = NULL WHERE content_hash = ? AND damaged_at IS NOT NULL");
         mark.bind(hash).execute(change.db()).await?;
         change.commit().await
     }
 
-    /// Takes a claim, whose file is in the store, in place of the damaged file of a part of the same machine; all parts of that
-    /// file go on. Returns the part; `None` when nobody asked for it again, so that it is an order. Safe to repeat.
+    /// Takes a claim whose file is in the store as the replacement for the damaged file of a part of the same machine.
+    /// All parts of that file continue. Returns the part; `None` if no part was waiting for this file, so the claim is
+    /// a new order. Safe to repeat.
     pub async fn take_replacement(&self, claim: &str, profile: &str, hash: &str) -> Result<Option<PartId>> {
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         let known = sqlx::query_scalar("SELECT part_id FROM replacement WHERE claim = ?").bind(claim);
         if let Some(part) = known.fetch_optional(change.db()).await? {
             return Ok(Some(part));
@@ -63,7 +64,7 @@ impl Ledger {
             .bind(now)
             .execute(change.db())
             .await?;
-        change.event("healed", profile, Some(part), None, "the same file was dropped again").await?;
+        change.write_event("healed", profile, Some(part), None, "the same file was dropped again").await?;
         change.commit().await?;
         Ok(Some(part))
     }
@@ -85,7 +86,7 @@ mod tests {
     async fn a_part_whose_file_is_damaged_waits_until_the_file_is_dropped_again_which_is_no_order() {
         let ledger = fresh().await;
         let id = waiting(&ledger, "a", 2).await;
-        let part = ledger.part(id).await.unwrap().unwrap();
+        let part = ledger.find_part(id).await.unwrap().unwrap();
         let (profile, hash) = (part.profile.as_str(), part.file.content_hash.as_str());
         assert_eq!(ledger.take_replacement("b", profile, hash).await.unwrap(), None, "nobody asked for it again");
         ledger.mark_damaged(hash, "it was damaged").await.unwrap();
@@ -97,7 +98,7 @@ mod tests {
         }
         assert_eq!(ledger.take_replacement("c", profile, hash).await.unwrap(), None, "it was asked for once");
         assert_eq!(ledger.waiting_copies(profile).await.unwrap()[0].copies, [0, 1]);
-        assert_eq!(ledger.drops_by_hash().await.unwrap(), [(hash.to_owned(), 2)]);
+        assert_eq!(ledger.drop_counts_by_hash().await.unwrap(), [(hash.to_owned(), 2)]);
         ledger.mark_damaged(hash, "it was damaged").await.unwrap();
         assert_eq!(ledger.take_replacement("d", "another machine", hash).await.unwrap(), None, "it is an order there");
         assert!(ledger.damaged_parts().await.unwrap().is_empty(), "and the file is whole");

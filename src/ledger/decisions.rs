@@ -1,15 +1,15 @@
-//! How often was decided of the parts of a claim: refused, cancelled or taken back. The count only grows, and the note of the
-//! claim beside its stored file carries it too.
+//! Number of decisions about the parts of a claim: refusals, cancellations and retries. The number only grows. The note
+//! of the claim beside its stored file carries it too.
 
 use std::collections::BTreeMap;
 
 use sqlx::FromRow;
 
-use super::{Ledger, PartId, change::Change, error::Result};
+use super::{Ledger, PartId, change::LedgerChange, error::Result};
 
-/// A claim of which more was decided than the ledger knows.
+/// A claim with more decisions than the ledger knows.
 #[derive(Debug, Clone, PartialEq, Eq, FromRow)]
-pub struct Decided {
+pub struct ClaimDecisions {
     /// The claim.
     pub claim: String,
     /// Machine profile.
@@ -18,19 +18,20 @@ pub struct Decided {
     pub name: String,
     /// Order or kit, "" = none.
     pub order_name: String,
-    /// How often was decided, by its note.
+    /// Number of decisions according to the note of the claim.
     pub decisions: u32,
 }
 
 impl Ledger {
-    /// How often was decided of the parts of a claim.
-    pub async fn decisions(&self, claim: &str) -> Result<u32> {
+    /// Number of decisions about the parts of a claim.
+    pub async fn decision_count(&self, claim: &str) -> Result<u32> {
         let query = sqlx::query_scalar("SELECT coalesce(sum(decisions), 0) FROM part WHERE claim = ?");
         Ok(query.bind(claim).fetch_one(self.reader()?).await?)
     }
 
-    /// Of which of these claims, each with a count of decisions, the ledger knows fewer; claims without a part are left out.
-    pub async fn decided_since(&self, noted: &BTreeMap<String, u32>) -> Result<Vec<Decided>> {
+    /// Returns those of the given claims for which the ledger knows fewer decisions than given. Claims without a part
+    /// are left out.
+    pub async fn claims_with_more_decisions(&self, noted: &BTreeMap<String, u32>) -> Result<Vec<ClaimDecisions>> {
         if noted.is_empty() {
             return Ok(Vec::new());
         }
@@ -42,9 +43,9 @@ impl Ledger {
         Ok(query.bind(serde_json::json!(noted).to_string()).fetch_all(self.reader()?).await?)
     }
 
-    /// Counts at least so many decisions of a claim from now on.
-    pub async fn raise_decisions(&self, claim: &str, least: u32) -> Result<()> {
-        let mut change = self.change().await?;
+    /// Raises the number of decisions of a claim to at least `least`.
+    pub async fn raise_decision_count(&self, claim: &str, least: u32) -> Result<()> {
+        let mut change = self.begin_change().await?;
         let raise = sqlx::query(
             "UPDATE part SET decisions = decisions + max(0, ?2 - (SELECT sum(decisions) FROM part WHERE claim = ?1)) \
              WHERE id = (SELECT min(id) FROM part WHERE claim = ?1)",
@@ -54,8 +55,8 @@ impl Ledger {
     }
 }
 
-impl Change {
-    /// Counts a decision of a part.
+impl LedgerChange {
+    /// Counts a decision about a part.
     pub async fn count_decision(&mut self, id: PartId) -> Result<()> {
         let count = sqlx::query("UPDATE part SET decisions = decisions + 1 WHERE id = ?").bind(id);
         count.execute(self.db()).await?;

@@ -1,4 +1,4 @@
-//! What can go wrong with the ledger.
+//! Errors of the ledger.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::{BuildId, CommandId, IllegalMove, PartId};
 
-/// Why the ledger did not do what was asked. Nothing of a failed change is kept.
+/// Why an operation of the ledger failed. A failed change leaves nothing behind.
 #[derive(Debug, Error)]
 pub enum LedgerError {
     /// There is no ledger yet.
@@ -15,7 +15,7 @@ pub enum LedgerError {
         /// Where it should be.
         path: PathBuf,
     },
-    /// SQLite's locks do not hold there.
+    /// The ledger is on a network file system, where SQLite's locks do not work.
     #[error("the ledger {} is on a network file system ({kind}): move the state directory to a local disk", .path.display())]
     NetworkFileSystem {
         /// The ledger.
@@ -23,12 +23,12 @@ pub enum LedgerError {
         /// Which file system.
         kind: &'static str,
     },
-    /// The folder of the ledger cannot be made or looked at.
+    /// The folder of the ledger cannot be created or inspected.
     #[error("cannot use the folder of the ledger {}", .path.display())]
     Folder {
         /// The ledger.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// SQLite cannot open it.
@@ -36,7 +36,7 @@ pub enum LedgerError {
     Open {
         /// The ledger.
         path: PathBuf,
-        /// What SQLite said; not a source, because it tells its own source too.
+        /// The error of SQLite. It is not a `source`, because its text already contains its own source.
         error: sqlx::Error,
     },
     /// A newer nestd wrote it.
@@ -49,7 +49,7 @@ pub enum LedgerError {
         /// The newest schema of this binary.
         known: i64,
     },
-    /// An older nestd wrote it and the daemon has not brought it up to date yet.
+    /// An older nestd wrote it, and the daemon has not migrated it yet.
     #[error("the ledger {} has schema {found}, this nestd needs {known}: start the daemon, it brings the ledger up to date", .path.display())]
     OlderSchema {
         /// The ledger.
@@ -59,17 +59,18 @@ pub enum LedgerError {
         /// The newest schema of this binary.
         known: i64,
     },
-    /// The schema cannot be brought up to date.
+    /// The schema migration failed.
     #[error("cannot bring the ledger {} up to date: {error}", .path.display())]
     Migrate {
         /// The ledger.
         path: PathBuf,
-        /// What the migration said; it tells its own source too.
+        /// The error of the migration. Its text already contains its own source.
         error: sqlx::migrate::MigrateError,
     },
-    /// It is not whole any more.
+    /// The ledger is damaged.
     #[error(
-        "the ledger {} is damaged: {what}. Nothing is done with it: keep its files, and put back a backup with `nestd restore FILE`",
+        "the ledger {} is damaged: {what}. nestd does not use it: keep its files, and restore a backup with \
+         `nestd restore FILE`",
         .path.display()
     )]
     Damaged {
@@ -78,22 +79,22 @@ pub enum LedgerError {
         /// What is wrong with it.
         what: String,
     },
-    /// The file that is open is not the one that stands there.
+    /// The open file is not the file at that path any more.
     #[error(
-        "the ledger {} was removed or replaced while it was open: {what}. Nothing more is done with it: put it back, or start \
-         this again to use the one that is there now",
+        "the ledger {} was removed or replaced while it was open: {what}. nestd stopped using it: put the original \
+         back, or start this again to use the new one",
         .path.display()
     )]
     Replaced {
         /// The ledger.
         path: PathBuf,
-        /// Which file, and how.
+        /// Which file changed, and how.
         what: String,
     },
-    /// SQLite came upon a page or a value that cannot be right.
+    /// SQLite found an invalid page or value.
     #[error(
-        "the ledger is damaged: {0}. Nothing more is done with it: stop nestd, keep the ledger's files, and put back a backup \
-         with `nestd restore FILE`"
+        "the ledger is damaged: {0}. nestd does not use it any more: stop nestd, keep the ledger's files, and restore \
+         a backup with `nestd restore FILE`"
     )]
     Corrupt(String),
     /// The backup could not be written.
@@ -104,14 +105,14 @@ pub enum LedgerError {
         /// What went wrong.
         what: String,
     },
-    /// The record of a build is none.
-    #[error("it is no record of a build: {0}")]
-    Record(String),
+    /// The text is not a valid record of a build.
+    #[error("it is not a valid record of a build: {0}")]
+    InvalidRecord(String),
     /// A query failed: the disk, the database or a fault in nestd.
     #[error("a query of the ledger failed: {0}")]
     Sql(sqlx::Error),
-    /// This user may read the ledger only.
-    #[error("you may read the ledger but not write it: ask as the user that the daemon runs as, or as root")]
+    /// This user may only read the ledger.
+    #[error("you may read the ledger but not write to it: run this as the user of the daemon, or as root")]
     ReadOnly,
     /// There is no such part.
     #[error("there is no part {0}")]
@@ -119,23 +120,23 @@ pub enum LedgerError {
     /// There is no such build.
     #[error("there is no build {0}")]
     UnknownBuild(BuildId),
-    /// There is no such order by hand, or it is answered already.
+    /// There is no such command, or it was answered already.
     #[error("there is no open command {0}")]
     UnknownCommand(CommandId),
-    /// The state machine forbids it.
+    /// The state machine does not allow the transition.
     #[error(transparent)]
-    Illegal(#[from] IllegalMove),
-    /// The build is not in the state that the change is for.
+    IllegalMove(#[from] IllegalMove),
+    /// The build is not in a state that the change requires.
     #[error("build {build} is {state}, not {}", .needed.iter().map(|s| s.to_string()).collect::<Vec<_>>().join(" or "))]
     WrongState {
         /// The build.
         build: BuildId,
         /// Its state.
         state: super::BuildState,
-        /// What the change needs.
+        /// The states that the change requires.
         needed: &'static [super::BuildState],
     },
-    /// The part is not waiting, so that no copy of it can be nested.
+    /// The part is not waiting, so none of its copies can be nested.
     #[error("part {part} is {state}, not waiting")]
     NotWaiting {
         /// The part.
@@ -143,17 +144,17 @@ pub enum LedgerError {
         /// Its state.
         state: super::PartState,
     },
-    /// The copy is in a build already.
+    /// The copy is already in a build.
     #[error("copy {copy} of part {part} is in build {build} already")]
     CopyTaken {
         /// The part.
         part: PartId,
         /// Its copy, from 0.
         copy: u32,
-        /// Where it is.
+        /// The build that holds it.
         build: BuildId,
     },
-    /// The part has fewer copies.
+    /// The part has no copy with this number.
     #[error("part {part} has no copy {copy}")]
     NoSuchCopy {
         /// The part.
@@ -181,10 +182,10 @@ pub enum LedgerError {
         /// The build.
         build: BuildId,
     },
-    /// A build without a copy makes no sense.
+    /// The build would have no copies.
     #[error("build {0} has no copy to nest")]
     NothingToNest(BuildId),
-    /// What was verified is not what was taken into the build.
+    /// The placed copies are not the copies of the build.
     #[error("build {build} holds {taken} copies, {placed} are placed: they must be the same")]
     PlacementsDiffer {
         /// The build.
@@ -194,7 +195,7 @@ pub enum LedgerError {
         /// Copies with a pose.
         placed: usize,
     },
-    /// Some copies are being nested at this moment.
+    /// Some copies are being nested now.
     #[error("part {part} has copies in build {build}, which is {state}: wait until it is published")]
     BeingBuilt {
         /// The part.
@@ -204,28 +205,28 @@ pub enum LedgerError {
         /// The state of the build.
         state: super::BuildState,
     },
-    /// Nothing is left to cancel.
+    /// The part is already refused or cancelled.
     #[error("part {0} is refused or cancelled already; `nestd show p{0}` says why")]
-    IsOut(PartId),
-    /// Nothing is left to cancel.
+    AlreadyRejected(PartId),
+    /// All copies of the part are already in published builds.
     #[error("part {0} is built already: all its copies are in published builds")]
-    IsBuilt(PartId),
-    /// Only what is out of the farm can be taken back.
-    #[error("part {part} is {state}; only a part that is refused or cancelled can be taken back")]
+    AlreadyBuilt(PartId),
+    /// Only a refused or cancelled part can be retried.
+    #[error("part {part} is {state}; only a part that is refused or cancelled can be retried")]
     NotRejected {
         /// The part.
         part: PartId,
         /// Its state.
         state: super::PartState,
     },
-    /// A 3MF without a solid was accepted.
+    /// A part was accepted without any solid.
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),
 }
 
 impl LedgerError {
-    /// Whether the disk failed or is full, not the change: trying again will help once that is mended.
-    pub fn is_of_the_disk(&self) -> bool {
+    /// Whether the cause is a failed or full disk and not the change. Retrying helps once the disk is repaired.
+    pub fn is_disk_failure(&self) -> bool {
         match self {
             Self::ReadOnly | Self::Folder { .. } => true,
             Self::Open { error, .. } | Self::Sql(error) => {
@@ -250,7 +251,7 @@ impl From<sqlx::Error> for LedgerError {
 }
 
 impl LedgerError {
-    /// Whether the ledger's bytes are wrong, so that trying again does not help.
+    /// Whether the ledger file is damaged, so retrying does not help.
     pub fn is_damage(&self) -> bool {
         matches!(self, Self::Damaged { .. } | Self::Corrupt(_))
     }
@@ -264,7 +265,7 @@ const SQLITE_IOERR: i64 = 10;
 const SQLITE_FULL: i64 = 13;
 /// The file or the connection cannot be written.
 const SQLITE_READONLY: i64 = 8;
-/// A page does not hold what it should.
+/// A page has invalid content.
 const SQLITE_CORRUPT: i64 = 11;
 /// The file is no database at all.
 const SQLITE_NOTADB: i64 = 26;
@@ -275,5 +276,5 @@ pub(super) fn sqlite_code(error: &sqlx::Error) -> Option<i64> {
     Some(code & 0xff)
 }
 
-/// Result of whatever the ledger does.
+/// Result of an operation of the ledger.
 pub type Result<T, E = LedgerError> = std::result::Result<T, E>;

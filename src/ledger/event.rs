@@ -1,35 +1,35 @@
-//! Events: what happened to parts and builds, in order, for ever.
+//! Events: a permanent, ordered record of what happened to parts and builds.
 
 use jiff::SignedDuration;
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, Ledger, PartId, Refusal, Utc, error::Result};
+use super::{BuildId, Ledger, PartId, RefusalCause, UtcTimestamp, error::Result};
 
-/// Something that happened.
+/// An event.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
 pub struct EventRow {
     /// Its number.
     pub id: i64,
-    /// When.
-    pub at: Utc,
-    /// What: a state that was entered, or a word of its own.
+    /// When it happened.
+    pub at: UtcTimestamp,
+    /// Kind: the state that was entered, or a word for other events.
     pub kind: String,
     /// Machine profile, "" = none.
     pub profile: String,
-    /// The part that it is about.
+    /// The part concerned.
     pub part_id: Option<PartId>,
-    /// The build that it is about.
+    /// The build concerned.
     pub build_id: Option<BuildId>,
-    /// More about it.
+    /// Further details.
     pub detail: String,
-    /// Of a refusal: a word of [`Refusal`]; "" otherwise.
+    /// For a refusal: its [`RefusalCause`] as a word; "" otherwise.
     pub cause: String,
 }
 
 impl Ledger {
     /// Writes an event.
-    pub async fn event(
+    pub async fn write_event(
         &self,
         kind: &str,
         profile: &str,
@@ -37,36 +37,36 @@ impl Ledger {
         build: Option<BuildId>,
         detail: &str,
     ) -> Result<()> {
-        let mut change = self.change().await?;
-        change.event(kind, profile, part, build, detail).await?;
+        let mut change = self.begin_change().await?;
+        change.write_event(kind, profile, part, build, detail).await?;
         change.commit().await
     }
 
-    /// A file was refused before it became a part.
-    pub async fn file_refused(&self, profile: &str, cause: Refusal, detail: &str) -> Result<()> {
-        let mut change = self.change().await?;
-        change.refusal("refused", profile, None, cause, detail).await?;
+    /// Records that a file was refused before it became a part.
+    pub async fn record_file_refusal(&self, profile: &str, cause: RefusalCause, detail: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        change.write_refusal_event("refused", profile, None, cause, detail).await?;
         change.commit().await
     }
 
     /// When the latest event happened.
-    pub async fn last_event_at(&self) -> Result<Option<Utc>> {
+    pub async fn last_event_at(&self) -> Result<Option<UtcTimestamp>> {
         let query = sqlx::query_scalar(
             "SELECT at FROM event WHERE id = (SELECT seq FROM sqlite_sequence WHERE name = 'event')",
         );
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
-    /// The number of the latest event; 0 when there is none.
+    /// Number of the latest event; 0 if there is none.
     pub async fn last_event_id(&self) -> Result<i64> {
         let query = "SELECT coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'event'), 0)";
         Ok(sqlx::query_scalar(query).fetch_one(self.reader()?).await?)
     }
 
-    /// The clock was set by so much: the times at which the parts in the farm were claimed are set with it, so that each has
-    /// waited as long as before.
-    pub async fn keep_ages(&self, jump: SignedDuration) -> Result<()> {
-        let mut change = self.change().await?;
+    /// Adjusts to a clock that was set by `jump`: shifts the claim times of the parts in the farm, so their ages stay
+    /// the same.
+    pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {
+        let mut change = self.begin_change().await?;
         sqlx::query(
             "UPDATE part SET claimed_at = strftime('%Y-%m-%dT%H:%M:%fZ', claimed_at, ? || ' seconds') \
              WHERE state IN ('claimed', 'waiting', 'batched')",
@@ -74,7 +74,7 @@ impl Ledger {
         .bind(format!("{:+.3}", jump.as_secs_f64()))
         .execute(change.db())
         .await?;
-        change.event("clock_set", "", None, None, &format!("by {jump:#}; the ages of parts are kept")).await?;
+        change.write_event("clock_set", "", None, None, &format!("by {jump:#}; the ages of parts are kept")).await?;
         change.commit().await
     }
 
@@ -84,7 +84,7 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The events of a build, oldest first; of its parts only those that name it.
+    /// The events of a build, oldest first. Events of its parts are included only if they refer to the build.
     pub async fn events_of_build(&self, build: BuildId) -> Result<Vec<EventRow>> {
         let query = sqlx::query_as("SELECT * FROM event WHERE build_id = ? ORDER BY id").bind(build);
         Ok(query.fetch_all(self.reader()?).await?)

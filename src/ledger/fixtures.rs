@@ -1,4 +1,4 @@
-//! What tests of the ledger and of the rooms above it start from: ledgers in folders of their own, parts, builds.
+//! Test fixtures for the ledger and the modules above it: ledgers in separate folders, parts, builds.
 
 use jiff::Timestamp;
 use nester::OrientationRule;
@@ -6,7 +6,7 @@ use tempfile::TempDir;
 
 use super::*;
 
-/// A ledger in a folder of its own, with the clock standing at a fixed time until a test turns it.
+/// A ledger in its own folder, with a clock that stays at a fixed time until a test changes it.
 pub struct TestLedger {
     _folder: TempDir,
     pub ledger: Ledger,
@@ -30,8 +30,8 @@ pub fn at(time: &str) -> Timestamp {
     time.parse().unwrap()
 }
 
-pub fn new_part(claim: &str, copies: u32) -> NewPart {
-    NewPart {
+pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
+    NewPartRow {
         claim: claim.to_owned(),
         profile: "paper-200".to_owned(),
         name: format!("{claim}.stl"),
@@ -43,7 +43,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPart {
             priority: 50,
             due_at: None,
             orientation: OrientationRule::Free,
-            tilts: Tilts::default(),
+            tilts: RequiredTilts::default(),
             clearance_mm: None,
             unit: None,
             note: String::new(),
@@ -54,7 +54,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPart {
 }
 
 /// A claim of which something else is asked.
-pub fn asked(mut part: NewPart, change: impl FnOnce(&mut NewTerms)) -> NewPart {
+pub fn asked(mut part: NewPartRow, change: impl FnOnce(&mut NewTerms)) -> NewPartRow {
     change(&mut part.terms);
     part
 }
@@ -71,10 +71,10 @@ pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
     }
 }
 
-/// A part that waits with so many copies.
+/// A waiting part with this number of copies.
 pub async fn waiting(ledger: &Ledger, claim: &str, copies: u32) -> PartId {
     let part = ledger.record_claim(&new_part(claim, copies)).await.unwrap();
-    ledger.accept(part.id, &[solid(0, copies)]).await.unwrap();
+    ledger.accept_solids(part.id, &[solid(0, copies)]).await.unwrap();
     part.id
 }
 
@@ -110,18 +110,18 @@ pub fn verified(build: BuildId, copies: u32) -> Verified {
     }
 }
 
-pub fn placed(copies: &[(PartId, u32)]) -> Vec<PlacedCopy> {
-    let pose = |(at, &(part, copy)): (usize, &(PartId, u32))| PlacedCopy {
+pub fn placed(copies: &[(PartId, u32)]) -> Vec<ProvedPlacement> {
+    let pose = |(at, &(part, copy)): (usize, &(PartId, u32))| ProvedPlacement {
         part,
         copy,
         rotation: [0.0, 0.0, 0.0, 1.0],
         translation_mm: [f64::from(copy), 2.0, 3.0],
-        drawn: Some(DrawnOut { place: at as u32 + 1, way: [0.0, 0.0, 1.0] }),
+        removal: Some(RemovalStep { position: at as u32 + 1, direction: [0.0, 0.0, 1.0] }),
     };
     copies.iter().enumerate().map(pose).collect()
 }
 
-/// A build that has fired with these copies.
+/// A nesting build with these copies.
 pub async fn nesting(ledger: &Ledger, copies: &[(PartId, u32)]) -> BuildId {
     let build = ledger.open_build("paper-200").await.unwrap().id;
     ledger.begin_nesting(build, "flush", copies).await.unwrap();
@@ -137,9 +137,9 @@ pub async fn published(ledger: &Ledger, copies: &[(PartId, u32)]) -> BuildId {
 }
 
 pub async fn part_state(ledger: &Ledger, id: PartId) -> PartState {
-    ledger.part(id).await.unwrap().unwrap().state
+    ledger.find_part(id).await.unwrap().unwrap().state
 }
 
 pub async fn build_state(ledger: &Ledger, id: BuildId) -> BuildState {
-    ledger.build(id).await.unwrap().unwrap().state
+    ledger.find_build(id).await.unwrap().unwrap().state
 }

@@ -1,12 +1,12 @@
-//! Whether the ledger is whole, before anything is done with it. SQLite itself notices damage only where it happens to
-//! look, and then goes on with the rest: a lost row is a part printed twice.
+//! Checks the ledger for damage before it is used. SQLite itself notices damage only in the pages that it reads and
+//! then continues with the rest. A lost row could mean that a part is printed twice.
 //!
 //! Three things are looked at: the seal of an orderly stop ([`seal`], every byte), whether changes were lost with the write-ahead
 //! log that a crash left ([`lost_changes`]), and, where no seal vouches for the file, SQLite's own check of all pages, indexes
 //! and constraints.
 
+mod checksum;
 mod lost_changes;
-mod seal;
 
 #[cfg(test)]
 mod tests;
@@ -15,24 +15,24 @@ use std::path::Path;
 
 use sqlx::SqlitePool;
 
+use self::checksum::{ChecksumStatus, verify_checksum};
+pub use self::checksum::{checkpoint_with_checksum, checksum_path, remove_checksum, write_checksum};
 use self::lost_changes::find_lost_changes;
 pub use self::lost_changes::{CHANGES_NOTED, clear_note, count_change, holds_something, note_changes};
-use self::seal::{Sealed, sealed};
-pub use self::seal::{break_seal, seal, seal_of, write_seal};
 use super::{LedgerError, error::Result};
 
-/// So many complaints of SQLite are told at most.
+/// Maximum number of SQLite's error messages that are reported.
 const MAX_COMPLAINTS: u32 = 3;
 
 /// Looks at the files before the ledger is opened to be changed: what is left of a damaged write-ahead log is cleared away by
 /// that. Returns whether the ledger is known to be whole, byte for byte.
-pub async fn look_at_files(path: &Path) -> Result<bool> {
+pub async fn check_files(path: &Path) -> Result<bool> {
     let damaged = |what: String| LedgerError::Damaged { path: path.to_owned(), what };
-    match sealed(path) {
-        Ok(Sealed::Whole) => return Ok(true),
-        Ok(Sealed::Not) => {}
-        Ok(Sealed::Changed) => {
-            let what = "it is not as nestd left it when it stopped in order";
+    match verify_checksum(path) {
+        Ok(ChecksumStatus::Matches) => return Ok(true),
+        Ok(ChecksumStatus::Missing) => {}
+        Ok(ChecksumStatus::Differs) => {
+            let what = "it changed since nestd shut down in an orderly way";
             return Err(damaged(what.to_owned()));
         }
         Err(source) => return Err(LedgerError::Folder { path: path.to_owned(), source }),
@@ -40,8 +40,8 @@ pub async fn look_at_files(path: &Path) -> Result<bool> {
     find_lost_changes(path).await?.map_or(Ok(false), |what| Err(damaged(what)))
 }
 
-/// SQLite's check of every page, index, constraint and reference; reads the whole file.
-pub async fn check_all(path: &Path, pool: &SqlitePool) -> Result<()> {
+/// Runs SQLite's check of all pages, indexes, constraints and references. Reads the whole file.
+pub async fn check_database(path: &Path, pool: &SqlitePool) -> Result<()> {
     let damaged = |what: String| LedgerError::Damaged { path: path.to_owned(), what };
     let text = format!("PRAGMA integrity_check({MAX_COMPLAINTS})");
     let said: Vec<String> = sqlx::query_scalar(sqlx::AssertSqlSafe(text)).fetch_all(pool).await?;

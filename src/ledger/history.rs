@@ -5,59 +5,60 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, BuildMeasures, BuildState, Ledger, SearchEffort, Utc, error::Result};
+use super::{BuildId, BuildMeasures, BuildState, Ledger, SearchEffort, UtcTimestamp, error::Result};
 
-/// Which builds to list. A build's time is when it was published, else when it entered its state.
+/// Filter and order of the history. The time of a build is when it was published, or else when it entered its current
+/// state.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct HistoryQuery {
-    /// Not before.
+    /// Earliest time.
     pub since: Option<Timestamp>,
-    /// Before.
+    /// Latest time, exclusive.
     pub until: Option<Timestamp>,
-    /// Of one machine profile only.
+    /// Only builds of this machine profile.
     pub profile: Option<String>,
-    /// In this state only.
+    /// Only builds in this state.
     pub state: Option<BuildState>,
-    /// Only those that hold a copy of a part of this file name or order.
+    /// Only builds with a copy of a part of this file name or order.
     pub part: Option<String>,
-    /// In which order.
+    /// Sort order.
     pub sort: HistorySort,
-    /// Only those that come after this build in that order.
+    /// Only builds after this one in the sort order.
     pub after: Option<BuildId>,
-    /// So many at most; `None` = all.
+    /// Maximum number of builds; `None` = all.
     pub limit: Option<u32>,
 }
 
-/// What comes first in a history; of what is alike the newest.
+/// Sort order of the history. Among equals, the newest comes first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum HistorySort {
-    /// The newest.
+    /// The newest first.
     #[default]
     Newest,
-    /// The lowest.
+    /// The lowest first.
     Height,
-    /// The densest.
+    /// The densest first.
     Density,
-    /// The one with the most copies.
+    /// The most copies first.
     Copies,
-    /// The profile that comes first in the alphabet.
+    /// By machine profile, alphabetically.
     Profile,
 }
 
-/// A build that is past nesting.
+/// A build that has been nested.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
 pub struct HistoryRow {
     /// Its number.
     pub build: BuildId,
     /// Machine profile.
     pub profile: String,
-    /// Where it stands.
+    /// Current state.
     pub state: BuildState,
-    /// When it was published, else when it entered its state.
-    pub at: Utc,
-    /// When it came into the queue; `None` = never.
-    pub published_at: Option<Utc>,
-    /// Height of the machine's volume when it was made, mm.
+    /// When it was published, or else when it entered its current state.
+    pub at: UtcTimestamp,
+    /// When its file was put into the queue; `None` = never.
+    pub published_at: Option<UtcTimestamp>,
+    /// Height of the machine's volume at the time of the build, mm.
     pub volume_z_mm: Option<f64>,
     /// Distinct parts.
     pub parts: u32,
@@ -82,18 +83,18 @@ pub struct HistoryRow {
 pub struct BuildResult {
     /// Name of the build file.
     pub file_name: Option<String>,
-    /// Why it failed, or the outcome's note.
+    /// Why it failed, or the note of the outcome.
     pub reason: String,
-    /// The note of the outcome that was told last, "" when there is none.
+    /// Note of the last reported outcome; "" if there is none.
     pub note: String,
 }
 
-/// What the published builds of a machine come to: a powder-bed machine is paid by its height.
+/// Totals of the published builds of a machine. The cost of a powder-bed machine is determined by the height.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
-pub struct HeightSum {
+pub struct HeightSummary {
     /// Machine profile.
     pub profile: String,
-    /// Builds that came into the queue.
+    /// Number of published builds.
     pub builds: u32,
     /// Copies in them.
     pub copies: u32,
@@ -103,9 +104,9 @@ pub struct HeightSum {
     pub mean_density: Option<f64>,
 }
 
-impl HeightSum {
-    /// The sums with that of all machines at the end, where there are several.
-    pub fn with_all(mut sums: Vec<Self>) -> Vec<Self> {
+impl HeightSummary {
+    /// Adds a row with the total of all machines if there are several.
+    pub fn with_total(mut sums: Vec<Self>) -> Vec<Self> {
         if sums.len() > 1 {
             let builds: u32 = sums.iter().map(|sum| sum.builds).sum();
             let known = sums.iter().filter_map(|sum| Some((sum.mean_density?, sum.builds)));
@@ -122,7 +123,7 @@ impl HeightSum {
     }
 }
 
-/// What a row of the history is made of.
+/// Columns of the history query.
 const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
     b.height_mm, \
     iif(json_valid(b.profile_snapshot), json_extract(b.profile_snapshot, '$.volume_mm[2]'), NULL) AS volume_z_mm, \
@@ -133,18 +134,18 @@ const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_a
     coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
 
 impl HistoryRow {
-    /// Share of the height of the machine's volume that it uses, 0..1.
-    pub fn used(&self) -> Option<f64> {
+    /// Share of the machine's height that the build uses, 0..1.
+    pub fn height_share(&self) -> Option<f64> {
         Some(self.measures.height_mm? / self.volume_z_mm.filter(|z| *z > 0.0)?)
     }
 }
 
 impl Ledger {
-    /// Builds that are past nesting with their heights, sorted as asked.
-    pub async fn history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
-        let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query)))
-            .bind(query.since.map(Utc))
-            .bind(query.until.map(Utc))
+    /// Lists nested builds with their heights, in the requested order.
+    pub async fn read_history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
+        let rows = sqlx::query_as(sqlx::AssertSqlSafe(history_sql(query)))
+            .bind(query.since.map(UtcTimestamp))
+            .bind(query.until.map(UtcTimestamp))
             .bind(&query.profile)
             .bind(query.state)
             .bind(&query.part)
@@ -153,11 +154,11 @@ impl Ledger {
         Ok(rows.fetch_all(self.reader()?).await?)
     }
 
-    /// What the published builds of a history come to, by machine; of all of them, whatever its limit and its page.
-    pub async fn height_sums(&self, query: &HistoryQuery) -> Result<Vec<HeightSum>> {
-        let rows = sqlx::query_as(sqlx::AssertSqlSafe(sums(query)))
-            .bind(query.since.map(Utc))
-            .bind(query.until.map(Utc))
+    /// Totals of the published builds that match the query, by machine. Limit and page of the query are ignored.
+    pub async fn height_summaries(&self, query: &HistoryQuery) -> Result<Vec<HeightSummary>> {
+        let rows = sqlx::query_as(sqlx::AssertSqlSafe(summary_sql(query)))
+            .bind(query.since.map(UtcTimestamp))
+            .bind(query.until.map(UtcTimestamp))
             .bind(&query.profile)
             .bind(query.state)
             .bind(&query.part);
@@ -165,22 +166,25 @@ impl Ledger {
     }
 }
 
-/// The time of a build.
-const TIME: &str = "coalesce(b.published_at, b.state_at)";
+/// SQL expression for the time of a build.
+const BUILD_TIME: &str = "coalesce(b.published_at, b.state_at)";
 
-/// The question. Without a sorting of its own it walks an index from the newest build on; where few rows are meant (a rare
-/// state, the builds of a part) these are looked up and sorted. Times are text that begins with a digit, so that '' is before
-/// all of them and ':' after.
-pub(super) fn sql(query: &HistoryQuery) -> String {
+/// Builds the SQL query. Without a sort key it walks an index from the newest build. If few rows match (a rare state,
+/// the builds of a part), these are looked up and sorted. Times are stored as text that begins with a digit, so ''
+/// sorts before and ':' after all of them.
+pub(super) fn history_sql(query: &HistoryQuery) -> String {
     let of_after = |what: &str| format!("(SELECT {} FROM build n WHERE n.id = ?7)", what.replace("b.", "n."));
-    let (from, mut given) = (from(query), given(query));
-    let (mut end, order) = (format!("{TIME} < coalesce(?2, ':')"), query.sort.order());
+    let (from, mut given) = (from_clause(query), filter_clause(query));
+    let (mut end, order) = (format!("{BUILD_TIME} < coalesce(?2, ':')"), query.sort.sort_key());
     if query.after.is_some() {
-        let newer = format!("({TIME}, b.id) < ({}, ?7)", of_after(TIME));
+        let newer = format!("({BUILD_TIME}, b.id) < ({}, ?7)", of_after(BUILD_TIME));
         given += &match order {
             None => {
-                // One end of the index's range, not two of which it might take the wrong one.
-                end = format!("{TIME} <= min(coalesce(?2, ':'), {}) AND +{TIME} < coalesce(?2, ':')", of_after(TIME));
+                // A single bound for the index range: with two, SQLite might use the wrong one.
+                end = format!(
+                    "{BUILD_TIME} <= min(coalesce(?2, ':'), {}) AND +{BUILD_TIME} < coalesce(?2, ':')",
+                    of_after(BUILD_TIME)
+                );
                 format!(" AND {newer}")
             }
             Some((key, is_falling)) => {
@@ -190,17 +194,17 @@ pub(super) fn sql(query: &HistoryQuery) -> String {
         };
     }
     let first = order.map(|(key, is_falling)| format!("{key}{}, ", if is_falling { " DESC" } else { "" }));
-    let order = format!("ORDER BY {}{TIME} DESC, b.id DESC", first.unwrap_or_default());
-    // Of the rows that are shown alone the parts are counted.
+    let order = format!("ORDER BY {}{BUILD_TIME} DESC, b.id DESC", first.unwrap_or_default());
+    // Parts are counted only for the rows that are returned.
     let numbers = format!(
-        "SELECT b.id FROM {from} WHERE b.state NOT IN ('open', 'nesting') AND {TIME} >= coalesce(?1, '') \
+        "SELECT b.id FROM {from} WHERE b.state NOT IN ('open', 'nesting') AND {BUILD_TIME} >= coalesce(?1, '') \
          AND {end}{given} {order} LIMIT ?6"
     );
     format!("SELECT {COLUMNS} FROM build b WHERE b.id IN ({numbers}) {order}")
 }
 
-/// Where rows are looked for.
-fn from(query: &HistoryQuery) -> &'static str {
+/// The FROM clause.
+fn from_clause(query: &HistoryQuery) -> &'static str {
     let is_rare = !matches!(query.state, None | Some(BuildState::Published | BuildState::Complete));
     match (&query.part, is_rare) {
         (Some(_), _) => "build b NOT INDEXED",
@@ -209,8 +213,8 @@ fn from(query: &HistoryQuery) -> &'static str {
     }
 }
 
-/// What is demanded of them beside their time.
-fn given(query: &HistoryQuery) -> String {
+/// The conditions besides the time.
+fn filter_clause(query: &HistoryQuery) -> String {
     let mut given = String::new();
     if query.profile.is_some() {
         given += " AND b.profile = ?3";
@@ -224,26 +228,26 @@ fn given(query: &HistoryQuery) -> String {
     given
 }
 
-/// The question for sums, of published builds.
-fn sums(query: &HistoryQuery) -> String {
+/// Builds the SQL query for the totals of published builds.
+fn summary_sql(query: &HistoryQuery) -> String {
     format!(
         "SELECT b.profile, count(*) AS builds, coalesce(sum(b.copies), 0) AS copies, \
          coalesce(sum(b.height_mm), 0.0) AS height_mm, avg(b.density) AS mean_density FROM {} \
          WHERE b.state NOT IN ('open', 'nesting') AND b.published_at IS NOT NULL \
-         AND {TIME} >= coalesce(?1, '') AND {TIME} < coalesce(?2, ':'){} GROUP BY b.profile ORDER BY b.profile",
-        from(query),
-        given(query)
+         AND {BUILD_TIME} >= coalesce(?1, '') AND {BUILD_TIME} < coalesce(?2, ':'){} GROUP BY b.profile ORDER BY b.profile",
+        from_clause(query),
+        filter_clause(query)
     )
 }
 
-/// Those that hold a copy of a part of that file name or order.
+/// Condition for builds with a copy of a part of that file name or order.
 const WITH_PART: &str = " AND b.id IN (SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
     WHERE p.name = ?5 UNION SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
     WHERE p.order_name = ?5 AND p.order_name <> '')";
 
 impl HistorySort {
-    /// What is sorted by before the time, and whether the greatest comes first; what is not known comes last.
-    fn order(self) -> Option<(&'static str, bool)> {
+    /// The expression to sort by before the time, and whether it is descending. Unknown values come last.
+    fn sort_key(self) -> Option<(&'static str, bool)> {
         match self {
             Self::Newest => None,
             Self::Height => Some(("coalesce(b.height_mm, 9e999)", false)),

@@ -1,4 +1,4 @@
-//! Typed row numbers: a part's number cannot be taken for a build's.
+//! Typed row numbers, so a part number cannot be used as a build number.
 
 use std::fmt;
 
@@ -30,6 +30,6 @@ row_id! {
     BuildId
 }
 row_id! {
-    /// Number of an order by hand.
+    /// Number of a command.
     CommandId
 }

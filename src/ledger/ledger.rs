@@ -1,4 +1,4 @@
-//! The ledger itself: opening it, its one writer and its readers.
+//! The ledger handle: opening, its single writer and its readers.
 
 use std::{
     path::{Path, PathBuf},
@@ -13,61 +13,60 @@ use sqlx::{
 };
 
 use super::{
-    LedgerError, Utc,
-    change::Change,
+    LedgerError, UtcTimestamp,
+    change::LedgerChange,
+    consistency,
     error::{Result, SQLITE_BUSY, sqlite_code},
-    health,
-    in_place::InPlace,
-    place, schema, truth,
+    file_guard::LedgerFileGuard,
+    health, location, schema,
 };
 
-/// A writer waits so long for another process before it gives up; changes take milliseconds.
+/// Time that a writer waits for another process before it gives up. Changes take milliseconds.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
-/// Connections that only read.
+/// Number of read-only connections.
 const READERS: u32 = 4;
-/// Turning a fresh file into WAL mode cannot wait for a lock, so opening is tried so often ...
+/// Switching a new file to WAL mode cannot wait for a lock, so opening is retried this many times ...
 const OPEN_ATTEMPTS: u32 = 100;
 /// ... with this pause.
 const OPEN_PAUSE: Duration = Duration::from_millis(50);
 
-/// The database of a farm. Cloning is cheap and gives another handle of the same ledger.
+/// The database of a farm. A clone is cheap and refers to the same ledger.
 #[derive(Clone)]
 pub struct Ledger {
     path: PathBuf,
     writer: SqlitePool,
     reader: SqlitePool,
-    /// One connection that nobody uses: SQLite removes the files beside the ledger when its last connection is closed, and the
-    /// others are closed and made anew as they are needed.
+    /// A connection that is never used. SQLite removes the files beside the ledger when its last connection closes, and
+    /// the other connections are closed and reopened as needed.
     anchor: SqlitePool,
-    in_place: Arc<InPlace>,
+    file_guard: Arc<LedgerFileGuard>,
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
 }
 
 impl Ledger {
-    /// Opens the ledger at `path`; makes the file and its folder when there is none, brings its schema up to date.
+    /// Opens the ledger at `path`. Creates the file and its folder if there is none, and migrates the schema.
     ///
-    /// # Errors
-    /// A network file system, a schema newer than this binary, or SQLite's own trouble.
+    /// A network file system, a schema newer than this binary, or an error of SQLite.
     pub async fn open(path: &Path) -> Result<Self> {
-        let folder = place::folder(path);
+        let folder = location::parent_folder(path);
         std::fs::create_dir_all(folder).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
-        place::refuse_network(path)?;
-        let options = options(path).create_if_missing(true).journal_mode(SqliteJournalMode::Wal);
+        location::reject_network_location(path)?;
+        let options = connect_options(path).create_if_missing(true).journal_mode(SqliteJournalMode::Wal);
         let ledger = Self::connect(path, options).await?;
         schema::bring_up_to_date(path, &ledger.writer).await?;
         Ok(ledger)
     }
 
-    /// Opens the ledger as [`Ledger::open`] does, but only when it is whole: for the daemon, which relies on it.
+    /// Opens the ledger like [`Ledger::open`], but only if it is intact. Used by the daemon, which relies on it.
     ///
     /// # Errors
     /// As [`Ledger::open`], and `Damaged`.
-    pub async fn open_whole(path: &Path) -> Result<Self> {
-        if path.exists() || health::seal_of(path).exists() {
-            let is_sealed = health::look_at_files(path).await?;
+    pub async fn open_checked(path: &Path) -> Result<Self> {
+        if path.exists() || health::checksum_path(path).exists() {
+            let is_sealed = health::check_files(path).await?;
             if !is_sealed && health::holds_something(path) {
-                let ledger = Self::connect(path, options(path)).await?;
-                let checked = health::check_all(path, &ledger.writer).await;
+                let ledger = Self::connect(path, connect_options(path)).await?;
+                let checked = health::check_database(path, &ledger.writer).await;
                 ledger.close().await;
                 checked?;
             }
@@ -75,23 +74,21 @@ impl Ledger {
         Self::open(path).await
     }
 
-    /// Looks at the files of a ledger that no daemon serves; `true` = its seal vouches for every byte.
+    /// Checks the files of a ledger that no daemon serves. `true` = its checksum matches every byte.
     ///
-    /// # Errors
-    /// `Damaged` when they are not as they were left.
-    pub async fn look_at_files(path: &Path) -> Result<bool> {
-        health::look_at_files(path).await
+    /// `Damaged` if they changed since they were closed.
+    pub async fn check_files(path: &Path) -> Result<bool> {
+        health::check_files(path).await
     }
 
-    /// Whether the ledger is whole, as [`Ledger::open_whole`] sees it; for one that is open. Reads the whole file.
+    /// Checks an open ledger for damage, as [`Ledger::open_checked`] does. Reads the whole file.
     ///
-    /// # Errors
-    /// `Damaged` when it is not.
-    pub async fn check_whole(&self) -> Result<()> {
-        health::check_all(&self.path, &self.reader).await
+    /// `Damaged` if it is damaged.
+    pub async fn check_integrity(&self) -> Result<()> {
+        health::check_database(&self.path, &self.reader).await
     }
 
-    /// Opens a ledger that is there and up to date; for faces, which must not make or change one.
+    /// Opens an existing ledger with the current schema. For user interfaces, which must not create or change one.
     ///
     /// # Errors
     /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
@@ -99,102 +96,111 @@ impl Ledger {
         if !path.is_file() {
             return Err(LedgerError::Missing { path: path.to_owned() });
         }
-        place::refuse_network(path)?;
-        let ledger = Self::connect(path, options(path)).await?;
-        schema::demand(path, &ledger.writer).await?;
+        location::reject_network_location(path)?;
+        let ledger = Self::connect(path, connect_options(path)).await?;
+        schema::ensure_current_version(path, &ledger.writer).await?;
         Ok(ledger)
     }
 
     pub(super) async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
-        // A connection that only reads must say so: a query that writes by mistake would bypass the one writer.
+        // A read-only connection must be marked as such: a query that writes by mistake would bypass the single writer.
         let reading = options.clone().create_if_missing(false).pragma("query_only", "ON");
         health::clear_note(path);
-        let in_place = Arc::new(InPlace::of(path));
+        let in_place = Arc::new(LedgerFileGuard::for_ledger(path));
         let writer = connect_one(path, options).await?;
         let anchor = connect_one(path, reading.clone()).await?;
-        // SQLite opens the file when it is first asked.
-        sqlx::query("SELECT count(*) FROM sqlite_schema").execute(&anchor).await.map_err(|e| not_opened(path, e))?;
+        // SQLite opens the file at the first query.
+        sqlx::query("SELECT count(*) FROM sqlite_schema").execute(&anchor).await.map_err(|e| open_error(path, e))?;
         let reader = SqlitePoolOptions::new().max_connections(READERS).connect_lazy_with(reading);
-        in_place.demand()?;
-        Ok(Self { path: path.to_owned(), writer, reader, anchor, in_place, clock: Arc::new(Timestamp::now) })
+        in_place.ensure_unchanged()?;
+        Ok(Self {
+            path: path.to_owned(),
+            writer,
+            reader,
+            anchor,
+            file_guard: in_place,
+            clock: Arc::new(Timestamp::now),
+        })
     }
 
-    /// The same ledger with another clock, for tests that turn time by hand.
+    /// Returns the same ledger with another clock, for tests that control the time.
     pub fn with_clock(self, clock: impl Fn() -> Timestamp + Send + Sync + 'static) -> Self {
         Self { clock: Arc::new(clock), ..self }
     }
 
-    /// Where the ledger is.
+    /// Path of the ledger.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Ends all work in order.
+    /// Closes all connections in an orderly way.
     pub async fn close(&self) {
         self.reader.close().await;
         self.anchor.close().await;
         self.writer.close().await;
     }
 
-    /// Ends all work in order and seals the ledger: the next start knows it by every byte. Without a seal, for instance
-    /// because others use the ledger, the next start looks through it instead.
-    pub async fn close_sealed(&self) -> Result<bool> {
+    /// Closes all connections in an orderly way and writes the checksum, so the next start can verify every byte.
+    /// Returns `false` if no checksum was written, for instance because other processes use the ledger; the next start
+    /// then checks the whole ledger instead.
+    pub async fn close_with_checksum(&self) -> Result<bool> {
         self.reader.close().await;
         self.anchor.close().await;
-        let sealed = health::seal(&self.path, &self.writer).await;
+        let sealed = health::checkpoint_with_checksum(&self.path, &self.writer).await;
         self.writer.close().await;
         health::clear_note(&self.path);
         sealed
     }
 
-    /// The time by this ledger's clock.
-    pub(super) fn now(&self) -> Utc {
-        Utc((self.clock)())
+    /// Current time of the ledger's clock.
+    pub(super) fn now(&self) -> UtcTimestamp {
+        UtcTimestamp((self.clock)())
     }
 
-    /// The one connection that writes.
+    /// The single connection that writes.
     pub(super) fn writer(&self) -> &SqlitePool {
         &self.writer
     }
 
-    /// Connections that only read, as long as they read what stands in the ledger's place.
+    /// The read-only connections. Fails if the files at the ledger's path were replaced.
     pub(super) fn reader(&self) -> Result<&SqlitePool> {
-        self.demand_in_place()?;
+        self.ensure_files_in_place()?;
         Ok(&self.reader)
     }
 
-    /// Whether the files that are open are those that stand in the ledger's place; takes microseconds.
+    /// Checks that the open files are still the ones at the ledger's path. Takes microseconds.
     ///
-    /// # Errors
-    /// `Replaced` when somebody removed or replaced one.
-    pub fn demand_in_place(&self) -> Result<()> {
-        self.in_place.demand()
+    /// `Replaced` if somebody removed or replaced one.
+    pub fn ensure_files_in_place(&self) -> Result<()> {
+        self.file_guard.ensure_unchanged()
     }
 
-    /// Begins a change. It takes the write lock at once: a deferred `BEGIN` that turns from reading to writing fails
-    /// with "database is locked" when another process has written in between, whatever the busy timeout says.
-    pub(super) async fn change(&self) -> Result<Change> {
-        self.demand_in_place()?;
+    /// Begins a change. It takes the write lock immediately. A deferred `BEGIN` that first reads and then writes fails
+    /// with "database is locked" if another process wrote in between, whatever the busy timeout is.
+    pub(super) async fn begin_change(&self) -> Result<LedgerChange> {
+        self.ensure_files_in_place()?;
         let transaction = match self.writer.begin_with("BEGIN IMMEDIATE").await {
-            // SQLite itself took an earlier change back, as it may on a full disk, and the connection still waits for its end.
+            // SQLite itself rolled back an earlier change, as it may on a full disk, and the connection still expects
+            // the end of that transaction.
             Err(sqlx::Error::InvalidSavePointStatement | sqlx::Error::BeginFailed) => {
                 self.writer.acquire().await?.close().await?;
                 self.writer.begin_with("BEGIN IMMEDIATE").await?
             }
             begun => begun?,
         };
-        health::break_seal(&self.path).map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
-        Ok(Change::new(transaction, self.now(), self.path.clone()))
+        health::remove_checksum(&self.path)
+            .map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
+        Ok(LedgerChange::new(transaction, self.now(), self.path.clone()))
     }
 
-    /// Begins to read several tables as of one moment. It never writes, so that a deferred `BEGIN` is right here.
-    pub(super) async fn snapshot(&self) -> Result<Transaction<'static, Sqlite>> {
+    /// Begins a consistent read of several tables. It never writes, so a deferred `BEGIN` is right here.
+    pub(super) async fn begin_snapshot(&self) -> Result<Transaction<'static, Sqlite>> {
         Ok(self.reader()?.begin_with("BEGIN DEFERRED").await?)
     }
 
-    /// Looks at every row and says in sentences what does not agree; empty = all is well.
-    pub async fn faults(&self) -> Result<Vec<String>> {
-        truth::faults(&mut *self.snapshot().await?).await
+    /// Checks every row and describes inconsistencies in sentences. Empty = no inconsistency.
+    pub async fn find_inconsistencies(&self) -> Result<Vec<String>> {
+        consistency::find_inconsistencies(&mut *self.begin_snapshot().await?).await
     }
 }
 
@@ -204,7 +210,7 @@ impl std::fmt::Debug for Ledger {
     }
 }
 
-/// A pool of one connection that stays; waits while another process turns the file into WAL mode.
+/// Creates a pool with a single permanent connection. Waits while another process switches the file to WAL mode.
 async fn connect_one(path: &Path, options: SqliteConnectOptions) -> Result<SqlitePool> {
     let pool = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
     let mut attempt = 1;
@@ -212,13 +218,13 @@ async fn connect_one(path: &Path, options: SqliteConnectOptions) -> Result<Sqlit
         match pool.clone().connect_with(options.clone()).await {
             Ok(connected) => return Ok(connected),
             Err(error) if sqlite_code(&error) == Some(SQLITE_BUSY) && attempt < OPEN_ATTEMPTS => attempt += 1,
-            Err(error) => return Err(not_opened(path, error)),
+            Err(error) => return Err(open_error(path, error)),
         }
         tokio::time::sleep(OPEN_PAUSE).await;
     }
 }
 
-fn not_opened(path: &Path, error: sqlx::Error) -> LedgerError {
+fn open_error(path: &Path, error: sqlx::Error) -> LedgerError {
     let what = error.to_string();
     match LedgerError::from(error) {
         LedgerError::Corrupt(_) => LedgerError::Damaged { path: path.to_owned(), what },
@@ -227,8 +233,8 @@ fn not_opened(path: &Path, error: sqlx::Error) -> LedgerError {
     }
 }
 
-/// FULL: a committed change survives a power cut, as "exactly once" needs.
-pub(super) fn options(path: &Path) -> SqliteConnectOptions {
+/// Connection options. `FULL`: a committed change survives a power cut, as "exactly once" requires.
+pub(super) fn connect_options(path: &Path) -> SqliteConnectOptions {
     SqliteConnectOptions::new()
         .filename(path)
         .synchronous(SqliteSynchronous::Full)

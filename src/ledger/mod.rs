@@ -1,80 +1,81 @@
-//! The database, the only source of truth. All SQL of nestd is in this room, one file per noun.
+//! The database, the only source of truth. All SQL of nestd is in this module, one file per kind of row.
 //!
-//! Each change of state is one function here: a short `BEGIN IMMEDIATE` transaction that checks the move against the
-//! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. Nothing else knows SQL.
+//! Each change of state is one function: a short `BEGIN IMMEDIATE` transaction that checks the transition against the
+//! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. No other module contains
+//! SQL.
 
 mod backup;
 mod build;
+mod build_record;
 mod build_row;
 mod change;
 mod claim;
 mod command;
+mod consistency;
 mod daemon;
 mod damaged;
 mod decisions;
-mod deep;
-mod due;
+mod deep_check;
+mod due_dates;
 mod error;
 mod event;
+mod file_guard;
 mod health;
 mod history;
 mod id;
-mod in_place;
-mod known;
 mod ledger;
+mod location;
+mod machine;
 mod nesting;
 mod outcome;
 mod part;
 mod part_list;
 mod part_row;
-mod place;
 mod placement;
 mod publish;
 mod receiver;
-mod record;
-mod refusal;
+mod refusal_cause;
 mod replace;
 mod schema;
 mod state;
-mod station;
 mod status;
+mod text_column;
 mod time;
 mod totals;
-mod truth;
+mod unknown;
 mod waiting;
-mod word;
 
-pub use backup::prove as prove_backup;
+pub use backup::prove_backup;
+pub use build_record::ImportOutcome;
 pub use build_row::{
     BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, ProvedFile, ProvedMeasures,
     SearchEffort, StagedFile, Verified,
 };
 pub use command::{CommandKind, CommandRow, CommandState, NewCommand};
-pub use daemon::{BEAT_LASTS_SECS, Beat, DaemonRow, LOCK_NAME};
-pub use decisions::Decided;
-pub use deep::{BuiltPlace, PartPlace};
-pub use due::DuePart;
+pub use daemon::{DaemonHeartbeat, DaemonRow, HEARTBEAT_VALID_SECS, LOCK_NAME};
+pub use decisions::ClaimDecisions;
+pub use deep_check::{BuiltPartRow, PartFileRow};
+pub use due_dates::DuePartRow;
 pub use error::LedgerError;
 pub use event::EventRow;
-pub use history::{BuildResult, HeightSum, HistoryQuery, HistoryRow, HistorySort};
+pub use history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
 pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
-pub use outcome::{Outcome, OutcomeRow};
+pub use machine::{MachineRow, ObservedMachine};
+pub use outcome::{OutcomeRow, PrintOutcome};
 pub use part_list::PartQuery;
 pub use part_row::{
-    ClaimedFile, NewPart, NewTerms, NewTicket, PartMeasures, PartRow, PartTerms, PartTimes, Recorded, SolidFacts,
-    SolidOfFile, TicketSource, Tilts,
+    ClaimedFile, NewPartRow, NewTerms, NewTicketRow, PartMeasures, PartRow, PartTerms, PartTimes, RecordedPart,
+    RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
-pub use placement::{DrawnOut, PlacedCopy, PlacementRow, PoseColumns, WayColumns};
-pub use receiver::{DROPPED, Receiver, ReceiverRow};
-pub use record::TakenIn;
-pub use refusal::Refusal;
-pub use replace::{clear_unfinished, replace, restoring};
+pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalStep, WayColumns};
+pub use receiver::{DROPPED_EVENT, ReceiverKind, ReceiverRow};
+pub use refusal_cause::RefusalCause;
+pub use replace::{clear_unfinished, replace_ledger, restoring_path};
 pub use state::{BuildState, IllegalMove, PartState};
-pub use station::{StationRow, StationSeen};
-pub use status::{NestingBuild, OpenBuild, Paused, ProfileStatus, PublishedBuild, REFUSED_COUNTS};
-pub use time::Utc;
-pub use totals::{BuildCount, Measured, Totals};
+pub use status::{NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD};
+pub use time::UtcTimestamp;
+pub use totals::{BuildCount, FarmTotals, MeasuredBuild};
 pub use waiting::WaitingPart;
 
 #[cfg(test)]

@@ -1,17 +1,17 @@
-//! A build that fires: its copies are taken, tried, let go again or lost to a failure. A copy is in one build only,
-//! which the key of the placements guards.
+//! A build that is nested: its copies are taken, and released again if they found no place or the build failed. The key
+//! of the placements ensures that a copy is in one build only.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{BuildId, BuildState, Ledger, LedgerError, PartId, PartState, change::Change, error::Result};
+use super::{BuildId, BuildState, Ledger, LedgerError, PartId, PartState, change::LedgerChange, error::Result};
 
 impl Ledger {
-    /// open -> nesting: takes exactly these copies; parts whose last copy is taken become batched.
+    /// open -> nesting: takes exactly these copies. Parts whose last copy is taken become batched.
     pub async fn begin_nesting(&self, build: BuildId, fired_by: &str, copies: &[(PartId, u32)]) -> Result<()> {
         if copies.is_empty() {
             return Err(LedgerError::NothingToNest(build));
         }
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         let profile = change.move_build(build, BuildState::Nesting, fired_by).await?;
         sqlx::query("UPDATE build SET attempts = 1, fired_by = ?, copies = ? WHERE id = ?")
             .bind(fired_by)
@@ -19,16 +19,16 @@ impl Ledger {
             .bind(build)
             .execute(change.db())
             .await?;
-        for (part, copies) in by_part(copies) {
-            take(&mut change, build, &profile, part, &copies).await?;
+        for (part, copies) in group_by_part(copies) {
+            insert_placements(&mut change, build, &profile, part, &copies).await?;
         }
         change.commit().await
     }
 
-    /// Counts another attempt of a nesting build; returns how many there are now.
+    /// Counts another attempt of a nesting build, and returns the number of attempts.
     pub async fn begin_attempt(&self, build: BuildId) -> Result<u32> {
-        let mut change = self.change().await?;
-        change.demand(build, &[BuildState::Nesting]).await?;
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Nesting]).await?;
         let attempts = sqlx::query_scalar("UPDATE build SET attempts = attempts + 1 WHERE id = ? RETURNING attempts")
             .bind(build)
             .fetch_one(change.db())
@@ -37,41 +37,41 @@ impl Ledger {
         Ok(attempts)
     }
 
-    /// Counts a search for a build, before it is begun.
+    /// Counts a search for a build, before it starts.
     pub async fn begin_search(&self, build: BuildId) -> Result<()> {
         self.count_searches(build, "UPDATE build SET searches = searches + 1 WHERE id = ?").await
     }
 
-    /// A search for a build came to its end.
+    /// Records that a search for a build finished.
     pub async fn end_search(&self, build: BuildId) -> Result<()> {
         self.count_searches(build, "UPDATE build SET searches = 0 WHERE id = ?").await
     }
 
     async fn count_searches(&self, build: BuildId, count: &'static str) -> Result<()> {
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         sqlx::query(count).bind(build).execute(change.db()).await?;
         change.commit().await
     }
 
-    /// Lets copies of a nesting build go: their parts wait again, with their age kept.
+    /// Releases copies of a nesting build. Their parts wait again and keep their age.
     pub async fn release_copies(&self, build: BuildId, copies: &[(PartId, u32)]) -> Result<()> {
-        let mut change = self.change().await?;
-        change.demand(build, &[BuildState::Nesting]).await?;
-        release(&mut change, build, copies, "found no place").await?;
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Nesting]).await?;
+        delete_placements(&mut change, build, copies, "found no place").await?;
         change.commit().await
     }
 
     /// nesting -> failed: all its copies wait again.
     pub async fn fail_build(&self, build: BuildId, reason: &str) -> Result<()> {
-        let mut change = self.change().await?;
-        change.demand(build, &[BuildState::Nesting]).await?;
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Nesting]).await?;
         let copies: Vec<(PartId, u32)> = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ?")
             .bind(build)
             .fetch_all(change.db())
             .await?;
-        release(&mut change, build, &copies, "the build failed").await?;
+        delete_placements(&mut change, build, &copies, "the build failed").await?;
         change.move_build(build, BuildState::Failed, reason).await?;
-        // The forecast is not the height of anything any more.
+        // The forecast height does not apply any more.
         sqlx::query("UPDATE build SET height_mm = NULL, density = NULL, part_volume_mm3 = NULL WHERE id = ?")
             .bind(build)
             .execute(change.db())
@@ -80,7 +80,7 @@ impl Ledger {
     }
 }
 
-fn by_part(copies: &[(PartId, u32)]) -> BTreeMap<PartId, Vec<u32>> {
+fn group_by_part(copies: &[(PartId, u32)]) -> BTreeMap<PartId, Vec<u32>> {
     let mut parts: BTreeMap<PartId, Vec<u32>> = BTreeMap::new();
     for &(part, copy) in copies {
         parts.entry(part).or_default().push(copy);
@@ -88,9 +88,15 @@ fn by_part(copies: &[(PartId, u32)]) -> BTreeMap<PartId, Vec<u32>> {
     parts
 }
 
-/// Takes copies of one part into a build.
-async fn take(change: &mut Change, build: BuildId, profile: &str, id: PartId, copies: &[u32]) -> Result<()> {
-    let part = change.part(id).await?;
+/// Inserts placements for copies of one part.
+async fn insert_placements(
+    change: &mut LedgerChange,
+    build: BuildId,
+    profile: &str,
+    id: PartId,
+    copies: &[u32],
+) -> Result<()> {
+    let part = change.require_part(id).await?;
     if part.profile != profile {
         return Err(LedgerError::WrongProfile { part: id, profile: part.profile, build });
     }
@@ -117,8 +123,13 @@ async fn take(change: &mut Change, build: BuildId, profile: &str, id: PartId, co
     Ok(())
 }
 
-/// Takes copies out of a build.
-async fn release(change: &mut Change, build: BuildId, copies: &[(PartId, u32)], why: &str) -> Result<()> {
+/// Removes copies from a build.
+async fn delete_placements(
+    change: &mut LedgerChange,
+    build: BuildId,
+    copies: &[(PartId, u32)],
+    why: &str,
+) -> Result<()> {
     for &(part, copy) in copies {
         let lift = sqlx::query("DELETE FROM placement WHERE part_id = ? AND copy = ? AND build_id = ?");
         if lift.bind(part).bind(copy).bind(build).execute(change.db()).await?.rows_affected() == 0 {
@@ -127,7 +138,7 @@ async fn release(change: &mut Change, build: BuildId, copies: &[(PartId, u32)], 
     }
     let parts: BTreeSet<PartId> = copies.iter().map(|&(part, _)| part).collect();
     for part in parts {
-        if change.part(part).await?.state == PartState::Batched {
+        if change.require_part(part).await?.state == PartState::Batched {
             change.move_part(part, PartState::Waiting, Some(build), why).await?;
         }
     }

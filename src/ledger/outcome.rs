@@ -1,19 +1,19 @@
-//! Outcomes: what somebody told of a published build.
+//! Outcomes: what users report about published builds.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Ledger, LedgerError, Utc, error::Result, word::own_word};
+use super::{BuildId, BuildState, Ledger, LedgerError, UtcTimestamp, error::Result, text_column::own_word};
 
-/// Builds of which an outcome can be told.
-const TOLD: &[BuildState] = &[BuildState::Published, BuildState::Printing];
+/// States of a build in which an outcome can be reported.
+const REPORTABLE_STATES: &[BuildState] = &[BuildState::Published, BuildState::Printing];
 
-/// What became of a published build.
+/// The outcome of a published build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Outcome {
-    /// The machine has begun.
+pub enum PrintOutcome {
+    /// The machine has started to print.
     Printing,
     /// Printed.
     Complete,
@@ -23,28 +23,28 @@ pub enum Outcome {
     Failed,
 }
 
-own_word!(Outcome);
+own_word!(PrintOutcome);
 
-/// An outcome as it was told.
+/// A reported outcome.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
 pub struct OutcomeRow {
     /// Its number.
     pub id: i64,
     /// The build.
     pub build_id: BuildId,
-    /// What became of it.
-    pub outcome: Outcome,
+    /// The outcome.
+    pub outcome: PrintOutcome,
     /// Free text.
     pub note: String,
     /// user@host.
     pub told_by: String,
-    /// When.
-    pub told_at: Utc,
+    /// When it was reported.
+    pub told_at: UtcTimestamp,
 }
 
-impl Outcome {
-    /// The state that a build enters with it.
-    fn state(self) -> BuildState {
+impl PrintOutcome {
+    /// The state that a build enters with this outcome.
+    fn build_state(self) -> BuildState {
         match self {
             Self::Printing => BuildState::Printing,
             Self::Complete => BuildState::Complete,
@@ -55,18 +55,18 @@ impl Outcome {
 }
 
 impl Ledger {
-    /// Writes what somebody told of a published build and moves it, through printing where needed.
-    pub async fn record_outcome(&self, build: BuildId, outcome: Outcome, note: &str, told_by: &str) -> Result<()> {
-        let mut change = self.change().await?;
-        let (_, state) = change.build(build).await?;
+    /// Records the reported outcome of a published build and changes its state, through printing if needed.
+    pub async fn record_outcome(&self, build: BuildId, outcome: PrintOutcome, note: &str, told_by: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let (_, state) = change.require_build(build).await?;
         if state == BuildState::Nesting {
-            // Only the farm may fail a build that is being nested, and it lets its copies go when it does.
-            return Err(LedgerError::WrongState { build, state, needed: TOLD });
+            // Only the farm may fail a nesting build, because it then releases the copies.
+            return Err(LedgerError::WrongState { build, state, needed: REPORTABLE_STATES });
         }
-        if state == BuildState::Published && outcome != Outcome::Printing {
+        if state == BuildState::Published && outcome != PrintOutcome::Printing {
             change.move_build(build, BuildState::Printing, "").await?;
         }
-        change.move_build(build, outcome.state(), note).await?;
+        change.move_build(build, outcome.build_state(), note).await?;
         let now = change.now;
         sqlx::query("INSERT INTO outcome (build_id, outcome, note, told_by, told_at) VALUES (?, ?, ?, ?, ?)")
             .bind(build)
@@ -79,8 +79,8 @@ impl Ledger {
         change.commit().await
     }
 
-    /// What was told of a build, oldest first.
-    pub async fn outcomes(&self, build: BuildId) -> Result<Vec<OutcomeRow>> {
+    /// The reported outcomes of a build, oldest first.
+    pub async fn outcomes_of_build(&self, build: BuildId) -> Result<Vec<OutcomeRow>> {
         let query = sqlx::query_as("SELECT * FROM outcome WHERE build_id = ? ORDER BY id").bind(build);
         Ok(query.fetch_all(self.reader()?).await?)
     }

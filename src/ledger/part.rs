@@ -2,11 +2,11 @@
 
 use jiff::Timestamp;
 
-use super::{BuildId, Ledger, PartId, PartRow, PartState, Utc, error::Result};
+use super::{BuildId, Ledger, PartId, PartRow, PartState, UtcTimestamp, error::Result};
 
 impl Ledger {
-    /// A part.
-    pub async fn part(&self, id: PartId) -> Result<Option<PartRow>> {
+    /// Finds a part by its number.
+    pub async fn find_part(&self, id: PartId) -> Result<Option<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
@@ -17,8 +17,8 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The parts that entered a state between two times, newest first; `most` of them.
-    pub async fn parts_since(
+    /// The parts that entered a state between two times, newest first, at most `most` of them.
+    pub async fn parts_in_state_between(
         &self,
         state: PartState,
         since: Timestamp,
@@ -28,10 +28,16 @@ impl Ledger {
         let query = sqlx::query_as(
             "SELECT * FROM part WHERE state = ? AND state_at >= ? AND state_at <= ? ORDER BY state_at DESC, id DESC LIMIT ?",
         );
-        Ok(query.bind(state).bind(Utc(since)).bind(Utc(until)).bind(most).fetch_all(self.reader()?).await?)
+        Ok(query
+            .bind(state)
+            .bind(UtcTimestamp(since))
+            .bind(UtcTimestamp(until))
+            .bind(most)
+            .fetch_all(self.reader()?)
+            .await?)
     }
 
-    /// Claimed parts of a profile that are to be read, the first in line; `most` of them.
+    /// The claimed parts of a profile that must be read next, in order, at most `most` of them.
     pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as(
             "SELECT * FROM part WHERE state = 'claimed' AND profile = ? AND damaged_at IS NULL ORDER BY id LIMIT ?",
@@ -39,12 +45,17 @@ impl Ledger {
         Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()?).await?)
     }
 
-    /// The files of all parts in a state that was entered between two times.
-    pub async fn hashes_in_state(&self, state: PartState, from: Timestamp, to: Timestamp) -> Result<Vec<String>> {
+    /// File hashes of all parts that entered a state between two times.
+    pub async fn hashes_in_state_between(
+        &self,
+        state: PartState,
+        from: Timestamp,
+        to: Timestamp,
+    ) -> Result<Vec<String>> {
         let query = sqlx::query_scalar(
             "SELECT DISTINCT content_hash FROM part WHERE state = ? AND state_at >= ? AND state_at <= ?",
         );
-        Ok(query.bind(state).bind(Utc(from)).bind(Utc(to)).fetch_all(self.reader()?).await?)
+        Ok(query.bind(state).bind(UtcTimestamp(from)).bind(UtcTimestamp(to)).fetch_all(self.reader()?).await?)
     }
 
     /// All solids of a claim, by object index.
@@ -54,19 +65,19 @@ impl Ledger {
     }
 
     /// All parts of an order, oldest first.
-    pub async fn order(&self, name: &str) -> Result<Vec<PartRow>> {
+    pub async fn parts_of_order(&self, name: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE order_name = ? AND order_name <> '' ORDER BY id");
         Ok(query.bind(name).fetch_all(self.reader()?).await?)
     }
 
-    /// All parts of a file name as dropped, oldest first.
+    /// All parts with this dropped file name, oldest first.
     pub async fn parts_named(&self, name: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE name = ? ORDER BY id").bind(name);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// All parts of the same content, whatever they are called.
-    pub async fn parts_of_content(&self, hash: &str) -> Result<Vec<PartRow>> {
+    /// All parts with this content, whatever their names.
+    pub async fn parts_with_content(&self, hash: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE content_hash = ? ORDER BY id").bind(hash);
         Ok(query.fetch_all(self.reader()?).await?)
     }
@@ -81,7 +92,7 @@ impl Ledger {
     }
 
     /// The latest part of an earlier claim, not rejected, with the same content in the same profile.
-    pub async fn earlier_with_hash(&self, profile: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
+    pub async fn find_earlier_part(&self, profile: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
         let query = sqlx::query_scalar(
             "SELECT id FROM part WHERE content_hash = ?1 AND profile = ?2 AND id < ?3 AND state <> 'rejected' \
              AND claim <> (SELECT claim FROM part WHERE id = ?3) ORDER BY id DESC LIMIT 1",
@@ -89,13 +100,13 @@ impl Ledger {
         Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()?).await?)
     }
 
-    /// Whether a live part (claimed, waiting, batched) needs the stored file, or one that was rejected after
-    /// `rejected_since` and may be taken back.
-    pub async fn hash_in_use(&self, hash: &str, rejected_since: Timestamp) -> Result<bool> {
+    /// Whether the stored file is needed by a part that is claimed, waiting or batched, or by one that was rejected
+    /// after `rejected_since` and may be retried.
+    pub async fn is_hash_in_use(&self, hash: &str, rejected_since: Timestamp) -> Result<bool> {
         let query = sqlx::query_scalar(
             "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = ? AND (state IN ('claimed', 'waiting', 'batched') \
              OR (state = 'rejected' AND state_at >= ?)))",
         );
-        Ok(query.bind(hash).bind(Utc(rejected_since)).fetch_one(self.reader()?).await?)
+        Ok(query.bind(hash).bind(UtcTimestamp(rejected_since)).fetch_one(self.reader()?).await?)
     }
 }

@@ -1,27 +1,27 @@
-//! Lists of parts for people and programs, the newest first, so many at a time.
+//! Paged lists of parts for people and programs, newest first.
 
 use super::{Ledger, PartId, PartRow, PartState, error::Result};
 
-/// Which parts to list.
+/// Filter of the list.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PartQuery {
-    /// Whose file name as dropped, or whose order, begins so; `None` = of any.
+    /// Prefix of the dropped file name or of the order; `None` = any.
     pub name: Option<String>,
-    /// In this state; `None` = in any, but without a name only those that are not built yet, and of the
-    /// refused ones those that can still be retried.
+    /// Only parts in this state. `None` = any state; but if no name is given either, only parts that are not built, and
+    /// refused parts only while they can be retried.
     pub state: Option<PartState>,
-    /// Of one machine profile only.
+    /// Only parts of this machine profile.
     pub profile: Option<String>,
-    /// Only those that came before this one.
+    /// Only parts that came before this one.
     pub before: Option<PartId>,
-    /// So many at most.
+    /// Maximum number of parts.
     pub limit: u32,
 }
 
 impl Ledger {
-    /// The parts that are asked for, the newest first.
-    pub async fn parts(&self, query: &PartQuery) -> Result<Vec<PartRow>> {
-        let rows = sqlx::query_as(sqlx::AssertSqlSafe(sql(query)))
+    /// Lists the parts that match the query, newest first.
+    pub async fn list_parts(&self, query: &PartQuery) -> Result<Vec<PartRow>> {
+        let rows = sqlx::query_as(sqlx::AssertSqlSafe(part_list_sql(query)))
             .bind(&query.name)
             .bind(&query.profile)
             .bind(query.before)
@@ -31,11 +31,12 @@ impl Ledger {
     }
 }
 
-/// The question. Numbers are looked up first, in an index; of built parts, of which nearly all are, from the newest on.
-pub(super) fn sql(query: &PartQuery) -> String {
+/// Builds the SQL query. It first looks up the part numbers in an index. Built parts, which are nearly all parts, are
+/// read from the newest on.
+pub(super) fn part_list_sql(query: &PartQuery) -> String {
     let wanted = match (&query.name, query.state) {
-        (Some(_), None) => vec![OF_NAME.to_owned()],
-        (Some(_), Some(state)) => vec![format!("{OF_NAME} AND +state = '{state}'")],
+        (Some(_), None) => vec![NAME_FILTER.to_owned()],
+        (Some(_), Some(state)) => vec![format!("{NAME_FILTER} AND +state = '{state}'")],
         (None, Some(PartState::Built)) if query.profile.is_none() => vec!["+state = 'built'".to_owned()],
         (None, Some(state)) => vec![format!("state = '{state}'")],
         (None, None) => UNBUILT.map(str::to_owned).to_vec(),
@@ -47,9 +48,9 @@ pub(super) fn sql(query: &PartQuery) -> String {
     format!("SELECT * FROM part WHERE id IN ({numbers} ORDER BY id DESC LIMIT ?4) ORDER BY id DESC")
 }
 
-/// A name is found by how it begins.
-const OF_NAME: &str = "id IN (SELECT id FROM part WHERE name >= ?1 AND name < ?1 || char(1114111) \
+/// Condition for the prefix of a name.
+const NAME_FILTER: &str = "id IN (SELECT id FROM part WHERE name >= ?1 AND name < ?1 || char(1114111) \
     UNION SELECT id FROM part WHERE order_name >= ?1 AND order_name < ?1 || char(1114111) AND order_name <> '')";
 
-/// What is not built yet; of the refused ones those that can still be retried.
+/// Conditions for parts that are not built; refused parts only while they can be retried.
 const UNBUILT: [&str; 2] = ["state IN ('claimed', 'waiting', 'batched')", "state = 'rejected' AND state_at >= ?5"];

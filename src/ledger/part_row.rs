@@ -1,21 +1,21 @@
-//! A part as its row says, and what is recorded of one.
+//! The row of a part, and the data recorded for a new one.
 
-use build_file::Unit;
+use build_file::LengthUnit;
 use jiff::Timestamp;
-use nester::{Orientation, OrientationRule, Tilt, TiltError, write_tilts};
+use nester::{OrientationLimits, OrientationRule, TiltLimit, TiltLimitError, write_tilts};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
 use super::{
-    PartId, PartState, Refusal, Utc,
-    word::{Word, own_word},
+    PartId, PartState, RefusalCause, UtcTimestamp,
+    text_column::{TextColumn, own_word},
 };
 
-/// A claimed file, before it is read.
+/// The row for a claimed file that has not been read yet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct NewPart {
-    /// Name of the claim, unique per dropped file; recording it twice gives the same part.
+pub struct NewPartRow {
+    /// Name of the claim, unique per dropped file. Recording it twice returns the same part.
     pub claim: String,
     /// Machine profile.
     pub profile: String,
@@ -25,15 +25,15 @@ pub struct NewPart {
     pub content_hash: String,
     /// Size of the file.
     pub bytes: u64,
-    /// Copies that were asked, at least 1.
+    /// Ordered copies, at least 1.
     pub copies: u32,
     /// What was asked beside the copies.
     #[serde(flatten)]
     pub terms: NewTerms,
-    /// What was odd, one sentence each.
+    /// Warnings, one sentence each.
     pub warnings: Vec<String>,
     /// The ticket as received.
-    pub ticket: Option<NewTicket>,
+    pub ticket: Option<NewTicketRow>,
 }
 
 /// What was asked of a claimed file, beside the copies.
@@ -41,36 +41,37 @@ pub struct NewPart {
 pub struct NewTerms {
     /// Order or kit, "" = none.
     pub order_name: String,
-    /// 0 to 100; 100 must be in the next build.
+    /// Priority from 0 to 100. A part with 100 must be in the next build.
     pub priority: u8,
     /// When it is due.
     pub due_at: Option<Timestamp>,
-    /// How it may be turned.
+    /// Orientation rule.
     pub orientation: OrientationRule,
-    /// Which ways up it may stand.
-    pub tilts: Tilts,
+    /// Directions that must point nearly straight up.
+    pub tilts: RequiredTilts,
     /// Its own clearance, mm; `None` = the profile's.
     pub clearance_mm: Option<f64>,
-    /// Unit that the ticket says; `None` = by the file or the profile.
-    pub unit: Option<Unit>,
+    /// Unit from the ticket; `None` = that of the file or the profile.
+    pub unit: Option<LengthUnit>,
     /// Free text of the ticket.
     pub note: String,
 }
 
-/// Directions of a part's mesh that must stand near to straight up, all of them; in SQL a line of text.
+/// Directions of the part's mesh that must point nearly straight up; all of them apply. Stored in SQL as one line of
+/// text.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
-pub struct Tilts(pub Vec<Tilt>);
+pub struct RequiredTilts(pub Vec<TiltLimit>);
 
-impl TryFrom<String> for Tilts {
-    type Error = TiltError;
+impl TryFrom<String> for RequiredTilts {
+    type Error = TiltLimitError;
 
-    fn try_from(text: String) -> Result<Self, TiltError> {
-        Tilt::parse_list(&text).map(Self)
+    fn try_from(text: String) -> Result<Self, TiltLimitError> {
+        TiltLimit::parse_list(&text).map(Self)
     }
 }
 
-impl std::fmt::Display for Tilts {
+impl std::fmt::Display for RequiredTilts {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&write_tilts(&self.0))
     }
@@ -78,16 +79,16 @@ impl std::fmt::Display for Tilts {
 
 /// A ticket as received.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct NewTicket {
-    /// What kind of ticket.
+pub struct NewTicketRow {
+    /// Kind of source.
     pub source: TicketSource,
-    /// Where it stood.
+    /// File that contained it.
     pub file_name: String,
     /// Its text.
     pub text: String,
 }
 
-/// Where a ticket comes from.
+/// Source of a ticket.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TicketSource {
@@ -101,23 +102,23 @@ pub enum TicketSource {
 
 own_word!(TicketSource);
 
-/// Answer to recording a claim.
+/// Result of recording a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Recorded {
+pub struct RecordedPart {
     /// The part.
     pub id: PartId,
-    /// Whether the claim was new; `false` = it had been recorded before.
-    pub fresh: bool,
+    /// Whether the claim was new. `false` = it was recorded before.
+    pub is_new: bool,
 }
 
-/// What reading found out about one solid of a file.
+/// Data of one solid of a file, found by reading the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolidFacts {
     /// Which solid of the file, from 0; 0 is the claimed row itself.
     pub object_index: u32,
     /// Name of the solid inside a 3MF, "" otherwise.
     pub object_name: String,
-    /// Copies of this solid in all: those asked times the build items of the file. Kept as they are when the part was
+    /// Total copies of this solid: the ordered copies times the build items in the file. Not changed if the part was
     /// read before (a retry).
     pub copies: u32,
     /// Triangles.
@@ -126,7 +127,7 @@ pub struct SolidFacts {
     pub volume_mm3: f64,
     /// Bounds as dropped, mm.
     pub size_mm: [f64; 3],
-    /// What was odd, one sentence each; added to those of the claim.
+    /// Warnings, one sentence each, added to those of the claim.
     pub warnings: Vec<String>,
 }
 
@@ -147,15 +148,15 @@ pub struct PartRow {
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub file: ClaimedFile,
-    /// Where it stands.
+    /// Current state.
     pub state: PartState,
     /// Why it was rejected, "" otherwise.
     pub reason: String,
     /// Why it is refused; `None` = it is not, or was before words for it were kept.
-    pub refusal: Option<Refusal>,
-    /// What was odd, one per line.
+    pub refusal: Option<RefusalCause>,
+    /// Warnings, one per line.
     pub warnings: String,
-    /// Copies in all.
+    /// Total number of copies.
     pub copies: u32,
     /// What was asked beside the copies.
     #[serde(flatten)]
@@ -198,21 +199,21 @@ pub struct ClaimedFile {
 pub struct PartTerms {
     /// Order or kit, "" = none.
     pub order_name: String,
-    /// 0 to 100.
+    /// Priority from 0 to 100.
     pub priority: u8,
     /// When it is due.
-    pub due_at: Option<Utc>,
-    /// How it may be turned.
-    #[sqlx(try_from = "Word<OrientationRule>")]
+    pub due_at: Option<UtcTimestamp>,
+    /// Orientation rule.
+    #[sqlx(try_from = "TextColumn<OrientationRule>")]
     pub orientation: OrientationRule,
-    /// Which ways up it may stand.
+    /// Directions that must point nearly straight up.
     #[sqlx(try_from = "String")]
-    pub tilts: Tilts,
+    pub tilts: RequiredTilts,
     /// Its own clearance, mm; `None` = the profile's.
     pub clearance_mm: Option<f64>,
-    /// Unit that the ticket said.
-    #[sqlx(try_from = "Word<Option<Unit>>")]
-    pub unit: Option<Unit>,
+    /// Unit from the ticket.
+    #[sqlx(try_from = "TextColumn<Option<LengthUnit>>")]
+    pub unit: Option<LengthUnit>,
     /// Free text of the ticket.
     pub note: String,
 }
@@ -235,35 +236,35 @@ pub struct PartMeasures {
 /// When a part was where in its life.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
 pub struct PartTimes {
-    /// When it was claimed: its age in line.
-    pub claimed_at: Utc,
-    /// When its state was entered.
-    pub state_at: Utc,
-    /// When its stored file was found damaged; it waits for the same file to be dropped again.
-    pub damaged_at: Option<Utc>,
+    /// When it was claimed. Determines its age among the waiting parts.
+    pub claimed_at: UtcTimestamp,
+    /// When it entered its current state.
+    pub state_at: UtcTimestamp,
+    /// When its stored file was found damaged. It then waits for the same file to be dropped again.
+    pub damaged_at: Option<UtcTimestamp>,
 }
 
 impl PartRow {
     /// Whether nobody knows how many copies were meant: it is printed only when it is dropped again.
     pub fn has_unknown_copies(&self) -> bool {
-        self.refusal == Some(Refusal::Ticket)
+        self.refusal == Some(RefusalCause::Ticket)
     }
 }
 
 impl PartRow {
-    /// Name of the part with that of its solid.
+    /// Name of the part together with the name of its solid.
     pub fn full_name(&self) -> String {
         match self.solid.object_name.as_str() {
             "" => self.name.clone(),
-            // A file of one solid often gives it its own name.
+            // In a file with one solid, the solid often has the name of the file.
             object if self.name.rsplit_once('.').is_some_and(|(stem, _)| stem == object) => self.name.clone(),
             object => format!("{} ({object})", self.name),
         }
     }
 
-    /// How it may be turned, whole.
-    pub fn turning(&self) -> Orientation {
-        Orientation { rule: self.terms.orientation, tilts: self.terms.tilts.0.clone() }
+    /// The complete orientation rules: rule and tilts.
+    pub fn orientation_limits(&self) -> OrientationLimits {
+        OrientationLimits { rule: self.terms.orientation, tilts: self.terms.tilts.0.clone() }
     }
 
     /// Bounds as dropped, mm; `None` until read.

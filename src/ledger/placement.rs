@@ -1,15 +1,15 @@
-//! Placements: which copy of which part is in which build, and how it stands there.
+//! Placements: which copy of which part is in which build, and its pose there.
 
 use glam::{DQuat, DVec3};
 use serde::Serialize;
 use solids::Pose;
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Ledger, PartId, Utc, error::Result};
+use super::{BuildId, BuildState, Ledger, PartId, UtcTimestamp, error::Result};
 
-/// A copy with its pose in a proved build.
+/// A copy with its proved pose in a build.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlacedCopy {
+pub struct ProvedPlacement {
     /// The part.
     pub part: PartId,
     /// Its copy, from 0.
@@ -18,17 +18,18 @@ pub struct PlacedCopy {
     pub rotation: [f64; 4],
     /// Translation after the rotation, machine frame, mm.
     pub translation_mm: [f64; 3],
-    /// How it comes out of the cake; `None` = not proved.
-    pub drawn: Option<DrawnOut>,
+    /// How it is removed from the cake; `None` = not proved.
+    pub removal: Option<RemovalStep>,
 }
 
-/// How a copy is drawn out of the cake, after all whose place is before its own, as it was proved on the triangles.
+/// How a copy is removed from the cake, after all copies with a lower position in the removal order. Proved on the
+/// triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DrawnOut {
-    /// Its place in the order, from 1.
-    pub place: u32,
+pub struct RemovalStep {
+    /// Position in the removal order, from 1.
+    pub position: u32,
     /// The straight line that it takes: a unit vector in the machine's frame.
-    pub way: [f64; 3],
+    pub direction: [f64; 3],
 }
 
 /// A copy that is in a build.
@@ -40,10 +41,10 @@ pub struct PlacementRow {
     pub copy: u32,
     /// The build.
     pub build_id: BuildId,
-    /// Where the build stands.
+    /// State of the build.
     pub build_state: BuildState,
-    /// When the build came into the queue.
-    pub published_at: Option<Utc>,
+    /// When the build was put into the queue.
+    pub published_at: Option<UtcTimestamp>,
     /// How it stands there.
     #[serde(flatten)]
     #[sqlx(flatten)]
@@ -59,9 +60,9 @@ pub struct PlacementRow {
 pub struct PoseColumns {
     /// Rotation, unit quaternion.
     pub qx: Option<f64>,
-    /// Second part of the quaternion.
+    /// Second component of the quaternion.
     pub qy: Option<f64>,
-    /// Third part of the quaternion.
+    /// Third component of the quaternion.
     pub qz: Option<f64>,
     /// Real part of the quaternion.
     pub qw: Option<f64>,
@@ -78,30 +79,30 @@ pub struct PoseColumns {
 pub struct WayColumns {
     /// As which copy it is drawn out, from 1.
     pub drawn: Option<u32>,
-    /// The straight line that it takes: a unit vector in the machine's frame.
+    /// Direction in which it is pulled out: a unit vector in the machine's frame, first component.
     pub way_x: Option<f64>,
-    /// Second part of the line.
+    /// Second component of that direction.
     pub way_y: Option<f64>,
-    /// Third part of the line.
+    /// Third component of that direction.
     pub way_z: Option<f64>,
 }
 
 impl PlacementRow {
-    /// How the copy stands, mesh frame -> machine frame; `None` until the build is verified.
+    /// Pose of the copy, mesh frame -> machine frame; `None` until the build is verified.
     pub fn pose(&self) -> Option<Pose> {
         let PoseColumns { qx, qy, qz, qw, tx_mm, ty_mm, tz_mm } = self.stands;
         Some(Pose::new(DQuat::from_xyzw(qx?, qy?, qz?, qw?), DVec3::new(tx_mm?, ty_mm?, tz_mm?)))
     }
 
-    /// How the copy comes out of the cake; `None` = not proved.
-    pub fn drawn(&self) -> Option<DrawnOut> {
+    /// How the copy is removed from the cake; `None` = not proved.
+    pub fn removal_step(&self) -> Option<RemovalStep> {
         let WayColumns { drawn, way_x, way_y, way_z } = self.comes_out;
-        Some(DrawnOut { place: drawn?, way: [way_x?, way_y?, way_z?] })
+        Some(RemovalStep { position: drawn?, direction: [way_x?, way_y?, way_z?] })
     }
 }
 
 impl Ledger {
-    /// Where the copies of a part are, by copy.
+    /// The placements of a part, by copy.
     pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
         let query = sqlx::query_as(
             "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \

@@ -1,15 +1,16 @@
-//! The last steps of a build by the farm's own hand: its file is proved, then it is in the queue.
+//! The last steps of a build that the farm does itself: its file is proved and then put into the queue.
 
 use super::{
-    BuildId, BuildState, Ledger, LedgerError, PartId, PartState, PlacedCopy, Verified, change::Change, error::Result,
+    BuildId, BuildState, Ledger, LedgerError, PartId, PartState, ProvedPlacement, Verified, change::LedgerChange,
+    error::Result,
 };
 
 impl Ledger {
-    /// nesting -> verified: the file is written and proved. `placed` must be exactly the copies of the build.
-    pub async fn verify_build(&self, build: BuildId, verified: &Verified, placed: &[PlacedCopy]) -> Result<()> {
-        let mut change = self.change().await?;
+    /// nesting -> verified: the file was written and proved. `placed` must be exactly the copies of the build.
+    pub async fn verify_build(&self, build: BuildId, verified: &Verified, placed: &[ProvedPlacement]) -> Result<()> {
+        let mut change = self.begin_change().await?;
         change.move_build(build, BuildState::Verified, &verified.file.file_name).await?;
-        demand_same_copies(&mut change, build, verified.measures.copies, placed).await?;
+        ensure_same_copies(&mut change, build, verified.measures.copies, placed).await?;
         write_result(&mut change, build, verified).await?;
         for copy in placed {
             write_pose(&mut change, build, copy).await?;
@@ -17,29 +18,31 @@ impl Ledger {
         change.commit().await
     }
 
-    /// The first rename that publishes a verified build is about to be tried: from now on "gone" means published.
+    /// Records that the first rename to publish a verified build is about to be tried. From now on, a missing staged
+    /// file means that it was published.
     pub async fn begin_publishing(&self, build: BuildId) -> Result<()> {
         self.set_publishing(build, true).await
     }
 
-    /// Nothing of a verified build was renamed, and it is certain: "gone" means removed by somebody again.
-    pub async fn end_publishing(&self, build: BuildId) -> Result<()> {
+    /// Records that nothing of a verified build was renamed, which must be certain. A missing staged file then means
+    /// again that somebody removed it.
+    pub async fn cancel_publishing(&self, build: BuildId) -> Result<()> {
         self.set_publishing(build, false).await
     }
 
     async fn set_publishing(&self, build: BuildId, is_tried: bool) -> Result<()> {
-        let mut change = self.change().await?;
-        change.demand(build, &[BuildState::Verified]).await?;
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, &[BuildState::Verified]).await?;
         let at = is_tried.then_some(change.now);
         let set = sqlx::query("UPDATE build SET publishing_at = ? WHERE id = ?").bind(at).bind(build);
         set.execute(change.db()).await?;
         change.commit().await
     }
 
-    /// verified -> nesting: its staged file is not the proved one any more, so that it is made again, from the poses that its
-    /// copies have.
-    pub async fn write_again(&self, build: BuildId, why: &str) -> Result<()> {
-        let mut change = self.change().await?;
+    /// verified -> nesting: the staged file is not the proved one any more, so the build file is written again from the
+    /// stored poses of its copies.
+    pub async fn reopen_verified_build(&self, build: BuildId, why: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
         change.move_build(build, BuildState::Nesting, why).await?;
         sqlx::query(
             "UPDATE build SET verified_at = NULL, publishing_at = NULL, file_name = NULL, queue_id = NULL, \
@@ -51,9 +54,9 @@ impl Ledger {
         change.commit().await
     }
 
-    /// verified -> published; parts whose last copy is published become built.
+    /// verified -> published. Parts whose last copy is published become built.
     pub async fn publish_build(&self, build: BuildId) -> Result<()> {
-        let mut change = self.change().await?;
+        let mut change = self.begin_change().await?;
         change.move_build(build, BuildState::Published, "").await?;
         let built: Vec<PartId> = sqlx::query_scalar(
             "SELECT p.id FROM part p WHERE p.state = 'batched' \
@@ -71,8 +74,13 @@ impl Ledger {
     }
 }
 
-/// What is placed must be what was taken: no copy lost, none twice.
-async fn demand_same_copies(change: &mut Change, build: BuildId, claimed: u32, placed: &[PlacedCopy]) -> Result<()> {
+/// Checks that the placed copies are exactly the taken ones: none lost, none twice.
+async fn ensure_same_copies(
+    change: &mut LedgerChange,
+    build: BuildId,
+    claimed: u32,
+    placed: &[ProvedPlacement],
+) -> Result<()> {
     let taken: Vec<(PartId, u32)> =
         sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy")
             .bind(build)
@@ -89,7 +97,7 @@ async fn demand_same_copies(change: &mut Change, build: BuildId, claimed: u32, p
     Ok(())
 }
 
-async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) -> Result<()> {
+async fn write_result(change: &mut LedgerChange, build: BuildId, verified: &Verified) -> Result<()> {
     sqlx::query(
         "UPDATE build SET file_name = ?, queue_id = ?, file_hash = ?, file_bytes = ?, height_mm = ?, density = ?, \
          lower_bound_mm = ?, layers = ?, part_volume_mm3 = ?, copies = ?, clearance_mm = ?, clearance_proved_mm = ?, \
@@ -123,9 +131,9 @@ async fn write_result(change: &mut Change, build: BuildId, verified: &Verified) 
     Ok(())
 }
 
-async fn write_pose(change: &mut Change, build: BuildId, placed: &PlacedCopy) -> Result<()> {
+async fn write_pose(change: &mut LedgerChange, build: BuildId, placed: &ProvedPlacement) -> Result<()> {
     let ([qx, qy, qz, qw], [x, y, z]) = (placed.rotation, placed.translation_mm);
-    let way = |axis: usize| placed.drawn.map(|drawn| drawn.way[axis]);
+    let way = |axis: usize| placed.removal.map(|drawn| drawn.direction[axis]);
     sqlx::query(
         "UPDATE placement SET qx = ?, qy = ?, qz = ?, qw = ?, tx_mm = ?, ty_mm = ?, tz_mm = ?, \
          drawn = ?, way_x = ?, way_y = ?, way_z = ? WHERE part_id = ? AND copy = ? AND build_id = ?",
@@ -137,7 +145,7 @@ async fn write_pose(change: &mut Change, build: BuildId, placed: &PlacedCopy) ->
     .bind(x)
     .bind(y)
     .bind(z)
-    .bind(placed.drawn.map(|drawn| drawn.place))
+    .bind(placed.removal.map(|drawn| drawn.position))
     .bind(way(0))
     .bind(way(1))
     .bind(way(2))

@@ -1,5 +1,6 @@
-//! Puts another ledger in the place of one that nobody uses. Everything is made ready beside it; one rename, the last step,
-//! makes the change, so that a crash at any moment leaves the one or the other whole.
+//! Replaces a ledger that is not in use by another one. The new ledger is prepared beside the old one and takes its
+//! place by a single rename, the last step. So after a crash at any moment, either the old or the new ledger is
+//! complete.
 
 use std::{
     ffi::OsStr,
@@ -9,33 +10,34 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Ledger, LedgerError, error::Result, health, ledger::options, place};
+use super::{Ledger, LedgerError, error::Result, health, ledger::connect_options, location};
 
-/// What SQLite and nestd keep beside a ledger. Of the old one it must be gone before the new one stands there: SQLite would
-/// play the old write-ahead log into it.
-const BESIDE: [&str; 4] = ["-wal", "-shm", ".b3", health::CHANGES_NOTED];
-/// Ends the name of the ledger that is being made ready.
-const NEW: &str = ".restoring";
-/// Follows the name of a ledger that another one took the place of.
-const ASIDE: &str = ".aside-";
+/// Suffixes of the files that SQLite and nestd keep beside a ledger. Those of the old ledger must be gone before the
+/// new one is in place, or SQLite would apply the old write-ahead log to it.
+const SIDECAR_SUFFIXES: [&str; 4] = ["-wal", "-shm", ".b3", health::CHANGES_NOTED];
+/// Suffix of the ledger that is being prepared.
+const RESTORING_SUFFIX: &str = ".restoring";
+/// Suffix of a replaced ledger, followed by the time.
+const ASIDE_SUFFIX: &str = ".aside-";
 
-/// Where the ledger is made ready that is to take the place of this one.
-pub fn restoring(ledger: &Path) -> PathBuf {
-    with_suffix(ledger, NEW)
+/// Path where the new ledger is prepared.
+pub fn restoring_path(ledger: &Path) -> PathBuf {
+    with_suffix(ledger, RESTORING_SUFFIX)
 }
 
-/// Removes what an ended or killed restore left: the unfinished ledger, and a second name of the one that is still in place.
+/// Removes the remains of a failed or killed restore: the unfinished ledger, and the second name of the ledger that is
+/// still in place.
 ///
 /// # Errors
 /// The folder cannot be read or changed.
 pub fn clear_unfinished(ledger: &Path) -> Result<()> {
-    clear(ledger).map_err(|source| LedgerError::Folder { path: ledger.to_owned(), source })
+    clear_files(ledger).map_err(|source| LedgerError::Folder { path: ledger.to_owned(), source })
 }
 
-fn clear(ledger: &Path) -> io::Result<()> {
-    let new = restoring(ledger);
-    for suffix in BESIDE.into_iter().chain([""]) {
-        remove(&with_suffix(&new, suffix))?;
+fn clear_files(ledger: &Path) -> io::Result<()> {
+    let new = restoring_path(ledger);
+    for suffix in SIDECAR_SUFFIXES.into_iter().chain([""]) {
+        remove_if_present(&with_suffix(&new, suffix))?;
     }
     let present = match fs::metadata(ledger) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
@@ -45,70 +47,71 @@ fn clear(ledger: &Path) -> io::Result<()> {
         return Ok(());
     }
     let mut aside = ledger.file_name().unwrap_or_default().to_owned();
-    aside.push(ASIDE);
-    for entry in fs::read_dir(place::folder(ledger))? {
+    aside.push(ASIDE_SUFFIX);
+    for entry in fs::read_dir(location::parent_folder(ledger))? {
         let entry = entry?;
         let meta = entry.metadata()?;
         let is_aside = entry.file_name().as_encoded_bytes().starts_with(aside.as_encoded_bytes());
         if is_aside && (meta.dev(), meta.ino()) == (present.dev(), present.ino()) {
-            remove(&entry.path())?;
+            remove_if_present(&entry.path())?;
         }
     }
     Ok(())
 }
 
-/// Renames the ledger that was made ready into its place. Returns where the one that was there is kept, if there was one.
+/// Renames the prepared ledger into place. Returns the path where the old one is kept, if there was one.
 ///
-/// # Errors
-/// The disk does not let it; then the old ledger is in its place still, or, where it was damaged, none is.
-pub async fn replace(ledger: &Path) -> Result<Option<PathBuf>> {
+/// An error of the disk. The old ledger is then still in place, or, if it was damaged, there is none.
+pub async fn replace_ledger(ledger: &Path) -> Result<Option<PathBuf>> {
     let failed = |source| LedgerError::Folder { path: ledger.to_owned(), source };
-    let is_one_file = is_one_file(ledger).await;
-    let aside = aside(ledger, is_one_file).map_err(failed)?;
-    let new = restoring(ledger);
-    // Nothing of the new one may stand in a log of its own: only the file itself is renamed.
+    let is_one_file = fold_into_one_file(ledger).await;
+    let aside = move_aside(ledger, is_one_file).map_err(failed)?;
+    let new = restoring_path(ledger);
+    // The new ledger must not have a write-ahead log, because only the main file is renamed.
     if health::holds_something(&with_suffix(&new, "-wal")) {
         return Err(failed(io::Error::other("the new ledger is in use")));
     }
     fs::rename(&new, ledger).map_err(failed)?;
     sync_folder(ledger).map_err(failed)?;
-    for suffix in BESIDE {
-        remove(&with_suffix(&new, suffix)).map_err(failed)?;
+    for suffix in SIDECAR_SUFFIXES {
+        remove_if_present(&with_suffix(&new, suffix)).map_err(failed)?;
     }
     Ok(aside)
 }
 
-/// Folds the log of a ledger into it, so that one file holds all; `false` = it is not there, damaged or in use.
-async fn is_one_file(ledger: &Path) -> bool {
+/// Folds the write-ahead log into the ledger, so that a single file holds everything. `false` = the ledger is missing,
+/// damaged or in use.
+async fn fold_into_one_file(ledger: &Path) -> bool {
     if !health::holds_something(ledger) {
         return false;
     }
-    match health::look_at_files(ledger).await {
+    match health::check_files(ledger).await {
         Ok(true) => return true,
         Err(_) => return false,
         Ok(false) => {}
     }
-    let Ok(open) = Ledger::connect(ledger, options(ledger)).await else { return false };
+    let Ok(open) = Ledger::connect(ledger, connect_options(ledger)).await else { return false };
     let folded = sqlx::query_as::<_, (i64, i64, i64)>("PRAGMA wal_checkpoint(TRUNCATE)").fetch_one(open.writer()).await;
     open.close().await;
     folded.is_ok_and(|(busy, ..)| busy == 0) && !health::holds_something(&with_suffix(ledger, "-wal"))
 }
 
-/// Gives the present ledger another name. One that is whole in one file keeps its own too, until the new one takes it; of
-/// any other all files are moved, the ledger first: what is left looks like a lost ledger, which no daemon serves.
-fn aside(ledger: &Path, is_one_file: bool) -> io::Result<Option<PathBuf>> {
+/// Gives the present ledger another name. If it is complete in one file, it also keeps its own name until the new
+/// ledger takes it. Otherwise all its files are moved, the main file first: if this is interrupted, what remains looks
+/// like a lost ledger, which no daemon serves.
+fn move_aside(ledger: &Path, is_one_file: bool) -> io::Result<Option<PathBuf>> {
     let stamp = jiff::Timestamp::now().strftime("%Y%m%dT%H%M%S%3fZ");
-    let aside = with_suffix(ledger, format!("{ASIDE}{stamp}"));
+    let aside = with_suffix(ledger, format!("{ASIDE_SUFFIX}{stamp}"));
     if is_one_file {
         fs::hard_link(ledger, &aside)
             .or_else(|_| fs::copy(ledger, &aside).and_then(|_| File::open(&aside)?.sync_all()))?;
-        for suffix in BESIDE {
-            remove(&with_suffix(ledger, suffix))?;
+        for suffix in SIDECAR_SUFFIXES {
+            remove_if_present(&with_suffix(ledger, suffix))?;
         }
         return sync_folder(ledger).map(|()| Some(aside));
     }
     let mut moved = None;
-    for suffix in [""].into_iter().chain(BESIDE) {
+    for suffix in [""].into_iter().chain(SIDECAR_SUFFIXES) {
         match fs::rename(with_suffix(ledger, suffix), with_suffix(&aside, suffix)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => return Err(error),
@@ -119,10 +122,10 @@ fn aside(ledger: &Path, is_one_file: bool) -> io::Result<Option<PathBuf>> {
 }
 
 fn sync_folder(ledger: &Path) -> io::Result<()> {
-    File::open(place::folder(ledger))?.sync_all()
+    File::open(location::parent_folder(ledger))?.sync_all()
 }
 
-fn remove(path: &Path) -> io::Result<()> {
+fn remove_if_present(path: &Path) -> io::Result<()> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => Ok(()),

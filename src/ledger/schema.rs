@@ -1,4 +1,4 @@
-//! The schema: migrations that are part of the binary. One that was released is never edited.
+//! The schema: migrations embedded in the binary. A released migration is never edited.
 
 use std::{path::Path, sync::LazyLock};
 
@@ -33,28 +33,28 @@ pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| {
 });
 
 /// The newest schema that this binary knows.
-pub(super) fn known() -> i64 {
+pub(super) fn newest_version() -> i64 {
     MIGRATIONS.iter().map(|m| m.version).max().unwrap_or(0)
 }
 
-/// Applies the missing migrations, all or none. Two daemons that start at once wait for each other: the second one
-/// finds the work done.
+/// Applies the missing migrations, all or none. If two daemons start at once, the second waits for the first and finds
+/// nothing to do.
 pub async fn bring_up_to_date(path: &Path, writer: &SqlitePool) -> Result<()> {
     let mut transaction = writer.begin_with("BEGIN IMMEDIATE").await?;
-    super::health::break_seal(path).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
+    super::health::remove_checksum(path).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
     let applied = MIGRATIONS.run_direct(None, &mut *transaction, false).await;
     match applied {
         Ok(()) => Ok(transaction.commit().await?),
         Err(MigrateError::VersionMissing(_)) => {
             drop(transaction);
-            demand(path, writer).await
+            ensure_current_version(path, writer).await
         }
         Err(error) => Err(LedgerError::Migrate { path: path.to_owned(), error }),
     }
 }
 
-/// Demands exactly the schema of this binary.
-pub async fn demand(path: &Path, writer: &SqlitePool) -> Result<()> {
+/// Fails unless the schema is exactly that of this binary.
+pub async fn ensure_current_version(path: &Path, writer: &SqlitePool) -> Result<()> {
     let failed = |error| LedgerError::Open { path: path.to_owned(), error };
     let is_ledger = "SELECT count(*) FROM sqlite_schema WHERE name = '_sqlx_migrations'";
     let found: i64 = match sqlx::query_scalar::<_, i64>(is_ledger).fetch_one(writer).await.map_err(failed)? {
@@ -64,7 +64,7 @@ pub async fn demand(path: &Path, writer: &SqlitePool) -> Result<()> {
             .await
             .map_err(failed)?,
     };
-    let (path, known) = (path.to_owned(), known());
+    let (path, known) = (path.to_owned(), newest_version());
     match found.cmp(&known) {
         std::cmp::Ordering::Less => Err(LedgerError::OlderSchema { path, found, known }),
         std::cmp::Ordering::Equal => Ok(()),

@@ -1,33 +1,33 @@
-//! The two state machines of the farm. A state is one enum, moved by one function; the `CHECK`s of the schema say the
-//! same words, and a test compares the two.
+//! The two state machines of the farm. Each state is an enum, changed by one function. The `CHECK` constraints of the
+//! schema list the same words; a test compares both.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::word::own_word;
+use super::text_column::own_word;
 
-/// Where a part stands in its life.
+/// State of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum PartState {
-    /// Taken out of the hot folder, not read yet.
+    /// Taken from the hot folder, not read yet.
     Claimed,
     /// Read; at least one copy is in no build.
     Waiting,
-    /// Every copy is in a build, not every build is published.
+    /// Every copy is in a build; not all of these builds are published.
     Batched,
     /// Every copy is in a published build.
     Built,
-    /// Refused or cancelled, with a reason. It can be taken back.
+    /// Refused or cancelled, with a reason. It can be retried.
     Rejected,
 }
 
-/// Where a build stands in its life.
+/// State of a build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum BuildState {
-    /// Collects the waiting parts of its profile; its layout is a forecast and takes no copy.
+    /// Collects the waiting parts of its profile. Its layout is a forecast and reserves no copy.
     Open,
     /// Its copies are taken; the final search runs.
     Nesting,
@@ -41,27 +41,27 @@ pub enum BuildState {
     Complete,
     /// The machine stopped before the end.
     Interrupted,
-    /// Nesting failed (never published), or somebody told that the print failed (published).
+    /// Nesting failed (never published), or somebody reported that the print failed (published).
     Failed,
 }
 
-/// A move that the state machine does not know.
+/// A transition that the state machine does not allow.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("a {thing} that is {from} cannot become {to}")]
 pub struct IllegalMove {
     /// "part" or "build".
     pub thing: &'static str,
-    /// Its state.
+    /// Current state.
     pub from: String,
-    /// What was asked.
+    /// Requested state.
     pub to: String,
 }
 
 impl PartState {
-    /// Every state, in the order of a part's life.
+    /// All states, in the order of a part's life.
     pub const ALL: [Self; 5] = [Self::Claimed, Self::Waiting, Self::Batched, Self::Built, Self::Rejected];
 
-    /// The one function that moves a part.
+    /// The only function that changes the state of a part.
     pub fn move_to(self, next: Self) -> Result<Self, IllegalMove> {
         use PartState::*;
         match (self, next) {
@@ -80,7 +80,7 @@ impl PartState {
 }
 
 impl BuildState {
-    /// Every state, in the order of a build's life.
+    /// All states, in the order of a build's life.
     pub const ALL: [Self; 8] = [
         Self::Open,
         Self::Nesting,
@@ -97,13 +97,13 @@ impl BuildState {
         !matches!(self, Self::Open | Self::Nesting)
     }
 
-    /// The one function that moves a build.
+    /// The only function that changes the state of a build.
     pub fn move_to(self, next: Self) -> Result<Self, IllegalMove> {
         use BuildState::*;
         match (self, next) {
             (Open, Nesting) => Ok(next),
             (Nesting, Verified | Failed) => Ok(next),
-            // Its staged file is not the proved one any more.
+            // The staged file is not the proved one any more.
             (Verified, Published | Nesting) => Ok(next),
             (Published, Printing) => Ok(next),
             (Printing, Complete | Interrupted | Failed) => Ok(next),

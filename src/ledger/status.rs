@@ -1,4 +1,4 @@
-//! Status: what waits, what is being nested and what was published last, per machine profile.
+//! Status per machine profile: what is waiting, what is being nested, and what was published last.
 
 use std::collections::BTreeMap;
 
@@ -7,43 +7,43 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::{FromRow, SqliteConnection};
 
-use super::{BuildId, BuildState, Ledger, Utc, error::Result};
+use super::{BuildId, BuildState, Ledger, UtcTimestamp, error::Result};
 
-/// So long a refused part can be retried, and counts as refused.
-pub const REFUSED_COUNTS: SignedDuration = SignedDuration::from_hours(30 * 24);
+/// Time for which a refused part can be retried and counts as refused.
+pub const RETRY_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
 
-/// A machine profile as it stands. Profiles about which the ledger knows nothing have none.
+/// Current status of a machine profile. A profile without any rows in the ledger has none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, JsonSchema)]
 pub struct ProfileStatus {
     /// Its name.
     pub profile: String,
     /// Claimed parts that are not read yet.
     pub claimed_parts: u32,
-    /// Parts with a copy that waits.
+    /// Parts with a waiting copy.
     pub waiting_parts: u32,
-    /// Copies that wait.
+    /// Waiting copies.
     pub waiting_copies: u32,
-    /// Parts that were refused in the last 30 days ([`REFUSED_COUNTS`]) and nobody has taken back; cancelled ones do not count.
+    /// Parts that were refused in the last 30 days ([`RETRY_PERIOD`]) and nobody has taken back; cancelled ones do not count.
     pub rejected_parts: u32,
     /// When the oldest waiting part was claimed.
-    pub oldest_at: Option<Utc>,
+    pub oldest_at: Option<UtcTimestamp>,
     /// The nearest due date of the waiting parts.
-    pub due_at: Option<Utc>,
-    /// What is due then: the order, else the file; "" = nothing is.
+    pub due_at: Option<UtcTimestamp>,
+    /// What is due at that time: the order, or else the file; "" = nothing.
     pub due_of: String,
     /// The open build.
-    pub open: Option<OpenBuild>,
+    pub open: Option<OpenBuildForecast>,
     /// Builds that are being nested or published.
     pub nesting: Vec<NestingBuild>,
-    /// Who has paused it.
-    pub paused: Option<Paused>,
+    /// The pause of the profile, if any.
+    pub paused: Option<PauseStatus>,
     /// The build that was published last.
     pub last_published: Option<PublishedBuild>,
 }
 
 /// The forecast of the next build.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
-pub struct OpenBuild {
+pub struct OpenBuildForecast {
     /// Its number.
     pub build: BuildId,
     /// Height of its layout so far, mm.
@@ -54,7 +54,7 @@ pub struct OpenBuild {
     pub copies: Option<u32>,
 }
 
-/// A build that has fired and is not published.
+/// A build that has been started and is not published.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
 pub struct NestingBuild {
     /// Its number.
@@ -65,19 +65,19 @@ pub struct NestingBuild {
     pub copies: u32,
     /// Trigger.
     pub fired_by: String,
-    /// How often nesting was begun.
+    /// Number of nesting attempts.
     pub attempts: u32,
-    /// When it fired.
-    pub nesting_at: Option<Utc>,
+    /// When it was started ("fired").
+    pub nesting_at: Option<UtcTimestamp>,
 }
 
 /// A pause.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
-pub struct Paused {
+pub struct PauseStatus {
     /// user@host.
     pub paused_by: String,
-    /// When.
-    pub paused_at: Utc,
+    /// When it was paused.
+    pub paused_at: UtcTimestamp,
 }
 
 /// A build in the queue.
@@ -85,39 +85,39 @@ pub struct Paused {
 pub struct PublishedBuild {
     /// Its number.
     pub build: BuildId,
-    /// When it came into the queue.
-    pub published_at: Utc,
+    /// When its file was put into the queue.
+    pub published_at: UtcTimestamp,
     /// Build height, mm.
     pub height_mm: Option<f64>,
     /// Density, 0..1.
     pub density: Option<f64>,
-    /// Placements.
+    /// Number of placed copies.
     pub copies: Option<u32>,
     /// Name of the build file.
     pub file_name: Option<String>,
 }
 
-/// A row of one aspect with the profile that it is of.
+/// A row together with its machine profile.
 #[derive(FromRow)]
-struct Of<T> {
+struct WithProfile<T> {
     profile: String,
     #[sqlx(flatten)]
     row: T,
 }
 
-/// The parts of a profile, counted.
+/// Numbers of parts of a profile.
 #[derive(FromRow)]
-struct Counts {
+struct PartCounts {
     claimed_parts: u32,
     waiting_parts: u32,
     waiting_copies: u32,
-    oldest_at: Option<Utc>,
-    due_at: Option<Utc>,
+    oldest_at: Option<UtcTimestamp>,
+    due_at: Option<UtcTimestamp>,
 }
 
-/// What is due first.
+/// The part or order that is due first.
 #[derive(FromRow)]
-struct Due {
+struct NearestDue {
     due_of: String,
 }
 
@@ -129,12 +129,13 @@ const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_part
     min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p \
     WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
 
-/// Over the years many are rejected: those count that can still be retried, and that nobody has cancelled.
+/// Counts only rejected parts that can still be retried and were not cancelled; over the years, many parts are
+/// rejected.
 const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.state = 'rejected' AND p.state_at >= ? \
     AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'rejected' ORDER BY e.id DESC LIMIT 1), '') \
     <> 'cancelled' GROUP BY p.profile";
 
-/// Of each profile the part that is due first; SQLite takes the other columns from the row of the least.
+/// For each profile, the part that is due first. SQLite takes the other columns from the row with the minimum.
 const DUE: &str = "SELECT profile, CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of, \
     min(due_at) AS at FROM part WHERE state = 'waiting' AND due_at IS NOT NULL GROUP BY profile";
 
@@ -143,8 +144,8 @@ const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM
 const NESTING: &str = "SELECT profile, id AS build, state, coalesce(copies, 0) AS copies, fired_by, attempts, nesting_at \
     FROM build WHERE state IN ('nesting', 'verified') ORDER BY id";
 
-/// The newest published build of each profile: from one profile to the next in the index, then to its newest row, so that
-/// the others are not looked at.
+/// The newest published build of each profile. The query jumps in the index from one profile to the next, and there to
+/// the newest row, so it does not read the other rows.
 const LAST: &str = "WITH RECURSIVE machine (profile) AS (\
     SELECT min(profile) FROM build WHERE state NOT IN ('open', 'nesting') UNION ALL \
     SELECT (SELECT min(b.profile) FROM build b WHERE b.profile > machine.profile \
@@ -156,66 +157,67 @@ const LAST: &str = "WITH RECURSIVE machine (profile) AS (\
     ORDER BY coalesce(n.published_at, n.state_at) DESC, n.id DESC LIMIT 1)";
 
 impl Ledger {
-    /// What was refused before does not count any more.
-    pub(super) fn refused_since(&self) -> Utc {
-        Utc(self.now().checked_sub(REFUSED_COUNTS).unwrap_or(Timestamp::MIN))
+    /// Parts that were refused before this time do not count any more.
+    pub(super) fn refused_since(&self) -> UtcTimestamp {
+        UtcTimestamp(self.now().checked_sub(RETRY_PERIOD).unwrap_or(Timestamp::MIN))
     }
 
-    /// Every profile of which the ledger knows something, by name.
-    pub async fn status(&self) -> Result<Vec<ProfileStatus>> {
-        let mut snapshot = self.snapshot().await?;
+    /// All profiles with rows in the ledger, by name.
+    pub async fn profile_statuses(&self) -> Result<Vec<ProfileStatus>> {
+        let mut snapshot = self.begin_snapshot().await?;
         let db = &mut *snapshot;
         let mut profiles = BTreeMap::new();
-        for Of { profile, row } in all::<Counts>(db, COUNTS).await? {
+        for WithProfile { profile, row } in fetch_by_profile::<PartCounts>(db, COUNTS).await? {
             let counted = ProfileStatus {
                 claimed_parts: row.claimed_parts,
                 waiting_parts: row.waiting_parts,
                 waiting_copies: row.waiting_copies,
                 oldest_at: row.oldest_at,
                 due_at: row.due_at,
-                ..of(&mut profiles, &profile).clone()
+                ..profile_entry(&mut profiles, &profile).clone()
             };
             profiles.insert(profile, counted);
         }
         let rejected =
             sqlx::query_as::<_, (String, u32)>(REJECTED).bind(self.refused_since()).fetch_all(&mut *db).await?;
         for (profile, parts) in rejected {
-            of(&mut profiles, &profile).rejected_parts = parts;
+            profile_entry(&mut profiles, &profile).rejected_parts = parts;
         }
-        for Of { profile, row } in all::<Due>(db, DUE).await? {
-            of(&mut profiles, &profile).due_of = row.due_of;
+        for WithProfile { profile, row } in fetch_by_profile::<NearestDue>(db, DUE).await? {
+            profile_entry(&mut profiles, &profile).due_of = row.due_of;
         }
-        for Of { profile, row } in all::<OpenBuild>(db, OPEN).await? {
-            let status = of(&mut profiles, &profile);
-            // A layout of more copies than wait is of parts that were taken out since: a forecast of nothing.
+        for WithProfile { profile, row } in fetch_by_profile::<OpenBuildForecast>(db, OPEN).await? {
+            let status = profile_entry(&mut profiles, &profile);
+            // A layout with more copies than are waiting contains parts that were cancelled since, so it is not a
+            // forecast any more.
             let is_of_now = row.copies.unwrap_or(0) <= status.waiting_copies;
             status.open = Some(match is_of_now {
                 true => row,
-                false => OpenBuild { height_mm: None, density: None, copies: None, ..row },
+                false => OpenBuildForecast { height_mm: None, density: None, copies: None, ..row },
             });
         }
-        for Of { profile, row } in all(db, NESTING).await? {
-            of(&mut profiles, &profile).nesting.push(row);
+        for WithProfile { profile, row } in fetch_by_profile(db, NESTING).await? {
+            profile_entry(&mut profiles, &profile).nesting.push(row);
         }
-        for Of { profile, row } in all(db, "SELECT * FROM pause").await? {
-            of(&mut profiles, &profile).paused = Some(row);
+        for WithProfile { profile, row } in fetch_by_profile(db, "SELECT * FROM pause").await? {
+            profile_entry(&mut profiles, &profile).paused = Some(row);
         }
-        for Of { profile, row } in all(db, LAST).await? {
-            of(&mut profiles, &profile).last_published = Some(row);
+        for WithProfile { profile, row } in fetch_by_profile(db, LAST).await? {
+            profile_entry(&mut profiles, &profile).last_published = Some(row);
         }
         Ok(profiles.into_values().collect())
     }
 }
 
-async fn all<T>(db: &mut SqliteConnection, query: &'static str) -> Result<Vec<Of<T>>>
+async fn fetch_by_profile<T>(db: &mut SqliteConnection, query: &'static str) -> Result<Vec<WithProfile<T>>>
 where
     T: for<'r> FromRow<'r, sqlx::sqlite::SqliteRow> + Send + Unpin,
 {
     Ok(sqlx::query_as(query).fetch_all(db).await?)
 }
 
-/// The status of a profile, entered when it is new.
-fn of<'a>(profiles: &'a mut BTreeMap<String, ProfileStatus>, profile: &str) -> &'a mut ProfileStatus {
+/// Returns the status entry of a profile, and inserts it if it is missing.
+fn profile_entry<'a>(profiles: &'a mut BTreeMap<String, ProfileStatus>, profile: &str) -> &'a mut ProfileStatus {
     let fresh = || ProfileStatus { profile: profile.to_owned(), ..ProfileStatus::default() };
     profiles.entry(profile.to_owned()).or_insert_with(fresh)
 }

@@ -1,4 +1,4 @@
-//! Points in time as the ledger writes them: UTC, RFC 3339 with milliseconds, so that they sort as text.
+//! Timestamps of the ledger: UTC, RFC 3339 with milliseconds, so that they sort as text.
 
 use std::{borrow::Cow, fmt, ops::Deref};
 
@@ -12,35 +12,35 @@ use sqlx::{
     sqlite::{SqliteArgumentsBuffer, SqliteTypeInfo, SqliteValueRef},
 };
 
-/// A point in time in a row; prints as '2026-11-20T04:49:00.000Z'.
+/// A timestamp in a row; prints as '2026-11-20T04:49:00.000Z'.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Utc(pub Timestamp);
+pub struct UtcTimestamp(pub Timestamp);
 
-impl Utc {
-    /// How long ago it is, to two units: '3h 5m'. `None` = longer than can be told.
-    pub fn age(self, now: Timestamp) -> Option<String> {
-        let days = now.since(self.0).and_then(|span| span.round(in_days())).ok()?;
+impl UtcTimestamp {
+    /// Time since this timestamp, in two units: '3h 5m'. `None` = too long to express.
+    pub fn age_text(self, now: Timestamp) -> Option<String> {
+        let days = now.since(self.0).and_then(|span| span.round(day_rounding())).ok()?;
         let smallest = match (days.get_days(), days.get_hours(), days.get_minutes()) {
             (0, 0, 0) => Unit::Second,
             (0, _, _) => Unit::Minute,
             _ => Unit::Hour,
         };
-        let rounded = now.since(self.0).and_then(|span| span.round(in_days().smallest(smallest)));
+        let rounded = now.since(self.0).and_then(|span| span.round(day_rounding().smallest(smallest)));
         rounded.ok().map(|span| format!("{span:#}"))
     }
 }
 
-fn in_days() -> SpanRound<'static> {
+fn day_rounding() -> SpanRound<'static> {
     SpanRound::new().largest(Unit::Day).days_are_24_hours()
 }
 
-impl From<Timestamp> for Utc {
+impl From<Timestamp> for UtcTimestamp {
     fn from(time: Timestamp) -> Self {
         Self(time)
     }
 }
 
-impl Deref for Utc {
+impl Deref for UtcTimestamp {
     type Target = Timestamp;
 
     fn deref(&self) -> &Timestamp {
@@ -48,25 +48,25 @@ impl Deref for Utc {
     }
 }
 
-impl fmt::Display for Utc {
+impl fmt::Display for UtcTimestamp {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(&self.0.strftime("%Y-%m-%dT%H:%M:%S%.3fZ").to_string())
     }
 }
 
-impl fmt::Debug for Utc {
+impl fmt::Debug for UtcTimestamp {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
     }
 }
 
-impl Serialize for Utc {
+impl Serialize for UtcTimestamp {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-impl JsonSchema for Utc {
+impl JsonSchema for UtcTimestamp {
     fn inline_schema() -> bool {
         true
     }
@@ -80,20 +80,20 @@ impl JsonSchema for Utc {
     }
 }
 
-impl Type<Sqlite> for Utc {
+impl Type<Sqlite> for UtcTimestamp {
     fn type_info() -> SqliteTypeInfo {
         <str as Type<Sqlite>>::type_info()
     }
 }
 
-impl<'r> Decode<'r, Sqlite> for Utc {
+impl<'r> Decode<'r, Sqlite> for UtcTimestamp {
     fn decode(value: SqliteValueRef<'r>) -> Result<Self, BoxDynError> {
         let text = <&str as Decode<Sqlite>>::decode(value)?;
         Ok(Self(text.parse()?))
     }
 }
 
-impl Encode<'_, Sqlite> for Utc {
+impl Encode<'_, Sqlite> for UtcTimestamp {
     fn encode_by_ref(&self, buffer: &mut SqliteArgumentsBuffer) -> Result<IsNull, BoxDynError> {
         <String as Encode<Sqlite>>::encode(self.to_string(), buffer)
     }
@@ -105,8 +105,8 @@ mod tests {
 
     #[test]
     fn a_time_is_written_with_milliseconds_and_z_so_that_it_sorts_as_text() {
-        let early = Utc("2026-11-20T04:49:00Z".parse().unwrap());
-        let late = Utc("2026-11-20T06:49:00.0019+02:00".parse().unwrap());
+        let early = UtcTimestamp("2026-11-20T04:49:00Z".parse().unwrap());
+        let late = UtcTimestamp("2026-11-20T06:49:00.0019+02:00".parse().unwrap());
         assert_eq!(early.to_string(), "2026-11-20T04:49:00.000Z");
         assert_eq!(late.to_string(), "2026-11-20T04:49:00.001Z");
         assert!(early.to_string() < late.to_string());

@@ -1,42 +1,42 @@
-//! Totals over everything that ever was, for metrics.
+//! Totals since the ledger was created, for metrics.
 
 use sqlx::FromRow;
 
 use super::{Ledger, error::Result};
 
-/// What was ever taken and built.
+/// Totals of everything that was taken and built.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Totals {
-    /// Profile, state, parts in it.
+pub struct FarmTotals {
+    /// Profile, state, number of parts.
     pub parts: Vec<(String, String, u64)>,
-    /// Profile, files that were taken.
+    /// Profile, number of claimed files.
     pub files: Vec<(String, u64)>,
-    /// Profile, word of [`super::Refusal`] or "", files that were refused; with parts that were cancelled.
+    /// Profile, word of [`super::RefusalCause`] or "", number of refused files. Includes cancelled parts.
     pub refused: Vec<(String, String, u64)>,
-    /// Profile, written builds that could not be proved.
+    /// Profile, number of written builds that could not be proved.
     pub unproved: Vec<(String, u64)>,
-    /// Builds by profile, state and whether they were published.
+    /// Number of builds by profile, state and whether they were published.
     pub builds: Vec<BuildCount>,
-    /// What was measured of every published build.
-    pub measured: Vec<Measured>,
+    /// Measured values of every published build.
+    pub measured: Vec<MeasuredBuild>,
 }
 
-/// How many builds of a profile are in a state.
+/// Number of builds of a profile in a state.
 #[derive(Debug, Clone, PartialEq, Eq, FromRow)]
 pub struct BuildCount {
     /// Machine profile.
     pub profile: String,
-    /// Where they stand.
+    /// Their state.
     pub state: String,
     /// Whether they were published.
     pub is_published: bool,
-    /// How many.
+    /// Number of builds.
     pub builds: u64,
 }
 
-/// What was measured of a published build.
+/// Measured values of a published build.
 #[derive(Debug, Clone, PartialEq, FromRow)]
-pub struct Measured {
+pub struct MeasuredBuild {
     /// Machine profile.
     pub profile: String,
     /// Build height, mm.
@@ -49,7 +49,8 @@ pub struct Measured {
 
 const PARTS: &str = "SELECT profile, state, count(*) FROM part GROUP BY profile, state ORDER BY profile, state";
 const FILES: &str = "SELECT profile, count(*) FROM part WHERE object_index = 0 GROUP BY profile ORDER BY profile";
-/// The solids of a file are refused together: the first speaks for them. What was refused before it was a part has none.
+/// The solids of a file are refused together, so only the first is counted. A file that was refused before it became a
+/// part has no part row.
 const REFUSED: &str = "SELECT e.profile, e.cause, count(*) FROM event e LEFT JOIN part p ON p.id = e.part_id \
     WHERE e.kind IN ('rejected', 'refused', 'proof_failed') AND e.kind <> 'proof_failed' \
     AND coalesce(p.object_index, 0) = 0 GROUP BY e.profile, e.cause ORDER BY e.profile, e.cause";
@@ -60,11 +61,11 @@ const BUILDS: &str = "SELECT profile, state, published_at IS NOT NULL AS is_publ
 const MEASURED: &str = "SELECT profile, height_mm, density, wall_secs FROM build WHERE published_at IS NOT NULL";
 
 impl Ledger {
-    /// Counts of everything, as of one moment.
-    pub async fn totals(&self) -> Result<Totals> {
-        let mut snapshot = self.snapshot().await?;
+    /// Reads all totals in one consistent snapshot.
+    pub async fn read_totals(&self) -> Result<FarmTotals> {
+        let mut snapshot = self.begin_snapshot().await?;
         let db = &mut *snapshot;
-        Ok(Totals {
+        Ok(FarmTotals {
             parts: sqlx::query_as(PARTS).fetch_all(&mut *db).await?,
             files: sqlx::query_as(FILES).fetch_all(&mut *db).await?,
             refused: sqlx::query_as(REFUSED).fetch_all(&mut *db).await?,

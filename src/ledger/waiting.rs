@@ -1,22 +1,23 @@
-//! The line of waiting copies, in order of precedence.
+//! The waiting copies, in order of precedence.
 
 use std::collections::{HashMap, HashSet};
 
 use super::{Ledger, PartId, PartRow, error::Result};
 
-/// A waiting part with those of its copies that are in no build.
+/// A waiting part with its copies that are in no build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaitingPart {
     /// The part.
     pub part: PartRow,
-    /// Its copies that wait, ascending, at least one.
+    /// Its waiting copies, ascending, at least one.
     pub copies: Vec<u32>,
 }
 
 impl Ledger {
-    /// The waiting copies of a profile whose files are whole, in order of precedence: priority, due date, age.
+    /// The waiting copies of a profile, without parts whose file is damaged, in order of precedence: priority, due
+    /// date, age.
     pub async fn waiting_copies(&self, profile: &str) -> Result<Vec<WaitingPart>> {
-        let mut snapshot = self.snapshot().await?;
+        let mut snapshot = self.begin_snapshot().await?;
         let parts: Vec<PartRow> = sqlx::query_as(
             "SELECT * FROM part WHERE profile = ? AND state = 'waiting' AND damaged_at IS NULL \
              ORDER BY priority DESC, due_at IS NULL, due_at, claimed_at, id",

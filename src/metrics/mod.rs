@@ -1,17 +1,17 @@
-//! The farm's numbers for Prometheus, made of the ledger whenever they are asked for: base units, `nestd_` before every name,
-//! labels only of what is configured or of few fixed words. The dashboard serves them at `/metrics`; where no port is wanted,
-//! they are written into a file for node_exporter.
+//! The farm's metrics for Prometheus, computed from the ledger at each request: base units, the prefix `nestd_`, labels
+//! only from the configuration or from a small fixed set. The dashboard serves them at `/metrics`. Where no port is
+//! wanted, they are written to a file for node_exporter.
 //!
-//! The room stands beside the farm: it asks the ledger, as every face does, so that it needs nothing of the daemon's insides
-//! and `nestd metrics` tells the same of a farm whose daemon is dead.
+//! The module does not depend on the farm: it reads the ledger only, so `nestd metrics` gives the same numbers for a
+//! farm whose daemon is dead.
 
-mod counted;
-mod standing;
-mod text;
+mod counters;
+mod gauges;
+mod text_format;
 mod textfile;
 
 #[cfg(test)]
 mod tests;
 
-pub use text::{CONTENT_TYPE, Metrics};
-pub use textfile::keep;
+pub use text_format::{CONTENT_TYPE, MetricsExporter};
+pub use textfile::keep_metrics_file;

@@ -10,8 +10,8 @@ use std::{
 
 use super::*;
 use crate::{
-    ledger::{Beat, NewPart, OpenLayout, Refusal, StationSeen, Utc, fixtures},
-    settings::{self, Settings, Shared},
+    ledger::{DaemonHeartbeat, NewPartRow, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp, fixtures},
+    settings::{self, Settings, SharedSettings},
 };
 
 /// A farm of the machines `cube` and `idle`; `more` is of its configuration.
@@ -22,30 +22,30 @@ fn farm(folder: &std::path::Path, more: &str) -> Settings {
     for name in ["cube", "idle"] {
         std::fs::write(folder.join(format!("profiles/{name}.toml")), "volume_mm = [200, 200, 200]\n").unwrap();
     }
-    settings::load(Some(&folder.join("nestd.toml")), Some(folder)).unwrap()
+    settings::load_settings(Some(&folder.join("nestd.toml")), Some(folder)).unwrap()
 }
 
-fn part(claim: &str, copies: u32) -> NewPart {
-    NewPart { profile: "cube".to_owned(), ..fixtures::new_part(claim, copies) }
+fn part(claim: &str, copies: u32) -> NewPartRow {
+    NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part(claim, copies) }
 }
 
-/// A ledger in which everything that is counted has happened once at least.
+/// A ledger in which everything that is counted has happened at least once.
 async fn lively() -> fixtures::TestLedger {
     let ledger = fixtures::fresh().await;
     let built = ledger.record_claim(&part("a", 2)).await.unwrap().id;
-    ledger.accept(built, &[fixtures::solid(0, 2)]).await.unwrap();
+    ledger.accept_solids(built, &[fixtures::solid(0, 2)]).await.unwrap();
     let build = ledger.open_build("cube").await.unwrap().id;
     ledger.begin_nesting(build, "flush", &[(built, 0), (built, 1)]).await.unwrap();
-    ledger.event("proof_failed", "cube", None, Some(build), "why").await.unwrap();
+    ledger.write_event("proof_failed", "cube", None, Some(build), "why").await.unwrap();
     let placed = fixtures::placed(&[(built, 0), (built, 1)]);
     ledger.verify_build(build, &fixtures::verified(build, 2), &placed).await.unwrap();
     ledger.publish_build(build).await.unwrap();
     let torn = ledger.record_claim(&part("b", 1)).await.unwrap().id;
-    ledger.reject(torn, Refusal::NotClosed, "torn").await.unwrap();
-    ledger.file_refused("cube", Refusal::Ticket, "order.csv: no").await.unwrap();
+    ledger.reject_claim(torn, RefusalCause::NotClosed, "torn").await.unwrap();
+    ledger.record_file_refusal("cube", RefusalCause::Ticket, "order.csv: no").await.unwrap();
     let due = fixtures::asked(part("c", 3), |terms| terms.due_at = Some(jiff::Timestamp::now()));
     let waits = ledger.record_claim(&due).await.unwrap().id;
-    ledger.accept(waits, &[fixtures::solid(0, 3), fixtures::solid(1, 3)]).await.unwrap();
+    ledger.accept_solids(waits, &[fixtures::solid(0, 3), fixtures::solid(1, 3)]).await.unwrap();
     let layout =
         OpenLayout { layout: "[]".to_owned(), height_mm: 10.0, density: 0.1, copies: 6, part_volume_mm3: 6000.0 };
     let open = ledger.open_build("cube").await.unwrap().id;
@@ -55,26 +55,26 @@ async fn lively() -> fixtures::TestLedger {
 
 async fn beat(ledger: &fixtures::TestLedger, trouble: &str) {
     let now = jiff::Timestamp::now();
-    let seen = |profile: &str, trouble: &str| StationSeen {
+    let seen = |profile: &str, trouble: &str| ObservedMachine {
         profile: profile.to_owned(),
-        scanned_at: Some(Utc(now)),
+        scanned_at: Some(UtcTimestamp(now)),
         is_inbox_there: true,
         is_queue_writable: trouble.is_empty(),
         trouble: Some(trouble.to_owned()),
     };
-    let beat = Beat {
+    let beat = DaemonHeartbeat {
         pid: std::process::id(),
         host: "here".to_owned(),
         version: "0".to_owned(),
         started_at: now,
         status: "idle".to_owned(),
-        stations: vec![seen("cube", trouble), seen("idle", "")],
+        machines: vec![seen("cube", trouble), seen("idle", "")],
     };
-    ledger.beat(&beat).await.unwrap();
+    ledger.write_heartbeat(&beat).await.unwrap();
 }
 
-/// Every sample of the text by its name and labels. What promtool would object to fails: a family without help or type, a
-/// sample of no family, a unit that is no base unit, a counter of another name.
+/// All samples of the text, by name and labels. Fails where promtool would complain: a family without help or type, a
+/// sample without a family, a unit that is not a base unit, a counter with a wrong name.
 fn samples(text: &str) -> BTreeMap<String, f64> {
     let (mut helped, mut kinds, mut samples) = (Vec::new(), BTreeMap::new(), BTreeMap::new());
     for line in text.lines() {
@@ -106,7 +106,7 @@ fn samples(text: &str) -> BTreeMap<String, f64> {
     samples
 }
 
-/// What promtool says of the text; nothing where it is not installed.
+/// Runs promtool on the text, if it is installed.
 fn promtool(text: &str) -> String {
     let command =
         Command::new("promtool").args(["check", "metrics"]).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn();
@@ -123,7 +123,7 @@ async fn every_number_has_help_and_counts_what_the_ledger_counts() {
     let settings = farm(folder.path(), "");
     let ledger = lively().await;
     beat(&ledger, "cube: The queue folder cannot be used: it is read-only.").await;
-    let text = Metrics::default().text(&ledger, &settings).await.unwrap();
+    let text = MetricsExporter::default().render_text(&ledger, &settings).await.unwrap();
     assert_eq!(promtool(&text), "");
     let samples = samples(&text);
     let is = |key: &str, value: f64| assert_eq!(samples.get(key), Some(&value), "{key} in\n{text}");
@@ -158,7 +158,7 @@ async fn every_number_has_help_and_counts_what_the_ledger_counts() {
 async fn a_farm_in_which_nothing_happened_yet_has_clean_metrics_too() {
     let folder = tempfile::tempdir().unwrap();
     let (settings, ledger) = (farm(folder.path(), ""), fixtures::fresh().await);
-    let text = Metrics::default().text(&ledger, &settings).await.unwrap();
+    let text = MetricsExporter::default().render_text(&ledger, &settings).await.unwrap();
     assert_eq!(promtool(&text), "");
     let samples = samples(&text);
     assert_eq!(samples["nestd_daemon_up"], 0.0);
@@ -171,12 +171,12 @@ async fn reasons_are_few_words_and_a_hostile_text_becomes_no_label() {
     let (settings, ledger) = (farm(folder.path(), ""), fixtures::fresh().await);
     for number in 0..50 {
         let reason = format!("x{number}\"}} 1\nnestd_evil 1");
-        ledger.file_refused("cube", Refusal::Unreadable, &reason).await.unwrap();
+        ledger.record_file_refusal("cube", RefusalCause::Unreadable, &reason).await.unwrap();
     }
-    let text = Metrics::default().text(&ledger, &settings).await.unwrap();
+    let text = MetricsExporter::default().render_text(&ledger, &settings).await.unwrap();
     assert!(!text.contains("evil"), "{text}");
     let refused = samples(&text).into_iter().filter(|(key, _)| key.starts_with("nestd_files_refused_total{"));
-    assert_eq!(refused.count(), settings.profiles.len() * Refusal::ALL.len());
+    assert_eq!(refused.count(), settings.profiles.len() * RefusalCause::ALL.len());
 }
 
 #[tokio::test]
@@ -186,7 +186,7 @@ async fn that_a_machine_becomes_unavailable_is_an_event_once() {
         beat(&ledger, trouble).await;
     }
     let ids = ledger.last_event_id().await.unwrap();
-    let row = ledger.stations().await.unwrap();
+    let row = ledger.list_machines().await.unwrap();
     assert_eq!((ids, row[0].trouble.as_str(), row[0].trouble_at), (2, "", None));
 }
 
@@ -197,8 +197,8 @@ async fn the_file_is_written_as_a_whole_and_follows_the_settings() {
     let file = folder.path().join("nestd.prom");
     let config = format!("[metrics]\ntextfile = \"{}\"\nevery_secs = 1\n", file.display());
     let settings = Settings { ledger: ledger.path().to_owned(), ..farm(folder.path(), &config) };
-    let shared: Shared = Arc::new(RwLock::new(Arc::new(Settings { metrics: None, ..settings.clone() })));
-    let task = tokio::spawn(keep(shared.clone()));
+    let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(Settings { metrics: None, ..settings.clone() })));
+    let task = tokio::spawn(keep_metrics_file(shared.clone()));
     tokio::time::sleep(Duration::from_millis(1500)).await;
     assert!(!file.exists(), "it is not asked for yet");
     *shared.write().unwrap() = Arc::new(settings);
@@ -227,7 +227,7 @@ fn a_file_that_node_exporter_would_not_read_is_objected_to() {
         let folder = tempfile::tempdir().unwrap();
         farm(folder.path(), "");
         std::fs::write(folder.path().join("nestd.toml"), format!("[metrics]\n{wrong}\n")).unwrap();
-        let refused = settings::load(Some(&folder.path().join("nestd.toml")), None).unwrap_err().to_string();
+        let refused = settings::load_settings(Some(&folder.path().join("nestd.toml")), None).unwrap_err().to_string();
         assert!(refused.contains("nestd.toml:2: metrics."), "{refused}");
     }
 }
@@ -247,7 +247,7 @@ async fn dashboard_alerts_and_documentation_name_only_what_is_told() {
     let settings = farm(folder.path(), "");
     let ledger = lively().await;
     beat(&ledger, "").await;
-    let text = Metrics::default().text(&ledger, &settings).await.unwrap();
+    let text = MetricsExporter::default().render_text(&ledger, &settings).await.unwrap();
     let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
     let told: Vec<&str> = names_in(&text);
     for (name, least) in [("grafana.json", 20), ("alerts.yml", 12), ("monitoring.md", 25)] {
@@ -257,7 +257,7 @@ async fn dashboard_alerts_and_documentation_name_only_what_is_told() {
         let unknown: Vec<&&str> = named.iter().filter(|metric| !told.contains(metric)).collect();
         assert!(unknown.is_empty(), "{name} names {unknown:?}, which nestd does not tell");
     }
-    // And the other way round: no family without a word in the documentation.
+    // The reverse: every family is documented.
     let monitoring = std::fs::read_to_string(docs.join("monitoring.md")).unwrap();
     let documented = names_in(&monitoring);
     let families = text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split(' ').next());

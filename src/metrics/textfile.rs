@@ -1,4 +1,4 @@
-//! The metrics as a file, written anew every so often and at once as a whole: node_exporter never reads half of one.
+//! The metrics as a file. It is replaced atomically at intervals, so node_exporter never reads half of it.
 
 use std::{
     fs::Permissions,
@@ -12,20 +12,21 @@ use std::{
 use anyhow::{Context, Result};
 use tracing::{info, warn};
 
-use super::Metrics;
+use super::MetricsExporter;
 use crate::{
     ledger::Ledger,
-    settings::{MetricsFile, Settings, Shared},
+    settings::{MetricsFile, Settings, SharedSettings},
 };
 
-/// Between two looks at whether it is time and whether the file is still wanted.
+/// Interval of the checks whether the file is due and still wanted.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Everybody may read the file: node_exporter runs as another user.
 const MODE: u32 = 0o644;
 
-/// Keeps the file as the settings ask for it, until it is dropped. What fails is told once, and tried again.
-pub async fn keep(settings: Shared) {
-    let (metrics, mut ledger, mut written, mut failing) = (Metrics::default(), None, None::<Instant>, String::new());
+/// Writes the file as configured until the future is dropped. A failure is logged once and retried.
+pub async fn keep_metrics_file(settings: SharedSettings) {
+    let (metrics, mut ledger, mut written, mut failing) =
+        (MetricsExporter::default(), None, None::<Instant>, String::new());
     loop {
         tokio::time::sleep(LOOK_EVERY).await;
         let now = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
@@ -34,7 +35,7 @@ pub async fn keep(settings: Shared) {
             continue;
         }
         written = Some(Instant::now());
-        match write(&metrics, &mut ledger, &now, file).await {
+        match write_metrics(&metrics, &mut ledger, &now, file).await {
             Ok(()) if failing.is_empty() => {}
             Ok(()) => {
                 info!("The metrics are written into {} again.", file.path.display());
@@ -43,25 +44,30 @@ pub async fn keep(settings: Shared) {
             Err(failure) if format!("{failure:#}") == failing => {}
             Err(failure) => {
                 failing = format!("{failure:#}");
-                warn!("The metrics could not be written, which is tried again: {failing}.");
+                warn!("The metrics could not be written; this is retried: {failing}.");
             }
         }
     }
 }
 
-async fn write(metrics: &Metrics, ledger: &mut Option<Ledger>, settings: &Settings, file: &MetricsFile) -> Result<()> {
+async fn write_metrics(
+    metrics: &MetricsExporter,
+    ledger: &mut Option<Ledger>,
+    settings: &Settings,
+    file: &MetricsFile,
+) -> Result<()> {
     let ledger = match ledger {
         Some(ledger) => ledger,
         None => ledger.insert(Ledger::open_existing(&settings.ledger).await?),
     };
-    let (text, path) = (metrics.text(ledger, settings).await?, file.path.clone());
-    tokio::task::spawn_blocking(move || replace(&path, &text)).await.context("writing the metrics")?
+    let (text, path) = (metrics.render_text(ledger, settings).await?, file.path.clone());
+    tokio::task::spawn_blocking(move || replace_file(&path, &text)).await.context("writing the metrics")?
 }
 
-fn replace(path: &Path, text: &str) -> Result<()> {
+fn replace_file(path: &Path, text: &str) -> Result<()> {
     let what = || format!("writing {}", path.display());
     let folder = path.parent().unwrap_or(Path::new("/"));
-    // node_exporter reads only what ends in .prom.
+    // node_exporter reads only names that end in .prom.
     let mut file = tempfile::Builder::new().prefix(".nestd-").tempfile_in(folder).with_context(what)?;
     file.write_all(text.as_bytes()).with_context(what)?;
     file.as_file().set_permissions(Permissions::from_mode(MODE)).with_context(what)?;

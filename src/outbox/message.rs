@@ -1,24 +1,25 @@
-//! A message: one event, with what it is about, as JSON that stays as it is from version to version.
+//! A message describes one event as JSON. Its format is stable across versions.
 
 use anyhow::{Context, Result};
-use build_file::counted;
+use build_file::format_count;
 use jiff::Timestamp;
 use serde_json::{Value, json};
 
 use crate::{
-    ledger::{BuildRow, DROPPED, EventRow, Ledger, PartRow, Refusal, Utc},
-    settings::Told,
+    ledger::{BuildRow, DROPPED_EVENT, EventRow, Ledger, PartRow, RefusalCause, UtcTimestamp},
+    settings::NotificationKind,
 };
 
-/// Longest detail that is told, characters; a reason may quote much of a file.
+/// Maximum length of the detail, characters; a reason may quote much of a file.
 const MOST_DETAIL: usize = 4000;
 
-/// What a receiver is told of one event.
+/// What a receiver gets for one event.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Message {
-    /// The same however often it is told, and no other message's: also of a ledger that was put back from a backup.
+pub struct EventMessage {
+    /// Unique id of the message. It is the same at every delivery, and stays unique when the ledger is restored from a
+    /// backup.
     pub id: String,
-    /// What happened, as one word.
+    /// Kind of event.
     pub kind: &'static str,
     /// Machine profile, "" = none.
     pub profile: String,
@@ -28,42 +29,42 @@ pub struct Message {
     pub build: Option<i64>,
     /// One sentence for people.
     pub text: String,
-    /// All of it, a JSON object.
+    /// The whole message as a JSON object.
     pub body: String,
 }
 
-/// The kinds of events in the ledger that are to be told; that some were dropped is told always.
-pub fn kinds(events: &[Told]) -> Vec<&'static str> {
-    let of = |told: &Told| -> &[&'static str] {
+/// The kinds of ledger events to deliver. The notice that messages were dropped is always delivered.
+pub fn event_kinds(events: &[NotificationKind]) -> Vec<&'static str> {
+    let of = |told: &NotificationKind| -> &[&'static str] {
         match told {
-            Told::Published => &["published"],
-            Told::Refused => &["rejected", "refused"],
-            Told::Unavailable => &["unavailable", "available"],
-            Told::AtRisk => &["at_risk"],
+            NotificationKind::Published => &["published"],
+            NotificationKind::Refused => &["rejected", "refused"],
+            NotificationKind::Unavailable => &["unavailable", "available"],
+            NotificationKind::AtRisk => &["at_risk"],
         }
     };
-    events.iter().flat_map(of).copied().chain([DROPPED]).collect()
+    events.iter().flat_map(of).copied().chain([DROPPED_EVENT]).collect()
 }
 
-impl Message {
-    /// What is told of an event.
+impl EventMessage {
+    /// Builds the message for an event.
     ///
     /// # Errors
-    /// When the ledger does not answer.
-    pub async fn of(event: &EventRow, ledger: &Ledger) -> Result<Self> {
+    /// The ledger cannot be read.
+    pub async fn from_event(event: &EventRow, ledger: &Ledger) -> Result<Self> {
         let part = match event.part_id {
-            Some(id) => Some(ledger.part(id).await?.context("an event is of no part")?),
+            Some(id) => Some(ledger.find_part(id).await?.context("an event is of no part")?),
             None => None,
         };
         let build = match event.build_id {
-            Some(id) => Some(ledger.build(id).await?.context("an event is of no build")?),
+            Some(id) => Some(ledger.find_build(id).await?.context("an event is of no build")?),
             None => None,
         };
         let detail: String = event.detail.chars().take(MOST_DETAIL).collect();
-        let text = sentence(event, &detail, part.as_ref(), build.as_ref());
+        let text = message_text(event, &detail, part.as_ref(), build.as_ref());
         let message = Self {
             id: format!("{}@{}", event.id, event.at),
-            kind: kind_of(&event.kind),
+            kind: message_kind(&event.kind),
             profile: event.profile.clone(),
             part: event.part_id.map(|id| id.0),
             build: event.build_id.map(|id| id.0),
@@ -79,21 +80,21 @@ impl Message {
         Ok(message.with_body(event.at, more))
     }
 
-    /// A trial message.
-    pub fn trial() -> Self {
-        let now = Utc(Timestamp::now());
-        let text = format!("A trial message of nestd on {}.", host());
+    /// A message for a test of the receivers.
+    pub fn trial_message() -> Self {
+        let now = UtcTimestamp(Timestamp::now());
+        let text = format!("A test message from nestd on {}.", host_name());
         let (id, kind, profile) = (format!("trial@{now}"), "test", String::new());
         let message = Self { id, kind, profile, part: None, build: None, text, body: String::new() };
         message.with_body(now, json!({ "reason": null, "detail": "", "part": null, "build": null }))
     }
 
-    fn with_body(mut self, at: Utc, more: Value) -> Self {
+    fn with_body(mut self, at: UtcTimestamp, more: Value) -> Self {
         let mut body = json!({
             "id": self.id,
             "kind": self.kind,
             "at": at,
-            "host": host(),
+            "host": host_name(),
             "profile": self.profile,
             "text": self.text,
         });
@@ -105,8 +106,8 @@ impl Message {
     }
 }
 
-/// The word of a message for the word of an event.
-fn kind_of(event: &str) -> &'static str {
+/// The kind in messages for a kind in the ledger.
+fn message_kind(event: &str) -> &'static str {
     match event {
         "published" => "published",
         "rejected" | "refused" => "refused",
@@ -117,20 +118,20 @@ fn kind_of(event: &str) -> &'static str {
     }
 }
 
-fn sentence(event: &EventRow, detail: &str, part: Option<&PartRow>, build: Option<&BuildRow>) -> String {
+fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: Option<&BuildRow>) -> String {
     let profile = &event.profile;
     let first = detail.lines().next().unwrap_or_default();
-    match (kind_of(&event.kind), part, build) {
+    match (message_kind(&event.kind), part, build) {
         ("published", _, Some(build)) => {
             let (copies, height_mm) =
                 (build.measures.copies.unwrap_or_default(), build.measures.height_mm.unwrap_or_default());
             format!(
                 "Build {} of {profile} is in the queue: {}, {height_mm:.2} mm high.",
                 build.id,
-                counted(copies, "copy", "copies")
+                format_count(copies, "copy", "copies")
             )
         }
-        ("refused", Some(part), _) if event.cause == Refusal::Cancelled.to_string() => {
+        ("refused", Some(part), _) if event.cause == RefusalCause::Cancelled.to_string() => {
             format!("Part {} ({}) of {profile} was taken out. {first}", part.id, part.name)
         }
         ("refused", Some(part), _) => format!("Part {} ({}) of {profile} was refused: {first}", part.id, part.name),
@@ -156,6 +157,6 @@ fn build_json(build: &BuildRow) -> Value {
     })
 }
 
-fn host() -> String {
+fn host_name() -> String {
     rustix::system::uname().nodename().to_string_lossy().into_owned()
 }

@@ -1,26 +1,30 @@
-//! Sending one message to one receiver, once.
+//! One attempt to send one message to one receiver.
 
 use std::time::Duration;
 
 use anyhow::{Context, Result};
 
-use super::{Message, command, webhook};
-use crate::{ledger::Receiver, settings::Notify};
+use super::{EventMessage, command, webhook};
+use crate::{ledger::ReceiverKind, settings::NotifySettings};
 
-/// The receivers that are configured.
-pub fn configured(notify: &Notify) -> Vec<Receiver> {
-    let webhook = notify.webhook.as_ref().map(|_| Receiver::Webhook);
-    webhook.into_iter().chain(notify.command.as_ref().map(|_| Receiver::Command)).collect()
+/// The configured receivers.
+pub fn configured_receivers(notify: &NotifySettings) -> Vec<ReceiverKind> {
+    let webhook = notify.webhook.as_ref().map(|_| ReceiverKind::Webhook);
+    webhook.into_iter().chain(notify.command.as_ref().map(|_| ReceiverKind::Command)).collect()
 }
 
-/// Sends a message and waits until the receiver has it. Takes up to the timeout, on the calling thread.
+/// Sends a message and waits until the receiver has accepted it. Blocks the calling thread, at most for the timeout.
 ///
 /// # Errors
-/// When the receiver does not have it, for certain or perhaps.
-pub fn send(notify: &Notify, receiver: Receiver, message: &Message) -> Result<()> {
+/// The receiver did not accept it, or it is not known whether it did.
+pub fn send_message(notify: &NotifySettings, receiver: ReceiverKind, message: &EventMessage) -> Result<()> {
     let timeout = Duration::from_secs_f64(notify.timeout_secs);
     match receiver {
-        Receiver::Webhook => webhook::post(notify.webhook.as_ref().context("there is no webhook")?, timeout, message),
-        Receiver::Command => command::run(notify.command.as_deref().context("there is no command")?, timeout, message),
+        ReceiverKind::Webhook => {
+            webhook::post_message(notify.webhook.as_ref().context("there is no webhook")?, timeout, message)
+        }
+        ReceiverKind::Command => {
+            command::run_command(notify.command.as_deref().context("there is no command")?, timeout, message)
+        }
     }
 }

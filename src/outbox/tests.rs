@@ -1,4 +1,4 @@
-//! Messages to a real web server and to real programs.
+//! Delivery to a real web server and to real programs.
 
 use std::{
     fs,
@@ -13,28 +13,28 @@ use tokio::task::JoinHandle;
 
 use super::*;
 use crate::{
-    ledger::{Ledger, NewPart, Receiver, Refusal, fixtures},
-    settings::{self, Settings, Shared},
+    ledger::{Ledger, NewPartRow, ReceiverKind, RefusalCause, fixtures},
+    settings::{self, Settings, SharedSettings},
 };
 
-#[path = "../../tests/support/hook.rs"]
+#[path = "../../tests/support/webhook.rs"]
 mod hook;
-use hook::Hook;
+use hook::TestWebhook;
 
 const SECRET: &str = "a-key-of-32-letters-or-so-it-is-ok";
 
-/// What a person was told of receivers, in order.
-type Troubles = Vec<(Receiver, Option<String>)>;
+/// The reports on receivers, in order.
+type ReceiverReports = Vec<(ReceiverKind, Option<String>)>;
 
 /// A farm with receivers, and its ledger.
-struct Farm {
+struct OutboxFixture {
     ledger: fixtures::TestLedger,
     folder: tempfile::TempDir,
-    settings: Shared,
-    troubles: Arc<Mutex<Troubles>>,
+    settings: SharedSettings,
+    troubles: Arc<Mutex<ReceiverReports>>,
 }
 
-impl Farm {
+impl OutboxFixture {
     async fn new(notify: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let secret = folder.path().join("secret");
@@ -45,7 +45,7 @@ impl Farm {
         Self { ledger, folder, settings, troubles: Arc::default() }
     }
 
-    async fn of(hook: &Hook, more: &str) -> Self {
+    async fn of(hook: &TestWebhook, more: &str) -> Self {
         Self::new(&format!("webhook = \"{}\"\nsecret_file = \"SECRET\"\n{more}\n", hook.url)).await
     }
 
@@ -53,12 +53,13 @@ impl Farm {
         self.folder.path().join(name)
     }
 
-    /// The telling begins; once the receivers have their places.
+    /// Starts the delivery and waits until the receivers have their positions.
     async fn tell(&self, receivers: usize) -> JoinHandle<()> {
         let troubles = self.troubles.clone();
-        let telling = serve(self.settings.clone(), move |receiver, why| troubles.lock().unwrap().push((receiver, why)));
+        let telling =
+            deliver_events(self.settings.clone(), move |receiver, why| troubles.lock().unwrap().push((receiver, why)));
         let task = tokio::spawn(telling);
-        while self.ledger.receivers().await.unwrap().len() < receivers {
+        while self.ledger.list_receivers().await.unwrap().len() < receivers {
             tokio::time::sleep(Duration::from_millis(5)).await;
         }
         task
@@ -66,14 +67,14 @@ impl Farm {
 
     async fn refuse(&self, ledger: &Ledger, name: &str) {
         let claim = format!("{name}{}", ledger.last_event_id().await.unwrap());
-        let part = NewPart { name: name.to_owned(), profile: "cube".to_owned(), ..fixtures::new_part(&claim, 2) };
+        let part = NewPartRow { name: name.to_owned(), profile: "cube".to_owned(), ..fixtures::new_part(&claim, 2) };
         let id = ledger.record_claim(&part).await.unwrap().id;
-        ledger.reject(id, Refusal::NotClosed, "The mesh is not closed.\nMend it.").await.unwrap();
+        ledger.reject_claim(id, RefusalCause::NotClosed, "The mesh is not closed.\nMend it.").await.unwrap();
     }
 
-    async fn wait(&self, hook: &Hook, count: usize) -> Vec<serde_json::Value> {
+    async fn wait(&self, hook: &TestWebhook, count: usize) -> Vec<serde_json::Value> {
         let hook = hook.clone();
-        tokio::task::spawn_blocking(move || hook.wait_for(count)).await.unwrap()
+        tokio::task::spawn_blocking(move || hook.wait_for_delivered(count)).await.unwrap()
     }
 }
 
@@ -82,11 +83,11 @@ fn read(folder: &Path, ledger: &Path, notify: &str) -> Settings {
     fs::write(folder.join("profiles/cube.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
     let notify = notify.replace("SECRET", &folder.join("secret").display().to_string());
     fs::write(folder.join("nestd.toml"), format!("[notify]\n{notify}\n")).unwrap();
-    let settings = settings::load(Some(&folder.join("nestd.toml")), Some(folder)).unwrap();
+    let settings = settings::load_settings(Some(&folder.join("nestd.toml")), Some(folder)).unwrap();
     Settings { ledger: ledger.to_owned(), ..settings }
 }
 
-/// A program that does what the script says; a path is put in for FOLDER.
+/// A program that runs the script; FOLDER is replaced by a path.
 fn program(folder: &Path, script: &str) -> String {
     let file = folder.join("tell");
     let script = script.replace("FOLDER", &folder.display().to_string());
@@ -101,70 +102,70 @@ fn texts(told: &[serde_json::Value], key: &str) -> Vec<String> {
 
 #[test]
 fn the_signature_is_hmac_sha256_of_time_and_body() {
-    // As Python's hmac.new(key, b'1795150140.{"id":"1"}', "sha256").hexdigest() says.
+    // The result of Python's hmac.new(key, b'1795150140.{"id":"1"}', "sha256").hexdigest().
     let is = "t=1795150140,v1=3bded4376f6960ea175556c98fce8ea8e7f60ad8fae745a9161254ac19bd78cb";
-    assert_eq!(signature(SECRET, 1_795_150_140, "{\"id\":\"1\"}"), is);
+    assert_eq!(sign_body(SECRET, 1_795_150_140, "{\"id\":\"1\"}"), is);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_event_is_told_until_the_receiver_has_it_once_and_in_order() {
-    let hook = Hook::answering(&[500, 503]);
-    let farm = Farm::of(&hook, "").await;
+    let hook = TestWebhook::with_answers(&[500, 503]);
+    let farm = OutboxFixture::of(&hook, "").await;
     farm.refuse(&farm.ledger, "before.stl").await;
     let task = farm.tell(1).await;
     for name in ["a.stl", "<script>alert(1)</script>.stl", "new\nline \"quoted\".stl"] {
         farm.refuse(&farm.ledger, name).await;
     }
-    farm.ledger.event("unavailable", "cube", None, None, "cube: The hot folder is unavailable.").await.unwrap();
+    farm.ledger.write_event("unavailable", "cube", None, None, "cube: The hot folder is unavailable.").await.unwrap();
     let told = farm.wait(&hook, 4).await;
     tokio::time::sleep(Duration::from_millis(1200)).await;
     task.abort();
-    let (heard, names) = (hook.heard(), told.iter().map(|m| m["part"]["name"].as_str().unwrap_or("")));
+    let (heard, names) = (hook.received(), told.iter().map(|m| m["part"]["name"].as_str().unwrap_or("")));
     assert_eq!(heard.iter().map(|h| h.answered).collect::<Vec<_>>(), [500, 503, 200, 200, 200, 200]);
     let wanted = ["a.stl", "<script>alert(1)</script>.stl", "new\nline \"quoted\".stl", ""];
     assert_eq!(names.collect::<Vec<_>>(), wanted, "what was before the receiver came is not told");
     assert_eq!(texts(&told, "kind"), ["refused", "refused", "refused", "unavailable"]);
     assert_eq!(texts(&told, "reason"), ["not-closed", "not-closed", "not-closed", ""]);
     assert_eq!(told[0]["text"], "Part 2 (a.stl) of cube was refused: The mesh is not closed.");
-    let ids = |of: &[hook::Heard]| of.iter().map(|h| h.header("nestd-id").to_owned()).collect::<Vec<_>>();
+    let ids = |of: &[hook::ReceivedRequest]| of.iter().map(|h| h.header("nestd-id").to_owned()).collect::<Vec<_>>();
     assert!(ids(&heard[..3]).windows(2).all(|pair| pair[0] == pair[1]), "a repeat has the id of the first");
     assert_eq!(ids(&heard[2..]).iter().collect::<std::collections::BTreeSet<_>>().len(), 4);
     for one in &heard {
         let at = one.header("nestd-signature").strip_prefix("t=").unwrap().split(',').next().unwrap().parse().unwrap();
-        assert_eq!(one.header("nestd-signature"), signature(SECRET, at, &one.body));
+        assert_eq!(one.header("nestd-signature"), sign_body(SECRET, at, &one.body));
         assert!((Timestamp::now().as_second() - at).abs() < 60);
         assert_eq!(one.header("nestd-event"), one.json()["kind"]);
         assert_eq!(one.header("nestd-id"), one.json()["id"]);
         assert_eq!(one.header("content-type"), "application/json");
     }
-    let row = farm.ledger.receiver(Receiver::Webhook).await.unwrap();
+    let row = farm.ledger.find_or_add_receiver(ReceiverKind::Webhook).await.unwrap();
     assert_eq!((row.failing_at, row.failure.as_str(), row.dropped), (None, "", 0));
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn nothing_is_lost_over_a_restart_and_a_receiver_that_was_taken_out_begins_anew() {
-    let hook = Hook::answering(&[]);
-    let farm = Farm::of(&hook, "events = [\"refused\"]").await;
+    let hook = TestWebhook::with_answers(&[]);
+    let farm = OutboxFixture::of(&hook, "events = [\"refused\"]").await;
     let task = farm.tell(1).await;
     farm.refuse(&farm.ledger, "a.stl").await;
     farm.wait(&hook, 1).await;
     task.abort();
     let _ = task.await;
     farm.refuse(&farm.ledger, "b.stl").await;
-    farm.ledger.event("unavailable", "cube", None, None, "nobody wants to hear this").await.unwrap();
+    farm.ledger.write_event("unavailable", "cube", None, None, "nobody wants to hear this").await.unwrap();
     farm.refuse(&farm.ledger, "c.stl").await;
     let task = farm.tell(1).await;
     let told = farm.wait(&hook, 3).await;
     assert_eq!(told.iter().map(|m| m["part"]["name"].clone()).collect::<Vec<_>>(), ["a.stl", "b.stl", "c.stl"]);
-    // Taken out of the configuration, and put in again.
+    // Removed from the configuration and added again.
     let with = farm.settings.read().unwrap().clone();
     *farm.settings.write().unwrap() = Arc::new(read(farm.folder.path(), farm.ledger.path(), ""));
-    while !farm.ledger.receivers().await.unwrap().is_empty() {
+    while !farm.ledger.list_receivers().await.unwrap().is_empty() {
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
     farm.refuse(&farm.ledger, "meanwhile.stl").await;
     *farm.settings.write().unwrap() = with;
-    while farm.ledger.receivers().await.unwrap().is_empty() {
+    while farm.ledger.list_receivers().await.unwrap().is_empty() {
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
     farm.refuse(&farm.ledger, "again.stl").await;
@@ -175,8 +176,8 @@ async fn nothing_is_lost_over_a_restart_and_a_receiver_that_was_taken_out_begins
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_receiver_that_hangs_holds_up_neither_the_other_one_nor_the_stop() {
-    let hook = Hook::answering(&[0, 0, 0, 0]);
-    let farm = Farm::of(&hook, "").await;
+    let hook = TestWebhook::with_answers(&[0, 0, 0, 0]);
+    let farm = OutboxFixture::of(&hook, "").await;
     let command = program(farm.folder.path(), "cat >> FOLDER/heard; echo >> FOLDER/heard");
     let notify =
         format!("webhook = \"{}\"\nsecret_file = \"SECRET\"\ntimeout_secs = 1\ncommand = [\"{command}\"]\n", hook.url);
@@ -190,7 +191,7 @@ async fn a_receiver_that_hangs_holds_up_neither_the_other_one_nor_the_stop() {
         assert!(began.elapsed() < Duration::from_secs(20));
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
-    while farm.ledger.receiver(Receiver::Webhook).await.unwrap().failing_at.is_none() {
+    while farm.ledger.find_or_add_receiver(ReceiverKind::Webhook).await.unwrap().failing_at.is_none() {
         assert!(began.elapsed() < Duration::from_secs(20));
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
@@ -205,8 +206,8 @@ async fn a_receiver_that_hangs_holds_up_neither_the_other_one_nor_the_stop() {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_is_too_old_is_dropped_and_that_is_told() {
-    let hook = Hook::answering(&[500; 1]);
-    let farm = Farm::of(&hook, "keep_secs = \"1h\"").await;
+    let hook = TestWebhook::with_answers(&[500; 1]);
+    let farm = OutboxFixture::of(&hook, "keep_secs = \"1h\"").await;
     let task = farm.tell(1).await;
     let old = Timestamp::now().checked_sub(SignedDuration::from_hours(2)).unwrap();
     let then = (*farm.ledger).clone().with_clock(move || old);
@@ -217,17 +218,22 @@ async fn what_is_too_old_is_dropped_and_that_is_told() {
     assert_eq!(texts(&told, "kind"), ["refused", "dropped"]);
     assert_eq!(told[0]["part"]["name"], "new.stl");
     assert!(told[1]["text"].as_str().unwrap().contains("2 to the webhook"), "{}", told[1]);
-    assert_eq!(farm.ledger.receiver(Receiver::Webhook).await.unwrap().dropped, 2);
+    assert_eq!(farm.ledger.find_or_add_receiver(ReceiverKind::Webhook).await.unwrap().dropped, 2);
     task.abort();
 }
 
 #[tokio::test]
 async fn a_receiver_that_fails_for_long_needs_a_person_until_it_is_told_again() {
-    let hook = Hook::answering(&[500]);
-    let farm = Farm::of(&hook, "").await;
-    farm.ledger.receiver(Receiver::Webhook).await.unwrap();
+    let hook = TestWebhook::with_answers(&[500]);
+    let farm = OutboxFixture::of(&hook, "").await;
+    farm.ledger.find_or_add_receiver(ReceiverKind::Webhook).await.unwrap();
     let long_ago = Timestamp::now().checked_sub(SignedDuration::from_mins(10)).unwrap();
-    (*farm.ledger).clone().with_clock(move || long_ago).not_told(Receiver::Webhook, "away").await.unwrap();
+    (*farm.ledger)
+        .clone()
+        .with_clock(move || long_ago)
+        .record_delivery_failure(ReceiverKind::Webhook, "away")
+        .await
+        .unwrap();
     let task = farm.tell(1).await;
     farm.refuse(&farm.ledger, "a.stl").await;
     farm.wait(&hook, 1).await;
@@ -241,18 +247,18 @@ async fn a_receiver_that_fails_for_long_needs_a_person_until_it_is_told_again() 
 
 #[tokio::test]
 async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
-    let farm = Farm::new("").await;
+    let farm = OutboxFixture::new("").await;
     let command = program(
         farm.folder.path(),
         "cat > FOLDER/stdin; printf '%s|%s|%s|%s|%s' \"$1\" \"$NESTD_EVENT\" \"$NESTD_PART\" \"$NESTD_TEXT\" \"$NOTIFY_SOCKET\" > FOLDER/env",
     );
     farm.refuse(&farm.ledger, "$(touch FOLDER/evil) `x`; rm *.stl").await;
-    let kinds = kinds(&farm.settings.read().unwrap().notify.events);
+    let kinds = event_kinds(&farm.settings.read().unwrap().notify.events);
     let event = farm.ledger.next_event(0, &kinds).await.unwrap().unwrap();
-    let message = Message::of(&event, &farm.ledger).await.unwrap();
+    let message = EventMessage::from_event(&event, &farm.ledger).await.unwrap();
     let notify = format!("command = [\"{command}\", \"one two\"]\n");
     let notify = read(farm.folder.path(), farm.ledger.path(), &notify).notify;
-    send(&notify, Receiver::Command, &message).unwrap();
+    send_message(&notify, ReceiverKind::Command, &message).unwrap();
     assert_eq!(fs::read_to_string(farm.path("stdin")).unwrap(), message.body);
     let env = fs::read_to_string(farm.path("env")).unwrap();
     assert_eq!(env, format!("one two|refused|1|{}|", message.text));
@@ -263,26 +269,31 @@ async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
 
 #[tokio::test]
 async fn a_command_that_fails_or_hangs_has_not_been_told_and_leaves_nothing_running() {
-    let farm = Farm::new("").await;
+    let farm = OutboxFixture::new("").await;
     let failing = program(farm.folder.path(), "echo no such printer >&2; exit 3");
     let read = |words: &str| read(farm.folder.path(), farm.ledger.path(), words).notify;
-    let failed = send(&read(&format!("command = [\"{failing}\"]\n")), Receiver::Command, &Message::trial());
+    let failed = send_message(
+        &read(&format!("command = [\"{failing}\"]\n")),
+        ReceiverKind::Command,
+        &EventMessage::trial_message(),
+    );
     let failed = failed.unwrap_err().to_string();
     assert!(failed.ends_with("ended with exit code 3: no such printer"), "{failed}");
     let hanging = program(farm.folder.path(), "sleep 300 & echo $! > FOLDER/pid; wait");
     let began = Instant::now();
     let notify = read(&format!("command = [\"{hanging}\"]\ntimeout_secs = 0.5\n"));
-    let failed = send(&notify, Receiver::Command, &Message::trial()).unwrap_err().to_string();
+    let failed = send_message(&notify, ReceiverKind::Command, &EventMessage::trial_message()).unwrap_err().to_string();
     assert!(failed.contains("took longer than 500ms and was killed"), "{failed}");
     assert!(began.elapsed() < Duration::from_secs(10));
     let pid = fs::read_to_string(farm.path("pid")).unwrap();
     let status = || fs::read_to_string(format!("/proc/{}/status", pid.trim())).unwrap_or_default();
-    // What is killed may wait for its parent to be noticed as dead.
+    // A killed process may remain as a zombie until its parent notices.
     while !(status().is_empty() || status().contains("Z (zombie)")) {
         assert!(began.elapsed() < Duration::from_secs(10), "what it started is still there");
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
-    let missing = send(&read("command = [\"/nowhere/at/all\"]\n"), Receiver::Command, &Message::trial());
+    let missing =
+        send_message(&read("command = [\"/nowhere/at/all\"]\n"), ReceiverKind::Command, &EventMessage::trial_message());
     assert!(missing.unwrap_err().to_string().contains("starting /nowhere/at/all"));
 }
 
@@ -301,7 +312,7 @@ fn receivers_that_make_no_sense_are_objected_to() {
         fs::create_dir_all(folder.path().join("profiles")).unwrap();
         fs::write(folder.path().join("profiles/cube.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
         fs::write(folder.path().join("nestd.toml"), format!("[notify]\n{wrong}\n")).unwrap();
-        let refused = settings::load(Some(&folder.path().join("nestd.toml")), None).unwrap_err().to_string();
+        let refused = settings::load_settings(Some(&folder.path().join("nestd.toml")), None).unwrap_err().to_string();
         assert!(refused.contains(why), "{wrong}: {refused}");
     }
 }
@@ -316,14 +327,14 @@ async fn a_due_date_at_risk_is_told_once_for_all_parts_of_an_order() {
             (terms.due_at, terms.order_name) = (Some(due), "1042".to_owned());
         });
         let id = ledger.record_claim(&part).await.unwrap().id;
-        ledger.accept(id, &[fixtures::solid(0, 1)]).await.unwrap();
+        ledger.accept_solids(id, &[fixtures::solid(0, 1)]).await.unwrap();
         ids.push(id);
     }
     assert_eq!(ledger.due_parts(due).await.unwrap().iter().map(|p| p.id).collect::<Vec<_>>(), ids);
-    ledger.at_risk("paper-200", &ids, "a.stl, b.stl of 1042 are due now: that is over.").await.unwrap();
+    ledger.record_at_risk("paper-200", &ids, "a.stl, b.stl of 1042 are due now: that date has passed.").await.unwrap();
     assert!(ledger.due_parts(due).await.unwrap().is_empty());
     let event = ledger.next_event(0, &["at_risk"]).await.unwrap().unwrap();
-    let message = Message::of(&event, &ledger).await.unwrap();
+    let message = EventMessage::from_event(&event, &ledger).await.unwrap();
     assert_eq!((message.kind, message.part), ("at-risk", Some(ids[0].0)));
     assert!(message.text.contains("are due now"), "{}", message.text);
 }

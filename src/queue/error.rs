@@ -1,42 +1,42 @@
-//! Why a queue folder did not do what it was asked.
+//! Errors of a queue folder.
 
 use std::{io, path::PathBuf};
 
 use rustix::io::Errno;
 use thiserror::Error;
 
-/// Why the queue folder did not do it.
+/// Why an operation on a queue folder failed.
 #[derive(Debug, Error)]
 pub enum QueueError {
-    /// The folder is not there, or its marker is missing or another one: unmounted or replaced.
+    /// The folder or its marker is missing, or the marker is another one: it was unmounted or replaced.
     #[error("the queue folder {} is unavailable: {why}", .dir.display())]
     Unavailable {
         /// The folder.
         dir: PathBuf,
-        /// In plain words.
+        /// The reason in plain words.
         why: String,
     },
-    /// Not a name for a file in the queue.
-    #[error("{0:?} is no name for a file in the queue")]
-    BadName(String),
-    /// Another file of that name is in the queue; nothing was overwritten.
+    /// Not a valid file name in the queue.
+    #[error("{0:?} is not a valid name for a file in the queue")]
+    InvalidName(String),
+    /// Another file with that name is in the queue; nothing was overwritten.
     #[error("{} is in the queue already and is another file", .0.display())]
     NameTaken(PathBuf),
-    /// The writer failed; nothing is left behind.
+    /// The writer failed; no file is left behind.
     #[error("cannot write {}", .path.display())]
     Write {
-        /// What was being written.
+        /// The file.
         path: PathBuf,
-        /// What the writer said.
+        /// The error of the writer.
         #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// The system said no.
+    /// A system call failed.
     #[error("cannot {what} {}", .path.display())]
     Io {
-        /// What was tried.
+        /// The operation.
         what: &'static str,
-        /// On what.
+        /// The path.
         path: PathBuf,
         /// The error of the system.
         #[source]
@@ -45,12 +45,12 @@ pub enum QueueError {
 }
 
 impl QueueError {
-    /// Whether publishing failed so that the build was certainly not renamed, and will not be: a share whose answer was lost
-    /// may still do what it was asked.
+    /// Whether publishing failed in a way that certainly did not rename the build and will not do so later. A share
+    /// that did not answer may still carry out the rename.
     pub fn is_certainly_unpublished(&self) -> bool {
         let refusals = [Errno::ACCESS, Errno::PERM, Errno::ROFS, Errno::NOSPC, Errno::DQUOT];
         match self {
-            Self::Unavailable { .. } | Self::BadName(_) | Self::NameTaken(_) | Self::Write { .. } => true,
+            Self::Unavailable { .. } | Self::InvalidName(_) | Self::NameTaken(_) | Self::Write { .. } => true,
             Self::Io { what: "publish", source, .. } => {
                 refusals.iter().any(|refusal| source.raw_os_error() == Some(refusal.raw_os_error()))
             }

@@ -1,15 +1,16 @@
-//! The printer queue folder: how a build file appears in it exactly once.
+//! The printer queue folder: makes sure that a build file appears in it exactly once.
 //!
-//! [`Queue::stage`] writes and fsyncs the build under a dot-name on the queue's own file system, the ledger says
-//! `verified`, [`Queue::publish`] renames it once. After a crash [`Queue::state`] tells: dot-file still there = not yet
-//! published, gone = published, whatever the printer did with it since.
+//! [`QueueFolder::stage`] writes the build under a dot-name on the queue's own file system and fsyncs it. The ledger then
+//! says `verified`, and [`QueueFolder::publish`] renames the file once. After a crash [`QueueFolder::staged_state`] shows what happened:
+//! if the dot-file is still there, the build is not published; if it is gone, the build was published, even if the
+//! printer has removed it since.
 
 mod error;
+mod file_names;
 mod marker;
-mod names;
-mod queue;
+mod queue_folder;
 #[cfg(test)]
 mod tests;
 
 pub use error::QueueError;
-pub use queue::{Published, Queue, StagedState};
+pub use queue_folder::{PublishOutcome, QueueFolder, StagedState};

@@ -21,8 +21,7 @@ const UNITS: [(&str, f64); 8] = [
 
 /// Reads a duration, in seconds: a plain number, or numbers with the units ms, s, m (or min), h, d, w, as in "1h30m".
 ///
-/// # Errors
-/// In words for people, when the text is not a duration.
+/// A message for people if the text is not a duration.
 pub fn parse_secs(text: &str) -> Result<f64, String> {
     let wrong = || {
         format!(
@@ -51,39 +50,39 @@ pub fn parse_secs(text: &str) -> Result<f64, String> {
 
 /// A duration in a configuration file, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
-pub(super) struct Secs(pub f64);
+pub(super) struct DurationSecs(pub f64);
 
-impl<'de> Deserialize<'de> for Secs {
+impl<'de> Deserialize<'de> for DurationSecs {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(SecsVisitor)
+        deserializer.deserialize_any(DurationVisitor)
     }
 }
 
-impl Serialize for Secs {
+impl Serialize for DurationSecs {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_f64(self.0)
     }
 }
 
-struct SecsVisitor;
+struct DurationVisitor;
 
-impl Visitor<'_> for SecsVisitor {
-    type Value = Secs;
+impl Visitor<'_> for DurationVisitor {
+    type Value = DurationSecs;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a number of seconds or a duration such as \"24h\"")
     }
 
-    fn visit_i64<E: Error>(self, secs: i64) -> Result<Secs, E> {
-        Ok(Secs(secs as f64))
+    fn visit_i64<E: Error>(self, secs: i64) -> Result<DurationSecs, E> {
+        Ok(DurationSecs(secs as f64))
     }
 
-    fn visit_f64<E: Error>(self, secs: f64) -> Result<Secs, E> {
-        Ok(Secs(secs))
+    fn visit_f64<E: Error>(self, secs: f64) -> Result<DurationSecs, E> {
+        Ok(DurationSecs(secs))
     }
 
-    fn visit_str<E: Error>(self, text: &str) -> Result<Secs, E> {
-        parse_secs(text).map(Secs).map_err(E::custom)
+    fn visit_str<E: Error>(self, text: &str) -> Result<DurationSecs, E> {
+        parse_secs(text).map(DurationSecs).map_err(E::custom)
     }
 }
 

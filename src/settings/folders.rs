@@ -1,28 +1,28 @@
-//! Where a farm's folders are.
+//! Resolves the folders of a farm.
 //!
-//! One rule: `root` is as seen from the working directory (as `--root` is), every other folder as seen from the root, and
-//! a profile's folder is the farm's with the profile's name below it. An absolute path stays where it is.
+//! Rules: `root` is relative to the working directory (as `--root` is), every other folder is relative to the root, and
+//! the folder of a profile is the farm's folder plus the profile's name. An absolute path is used as it is.
 
 use std::path::{Component, Path, PathBuf};
 
 use super::{
-    Folders,
+    MachineFolders,
     inputs::{FarmFolders, FarmInputs, ProfileFolders},
 };
 
-/// The root: `asked` (`--root`) beats the file.
-pub(super) fn root(inputs: &FarmInputs, asked: Option<&Path>) -> PathBuf {
+/// Returns the root. `asked` (`--root`) takes precedence over the file.
+pub(super) fn farm_root(inputs: &FarmInputs, asked: Option<&Path>) -> PathBuf {
     let root = asked.unwrap_or(&inputs.root);
-    tidied(&std::path::absolute(root).unwrap_or_else(|_| root.to_owned()))
+    normalize_path(&std::path::absolute(root).unwrap_or_else(|_| root.to_owned()))
 }
 
-/// A profile's folders.
-pub(super) fn of_profile(root: &Path, farm: &FarmFolders, own: &ProfileFolders, name: &str) -> Folders {
+/// Returns the folders of a profile.
+pub(super) fn profile_folders(root: &Path, farm: &FarmFolders, own: &ProfileFolders, name: &str) -> MachineFolders {
     let folder = |own: &Option<PathBuf>, farm: &Path| match own {
-        Some(exact) if !exact.as_os_str().is_empty() => below(root, exact),
-        _ => below(root, farm).join(name),
+        Some(exact) if !exact.as_os_str().is_empty() => path_below(root, exact),
+        _ => path_below(root, farm).join(name),
     };
-    Folders {
+    MachineFolders {
         inbox: folder(&own.inbox, &farm.inbox),
         queue: folder(&own.queue, &farm.queue),
         error: folder(&own.error, &farm.error),
@@ -30,13 +30,13 @@ pub(super) fn of_profile(root: &Path, farm: &FarmFolders, own: &ProfileFolders, 
     }
 }
 
-/// `path` as seen from `base`, without `.` and `..`.
-pub(super) fn below(base: &Path, path: &Path) -> PathBuf {
-    tidied(&base.join(path))
+/// Resolves `path` relative to `base`, without `.` and `..`.
+pub(super) fn path_below(base: &Path, path: &Path) -> PathBuf {
+    normalize_path(&base.join(path))
 }
 
-/// Without `.` and `..`, so that two spellings of a folder are equal. Links are not followed: `nestd check` does that.
-fn tidied(path: &Path) -> PathBuf {
+/// Removes `.` and `..`, so two spellings of a folder are equal. Links are not resolved; `nestd check` does that.
+fn normalize_path(path: &Path) -> PathBuf {
     let mut tidy = PathBuf::new();
     for step in path.components() {
         match step {

@@ -1,5 +1,5 @@
-//! The first stage: one file as it was written, with the place of every value. All of it is optional; what is unknown or of
-//! the wrong kind is taken out and reported, so that one reading finds every problem.
+//! The first stage: the values of one file with their positions. All values are optional. Unknown values and values of
+//! the wrong type are removed and reported, so a single run finds all problems.
 
 use std::{
     fs,
@@ -13,10 +13,10 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-use super::{Problem, wording};
+use super::{ConfigProblem, problem_text};
 
-/// Reads a file as text; what hinders it is told in `problems`.
-pub(super) fn read_text(file: &Path, problems: &mut Vec<Problem>) -> Option<String> {
+/// Reads a file as text. Errors are added to `problems`.
+pub(super) fn read_config_text(file: &Path, problems: &mut Vec<ConfigProblem>) -> Option<String> {
     let (line, text, remedy) = match fs::read(file).map(String::from_utf8) {
         Ok(Ok(text)) => return Some(text),
         Ok(Err(error)) => {
@@ -25,38 +25,42 @@ pub(super) fn read_text(file: &Path, problems: &mut Vec<Problem>) -> Option<Stri
         }
         Err(error) => (None, format!("cannot be read: {error}"), "make it a file that nestd's user may read"),
     };
-    problems.push(Problem { file: file.to_owned(), line, text, remedy: remedy.to_owned() });
+    problems.push(ConfigProblem { file: file.to_owned(), line, text, remedy: remedy.to_owned() });
     None
 }
 
-/// A file's values and their places.
+/// The values of a file and their positions.
 #[derive(Debug)]
-pub(super) struct Fragment<'t> {
+pub(super) struct ConfigFragment<'t> {
     /// The file.
     pub file: PathBuf,
     text: &'t str,
     table: Spanned<DeTable<'t>>,
-    taken_out: Vec<String>,
+    removed_keys: Vec<String>,
 }
 
-impl<'t> Fragment<'t> {
-    /// Reads `text`, which should hold a `T`. `None` when it is no TOML; values that cannot be used are left out. Both are
-    /// told in `problems`.
-    pub fn parse<T: DeserializeOwned>(file: &Path, text: &'t str, problems: &mut Vec<Problem>) -> Option<Self> {
+impl<'t> ConfigFragment<'t> {
+    /// Parses `text` as a `T`. `None` if it is not valid TOML. Values that cannot be used are removed. Both kinds of
+    /// errors are added to `problems`.
+    pub fn parse_toml<T: DeserializeOwned>(
+        file: &Path,
+        text: &'t str,
+        problems: &mut Vec<ConfigProblem>,
+    ) -> Option<Self> {
         let (table, errors) = DeTable::parse_recoverable(text);
-        let mut fragment = Self { file: file.to_owned(), text, table, taken_out: Vec::new() };
+        let mut fragment = Self { file: file.to_owned(), text, table, removed_keys: Vec::new() };
         for error in &errors {
-            problems.push(fragment.problem(error.span(), wording::of_syntax(error.message())));
+            problems.push(fragment.problem_at(error.span(), problem_text::syntax_problem_text(error.message())));
         }
         if !errors.is_empty() {
             return None;
         }
-        fragment.take_out_what_does_not_fit::<T>(problems);
+        fragment.remove_invalid_values::<T>(problems);
         Some(fragment)
     }
 
-    /// The line of a value, from 1; `key` is its path with dots, as in `trigger.copies`.
-    pub fn line(&self, key: &str) -> Option<usize> {
+    /// Line of a value, from 1. `key` is its dotted path, as in `trigger.copies`.
+    pub fn line_of_key(&self, key: &str) -> Option<usize> {
         let mut table = self.table.get_ref();
         let mut steps = key.split('.').peekable();
         loop {
@@ -68,31 +72,31 @@ impl<'t> Fragment<'t> {
         }
     }
 
-    /// Whether a value was there but could not be used.
-    pub fn was_taken_out(&self, key: &str) -> bool {
-        self.taken_out.iter().any(|taken| taken == key)
+    /// Whether a value was removed because it could not be used.
+    pub fn was_removed(&self, key: &str) -> bool {
+        self.removed_keys.iter().any(|taken| taken == key)
     }
 
-    /// The values without their places.
-    pub fn values(&self) -> Table {
+    /// The values without their positions.
+    pub fn to_table(&self) -> Table {
         Table::deserialize(Deserializer::from(self.table.clone())).unwrap_or_default()
     }
 
-    /// Reads the table as `T` and takes out the value that is complained of, until there is no complaint.
-    fn take_out_what_does_not_fit<T: DeserializeOwned>(&mut self, problems: &mut Vec<Problem>) {
+    /// Parses the table as `T` and removes the value that causes an error, until there is no error.
+    fn remove_invalid_values<T: DeserializeOwned>(&mut self, problems: &mut Vec<ConfigProblem>) {
         while let Err(error) = T::deserialize(Deserializer::from(self.table.clone())) {
-            let key = error.span().and_then(|span| take_out(self.table.get_mut(), &span));
+            let key = error.span().and_then(|span| remove_entry_at(self.table.get_mut(), &span));
             if key.is_none() {
-                self.table.get_mut().clear(); // a complaint without a place must not be asked for again
+                self.table.get_mut().clear(); // an error without a position would repeat forever
             }
             let key = key.unwrap_or_default();
-            problems.push(self.problem(error.span(), wording::of_value(&key, error.message())));
-            self.taken_out.push(key);
+            problems.push(self.problem_at(error.span(), problem_text::value_problem_text(&key, error.message())));
+            self.removed_keys.push(key);
         }
     }
 
-    fn problem(&self, span: Option<Range<usize>>, (text, remedy): (String, String)) -> Problem {
-        Problem { file: self.file.clone(), line: span.map(|span| self.line_at(span.start)), text, remedy }
+    fn problem_at(&self, span: Option<Range<usize>>, (text, remedy): (String, String)) -> ConfigProblem {
+        ConfigProblem { file: self.file.clone(), line: span.map(|span| self.line_at(span.start)), text, remedy }
     }
 
     fn line_at(&self, offset: usize) -> usize {
@@ -100,8 +104,8 @@ impl<'t> Fragment<'t> {
     }
 }
 
-/// Removes the entry whose key or value stands at `span`; returns its path.
-fn take_out(table: &mut DeTable<'_>, span: &Range<usize>) -> Option<String> {
+/// Removes the entry whose key or value is at `span`. Returns its dotted path.
+fn remove_entry_at(table: &mut DeTable<'_>, span: &Range<usize>) -> Option<String> {
     let mut found = None;
     for (name, value) in table.iter_mut() {
         let at_value = match value.get_ref() {
@@ -113,7 +117,7 @@ fn take_out(table: &mut DeTable<'_>, span: &Range<usize>) -> Option<String> {
             break;
         }
         if let DeValue::Table(inner) = value.get_mut()
-            && let Some(key) = take_out(inner, span)
+            && let Some(key) = remove_entry_at(inner, span)
         {
             return Some(format!("{}.{key}", name.get_ref()));
         }

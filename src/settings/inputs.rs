@@ -1,11 +1,14 @@
-//! The second stage: what the files say, merged and filled up with defaults. Nothing is checked yet but the kinds of the
-//! values. The defaults of all options stand here and, documented, in `config/nestd.toml`; a test compares the two.
+//! The second stage: the values of all files, merged, with defaults for missing ones. Only types are checked here. All
+//! defaults are defined here and documented in `config/nestd.toml`; a test compares both.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Duplicates, KeepOut, LogFormat, MeshErrors, Told, duration::Secs, off::OrOff};
+use super::{
+    DuplicatePolicy, KeepOutZone, LogFormat, MeshErrorPolicy, NotificationKind, duration::DurationSecs,
+    optional::OptionalValue,
+};
 use crate::intake;
 
 /// The farm file, `nestd.toml`.
@@ -13,8 +16,8 @@ use crate::intake;
 #[serde(default, deny_unknown_fields)]
 pub(super) struct FarmInputs {
     pub root: PathBuf,
-    pub scan_secs: Secs,
-    pub orphan_ticket_secs: Secs,
+    pub scan_secs: DurationSecs,
+    pub orphan_ticket_secs: DurationSecs,
     pub threads: usize,
     pub cache_bytes: u64,
     pub folders: FarmFolders,
@@ -23,7 +26,7 @@ pub(super) struct FarmInputs {
     pub web: WebInputs,
     pub metrics: MetricsInputs,
     pub notify: NotifyInputs,
-    pub limits: build_file::Limits,
+    pub limits: build_file::ReadLimits,
     pub defaults: ProfileInputs,
 }
 
@@ -31,8 +34,8 @@ impl Default for FarmInputs {
     fn default() -> Self {
         Self {
             root: "./farm".into(),
-            scan_secs: Secs(10.0),
-            orphan_ticket_secs: Secs(3600.0),
+            scan_secs: DurationSecs(10.0),
+            orphan_ticket_secs: DurationSecs(3600.0),
             threads: 0,
             cache_bytes: 1 << 30,
             folders: FarmFolders::default(),
@@ -41,7 +44,7 @@ impl Default for FarmInputs {
             web: WebInputs::default(),
             metrics: MetricsInputs::default(),
             notify: NotifyInputs::default(),
-            limits: build_file::Limits::default(),
+            limits: build_file::ReadLimits::default(),
             defaults: ProfileInputs::default(),
         }
     }
@@ -72,7 +75,7 @@ impl Default for FarmFolders {
     }
 }
 
-/// `[files]` of the farm file: what the daemon makes in the farm's folders.
+/// `[files]` of the farm file: mode and group of the files that the daemon creates.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct FileInputs {
@@ -96,7 +99,8 @@ pub(super) struct LogInputs {
 
 impl Default for LogInputs {
     fn default() -> Self {
-        // The watch crate warns each time a claim takes a folder away under it; scanning makes up for what it misses.
+        // The notify crate warns whenever a claim moves a watched folder away. This is harmless, because the periodic
+        // scan finds what the watcher misses.
         Self { filter: "info,notify=error".into(), format: LogFormat::Auto }
     }
 }
@@ -106,14 +110,14 @@ impl Default for LogInputs {
 #[serde(default, deny_unknown_fields)]
 pub(super) struct WebInputs {
     pub listen: String,
-    pub token_file: OrOff<PathBuf>,
+    pub token_file: OptionalValue<PathBuf>,
     pub hosts: Vec<String>,
     pub orders: bool,
 }
 
 impl Default for WebInputs {
     fn default() -> Self {
-        Self { listen: "off".to_owned(), token_file: OrOff::OFF, hosts: Vec::new(), orders: true }
+        Self { listen: "off".to_owned(), token_file: OptionalValue::OFF, hosts: Vec::new(), orders: true }
     }
 }
 
@@ -121,13 +125,13 @@ impl Default for WebInputs {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct MetricsInputs {
-    pub textfile: OrOff<PathBuf>,
-    pub every_secs: Secs,
+    pub textfile: OptionalValue<PathBuf>,
+    pub every_secs: DurationSecs,
 }
 
 impl Default for MetricsInputs {
     fn default() -> Self {
-        Self { textfile: OrOff::OFF, every_secs: Secs(15.0) }
+        Self { textfile: OptionalValue::OFF, every_secs: DurationSecs(15.0) }
     }
 }
 
@@ -135,23 +139,28 @@ impl Default for MetricsInputs {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct NotifyInputs {
-    pub events: Vec<Told>,
-    pub webhook: OrOff<String>,
-    pub secret_file: OrOff<PathBuf>,
+    pub events: Vec<NotificationKind>,
+    pub webhook: OptionalValue<String>,
+    pub secret_file: OptionalValue<PathBuf>,
     pub command: Vec<String>,
-    pub timeout_secs: Secs,
-    pub keep_secs: Secs,
+    pub timeout_secs: DurationSecs,
+    pub keep_secs: DurationSecs,
 }
 
 impl Default for NotifyInputs {
     fn default() -> Self {
         Self {
-            events: vec![Told::Published, Told::Refused, Told::Unavailable, Told::AtRisk],
-            webhook: OrOff::OFF,
-            secret_file: OrOff::OFF,
+            events: vec![
+                NotificationKind::Published,
+                NotificationKind::Refused,
+                NotificationKind::Unavailable,
+                NotificationKind::AtRisk,
+            ],
+            webhook: OptionalValue::OFF,
+            secret_file: OptionalValue::OFF,
             command: Vec::new(),
-            timeout_secs: Secs(10.0),
-            keep_secs: Secs(604_800.0),
+            timeout_secs: DurationSecs(10.0),
+            keep_secs: DurationSecs(604_800.0),
         }
     }
 }
@@ -166,32 +175,32 @@ pub(super) struct ProfileInputs {
     pub wall_margin_mm: f64,
     pub floor_margin_mm: f64,
     pub lid_margin_mm: f64,
-    pub keep_out: Vec<KeepOut>,
+    pub keep_out: Vec<KeepOutZone>,
     pub clearance_mm: f64,
     pub clearance_z_extra_mm: f64,
     pub layer_mm: f64,
-    pub layer_area_cap: OrOff<f64>,
+    pub layer_area_cap: OptionalValue<f64>,
     pub print_hours_per_mm: f64,
-    pub unit: build_file::Unit,
+    pub unit: build_file::LengthUnit,
     pub orientation: nester::OrientationRule,
-    pub keep_up: Vec<nester::Tilt>,
-    pub not_down: Vec<nester::NotDown>,
-    pub settle_secs: Secs,
-    pub unfinished_secs: Secs,
-    pub incomplete_secs: Secs,
-    pub unlisted: intake::Unlisted,
-    pub duplicates: Duplicates,
-    pub mesh_errors: MeshErrors,
-    pub final_secs: Secs,
-    pub arrival_secs: Secs,
+    pub keep_up: Vec<nester::TiltLimit>,
+    pub not_down: Vec<nester::FaceNotDown>,
+    pub settle_secs: DurationSecs,
+    pub unfinished_secs: DurationSecs,
+    pub incomplete_secs: DurationSecs,
+    pub unlisted: intake::UnlistedPolicy,
+    pub duplicates: DuplicatePolicy,
+    pub mesh_errors: MeshErrorPolicy,
+    pub final_secs: DurationSecs,
+    pub arrival_secs: DurationSecs,
     pub max_attempts: u32,
-    pub instances: build_file::Instances,
+    pub instances: build_file::InstanceSharing,
     pub arrangement: build_file::Arrangement,
     pub stl_output: bool,
     pub archive_days: u32,
     pub folders: ProfileFolders,
     pub trigger: TriggerInputs,
-    pub nest: nester::Config,
+    pub nest: nester::NestingConfig,
 }
 
 impl Default for ProfileInputs {
@@ -205,33 +214,33 @@ impl Default for ProfileInputs {
             clearance_mm: 3.0,
             clearance_z_extra_mm: 0.0,
             layer_mm: nester::DEFAULT_LAYER_MM,
-            layer_area_cap: OrOff::OFF,
+            layer_area_cap: OptionalValue::OFF,
             print_hours_per_mm: 0.1,
-            unit: build_file::Unit::default(),
+            unit: build_file::LengthUnit::default(),
             orientation: nester::OrientationRule::default(),
             keep_up: Vec::new(),
             not_down: Vec::new(),
-            settle_secs: Secs(5.0),
-            unfinished_secs: Secs(120.0),
-            incomplete_secs: Secs(600.0),
-            unlisted: intake::Unlisted::default(),
-            duplicates: Duplicates::default(),
-            mesh_errors: MeshErrors::default(),
-            final_secs: Secs(60.0),
-            arrival_secs: Secs(20.0),
+            settle_secs: DurationSecs(5.0),
+            unfinished_secs: DurationSecs(120.0),
+            incomplete_secs: DurationSecs(600.0),
+            unlisted: intake::UnlistedPolicy::default(),
+            duplicates: DuplicatePolicy::default(),
+            mesh_errors: MeshErrorPolicy::default(),
+            final_secs: DurationSecs(60.0),
+            arrival_secs: DurationSecs(20.0),
             max_attempts: 3,
-            instances: build_file::Instances::default(),
+            instances: build_file::InstanceSharing::default(),
             arrangement: build_file::Arrangement::default(),
             stl_output: false,
             archive_days: 90,
             folders: ProfileFolders::default(),
             trigger: TriggerInputs::default(),
-            nest: nester::Config::default(),
+            nest: nester::NestingConfig::default(),
         }
     }
 }
 
-/// `[folders]` of a profile's file: exact folders instead of those below the farm's.
+/// `[folders]` of a profile's file: exact folders that replace those below the farm's folders.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct ProfileFolders {
@@ -249,22 +258,22 @@ pub(super) struct ProfileFolders {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct TriggerInputs {
-    pub fill_height: OrOff<f64>,
-    pub fill_density: OrOff<f64>,
-    pub copies: OrOff<u32>,
-    pub max_wait_secs: Secs,
-    pub due_margin_secs: OrOff<Secs>,
+    pub fill_height: OptionalValue<f64>,
+    pub fill_density: OptionalValue<f64>,
+    pub copies: OptionalValue<u32>,
+    pub max_wait_secs: DurationSecs,
+    pub due_margin_secs: OptionalValue<DurationSecs>,
     pub at: Vec<String>,
 }
 
 impl Default for TriggerInputs {
     fn default() -> Self {
         Self {
-            fill_height: OrOff::OFF,
-            fill_density: OrOff::OFF,
-            copies: OrOff::OFF,
-            max_wait_secs: Secs(86_400.0),
-            due_margin_secs: OrOff(Some(Secs(3600.0))),
+            fill_height: OptionalValue::OFF,
+            fill_density: OptionalValue::OFF,
+            copies: OptionalValue::OFF,
+            max_wait_secs: DurationSecs(86_400.0),
+            due_margin_secs: OptionalValue(Some(DurationSecs(3600.0))),
             at: Vec::new(),
         }
     }

@@ -1,35 +1,35 @@
-//! Reserved zones of a machine: boxes in which nothing may stand.
+//! Reserved zones of a machine: boxes in which no part may be placed.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use solids::Bounds;
 
-use super::judge::Judge;
+use super::validator::ConfigValidator;
 
-/// A box of the machine in which nothing may stand, mm in the machine's frame.
+/// A box in which no part may be placed, mm in the machine's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct KeepOut {
-    /// Least corner, mm.
+pub struct KeepOutZone {
+    /// Corner with the smallest coordinates, mm.
     pub min: DVec3,
-    /// Greatest corner, mm.
+    /// Corner with the largest coordinates, mm.
     pub max: DVec3,
 }
 
-impl KeepOut {
-    /// As bounds in the machine's frame, mm.
+impl KeepOutZone {
+    /// The box as bounds in the machine's frame, mm.
     pub fn bounds(&self) -> Bounds {
         Bounds { min: self.min, max: self.max }
     }
 }
 
-/// Objects to boxes that are none, and to those that keep nothing free because they lie outside the machine.
-pub(super) fn judge(keep_out: &[KeepOut], volume_mm: Option<[f64; 3]>, judge: &mut Judge) {
+/// Reports invalid boxes and boxes outside the machine, which have no effect.
+pub(super) fn validate_zones(keep_out: &[KeepOutZone], volume_mm: Option<[f64; 3]>, judge: &mut ConfigValidator) {
     for (number, zone) in (1..).zip(keep_out) {
         let is_box = zone.min.is_finite() && zone.max.is_finite() && zone.min.cmplt(zone.max).all();
         if !is_box {
             let text = format!("keep_out: box {number} from {} to {} is not a box", zone.min, zone.max);
-            judge.object(
+            judge.report_problem(
                 "keep_out",
                 text,
                 "give each box a min and a max in mm, every number of min below that of max",
@@ -38,7 +38,7 @@ pub(super) fn judge(keep_out: &[KeepOut], volume_mm: Option<[f64; 3]>, judge: &m
             && (zone.max.cmple(DVec3::ZERO).any() || zone.min.cmpge(edges_mm.into()).any())
         {
             let text = format!("keep_out: box {number} from {} to {} lies outside volume_mm", zone.min, zone.max);
-            judge.object(
+            judge.report_problem(
                 "keep_out",
                 text,
                 "give it in the machine's frame, whose origin is its lower front left corner",

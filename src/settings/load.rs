@@ -1,4 +1,4 @@
-//! Finds and reads a configuration: files -> fragments -> inputs -> settings.
+//! Finds and loads a configuration: files -> fragments -> inputs -> settings.
 
 use std::{
     collections::BTreeMap,
@@ -11,35 +11,35 @@ use thiserror::Error;
 use toml::{Table, Value};
 
 use super::{
-    Folders, Logging, Problem, Profile, Settings,
-    clash::{self, Claim},
+    ConfigProblem, LogSettings, MachineFolders, MachineProfile, Settings,
+    folder_conflicts::{self, FolderClaim},
     folders,
-    fragment::{Fragment, read_text},
+    fragment::{ConfigFragment, read_config_text},
     inputs::{FarmInputs, ProfileInputs},
-    judge::Judge,
-    validate,
+    validation_rules,
+    validator::ConfigValidator,
 };
 
-/// Where a configuration is looked for when none is named.
+/// Default paths of the configuration.
 const DEFAULT_FILES: [&str; 2] = ["config/nestd.toml", "/etc/nestd/nestd.toml"];
 /// The folder of the machine files, beside the farm file.
-const PROFILES: &str = "profiles";
+const PROFILES_DIR: &str = "profiles";
 
-/// Why there are no settings.
+/// Why the configuration could not be loaded.
 #[derive(Debug, Error)]
 pub enum SettingsError {
-    /// No file was named and none stands in the default places, or the named one is not there.
-    #[error("no configuration: {}; name one with -c FILE, or take a copy of nestd's config folder", not_there(.looked))]
+    /// No file was named and none exists at the default paths, or the named file does not exist.
+    #[error("no configuration: {}; name one with -c FILE, or take a copy of nestd's config folder", not_found_text(.looked))]
     NotFound {
-        /// Where it was looked for.
+        /// The paths that were searched.
         looked: Vec<PathBuf>,
     },
-    /// The configuration is wrong; every problem that could be found at once.
+    /// The configuration is invalid. Lists all problems that were found.
     #[error("the configuration is wrong:\n{}", .0.iter().map(|p| format!("  {p}")).collect::<Vec<_>>().join("\n"))]
-    Invalid(Vec<Problem>),
+    Invalid(Vec<ConfigProblem>),
 }
 
-fn not_there(looked: &[PathBuf]) -> String {
+fn not_found_text(looked: &[PathBuf]) -> String {
     let names: Vec<String> = looked.iter().map(|file| file.display().to_string()).collect();
     match names.as_slice() {
         [one] => format!("{one} is not there"),
@@ -47,36 +47,37 @@ fn not_there(looked: &[PathBuf]) -> String {
     }
 }
 
-/// Reads `config`, else `config/nestd.toml`, else `/etc/nestd/nestd.toml`, and the machine files in `profiles/` beside it;
-/// `root` moves all folders of the farm but those that the configuration names by an absolute path.
+/// Loads `config`, or else `config/nestd.toml`, or else `/etc/nestd/nestd.toml`, and the machine files in `profiles/`
+/// beside it. `root` moves all folders of the farm except those that the configuration gives as absolute paths.
 ///
-/// # Errors
-/// When there is no configuration, or with everything that is wrong with it.
-pub fn load(config: Option<&Path>, root: Option<&Path>) -> Result<Settings, SettingsError> {
-    let file = find(config)?;
+/// There is no configuration, or it is invalid; then all its problems.
+pub fn load_settings(config: Option<&Path>, root: Option<&Path>) -> Result<Settings, SettingsError> {
+    let file = find_config_file(config)?;
     let mut problems = Vec::new();
-    let settings = read(&file, root, &mut problems);
+    let settings = read_settings(&file, root, &mut problems);
     match settings {
         Some(settings) if problems.is_empty() => Ok(settings),
         _ => Err(SettingsError::Invalid(problems)),
     }
 }
 
-/// As [`load`] for those who only ask the ledger: when the machine files are wrong, but the farm file says for certain where
-/// the farm is, the settings are those of the other machines, together with all that is wrong.
+/// Like [`load_settings`], for callers that only read the ledger. If machine files are invalid but the farm file is valid and so
+/// tells where the farm is, it returns the settings with the remaining machines, together with all problems.
 ///
-/// # Errors
-/// When there is no configuration, or when it does not say where the farm is.
-pub fn load_to_look(config: Option<&Path>, root: Option<&Path>) -> Result<(Settings, Vec<Problem>), SettingsError> {
-    let file = find(config)?;
+/// There is no configuration, or the farm file is invalid.
+pub fn load_for_viewing(
+    config: Option<&Path>,
+    root: Option<&Path>,
+) -> Result<(Settings, Vec<ConfigProblem>), SettingsError> {
+    let file = find_config_file(config)?;
     let mut problems = Vec::new();
-    match read(&file, root, &mut problems) {
+    match read_settings(&file, root, &mut problems) {
         Some(settings) if problems.iter().all(|problem| problem.file != file) => Ok((settings, problems)),
         _ => Err(SettingsError::Invalid(problems)),
     }
 }
 
-fn find(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
+fn find_config_file(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
     let candidates = match config {
         Some(file) => vec![file.to_owned()],
         None => DEFAULT_FILES.map(PathBuf::from).to_vec(),
@@ -87,51 +88,54 @@ fn find(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
     }
 }
 
-/// All stages. `None` when the farm file is of no use.
-fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option<Settings> {
-    let farm_text = read_text(file, problems);
-    let machine_texts = machine_texts(file, problems);
-    let machines: Vec<(&str, Option<Fragment>)> = (machine_texts.iter())
-        .map(|(name, file, text)| (name.as_str(), Fragment::parse::<ProfileInputs>(file, text, problems)))
+/// Runs all stages. `None` if the farm file cannot be used.
+fn read_settings(file: &Path, root: Option<&Path>, problems: &mut Vec<ConfigProblem>) -> Option<Settings> {
+    let farm_text = read_config_text(file, problems);
+    let machine_texts = read_machine_files(file, problems);
+    let machines: Vec<(&str, Option<ConfigFragment>)> = (machine_texts.iter())
+        .map(|(name, file, text)| (name.as_str(), ConfigFragment::parse_toml::<ProfileInputs>(file, text, problems)))
         .collect();
     let farm_text = farm_text?;
-    let farm = Fragment::parse::<FarmInputs>(file, &farm_text, problems)?;
-    let inputs: FarmInputs = from_table(farm.values(), file, problems)?;
-    let mut judge = Judge::new(vec![(&farm, "")]);
-    validate::farm(&inputs, &mut judge);
-    let files = validate::files(&inputs.files, &mut judge);
-    let web = super::web::web(&inputs.web, &mut judge);
-    let metrics = super::metrics::metrics(&inputs.metrics, &mut judge);
-    let notify = super::notify::notify(&inputs.notify, &mut judge);
-    let root = folders::root(&inputs, root);
-    let state_dir = folders::below(&root, &inputs.folders.state);
-    let state =
-        Claim { folder: state_dir.clone(), what: "the state directory".into(), place: judge.place("folders.state") };
+    let farm = ConfigFragment::parse_toml::<FarmInputs>(file, &farm_text, problems)?;
+    let inputs: FarmInputs = from_table(farm.to_table(), file, problems)?;
+    let mut judge = ConfigValidator::new(vec![(&farm, "")]);
+    validation_rules::validate_farm(&inputs, &mut judge);
+    let files = validation_rules::validate_files(&inputs.files, &mut judge);
+    let web = super::web::validate_web(&inputs.web, &mut judge);
+    let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut judge);
+    let notify = super::notify::validate_notify(&inputs.notify, &mut judge);
+    let root = folders::farm_root(&inputs, root);
+    let state_dir = folders::path_below(&root, &inputs.folders.state);
+    let state = FolderClaim {
+        folder: state_dir.clone(),
+        description: "the state directory".into(),
+        location: judge.locate_key("folders.state"),
+    };
     problems.append(&mut judge.problems);
-    let mut judge = Judge::new(vec![(&farm, "defaults.")]);
-    validate::defaults(&inputs.defaults, &mut judge);
+    let mut judge = ConfigValidator::new(vec![(&farm, "defaults.")]);
+    validation_rules::validate_defaults(&inputs.defaults, &mut judge);
     problems.append(&mut judge.problems);
 
     let mut profiles = BTreeMap::new();
     let mut claims = Vec::new();
     for (name, own) in machines {
         let Some(own) = own else { continue };
-        let judge = &mut Judge::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
-        let profile = machine(name, &own, &farm, &root, &inputs, judge);
+        let judge = &mut ConfigValidator::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
+        let profile = build_profile(name, &own, &farm, &root, &inputs, judge);
         if let Some(profile) = profile {
             claims.extend(folder_claims(name, &profile.folders, judge));
             profiles.insert(name.to_owned(), profile);
         }
-        // A wrong default is wrong in every profile, but is told once.
+        // An invalid default affects every profile but is reported only once.
         judge.problems.retain(|problem| !problems.contains(problem));
         problems.append(&mut judge.problems);
     }
-    problems.extend(clash::objections(&claims, &state));
-    let log = Logging { filter: inputs.log.filter, format: inputs.log.format };
+    problems.extend(folder_conflicts::find_conflicts(&claims, &state));
+    let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {
         file: file.to_owned(),
-        ledger: folders::below(&state_dir, &inputs.folders.ledger),
-        inbox_base: folders::below(&root, &inputs.folders.inbox),
+        ledger: folders::path_below(&state_dir, &inputs.folders.ledger),
+        inbox_base: folders::path_below(&root, &inputs.folders.inbox),
         root,
         state_dir,
         scan_secs: inputs.scan_secs.0,
@@ -149,8 +153,8 @@ fn read(file: &Path, root: Option<&Path>, problems: &mut Vec<Problem>) -> Option
 }
 
 /// Name, file and text of every machine file, by name.
-fn machine_texts(farm_file: &Path, problems: &mut Vec<Problem>) -> Vec<(String, PathBuf, String)> {
-    let folder = farm_file.parent().unwrap_or(Path::new("")).join(PROFILES);
+fn read_machine_files(farm_file: &Path, problems: &mut Vec<ConfigProblem>) -> Vec<(String, PathBuf, String)> {
+    let folder = farm_file.parent().unwrap_or(Path::new("")).join(PROFILES_DIR);
     let mut files: Vec<PathBuf> = match fs::read_dir(&folder) {
         Ok(entries) => {
             entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_machine_file(path)).collect()
@@ -159,7 +163,7 @@ fn machine_texts(farm_file: &Path, problems: &mut Vec<Problem>) -> Vec<(String, 
     };
     files.sort();
     if files.is_empty() {
-        problems.push(Problem {
+        problems.push(ConfigProblem {
             file: folder,
             line: None,
             text: "there is no machine profile".into(),
@@ -168,7 +172,7 @@ fn machine_texts(farm_file: &Path, problems: &mut Vec<Problem>) -> Vec<(String, 
         });
     }
     let named = |file: PathBuf| {
-        let text = read_text(&file, problems)?;
+        let text = read_config_text(&file, problems)?;
         Some((file.file_stem()?.to_string_lossy().into_owned(), file, text))
     };
     files.into_iter().filter_map(named).collect()
@@ -179,33 +183,33 @@ fn is_machine_file(path: &Path) -> bool {
     !hidden && path.extension().is_some_and(|extension| extension == "toml")
 }
 
-/// Merges a machine file over the farm's defaults and checks the result.
-fn machine(
+/// Merges a machine file with the farm's defaults and checks the result.
+fn build_profile(
     name: &str,
-    own: &Fragment,
-    farm: &Fragment,
+    own: &ConfigFragment,
+    farm: &ConfigFragment,
     root: &Path,
     farm_inputs: &FarmInputs,
-    judge: &mut Judge,
-) -> Option<Profile> {
-    let mut merged = match farm.values().remove("defaults") {
+    judge: &mut ConfigValidator,
+) -> Option<MachineProfile> {
+    let mut merged = match farm.to_table().remove("defaults") {
         Some(Value::Table(defaults)) => defaults,
         _ => Table::new(),
     };
-    merge(&mut merged, own.values());
+    merge_tables(&mut merged, own.to_table());
     let inputs: ProfileInputs = from_table(merged, &own.file, &mut judge.problems)?;
-    let folders = folders::of_profile(root, &farm_inputs.folders, &inputs.folders, name);
-    if own.was_taken_out("volume_mm") && inputs.volume_mm.is_none() {
-        return None; // its volume has been complained of already
+    let folders = folders::profile_folders(root, &farm_inputs.folders, &inputs.folders, name);
+    if own.was_removed("volume_mm") && inputs.volume_mm.is_none() {
+        return None; // the problem with its volume was already reported
     }
-    Some(validate::profile(name, inputs, folders, judge))
+    Some(validation_rules::validate_profile(name, inputs, folders, judge))
 }
 
-/// Lays `over` over `base`, table by table.
-fn merge(base: &mut Table, over: Table) {
+/// Merges `over` into `base`, table by table. Values of `over` take precedence.
+fn merge_tables(base: &mut Table, over: Table) {
     for (key, value) in over {
         match (base.get_mut(&key), value) {
-            (Some(Value::Table(below)), Value::Table(above)) => merge(below, above),
+            (Some(Value::Table(below)), Value::Table(above)) => merge_tables(below, above),
             (_, value) => {
                 base.insert(key, value);
             }
@@ -213,11 +217,12 @@ fn merge(base: &mut Table, over: Table) {
     }
 }
 
-/// Fragments were read as `T` before, so that this finds nothing new; if it does, it says so instead of panicking.
-fn from_table<T: DeserializeOwned>(table: Table, file: &Path, problems: &mut Vec<Problem>) -> Option<T> {
+/// The fragments were already parsed as `T`, so no error is expected here. If there is one, it is reported instead of
+/// causing a panic.
+fn from_table<T: DeserializeOwned>(table: Table, file: &Path, problems: &mut Vec<ConfigProblem>) -> Option<T> {
     T::deserialize(table)
         .map_err(|error| {
-            problems.push(Problem {
+            problems.push(ConfigProblem {
                 file: file.to_owned(),
                 line: None,
                 text: format!("does not fit together with the farm's defaults: {}", error.message()),
@@ -227,18 +232,18 @@ fn from_table<T: DeserializeOwned>(table: Table, file: &Path, problems: &mut Vec
         .ok()
 }
 
-fn folder_claims(name: &str, folders: &Folders, judge: &Judge) -> Vec<Claim> {
-    let Folders { inbox, queue, error, archive } = folders;
+fn folder_claims(name: &str, folders: &MachineFolders, judge: &ConfigValidator) -> Vec<FolderClaim> {
+    let MachineFolders { inbox, queue, error, archive } = folders;
     [
         ("inbox", "inbox", inbox),
         ("queue folder", "queue", queue),
         ("error folder", "error", error),
         ("archive", "archive", archive),
     ]
-    .map(|(what, key, folder)| Claim {
+    .map(|(what, key, folder)| FolderClaim {
         folder: folder.clone(),
-        what: format!("the {what} of {name}"),
-        place: judge.place(&format!("folders.{key}")),
+        description: format!("the {what} of {name}"),
+        location: judge.locate_key(&format!("folders.{key}")),
     })
     .into()
 }

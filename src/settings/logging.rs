@@ -1,13 +1,13 @@
-//! What the log holds and what it looks like.
+//! Content and format of the log.
 
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::filter::Targets;
 
-/// What a log line looks like.
+/// Format of a log line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LogFormat {
-    /// The journal when systemd started the daemon, else text.
+    /// The journal if systemd started the daemon, or else text.
     #[default]
     Auto,
     /// One line for people, on standard error.
@@ -16,12 +16,12 @@ pub enum LogFormat {
     Json,
 }
 
-/// What the log holds and what it looks like.
+/// Settings of the log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Logging {
+pub struct LogSettings {
     /// Levels by module, as `tracing` spells them: "info", "info,nestd::intake=debug".
     pub filter: String,
-    /// What a line looks like.
+    /// Format of a line.
     pub format: LogFormat,
 }
 

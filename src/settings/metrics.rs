@@ -1,31 +1,31 @@
-//! Where the metrics are written, for those who read them from a file.
+//! The file to which metrics are written, for users who do not scrape a port.
 
 use std::path::PathBuf;
 
 use serde::Serialize;
 
-use super::{inputs::MetricsInputs, judge::Judge};
+use super::{inputs::MetricsInputs, validator::ConfigValidator};
 
-/// What node_exporter's textfile collector reads; other names it leaves alone.
-const SUFFIX: &str = "prom";
+/// File extension that node_exporter's textfile collector requires.
+const TEXTFILE_EXTENSION: &str = "prom";
 
 /// The file that holds the metrics.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MetricsFile {
-    /// Its name, absolute.
+    /// Absolute path.
     pub path: PathBuf,
-    /// It is written anew so often, seconds.
+    /// Interval at which it is rewritten, seconds.
     pub every_secs: f64,
 }
 
-/// The file; `None` when there is none. What makes no sense is objected to.
-pub(super) fn metrics(inputs: &MetricsInputs, judge: &mut Judge) -> Option<MetricsFile> {
-    judge.within("metrics.every_secs", inputs.every_secs.0, 1.0..=3600.0);
+/// Validates the settings of the metrics file. `None` if there is none. Reports problems.
+pub(super) fn validate_metrics(inputs: &MetricsInputs, judge: &mut ConfigValidator) -> Option<MetricsFile> {
+    judge.require_within("metrics.every_secs", inputs.every_secs.0, 1.0..=3600.0);
     let path = inputs.textfile.0.clone()?;
-    if !path.is_absolute() || path.extension().is_none_or(|end| end != SUFFIX) {
+    if !path.is_absolute() || path.extension().is_none_or(|end| end != TEXTFILE_EXTENSION) {
         let text = format!("metrics.textfile = \"{}\" is not read by node_exporter", path.display());
         let remedy = "give the whole path of a file that ends in .prom, or \"off\"";
-        judge.object("metrics.textfile", text, remedy);
+        judge.report_problem("metrics.textfile", text, remedy);
     }
     Some(MetricsFile { path, every_secs: inputs.every_secs.0 })
 }

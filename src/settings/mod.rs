@@ -1,40 +1,41 @@
-//! Configuration in three stages: fragments (one file each, all optional, every value with its place) -> inputs (merged,
-//! defaults) -> [`Settings`] (validated, the only one that the daemon sees).
+//! Configuration in three stages: fragments (one per file, all values optional and with their positions) -> inputs
+//! (merged, with defaults) -> [`Settings`] (validated, the only type that the daemon uses).
 
-mod clash;
 mod duration;
+mod folder_conflicts;
 mod folders;
 mod fragment;
 mod inputs;
-mod judge;
 mod keep_out;
 mod load;
 mod logging;
 mod metrics;
+mod notification_kind;
 mod notify;
-mod off;
+mod optional;
 mod problem;
+mod problem_text;
 mod profile;
+mod profile_snapshot;
 mod settings;
-mod then;
-mod told;
-mod validate;
+mod validation_rules;
+mod validator;
 mod web;
-mod wording;
 
 pub use duration::parse_secs;
-pub use keep_out::KeepOut;
-pub use load::{SettingsError, load, load_to_look};
-pub use logging::{LogFormat, Logging, parse_log_filter};
+pub use keep_out::KeepOutZone;
+pub use load::{SettingsError, load_for_viewing, load_settings};
+pub use logging::{LogFormat, LogSettings, parse_log_filter};
 pub use metrics::MetricsFile;
-pub use notify::{Notify, Webhook};
-pub use problem::Problem;
+pub use notification_kind::NotificationKind;
+pub use notify::{NotifySettings, WebhookSettings};
+pub use problem::ConfigProblem;
 pub use profile::{
-    BuildSpace, Duplicates, Folders, IntakeRules, MeshErrors, OutputRules, Profile, SearchRules, Trigger, TurningRules,
+    BuildSpace, DuplicatePolicy, IntakeRules, MachineFolders, MachineProfile, MeshErrorPolicy, OutputRules,
+    SearchRules, TriggerRules, TurningRules,
 };
-pub use settings::{Settings, Shared};
-pub use told::Told;
-pub use web::{Listen, Web};
+pub use settings::{Settings, SharedSettings};
+pub use web::{ListenAddress, WebSettings};
 
 #[cfg(test)]
 mod tests;

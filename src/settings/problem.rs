@@ -1,15 +1,15 @@
-//! What is wrong with a configuration: where, what, and what to do.
+//! A problem of the configuration: where it is, what is wrong, and what to do.
 
 use std::{fmt, path::PathBuf};
 
 use serde::Serialize;
 
-/// One thing that is wrong with a configuration.
+/// One problem of the configuration.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Problem {
-    /// The file in which it stands.
+pub struct ConfigProblem {
+    /// The file concerned.
     pub file: PathBuf,
-    /// The line, from 1; `None` when it is about the whole file or about something that is missing.
+    /// The line, from 1; `None` if it concerns the whole file or something that is missing.
     pub line: Option<usize>,
     /// What is wrong.
     pub text: String,
@@ -17,7 +17,7 @@ pub struct Problem {
     pub remedy: String,
 }
 
-impl fmt::Display for Problem {
+impl fmt::Display for ConfigProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.file.display())?;
         if let Some(line) = self.line {

@@ -6,20 +6,20 @@ use std::{
     sync::{Arc, RwLock},
 };
 
-use super::{Folders, Logging, MetricsFile, Notify, Profile, Web};
-use crate::access::Access;
+use super::{LogSettings, MachineFolders, MachineProfile, MetricsFile, NotifySettings, WebSettings};
+use crate::access::FilePermissions;
 
-/// The settings as the daemon read them last, for those who work beside the farm; a reload changes them.
-pub type Shared = Arc<RwLock<Arc<Settings>>>;
+/// The settings that the daemon loaded last, shared with the other tasks. A reload replaces them.
+pub type SharedSettings = Arc<RwLock<Arc<Settings>>>;
 
-/// Everything the daemon needs to know, checked. Made only by reading a configuration.
+/// The complete, validated settings of the daemon. Created only by loading a configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// The configuration file that was read.
     pub file: PathBuf,
-    /// The farm's root, absolute: relative folders are below it.
+    /// Absolute root of the farm. Relative folders are below it.
     pub root: PathBuf,
-    /// The folder that holds the hot folders, except those that a profile names exactly.
+    /// The folder that contains the hot folders, except those that a profile sets itself.
     pub inbox_base: PathBuf,
     /// The state directory: ledger, content-addressed store, caches. On a local disk.
     pub state_dir: PathBuf,
@@ -29,31 +29,31 @@ pub struct Settings {
     pub scan_secs: f64,
     /// Seconds after which a ticket without its part is refused.
     pub orphan_ticket_secs: f64,
-    /// Threads that nest; 0 = one per core.
+    /// Threads for nesting; 0 = one per core.
     pub threads: usize,
-    /// What prepared meshes may take up in the state directory, bytes; 0 = none are kept.
+    /// Maximum size of the prepared meshes kept in the state directory, bytes; 0 = none are kept.
     pub cache_bytes: u64,
-    /// Limits of the readers.
-    pub limits: build_file::Limits,
-    /// Mode and group of what the daemon makes in the farm's folders.
-    pub files: Access,
-    /// What the log holds and what it looks like.
-    pub log: Logging,
+    /// Limits for reading part files.
+    pub limits: build_file::ReadLimits,
+    /// Mode and group of the files that the daemon creates in the farm's folders.
+    pub files: FilePermissions,
+    /// Settings of the log.
+    pub log: LogSettings,
     /// The dashboard; `None` = no port is opened.
-    pub web: Option<Web>,
-    /// The file that holds the metrics; `None` = there is none.
+    pub web: Option<WebSettings>,
+    /// The metrics file; `None` = none is written.
     pub metrics: Option<MetricsFile>,
-    /// Who is told what happens.
-    pub notify: Notify,
+    /// Settings of notifications.
+    pub notify: NotifySettings,
     /// Machines by profile name.
-    pub profiles: BTreeMap<String, Profile>,
+    pub profiles: BTreeMap<String, MachineProfile>,
 }
 
 impl Settings {
     /// Every folder of the farm: those of all profiles, and the state directory.
-    pub fn folders(&self) -> Vec<PathBuf> {
+    pub fn all_folders(&self) -> Vec<PathBuf> {
         let of_profiles = self.profiles.values().flat_map(|profile| {
-            let Folders { inbox, queue, error, archive } = &profile.folders;
+            let MachineFolders { inbox, queue, error, archive } = &profile.folders;
             [inbox, queue, error, archive]
         });
         of_profiles.chain([&self.state_dir]).cloned().collect()

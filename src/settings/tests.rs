@@ -10,12 +10,12 @@ use super::{
     *,
 };
 
-/// A configuration in a folder of its own.
-struct Config {
+/// A configuration in its own folder.
+struct TestConfig {
     folder: tempfile::TempDir,
 }
 
-impl Config {
+impl TestConfig {
     fn new(farm: &str, machines: &[(&str, &str)]) -> Self {
         let config = Self { folder: tempfile::tempdir().unwrap() };
         fs::write(config.file("nestd.toml"), farm).unwrap();
@@ -31,10 +31,10 @@ impl Config {
     }
 
     fn load(&self) -> Result<Settings, SettingsError> {
-        load(Some(&self.file("nestd.toml")), None)
+        load_settings(Some(&self.file("nestd.toml")), None)
     }
 
-    /// `file:line: text; remedy` of every problem, the folder left out.
+    /// `file:line: text; remedy` of every problem, without the folder.
     fn problems(&self) -> Vec<String> {
         let problems = match self.load() {
             Err(SettingsError::Invalid(problems)) => problems,
@@ -67,7 +67,7 @@ fn the_shipped_file_holds_every_option_at_its_default() {
     let text = fs::read_to_string(shipped("nestd.toml")).unwrap();
     let inputs: FarmInputs = toml::from_str(&text).unwrap();
     let mut tryout = FarmInputs::default();
-    // Whoever tries nestd out wants to see it; a server opens no port unless it is told to.
+    // The shipped file turns the dashboard on for people who try nestd out. The default opens no port.
     tryout.web.listen = "127.0.0.1:7878".to_owned();
     assert_eq!(inputs, tryout);
     let all = toml::Table::try_from(FarmInputs::default()).unwrap();
@@ -88,20 +88,20 @@ fn the_shipped_machine_file_shows_the_options_that_have_no_default() {
 
 #[test]
 fn a_volume_of_four_lengths_is_told_and_no_machine_goes_missing_in_silence() {
-    let config = Config::new("", &[("cube.toml", "volume_mm = [380, 284, 384, 380]\n")]);
+    let config = TestConfig::new("", &[("cube.toml", "volume_mm = [380, 284, 384, 380]\n")]);
     let problems = config.problems();
     assert!(problems.len() == 1 && problems[0].contains("cube.toml"), "{problems:?}");
 }
 
 #[test]
 fn a_configuration_without_options_has_the_defaults() {
-    let config = Config::new("", &[("cube.toml", CUBE)]);
+    let config = TestConfig::new("", &[("cube.toml", CUBE)]);
     let settings = config.load().unwrap();
     assert_eq!(settings.scan_secs, 10.0);
-    assert_eq!(settings.limits, build_file::Limits::default());
+    assert_eq!(settings.limits, build_file::ReadLimits::default());
     let cube = &settings.profiles["cube"];
     assert_eq!(cube.trigger.max_wait_secs, 86_400.0);
-    assert_eq!(cube.search.nest, nester::Config::default());
+    assert_eq!(cube.search.nest, nester::NestingConfig::default());
     assert_eq!(cube.intake.settle_secs, 5.0);
 }
 
@@ -110,7 +110,7 @@ fn a_machine_beats_the_farm_and_the_farm_beats_the_default() {
     let farm =
         "[defaults]\nclearance_mm = 4\nsettle_secs = \"1m\"\n[defaults.nest.paper]\npopulation = 10\niterations = 20\n";
     let machine = format!("{CUBE}clearance_mm = 5\n[nest.paper]\npopulation = 30\n");
-    let config = Config::new(farm, &[("a.toml", &machine), ("b.toml", CUBE)]);
+    let config = TestConfig::new(farm, &[("a.toml", &machine), ("b.toml", CUBE)]);
     let profiles = config.load().unwrap().profiles;
     let of = |name: &str| {
         let p = &profiles[name];
@@ -130,7 +130,7 @@ fn a_machine_beats_the_farm_and_the_farm_beats_the_default() {
 fn folders_are_below_the_root_unless_they_are_absolute() {
     let farm = "root = \"/farm\"\n[folders]\nerror = \"/bad\"\nstate = \"st\"\n";
     let machine = format!("{CUBE}[folders]\nqueue = \"/printer/jobs\"\narchive = \"../old\"\n");
-    let config = Config::new(farm, &[("a.toml", &machine)]);
+    let config = TestConfig::new(farm, &[("a.toml", &machine)]);
     let settings = config.load().unwrap();
     let folders = &settings.profiles["a"].folders;
     assert_eq!(folders.inbox, Path::new("/farm/inbox/a"));
@@ -144,8 +144,8 @@ fn folders_are_below_the_root_unless_they_are_absolute() {
 #[test]
 fn the_root_of_the_command_line_moves_all_but_absolute_folders() {
     let farm = "root = \"/farm\"\n[folders]\nerror = \"/bad\"\n";
-    let config = Config::new(farm, &[("a.toml", CUBE)]);
-    let settings = load(Some(&config.file("nestd.toml")), Some(Path::new("elsewhere/./x"))).unwrap();
+    let config = TestConfig::new(farm, &[("a.toml", CUBE)]);
+    let settings = load_settings(Some(&config.file("nestd.toml")), Some(Path::new("elsewhere/./x"))).unwrap();
     let root = std::env::current_dir().unwrap().join("elsewhere/x");
     assert_eq!(settings.root, root);
     assert_eq!(settings.profiles["a"].folders.inbox, root.join("inbox/a"));
@@ -158,7 +158,7 @@ fn off_switches_a_trigger_off_and_a_value_switches_it_on() {
     let machine = format!(
         "{CUBE}[trigger]\ncopies = 20\nfill_height = 0.9\ndue_margin_secs = \"off\"\nat = [\"17:00\", \"09:30\"]\n"
     );
-    let config = Config::new("", &[("a.toml", &machine)]);
+    let config = TestConfig::new("", &[("a.toml", &machine)]);
     let trigger = &config.load().unwrap().profiles["a"].trigger;
     assert_eq!((trigger.copies, trigger.fill_height, trigger.fill_density), (Some(20), Some(0.9), None));
     assert_eq!(trigger.due_margin_secs, None);
@@ -170,7 +170,7 @@ fn off_switches_a_trigger_off_and_a_value_switches_it_on() {
 fn every_problem_is_told_at_once_with_file_line_and_remedy() {
     let farm = "scan_sec = 10\nthreads = \"many\"\n\n[limits]\nmax_bytes = 0\n[defaults]\nsettle_secs = -1\n";
     let machine = format!("{CUBE}clearance_mm = -2\nunit = \"cubit\"\n[trigger]\nat = [\"25:00\"]\ncopys = 3\n");
-    let config = Config::new(
+    let config = TestConfig::new(
         farm,
         &[("a.toml", &machine), ("b.toml", "volume_mm = [200, 200]\n"), ("c.toml", "layer_mm = 0.1\n")],
     );
@@ -193,7 +193,7 @@ fn every_problem_is_told_at_once_with_file_line_and_remedy() {
     );
 }
 
-/// Each line begins as expected, and there are no others.
+/// Checks that each line begins as expected and that there are no further lines.
 fn lines_begin(lines: &[String], beginnings: &[&str]) {
     let same =
         lines.len() == beginnings.len() && lines.iter().zip(beginnings).all(|(line, begin)| line.starts_with(begin));
@@ -205,12 +205,12 @@ fn directions_that_are_none_are_refused_with_their_line() {
     let machine = format!(
         "{CUBE}keep_up = [{{ direction = [0, 0, 0], within_deg = 30 }}]\nnot_down = [[0, 0, 1], {{ direction = [1, 0, 0] }}]\n"
     );
-    let config = Config::new("", &[("a.toml", &machine)]);
+    let config = TestConfig::new("", &[("a.toml", &machine)]);
     let problems = config.problems();
-    assert!(problems[0].starts_with("profiles/a.toml:2: keep_up: the direction is none"), "{problems:?}");
-    assert!(problems[1].starts_with("profiles/a.toml:3: not_down: a direction as in"), "{problems:?}");
+    assert!(problems[0].starts_with("profiles/a.toml:2: keep_up: the direction is invalid"), "{problems:?}");
+    assert!(problems[1].starts_with("profiles/a.toml:3: not_down: expected a direction like"), "{problems:?}");
     let many = format!("{CUBE}not_down = [{}]\n", "[0, 0, 1],".repeat(17));
-    let problems = Config::new("", &[("a.toml", &many)]).problems();
+    let problems = TestConfig::new("", &[("a.toml", &many)]).problems();
     assert_eq!(problems, ["profiles/a.toml:2: not_down names 17 directions; name 16 at most"]);
 }
 
@@ -240,7 +240,7 @@ fn values_out_of_range_are_refused_each_by_itself() {
         ("[folders]\ninbox = \"~/in\"", "folders.inbox"),
         ("trigger = 5", "trigger"),
     ] {
-        let problems = Config::new("", &[("a.toml", &format!("{CUBE}{text}\n"))]).problems();
+        let problems = TestConfig::new("", &[("a.toml", &format!("{CUBE}{text}\n"))]).problems();
         assert_eq!(problems.len(), 1, "{text}: {problems:?}");
         assert!(problems[0].contains(key) && problems[0].starts_with("profiles/a.toml:"), "{text}: {problems:?}");
     }
@@ -253,7 +253,7 @@ fn a_wrong_default_is_told_once_also_where_every_machine_has_a_value_of_its_own(
     let own = format!("{CUBE}clearance_mm = 3\nlid_margin_mm = 0\n");
     for trigger in ["[trigger]\ncopies = 5\n", ""] {
         let machine = format!("{own}{trigger}");
-        let mut problems = Config::new(farm, &[("a.toml", &machine), ("b.toml", &machine)]).problems();
+        let mut problems = TestConfig::new(farm, &[("a.toml", &machine), ("b.toml", &machine)]).problems();
         problems.sort();
         lines_begin(
             &problems,
@@ -270,7 +270,7 @@ fn a_wrong_default_is_told_once_also_where_every_machine_has_a_value_of_its_own(
 #[test]
 fn a_volume_must_be_a_box() {
     for text in ["[0, 200, 200]", "[200, -1, 200]", "[200, 200, nan]", "[200, 200, 1e9]", "\"200x200x200\"", "200"] {
-        let problems = Config::new("", &[("a.toml", &format!("volume_mm = {text}\n"))]).problems();
+        let problems = TestConfig::new("", &[("a.toml", &format!("volume_mm = {text}\n"))]).problems();
         assert_eq!(problems.len(), 1, "{text}: {problems:?}");
         assert!(problems[0].starts_with("profiles/a.toml:1: volume_mm"), "{problems:?}");
     }
@@ -278,7 +278,8 @@ fn a_volume_must_be_a_box() {
 
 #[test]
 fn broken_toml_and_broken_text_are_told_with_their_line() {
-    let config = Config::new("root = \"/x\"\nscan_secs = \n", &[("a.toml", "volume_mm = [1, 2\n"), ("b.toml", CUBE)]);
+    let config =
+        TestConfig::new("root = \"/x\"\nscan_secs = \n", &[("a.toml", "volume_mm = [1, 2\n"), ("b.toml", CUBE)]);
     fs::write(config.file("profiles/b.toml"), b"layer_mm = 0.1\n# \xff\n").unwrap();
     let mut problems = config.problems();
     problems.sort();
@@ -293,7 +294,7 @@ fn broken_toml_and_broken_text_are_told_with_their_line() {
 #[test]
 fn two_profiles_never_share_a_folder() {
     let machine = format!("{CUBE}[folders]\ninbox = \"/in\"\n");
-    let problems = Config::new("", &[("a.toml", &machine), ("b.toml", &machine)]).problems();
+    let problems = TestConfig::new("", &[("a.toml", &machine), ("b.toml", &machine)]).problems();
     let expected = "profiles/b.toml:3: the inbox of b (/in) is also the inbox of a; give each a folder of its own";
     assert_eq!(problems.len(), 1, "{problems:?}");
     assert!(problems[0].starts_with(expected), "{problems:?}");
@@ -302,7 +303,7 @@ fn two_profiles_never_share_a_folder() {
 #[test]
 fn no_folder_lies_inside_another() {
     let farm = "root = \"/farm\"\n[folders]\nerror = \"inbox/a/refused\"\n";
-    let problems = Config::new(farm, &[("a.toml", CUBE)]).problems();
+    let problems = TestConfig::new(farm, &[("a.toml", CUBE)]).problems();
     assert_eq!(problems.len(), 1, "{problems:?}");
     assert!(
         problems[0]
@@ -310,7 +311,7 @@ fn no_folder_lies_inside_another() {
         "{problems:?}"
     );
     let farm = "root = \"/farm\"\n[folders]\nstate = \"queue/a\"\n";
-    let problems = Config::new(farm, &[("a.toml", CUBE)]).problems();
+    let problems = TestConfig::new(farm, &[("a.toml", CUBE)]).problems();
     assert!(
         problems[0].starts_with("nestd.toml:3: the state directory (/farm/queue/a) is also the queue folder of a"),
         "{problems:?}"
@@ -320,24 +321,24 @@ fn no_folder_lies_inside_another() {
 #[test]
 fn a_file_name_that_cannot_be_a_folder_name_is_refused() {
     for name in ["MJF.toml", "a b.toml", "ä.toml", &format!("{}.toml", "x".repeat(41))] {
-        let problems = Config::new("", &[(name, CUBE)]).problems();
+        let problems = TestConfig::new("", &[(name, CUBE)]).problems();
         assert!(problems[0].contains("cannot be the name of a profile"), "{problems:?}");
     }
-    let config = Config::new("", &[("a.toml", CUBE), (".hidden.toml", "x"), ("notes.txt", "x"), ("b.toml~", "x")]);
+    let config = TestConfig::new("", &[("a.toml", CUBE), (".hidden.toml", "x"), ("notes.txt", "x"), ("b.toml~", "x")]);
     assert_eq!(config.load().unwrap().profiles.len(), 1);
 }
 
 #[test]
 fn without_a_machine_or_a_file_it_is_said_what_to_do() {
-    let problems = Config::new("", &[]).problems();
+    let problems = TestConfig::new("", &[]).problems();
     assert!(problems[0].contains("there is no machine profile; put one file per machine here"), "{problems:?}");
-    let error = load(Some(Path::new("/nowhere/nestd.toml")), None).unwrap_err().to_string();
+    let error = load_settings(Some(Path::new("/nowhere/nestd.toml")), None).unwrap_err().to_string();
     assert!(error.starts_with("no configuration: /nowhere/nestd.toml is not there; name one with -c FILE"), "{error}");
 }
 
 #[test]
 fn a_directory_is_no_configuration() {
-    let config = Config::new("", &[("a.toml", CUBE)]);
+    let config = TestConfig::new("", &[("a.toml", CUBE)]);
     fs::create_dir(config.file("profiles/b.toml")).unwrap();
     let problems = config.problems();
     assert!(problems[0].starts_with("profiles/b.toml: cannot be read"), "{problems:?}");

@@ -1,17 +1,17 @@
-//! Where the dashboard listens and what it may do.
+//! Settings of the dashboard: where it listens and what it may do.
 
 use std::{fmt, net::SocketAddr, path::PathBuf};
 
 use serde::Serialize;
 
-use super::{inputs::WebInputs, judge::Judge};
+use super::{inputs::WebInputs, validator::ConfigValidator};
 
 /// Where the dashboard listens.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub enum Listen {
+pub enum ListenAddress {
     /// An address of this server.
     Tcp(SocketAddr),
-    /// A Unix socket; who may open the file may look.
+    /// A Unix socket. Everyone who may open the file has access.
     Unix(PathBuf),
     /// A socket that systemd opened (socket activation).
     Systemd,
@@ -19,18 +19,18 @@ pub enum Listen {
 
 /// The dashboard's settings.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Web {
+pub struct WebSettings {
     /// Where it listens.
-    pub listen: Listen,
-    /// The file that holds the bearer token which every request must carry; `None` = none is asked for.
+    pub listen: ListenAddress,
+    /// File with the bearer token that every request must carry; `None` = no token is required.
     pub token_file: Option<PathBuf>,
-    /// Names under which browsers may ask besides those of this machine, as behind a reverse proxy.
+    /// Additional host names that browsers may use besides those of this machine, for instance behind a reverse proxy.
     pub hosts: Vec<String>,
-    /// Whether pages may give orders (flush, pause, resume, retry, cancel); else they only show.
+    /// Whether pages may send commands (flush, pause, resume, retry, cancel). Otherwise they are read-only.
     pub orders: bool,
 }
 
-impl fmt::Display for Listen {
+impl fmt::Display for ListenAddress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Tcp(address) => write!(f, "http://{address}/"),
@@ -40,29 +40,34 @@ impl fmt::Display for Listen {
     }
 }
 
-/// The dashboard's settings; `None` when it is off. What makes no sense is objected to.
-pub(super) fn web(inputs: &WebInputs, judge: &mut Judge) -> Option<Web> {
+/// Validates the dashboard's settings. `None` if it is off. Reports problems.
+pub(super) fn validate_web(inputs: &WebInputs, judge: &mut ConfigValidator) -> Option<WebSettings> {
     let listen = match inputs.listen.as_str() {
         "off" => return None,
-        "systemd" => Listen::Systemd,
+        "systemd" => ListenAddress::Systemd,
         other => match (other.strip_prefix("unix:"), other.parse()) {
-            (Some(path), _) if path.starts_with('/') => Listen::Unix(path.into()),
-            (None, Ok(address)) => Listen::Tcp(address),
+            (Some(path), _) if path.starts_with('/') => ListenAddress::Unix(path.into()),
+            (None, Ok(address)) => ListenAddress::Tcp(address),
             _ => {
                 let text = format!("web.listen = \"{}\" is no address", other.escape_debug());
                 let remedy = "write \"127.0.0.1:7878\", \"unix:/run/nestd/web.sock\", \"systemd\" or \"off\"";
-                judge.object("web.listen", text, remedy);
+                judge.report_problem("web.listen", text, remedy);
                 return None;
             }
         },
     };
-    if let Listen::Tcp(address) = listen
+    if let ListenAddress::Tcp(address) = listen
         && !address.ip().is_loopback()
         && inputs.token_file.0.is_none()
     {
         let text = format!("web.listen = \"{address}\" is open to other machines, and there is no web.token_file");
         let remedy = "listen on 127.0.0.1 behind a reverse proxy, or name a file with a token of 16 letters or more";
-        judge.object("web.listen", text, remedy);
+        judge.report_problem("web.listen", text, remedy);
     }
-    Some(Web { listen, token_file: inputs.token_file.0.clone(), hosts: inputs.hosts.clone(), orders: inputs.orders })
+    Some(WebSettings {
+        listen,
+        token_file: inputs.token_file.0.clone(),
+        hosts: inputs.hosts.clone(),
+        orders: inputs.orders,
+    })
 }

@@ -9,8 +9,8 @@ use super::{
     table_column::TableColumn as Column,
 };
 use crate::{
-    ledger::{BuildRow, EventRow, OutcomeRow, Utc},
-    settings::Profile,
+    ledger::{BuildRow, EventRow, OutcomeRow, UtcTimestamp},
+    settings::MachineProfile,
 };
 
 /// What was told of a build.
@@ -33,7 +33,7 @@ pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
 /// its file is.
 pub fn build_facts(
     row: &BuildRow,
-    machine: Option<&Profile>,
+    machine: Option<&MachineProfile>,
     (copies, file): (String, Option<String>),
     now: Timestamp,
 ) -> Vec<SheetFact> {
@@ -44,7 +44,7 @@ pub fn build_facts(
     let fired_by = (!row.fired_by.is_empty()).then(|| format!("{}, nested {}", row.fired_by, times(row.attempts)));
     let content = row.staged.file_hash.as_ref().map(|hash| content(row.staged.file_bytes.unwrap_or_default(), hash));
     let bound = fields::LOWER_BOUND.with_unit(row.measures.lower_bound_mm);
-    let ago = |at: Utc| at.age(now).map_or_else(String::new, |age| format!(", {age} ago"));
+    let ago = |at: UtcTimestamp| at.age_text(now).map_or_else(String::new, |age| format!(", {age} ago"));
     let published = row.times.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
     let told = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
@@ -72,7 +72,7 @@ pub fn height(height_mm: Option<f64>, volume_z_mm: Option<f64>) -> Option<String
     Some(joined([Some(fields::HEIGHT.with_unit(height_mm)?), volume], " of "))
 }
 
-fn clearance(row: &BuildRow, machine: Option<&Profile>) -> Option<String> {
+fn clearance(row: &BuildRow, machine: Option<&MachineProfile>) -> Option<String> {
     let asked_mm = row.measures.clearance_mm.or(machine.map(|machine| machine.space.clearance_mm));
     let asked = fields::CLEARANCE.with_unit(asked_mm)?;
     let proved = match (fields::CLEARANCE_PROVED.with_unit(row.measures.clearance_proved_mm), row.times.verified_at) {

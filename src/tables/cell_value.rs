@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::ledger::{BuildId, BuildState, Outcome, PartId, PartState, Utc};
+use crate::ledger::{BuildId, BuildState, PartId, PartState, PrintOutcome, UtcTimestamp};
 
 /// A value in a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -19,7 +19,7 @@ pub enum CellValue {
     /// A number in the unit of its field; a share is 0..1.
     Real(f64),
     /// A point in time.
-    Time(Utc),
+    Time(UtcTimestamp),
     /// A build by its number.
     Build(BuildId),
     /// A build in which a part is looked for.
@@ -57,10 +57,10 @@ cell_from! {
     u64 => |number| CellValue::Whole(i64::try_from(number).unwrap_or(i64::MAX)),
     usize => |number| CellValue::Whole(i64::try_from(number).unwrap_or(i64::MAX)),
     f64 => CellValue::Real,
-    Utc => CellValue::Time,
+    UtcTimestamp => CellValue::Time,
     BuildId => CellValue::Build,
     PartId => CellValue::Part,
     BuildState => |state| CellValue::Text(state.to_string()),
     PartState => |state| CellValue::Text(state.to_string()),
-    Outcome => |outcome| CellValue::Text(outcome.to_string()),
+    PrintOutcome => |outcome| CellValue::Text(outcome.to_string()),
 }

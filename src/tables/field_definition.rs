@@ -142,7 +142,7 @@ impl FieldDefinition {
             _ => return number.to_string(),
         };
         let text = format!("{number:.decimals$}");
-        // What rounds to nothing has no sign.
+        // A value that rounds to zero has no sign.
         match text.strip_prefix('-') {
             Some(nothing) if nothing.bytes().all(|b| b == b'0' || b == b'.') => nothing.to_owned(),
             _ => text,

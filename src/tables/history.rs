@@ -2,7 +2,7 @@
 //! terminal, on the page and in the CSV; a test demands that each field of the JSON is a column.
 
 use super::{cell_value::CellValue, fields, table_column::TableColumn as Column};
-use crate::ledger::{HeightSum, HistoryRow};
+use crate::ledger::{HeightSummary, HistoryRow};
 
 /// Builds that are past nesting.
 pub const HISTORY_COLUMNS: &[Column<HistoryRow>] = &[
@@ -13,7 +13,7 @@ pub const HISTORY_COLUMNS: &[Column<HistoryRow>] = &[
     Column::for_programs("published_at", fields::PUBLISHED, |row| row.published_at.into()),
     Column::new("height_mm", fields::HEIGHT, |row| row.measures.height_mm.into()),
     Column::for_programs("volume_z_mm", fields::VOLUME_Z, |row| row.volume_z_mm.into()),
-    Column::for_people("used", fields::USED, |row| row.used().into()),
+    Column::for_people("used", fields::USED, |row| row.height_share().into()),
     Column::new("density", fields::DENSITY, |row| row.measures.density.into()),
     Column::new("lower_bound_mm", fields::LOWER_BOUND, |row| row.measures.lower_bound_mm.into()),
     Column::new("layers", fields::LAYERS, |row| row.measures.layers.into()),
@@ -40,7 +40,7 @@ fn file_or_reason(row: &HistoryRow) -> CellValue {
 }
 
 /// What the published builds of a machine come to.
-pub const HEIGHT_SUM_COLUMNS: &[Column<HeightSum>] = &[
+pub const HEIGHT_SUM_COLUMNS: &[Column<HeightSummary>] = &[
     Column::new("profile", fields::PROFILE, |row| (&row.profile).into()),
     Column::new("height_mm", fields::HEIGHT, |row| row.height_mm.into()),
     Column::new("builds", fields::BUILDS, |row| row.builds.into()),

@@ -1,15 +1,15 @@
 //! A machine as it stands: what waits, what it does, when its next build fires.
 
-use build_file::counted;
+use build_file::format_count;
 use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{build_sheet::joined, cell_value::CellValue, fields, table_column::TableColumn as Column};
 use crate::{
-    farm::{FiredBy, fires_at},
-    ledger::{OpenBuild, ProfileStatus, Utc},
-    settings::Profile,
+    farm::{FireTrigger, forecast_fire},
+    ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp},
+    settings::MachineProfile,
 };
 
 /// A machine as it stands, with the forecast of its next build.
@@ -19,10 +19,10 @@ pub struct MachineForecast {
     #[serde(flatten)]
     pub status: ProfileStatus,
     /// When its next build fires, unless it is full before.
-    #[schemars(with = "Option<Utc>")]
+    #[schemars(with = "Option<UtcTimestamp>")]
     pub fires_at_latest: Option<Timestamp>,
     /// The trigger that fires it then.
-    pub fires_by: Option<FiredBy>,
+    pub fires_by: Option<FireTrigger>,
 }
 
 /// A machine as it is shown at a moment.
@@ -51,30 +51,29 @@ pub const MACHINE_COLUMNS: &[Column<MachineNow>] = &[
 
 impl MachineForecast {
     /// What is known of a machine; `profile` is its configuration where there is one.
-    pub fn new(status: ProfileStatus, profile: Option<&Profile>) -> Self {
-        let fires = profile.and_then(|profile| fires_at(profile, &status));
+    pub fn new(status: ProfileStatus, profile: Option<&MachineProfile>) -> Self {
+        let fires = profile.and_then(|profile| forecast_fire(profile, &status));
         Self { fires_at_latest: fires.map(|fires| fires.at), fires_by: fires.map(|fires| fires.by), status }
     }
 
     /// The open build, where a copy stands in its layout.
-    pub fn forecast_build(&self) -> Option<&OpenBuild> {
+    pub fn forecast_build(&self) -> Option<&OpenBuildForecast> {
         self.status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0)
     }
 
     /// How long the oldest part has waited.
     pub fn oldest(&self, now: Timestamp) -> Option<String> {
-        self.status.oldest_at.and_then(|at| at.age(now))
+        self.status.oldest_at.and_then(|at| at.age_text(now))
     }
 
     /// `55.61 mm, 11 copies, by 2026-11-20 06:00:00 (max_wait)`.
     fn next_build(&self) -> String {
         let open = self.forecast_build();
         let height = open.and_then(|open| fields::HEIGHT.with_unit(open.height_mm));
-        let copies = open.map(|open| counted(open.copies.unwrap_or(0), "copy", "copies"));
-        let fires = self
-            .fires_at_latest
-            .zip(self.fires_by)
-            .and_then(|(at, by)| Some(format!("by {} ({by})", fields::TIME.cell_text(&CellValue::Time(Utc(at)))?)));
+        let copies = open.map(|open| format_count(open.copies.unwrap_or(0), "copy", "copies"));
+        let fires = self.fires_at_latest.zip(self.fires_by).and_then(|(at, by)| {
+            Some(format!("by {} ({by})", fields::TIME.cell_text(&CellValue::Time(UtcTimestamp(at)))?))
+        });
         joined([height, copies, fires], ", ")
     }
 
@@ -97,7 +96,7 @@ impl MachineNow {
         if let Some(pause) = &status.paused {
             doing.push(format!("paused by {}", if pause.paused_by.is_empty() { "-" } else { &pause.paused_by }));
         }
-        let copies = |copies| counted(copies, "copy", "copies");
+        let copies = |copies| format_count(copies, "copy", "copies");
         doing.extend(status.nesting.iter().map(|b| format!("build {} {} ({})", b.build, b.state, copies(b.copies))));
         match (doing.is_empty(), status.claimed_parts, status.waiting_parts) {
             (false, _, _) => doing.join(", "),

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::{cell_value::CellValue, fields, table_column::TableColumn as Column};
 use crate::ledger::PartId;
 
-/// What of a way, a unit vector, goes to a side so little is not told.
+/// A removal direction is a unit vector; components smaller than this are not put into words.
 const SLIGHT: f64 = 0.2;
 
 /// The copies of a build in the order in which they come out of the cake.
@@ -65,7 +65,7 @@ pub fn goes_down(way: [f64; 3]) -> bool {
     way[2] < -SLIGHT
 }
 
-/// A way in words: the sides that it goes to.
+/// A direction in words, such as `up, left`.
 fn way_in_words([x, y, z]: [f64; 3]) -> String {
     let side = |value: f64, towards: &'static str, away: &'static str| match value {
         value if value > SLIGHT => Some(towards),

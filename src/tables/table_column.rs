@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use build_file::cell;
+use build_file::csv_cell;
 
 use super::{cell_value::CellValue, field_definition::FieldDefinition};
 
@@ -76,9 +76,9 @@ pub fn csv_of<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> Result<String,
 /// A value that no spreadsheet takes for a formula.
 fn harmless(value: CellValue) -> CellValue {
     match value {
-        CellValue::Text(text) => CellValue::Text(cell(&text)),
-        CellValue::Prose(text) => CellValue::Prose(cell(&text)),
-        CellValue::NamedPart(part, name) => CellValue::NamedPart(part, cell(&name)),
+        CellValue::Text(text) => CellValue::Text(csv_cell(&text)),
+        CellValue::Prose(text) => CellValue::Prose(csv_cell(&text)),
+        CellValue::NamedPart(part, name) => CellValue::NamedPart(part, csv_cell(&name)),
         other => other,
     }
 }

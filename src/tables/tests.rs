@@ -69,7 +69,7 @@ async fn each_field_of_the_history_in_json_is_a_column_with_the_same_value() {
     let id = waiting(&ledger, "a", 2).await;
     published(&ledger, &[(id, 0), (id, 1)]).await;
     let query = HistoryQuery::default();
-    let (rows, sums) = (ledger.history(&query).await.unwrap(), ledger.height_sums(&query).await.unwrap());
+    let (rows, sums) = (ledger.read_history(&query).await.unwrap(), ledger.height_summaries(&query).await.unwrap());
     fn look<Row: serde::Serialize>(columns: &[TableColumn<Row>], row: &Row) {
         let json = serde_json::to_value(row).unwrap();
         let columns = || columns.iter().filter(|column| column.audience != ColumnAudience::People);

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::{
-    farm::{Attention, Notice},
-    ledger::Utc,
+    farm::{AlertKind, FarmAlert},
+    ledger::UtcTimestamp,
 };
 
 /// Something that a person must see to, with what to do.
@@ -13,7 +13,7 @@ use crate::{
 pub struct ToldNotice {
     /// Kind of the notice.
     #[schemars(with = "String")]
-    kind: Attention,
+    kind: AlertKind,
     /// Machine profile; empty = the farm.
     profile: String,
     /// What is wrong.
@@ -21,16 +21,16 @@ pub struct ToldNotice {
     /// What to do.
     remedy: &'static str,
     /// Since when.
-    #[schemars(with = "Utc")]
+    #[schemars(with = "UtcTimestamp")]
     since: String,
 }
 
-impl From<&Notice> for ToldNotice {
-    fn from(notice: &Notice) -> Self {
+impl From<&FarmAlert> for ToldNotice {
+    fn from(notice: &FarmAlert) -> Self {
         Self {
             kind: notice.kind,
             profile: notice.profile.clone(),
-            sentence: notice.sentence().to_string(),
+            sentence: notice.alert_text().to_string(),
             remedy: notice.kind.remedy(),
             since: notice.since.to_string(),
         }

@@ -10,33 +10,33 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::{
-    history::{self, Asked},
+    cached_render::find_build,
+    dto::{BuildResource, BuildResponse, PartResource, PartResponse, PlacementResource},
+    error::{HandlerError, HandlerResult},
+    history::{self, HistoryFilter},
     part,
-    problem::{Answer, Problem},
-    render::build_of,
-    sheets::{Build, BuildSheet, Part, PartSheet, Placement},
-    state::Web,
+    state::DashboardState,
 };
 use crate::{
-    farm::{kept_notices, standing},
-    ledger::{BuildState, DaemonRow, HeightSum, HistoryRow, PartId, ProfileStatus, Utc},
+    farm::{load_placed_parts, read_stored_alerts},
+    ledger::{BuildState, DaemonRow, HeightSummary, HistoryRow, PartId, ProfileStatus, UtcTimestamp},
     tables::{MachineForecast, ToldNotice},
 };
 
 /// The farm as it stands.
 #[derive(Serialize, JsonSchema)]
-pub(super) struct Farm {
+pub(super) struct FarmResponse {
     /// The daemon that serves or served the ledger.
     daemon: Option<DaemonRow>,
     /// What a person must see to.
     needs_a_person: Vec<ToldNotice>,
     /// The machines that are configured.
-    profiles: Vec<Machine>,
+    profiles: Vec<MachineResource>,
 }
 
 /// A machine as it stands.
 #[derive(Serialize, JsonSchema)]
-struct Machine {
+struct MachineResource {
     #[serde(flatten)]
     forecast: MachineForecast,
     /// Volume of the machine, mm.
@@ -46,18 +46,18 @@ struct Machine {
     /// Why it is unavailable.
     trouble: Option<String>,
     /// Since when it is unavailable.
-    trouble_at: Option<Utc>,
+    trouble_at: Option<UtcTimestamp>,
 }
 
-/// The farm as it stands.
-pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
-    let (status, settings) = (web.ledger.status().await?, web.settings());
-    let stations = web.ledger.stations().await?;
-    let machine = |(name, profile): (&String, &crate::settings::Profile)| {
+/// The current state of the farm.
+pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
+    let (status, settings) = (web.ledger.profile_statuses().await?, web.current_settings());
+    let stations = web.ledger.list_machines().await?;
+    let machine = |(name, profile): (&String, &crate::settings::MachineProfile)| {
         let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
         let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
         let station = stations.iter().find(|station| station.profile == *name);
-        Machine {
+        MachineResource {
             volume_mm: profile.space.volume_mm.to_array(),
             available: station.map(|station| station.trouble.is_empty()),
             trouble: station.map(|station| station.trouble.clone()).filter(|trouble| !trouble.is_empty()),
@@ -66,53 +66,73 @@ pub(super) async fn farm(State(web): State<Arc<Web>>) -> Answer<Json<Farm>> {
         }
     };
     let profiles = settings.profiles.iter().map(machine).collect();
-    let needs_a_person = kept_notices(&settings.state_dir).iter().map(ToldNotice::from).collect();
-    Ok(Json(Farm { daemon: web.ledger.daemon().await?, needs_a_person, profiles }))
+    let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(ToldNotice::from).collect();
+    Ok(Json(FarmResponse { daemon: web.ledger.last_daemon().await?, needs_a_person, profiles }))
 }
 
 /// The history, filtered as the page is.
-pub(super) async fn builds(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Json<Vec<HistoryRow>>> {
-    Ok(Json(history::rows(&web, &asked).await?))
+pub(super) async fn list_builds(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<HistoryFilter>,
+) -> HandlerResult<Json<Vec<HistoryRow>>> {
+    Ok(Json(history::list_rows(&web, &asked).await?))
 }
 
-/// What the published builds of the history come to, by machine; filtered as the page is.
-pub(super) async fn heights(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Json<Vec<HeightSum>>> {
-    Ok(Json(history::sums(&web, &asked).await?))
+/// The sums of the published builds by machine, filtered as the history page is.
+pub(super) async fn list_height_sums(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<HistoryFilter>,
+) -> HandlerResult<Json<Vec<HeightSummary>>> {
+    Ok(Json(history::read_height_sums(&web, &asked).await?))
 }
 
-/// A build; one that is not proved yet with what stands in it so far, as on its page.
-pub(super) async fn build(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Json<BuildSheet>> {
-    let (build, profile) = build_of(&web, number).await?;
-    let outcomes = all(web.ledger.outcomes(build.id).await?);
+/// A build. One that is not proved yet comes with its current layout, as on its page.
+pub(super) async fn get_build(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Json<BuildResponse>> {
+    let (build, profile) = find_build(&web, number).await?;
+    let outcomes = convert_rows(web.ledger.outcomes_of_build(build.id).await?);
     let (mut parts, mut placements) = (Vec::new(), Vec::new());
     if matches!(build.state, BuildState::Open | BuildState::Nesting) {
-        for (part, copies) in standing(&web.ledger, &build, &profile).await? {
-            placements.extend(copies.iter().map(|copy| Placement::so_far(&build, part.id, copy)));
+        for (part, copies) in load_placed_parts(&web.ledger, &build, &profile).await? {
+            placements.extend(copies.iter().map(|copy| PlacementResource::from_open_layout(&build, part.id, copy)));
             parts.push(part.into());
         }
     } else {
-        parts = all(web.ledger.parts_of_build(build.id).await?);
-        placements = all(web.ledger.placements_of_build(build.id).await?);
+        parts = convert_rows(web.ledger.parts_of_build(build.id).await?);
+        placements = convert_rows(web.ledger.placements_of_build(build.id).await?);
     }
-    Ok(Json(BuildSheet { build: Build::new(build, &profile), parts, placements, outcomes }))
+    Ok(Json(BuildResponse { build: BuildResource::new(build, &profile), parts, placements, outcomes }))
 }
 
 /// Parts, filtered as the page is.
-pub(super) async fn parts(State(web): State<Arc<Web>>, Query(asked): Query<part::Asked>) -> Answer<Json<Vec<Part>>> {
-    Ok(Json(all(part::page_of(&web, &asked).await?.0)))
+pub(super) async fn list_parts(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<part::PartFilter>,
+) -> HandlerResult<Json<Vec<PartResource>>> {
+    Ok(Json(convert_rows(part::read_page(&web, &asked).await?.0)))
 }
 
 /// A part.
-pub(super) async fn part(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Json<PartSheet>> {
+pub(super) async fn get_part(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Json<PartResponse>> {
     let id = PartId(number);
-    let part = web.ledger.part(id).await?.ok_or_else(|| Problem::NotFound(format!("part {number}")))?;
+    let part = web.ledger.find_part(id).await?.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
     let (placements, events) = (web.ledger.placements_of_part(id).await?, web.ledger.events_of_part(id).await?);
-    let same = web.ledger.parts_of_content(&part.file.content_hash).await?;
+    let same = web.ledger.parts_with_content(&part.file.content_hash).await?;
     let same_content = same.into_iter().map(|other| other.id).filter(|other| *other != id).collect();
-    Ok(Json(PartSheet { part: part.into(), placements: all(placements), events: all(events), same_content }))
+    Ok(Json(PartResponse {
+        part: part.into(),
+        placements: convert_rows(placements),
+        events: convert_rows(events),
+        same_content,
+    }))
 }
 
-/// Rows of the ledger as they are told.
-fn all<T, R: From<T>>(rows: Vec<T>) -> Vec<R> {
+/// Converts rows of the ledger to their JSON form.
+fn convert_rows<T, R: From<T>>(rows: Vec<T>) -> Vec<R> {
     rows.into_iter().map(R::from).collect()
 }

@@ -135,7 +135,7 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
             assert!(text.contains(&format!("\"{word}\"")), "{word}");
         }
     }
-    let unit = &told["components"]["schemas"]["Part"]["properties"]["unit"]["enum"];
+    let unit = &told["components"]["schemas"]["PartResource"]["properties"]["unit"]["enum"];
     assert_eq!(unit, &serde_json::json!(["micron", "millimeter", "centimeter", "inch", "foot", "meter", null]));
     let described = |schema: &serde_json::Value| {
         let fields = schema["properties"].as_object().into_iter().flatten();
@@ -173,7 +173,7 @@ async fn pages_head_their_columns_as_the_tables_say_and_files_and_json_by_the_sa
 async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_by_page() {
     let dashboard = with_a_build("bracket.stl").await;
     for (claim, profile) in [("b", "cube"), ("c", "cube"), ("d", "other")] {
-        let part = crate::ledger::NewPart { profile: profile.to_owned(), ..fixtures::new_part(claim, 1) };
+        let part = crate::ledger::NewPartRow { profile: profile.to_owned(), ..fixtures::new_part(claim, 1) };
         dashboard.ledger.record_claim(&part).await.unwrap();
     }
     let numbers = async |asked: &str| -> Vec<i64> {
@@ -193,10 +193,10 @@ async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_
 
 #[tokio::test]
 async fn what_stands_in_an_open_build_is_told_by_its_page_by_its_parts_and_to_machines() {
-    let dashboard = Dashboard::new(|_| ()).await;
-    let part = crate::ledger::NewPart { profile: "cube".to_owned(), ..fixtures::new_part("a", 3) };
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let part = crate::ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 3) };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
-    dashboard.ledger.accept(id, &[fixtures::solid(0, 3)]).await.unwrap();
+    dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 3)]).await.unwrap();
     let build = dashboard.ledger.open_build("cube").await.unwrap().id;
     let layout = format!("[[{id},0,[0,0,0,1],[5,5,0]],[{id},2,[0,0,0,1],[45,5,0]]]");
     let layout = OpenLayout { layout, height_mm: 30.0, density: 0.1, copies: 2, part_volume_mm3: 2000.0 };

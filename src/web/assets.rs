@@ -6,7 +6,7 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use super::problem::Problem;
+use super::error::HandlerError;
 
 const ASSETS: [(&str, &str, &[u8]); 4] = [
     ("style.css", "text/css; charset=utf-8", include_bytes!("assets/style.css")),
@@ -15,9 +15,9 @@ const ASSETS: [(&str, &str, &[u8]); 4] = [
     ("icon.svg", "image/svg+xml", include_bytes!("assets/icon.svg")),
 ];
 
-/// An asset by name.
-pub(super) async fn asset(Path(name): Path<String>) -> Result<Response, Problem> {
+/// Returns an asset by name.
+pub(super) async fn get_asset(Path(name): Path<String>) -> Result<Response, HandlerError> {
     let found = ASSETS.iter().find(|(known, _, _)| *known == name);
-    let (_, kind, bytes) = found.ok_or_else(|| Problem::NotFound(format!("asset {name}")))?;
+    let (_, kind, bytes) = found.ok_or_else(|| HandlerError::NotFound(format!("asset {name}")))?;
     Ok(([(header::CONTENT_TYPE, *kind), (header::CACHE_CONTROL, "no-cache")], *bytes).into_response())
 }

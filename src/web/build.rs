@@ -1,4 +1,4 @@
-//! A build: what is in the cake, to look at from all sides.
+//! The page of a build: 3D view, facts and parts.
 
 use std::sync::Arc;
 
@@ -7,77 +7,88 @@ use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
-    chart, farm,
-    listing::{facts, table_of},
-    page::page,
-    pick_map::PICTURE,
-    problem::Answer,
-    render::{build_of, version},
-    state::Web,
-    words::{count, prose},
+    cached_render::{find_build, layout_version},
+    chart,
+    error::HandlerResult,
+    farm,
+    format::{count, prose_with_code},
+    listing::{fact_list, table_of},
+    page::html_page,
+    pick_map::PICTURE_ALT_TEXT,
+    state::DashboardState,
 };
 use crate::{
-    farm::{Standing, standing},
+    farm::{CakeCopy, load_placed_parts},
     ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
-    settings::Profile,
+    settings::MachineProfile,
     tables::{BUILD_PART_COLUMNS, CountedPart, OUTCOME_COLUMNS, build_facts},
 };
 
-/// The page.
-pub(super) async fn show(State(web): State<Arc<Web>>, Path(number_of_build): Path<i64>) -> Answer<Markup> {
-    let (build, profile) = build_of(&web, number_of_build).await?;
-    let parts = standing(&web.ledger, &build, &profile).await?;
+/// The page of a build.
+pub(super) async fn show_build(
+    State(web): State<Arc<DashboardState>>,
+    Path(number_of_build): Path<i64>,
+) -> HandlerResult<Markup> {
+    let (build, profile) = find_build(&web, number_of_build).await?;
+    let parts = load_placed_parts(&web.ledger, &build, &profile).await?;
     let copies = parts.iter().map(|(_, copies)| copies.len() as u32).sum();
-    // Of each part the copies that stand here: the others are in other builds, or wait.
-    let here = |(part, copies): (PartRow, Vec<Standing>)| CountedPart { part, copies: copies.len() as u32 };
+    // Counts only the copies in this build: the other copies are in other builds, or wait.
+    let here = |(part, copies): (PartRow, Vec<CakeCopy>)| CountedPart { part, copies: copies.len() as u32 };
     let rows: Vec<CountedPart> = parts.into_iter().map(here).collect();
-    let outcomes = web.ledger.outcomes(build.id).await?;
+    let outcomes = web.ledger.outcomes_of_build(build.id).await?;
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
         @if !build.reason.is_empty() {
-            p class=(if is_bad(build.state) { "bad" } else { "note" }) role="status" { (prose(&build.reason)) }
+            p class=(if is_failure(build.state) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
         }
-        @if copies > 0 { (view(build.id.0, copies, &standing_now(&build))) } @else { p { "Nothing stands in it yet." } }
+        @if copies > 0 { (view_section(build.id.0, copies, &view_version(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
-        @if let Some(fires) = fires(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
-        (facts(&build_facts(&build, Some(&profile), (copies.to_string(), None), Timestamp::now())))
-        (curve(&build.curve()))
-        (told(&outcomes))
+        @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
+        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), Timestamp::now())))
+        (height_curve(&build.height_curve()))
+        (outcome_list(&outcomes))
         h2 { "Parts" }
         (table_of("Parts", None, BUILD_PART_COLUMNS, &rows))
     };
-    Ok(page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
+    Ok(html_page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
 }
 
-/// When an open build fires, and why.
-async fn fires(web: &Web, build: &BuildRow, profile: &Profile) -> Answer<Option<String>> {
+/// When an open build fires, and which trigger fires it.
+async fn fire_forecast(
+    web: &DashboardState,
+    build: &BuildRow,
+    profile: &MachineProfile,
+) -> HandlerResult<Option<String>> {
     if build.state != BuildState::Open {
         return Ok(None);
     }
-    let status = web.ledger.status().await?;
-    Ok(status.iter().find(|status| status.profile == build.profile).and_then(|status| farm::fires(profile, status)))
+    let status = web.ledger.profile_statuses().await?;
+    Ok(status
+        .iter()
+        .find(|status| status.profile == build.profile)
+        .and_then(|status| farm::fire_forecast_text(profile, status)))
 }
 
-/// A text that is another one when something else stands in the build; what is proved stays.
-fn standing_now(build: &BuildRow) -> String {
+/// A text that changes when the layout of the build changes. A proved build does not change any more.
+fn view_version(build: &BuildRow) -> String {
     match build.state {
-        BuildState::Open | BuildState::Nesting => version(build),
+        BuildState::Open | BuildState::Nesting => layout_version(build),
         _ => "proved".to_owned(),
     }
 }
 
-/// Whether a build's reason is bad news, and not a note of the operator.
-fn is_bad(state: BuildState) -> bool {
+/// Whether the reason of a build is a failure, not a note of the operator.
+fn is_failure(state: BuildState) -> bool {
     matches!(state, BuildState::Failed | BuildState::Interrupted)
 }
 
-/// The 3D view; without JavaScript the picture. A report (no `version`) carries its own.
-pub(super) fn view(build: i64, copies: u32, version: &str) -> Markup {
+/// The 3D view, or a picture without JavaScript. A report has no `version`: it contains its scene and its picture.
+pub(super) fn view_section(build: i64, copies: u32, version: &str) -> Markup {
     html! {
         section #view data-build=(build) data-copies=(copies) data-version=(version) aria-label="3D view" {
             @if !version.is_empty() {
                 noscript { p { "The 3D view needs JavaScript. " }
-                    img.cake alt=(PICTURE) width="640" height="480" src=(format!("/builds/{build}/picture")); }
+                    img.cake alt=(PICTURE_ALT_TEXT) width="640" height="480" src=(format!("/builds/{build}/picture")); }
             } @else {
                 noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } }
             }
@@ -92,17 +103,17 @@ pub(super) fn view(build: i64, copies: u32, version: &str) -> Markup {
     }
 }
 
-/// How the height fell.
-pub(super) fn curve(points: &Vec<(f64, f64)>) -> Markup {
+/// A chart of the build height over the time of the search.
+pub(super) fn height_curve(points: &Vec<(f64, f64)>) -> Markup {
     html! {
         @if points.len() > 1 {
             figure { figcaption { "Height while it was searched, mm over seconds" }
-                (chart::plot("Height over time", std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
+                (chart::plot_lines("Height over time", std::iter::once(points), &|secs| format!("{secs:.1} s"))) }
         }
     }
 }
 
-fn told(outcomes: &[OutcomeRow]) -> Markup {
+fn outcome_list(outcomes: &[OutcomeRow]) -> Markup {
     html! {
         @if !outcomes.is_empty() {
             h2 { "What became of it" }

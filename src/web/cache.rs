@@ -1,30 +1,30 @@
-//! What was made for a page and is asked for again.
+//! A small cache for results that pages request again.
 
 use std::sync::{Mutex, PoisonError};
 
-/// The last few things that were made, by a text that is another one when the thing is.
+/// The most recent results by key. A key must change whenever its result changes.
 #[derive(Debug)]
-pub(super) struct Cache<T> {
-    kept: Mutex<Vec<(String, T)>>,
-    most: usize,
+pub(super) struct RecentCache<T> {
+    entries: Mutex<Vec<(String, T)>>,
+    capacity: usize,
 }
 
-impl<T: Clone> Cache<T> {
-    /// An empty one that keeps so many things.
+impl<T: Clone> RecentCache<T> {
+    /// An empty cache that keeps up to `most` results.
     pub(super) fn new(most: usize) -> Self {
-        Self { kept: Mutex::default(), most }
+        Self { entries: Mutex::default(), capacity: most }
     }
 
-    /// A thing that is kept.
+    /// The result under a key.
     pub(super) fn get(&self, key: &str) -> Option<T> {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter().find(|(known, _)| known == key).map(|(_, thing)| thing.clone())
     }
 
-    /// Keeps a thing; the oldest goes.
-    pub(super) fn put(&self, key: String, thing: T) {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Adds a result and drops the oldest one beyond the limit.
+    pub(super) fn insert(&self, key: String, thing: T) {
+        let mut kept = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         kept.insert(0, (key, thing));
-        kept.truncate(self.most);
+        kept.truncate(self.capacity);
     }
 }

@@ -1,10 +1,10 @@
-//! Charts of the history as inline SVG: height, density and utilisation over the builds, a line per machine.
+//! Charts of the history as inline SVG: height, density and utilisation of the builds over time, a line per machine.
 
 use std::collections::BTreeMap;
 
 use maud::{Markup, PreEscaped, html};
 
-use super::words::count;
+use super::format::count;
 use crate::ledger::HistoryRow;
 
 const WIDTH: f64 = 640.0;
@@ -12,20 +12,20 @@ const HEIGHT: f64 = 180.0;
 const LEFT: f64 = 46.0;
 const BOTTOM: f64 = 26.0;
 const TOP: f64 = 10.0;
-/// Lines in a chart; styles give them colours that the colour-blind can tell apart.
-const MOST_LINES: usize = 6;
+/// Most lines in a chart. The style sheet gives them colours that the colour-blind can tell apart.
+const MAX_LINES: usize = 6;
 
 /// A machine's points: seconds since 1970 and a value.
-type Lines = BTreeMap<String, Vec<(f64, f64)>>;
+type ChartLines = BTreeMap<String, Vec<(f64, f64)>>;
 
-/// The three charts over published builds; nothing where there are less than two.
-pub(super) fn charts(rows: &[HistoryRow]) -> Markup {
+/// The three charts of published builds; empty when there are fewer than two.
+pub(super) fn history_charts(rows: &[HistoryRow]) -> Markup {
     let published: Vec<&HistoryRow> = rows.iter().filter(|row| row.published_at.is_some()).collect();
     if published.len() < 2 {
         return html! {};
     }
     let lines = |value: &dyn Fn(&HistoryRow) -> Option<f64>| {
-        let mut lines = Lines::new();
+        let mut lines = ChartLines::new();
         for row in &published {
             if let (Some(at), Some(value)) = (row.published_at, value(row)) {
                 lines.entry(row.profile.clone()).or_default().push((at.0.as_second() as f64, value));
@@ -36,18 +36,18 @@ pub(super) fn charts(rows: &[HistoryRow]) -> Markup {
     };
     html! {
         div.charts {
-            (chart("Build height", "mm", &lines(&|row| row.measures.height_mm)))
-            (chart("Density", "%", &lines(&|row| row.measures.density.map(|d| 100.0 * d))))
-            (chart("Height used of the machine's", "%", &lines(&|row| row.used().map(|share| 100.0 * share))))
+            (line_chart("Build height", "mm", &lines(&|row| row.measures.height_mm)))
+            (line_chart("Density", "%", &lines(&|row| row.measures.density.map(|d| 100.0 * d))))
+            (line_chart("Height used of the machine's", "%", &lines(&|row| row.height_share().map(|share| 100.0 * share))))
         }
     }
 }
 
 /// A line chart with axes, units and a legend.
-fn chart(title: &str, unit: &str, lines: &Lines) -> Markup {
+fn line_chart(title: &str, unit: &str, lines: &ChartLines) -> Markup {
     let points = || lines.values().flatten();
     let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
-    // Days, and the time as well where they are few.
+    // Dates, with the time of day when the chart covers only a few days.
     let format = match last - first {
         span if span < 900.0 => "%H:%M:%S",
         span if span < 4.0 * 86_400.0 => "%m-%d %H:%M",
@@ -56,27 +56,27 @@ fn chart(title: &str, unit: &str, lines: &Lines) -> Markup {
     let date = |secs: f64| {
         jiff::Timestamp::from_second(secs as i64).map_or_else(|_| String::new(), |t| t.strftime(format).to_string())
     };
-    let legend = lines.keys().take(MOST_LINES).enumerate();
-    let more = lines.len().saturating_sub(MOST_LINES) as u32;
+    let legend = lines.keys().take(MAX_LINES).enumerate();
+    let more = lines.len().saturating_sub(MAX_LINES) as u32;
     html! {
         figure {
             figcaption { (title) ", " (unit)
                 @for (at, name) in legend { " " span class=(format!("key c{at}")) { (name) } }
                 @if more > 0 { " and " (count(more, "more machine", "more machines")) ", in the table only" } }
-            (plot(title, lines.values().take(MOST_LINES), &date))
+            (plot_lines(title, lines.values().take(MAX_LINES), &date))
         }
     }
 }
 
-/// Lines in a frame; `label` says what stands below the horizontal axis.
-pub(super) fn plot<'a>(
+/// Draws lines in a frame; `label` formats the values of the horizontal axis.
+pub(super) fn plot_lines<'a>(
     title: &str,
     lines: impl Iterator<Item = &'a Vec<(f64, f64)>> + Clone,
     label: &dyn Fn(f64) -> String,
 ) -> Markup {
     let points = || lines.clone().flatten();
     let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
-    let most = step_up(points().map(|p| p.1).fold(1e-9, f64::max));
+    let most = next_round_number(points().map(|p| p.1).fold(1e-9, f64::max));
     let x = |at: f64| LEFT + (WIDTH - LEFT - 8.0) * (at - first) / (last - first).max(1e-9);
     let y = |value: f64| TOP + (HEIGHT - TOP - BOTTOM) * (1.0 - value / most);
     let mut body = String::new();
@@ -84,7 +84,12 @@ pub(super) fn plot<'a>(
         let value = most * f64::from(tick) / 4.0;
         let at = y(value);
         body += &format!("<line class=\"grid\" x1=\"{LEFT}\" x2=\"{}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>", WIDTH - 8.0);
-        body += &format!("<text class=\"tick end\" x=\"{}\" y=\"{:.1}\">{}</text>", LEFT - 6.0, at + 4.0, short(value));
+        body += &format!(
+            "<text class=\"tick end\" x=\"{}\" y=\"{:.1}\">{}</text>",
+            LEFT - 6.0,
+            at + 4.0,
+            short_number(value)
+        );
     }
     for (at, line) in lines.clone().enumerate() {
         let path: Vec<String> = line.iter().map(|p| format!("{:.1},{:.1}", x(p.0), y(p.1))).collect();
@@ -108,7 +113,7 @@ pub(super) fn plot<'a>(
 }
 
 /// The next round number: 1, 2, 2.5, 5 times a power of ten.
-fn step_up(value: f64) -> f64 {
+fn next_round_number(value: f64) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     [1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0]
         .into_iter()
@@ -117,7 +122,7 @@ fn step_up(value: f64) -> f64 {
         .unwrap_or(value)
 }
 
-fn short(value: f64) -> String {
+fn short_number(value: f64) -> String {
     let text = format!("{value:.2}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

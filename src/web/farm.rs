@@ -1,4 +1,4 @@
-//! The first page: a card per machine, with what waits, what will fire next, and buttons.
+//! The first page: a card per machine with the waiting parts, the next build and command buttons.
 
 use std::sync::Arc;
 
@@ -7,40 +7,40 @@ use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
-    listing::facts,
-    order::button,
-    page::page,
+    command::command_button,
+    error::HandlerResult,
+    format::{DASH, count, format_age, format_time_utc, prose_with_code},
+    listing::fact_list,
+    page::html_page,
     picture,
-    problem::Answer,
-    state::Web,
-    words::{DASH, age, count, prose, time_utc},
+    state::DashboardState,
 };
 use crate::{
-    farm::{HALTED, Notice, fires_at, kept_notices, summary},
-    ledger::{CommandKind, DaemonRow, OpenBuild, ProfileStatus, StationRow, Utc},
-    settings::Profile,
+    farm::{FarmAlert, HALTED, farm_summary, forecast_fire, read_stored_alerts},
+    ledger::{CommandKind, DaemonRow, MachineRow, OpenBuildForecast, ProfileStatus, UtcTimestamp},
+    settings::MachineProfile,
     tables::{MachineForecast, SheetFact, fields, height_in_volume},
 };
 
-/// The page.
-pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
-    let (status, daemon) = (web.ledger.status().await?, web.ledger.daemon().await?);
-    let stations = web.ledger.stations().await?;
-    let (settings, now) = (web.settings(), Timestamp::now());
+/// The farm page.
+pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Markup> {
+    let (status, daemon) = (web.ledger.profile_statuses().await?, web.ledger.last_daemon().await?);
+    let stations = web.ledger.list_machines().await?;
+    let (settings, now) = (web.current_settings(), Timestamp::now());
     let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
     let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
     let mut cards = Vec::with_capacity(settings.profiles.len());
     for (name, profile) in &settings.profiles {
         let status = of(name);
-        let shot = picture::of_profile(&web, &status).await?;
+        let shot = picture::profile_picture(&web, &status).await?;
         let station = stations.iter().find(|station| station.profile == *name);
-        cards.push(card(&web, profile, (&status, station), &shot, now));
+        cards.push(machine_card(&web, profile, (&status, station), &shot, now));
     }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
     let content = html! {
         h1 { "Farm" }
-        (daemon_line(daemon.as_ref(), &summary(settings.profiles.len(), status.iter()), now))
-        (needs_a_person(&kept_notices(&settings.state_dir), now))
+        (daemon_line(daemon.as_ref(), &farm_summary(settings.profiles.len(), status.iter()), now))
+        (alerts_section(&read_stored_alerts(&settings.state_dir), now))
         div.cards {
             @for card in &cards { (card) }
         }
@@ -50,65 +50,65 @@ pub(super) async fn show(State(web): State<Arc<Web>>) -> Answer<Markup> {
         }
         @if settings.profiles.is_empty() { p { "No machine is configured." } }
     };
-    Ok(page("Farm", "/", None, &content))
+    Ok(html_page("Farm", "/", None, &content))
 }
 
-/// What a person must see to, each with what to do.
-fn needs_a_person(notices: &[Notice], now: Timestamp) -> Markup {
+/// The problems that a person must solve, each with its remedy.
+fn alerts_section(notices: &[FarmAlert], now: Timestamp) -> Markup {
     html! {
         @if !notices.is_empty() {
             section.needs aria-label="Needs a person" {
                 h2 { (count(notices.len() as u32, "thing needs a person", "things need a person")) }
                 ul { @for notice in notices { li {
-                    b { (notice.sentence()) } " " (prose(notice.kind.remedy())) " (for " (age(notice.since, now)) ")"
+                    b { (notice.alert_text()) } " " (prose_with_code(notice.kind.remedy())) " (for " (format_age(notice.since, now)) ")"
                 } } }
             }
         }
     }
 }
 
-/// `does` is what it does, by the rows that the page shows.
+/// The state of the daemon. `does` says what it does, according to the rows that the page shows.
 fn daemon_line(daemon: Option<&DaemonRow>, does: &str, now: Timestamp) -> Markup {
     let does = daemon.map(|d| d.status.as_str()).filter(|said| said.starts_with(HALTED)).unwrap_or(does);
     match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {
-                "The daemon runs on " (d.host) ", but has not written into the ledger for " (age(d.beat_at.0, now))
-                ": what stands here may be as old. Free some room where the disk of the state folder is full."
+                "The daemon runs on " (d.host) ", but has not written into the ledger for " (format_age(d.beat_at.0, now))
+                ": this page may be that old. Free some room where the disk of the state folder is full."
             }
         },
         Some(d) if d.alive => html! {
-            p.ok.daemon { "The daemon runs on " (d.host) " for " (age(d.started_at.0, now)) ": " (does) "." }
+            p.ok.daemon { "The daemon runs on " (d.host) " for " (format_age(d.started_at.0, now)) ": " (does) "." }
         },
         Some(d) => html! {
-            p.bad role="alert" { "The daemon does not run; its last sign of life was " (age(d.beat_at.0, now)) " ago." }
+            p.bad role="alert" { "The daemon does not run; its last sign of life was " (format_age(d.beat_at.0, now)) " ago." }
         },
         None => html! { p.bad role="alert" { "The daemon has not run yet." } },
     }
 }
 
-/// What hinders a machine, if anything: what somebody has ordered, or what the daemon sees.
-fn hindrance(status: &ProfileStatus, station: Option<&StationRow>) -> Vec<String> {
+/// Why a machine takes no parts, if so: an operator paused it, or the daemon found it unavailable.
+fn machine_warnings(status: &ProfileStatus, station: Option<&MachineRow>) -> Vec<String> {
     let paused = status.paused.as_ref().map(|paused| {
-        format!("Paused by {} since {}: nothing is fired.", paused.paused_by, time_utc(paused.paused_at))
+        format!("Paused by {} since {}: nothing is fired.", paused.paused_by, format_time_utc(paused.paused_at))
     });
     let trouble = station.filter(|station| !station.trouble.is_empty()).map(|station| {
-        let since = station.trouble_at.map(|at| format!(", since {}", time_utc(at))).unwrap_or_default();
+        let since = station.trouble_at.map(|at| format!(", since {}", format_time_utc(at))).unwrap_or_default();
         format!("Unavailable{since}: {}", station.trouble)
     });
     paused.into_iter().chain(trouble).collect()
 }
 
-/// When the open build of a machine fires, and why.
-pub(super) fn fires(profile: &Profile, status: &ProfileStatus) -> Option<String> {
-    let fires = fires_at(profile, status)?;
-    Some(format!("when full, at the latest {}: {}", time_utc(Utc(fires.at)), fires.why(status)))
+/// When the open build of a machine fires, and which trigger fires it.
+pub(super) fn fire_forecast_text(profile: &MachineProfile, status: &ProfileStatus) -> Option<String> {
+    let fires = forecast_fire(profile, status)?;
+    Some(format!("when full, at the latest {}: {}", format_time_utc(UtcTimestamp(fires.at)), fires.fire_reason(status)))
 }
 
-fn card(
-    web: &Web,
-    profile: &Profile,
-    (status, station): (&ProfileStatus, Option<&StationRow>),
+fn machine_card(
+    web: &DashboardState,
+    profile: &MachineProfile,
+    (status, station): (&ProfileStatus, Option<&MachineRow>),
     shot: &Markup,
     now: Timestamp,
 ) -> Markup {
@@ -118,10 +118,10 @@ fn card(
     html! {
         section.card aria-label=(name) {
             h2 { (name) }
-            @for text in hindrance(status, station) { p.bad role="status" { (text) } }
+            @for text in machine_warnings(status, station) { p.bad role="status" { (text) } }
             (shot)
             @if let Some(open) = open { (open_build(open, profile.space.volume_mm.z)) } @else { p { "No open build." } }
-            (facts(&waiting(&machine, fires(profile, status), now)))
+            (fact_list(&waiting(&machine, fire_forecast_text(profile, status), now)))
             @if status.rejected_parts > 0 {
                 p { a href=(format!("/parts?state=rejected&profile={name}")) { (fields::REJECTED.label) ": " (status.rejected_parts) } }
             }
@@ -132,19 +132,19 @@ fn card(
             @if let Some(last) = &status.last_published {
                 p { (fields::LAST_PUBLISHED.label) ": build " a href=(format!("/builds/{}", last.build)) { (last.build) }
                     @if let Some(height) = fields::HEIGHT.with_unit(last.height_mm) { ", " (height) }
-                    ", " (time_utc(last.published_at)) }
+                    ", " (format_time_utc(last.published_at)) }
             }
             div.buttons {
-                (button(web, CommandKind::Flush, "Flush", &format!("{name}: publish what waits now"), name, None))
-                @if status.paused.is_some() { (button(web, CommandKind::Resume, "Resume", name, name, None)) }
-                @else { (button(web, CommandKind::Pause, "Pause", name, name, None)) }
+                (command_button(web, CommandKind::Flush, "Flush", &format!("{name}: publish what waits now"), name, None))
+                @if status.paused.is_some() { (command_button(web, CommandKind::Resume, "Resume", name, name, None)) }
+                @else { (command_button(web, CommandKind::Pause, "Pause", name, name, None)) }
             }
         }
     }
 }
 
 /// The forecast of the next build.
-fn open_build(open: &OpenBuild, volume_z_mm: f64) -> Markup {
+fn open_build(open: &OpenBuildForecast, volume_z_mm: f64) -> Markup {
     let height = height_in_volume(open.height_mm, Some(volume_z_mm)).unwrap_or_else(|| DASH.to_owned());
     let density = fields::DENSITY.with_unit(open.density).map(|density| format!(", {density} dense"));
     html! {

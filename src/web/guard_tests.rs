@@ -1,10 +1,10 @@
-//! Who may ask the dashboard, and for what.
+//! Which requests the dashboard answers.
 
 use super::*;
 
 #[tokio::test]
 async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured() {
-    let dashboard = Dashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
+    let dashboard = TestDashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
     let ask = async |host: &str| {
         let request = Request::get("/").header("host", host).body(Body::empty()).unwrap();
         dashboard.send(request).await.status
@@ -18,7 +18,7 @@ async fn another_name_of_this_machine_is_not_answered_to_unless_it_is_configured
 
 #[tokio::test]
 async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
-    let dashboard = Dashboard::new(|web| web.token = Some("a-token-of-some-length".to_owned())).await;
+    let dashboard = TestDashboard::new(|web| web.token = Some("a-token-of-some-length".to_owned())).await;
     let ask = async |given: &str| {
         let request = Request::get("/").header("host", "farm").header("authorization", given);
         dashboard.send(request.body(Body::empty()).unwrap()).await.status
@@ -32,17 +32,17 @@ async fn with_a_token_nothing_but_the_sign_of_life_is_shown_without_it() {
 
 #[tokio::test]
 async fn an_order_is_taken_from_our_own_pages_only() {
-    let dashboard = Dashboard::new(|_| ()).await;
+    let dashboard = TestDashboard::new(|_| ()).await;
     let flush = "key=key&kind=flush&profile=cube";
     assert_eq!(dashboard.post(flush, "cross-site").await.status, StatusCode::FORBIDDEN);
     assert_eq!(dashboard.post("key=wrong&kind=flush&profile=cube", "same-origin").await.status, StatusCode::FORBIDDEN);
     assert_eq!(dashboard.post("key=key&kind=flush&profile=other", "same-origin").await.status, StatusCode::NOT_FOUND);
-    assert!(dashboard.ledger.asked().await.unwrap().is_empty());
+    assert!(dashboard.ledger.pending_commands().await.unwrap().is_empty());
     let ledger = (*dashboard.ledger).clone();
     let daemon = tokio::spawn(async move {
         loop {
-            if let Some(order) = ledger.asked().await.unwrap().first() {
-                ledger.answer(order.id, true, "done").await.unwrap();
+            if let Some(order) = ledger.pending_commands().await.unwrap().first() {
+                ledger.answer_command(order.id, true, "done").await.unwrap();
                 return (order.kind, order.profile.clone(), order.asked_by.clone());
             }
             tokio::time::sleep(std::time::Duration::from_millis(5)).await;
@@ -51,21 +51,21 @@ async fn an_order_is_taken_from_our_own_pages_only() {
     assert_eq!(dashboard.post(flush, "same-origin").await.status, StatusCode::SEE_OTHER);
     let (kind, profile, by) = daemon.await.unwrap();
     assert_eq!((kind, profile.as_str(), by.as_str()), (crate::ledger::CommandKind::Flush, "cube", "dashboard"));
-    let silent = Dashboard::new(|web| web.orders = false).await;
+    let silent = TestDashboard::new(|web| web.orders = false).await;
     assert_eq!(silent.post(flush, "same-origin").await.status, StatusCode::FORBIDDEN);
     assert!(!silent.get("/").await.text.contains("<form class=\"order\""), "no buttons where there are no orders");
 }
 
 #[tokio::test]
 async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin() {
-    let dashboard = Dashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
+    let dashboard = TestDashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
     let ask = async |host: &str, told: &[(&str, &str)]| {
         let mut request = Request::post("/orders").header("host", host);
         for (name, value) in told {
             request = request.header(*name, *value);
         }
         let form = request.header("content-type", "application/x-www-form-urlencoded");
-        // An order that is let in is about a profile that is not there.
+        // An accepted command names a profile that does not exist.
         let body = Body::from("key=key&kind=flush&profile=other");
         dashboard.send(form.body(body).unwrap()).await.status
     };
@@ -84,12 +84,12 @@ async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin()
 
 #[tokio::test]
 async fn pages_that_listen_for_changes_leave_room_for_those_that_ask() {
-    let dashboard = Dashboard::new(|_| ()).await;
-    let listening: Vec<_> = (0..crate::web::live::MOST_LISTENING).map(|_| dashboard.web.changes.subscribe()).collect();
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let listening: Vec<_> = (0..crate::web::live::MAX_LISTENERS).map(|_| dashboard.web.changes.subscribe()).collect();
     assert_eq!(dashboard.get("/live").await.status, StatusCode::TOO_MANY_REQUESTS);
     drop(listening);
     let request = Request::get("/live").header("host", "localhost").body(Body::empty()).unwrap();
-    assert_eq!(routes(dashboard.web.clone()).oneshot(request).await.unwrap().status(), StatusCode::OK);
+    assert_eq!(build_router(dashboard.web.clone()).oneshot(request).await.unwrap().status(), StatusCode::OK);
 }
 
 #[tokio::test]
@@ -101,7 +101,7 @@ async fn pages_of_other_sites_get_nothing_but_links_that_a_person_follows() {
             request = request.header(*name, *value);
         }
         let request = request.body(Body::empty()).unwrap();
-        routes(dashboard.web.clone()).oneshot(request).await.unwrap()
+        build_router(dashboard.web.clone()).oneshot(request).await.unwrap()
     };
     let link = [("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document")];
     let program: [(&str, &str); 0] = [];

@@ -1,4 +1,4 @@
-//! The history: builds with their heights, filtered and sorted, as a page, CSV or JSON of exactly what is shown.
+//! The history: builds with their heights, filtered and sorted, as a page; and the shown rows as CSV or JSON.
 
 use std::sync::Arc;
 
@@ -13,27 +13,27 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    asked::{known, query},
     chart,
+    error::{HandlerError, HandlerResult},
+    format::count,
     listing::table_of,
-    page::page,
-    problem::{Answer, Problem},
-    state::Web,
-    words::count,
+    page::html_page,
+    query::{parse_field, query_string},
+    state::DashboardState,
 };
 use crate::{
-    ledger::{BuildId, BuildState, HeightSum, HistoryQuery, HistoryRow, HistorySort},
+    ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistoryRow, HistorySort},
     tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, csv_of, fields},
 };
 
 /// Builds on a page.
-const MOST_ROWS: u32 = 500;
+const MAX_ROWS: u32 = 500;
 
-/// What is asked for; empty fields ask for nothing.
+/// The filter of a request; empty fields do not filter.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
 #[schemars(inline)]
-pub(super) struct Asked {
+pub(super) struct HistoryFilter {
     /// Of one machine profile.
     #[serde(skip_serializing_if = "String::is_empty")]
     profile: String,
@@ -54,7 +54,7 @@ pub(super) struct Asked {
     until: String,
     /// By this column; the newest first where it is not said.
     #[serde(skip_serializing_if = "String::is_empty")]
-    #[schemars(extend("enum" = SORTED.map(|(word, ..)| word)))]
+    #[schemars(extend("enum" = SORT_COLUMNS.map(|(word, ..)| word)))]
     sort: String,
     /// Those that come after this build in that order: the last one of the page before.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -63,82 +63,91 @@ pub(super) struct Asked {
 }
 
 /// What a page can be sorted by beside the newest, with the field that it is sorted by.
-const SORTED: [(&str, HistorySort, FieldDefinition); 4] = [
+const SORT_COLUMNS: [(&str, HistorySort, FieldDefinition); 4] = [
     ("height", HistorySort::Height, fields::HEIGHT),
     ("density", HistorySort::Density, fields::DENSITY),
     ("copies", HistorySort::Copies, fields::COPIES),
     ("profile", HistorySort::Profile, fields::PROFILE),
 ];
 
-/// The rows of a page that are asked for, sorted.
-pub(super) async fn rows(web: &Web, asked: &Asked) -> Answer<Vec<HistoryRow>> {
-    Ok(page_of(web, asked).await?.0)
+/// The sorted rows of one page.
+pub(super) async fn list_rows(web: &DashboardState, asked: &HistoryFilter) -> HandlerResult<Vec<HistoryRow>> {
+    Ok(read_page(web, asked).await?.0)
 }
 
-/// What is asked of the ledger.
-fn query_of(asked: &Asked) -> Answer<HistoryQuery> {
+/// Translates the filter into a query of the ledger.
+fn ledger_query(asked: &HistoryFilter) -> HandlerResult<HistoryQuery> {
     let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     Ok(HistoryQuery {
-        since: day(&asked.since, 0)?,
-        until: day(&asked.until, 1)?,
+        since: parse_day(&asked.since, 0)?,
+        until: parse_day(&asked.until, 1)?,
         profile: some(&asked.profile),
-        state: known(&asked.state, "a state of a build")?,
+        state: parse_field(&asked.state, "a state of a build")?,
         part: some(&asked.part),
-        sort: SORTED.iter().find(|(word, ..)| *word == asked.sort).map_or(HistorySort::Newest, |&(_, sort, _)| sort),
-        after: known::<i64>(&asked.after, "the number of a build")?.map(BuildId),
-        limit: Some(MOST_ROWS + 1),
+        sort: SORT_COLUMNS
+            .iter()
+            .find(|(word, ..)| *word == asked.sort)
+            .map_or(HistorySort::Newest, |&(_, sort, _)| sort),
+        after: parse_field::<i64>(&asked.after, "the number of a build")?.map(BuildId),
+        limit: Some(MAX_ROWS + 1),
     })
 }
 
-/// The rows of a page, and whether there are more.
-async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<HistoryRow>, bool)> {
-    let mut rows = web.ledger.history(&query_of(asked)?).await?;
-    let more = rows.len() > MOST_ROWS as usize;
-    rows.truncate(MOST_ROWS as usize);
+/// The rows of one page, and whether more rows follow.
+async fn read_page(web: &DashboardState, asked: &HistoryFilter) -> HandlerResult<(Vec<HistoryRow>, bool)> {
+    let mut rows = web.ledger.read_history(&ledger_query(asked)?).await?;
+    let more = rows.len() > MAX_ROWS as usize;
+    rows.truncate(MAX_ROWS as usize);
     Ok((rows, more))
 }
 
-/// The first moment of a day, UTC, or of the day `later` days after it.
-fn day(text: &str, later: i64) -> Answer<Option<Timestamp>> {
+/// Parses a date; returns the start (UTC) of the day that is `later` days after it.
+fn parse_day(text: &str, later: i64) -> HandlerResult<Option<Timestamp>> {
     if text.is_empty() {
         return Ok(None);
     }
     let moment = text.parse::<Date>().and_then(|date| date.checked_add(later.days())?.to_zoned(TimeZone::UTC));
     match moment {
         Ok(zoned) => Ok(Some(zoned.timestamp())),
-        Err(_) => Err(Problem::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is no date such as 2026-11-20"))),
+        Err(_) => {
+            Err(HandlerError::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is no date such as 2026-11-20")))
+        }
     }
 }
 
-/// What the published builds come to that are asked for, on all pages.
-pub(super) async fn sums(web: &Web, asked: &Asked) -> Answer<Vec<HeightSum>> {
-    Ok(web.ledger.height_sums(&query_of(asked)?).await?)
+/// The sums of the published builds that match the filter, over all pages.
+pub(super) async fn read_height_sums(web: &DashboardState, asked: &HistoryFilter) -> HandlerResult<Vec<HeightSummary>> {
+    Ok(web.ledger.height_summaries(&ledger_query(asked)?).await?)
 }
 
-/// The page.
-pub(super) async fn show(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Markup> {
-    let (rows, more) = page_of(&web, &asked).await?;
-    let sums = HeightSum::with_all(sums(&web, &asked).await?);
-    let next = rows.last().filter(|_| more).map(|last| Asked { after: last.build.to_string(), ..asked.clone() });
-    let settings = web.settings();
-    let next = next.map(|next| query(&next)).transpose()?;
-    let query = query(&asked)?;
+/// The history page.
+pub(super) async fn show_history(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<HistoryFilter>,
+) -> HandlerResult<Markup> {
+    let (rows, more) = read_page(&web, &asked).await?;
+    let sums = HeightSummary::with_total(read_height_sums(&web, &asked).await?);
+    let next =
+        rows.last().filter(|_| more).map(|last| HistoryFilter { after: last.build.to_string(), ..asked.clone() });
+    let settings = web.current_settings();
+    let next = next.map(|next| query_string(&next)).transpose()?;
+    let query = query_string(&asked)?;
     let content = html! {
         h1 { "History" }
-        (filters(&asked, settings.profiles.keys()))
+        (filter_form(&asked, settings.profiles.keys()))
         p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
             a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
         (sums_table(&sums))
-        (chart::charts(&rows))
-        (table(&rows, &asked))
+        (chart::history_charts(&rows))
+        (history_table(&rows, &asked))
         @if let Some(next) = next {
             p { a rel="next" href=(format!("/history?{next}")) { "The builds that come after these" } }
         }
     };
-    Ok(page("History", "/history", None, &content))
+    Ok(html_page("History", "/history", None, &content))
 }
 
-fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Markup {
+fn filter_form<'a>(asked: &HistoryFilter, profiles: impl Iterator<Item = &'a String>) -> Markup {
     let states: Vec<String> =
         BuildState::ALL.iter().filter(|state| state.is_past_nesting()).map(BuildState::to_string).collect();
     html! {
@@ -156,19 +165,19 @@ fn filters<'a>(asked: &Asked, profiles: impl Iterator<Item = &'a String>) -> Mar
             label { "Until" input type="date" name="until" value=(asked.until); }
             label { "Sorted by" select name="sort" {
                 option value="" { "newest first" }
-                @for (word, _, field) in &SORTED { option value=(word) selected[*word == asked.sort] { (field.page_heading()) } }
+                @for (word, _, field) in &SORT_COLUMNS { option value=(word) selected[*word == asked.sort] { (field.page_heading()) } }
             } }
             button type="submit" { "Show" }
         }
     }
 }
 
-fn sums_table(sums: &[HeightSum]) -> Markup {
+fn sums_table(sums: &[HeightSummary]) -> Markup {
     let caption = "What was published in that time".to_owned();
     html! { @if !sums.is_empty() { (table_of("Heights", Some(caption), HEIGHT_SUM_COLUMNS, sums)) } }
 }
 
-fn table(rows: &[HistoryRow], asked: &Asked) -> Markup {
+fn history_table(rows: &[HistoryRow], asked: &HistoryFilter) -> Markup {
     let order = match asked.sort.as_str() {
         "" => "the newest first".to_owned(),
         sort => format!("sorted by {sort}"),
@@ -179,16 +188,22 @@ fn table(rows: &[HistoryRow], asked: &Asked) -> Markup {
     }
 }
 
-/// What is shown, as CSV.
-pub(super) async fn csv(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Response> {
-    let text = csv_of(HISTORY_COLUMNS, &rows(&web, &asked).await?).map_err(anyhow::Error::from)?;
+/// The shown builds as CSV.
+pub(super) async fn download_csv(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<HistoryFilter>,
+) -> HandlerResult<Response> {
+    let text = csv_of(HISTORY_COLUMNS, &list_rows(&web, &asked).await?).map_err(anyhow::Error::from)?;
     let name = "attachment; filename=\"nestd-history.csv\"";
     Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8"), (header::CONTENT_DISPOSITION, name)], text).into_response())
 }
 
-/// What is shown, as JSON.
-pub(super) async fn json(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Response> {
+/// The shown builds as JSON.
+pub(super) async fn download_json(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<HistoryFilter>,
+) -> HandlerResult<Response> {
     let name = "attachment; filename=\"nestd-history.json\"";
-    let rows = rows(&web, &asked).await?;
+    let rows = list_rows(&web, &asked).await?;
     Ok(([(header::CONTENT_DISPOSITION, name)], axum::Json(rows)).into_response())
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::words::{DASH, prose};
+use super::format::{DASH, prose_with_code};
 use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, for_people};
 
 /// A table of rows in the columns that people see; `name` is what it is called to who cannot see it.
@@ -46,13 +46,13 @@ fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup 
         CellValue::Part(part) | CellValue::NamedPart(part, _) if has_pages => {
             html! { a href=(format!("/parts/{part}")) { (text) } }
         }
-        CellValue::Prose(_) => prose(text),
+        CellValue::Prose(_) => prose_with_code(text),
         _ => html! { (text) },
     }
 }
 
 /// What is known as a list of terms.
-pub(super) fn facts(known: &[SheetFact]) -> Markup {
+pub(super) fn fact_list(known: &[SheetFact]) -> Markup {
     html! {
         dl.facts { @for fact in known { div { dt { (fact.label) } dd { (fact.text) } } } }
     }

@@ -1,5 +1,5 @@
-//! Live updates: a page hears when something has changed and asks for itself again. It hears at once when it begins to listen,
-//! so that what changed since it was made is not lost.
+//! Live updates: the server tells a page that something has changed, and the page reloads its content. The first event
+//! comes as soon as a page subscribes, so that a change since the page was rendered is not lost.
 
 use std::{convert::Infallible, sync::Arc, time::Duration};
 
@@ -12,37 +12,39 @@ use tokio::sync::watch;
 use tokio_stream::{Stream, StreamExt, wrappers::WatchStream};
 
 use super::{
-    problem::{Answer, Problem},
-    state::Web,
+    error::{HandlerError, HandlerResult},
+    state::DashboardState,
 };
 
-/// So many pages listen at once at most: each keeps one of the connections that may be open, and others want to ask, too.
-pub(super) const MOST_LISTENING: usize = 48;
+/// Most pages that listen at once. Each of them keeps a connection open, and other requests need connections as well.
+pub(super) const MAX_LISTENERS: usize = 48;
 
-/// Between two looks at the ledger while somebody watches.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Time between two reads of the ledger while a page listens.
+const POLL_INTERVAL: Duration = Duration::from_secs(1);
 
-/// The stream of changes: an event `changed` at once, and whenever the farm's state is another one.
-pub(super) async fn live(State(web): State<Arc<Web>>) -> Answer<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
-    if web.changes.receiver_count() >= MOST_LISTENING {
+/// The change stream: an event `changed` at once, and again whenever the farm's state changes.
+pub(super) async fn stream_changes(
+    State(web): State<Arc<DashboardState>>,
+) -> HandlerResult<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
+    if web.changes.receiver_count() >= MAX_LISTENERS {
         let text = "too many pages listen for changes already".to_owned();
-        return Err(Problem::Refused(StatusCode::TOO_MANY_REQUESTS, text));
+        return Err(HandlerError::Refused(StatusCode::TOO_MANY_REQUESTS, text));
     }
     let changes = WatchStream::new(web.changes.subscribe());
     let events = changes.map(|number| Ok(Event::default().event("changed").data(number.to_string())));
     Ok(Sse::new(events).keep_alive(KeepAlive::default()))
 }
 
-/// Looks whether the farm's state has changed, as long as somebody wants to know.
-pub(super) async fn look(web: Arc<Web>, changes: watch::Sender<u64>) {
+/// Checks once a second whether the farm's state has changed, while any page listens.
+pub(super) async fn watch_for_changes(web: Arc<DashboardState>, changes: watch::Sender<u64>) {
     let mut seen = String::new();
     loop {
-        tokio::time::sleep(LOOK_EVERY).await;
+        tokio::time::sleep(POLL_INTERVAL).await;
         if changes.receiver_count() == 0 {
             continue;
         }
-        // What cannot be read now is read a second later.
-        let Ok(now) = web.pulse().await else { continue };
+        // A read that fails is repeated a second later.
+        let Ok(now) = web.change_token().await else { continue };
         if now != seen {
             seen = now;
             changes.send_modify(|number| *number += 1);

@@ -1,4 +1,4 @@
-//! `/metrics` and `/readyz`: what watches the farm from outside asks here.
+//! `/metrics` and `/readyz`, for external monitoring.
 
 use std::sync::Arc;
 
@@ -8,21 +8,21 @@ use axum::{
     response::{IntoResponse, Response},
 };
 
-use super::{problem::Answer, state::Web};
+use super::{error::HandlerResult, state::DashboardState};
 use crate::metrics::CONTENT_TYPE;
 
 /// The metrics.
-pub(super) async fn metrics(State(web): State<Arc<Web>>) -> Answer<Response> {
-    let text = web.metrics.text(&web.ledger, &web.settings()).await?;
+pub(super) async fn get_metrics(State(web): State<Arc<DashboardState>>) -> HandlerResult<Response> {
+    let text = web.metrics.render_text(&web.ledger, &web.current_settings()).await?;
     Ok(([(header::CONTENT_TYPE, CONTENT_TYPE)], text).into_response())
 }
 
-/// Whether the ledger answers, the daemon beats and every folder is there.
-pub(super) async fn readyz(State(web): State<Arc<Web>>) -> Answer<Response> {
-    let daemon = web.ledger.daemon().await?;
-    let settings = web.settings();
+/// Readiness: the ledger answers, the daemon's heartbeat is recent and every folder exists.
+pub(super) async fn get_readiness(State(web): State<Arc<DashboardState>>) -> HandlerResult<Response> {
+    let daemon = web.ledger.last_daemon().await?;
+    let settings = web.current_settings();
     let gone: Vec<String> = settings
-        .folders()
+        .all_folders()
         .iter()
         .filter(|folder| !folder.is_dir())
         .map(|f| format!("{} is not there\n", f.display()))

@@ -1,45 +1,45 @@
-//! The face to browsers: pages over the ledger's queries, rendered on the server and readable without JavaScript; a JSON
-//! interface and metrics for machines. It decides nothing: orders go through the ledger, as those of the command line do.
+//! The dashboard: pages over the ledger's queries, rendered on the server and readable without JavaScript, plus a JSON
+//! interface and metrics for programs. It decides nothing: its commands go through the ledger, like those of the CLI.
 //!
-//! Everything is embedded in the binary, and no page asks another host for anything.
+//! All assets are embedded in the binary, and no page loads anything from another host.
 
-mod admit;
 mod api;
-mod asked;
 mod assets;
 mod build;
 mod cache;
+mod cached_render;
 mod chart;
-mod door;
+mod command;
+mod connection_limits;
+mod dto;
 mod enum_words;
+mod error;
 mod farm;
 mod footprint;
+mod format;
 mod guard;
 mod history;
 mod labels;
+mod listener;
 mod listing;
 mod live;
+mod mesh_reduction;
 mod metrics;
 mod openapi;
-mod order;
 mod page;
 mod part;
-mod pick;
 mod pick_map;
+mod pick_page;
 mod picture;
-mod problem;
-mod reduce;
-mod render;
+mod query;
 mod report;
 mod scene;
-mod search;
+mod search_report;
 mod server;
-mod sheets;
 mod state;
-mod words;
 
 #[cfg(test)]
 mod tests;
 
-pub use report::{Report, Source};
-pub use server::serve;
+pub use report::{HtmlReport, ReportSource};
+pub use server::serve_dashboard;

@@ -13,13 +13,14 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, generate::SchemaSettings};
 use serde_json::{Map, Value, json};
 
 use super::{
-    api, history, part, pick,
-    problem::ApiError,
-    sheets::{BuildSheet, Part, PartSheet},
-    state::Web,
+    api,
+    dto::{BuildResponse, PartResource, PartResponse},
+    error::ApiError,
+    history, part, pick_page,
+    state::DashboardState,
 };
 use crate::{
-    ledger::{HeightSum, HistoryRow},
+    ledger::{HeightSummary, HistoryRow},
     tables::PickList,
 };
 
@@ -33,7 +34,7 @@ const SCHEMAS: &str = "/components/schemas";
 type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;
 
 /// Makes what answers at an address.
-type HandlerMaker = fn() -> MethodRouter<Arc<Web>>;
+type HandlerMaker = fn() -> MethodRouter<Arc<DashboardState>>;
 
 /// An address of the interface.
 struct ApiRoute {
@@ -53,37 +54,37 @@ const ROUTES: [ApiRoute; 7] = [
         path: "/api/v1/farm",
         name: "farm",
         summary: "The farm as it stands",
-        answer: schema_of::<api::Farm>,
+        answer: schema_of::<api::FarmResponse>,
         query: None,
         without: &[],
-        handler: || get(api::farm),
+        handler: || get(api::get_farm),
     },
     ApiRoute {
         path: "/api/v1/builds",
         name: "builds",
         summary: "Builds past nesting, newest first unless sorted otherwise, 500 at a time",
         answer: schema_of::<Vec<HistoryRow>>,
-        query: Some(schema_of::<history::Asked>),
+        query: Some(schema_of::<history::HistoryFilter>),
         without: &[],
-        handler: || get(api::builds),
+        handler: || get(api::list_builds),
     },
     ApiRoute {
         path: "/api/v1/heights",
         name: "heights",
         summary: "What the published builds come to, by machine; filtered as the builds are",
-        answer: schema_of::<Vec<HeightSum>>,
-        query: Some(schema_of::<history::Asked>),
+        answer: schema_of::<Vec<HeightSummary>>,
+        query: Some(schema_of::<history::HistoryFilter>),
         without: &["sort", "after"],
-        handler: || get(api::heights),
+        handler: || get(api::list_height_sums),
     },
     ApiRoute {
         path: "/api/v1/builds/{build}",
         name: "build",
         summary: "A build with its parts and placements",
-        answer: schema_of::<BuildSheet>,
+        answer: schema_of::<BuildResponse>,
         query: None,
         without: &[],
-        handler: || get(api::build),
+        handler: || get(api::get_build),
     },
     ApiRoute {
         path: "/api/v1/builds/{build}/pick",
@@ -92,31 +93,31 @@ const ROUTES: [ApiRoute; 7] = [
         answer: schema_of::<PickList>,
         query: None,
         without: &[],
-        handler: || get(pick::list),
+        handler: || get(pick_page::get_pick_list),
     },
     ApiRoute {
         path: "/api/v1/parts",
         name: "parts",
         summary: "Parts, newest first, 500 at a time; without a state or a name those that are not built yet, of the refused ones \
             those of the last 30 days",
-        answer: schema_of::<Vec<Part>>,
-        query: Some(schema_of::<part::Asked>),
+        answer: schema_of::<Vec<PartResource>>,
+        query: Some(schema_of::<part::PartFilter>),
         without: &[],
-        handler: || get(api::parts),
+        handler: || get(api::list_parts),
     },
     ApiRoute {
         path: "/api/v1/parts/{part}",
         name: "part",
         summary: "A part, where its copies are and what happened to it",
-        answer: schema_of::<PartSheet>,
+        answer: schema_of::<PartResponse>,
         query: None,
         without: &[],
-        handler: || get(api::part),
+        handler: || get(api::get_part),
     },
 ];
 
 /// The addresses of the interface, and of the document that describes them.
-pub(super) fn routes() -> Router<Arc<Web>> {
+pub(super) fn routes() -> Router<Arc<DashboardState>> {
     let router = Router::new().route("/api/v1/openapi.json", get(document));
     ROUTES.iter().fold(router, |router, route| router.route(route.path, (route.handler)()))
 }

@@ -1,10 +1,10 @@
-//! What all pages have in common: head, navigation, foot.
+//! The layout that all pages share: head, navigation, footer.
 
 use axum::http::StatusCode;
 use maud::{DOCTYPE, Markup, html};
 
-/// A whole page. `script` is a module of its own, besides the one that keeps pages up to date.
-pub(super) fn page(title: &str, here: &str, script: Option<&str>, content: &Markup) -> Markup {
+/// A whole page. `script` is loaded in addition to the script that keeps pages up to date.
+pub(super) fn html_page(title: &str, here: &str, script: Option<&str>, content: &Markup) -> Markup {
     let link = |path: &str, name: &str| {
         html! { a href=(path) aria-current=[(here == path).then_some("page")] { (name) } }
     };
@@ -39,13 +39,13 @@ pub(super) fn page(title: &str, here: &str, script: Option<&str>, content: &Mark
     }
 }
 
-/// The page of an error.
-pub(super) fn error(status: StatusCode, text: &str) -> Markup {
+/// A page that shows an error.
+pub(super) fn error_page(status: StatusCode, text: &str) -> Markup {
     let title = status.canonical_reason().unwrap_or("Error");
     let content = html! {
         h1 { (title) }
         p #problem role="alert" { (text) "." }
         p { a href="/" { "To the farm" } }
     };
-    page(title, "", None, &content)
+    html_page(title, "", None, &content)
 }

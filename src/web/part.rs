@@ -1,4 +1,4 @@
-//! Parts: those of a state or a name, and one part: where it is, in which build, where in the cake.
+//! The page that lists parts by state or name, and the page of one part with the builds and positions of its copies.
 
 use std::sync::Arc;
 
@@ -8,28 +8,28 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    asked::{known, query},
-    listing::{facts, table_of},
-    order::button,
-    page::page,
-    problem::{Answer, Problem},
-    state::Web,
-    words::{count, prose},
+    command::command_button,
+    error::{HandlerError, HandlerResult},
+    format::{count, prose_with_code},
+    listing::{fact_list, table_of},
+    page::html_page,
+    query::{parse_field, query_string},
+    state::DashboardState,
 };
 use crate::{
-    farm::copies_so_far,
+    farm::count_copies_in_layout,
     ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow},
     tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, fields, part_facts},
 };
 
 /// Parts on a page.
-const MOST_PARTS: u32 = 500;
+const MAX_PARTS: u32 = 500;
 
-/// What is asked for; empty fields ask for nothing.
+/// The filter of a request; empty fields do not filter.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(default)]
 #[schemars(inline)]
-pub(super) struct Asked {
+pub(super) struct PartFilter {
     /// In one state.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(with = "PartState")]
@@ -46,28 +46,31 @@ pub(super) struct Asked {
     after: String,
 }
 
-/// The parts of a page, the newest first, and whether there are more.
-pub(super) async fn page_of(web: &Web, asked: &Asked) -> Answer<(Vec<PartRow>, bool)> {
+/// The parts of one page, newest first, and whether more parts follow.
+pub(super) async fn read_page(web: &DashboardState, asked: &PartFilter) -> HandlerResult<(Vec<PartRow>, bool)> {
     let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let query = PartQuery {
         name: some(&asked.name),
-        state: known(&asked.state, "a state of a part")?,
+        state: parse_field(&asked.state, "a state of a part")?,
         profile: some(&asked.profile),
-        before: known::<i64>(&asked.after, "the number of a part")?.map(PartId),
-        limit: MOST_PARTS + 1,
+        before: parse_field::<i64>(&asked.after, "the number of a part")?.map(PartId),
+        limit: MAX_PARTS + 1,
     };
-    let mut parts = web.ledger.parts(&query).await?;
-    let more = parts.len() > MOST_PARTS as usize;
-    parts.truncate(MOST_PARTS as usize);
+    let mut parts = web.ledger.list_parts(&query).await?;
+    let more = parts.len() > MAX_PARTS as usize;
+    parts.truncate(MAX_PARTS as usize);
     Ok((parts, more))
 }
 
-/// Parts by state, or of a name or an order.
-pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>) -> Answer<Markup> {
-    let (parts, more) = page_of(&web, &asked).await?;
-    let next = parts.last().filter(|_| more).map(|last| Asked { after: last.id.to_string(), ..asked.clone() });
-    let next = next.map(|next| query(&next)).transpose()?;
-    let settings = web.settings();
+/// The page that lists parts by state, name or order.
+pub(super) async fn list_parts(
+    State(web): State<Arc<DashboardState>>,
+    Query(asked): Query<PartFilter>,
+) -> HandlerResult<Markup> {
+    let (parts, more) = read_page(&web, &asked).await?;
+    let next = parts.last().filter(|_| more).map(|last| PartFilter { after: last.id.to_string(), ..asked.clone() });
+    let next = next.map(|next| query_string(&next)).transpose()?;
+    let settings = web.current_settings();
     let states = PartState::ALL.map(|s| s.to_string());
     let content = html! {
         h1 { "Parts" }
@@ -86,67 +89,70 @@ pub(super) async fn list(State(web): State<Arc<Web>>, Query(asked): Query<Asked>
         @if asked.name.is_empty() && asked.state.is_empty() {
             p { "Parts that are claimed, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
         }
-        (table(&parts, more))
+        (parts_table(&parts, more))
         @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { "The parts before these" } } }
     };
-    Ok(page("Parts", "/parts", None, &content))
+    Ok(html_page("Parts", "/parts", None, &content))
 }
 
 /// Parts as a table, of which there are more or not.
-fn table(parts: &[PartRow], more: bool) -> Markup {
+fn parts_table(parts: &[PartRow], more: bool) -> Markup {
     let caption = count(parts.len() as u32, "part", "parts") + if more { ", the newest of more" } else { "" };
     html! { @if parts.is_empty() { p { "No parts." } } @else { (table_of("Parts", Some(caption), PART_COLUMNS, parts)) } }
 }
 
-/// One part.
-pub(super) async fn show(State(web): State<Arc<Web>>, Path(number): Path<i64>) -> Answer<Markup> {
+/// The page of one part.
+pub(super) async fn show_part(
+    State(web): State<Arc<DashboardState>>,
+    Path(number): Path<i64>,
+) -> HandlerResult<Markup> {
     let id = PartId(number);
-    let part = web.ledger.part(id).await?.ok_or_else(|| Problem::NotFound(format!("part {number}")))?;
+    let part = web.ledger.find_part(id).await?.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
     let placements = web.ledger.placements_of_part(id).await?;
     let events = web.ledger.events_of_part(id).await?;
     let others = |parts: Vec<PartRow>| parts.into_iter().filter(|other| other.id != id).collect::<Vec<_>>();
-    let same = others(web.ledger.parts_of_content(&part.file.content_hash).await?);
+    let same = others(web.ledger.parts_with_content(&part.file.content_hash).await?);
     let mut named = others(web.ledger.parts_named(&part.name).await?);
     named.retain(|other| other.file.content_hash != part.file.content_hash);
-    let open = open_build_with(&web, &part).await?;
+    let open = find_open_build(&web, &part).await?;
     let about = format!("part {number}");
     let content = html! {
         h1 { "Part " (number) ": " (part.full_name()) }
-        @if !part.reason.is_empty() { p.bad role="status" { (prose(&part.reason)) } }
-        @for warning in part.warnings.lines() { p.warn { (prose(warning)) } }
-        (facts(&part_facts(&part, part.copies.to_string())))
+        @if !part.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.reason)) } }
+        @for warning in part.warnings.lines() { p.warn { (prose_with_code(warning)) } }
+        (fact_list(&part_facts(&part, part.copies.to_string())))
         div.buttons {
-            @if part.state == PartState::Rejected { (button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
-            @if part.state == PartState::Waiting { (button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
+            @if part.state == PartState::Rejected { (command_button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
+            @if part.state == PartState::Waiting { (command_button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
         }
         h2 { "Where its copies are" }
-        (copies(&part, &placements, open))
+        (copies_section(&part, &placements, open))
         h2 { "What happened" }
         (table_of("Events", None, EVENT_COLUMNS, &events))
-        @if !same.is_empty() { h2 { "The same file at other times" } (newest(same)) }
-        @if !named.is_empty() { h2 { "Other files of this name" } (newest(named)) }
+        @if !same.is_empty() { h2 { "The same file at other times" } (newest_table(same)) }
+        @if !named.is_empty() { h2 { "Other files of this name" } (newest_table(named)) }
     };
-    Ok(page(&format!("Part {number}"), "/parts", None, &content))
+    Ok(html_page(&format!("Part {number}"), "/parts", None, &content))
 }
 
-fn newest(mut parts: Vec<PartRow>) -> Markup {
-    let more = parts.len() > MOST_PARTS as usize;
+fn newest_table(mut parts: Vec<PartRow>) -> Markup {
+    let more = parts.len() > MAX_PARTS as usize;
     parts.reverse();
-    parts.truncate(MOST_PARTS as usize);
-    table(&parts, more)
+    parts.truncate(MAX_PARTS as usize);
+    parts_table(&parts, more)
 }
 
-/// The open build in whose layout copies of a part stand so far, and how many.
-async fn open_build_with(web: &Web, part: &PartRow) -> Answer<Option<(BuildId, u32)>> {
+/// The open build whose current layout holds copies of a part, and how many copies it holds.
+async fn find_open_build(web: &DashboardState, part: &PartRow) -> HandlerResult<Option<(BuildId, u32)>> {
     if part.state != PartState::Waiting {
         return Ok(None);
     }
     let open = web.ledger.builds_in_state(BuildState::Open).await?;
     let build = open.into_iter().find(|build| build.profile == part.profile);
-    Ok(build.map(|build| (build.id, copies_so_far(&build, part.id))).filter(|(_, copies)| *copies > 0))
+    Ok(build.map(|build| (build.id, count_copies_in_layout(&build, part.id))).filter(|(_, copies)| *copies > 0))
 }
 
-fn copies(part: &PartRow, placements: &[PlacementRow], open: Option<(BuildId, u32)>) -> Markup {
+fn copies_section(part: &PartRow, placements: &[PlacementRow], open: Option<(BuildId, u32)>) -> Markup {
     let waiting = part.copies.saturating_sub(placements.len() as u32);
     html! {
         @if part.state == PartState::Rejected { p { "In no build: the part was refused or cancelled." } }

@@ -1,16 +1,16 @@
-//! The order of a pick map, and what it says where it does not know.
+//! The order of a pick map, and what it shows when the order is unknown.
 
 use glam::{DQuat, DVec3};
-use nester::DrawnCopy;
+use nester::RemovedCopy;
 use solids::Pose;
 
 use super::*;
-use crate::web::search::Told;
+use crate::web::search_report::ReportExcerpt;
 
-/// A cake of two parts: two copies of one, one of the other, whose original is or is not kept.
-fn cake(is_kept: bool) -> Cake {
+/// A cake of two parts: two copies of one, and one copy of the other, whose original may be missing.
+fn cake(is_kept: bool) -> CakeContents {
     let at =
-        |copy: u32, z: f64| Standing { copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, z)), drawn: None };
+        |copy: u32, z: f64| CakeCopy { copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, z)), drawn: None };
     let part = |number: i64, name: &str, mesh, copies| CakePart {
         part: number,
         name: name.to_owned(),
@@ -24,21 +24,21 @@ fn cake(is_kept: bool) -> Cake {
         part(1, "low.3mf (ring)", Some(ring), vec![at(1, 10.0), at(2, 30.0)]),
         part(2, "h<i>gh.stl", other, vec![at(1, 60.0)]),
     ];
-    Cake { volume_mm: DVec3::new(100.0, 100.0, 100.0), parts }
+    CakeContents { volume_mm: DVec3::new(100.0, 100.0, 100.0), parts }
 }
 
-fn drawn(part: &str, copy: u32, way: [f64; 3]) -> DrawnCopy {
-    DrawnCopy { part: part.to_owned(), copy, way }
+fn drawn(part: &str, copy: u32, way: [f64; 3]) -> RemovedCopy {
+    RemovedCopy { part: part.to_owned(), copy, way }
 }
 
-/// The map of a cake beside whose file a report lies.
-fn map_with(mut cake: Cake, order: &[DrawnCopy]) -> String {
-    Told { order: order.to_vec(), ..Told::default() }.mark(&mut cake);
-    let (picks, is_proved) = in_order(&cake);
-    sheets(&cake, (&picks, is_proved), true).into_string()
+/// The map of a cake with the removal order of a report.
+fn map_with(mut cake: CakeContents, order: &[RemovedCopy]) -> String {
+    ReportExcerpt { order: order.to_vec(), ..ReportExcerpt::default() }.mark_removal_order(&mut cake);
+    let (picks, is_proved) = picks_in_order(&cake);
+    map_sheets(&cake, (&picks, is_proved), true).into_string()
 }
 
-/// Where each of some texts stands in a page.
+/// The position of each text in a page.
 fn places<const N: usize>(page: &str, texts: [&str; N]) -> [usize; N] {
     texts.map(|text| page.find(text).unwrap_or_else(|| panic!("{text} is not in {page}")))
 }

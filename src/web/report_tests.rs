@@ -1,4 +1,4 @@
-//! A report is whole, asks nobody, and shows names as text.
+//! A report is self-contained, loads nothing from other hosts, and shows names as text.
 
 use std::sync::Arc;
 
@@ -6,14 +6,14 @@ use glam::{DQuat, DVec3};
 use solids::Pose;
 
 use super::*;
-use crate::farm::{CakePart, Standing};
+use crate::farm::{CakeCopy, CakePart};
 
 const NAMES: [&str; 4] =
     ["<script>alert(1)</script>.stl", "</script><img src=x onerror=alert(1)>.stl", "\"onload=\"x.stl", "a'b&amp;.stl"];
 
-fn cake(name: &str) -> Cake {
+fn cake(name: &str) -> CakeContents {
     let mesh = Arc::new(sample_parts::ring(40.0, 28.0, 8.0));
-    let standing = |copy| Standing {
+    let standing = |copy| CakeCopy {
         copy,
         pose: Pose::new(DQuat::IDENTITY, DVec3::new(50.0, 50.0, 20.0 * copy as f64)),
         drawn: None,
@@ -25,13 +25,14 @@ fn cake(name: &str) -> Cake {
         mesh: Some(mesh),
         copies: vec![standing(1), standing(2)],
     };
-    Cake { volume_mm: DVec3::new(100.0, 100.0, 200.0), parts: vec![part] }
+    CakeContents { volume_mm: DVec3::new(100.0, 100.0, 200.0), parts: vec![part] }
 }
 
 fn report(name: &str) -> String {
-    let info = BuildInfo { title: Some(name.to_owned()), profile: Some(name.to_owned()), ..BuildInfo::default() };
+    let info =
+        BuildMetadata { title: Some(name.to_owned()), profile: Some(name.to_owned()), ..BuildMetadata::default() };
     let cake = cake(name);
-    Report { cake: &cake, source: Source::File(Path::new("/nowhere/x.build.3mf"), &info) }.html().unwrap()
+    HtmlReport { cake: &cake, source: ReportSource::File(Path::new("/nowhere/x.build.3mf"), &info) }.to_html().unwrap()
 }
 
 /// The text between two marks.
@@ -85,7 +86,7 @@ fn what_is_put_in_whole_ends_no_element() {
 fn parts_whose_originals_are_gone_are_told() {
     let mut cake = cake("gone.stl");
     cake.parts[0].mesh = None;
-    let info = BuildInfo::default();
-    let html = Report { cake: &cake, source: Source::File(Path::new("x.3mf"), &info) }.html().unwrap();
+    let info = BuildMetadata::default();
+    let html = HtmlReport { cake: &cake, source: ReportSource::File(Path::new("x.3mf"), &info) }.to_html().unwrap();
     assert!(html.contains("1 part is not shown"));
 }

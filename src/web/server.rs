@@ -1,4 +1,4 @@
-//! The server: the routes, and where it listens.
+//! The web server: its routes and its start.
 
 use std::sync::{Arc, PoisonError};
 
@@ -13,92 +13,94 @@ use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{
-    admit::{self, Admitting, Answering, MOST_BODY},
     assets, build,
-    cache::Cache,
-    door::Door,
-    farm as farm_page, guard, history, live, metrics, openapi, order, part, pick, picture,
-    problem::Problem,
-    scene,
-    state::{PageCaches, Web},
+    cache::RecentCache,
+    command,
+    connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
+    error::HandlerError,
+    farm as farm_page, guard, history,
+    listener::DashboardListener,
+    live, metrics, openapi, part, pick_page, picture, scene,
+    state::{DashboardState, PageCaches},
 };
 use crate::{
     access,
     ledger::Ledger,
-    metrics::Metrics,
-    settings::{Shared, Web as WebSettings},
+    metrics::MetricsExporter,
+    settings::{SharedSettings, WebSettings},
 };
 
-/// Serves the dashboard until it is dropped. The ledger must be open already: the daemon makes it and finds it whole.
+/// Serves the dashboard until the future is dropped. The daemon must have opened the ledger before: it creates and
+/// checks it.
 ///
 /// # Errors
-/// When the address cannot be listened on, or only with a token and there is none, or the token cannot be read.
-pub async fn serve(settings: Shared, web: WebSettings) -> Result<()> {
+/// When the address cannot be bound, when it needs a token and none is configured, or when the token cannot be read.
+pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Result<()> {
     let token = web.token_file.as_deref().map(access::read_secret).transpose()?;
     let path = settings.read().unwrap_or_else(PoisonError::into_inner).ledger.clone();
     let ledger = Ledger::open_existing(&path).await.context("opening the ledger for the dashboard")?;
-    // Connections that are still being answered hold the ledger, too.
-    let _closed = CloseAtEnd(ledger.clone());
-    let door = Door::open(&web.listen).await?;
-    door.demand_token(token.as_deref())?;
+    // Requests that are still in progress hold the ledger as well.
+    let _closed = LedgerCloseGuard(ledger.clone());
+    let door = DashboardListener::bind_socket(&web.listen).await?;
+    door.require_token(token.as_deref())?;
     let changes = watch::Sender::new(0);
     info!("The dashboard is at {}.", web.listen);
-    let shared = Arc::new(Web {
+    let shared = Arc::new(DashboardState {
         ledger,
         settings,
-        is_tcp: matches!(door, Door::Tcp(_)),
+        is_tcp: matches!(door, DashboardListener::Tcp(_)),
         hosts: web.hosts,
         orders: web.orders,
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),
         caches: PageCaches {
-            scenes: Cache::new(scene::KEPT),
-            picks: Cache::new(pick::KEPT),
-            pictures: Cache::new(picture::KEPT),
+            scenes: RecentCache::new(scene::CACHED_SCENES),
+            picks: RecentCache::new(pick_page::CACHED_MAPS),
+            pictures: RecentCache::new(picture::CACHED_PICTURES),
         },
-        metrics: Metrics::default(),
-        looking: Arc::new(Semaphore::new(1)),
+        metrics: MetricsExporter::default(),
+        render_slot: Arc::new(Semaphore::new(1)),
         changes: changes.clone(),
     });
-    tokio::spawn(live::look(shared.clone(), changes));
-    let routes = routes(shared).into_make_service_with_connect_info::<Answering>();
+    tokio::spawn(live::watch_for_changes(shared.clone(), changes));
+    let routes = build_router(shared).into_make_service_with_connect_info::<RequestInProgress>();
     match door {
-        Door::Tcp(listener) => axum::serve(Admitting::usual(listener), routes).await,
-        Door::Unix(listener) => axum::serve(Admitting::usual(listener), routes).await,
+        DashboardListener::Tcp(listener) => axum::serve(LimitedListener::with_default_limits(listener), routes).await,
+        DashboardListener::Unix(listener) => axum::serve(LimitedListener::with_default_limits(listener), routes).await,
     }
     .context("serving the dashboard")
 }
 
-/// Every address of the dashboard.
-pub(super) fn routes(web: Arc<Web>) -> Router {
+/// All routes of the dashboard.
+pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
     openapi::routes()
-        .route("/", get(farm_page::show))
-        .route("/builds/{build}", get(build::show))
-        .route("/builds/{build}/pick", get(pick::show))
-        .route("/builds/{build}/picture", get(picture::picture))
-        .route("/builds/{build}/scene", get(scene::scene))
-        .route("/history", get(history::show))
-        .route("/history.csv", get(history::csv))
-        .route("/history.json", get(history::json))
-        .route("/parts", get(part::list))
-        .route("/parts/{part}", get(part::show))
-        .route("/live", get(live::live))
-        .route("/orders", post(order::order))
-        .route("/assets/{name}", get(assets::asset))
-        .route("/metrics", get(metrics::metrics))
+        .route("/", get(farm_page::show_farm))
+        .route("/builds/{build}", get(build::show_build))
+        .route("/builds/{build}/pick", get(pick_page::show_pick_map))
+        .route("/builds/{build}/picture", get(picture::get_picture))
+        .route("/builds/{build}/scene", get(scene::get_scene))
+        .route("/history", get(history::show_history))
+        .route("/history.csv", get(history::download_csv))
+        .route("/history.json", get(history::download_json))
+        .route("/parts", get(part::list_parts))
+        .route("/parts/{part}", get(part::show_part))
+        .route("/live", get(live::stream_changes))
+        .route("/orders", post(command::post_command))
+        .route("/assets/{name}", get(assets::get_asset))
+        .route("/metrics", get(metrics::get_metrics))
         .route("/healthz", get(|| async { "alive\n" }))
-        .route("/readyz", get(metrics::readyz))
-        .fallback(|| async { Problem::NotFound("page of that address".to_owned()) })
-        .layer(middleware::from_fn(admit::answer))
-        .layer(middleware::from_fn_with_state(web.clone(), guard::guard))
-        .layer(DefaultBodyLimit::max(MOST_BODY))
+        .route("/readyz", get(metrics::get_readiness))
+        .fallback(|| async { HandlerError::NotFound("page of that address".to_owned()) })
+        .layer(middleware::from_fn(connection_limits::buffer_then_answer))
+        .layer(middleware::from_fn_with_state(web.clone(), guard::guard_request))
+        .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .with_state(web)
 }
 
 /// Closes the ledger when the dashboard ends.
-struct CloseAtEnd(Ledger);
+struct LedgerCloseGuard(Ledger);
 
-impl Drop for CloseAtEnd {
+impl Drop for LedgerCloseGuard {
     fn drop(&mut self) {
         let ledger = self.0.clone();
         tokio::spawn(async move { ledger.close().await });

@@ -1,54 +1,54 @@
-//! What all handlers share.
+//! The state that all request handlers share.
 
 use std::sync::{Arc, PoisonError};
 
 use axum::body::Bytes;
 use tokio::sync::{Semaphore, watch};
 
-use super::{cache::Cache, pick_map::Map, problem::Answer};
+use super::{cache::RecentCache, error::HandlerResult, pick_map::CachedPickMap};
 use crate::{
     farm,
     ledger::Ledger,
-    metrics::Metrics,
-    settings::{Settings, Shared},
+    metrics::MetricsExporter,
+    settings::{Settings, SharedSettings},
 };
 
-/// What all handlers share.
-pub(super) struct Web {
+/// The state that all request handlers share.
+pub(super) struct DashboardState {
     pub(super) ledger: Ledger,
-    pub(super) settings: Shared,
-    /// Whether it is asked over TCP: then a browser may be made to ask it in another site's name.
+    pub(super) settings: SharedSettings,
+    /// Whether the dashboard listens on TCP. Only then can another site make a browser send requests to it.
     pub(super) is_tcp: bool,
     pub(super) hosts: Vec<String>,
     pub(super) orders: bool,
     pub(super) token: Option<String>,
-    /// Stands in every form, so that no other site can post one.
+    /// A random key that every form carries, so that no other site can post one (CSRF token).
     pub(super) form_key: String,
     pub(super) caches: PageCaches,
-    pub(super) metrics: Metrics,
+    pub(super) metrics: MetricsExporter,
     /// Who holds it makes something for the caches: looking takes one core and the meshes of one build from the farm at most.
-    pub(super) looking: Arc<Semaphore>,
+    pub(super) render_slot: Arc<Semaphore>,
     pub(super) changes: watch::Sender<u64>,
 }
 
 /// What is made of builds once, and kept.
 pub(super) struct PageCaches {
-    pub(super) scenes: Cache<Bytes>,
-    pub(super) picks: Cache<Map>,
-    pub(super) pictures: Cache<Bytes>,
+    pub(super) scenes: RecentCache<Bytes>,
+    pub(super) picks: RecentCache<CachedPickMap>,
+    pub(super) pictures: RecentCache<Bytes>,
 }
 
-impl Web {
-    /// The settings as they are now.
-    pub(super) fn settings(&self) -> Arc<Settings> {
+impl DashboardState {
+    /// The current settings.
+    pub(super) fn current_settings(&self) -> Arc<Settings> {
         self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// A text that changes when anything does that pages show.
-    pub(super) async fn pulse(&self) -> Answer<String> {
-        let (status, last) = (self.ledger.status().await?, self.ledger.last_event_id().await?);
-        let alive = self.ledger.daemon().await?.is_some_and(|daemon| daemon.alive);
-        let notices = farm::kept_notices(&self.settings().state_dir);
+    /// A text that changes whenever anything changes that the pages show.
+    pub(super) async fn change_token(&self) -> HandlerResult<String> {
+        let (status, last) = (self.ledger.profile_statuses().await?, self.ledger.last_event_id().await?);
+        let alive = self.ledger.last_daemon().await?.is_some_and(|daemon| daemon.alive);
+        let notices = farm::read_stored_alerts(&self.current_settings().state_dir);
         Ok(format!("{alive} {last} {status:?} {notices:?}"))
     }
 }

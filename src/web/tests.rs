@@ -1,4 +1,4 @@
-//! The dashboard over a real ledger, asked as a browser asks.
+//! The dashboard over a real ledger, with requests as a browser sends them.
 
 use std::sync::{Arc, RwLock};
 
@@ -10,9 +10,9 @@ use tokio::sync::{Semaphore, watch};
 use tower::ServiceExt;
 
 use super::{
-    cache::Cache,
-    server::routes,
-    state::{PageCaches, Web},
+    cache::RecentCache,
+    server::build_router,
+    state::{DashboardState, PageCaches},
 };
 use crate::{
     ledger::fixtures::{self, TestLedger},
@@ -24,29 +24,29 @@ mod api;
 #[path = "guard_tests.rs"]
 mod guard;
 
-struct Asked {
+struct TestResponse {
     status: StatusCode,
     text: String,
     policy: String,
 }
 
 /// A farm of one machine with a dashboard.
-struct Dashboard {
+struct TestDashboard {
     ledger: TestLedger,
-    web: Arc<Web>,
+    web: Arc<DashboardState>,
     _folder: tempfile::TempDir,
 }
 
-impl Dashboard {
-    async fn new(change: impl FnOnce(&mut Web)) -> Self {
+impl TestDashboard {
+    async fn new(change: impl FnOnce(&mut DashboardState)) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let profiles = folder.path().join("profiles");
         std::fs::create_dir_all(&profiles).unwrap();
         std::fs::write(folder.path().join("nestd.toml"), "root = \"farm\"\n").unwrap();
         std::fs::write(profiles.join("cube.toml"), "volume_mm = [200, 200, 200]\n").unwrap();
-        let settings = settings::load(Some(&folder.path().join("nestd.toml")), Some(folder.path())).unwrap();
+        let settings = settings::load_settings(Some(&folder.path().join("nestd.toml")), Some(folder.path())).unwrap();
         let ledger = fixtures::fresh().await;
-        let mut web = Web {
+        let mut web = DashboardState {
             ledger: (*ledger).clone(),
             settings: Arc::new(RwLock::new(Arc::new(settings))),
             is_tcp: true,
@@ -54,28 +54,32 @@ impl Dashboard {
             orders: true,
             token: None,
             form_key: "key".to_owned(),
-            caches: PageCaches { scenes: Cache::new(2), picks: Cache::new(2), pictures: Cache::new(2) },
+            caches: PageCaches {
+                scenes: RecentCache::new(2),
+                picks: RecentCache::new(2),
+                pictures: RecentCache::new(2),
+            },
             metrics: Default::default(),
-            looking: Arc::new(Semaphore::new(1)),
+            render_slot: Arc::new(Semaphore::new(1)),
             changes: watch::Sender::new(0),
         };
         change(&mut web);
         Self { ledger, web: Arc::new(web), _folder: folder }
     }
 
-    async fn send(&self, request: Request<Body>) -> Asked {
-        let answer = routes(self.web.clone()).oneshot(request).await.unwrap();
+    async fn send(&self, request: Request<Body>) -> TestResponse {
+        let answer = build_router(self.web.clone()).oneshot(request).await.unwrap();
         let status = answer.status();
         let policy = answer.headers().get("content-security-policy").map(|v| v.to_str().unwrap().to_owned());
         let bytes = to_bytes(answer.into_body(), usize::MAX).await.unwrap();
-        Asked { status, text: String::from_utf8_lossy(&bytes).into_owned(), policy: policy.unwrap_or_default() }
+        TestResponse { status, text: String::from_utf8_lossy(&bytes).into_owned(), policy: policy.unwrap_or_default() }
     }
 
-    async fn get(&self, path: &str) -> Asked {
+    async fn get(&self, path: &str) -> TestResponse {
         self.send(Request::get(path).header("host", "localhost:7878").body(Body::empty()).unwrap()).await
     }
 
-    async fn post(&self, form: &str, site: &str) -> Asked {
+    async fn post(&self, form: &str, site: &str) -> TestResponse {
         let request = Request::post("/orders")
             .header("host", "localhost")
             .header("sec-fetch-site", site)
@@ -87,9 +91,9 @@ impl Dashboard {
 
 const PAGES: [&str; 6] = ["/", "/history", "/parts", "/builds/1", "/builds/1/pick", "/parts/1"];
 
-async fn with_a_build(named: &str) -> Dashboard {
-    let dashboard = Dashboard::new(|_| ()).await;
-    let part = crate::ledger::NewPart {
+async fn with_a_build(named: &str) -> TestDashboard {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let part = crate::ledger::NewPartRow {
         name: named.to_owned(),
         profile: "cube".to_owned(),
         ..fixtures::asked(fixtures::new_part("a", 2), |terms| {
@@ -97,7 +101,7 @@ async fn with_a_build(named: &str) -> Dashboard {
         })
     };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
-    dashboard.ledger.accept(id, &[fixtures::solid(0, 2)]).await.unwrap();
+    dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 2)]).await.unwrap();
     let build = dashboard.ledger.open_build("cube").await.unwrap().id;
     dashboard.ledger.begin_nesting(build, "flush", &[(id, 0), (id, 1)]).await.unwrap();
     dashboard.ledger.begin_attempt(build).await.unwrap();
@@ -139,7 +143,7 @@ async fn a_name_that_is_code_is_shown_as_text() {
 #[tokio::test]
 async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
     let dashboard = with_a_build("bracket.stl").await;
-    let rows = dashboard.ledger.history(&Default::default()).await.unwrap();
+    let rows = dashboard.ledger.read_history(&Default::default()).await.unwrap();
     let height = format!("{:.2}", rows[0].measures.height_mm.unwrap());
     assert!(dashboard.get("/history").await.text.contains(&height));
     let json: serde_json::Value = serde_json::from_str(&dashboard.get("/history.json").await.text).unwrap();
@@ -160,11 +164,11 @@ async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
 #[tokio::test]
 async fn an_outcome_that_is_told_changes_the_pulse_of_the_pages() {
     let dashboard = with_a_build("bracket.stl").await;
-    let before = dashboard.web.pulse().await.ok().unwrap();
-    assert_eq!(dashboard.web.pulse().await.ok().unwrap(), before);
-    let printed = crate::ledger::Outcome::Complete;
+    let before = dashboard.web.change_token().await.ok().unwrap();
+    assert_eq!(dashboard.web.change_token().await.ok().unwrap(), before);
+    let printed = crate::ledger::PrintOutcome::Complete;
     dashboard.ledger.record_outcome(crate::ledger::BuildId(1), printed, "", "me@here").await.unwrap();
-    assert_ne!(dashboard.web.pulse().await.ok().unwrap(), before);
+    assert_ne!(dashboard.web.change_token().await.ok().unwrap(), before);
 }
 
 #[tokio::test]
@@ -181,7 +185,7 @@ async fn metrics_have_units_in_their_names_and_count_what_the_ledger_counts() {
 
 #[tokio::test]
 async fn the_farm_is_not_ready_while_no_daemon_beats() {
-    let dashboard = Dashboard::new(|_| ()).await;
+    let dashboard = TestDashboard::new(|_| ()).await;
     assert_eq!(dashboard.get("/readyz").await.status, StatusCode::SERVICE_UNAVAILABLE);
     assert_eq!(dashboard.get("/builds/7").await.status, StatusCode::NOT_FOUND);
     assert_eq!(dashboard.get("/assets/../Cargo.toml").await.status, StatusCode::NOT_FOUND);
@@ -190,34 +194,34 @@ async fn the_farm_is_not_ready_while_no_daemon_beats() {
 #[tokio::test]
 async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() {
     let dashboard = with_a_build("bracket.stl").await;
-    let seen = |trouble: &str| crate::ledger::StationSeen {
+    let seen = |trouble: &str| crate::ledger::ObservedMachine {
         profile: "cube".to_owned(),
         scanned_at: None,
         is_inbox_there: trouble.is_empty(),
         is_queue_writable: true,
         trouble: Some(trouble.to_owned()),
     };
-    let beat = |trouble: &str| crate::ledger::Beat {
+    let beat = |trouble: &str| crate::ledger::DaemonHeartbeat {
         pid: std::process::id(),
         host: "farm".to_owned(),
         version: "0.1.0".to_owned(),
         started_at: jiff::Timestamp::now(),
         status: "idle".to_owned(),
-        stations: vec![seen(trouble)],
+        machines: vec![seen(trouble)],
     };
     let machine = async || {
         let json: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();
         json["profiles"][0].clone()
     };
     assert_eq!(machine().await["available"], serde_json::Value::Null, "nobody has looked yet");
-    dashboard.ledger.beat(&beat("The share is gone.")).await.unwrap();
+    dashboard.ledger.write_heartbeat(&beat("The share is gone.")).await.unwrap();
     assert_eq!(
         (&machine().await["available"], &machine().await["trouble"]),
         (&false.into(), &"The share is gone.".into())
     );
     let card = dashboard.get("/").await.text;
     assert!(card.contains("Unavailable, since ") && card.contains("The share is gone."), "{card}");
-    dashboard.ledger.beat(&beat("")).await.unwrap();
+    dashboard.ledger.write_heartbeat(&beat("")).await.unwrap();
     assert_eq!((&machine().await["available"], &machine().await["trouble"]), (&true.into(), &serde_json::Value::Null));
     assert!(!dashboard.get("/").await.text.contains("Unavailable"));
 }
@@ -225,7 +229,7 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
 #[tokio::test]
 async fn the_builds_of_a_machine_that_was_sold_stay_to_be_looked_at() {
     let dashboard = with_a_build("bracket.stl").await;
-    let mut settings = (*dashboard.web.settings()).clone();
+    let mut settings = (*dashboard.web.current_settings()).clone();
     settings.profiles.clear();
     *dashboard.web.settings.write().unwrap() = Arc::new(settings);
     for path in ["/", "/history", "/builds/1", "/builds/1/pick", "/builds/1/picture", "/builds/1/scene"] {
@@ -235,10 +239,10 @@ async fn the_builds_of_a_machine_that_was_sold_stay_to_be_looked_at() {
 
 #[tokio::test]
 async fn the_page_of_a_build_counts_the_copies_that_stand_in_it_and_has_a_picture_without_javascript() {
-    let dashboard = Dashboard::new(|_| ()).await;
-    let part = crate::ledger::NewPart { profile: "cube".to_owned(), ..fixtures::new_part("a", 9) };
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let part = crate::ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 9) };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;
-    dashboard.ledger.accept(id, &[fixtures::solid(0, 9)]).await.unwrap();
+    dashboard.ledger.accept_solids(id, &[fixtures::solid(0, 9)]).await.unwrap();
     let build = dashboard.ledger.open_build("cube").await.unwrap().id;
     dashboard.ledger.begin_nesting(build, "flush", &[(id, 4)]).await.unwrap();
     let placed = fixtures::placed(&[(id, 4)]);

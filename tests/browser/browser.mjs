@@ -1,4 +1,4 @@
-// What every check needs: a Chromium that draws in software, and pages that tell what goes wrong on them.
+// Shared by all checks: a Chromium with software rendering, and pages that report their errors.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { chromium } from "playwright-core";

@@ -1,4 +1,4 @@
-// How long a large build takes to be seen: node large.mjs '{"chromium": ..., "base": ..., "build": ..., "copies": ...}'.
+// Measures the time until a large build is visible: node large.mjs '{"chromium": ..., "base": ..., "build": ..., "copies": ...}'.
 import assert from "node:assert/strict";
 import { drawn, open, pixels, start } from "./browser.mjs";
 

@@ -1,6 +1,6 @@
-//! The farm with other people's programs: its pages in a real Chromium, its hot folder behind a real Samba server. What cannot
-//! run here is reported as ignored, with the reason.
-#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot go on fails; these say what they measured
+//! The farm with external programs: its pages in a real Chromium, its hot folder behind a real Samba server. A test
+//! that cannot run on this machine is reported as ignored, with the reason.
+#![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; these print their figures
 
 mod pages;
 mod quiet;
@@ -11,7 +11,7 @@ mod support;
 use std::process::ExitCode;
 
 use libtest_mimic::Arguments;
-use support::trial::{trial, unset};
+use support::trial::{missing_variables, trial};
 
 /// Clients of a share mostly wait.
 const AT_ONCE: usize = 3;
@@ -22,18 +22,18 @@ fn main() -> ExitCode {
     let mut trials = vec![
         trial(
             "pages::every_page_is_what_it_should_be_in_a_real_browser",
-            unset(&["NESTD_BROWSER"]),
+            missing_variables(&["NESTD_BROWSER"]),
             pages::every_page_is_what_it_should_be_in_a_real_browser,
         ),
         trial(
             "pages::the_view_of_700_parts_and_four_million_triangles_opens_in_time",
-            unset(&["NESTD_BROWSER"]),
+            missing_variables(&["NESTD_BROWSER"]),
             pages::the_view_of_700_parts_and_four_million_triangles_opens_in_time,
         ),
     ];
     let of_samba = |&(name, case): &(&str, fn())| {
         let case = move || {
-            let _busy = quiet::beside_others();
+            let _busy = quiet::run_beside_others();
             case();
         };
         trial(&format!("samba::{name}"), samba::missing(), case)

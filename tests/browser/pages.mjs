@@ -46,7 +46,7 @@ const checks = {
       await page.context().close();
       return milliseconds;
     };
-    // A machine that is busy with other things paints a line of plain text late, too, which takes an idle one 40 ms.
+    // A busy machine paints even a line of plain text late, which takes 40 ms on an idle machine.
     const told = [];
     for (const name of ["farm", "history", "parts", "part", "pick"]) {
       let [best, plain] = [Infinity, Infinity];
@@ -179,7 +179,7 @@ const checks = {
   async "a page without connection says so, and goes on when there is one"() {
     const page = await open(browser, base, PAGES.farm);
     const alert = page.locator("#lost");
-    // The stream that is open is closed as the end of the daemon closes it.
+    // Closes the open stream in the same way as the end of the daemon does.
     await page.context().route("**/live", (route) => route.abort());
     await page.context().setOffline(true);
     await page.evaluate(() => dispatchEvent(new Event("online")));

@@ -1,5 +1,5 @@
 //! The dashboard in a real Chromium, on a farm that the real daemon serves. Needs `NESTD_BROWSER=<chromium>`, node
-//! and npm, which fetches playwright-core and axe-core. `NESTD_SHOTS=<folder>` keeps pictures of the pages too
+//! and npm, which fetches playwright-core and axe-core. `NESTD_SHOTS=<folder>` also saves pictures of the pages
 //! (`docs/screens.sh`).
 
 use std::{
@@ -20,7 +20,7 @@ use crate::{
 const MACHINE: &str = "mjf-5200";
 const PROFILE: &str = "volume_mm = [200, 160, 220]\nclearance_mm = 3.0\nlayer_mm = 0.08\nsettle_secs = 0.3\nunfinished_secs = 2\n\
                        final_secs = 4\narrival_secs = 1\n";
-/// Names that would do harm where they were not taken as text.
+/// Names that would do harm if they were not treated as text.
 const NASTY: [&str; 3] =
     ["<img src=x onerror=alert(1)>.stl", "<script>alert(1)<script>.stl", "=HYPERLINK(\"http:x\").stl"];
 
@@ -28,13 +28,13 @@ fn browser() -> PathBuf {
     std::env::var_os("NESTD_BROWSER").unwrap().into()
 }
 
-/// A farm with a machine of its own, beside that of the other tests.
-struct Dashboard {
+/// A farm with its own machine, besides the machine of the other tests.
+struct BrowserDashboard {
     farm: TestFarm,
     base: String,
 }
 
-impl Dashboard {
+impl BrowserDashboard {
     fn start() -> Self {
         let mut farm = TestFarm::new(support::QUICK);
         farm.write_profile(MACHINE, PROFILE);
@@ -56,7 +56,7 @@ impl Dashboard {
         self.farm.root().join(kind).join(MACHINE)
     }
 
-    /// Drops a file into the machine's hot folder, in an order of its own when there is one.
+    /// Drops a file into the machine's hot folder, in the folder of its order if `order` is not empty.
     fn drop(&self, order: &str, name: &str, bytes: &[u8]) {
         let outside = self.farm.root().join("sending");
         fs::write(&outside, bytes).unwrap();
@@ -84,7 +84,7 @@ impl Dashboard {
         files.filter(|name| name.to_string_lossy().ends_with(".build.3mf")).count()
     }
 
-    /// Publishes what waits.
+    /// Publishes the waiting parts.
     fn flush(&self) {
         let before = self.published();
         self.farm.nestd(&["flush", MACHINE]);
@@ -92,10 +92,10 @@ impl Dashboard {
         wait_until_or("the ledger has it", 30.0, || self.farm.log(), || self.parts(PartState::Batched).is_empty());
     }
 
-    /// Drops copies of all sample parts but the largest, some of each, as an order each.
+    /// Drops some copies of all sample parts except the largest, as one order per customer.
     fn drop_samples(&self, skip: usize, customers: &[&str]) -> usize {
         let samples: Vec<_> =
-            sample_parts::all().into_iter().filter(|sample| sample.name != "rail").skip(skip).collect();
+            sample_parts::all_samples().into_iter().filter(|sample| sample.name != "rail").skip(skip).collect();
         for (at, sample) in samples.iter().enumerate() {
             let name = format!("{}_x{}.stl", sample.name, 1 + at % 4);
             self.drop(customers[at % customers.len()], &name, &stl(&sample.mesh));
@@ -105,8 +105,8 @@ impl Dashboard {
 }
 
 pub fn every_page_is_what_it_should_be_in_a_real_browser() {
-    let (chromium, _quiet) = (browser(), quiet::alone());
-    let dashboard = Dashboard::start();
+    let (chromium, _quiet) = (browser(), quiet::run_alone());
+    let dashboard = BrowserDashboard::start();
     let farm = set_up(&dashboard, &chromium);
     let tools = tools();
     let output = Command::new("node").arg("pages.mjs").arg(farm.to_string()).current_dir(&tools).output().unwrap();
@@ -115,16 +115,17 @@ pub fn every_page_is_what_it_should_be_in_a_real_browser() {
     assert!(output.status.success(), "{told}\n{}", dashboard.farm.log());
 }
 
-/// What the 3D view of a large build may take to open, s; of a program built for speed, on a machine with nothing else to do.
+/// Time limit to open the 3D view of a large build, s; for an optimised nestd on an idle machine.
 const OPENS_WITHIN_SECS: f64 = 3.0;
 
 pub fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
-    let (chromium, _quiet) = (browser(), quiet::alone());
-    let dashboard = Dashboard::start();
+    let (chromium, _quiet) = (browser(), quiet::run_alone());
+    let dashboard = BrowserDashboard::start();
     let large = "volume_mm = [380, 284, 2000]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0\n";
     dashboard.farm.write_profile(MACHINE, large);
     dashboard.farm.reload();
-    let kinds: Vec<_> = sample_parts::all().into_iter().filter(|sample| sample.mesh.triangles().len() > 1500).collect();
+    let kinds: Vec<_> =
+        sample_parts::all_samples().into_iter().filter(|sample| sample.mesh.triangles().len() > 1500).collect();
     let each = 700 / kinds.len();
     for sample in &kinds {
         dashboard.drop("", &format!("{}_x{each}.stl", sample.name), &stl(&sample.mesh));
@@ -143,9 +144,9 @@ pub fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
     assert!(cfg!(debug_assertions) || secs < OPENS_WITHIN_SECS, "it took {secs:.1} s");
 }
 
-/// Two published builds, one of them done, parts that wait in an open build, names that bite, a refused part. Returns what
-/// the checks need to know.
-fn set_up(dashboard: &Dashboard, chromium: &Path) -> serde_json::Value {
+/// Sets up two published builds (one of them complete), waiting parts in an open build, hostile names and a refused
+/// part. Returns the values that the checks need.
+fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
     let read = dashboard.drop_samples(0, &["Acme", "Beta AG", "Müller & Söhne"]);
     dashboard.drop("Acme", NASTY[0], &stl(&sample_parts::cuboid(glam::DVec3::splat(20.0))));
     dashboard.wait_for(PartState::Waiting, read + 1);
@@ -177,10 +178,10 @@ fn set_up(dashboard: &Dashboard, chromium: &Path) -> serde_json::Value {
     })
 }
 
-/// The build that is open, once something stands in it.
-fn open_build(dashboard: &Dashboard) -> i64 {
+/// The open build, once its layout has a copy.
+fn open_build(dashboard: &BrowserDashboard) -> i64 {
     let open = || {
-        let status = dashboard.farm.ask(async |ledger| ledger.status().await.unwrap());
+        let status = dashboard.farm.query_ledger(async |ledger| ledger.profile_statuses().await.unwrap());
         let open = status.into_iter().find(|status| status.profile == MACHINE)?.open?;
         (open.copies.unwrap_or(0) > 20).then_some(open.build.0)
     };
@@ -188,7 +189,7 @@ fn open_build(dashboard: &Dashboard) -> i64 {
     open().unwrap()
 }
 
-/// The folder with the checks and what npm fetches for them, once for all tests.
+/// The folder with the checks and their npm packages, made once for all tests.
 fn tools() -> PathBuf {
     static TOOLS: LazyLock<PathBuf> = LazyLock::new(fetched);
     TOOLS.clone()

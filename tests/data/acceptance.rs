@@ -1,10 +1,10 @@
-//! Random builds of other people's parts (in `nest/` of the data folder), judged twice, as many as `NESTD_BUILDS` says. With
-//! `NESTD_REFEREE` (a python) and `NESTD_JUDGE` (the folder of `verify_build.py` and `separable.py`) there is a judge that
-//! shares no line with us:
+//! Random builds of other people's parts (in `nest/` of the data folder); `NESTD_BUILDS` sets their number. Each build
+//! is checked by nestd, and by an independent judge that shares no code with nestd if `NESTD_REFEREE` (a Python) and
+//! `NESTD_JUDGE` (the folder of `verify_build.py` and `separable.py`) are set:
 //!
 //!     NESTD_DATA=.. NESTD_BUILDS=1000 NESTD_REFEREE=.. NESTD_JUDGE=.. cargo test --release --test data acceptance
 //!
-//! `NESTD_FIRST=500` begins with build 500: long runs can be split, and a single fault be looked at again.
+//! `NESTD_FIRST=500` begins with build 500, so that long runs can be split and a single fault can be repeated.
 
 use std::{
     collections::BTreeMap,
@@ -13,7 +13,7 @@ use std::{
     process::{Command, Stdio},
 };
 
-use build_file::{Limits, Unit};
+use build_file::{LengthUnit, ReadLimits};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng, seq::IndexedRandom};
 use rand_chacha::ChaCha8Rng;
@@ -22,31 +22,32 @@ use solids::Mesh;
 
 use crate::support::random::{any_clearance_mm, any_tilt};
 
-/// So many builds of other people's parts unless `NESTD_BUILDS` says otherwise.
+/// Default number of builds of other people's parts.
 const FEW_BUILDS: u64 = 4;
-/// Builds that the other judge gets at once: starting it costs a second.
+/// Builds that the independent judge gets at once, because its start takes a second.
 const AT_ONCE: u64 = 20;
 
 /// One random build of other people's parts, as a command line.
 #[derive(Debug)]
-struct Order {
+struct RandomBuild {
     number: u64,
     parts: Vec<(PathBuf, u32)>,
     volume_mm: DVec3,
     clearance_mm: f64,
     orientation: &'static str,
-    /// Options that tilt: a direction that stays up or a face that must not look down.
+    /// Options for tilts: a direction that stays up, or a face that must not face down.
     tilt: Option<[String; 2]>,
     evaluations: u64,
 }
 
-/// Parts of the data folder, read when first needed; `None` is no closed solid, or too large to judge a thousand times.
-struct Pool {
+/// Parts of the data folder, read at the first use; `None` = not a closed solid, or too large to check a thousand
+/// times.
+struct PartPool {
     files: Vec<PathBuf>,
     sizes_mm: BTreeMap<usize, Option<DVec3>>,
 }
 
-impl Pool {
+impl PartPool {
     fn new(folder: &Path) -> Self {
         let mut files = Vec::new();
         let mut folders = vec![folder.to_owned()];
@@ -68,14 +69,16 @@ impl Pool {
     fn size_mm(&mut self, at: usize) -> Option<DVec3> {
         let file = &self.files[at];
         *self.sizes_mm.entry(at).or_insert_with(|| {
-            let contents = build_file::read(file, "part.stl", None, Unit::default(), &Limits::default()).ok()?;
+            let contents =
+                build_file::read_part_file(file, "part.stl", None, LengthUnit::default(), &ReadLimits::default())
+                    .ok()?;
             let mesh: &Mesh = &contents.solids.first()?.mesh;
             let fine = mesh.defects().is_closed() && mesh.triangles().len() < 15_000;
             fine.then(|| mesh.bounds().size())
         })
     }
 
-    fn order(&mut self, number: u64) -> Order {
+    fn order(&mut self, number: u64) -> RandomBuild {
         let mut rng = ChaCha8Rng::seed_from_u64(number);
         let mut parts = BTreeMap::new();
         let mut largest = DVec3::ZERO;
@@ -95,7 +98,7 @@ impl Pool {
             1 => Some(["--not-down".to_owned(), any_tilt(&mut rng, 10..70)]),
             _ => None,
         };
-        Order {
+        RandomBuild {
             number,
             parts: parts.into_iter().collect(),
             volume_mm,
@@ -107,12 +110,12 @@ impl Pool {
     }
 }
 
-impl Order {
+impl RandomBuild {
     fn volume(&self) -> String {
         format!("{}x{}x{}", self.volume_mm.x, self.volume_mm.y, self.volume_mm.z)
     }
 
-    /// Nests into a file; whether all copies found a place. `None` where no part fits under the tilts asked for.
+    /// Nests into a file; returns whether all copies found a place. `None` if no part fits with the given tilts.
     fn nest(&self, file: &Path) -> Result<Option<bool>, String> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_nestd"));
         command.arg("nest").args(self.parts.iter().map(|(part, copies)| format!("{}={copies}", part.display())));
@@ -128,7 +131,7 @@ impl Order {
         }
     }
 
-    /// What `nestd verify` says.
+    /// The JSON output of `nestd verify`.
     fn verified(&self, file: &Path) -> Value {
         let mut command = Command::new(env!("CARGO_BIN_EXE_nestd"));
         command.arg("verify").arg(file).args(["--volume", &self.volume(), "--json"]);
@@ -137,15 +140,15 @@ impl Order {
             .unwrap_or_else(|_| json!({ "unreadable": String::from_utf8_lossy(&out.stderr) }))
     }
 
-    /// What the other judge is asked.
-    fn question(&self, file: &Path) -> Value {
+    /// The question for the independent judge.
+    fn referee_question(&self, file: &Path) -> Value {
         let size = self.volume_mm;
         json!({ "file": file, "base": [size.x, size.y], "maxz": size.z, "clearance": self.clearance_mm })
     }
 }
 
-/// Judges every build of standard input, a line each. Locked parts are only looked for where voxels of half the clearance are
-/// few enough.
+/// Judges the builds on standard input, one per line. Looks for locked parts only if the number of voxels of half the
+/// clearance is small enough.
 const SCRIPT: &str = r#"
 import argparse, contextlib, io, json, sys
 sys.path.insert(0, sys.argv[1])
@@ -177,8 +180,8 @@ for line in sys.stdin:
     print(json.dumps({**{k: r[k] for k in keep}, 'locked': locked}), flush=True)
 "#;
 
-/// What the other judge says to every question; `None` when there is no other judge.
-fn judged(questions: &[Value]) -> Option<Vec<Value>> {
+/// The answers of the independent judge; `None` when there is none.
+fn ask_referee(questions: &[Value]) -> Option<Vec<Value>> {
     let (python, folder) = (std::env::var_os("NESTD_REFEREE")?, std::env::var_os("NESTD_JUDGE")?);
     let mut command = Command::new(python);
     command.args(["-c", SCRIPT]).arg(folder).stdin(Stdio::piped()).stdout(Stdio::piped());
@@ -195,7 +198,7 @@ fn judged(questions: &[Value]) -> Option<Vec<Value>> {
     Some(verdicts)
 }
 
-/// What is wrong with a build, by both judges.
+/// The faults of a build that the two judges find.
 fn faults(own: &Value, other: Option<&Value>) -> Vec<String> {
     let mut faults = Vec::new();
     if own["proved"] != json!(true) {
@@ -224,26 +227,26 @@ fn number(variable: &str, otherwise: u64) -> u64 {
 
 pub fn random_builds_of_other_peoples_parts_are_proved_by_two_judges() {
     let data = std::env::var_os("NESTD_DATA").unwrap();
-    let mut pool = Pool::new(&Path::new(&data).join("nest"));
+    let mut pool = PartPool::new(&Path::new(&data).join("nest"));
     let (first, count) = (number("NESTD_FIRST", 0), number("NESTD_BUILDS", FEW_BUILDS));
     let dir = tempfile::tempdir().unwrap();
     let (mut all_faults, mut placed, mut whole, mut looked_at, mut locked) = (Vec::new(), 0, 0, 0, 0);
     for begin in (first..first + count).step_by(AT_ONCE as usize) {
-        let orders: Vec<Order> = (begin..(begin + AT_ONCE).min(first + count)).map(|n| pool.order(n)).collect();
-        let file = |order: &Order| dir.path().join(format!("{}.build.3mf", order.number));
+        let orders: Vec<RandomBuild> = (begin..(begin + AT_ONCE).min(first + count)).map(|n| pool.order(n)).collect();
+        let file = |order: &RandomBuild| dir.path().join(format!("{}.build.3mf", order.number));
         let (mut built, mut questions) = (Vec::new(), Vec::new());
         for order in orders {
             match order.nest(&file(&order)) {
                 Ok(None) => println!("no part fits: {order:?}"),
                 Ok(Some(all)) => {
                     whole += u64::from(all);
-                    questions.push(order.question(&file(&order)));
+                    questions.push(order.referee_question(&file(&order)));
                     built.push(order);
                 }
                 Err(fault) => all_faults.push(fault),
             }
         }
-        let verdicts = judged(&questions);
+        let verdicts = ask_referee(&questions);
         for (at, order) in built.iter().enumerate() {
             let own = order.verified(&file(order));
             let other = verdicts.as_ref().map(|verdicts| &verdicts[at]);
@@ -272,7 +275,7 @@ pub fn random_builds_of_other_peoples_parts_are_proved_by_two_judges() {
     assert!(all_faults.is_empty(), "{all_faults:#?}");
 }
 
-/// Keeps a build to look at in `NESTD_KEEP`.
+/// Saves a build in the folder `NESTD_KEEP` for inspection.
 fn keep(file: &Path) {
     if let Some(folder) = std::env::var_os("NESTD_KEEP") {
         std::fs::copy(file, Path::new(&folder).join(file.file_name().unwrap())).unwrap();

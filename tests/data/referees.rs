@@ -1,15 +1,16 @@
-//! Readers of other people read our builds without a warning: `NESTD_REFEREE` is a python with lib3mf, trimesh and lxml; the
-//! schemas are in the data folder.
+//! External readers read nestd's builds without a warning: `NESTD_REFEREE` is a Python with lib3mf, trimesh and lxml;
+//! the schemas are in the data folder.
 
 use std::{fs::File, process::Command, sync::Arc};
 
 use build_file::{
-    Arrangement, BuildFile, BuildItem, BuildObject, Instances, Limits, cross_check, read_build, write_build,
+    Arrangement, BuildFile, BuildFileItem, BuildFileObject, InstanceSharing, ReadLimits, cross_check, read_build,
+    write_build,
 };
 use glam::{DQuat, DVec3};
 use solids::{Mesh, Pose};
 
-/// Strict reading, schema, checksums, and the top of the build as another reader places it.
+/// Strict reading, schema, checksums, and the top of the build as the external reader places it.
 const SCRIPT: &str = r#"
 import io, sys, zipfile
 import lib3mf, trimesh
@@ -42,14 +43,14 @@ fn cuboid(size: DVec3) -> Arc<Mesh> {
     Arc::new(Mesh::new((0..8).map(corner).collect(), triangles).unwrap())
 }
 
-fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
-    let object = |name: &str, size: DVec3| BuildObject {
+fn build(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
+    let object = |name: &str, size: DVec3| BuildFileObject {
         name: name.to_owned(),
         mesh: cuboid(size),
         part_number: "7".to_owned(),
         content_hash: name.to_owned(),
     };
-    let item = |object: usize, copy: u32| BuildItem {
+    let item = |object: usize, copy: u32| BuildFileItem {
         object,
         pose: Pose::new(
             DQuat::from_euler(glam::EulerRot::XYZ, 0.3 * f64::from(copy), 1.0, -2.0),
@@ -67,7 +68,7 @@ fn build(instances: Instances, arrangement: Arrangement) -> BuildFile {
     let mut encoder = png::Encoder::new(&mut png, 1, 1);
     encoder.set_color(png::ColorType::Grayscale);
     encoder.write_header().unwrap().write_image_data(&[7]).unwrap();
-    let items: Vec<BuildItem> = (1..5).flat_map(|copy| [item(0, copy), item(1, copy)]).collect();
+    let items: Vec<BuildFileItem> = (1..5).flat_map(|copy| [item(0, copy), item(1, copy)]).collect();
     BuildFile {
         title: "mjf-5200 & 42".to_owned(),
         profile: "mjf-5200".to_owned(),
@@ -97,14 +98,14 @@ pub fn other_readers_read_our_builds_without_a_warning() {
     let [python, data] = ["NESTD_REFEREE", "NESTD_DATA"].map(|name| std::env::var_os(name).unwrap());
     let dir = tempfile::tempdir().unwrap();
     let schema = std::path::Path::new(&data).join("xsd/all.xsd");
-    for instances in [Instances::Shared, Instances::Expanded] {
+    for instances in [InstanceSharing::Shared, InstanceSharing::Expanded] {
         for arrangement in [Arrangement::Items, Arrangement::Locked] {
             let build = build(instances, arrangement);
             let file = dir.path().join(format!("{instances:?}-{arrangement:?}.build.3mf"));
             write_build(&build, File::create(&file).unwrap()).unwrap();
-            let placed = read_build(&file, &Limits::default()).unwrap();
-            cross_check(&file, &placed, &Limits::default()).unwrap();
-            let top = |item: &BuildItem| build.objects[item.object].mesh.bounds_at(&item.pose).max.z;
+            let placed = read_build(&file, &ReadLimits::default()).unwrap();
+            cross_check(&file, &placed, &ReadLimits::default()).unwrap();
+            let top = |item: &BuildFileItem| build.objects[item.object].mesh.bounds_at(&item.pose).max.z;
             let top = build.items.iter().map(top).fold(0.0, f64::max);
             let mut command = Command::new(&python);
             command.args(["-c", SCRIPT]).arg(&file).arg(&schema).arg(top.to_string());

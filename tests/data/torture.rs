@@ -3,13 +3,13 @@
 
 use std::{collections::HashMap, path::PathBuf};
 
-use build_file::{Contents, Limits, ReadError, Unit, read};
+use build_file::{FileReadError, LengthUnit, PartFileContents, ReadLimits, read_part_file};
 
-use crate::support::manifest::{EXCEPTIONS, Outcome, files, unpack_names};
+use crate::support::manifest::{EXCEPTIONS, FileOutcome, files, unpack_names};
 
-fn outcome(result: Result<Contents, ReadError>) -> Outcome {
+fn outcome(result: Result<PartFileContents, FileReadError>) -> FileOutcome {
     let contents = match result {
-        Err(error) => return Outcome { triangles: None, left_out: 0, said: chain(&error) },
+        Err(error) => return FileOutcome { triangles: None, left_out: 0, said: chain(&error) },
         Ok(contents) => contents,
     };
     let (mut triangles, mut left_out, mut said) = (0, 0, contents.warnings.clone());
@@ -25,7 +25,7 @@ fn outcome(result: Result<Contents, ReadError>) -> Outcome {
         ];
         said.extend(found.iter().filter(|(count, _)| *count > 0).map(|(_, what)| (*what).to_owned()));
     }
-    Outcome { triangles: Some(triangles), left_out, said: said.join("\n") }
+    FileOutcome { triangles: Some(triangles), left_out, said: said.join("\n") }
 }
 
 fn chain(error: &dyn std::error::Error) -> String {
@@ -43,12 +43,12 @@ pub fn every_torture_file_gives_what_the_manifest_expects() {
     for expected in files(&data) {
         let file = expected.file(&data, names.path());
         let name = file.file_name().unwrap().to_string_lossy().into_owned();
-        let result = read(&file, &name, None, Unit::Millimeter, &Limits::default());
+        let result = read_part_file(&file, &name, None, LengthUnit::Millimeter, &ReadLimits::default());
         seen += 1;
-        if result.as_ref().is_err_and(ReadError::is_io) {
+        if result.as_ref().is_err_and(FileReadError::is_io) {
             bad.push(format!("{name}: counts as a fault of the disk"));
         }
-        match (expected.complaint(&outcome(result)), exceptions.get(name.as_str())) {
+        match (expected.find_difference(&outcome(result)), exceptions.get(name.as_str())) {
             (Some(complaint), None) => bad.push(format!("{name}: expected {}; {complaint}", expected.expect)),
             (None, Some(reason)) => bad.push(format!("{name}: is as expected, though excepted because {reason}")),
             _ => {}

@@ -10,12 +10,12 @@ use assert_cmd::Command;
 use nestd::ledger::Ledger;
 use serde_json::Value;
 
-/// A farm of one machine, in a folder of its own.
-struct Farm {
+/// A farm of one machine in a temporary folder.
+struct CheckedFarm {
     dir: tempfile::TempDir,
 }
 
-impl Farm {
+impl CheckedFarm {
     fn new() -> Self {
         let farm = Self { dir: tempfile::tempdir().unwrap() };
         farm.write("etc/nestd.toml", "");
@@ -66,7 +66,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 #[test]
 fn a_farm_that_is_not_there_yet_is_well_and_stays_not_there() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     let (code, problems, _) = farm.check();
     assert_eq!((code, problems), (0, vec![]));
     assert_eq!(names(farm.dir.path()), ["etc"]);
@@ -74,7 +74,7 @@ fn a_farm_that_is_not_there_yet_is_well_and_stays_not_there() {
 
 #[test]
 fn a_farm_that_is_there_is_well_and_nothing_is_left_in_it() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     for folder in ["inbox/cube", "queue/cube", "error/cube", "archive/cube", "state"] {
         fs::create_dir_all(farm.path("farm").join(folder)).unwrap();
     }
@@ -86,7 +86,7 @@ fn a_farm_that_is_there_is_well_and_nothing_is_left_in_it() {
 
 #[test]
 fn a_wrong_configuration_ends_with_2_and_names_file_and_line() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     farm.write("etc/nestd.toml", "\nscan_sec = 10\n");
     let (code, problems, text) = farm.check();
     assert_eq!((code, problems), (2, vec!["configuration: unknown option \"scan_sec\"".to_owned()]));
@@ -95,7 +95,7 @@ fn a_wrong_configuration_ends_with_2_and_names_file_and_line() {
 
 #[test]
 fn a_file_in_the_place_of_a_folder_is_a_problem() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     farm.write("farm/queue/cube", "not a folder");
     let (code, problems, _) = farm.check();
     assert_eq!(code, 1);
@@ -104,7 +104,7 @@ fn a_file_in_the_place_of_a_folder_is_a_problem() {
 
 #[test]
 fn two_names_of_one_folder_are_a_problem() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     fs::create_dir_all(farm.path("farm/inbox/cube")).unwrap();
     fs::create_dir_all(farm.path("farm/queue")).unwrap();
     symlink(farm.path("farm/inbox/cube"), farm.path("farm/queue/cube")).unwrap();
@@ -115,7 +115,7 @@ fn two_names_of_one_folder_are_a_problem() {
 
 #[test]
 fn a_folder_that_cannot_be_made_is_a_problem() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     farm.write("farm/plain", "a file");
     farm.write("etc/nestd.toml", "[folders]\nerror = \"plain/error\"\n");
     let (code, problems, _) = farm.check();
@@ -125,7 +125,7 @@ fn a_folder_that_cannot_be_made_is_a_problem() {
 
 #[test]
 fn a_ledger_that_is_up_to_date_is_well_and_one_that_is_none_is_a_problem() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     let path = farm.path("farm/state/nestd.db");
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async { Ledger::open(&path).await.unwrap().close().await });
@@ -133,7 +133,7 @@ fn a_ledger_that_is_up_to_date_is_well_and_one_that_is_none_is_a_problem() {
     assert_eq!((code, problems), (0, vec![]));
     assert!(text.contains("schema is current"), "{text}");
 
-    let other = Farm::new();
+    let other = CheckedFarm::new();
     other.write("farm/state/nestd.db", &"this is no database. ".repeat(100));
     let (code, problems, _) = other.check();
     assert_eq!(code, 1);
@@ -142,7 +142,7 @@ fn a_ledger_that_is_up_to_date_is_well_and_one_that_is_none_is_a_problem() {
 
 #[test]
 fn what_lies_beside_the_hot_folders_is_warned_of_with_a_remedy() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     for file in ["inbox/lost.stl", "inbox/cubes/a.stl", "inbox/cube/b.stl", "inbox/.DS_Store"] {
         farm.write(&format!("farm/{file}"), "solid");
     }
@@ -160,7 +160,7 @@ fn what_lies_beside_the_hot_folders_is_warned_of_with_a_remedy() {
 
 #[test]
 fn folders_of_the_farm_that_lie_beside_the_hot_folders_are_not_stray() {
-    let farm = Farm::new();
+    let farm = CheckedFarm::new();
     farm.write("etc/nestd.toml", "[folders]\ninbox = \".\"\n");
     for folder in ["cube", "queue/cube", "error/cube", "archive/cube", "state"] {
         fs::create_dir_all(farm.path("farm").join(folder)).unwrap();
@@ -174,7 +174,7 @@ fn without_a_configuration_it_is_said_what_to_do() {
     let dir = tempfile::tempdir().unwrap();
     let output = Command::cargo_bin("nestd").unwrap().arg("check").current_dir(dir.path()).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
-    // A server on which these tests run may have a configuration.
+    // The machine that runs these tests may have a configuration of its own.
     if !Path::new("/etc/nestd/nestd.toml").exists() {
         assert_eq!(output.status.code(), Some(2));
         assert!(said.contains("neither config/nestd.toml nor /etc/nestd/nestd.toml is there"), "{said}");

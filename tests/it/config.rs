@@ -1,4 +1,4 @@
-//! The shipped configuration, as a newcomer and as a server read it.
+//! The shipped configurations: the one for trying nestd out and the one for a server.
 
 use std::{
     fs,
@@ -6,7 +6,7 @@ use std::{
 };
 
 use glam::{DVec3, dvec3};
-use nestd::settings::load;
+use nestd::settings::load_settings;
 
 const MACHINES: [(&str, DVec3, f64); 4] = [
     ("fuse-1", dvec3(165.0, 165.0, 300.0), 2.0),
@@ -21,7 +21,7 @@ fn shipped(name: &str) -> PathBuf {
 
 #[test]
 fn the_shipped_machines_have_their_volumes_and_clearances() {
-    let settings = load(Some(&shipped("nestd.toml")), None).unwrap();
+    let settings = load_settings(Some(&shipped("nestd.toml")), None).unwrap();
     let machines: Vec<_> =
         settings.profiles.values().map(|p| (p.name.as_str(), p.build_volume().size_mm, p.space.clearance_mm)).collect();
     assert_eq!(machines, MACHINES);
@@ -29,7 +29,7 @@ fn the_shipped_machines_have_their_volumes_and_clearances() {
 
 #[test]
 fn the_try_out_is_in_a_farm_folder_of_the_working_directory() {
-    let settings = load(Some(&shipped("nestd.toml")), None).unwrap();
+    let settings = load_settings(Some(&shipped("nestd.toml")), None).unwrap();
     let farm = std::env::current_dir().unwrap().join("farm");
     assert_eq!(settings.profiles["p396"].folders.inbox, farm.join("inbox/p396"));
     assert_eq!(settings.ledger, farm.join("state/nestd.db"));
@@ -44,7 +44,7 @@ fn the_servers_farm_is_in_srv_and_its_state_in_var_lib() {
         let file = format!("profiles/{name}.toml");
         fs::copy(shipped(&file), etc.path().join(&file)).unwrap();
     }
-    let settings = load(Some(&etc.path().join("nestd.toml")), None).unwrap();
+    let settings = load_settings(Some(&etc.path().join("nestd.toml")), None).unwrap();
     assert_eq!(settings.profiles["fuse-1"].folders.queue, Path::new("/srv/nestd/queue/fuse-1"));
     assert_eq!(settings.ledger, Path::new("/var/lib/nestd/nestd.db"));
     assert_eq!(settings.profiles.len(), MACHINES.len());

@@ -1,4 +1,4 @@
-//! Keeps the house in order: a crate and a module know only floors below their own, and no files of either import each other
+//! Checks the layering: crates and modules use only lower floors, and no files of a crate or module import each other
 //! in a circle.
 
 use std::{
@@ -47,7 +47,7 @@ fn floor(room: &str) -> Option<u32> {
     FLOORS.iter().find(|(name, _)| *name == room).map(|&(_, floor)| floor)
 }
 
-/// Rooms that a source text names after `crate::`, inside braces too.
+/// The modules that a source text names after `crate::`, also inside braces.
 fn rooms_named(text: &str) -> Vec<String> {
     let mut rooms = Vec::new();
     for (at, _) in text.match_indices("crate::") {
@@ -58,7 +58,7 @@ fn rooms_named(text: &str) -> Vec<String> {
         };
         for name in names {
             let name: String = name.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            // What follows the last comma of a list over several lines names nothing.
+            // After the last comma of a list over several lines there is no name.
             if !name.is_empty() {
                 rooms.push(name);
             }
@@ -67,7 +67,7 @@ fn rooms_named(text: &str) -> Vec<String> {
     rooms
 }
 
-/// The names at depth one of a `{a::b, c::{d, e}}` list, given what follows the first brace.
+/// The top-level names of a list `{a::b, c::{d, e}}`, given the text after the first brace.
 fn top_level_names(list: &str) -> Vec<&str> {
     let (mut depth, mut start, mut names) = (1, 0, Vec::new());
     for (at, c) in list.char_indices() {

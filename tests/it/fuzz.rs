@@ -1,13 +1,13 @@
-//! Replays the corpus of the fuzz targets: small files that fuzzing found to take every turn of the readers, and those that
-//! once broke them. The targets themselves are in `fuzz/`.
+//! Replays the corpus of the fuzz targets: small files with which fuzzing reached every branch of the readers, and
+//! files that once broke them. The targets themselves are in `fuzz/`.
 
 use std::{fs, path::PathBuf, time::Instant};
 
 use crate::support::entries::TARGETS;
 
-/// No file of the corpus is larger; they are for reading in seconds.
+/// Largest file of the corpus, so that the whole corpus is read in seconds.
 const MAX_BYTES: u64 = 4096;
-/// A reader that takes longer hangs, seconds.
+/// A reader that takes longer than this hangs, seconds.
 const MAX_SECS: f64 = 10.0;
 
 fn corpus(target: &str) -> Vec<PathBuf> {

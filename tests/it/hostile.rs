@@ -1,8 +1,8 @@
-//! Files made to break readers: none may panic, hang, or take memory that the file only claims to need.
+//! Files made to break readers: no reader may panic, hang, or allocate memory that a file only claims to need.
 
 use std::{fs, path::PathBuf, process::Command};
 
-use build_file::{Contents, Limits, ReadError, Unit, has_end, read, read_build};
+use build_file::{FileReadError, LengthUnit, PartFileContents, ReadLimits, has_end, read_build, read_part_file};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -10,14 +10,14 @@ use zip::CompressionMethod;
 
 use crate::support::samples::{MESH, RELATIONSHIPS, binary_stl, honest, model, mutated, package, text_stl, threemf};
 
-/// All tests of this binary together stay below this, MiB: limits for testing allow files of 4 MiB.
+/// Peak memory limit of the process, MiB; the limits for testing allow files of 4 MiB.
 const MAX_MEMORY_MIB: u64 = 400;
 const ROUNDS: usize = 400;
 
-/// A scratch file that all readers are tried on.
-struct Scratch(tempfile::TempDir);
+/// A scratch file for all readers.
+struct ScratchFile(tempfile::TempDir);
 
-impl Scratch {
+impl ScratchFile {
     fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
@@ -28,17 +28,17 @@ impl Scratch {
         file
     }
 
-    fn read(&self, bytes: &[u8], name: &str) -> Result<Contents, ReadError> {
-        let result = read(&self.file(bytes), name, None, Unit::Millimeter, &Limits::for_testing());
-        assert!(!result.as_ref().is_err_and(ReadError::is_io), "{result:?} blames the disk");
+    fn read(&self, bytes: &[u8], name: &str) -> Result<PartFileContents, FileReadError> {
+        let result = read_part_file(&self.file(bytes), name, None, LengthUnit::Millimeter, &ReadLimits::for_testing());
+        assert!(!result.as_ref().is_err_and(FileReadError::is_io), "{result:?} blames the disk");
         result
     }
 
-    /// All readers, for their panics.
+    /// Runs all readers, to find panics.
     fn try_all(&self, bytes: &[u8], name: &str) {
         let _ = self.read(bytes, name);
         let file = self.file(bytes);
-        let _ = read_build(&file, &Limits::for_testing());
+        let _ = read_build(&file, &ReadLimits::for_testing());
         let _ = has_end(&mut fs::File::open(&file).unwrap(), name);
     }
 
@@ -50,10 +50,10 @@ impl Scratch {
     }
 }
 
-/// Says to the process of [`in_a_process_of_its_own`] that it is one.
+/// Tells the process that [`in_a_process_of_its_own`] starts that it is the child.
 const ALONE: &str = "NESTD_TEST_ALONE";
 
-/// Does the work of the test of this name in a process of its own, where no other test takes memory; it must not take much.
+/// Runs the work of a test in a separate process, where no other test uses memory, and asserts its peak memory.
 fn in_a_process_of_its_own(test: &str, work: fn()) {
     if std::env::var_os(ALONE).is_some() {
         work();
@@ -74,7 +74,7 @@ fn peak_memory_mib() -> u64 {
 
 #[test]
 fn the_honest_files_are_read() {
-    let scratch = Scratch::new();
+    let scratch = ScratchFile::new();
     assert_eq!(scratch.read(&binary_stl(), "a.stl").unwrap().solids[0].mesh.triangles().len(), 4);
     assert_eq!(scratch.read(&text_stl(), "a.stl").unwrap().solids[0].mesh.triangles().len(), 4);
     let contents = scratch.read(&threemf(honest().as_bytes()), "a.3mf").unwrap();
@@ -85,7 +85,7 @@ fn the_honest_files_are_read() {
 #[test]
 fn thousands_of_damaged_files_are_read_or_refused() {
     in_a_process_of_its_own("thousands_of_damaged_files_are_read_or_refused", || {
-        let scratch = Scratch::new();
+        let scratch = ScratchFile::new();
         let mut rng = ChaCha8Rng::seed_from_u64(42);
         let (binary, text, xml) = (binary_stl(), text_stl(), honest().into_bytes());
         let packed = threemf(&xml);
@@ -101,7 +101,7 @@ fn thousands_of_damaged_files_are_read_or_refused() {
 #[test]
 fn bombs_are_refused_before_they_go_off() {
     in_a_process_of_its_own("bombs_are_refused_before_they_go_off", || {
-        let scratch = Scratch::new();
+        let scratch = ScratchFile::new();
         let blank = |bytes: usize| model("", "").replace("<build>", &format!("<build>{}", " ".repeat(bytes)));
         assert!(scratch.refusal(&threemf(blank(3 << 20).as_bytes())).contains("token"));
         let comments = format!("<!--{}-->", "x".repeat(1 << 19)).repeat(40);
@@ -127,13 +127,13 @@ fn bombs_are_refused_before_they_go_off() {
 fn a_torn_binary_stl_whose_header_says_solid_is_told_as_truncated() {
     let mut bytes = binary_stl();
     bytes.truncate(84 + 2 * 50 + 7);
-    let error = Scratch::new().read(&bytes, "a.stl").unwrap_err();
-    assert_eq!(error.to_string(), "the file is truncated: 2 of 4 triangles are there");
+    let error = ScratchFile::new().read(&bytes, "a.stl").unwrap_err();
+    assert_eq!(error.to_string(), "the file is truncated: only 2 of 4 triangles are in the file");
 }
 
 #[test]
 fn lies_about_structure_are_refused_by_name() {
-    let scratch = Scratch::new();
+    let scratch = ScratchFile::new();
     let cases = [
         (r#"v1="0""#, r#"v1="-1""#, "index"),
         (r#"v1="0""#, r#"v1="4""#, "of 4 vertices"),
@@ -160,7 +160,7 @@ fn lies_about_structure_are_refused_by_name() {
 
 #[test]
 fn words_for_people_do_not_decide_whether_a_file_is_read() {
-    let scratch = Scratch::new();
+    let scratch = ScratchFile::new();
     let with = |words: &str| threemf(honest().replacen("<resources>", &format!("{words}<resources>"), 1).as_bytes());
     for words in [
         r#"<metadata name="Description">a</metadata><metadata name="Description">b</metadata>"#,
@@ -178,7 +178,7 @@ fn words_for_people_do_not_decide_whether_a_file_is_read() {
 
 #[test]
 fn every_refusal_of_a_foreign_file_says_what_to_do() {
-    let scratch = Scratch::new();
+    let scratch = ScratchFile::new();
     let zip = |name: &str| package(&[(name, &b"solid x"[..])], CompressionMethod::Stored);
     let obj = "# Blender\nmtllib a.mtl\no Cube\nv 1.0 1.0 -1.0\nv 1 -1 -1\nf 1 2 3\n";
     let torn = &binary_stl()[..200];
@@ -205,7 +205,7 @@ fn every_refusal_of_a_foreign_file_says_what_to_do() {
 
 #[test]
 fn two_entries_of_one_name_are_refused_whatever_their_case() {
-    let scratch = Scratch::new();
+    let scratch = ScratchFile::new();
     let model = honest();
     let entries: [(&str, &[u8]); 3] = [
         ("_rels/.rels", RELATIONSHIPS.as_bytes()),
@@ -226,13 +226,13 @@ fn two_entries_of_one_name_are_refused_whatever_their_case() {
 fn more_entries_than_the_limit_are_refused() {
     let names: Vec<String> = (0..51).map(|i| format!("e{i}")).collect();
     let entries: Vec<(&str, &[u8])> = names.iter().map(|n| (n.as_str(), [].as_slice())).collect();
-    assert!(Scratch::new().refusal(&package(&entries, CompressionMethod::Stored)).contains("entries"));
+    assert!(ScratchFile::new().refusal(&package(&entries, CompressionMethod::Stored)).contains("entries"));
 }
 
 #[test]
 fn sizes_that_the_directory_claims_are_not_believed() {
     in_a_process_of_its_own("sizes_that_the_directory_claims_are_not_believed", || {
-        let scratch = Scratch::new();
+        let scratch = ScratchFile::new();
         let honest = threemf(honest().as_bytes());
         for signature in [b"PK\x01\x02".as_slice(), b"PK\x03\x04"] {
             let size_at = if signature == b"PK\x01\x02" { 24 } else { 22 };
@@ -249,12 +249,12 @@ fn sizes_that_the_directory_claims_are_not_believed() {
 
 #[test]
 fn a_file_beyond_the_limits_is_refused_unread() {
-    let scratch = Scratch::new();
+    let scratch = ScratchFile::new();
     let large = vec![b' '; (4 << 20) + 1];
-    assert!(matches!(scratch.read(&large, "a.stl"), Err(ReadError::TooLarge { .. })));
+    assert!(matches!(scratch.read(&large, "a.stl"), Err(FileReadError::TooLarge { .. })));
     let mut many = vec![0; 84 + 50 * 50_001];
     many[80..84].copy_from_slice(&50_001_u32.to_le_bytes());
-    assert!(matches!(scratch.read(&many, "a.stl"), Err(ReadError::TooLarge { .. })));
+    assert!(matches!(scratch.read(&many, "a.stl"), Err(FileReadError::TooLarge { .. })));
 }
 
 proptest! {
@@ -267,12 +267,12 @@ proptest! {
         name in prop::sample::select(vec!["a.stl", "a.3mf", "a", "a.txt"]),
     ) {
         let whole = [start, &bytes].concat();
-        Scratch::new().try_all(&whole, name);
+        ScratchFile::new().try_all(&whole, name);
     }
 
     #[test]
     fn arbitrary_xml_does_no_harm(inside in "[<>/a-z\"= 0-9&;:!\\-\\[\\]?]{0,200}") {
-        let scratch = Scratch::new();
+        let scratch = ScratchFile::new();
         scratch.try_all(&threemf(model(&inside, &inside).as_bytes()), "a.3mf");
         scratch.try_all(&threemf(inside.as_bytes()), "a.3mf");
     }
@@ -282,6 +282,6 @@ proptest! {
         prop::sample::select(vec!["solid", "facet", "normal", "outer", "loop", "vertex", "0", "1e9", "-", "endloop",
             "endfacet", "endsolid", "\n", "\r", "#", "x"]), 0..80)
     ) {
-        Scratch::new().try_all(format!("solid {}", words.join(" ")).as_bytes(), "a.stl");
+        ScratchFile::new().try_all(format!("solid {}", words.join(" ")).as_bytes(), "a.stl");
     }
 }

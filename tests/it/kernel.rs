@@ -1,5 +1,5 @@
-//! The distance kernel where it could go wrong: touching, coplanar, degenerate, nested and far-apart meshes against what
-//! geometry says, and real parts against another kernel.
+//! The distance kernel in difficult cases: touching, coplanar, degenerate, nested and far-apart meshes compared with
+//! the exact geometry, and real parts compared with another kernel.
 
 use std::{f64::consts::FRAC_PI_2, sync::Arc};
 
@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use sample_parts::random_part;
 use solids::{Bounds, ClearanceTree, Mesh, Pose};
 
-/// A box whose top is a fan around a point of it: on an edge or a corner some triangles have no area, next to one they are
-/// needles.
+/// A box whose top is a triangle fan around one of its points. If the point is on an edge or corner, some triangles
+/// have no area; if it is near one, they are needles.
 fn brick(size: DVec3, middle: [f64; 2]) -> Arc<Mesh> {
     let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2 & 1)) * size;
     let quads = [[0, 2, 3, 1], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -51,7 +51,7 @@ fn other_distance(one: &Mesh, two: &Mesh, pose12: &Pose) -> f64 {
     query::distance(&Pose3::IDENTITY, &other_kernel(one), &pose, &other_kernel(two)).unwrap().distance
 }
 
-/// A share of an edge: its ends, its middle, somewhere, and a hair from an end.
+/// A position along an edge: its ends, its middle, a random point, or very close to an end.
 fn share() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(0.5), Just(1.0), 0.0..1.0f64, Just(1e-12), Just(1e-7), Just(1.0 - 1e-9)]
 }
@@ -72,7 +72,7 @@ fn any_direction() -> impl Strategy<Value = DVec3> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// On a lattice of whole millimetres nearly every pair is coplanar somewhere; many touch, some are nested.
+    /// On a lattice of whole millimetres nearly every pair has coplanar faces; many touch, some are nested.
     #[test]
     fn boxes_on_a_lattice_are_as_far_apart_as_their_corners_say(
         sizes in (lattice_size(), lattice_size()),
@@ -86,22 +86,22 @@ proptest! {
         let pose1 = Pose::new(right_turn(quarters.0), DVec3::ZERO);
         let pose2 = Pose::new(right_turn(quarters.1), DVec3::new(at.0.into(), at.1.into(), at.2.into()));
         let truth = box_distance(&rounded(one.bounds_at(&pose1)), &rounded(two.bounds_at(&pose2)));
-        // Seen from any frame, so that not only exact numbers are asked about.
+        // In a random frame, so that not only exact numbers are tested.
         let around = Pose::new(frame, DVec3::new(3.0, -1.0, 7.0));
         let (tree1, tree2) = (ClearanceTree::new(one), ClearanceTree::new(two));
-        for pose12 in [pose1.seen(&pose2), around.after(&pose1).seen(&around.after(&pose2))] {
+        for pose12 in [pose1.relative_pose_of(&pose2), around.compose_with(&pose1).relative_pose_of(&around.compose_with(&pose2))] {
             let found = tree1.distance_capped_mm(&tree2, &pose12, cap);
             prop_assert!((found - truth.min(cap)).abs() < 1e-9, "{found} instead of {truth}, capped at {cap}");
             let back = tree2.distance_capped_mm(&tree1, &pose12.inverse(), cap);
             prop_assert!((back - truth.min(cap)).abs() < 1e-9, "{back} from the other side");
             if (truth - cap).abs() > 1e-9 {
-                prop_assert_eq!(tree1.closer_than(&tree2, &pose12, cap), truth < cap);
+                prop_assert_eq!(tree1.is_closer_than(&tree2, &pose12, cap), truth < cap);
             }
-            prop_assert_eq!(tree1.closer_than(&tree2, &pose12, 0.0), truth == 0.0);
+            prop_assert_eq!(tree1.is_closer_than(&tree2, &pose12, 0.0), truth == 0.0);
         }
     }
 
-    /// A box strictly inside another one is held by it, whatever triangles without an area say; one beside it is not.
+    /// A box strictly inside another one is found inside, despite triangles without an area; a box beside it is not.
     #[test]
     fn a_box_is_held_exactly_where_it_is_nested(
         sizes in (lattice_size(), lattice_size()),
@@ -114,15 +114,15 @@ proptest! {
         let (outer, inner) = (one.bounds(), Bounds { min: place, max: place + sizes.1 });
         let distance = box_distance(&outer, &inner);
         prop_assume!(distance > 0.0);
-        let nested = outer.holds(&inner, 0.0);
-        let pose12 = Pose::new(frame, DVec3::ZERO).seen(&Pose::new(frame, frame * place));
+        let nested = outer.contains_bounds(&inner, 0.0);
+        let pose12 = Pose::new(frame, DVec3::ZERO).relative_pose_of(&Pose::new(frame, frame * place));
         let (tree1, tree2) = (ClearanceTree::new(one), ClearanceTree::new(two));
-        prop_assert_eq!(tree1.holds_part(&tree2, &pose12), nested);
-        prop_assert!(!tree2.holds_part(&tree1, &pose12.inverse()) || Bounds::holds(&inner, &outer, 0.0));
+        prop_assert_eq!(tree1.contains_part(&tree2, &pose12), nested);
+        prop_assert!(!tree2.contains_part(&tree1, &pose12.inverse()) || Bounds::contains_bounds(&inner, &outer, 0.0));
         prop_assert!((tree1.distance_capped_mm(&tree2, &pose12, 50.0) - distance).abs() < 1e-9);
     }
 
-    /// Metres or kilometres away, in frames that are far from the parts.
+    /// Parts that are metres or kilometres apart, in frames far from the parts.
     #[test]
     fn far_apart_parts_keep_their_distance(
         seeds in (0..40u64, 0..40u64), turn in any_turn(), way in any_direction(), far in 1e3..1e6f64, away in -1e5..1e5f64
@@ -130,10 +130,10 @@ proptest! {
         let (one, two) = (Arc::new(random_part(seeds.0)), Arc::new(random_part(seeds.1)));
         let (tree1, tree2) = (ClearanceTree::new(one), ClearanceTree::new(two));
         let frame = Pose::new(turn, DVec3::splat(away));
-        let pose12 = frame.seen(&Pose::new(turn, DVec3::splat(away) + far * way));
+        let pose12 = frame.relative_pose_of(&Pose::new(turn, DVec3::splat(away) + far * way));
         prop_assert_eq!(tree1.distance_capped_mm(&tree2, &pose12, 3.0), 3.0);
-        prop_assert!(!tree1.closer_than(&tree2, &pose12, 3.0));
-        prop_assert!(!tree1.holds_part(&tree2, &pose12) && !tree2.holds_part(&tree1, &pose12.inverse()));
+        prop_assert!(!tree1.is_closer_than(&tree2, &pose12, 3.0));
+        prop_assert!(!tree1.contains_part(&tree2, &pose12) && !tree2.contains_part(&tree1, &pose12.inverse()));
         let found = tree1.distance_capped_mm(&tree2, &pose12, 1e9);
         prop_assert!((found - far).abs() < 200.0, "no part is larger than 100 mm: {found} instead of about {far}");
     }
@@ -152,7 +152,7 @@ proptest! {
     ) {
         let (one, two) = (Arc::new(random_part(seeds.0)), Arc::new(random_part(seeds.1)));
         let (center1, center2) = (one.bounds().center(), turn * two.bounds().center());
-        // From one within the other to just beside it.
+        // From one part inside the other to just beside it.
         let reach = 0.5 * (one.bounds().size().length() + two.bounds().size().length());
         let pose12 = Pose::new(turn, center1 - center2 + near * reach * way);
         let truth = other_distance(&one, &two, &pose12);
@@ -162,7 +162,7 @@ proptest! {
         let back = tree2.distance_capped_mm(&tree1, &pose12.inverse(), cap);
         prop_assert!((back - found).abs() < 1e-9, "{found}, from the other side {back}");
         if (truth - cap).abs() > 1e-6 {
-            prop_assert_eq!(tree1.closer_than(&tree2, &pose12, cap), truth < cap);
+            prop_assert_eq!(tree1.is_closer_than(&tree2, &pose12, cap), truth < cap);
         }
     }
 }

@@ -1,11 +1,11 @@
-//! The fast tests: all that runs on any machine in minutes. `cargo test --test it` runs them, `cargo test --test it -- farm::life`
-//! some of them.
-#![allow(clippy::unwrap_used, clippy::print_stderr)] // a test that cannot go on fails
+//! The fast tests: those that run on any machine within minutes. `cargo test --test it` runs all of them,
+//! `cargo test --test it -- farm::life` some of them.
+#![allow(clippy::unwrap_used, clippy::print_stderr)] // a test that cannot continue fails
 
 mod acceptance;
 mod check;
+mod commands;
 mod config;
-mod faces;
 mod farm;
 mod floors;
 mod fuzz;

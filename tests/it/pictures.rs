@@ -1,4 +1,4 @@
-//! `nestd render`, `report`, `status --watch` and the bar of `nest`, as somebody at a terminal meets them.
+//! `nestd render`, `report`, `status --watch` and the progress bar of `nest`, as a user at a terminal sees them.
 
 use std::{
     fs::{self, File},
@@ -16,7 +16,7 @@ use nestd::ledger::Ledger;
 use nix::pty::{Winsize, openpty};
 use solids::Pose;
 
-/// As near to a script as a file name comes: it has no slash.
+/// A script tag, as far as a file name can hold one: it cannot hold a slash.
 const EVIL: &str = "<script>alert(1)<!--.stl";
 
 fn nestd(dir: &Path, args: &[&str]) -> Command {
@@ -29,7 +29,7 @@ fn run(dir: &Path, args: &[&str]) -> Output {
     nestd(dir, args).output().unwrap()
 }
 
-/// The shipped configuration for a try-out.
+/// The shipped configuration for trying nestd out.
 fn config() -> String {
     format!("{}/config/nestd.toml", env!("CARGO_MANIFEST_DIR"))
 }
@@ -40,7 +40,7 @@ fn failed(dir: &Path, args: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }
 
-/// A folder with two parts, one of a hostile name, and the arguments that nest them.
+/// A folder with two parts, one with a hostile name, and the arguments to nest them.
 fn parts() -> (tempfile::TempDir, Vec<String>) {
     let dir = tempfile::tempdir().unwrap();
     let blocks = [(EVIL, DVec3::new(30.0, 20.0, 10.0)), ("b.stl", DVec3::new(15.0, 15.0, 40.0))];
@@ -120,20 +120,20 @@ fn a_report_of_a_file_is_whole_and_shows_names_as_text() {
     assert!(html.contains("Pick map") && html.contains("data-copies=\"5\"") && html.ends_with("</html>"));
 }
 
-/// What a process writes to a terminal 30 rows high, and how it is stopped.
-struct Terminal {
+/// A process on a terminal of 30 rows, with its output so far.
+struct PseudoTerminal {
     child: std::process::Child,
     written: mpsc::Receiver<Vec<u8>>,
     seen: String,
 }
 
-impl Terminal {
-    /// Runs a command whose output (or errors) is a terminal.
+impl PseudoTerminal {
+    /// Runs a command whose standard output (or standard error) is a terminal.
     fn of(command: Command, errors: bool) -> Self {
         Self::wide(command, errors, 100)
     }
 
-    /// The same with so many columns.
+    /// The same with a given number of columns.
     fn wide(mut command: Command, errors: bool, columns: u16) -> Self {
         let size = Winsize { ws_row: 30, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
         let pty = openpty(&size, None).unwrap();
@@ -147,7 +147,7 @@ impl Terminal {
         let (send, written) = mpsc::channel();
         std::thread::spawn(move || {
             let (mut terminal, mut buffer) = (File::from(mine), [0; 4096]);
-            // Reading ends with an error when nobody holds the other side any more.
+            // Reading fails when the other side is closed.
             while let Ok(length @ 1..) = terminal.read(&mut buffer) {
                 if send.send(buffer[..length].to_vec()).is_err() {
                     break;
@@ -157,7 +157,7 @@ impl Terminal {
         Self { child, written, seen: String::new() }
     }
 
-    /// Reads until the text so far is as wanted.
+    /// Reads until the condition holds for the text so far.
     fn until(&mut self, what: &str, holds: impl Fn(&str) -> bool) {
         let began = Instant::now();
         while !holds(&self.seen) {
@@ -169,7 +169,7 @@ impl Terminal {
     }
 }
 
-impl Drop for Terminal {
+impl Drop for PseudoTerminal {
     fn drop(&mut self) {
         // It may have ended by itself.
         let _ = self.child.kill();
@@ -177,7 +177,8 @@ impl Drop for Terminal {
     }
 }
 
-/// What Ctrl-C sends; where this test itself runs in the background of a script, which ignores that, what ends it all the same.
+/// The signal of Ctrl-C. If this test runs in the background of a script, which ignores that signal, another signal
+/// that ends the process.
 fn interrupt() -> nix::sys::signal::Signal {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap().trim();
@@ -196,13 +197,13 @@ fn status_is_redrawn_in_place_until_ctrl_c() {
     let (code, told) = failed(dir.path(), &status);
     assert!(code == Some(2) && told.contains("redraws a terminal"), "{code:?} {told}");
     runtime.block_on(async { Ledger::open(&dir.path().join("state/nestd.db")).await.unwrap().close().await });
-    let mut terminal = Terminal::of(nestd(dir.path(), &status), false);
+    let mut terminal = PseudoTerminal::of(nestd(dir.path(), &status), false);
     terminal.until("the farm is shown", |seen| seen.contains("PROFILE") && seen.contains("Ctrl-C"));
     assert!(terminal.seen.starts_with("\x1b[2J\x1b[H"), "{:?}", terminal.seen);
     runtime.block_on(async {
         let ledger = Ledger::open_existing(&dir.path().join("state/nestd.db")).await.unwrap();
         ledger.open_build("a-machine-that-came").await.unwrap();
-        ledger.pause("a-machine-that-came", "somebody@desk").await.unwrap();
+        ledger.pause_profile("a-machine-that-came", "somebody@desk").await.unwrap();
         ledger.close().await;
     });
     terminal.until("what changed is seen", |seen| seen.contains("a-machine-that-came"));
@@ -218,11 +219,11 @@ fn a_narrow_terminal_shows_all_of_the_status() {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {
         let ledger = Ledger::open(&dir.path().join("state/nestd.db")).await.unwrap();
-        ledger.pause("fuse-1", "a-person-with-a-long-name@a-desk-in-the-office").await.unwrap();
+        ledger.pause_profile("fuse-1", "a-person-with-a-long-name@a-desk-in-the-office").await.unwrap();
         ledger.close().await;
     });
     let args = ["-c", &config(), "--root", ".", "status", "--watch"];
-    let mut terminal = Terminal::wide(nestd(dir.path(), &args), false, 60);
+    let mut terminal = PseudoTerminal::wide(nestd(dir.path(), &args), false, 60);
     terminal.until("the farm is shown", |seen| seen.contains("Ctrl-C"));
     let mut shown = terminal.seen.split("Every 2 s").next().unwrap().to_owned();
     for control in ["\x1b[2J", "\x1b[H", "\x1b[K", "\r"] {
@@ -241,7 +242,7 @@ fn a_bar_grows_and_the_height_is_told_on_a_terminal_only() {
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
     let (dir, args) = parts();
     let args: Vec<&str> = args.iter().map(String::as_str).chain(["--budget", "2s"]).collect();
-    let mut terminal = Terminal::of(nestd(dir.path(), &args), true);
+    let mut terminal = PseudoTerminal::of(nestd(dir.path(), &args), true);
     terminal.until("the bar has grown", |seen| {
         seen.contains("mm high") && seen.contains("[##") && seen.contains(" s left")
     });

@@ -1,4 +1,4 @@
-//! What the README promises is there.
+//! The README and other documents name only commands, files and modules that exist.
 
 use std::{fs, path::Path, process::Command};
 

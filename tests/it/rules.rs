@@ -1,4 +1,4 @@
-//! Rules of orientation and clearance, asked of `nestd nest` and found again in the file that it wrote.
+//! Rules of orientation and clearance: given to `nestd nest`, and checked in the file that it wrote.
 
 use std::{
     fs::File,
@@ -6,9 +6,9 @@ use std::{
 };
 
 use assert_cmd::Command;
-use build_file::{Limits, write_stl};
+use build_file::{ReadLimits, write_stl};
 use glam::DVec3;
-use nester::{Body, Margins};
+use nester::{PlacedSolid, VolumeMargins};
 use solids::{Mesh, Pose};
 
 /// A wedge: a box whose upper edge runs along one side only.
@@ -28,7 +28,7 @@ fn nestd(words: &[&str]) -> (i32, String) {
     (out.status.code().unwrap(), text)
 }
 
-/// Nests six wedges and six plates in 60 x 60 x 120 mm with the given options; the written file.
+/// Nests six wedges and six plates in 60 x 60 x 120 mm with the given options; returns the written file.
 fn nested(dir: &Path, options: &[&str]) -> PathBuf {
     let wedges = format!("{}=6", wedge(dir, "wedge.stl", DVec3::new(20.0, 12.0, 9.0)).display());
     let plates = format!("{}=6", wedge(dir, "plate.stl", DVec3::new(25.0, 18.0, 3.0)).display());
@@ -40,17 +40,17 @@ fn nested(dir: &Path, options: &[&str]) -> PathBuf {
     file
 }
 
-/// What was written, judged without the words of the file.
-fn proof(file: &Path, margins: Margins, clearance_mm: f64, extra_mm: f64) -> nester::Proof {
-    let read = build_file::read_build(file, &Limits::default()).unwrap();
-    let bodies: Vec<Body> = (read.into_iter())
+/// The proof of the written file, without its own metadata.
+fn proof(file: &Path, margins: VolumeMargins, clearance_mm: f64, extra_mm: f64) -> nester::LayoutProof {
+    let read = build_file::read_build(file, &ReadLimits::default()).unwrap();
+    let bodies: Vec<PlacedSolid> = (read.into_iter())
         .map(|item| {
             let pose = Pose { translation: item.pose.translation - margins.origin_mm(), ..item.pose };
-            Body { name: item.name, mesh: item.mesh, pose, clearance_mm }
+            PlacedSolid { name: item.name, mesh: item.mesh, pose, clearance_mm }
         })
         .collect();
     assert_eq!(bodies.len(), 12);
-    nester::prove_raised(&bodies, margins.room(DVec3::new(60.0, 60.0, 120.0)).size_mm, extra_mm)
+    nester::prove_with_z_extra(&bodies, margins.usable_volume(DVec3::new(60.0, 60.0, 120.0)).size_mm, extra_mm)
 }
 
 #[test]
@@ -59,9 +59,12 @@ fn margins_and_clearances_hold_in_the_written_file() {
     for method in ["nestd", "paper"] {
         let options = ["--method", method, "--clearance", "1", "--clearance-z-extra", "2.5", "--margins", "2,7,4"];
         let file = nested(dir.path(), &options);
-        let margins = Margins { wall_mm: 2.0, floor_mm: 7.0, lid_mm: 4.0 };
+        let margins = VolumeMargins { wall_mm: 2.0, floor_mm: 7.0, lid_mm: 4.0 };
         assert!(proof(&file, margins, 1.0, 2.5).is_proved(), "{method}");
-        assert!(!proof(&file, Margins { floor_mm: 7.5, ..margins }, 1.0, 2.5).is_proved(), "parts stand on the floor");
+        assert!(
+            !proof(&file, VolumeMargins { floor_mm: 7.5, ..margins }, 1.0, 2.5).is_proved(),
+            "parts stand on the floor"
+        );
         let (code, text) = nestd(&["verify", file.to_str().unwrap()]);
         assert_eq!(code, 0, "{text}");
         assert!(text.contains("7 at the floor") && text.contains("up to 2.5 mm"), "{text}");
@@ -75,7 +78,8 @@ fn no_layer_of_the_written_file_is_filled_beyond_its_cap() {
     let dir = tempfile::tempdir().unwrap();
     let report = dir.path().join("report.json");
     let plain = nested(dir.path(), &["--clearance", "1", "--report", report.to_str().unwrap()]);
-    let said = |file: &Path| build_file::read_build_and_info(file, &Limits::default()).unwrap().0.layer_area_cap_mm2;
+    let said =
+        |file: &Path| build_file::read_build_and_metadata(file, &ReadLimits::default()).unwrap().0.layer_area_cap_mm2;
     assert_eq!(said(&plain), None);
     let largest = |json: &serde_json::Value| json["layers"]["largest_area_mm2"].as_f64().unwrap();
     let free: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
@@ -95,11 +99,11 @@ fn directions_stay_up_in_the_written_file() {
     for method in ["nestd", "paper"] {
         let options = ["--method", method, "--clearance", "1", "--keep-up", "1,0,0:25", "--not-down", "-1,0.2,0:5"];
         let file = nested(dir.path(), &options);
-        for item in build_file::read_build(&file, &Limits::default()).unwrap() {
-            let stands = item.pose.direction(DVec3::X).z;
+        for item in build_file::read_build(&file, &ReadLimits::default()).unwrap() {
+            let stands = item.pose.transform_direction(DVec3::X).z;
             assert!(stands >= 25_f64.to_radians().cos() - 1e-9, "{stands}");
             assert!(
-                item.pose.direction(DVec3::new(-1.0, 0.2, 0.0)).angle_between(DVec3::NEG_Z)
+                item.pose.transform_direction(DVec3::new(-1.0, 0.2, 0.0)).angle_between(DVec3::NEG_Z)
                     >= 5_f64.to_radians() - 1e-6
             );
             assert!(item.tilts.unwrap().starts_with("1,0,0:25;-0.98"));

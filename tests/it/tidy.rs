@@ -1,6 +1,7 @@
-//! Keeps the house tidy: short files, short functions, nothing left open.
+//! Checks the code style: short files, short functions, no open to-dos.
 
 use std::{
+    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
 };
@@ -29,7 +30,7 @@ fn all_files() -> Vec<(PathBuf, String)> {
     files.into_iter().map(|f| (f.clone(), fs::read_to_string(f).unwrap())).collect()
 }
 
-/// (first line, length) of every function; rustfmt's indentation tells where one ends.
+/// (first line, length) of every function; the indentation of rustfmt shows where a function ends.
 fn functions(text: &str) -> Vec<(usize, usize)> {
     let lines: Vec<&str> = text.lines().collect();
     let mut found = Vec::new();
@@ -90,4 +91,36 @@ fn nothing_is_left_open() {
         }
     }
     assert!(open.is_empty(), "left open:\n{}", open.join("\n"));
+}
+
+/// Names of the types that the code of a file defines; tests are left out.
+fn type_names(text: &str) -> Vec<&str> {
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let name_of = |line: &'_ str| {
+        let words = line.trim_start().trim_start_matches("pub(crate) ").trim_start_matches("pub(super) ");
+        let (kind, rest) = words.trim_start_matches("pub ").split_once(' ')?;
+        let name = rest.split(|c: char| !c.is_alphanumeric()).next()?;
+        (["struct", "enum", "trait"].contains(&kind) && !name.is_empty())
+            .then(|| line.find(name).map(|at| (at, name.len())))?
+    };
+    code.lines().filter_map(|line| name_of(line).map(|(at, length)| &line[at..at + length])).collect()
+}
+
+#[test]
+fn a_type_name_has_one_meaning() {
+    let mut known: BTreeMap<String, PathBuf> = BTreeMap::new();
+    let mut again = Vec::new();
+    let is_production = |file: &Path| {
+        let path = file.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap().to_string_lossy().into_owned();
+        (path.starts_with("src") || path.contains("/src/")) && !path.contains("test")
+    };
+    for (file, text) in all_files().into_iter().filter(|(file, _)| is_production(file)) {
+        for name in type_names(&text) {
+            if let Some(first) = known.insert(name.to_owned(), file.clone()) {
+                again.push(format!("{name}: {} and {}", first.display(), file.display()));
+            }
+        }
+    }
+    assert!(known.len() > 400, "only {} types were found", known.len());
+    assert!(again.is_empty(), "give these another name:\n{}", again.join("\n"));
 }

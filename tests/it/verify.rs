@@ -1,9 +1,9 @@
-//! `nestd verify` on builds that are right and builds that are not.
+//! `nestd verify` on valid and on faulty builds.
 
 use std::{fs::File, path::PathBuf, sync::Arc};
 
 use assert_cmd::Command;
-use build_file::{Arrangement, BuildFile, BuildItem, BuildObject, Instances, write_build, write_stl};
+use build_file::{Arrangement, BuildFile, BuildFileItem, BuildFileObject, InstanceSharing, write_build, write_stl};
 use glam::{DQuat, DVec3};
 use solids::{Bounds, Mesh, Pose};
 
@@ -14,25 +14,32 @@ fn cube() -> Arc<Mesh> {
     Arc::new(Mesh::new((0..8).map(corner).collect(), triangles).unwrap())
 }
 
-/// Two cubes of 10 mm on a 50 mm volume, `gap_mm` apart, turned by `tilt` about y, with 2 mm asked.
+/// Two cubes of 10 mm in a 50 mm volume, `gap_mm` apart, rotated by `tilt` about y, with a clearance of 2 mm.
 fn build(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64) -> PathBuf {
     turned(dir, gap_mm, tilt, "upright", None)
 }
 
 fn turned(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Option<&str>) -> PathBuf {
-    written(dir, gap_mm, tilt, rule, tilts, Asked::default())
+    written(dir, gap_mm, tilt, rule, tilts, BuildRules::default())
 }
 
-/// What the file asks for beside clearance and volume.
+/// The rules in the file besides clearance and volume.
 #[derive(Default)]
-struct Asked {
+struct BuildRules {
     margins_mm: [f64; 3],
     clearance_z_extra_mm: f64,
     layer_area_cap_mm2: Option<f64>,
 }
 
-fn written(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: Option<&str>, asked: Asked) -> PathBuf {
-    let item = |copy: u32| BuildItem {
+fn written(
+    dir: &tempfile::TempDir,
+    gap_mm: f64,
+    tilt: f64,
+    rule: &str,
+    tilts: Option<&str>,
+    asked: BuildRules,
+) -> PathBuf {
+    let item = |copy: u32| BuildFileItem {
         object: 0,
         pose: Pose::new(
             DQuat::from_rotation_y(tilt),
@@ -46,7 +53,7 @@ fn written(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: O
         orientation: Some(rule.to_owned()),
         tilts: tilts.map(str::to_owned),
     };
-    let object = BuildObject {
+    let object = BuildFileObject {
         name: "cube".to_owned(),
         mesh: cube(),
         part_number: "1".to_owned(),
@@ -71,7 +78,7 @@ fn written(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: O
         application: "nestd test".to_owned(),
         objects: vec![object],
         items: vec![item(1), item(2)],
-        instances: Instances::Shared,
+        instances: InstanceSharing::Shared,
         arrangement: Arrangement::Items,
         thumbnail_png: None,
     };
@@ -80,7 +87,7 @@ fn written(dir: &tempfile::TempDir, gap_mm: f64, tilt: f64, rule: &str, tilts: O
     file
 }
 
-/// Runs it and gives the exit code with what was printed.
+/// Runs `nestd verify`; returns the exit code and the output.
 fn verify(file: &PathBuf, args: &[&str]) -> (i32, String) {
     let out = Command::cargo_bin("nestd").unwrap().arg("verify").arg(file).args(args).output().unwrap();
     let text = String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
@@ -134,11 +141,11 @@ fn a_direction_that_does_not_stay_up_is_told() {
 fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
     let dir = tempfile::tempdir().unwrap();
     let outcome = |margins_mm, clearance_z_extra_mm| {
-        let asked = Asked { margins_mm, clearance_z_extra_mm, ..Asked::default() };
+        let asked = BuildRules { margins_mm, clearance_z_extra_mm, ..BuildRules::default() };
         let file = written(&dir, 3.0, 0.0, "free", None, asked);
         verify(&file, &[])
     };
-    // The cubes stand 5 mm from a wall, 20 mm above the floor and 20 mm below the lid.
+    // The cubes are 5 mm from a wall, 20 mm above the floor and 20 mm below the lid.
     let (code, text) = outcome([5.0, 20.0, 20.0], 4.0);
     assert!(code == 0 && text.contains("30.0000 mm") && text.contains("5 mm at the walls"), "{text}");
     for margins in [[5.1, 0.0, 0.0], [0.0, 20.1, 0.0], [0.0, 0.0, 20.1]] {
@@ -159,9 +166,9 @@ fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
 #[test]
 fn a_layer_that_is_filled_beyond_its_cap_is_told() {
     let dir = tempfile::tempdir().unwrap();
-    // Two cubes of 10 mm stand on one level, 20 mm above the floor.
+    // Two cubes of 10 mm are at the same height, 20 mm above the floor.
     let outcome = |cap| {
-        let asked = Asked { layer_area_cap_mm2: Some(cap), ..Asked::default() };
+        let asked = BuildRules { layer_area_cap_mm2: Some(cap), ..BuildRules::default() };
         verify(&written(&dir, 3.0, 0.0, "free", None, asked), &[])
     };
     assert_eq!(outcome(200.0).0, 0);
@@ -201,9 +208,9 @@ fn what_cannot_be_read_or_understood_is_wrong_use() {
     assert!(code == 2 && text.contains("truncated"), "{text}");
 }
 
-/// Two rings linked like a chain; the file says what was to become of such.
+/// Two rings linked like a chain; the file states its rule for interlocked parts.
 fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
-    let item = |copy: u32, turn: f64, at: DVec3| BuildItem {
+    let item = |copy: u32, turn: f64, at: DVec3| BuildFileItem {
         object: 0,
         pose: Pose::new(DQuat::from_rotation_x(turn), at),
         order: None,
@@ -214,7 +221,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
         orientation: None,
         tilts: None,
     };
-    let object = BuildObject {
+    let object = BuildFileObject {
         name: "ring".to_owned(),
         mesh: Arc::new(sample_parts::ring(30.0, 22.0, 3.0)),
         part_number: "1".to_owned(),
@@ -240,7 +247,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
         application: "nestd test".to_owned(),
         objects: vec![object],
         items: vec![item(1, 0.0, DVec3::new(20.0, 20.0, 18.5)), item(2, upright, DVec3::new(35.0, 21.5, 20.0))],
-        instances: Instances::Shared,
+        instances: InstanceSharing::Shared,
         arrangement: Arrangement::Items,
         thumbnail_png: None,
     };

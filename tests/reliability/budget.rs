@@ -1,19 +1,19 @@
-//! How long a section may run.
+//! The time budget of a section.
 
 use std::time::Instant;
 
 /// The time of one section.
 #[derive(Debug)]
-pub struct Budget {
+pub struct SectionBudget {
     /// Wall seconds for the section; it may end earlier, and should not end much later.
     pub secs: f64,
-    /// A long run tries everything that it has the time for; a short one shows in seconds that it would.
+    /// A long run tries as much as its time allows; a short one only shows within seconds that the section works.
     pub is_long: bool,
     began: Instant,
 }
 
-#[allow(dead_code)] // not every section asks everything
-impl Budget {
+#[allow(dead_code)] // no section uses all of it
+impl SectionBudget {
     /// A budget of a run inside `cargo test`.
     pub fn short(secs: f64) -> Self {
         Self { secs, is_long: false, began: Instant::now() }
@@ -24,12 +24,12 @@ impl Budget {
         Self { secs, is_long: true, began: Instant::now() }
     }
 
-    /// The same with so many seconds at least.
+    /// The same budget with at least `secs` seconds.
     pub fn at_least(&self, secs: f64) -> Self {
         Self { secs: self.secs.max(secs), ..*self }
     }
 
-    /// Seconds that are left; never below zero.
+    /// Remaining seconds; never below zero.
     pub fn left_secs(&self) -> f64 {
         (self.secs - self.began.elapsed().as_secs_f64()).max(0.0)
     }

@@ -1,5 +1,6 @@
-//! Every crash: the daemon is killed after its n-th call that changes a file, for every n of the reference life-cycle; it is
-//! started again, the life-cycle goes on to its end, and the invariants are looked at both times.
+//! Every crash: the daemon is killed after its n-th system call that changes a file, for every n of the reference
+//! life-cycle. Then it is started again and finishes the life-cycle. The invariants are checked after the kill and at
+//! the end.
 
 use std::{
     path::{Path, PathBuf},
@@ -7,56 +8,59 @@ use std::{
 };
 
 use super::{
-    budget::Budget,
-    life::{End, Life},
-    pool::{caught, in_parallel, spread},
-    row::Row,
-    trace::{Call, Kind, Traced, Verdict, Watch, is_allowed},
+    budget::SectionBudget,
+    life_cycle::{LifeCycle, ScriptEnd},
+    pool::{catch_panic, in_parallel, spread_order},
+    section_result::SectionResult,
+    trace::{CallEffect, CallVerdict, CallWatcher, SystemCall, TracedDaemon, is_allowed},
 };
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     if !is_allowed() {
-        return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
+        return SectionResult {
+            note: "SKIPPED: processes may not be traced here".to_owned(),
+            ..SectionResult::default()
+        };
     }
     let (whole, mut row) = one_life(u64::MAX);
     row.broken.iter_mut().for_each(|text| *text = format!("without any crash: {text}"));
-    let points = spread(whole);
+    let points = spread_order(whole);
     let all = points.len();
     let mut rows =
-        in_parallel(points, budget, |point| caught(&format!("killed after change {point}"), || one_life(point).1));
+        in_parallel(points, budget, |point| catch_panic(&format!("killed after change {point}"), || one_life(point).1));
     let note = format!("killed after the n-th changing call; {} of {all} points of the life-cycle", rows.len());
     rows.insert(0, row);
-    let sum = Row::sum(&rows);
-    Row { faults: sum.points, note, ..sum }
+    let sum = SectionResult::sum(&rows);
+    SectionResult { faults: sum.points, note, ..sum }
 }
 
-/// A whole life with a kill after the n-th change; how many changes there were before, and what came out.
-fn one_life(point: u64) -> (u64, Row) {
-    let mut life = Life::new();
+/// A whole life-cycle with a kill after the n-th change. Returns the number of changes before, and the results.
+fn one_life(point: u64) -> (u64, SectionResult) {
+    let mut life = LifeCycle::new();
     let root = life.farm.root().to_owned();
-    let watch = KillAfter::new(&root, point);
+    let watch = KillAfterChanges::new(&root, point);
     let (count, foreign) = (watch.count.clone(), watch.foreign.clone());
-    let mut traced = Traced::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
+    let mut traced = TracedDaemon::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
     let end = life.play(traced.pid(), &mut || traced.has_ended());
-    let mut row = Row { files: 5, ..Row::default() };
+    let mut row = SectionResult { files: 5, ..SectionResult::default() };
     match end {
-        End::DaemonEnded => {
+        ScriptEnd::DaemonEnded => {
             drop(traced.kill());
             row.points = 1;
-            life.look_after_a_crash();
+            life.check_after_crash();
             life.take_as_a_printer_does();
             life.run_to_the_end();
         }
-        End::Done => {
+        ScriptEnd::Done => {
             let (_, in_time) = traced.stop();
             if !in_time {
                 life.broken.push("the daemon did not stop in time".to_owned());
             }
-            // The point may be in the orderly stop.
+            // The kill may also come during the orderly stop.
             row.points = u64::from(count.lock().unwrap().0 >= point);
-            life.look_at_rest();
+            life.check_at_rest();
         }
-        End::Stuck => {
+        ScriptEnd::Stuck => {
             drop(traced.kill());
             life.broken.push(format!("the script is stuck under the tracer\n{}", life.farm.log()));
         }
@@ -71,7 +75,8 @@ fn one_life(point: u64) -> (u64, Row) {
 /// Temporary files and folders that commands make.
 const MADE_BY_COMMANDS: [&[u8]; 3] = [b".nestd-backup-", b".nestd-check-", b".nestd-folders-"];
 
-/// The daemon's own temporary files, and what its part's state says is elsewhere now.
+/// Whether a path may be deleted: the daemon's own temporary files, and files that were moved because of their part's
+/// state.
 fn may_be_deleted(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let is_hidden = |prefix: &str, suffix: &str| name.starts_with(prefix) && name.ends_with(suffix);
@@ -87,27 +92,27 @@ fn may_be_deleted(path: &Path) -> bool {
         || path.components().any(|part| MADE_BY_COMMANDS.iter().any(|with| part.as_os_str().as_encoded_bytes().starts_with(with)))
         || is_hidden(".nestd-", ".tmp")
         || (is_below("queue/test") && (is_hidden(".", ".part") || is_hidden(".", ".half")))
-        // Of the part that was cancelled and taken back.
+        // Files of the part that was cancelled and taken back.
         || is_below("error/test/part-2")
         || is_below("error/test/part-1")
         || is_below("error/test/part-3")
         || is_below("error/test/part-4")
 }
 
-/// Changes so far, and the last one in words.
-type Count = Arc<Mutex<(u64, String)>>;
+/// The number of changes so far, and a description of the last one.
+type ChangeCounter = Arc<Mutex<(u64, String)>>;
 
 /// Kills the process after its n-th change.
-pub struct KillAfter {
+pub struct KillAfterChanges {
     root: PathBuf,
     point: u64,
-    count: Count,
-    /// Deletions of what is not the daemon's own.
+    count: ChangeCounter,
+    /// Deletions of files that are not the daemon's own.
     foreign: Arc<Mutex<Vec<String>>>,
 }
 
-impl KillAfter {
-    /// Kills after so many changes below `root`.
+impl KillAfterChanges {
+    /// Kills after `point` changes below `root`.
     pub fn new(root: &Path, point: u64) -> Self {
         Self { root: root.to_owned(), point, count: Arc::default(), foreign: Arc::default() }
     }
@@ -117,23 +122,23 @@ impl KillAfter {
         self.count.lock().unwrap().0
     }
 
-    /// Deletions of what is not the daemon's own, as sentences.
-    pub fn foreign(&self) -> Vec<String> {
+    /// Deletions of files that are not the daemon's own, as sentences.
+    pub fn foreign_deletions(&self) -> Vec<String> {
         self.foreign.lock().unwrap().clone()
     }
 }
 
-impl Watch for KillAfter {
-    fn before(&mut self, call: &Call) -> Verdict {
+impl CallWatcher for KillAfterChanges {
+    fn before(&mut self, call: &SystemCall) -> CallVerdict {
         if matches!(call.name, "unlink" | "rmdir") && !may_be_deleted(call.path.strip_prefix(&self.root).unwrap()) {
             self.foreign.lock().unwrap().push(format!("I4: the daemon deleted {}", call.path.display()));
         }
-        Verdict::Let
+        CallVerdict::Let
     }
 
-    fn after(&mut self, call: &Call, _: i64) -> bool {
+    fn after(&mut self, call: &SystemCall, _: i64) -> bool {
         let mut count = self.count.lock().unwrap();
-        if call.kind == Kind::Look || count.0 >= self.point {
+        if call.kind == CallEffect::Look || count.0 >= self.point {
             return true;
         }
         count.0 += 1;

@@ -1,6 +1,6 @@
-//! Every fault: each call site of the reference life-cycle that touches the farm's files is made to fail with each error that
-//! it can have, once, and for a while; writes are cut short. The daemon must live on, refuse no part for it, and be whole
-//! again when the fault is gone.
+//! Every fault: each system call of the reference life-cycle on the farm's files is made to fail with each of its
+//! possible errors, once and for a while; writes are cut short. The daemon must go on, must not refuse a part because
+//! of the fault, and must be consistent when the fault is gone.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -13,43 +13,46 @@ use nix::libc::{EACCES, EDQUOT, EINTR, EIO, ENOSPC, EROFS, ESTALE, EXDEV};
 use rand::{SeedableRng, seq::SliceRandom};
 
 use super::{
-    budget::Budget,
-    life::{End, Life},
-    pool::{caught, in_parallel},
-    row::Row,
-    trace::{Call, Kind, Traced, Verdict, Watch, is_allowed},
+    budget::SectionBudget,
+    life_cycle::{LifeCycle, ScriptEnd},
+    pool::{catch_panic, in_parallel},
+    section_result::SectionResult,
+    trace::{CallEffect, CallVerdict, CallWatcher, SystemCall, TracedDaemon, is_allowed},
 };
 
 /// How long a lasting fault lasts.
 const LASTS: Duration = Duration::from_millis(1500);
 
 /// A place in the life-cycle: a system call on a kind of file.
-type Site = (&'static str, String);
+type CallSite = (&'static str, String);
 
-/// What is done to it.
+/// The fault that is injected at a site.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Fault {
+enum InjectedFault {
     Error(i32),
     Short,
 }
 
 #[derive(Debug, Clone)]
-struct Point {
-    site: Site,
-    fault: Fault,
+struct FaultPoint {
+    site: CallSite,
+    fault: InjectedFault,
     lasts: bool,
 }
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     if !is_allowed() {
-        return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
+        return SectionResult {
+            note: "SKIPPED: processes may not be traced here".to_owned(),
+            ..SectionResult::default()
+        };
     }
     let sites = sites();
-    let mut points = found_before();
-    points.extend(in_turn(sites.iter().map(points_of).collect()));
+    let mut points = known_faults();
+    points.extend(interleave(sites.iter().map(possible_faults).collect()));
     let all = points.len();
-    let rows = in_parallel(points, budget, |point| caught(&format!("{point:?}"), || one_life(&point)));
-    Row {
+    let rows = in_parallel(points, budget, |point| catch_panic(&format!("{point:?}"), || one_life(&point)));
+    SectionResult {
         points: rows.iter().filter(|row| row.faults > 0).count() as u64,
         note: format!(
             "{} of {all} faults at {} call sites; {} ended the start, as they may",
@@ -57,18 +60,18 @@ pub fn run(budget: &Budget) -> Row {
             sites.len(),
             rows.iter().filter(|row| row.note == ENDED).count()
         ),
-        ..Row::sum(&rows)
+        ..SectionResult::sum(&rows)
     }
 }
 
-/// Faults that broke something once; they come first, also in a short run.
-fn found_before() -> Vec<Point> {
+/// Faults that once broke something; they are tried first, also in a short run.
+fn known_faults() -> Vec<FaultPoint> {
     #[rustfmt::skip]
     let found = [
-        // Parts were printed in guessed numbers while what says how many could not be looked at.
+        // Parts were printed with a guessed number of copies while their ticket or list could not be read.
         ("stat", "inbox/test/ring.stl.toml", EACCES, true),
         ("stat", "inbox/test/order.csv", EACCES, true),
-        // Claims stood in the hot folder until the next start.
+        // Claims stayed in the hot folder until the next start.
         ("getdents", "inbox/test/.claimed/#T#Z-#-#@#", EIO, false),
         ("open", "inbox/test/.claimed/#T#Z-#-#@#", ESTALE, true),
         ("stat", "inbox/test/.claimed/#T#Z-#-#@#/bad.stl", ESTALE, true),
@@ -81,22 +84,23 @@ fn found_before() -> Vec<Point> {
         ("stat", "state", EACCES, true),
         ("open", "queue/test/.#T#Z_test_#.parts.csv.half", ESTALE, true),
     ];
-    let point = |(call, place, error, lasts): (&'static str, &str, i32, bool)| Point {
+    let point = |(call, place, error, lasts): (&'static str, &str, i32, bool)| FaultPoint {
         site: (call, place.to_owned()),
-        fault: Fault::Error(error),
+        fault: InjectedFault::Error(error),
         lasts,
     };
     found.map(point).into()
 }
 
-/// One fault at each site, then another one at each, ...: a run that is cut short has been everywhere.
-fn in_turn(mut sites: Vec<Vec<Point>>) -> Vec<Point> {
+/// Orders the faults: first one at each site, then another one at each, and so on. A run that is cut short has then
+/// tried every site.
+fn interleave(mut sites: Vec<Vec<FaultPoint>>) -> Vec<FaultPoint> {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
     sites.iter_mut().for_each(|points| points.shuffle(&mut rng));
     let rounds = sites.iter().map(Vec::len).max().unwrap_or_default();
     let mut all = Vec::new();
     for round in 0..rounds {
-        let mut points: Vec<Point> = sites.iter().filter_map(|points| points.get(round)).cloned().collect();
+        let mut points: Vec<FaultPoint> = sites.iter().filter_map(|points| points.get(round)).cloned().collect();
         points.shuffle(&mut rng);
         all.extend(points);
     }
@@ -105,45 +109,45 @@ fn in_turn(mut sites: Vec<Vec<Point>>) -> Vec<Point> {
 
 const ENDED: &str = "ended at its start";
 
-/// Every call site of a life without faults.
-fn sites() -> BTreeSet<(Site, bool)> {
-    let mut life = Life::new();
+/// All call sites of a life-cycle without faults.
+fn sites() -> BTreeSet<(CallSite, bool)> {
+    let mut life = LifeCycle::new();
     let seen = Arc::new(Mutex::new(BTreeSet::new()));
-    let watch = Sites { root: life.farm.root().to_owned(), seen: seen.clone() };
-    let mut traced = Traced::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
+    let watch = CallSiteCollector { root: life.farm.root().to_owned(), seen: seen.clone() };
+    let mut traced = TracedDaemon::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
     let end = life.play(traced.pid(), &mut || traced.has_ended());
     traced.stop();
-    assert_eq!(end, End::Done, "{}", life.farm.log());
+    assert_eq!(end, ScriptEnd::Done, "{}", life.farm.log());
     let seen = seen.lock().unwrap();
     seen.clone()
 }
 
-struct Sites {
+struct CallSiteCollector {
     root: std::path::PathBuf,
     /// With whether the call creates or changes.
-    seen: Arc<Mutex<BTreeSet<(Site, bool)>>>,
+    seen: Arc<Mutex<BTreeSet<(CallSite, bool)>>>,
 }
 
-impl Watch for Sites {
-    fn before(&mut self, call: &Call) -> Verdict {
-        self.seen.lock().unwrap().insert((site(call, &self.root), call.kind == Kind::Change));
-        Verdict::Let
+impl CallWatcher for CallSiteCollector {
+    fn before(&mut self, call: &SystemCall) -> CallVerdict {
+        self.seen.lock().unwrap().insert((site(call, &self.root), call.kind == CallEffect::Change));
+        CallVerdict::Let
     }
 
-    fn after(&mut self, _: &Call, _: i64) -> bool {
+    fn after(&mut self, _: &SystemCall, _: i64) -> bool {
         true
     }
 }
 
-/// A call with what is chance in its path taken out.
-fn site(call: &Call, root: &Path) -> Site {
+/// The site of a call, without the random parts of its path.
+fn site(call: &SystemCall, root: &Path) -> CallSite {
     let place = call.path.strip_prefix(root).unwrap_or(&call.path);
-    let parts: Vec<String> = place.iter().map(|part| plain(&part.to_string_lossy())).collect();
+    let parts: Vec<String> = place.iter().map(|part| without_random_parts(&part.to_string_lossy())).collect();
     (call.name, parts.join("/"))
 }
 
 /// Random names and numbers become `#`.
-fn plain(part: &str) -> String {
+fn without_random_parts(part: &str) -> String {
     for prefix in ["tmp-", ".nestd-queue-"] {
         if part.starts_with(prefix) {
             return format!("{prefix}#");
@@ -167,8 +171,8 @@ fn plain(part: &str) -> String {
     text.trim_end_matches('\0').to_owned()
 }
 
-/// What can happen at a site.
-fn points_of((site, changes): &(Site, bool)) -> Vec<Point> {
+/// The faults that can happen at a site.
+fn possible_faults((site, changes): &(CallSite, bool)) -> Vec<FaultPoint> {
     let errors: &[i32] = match (site.0, changes) {
         ("write" | "pwrite" | "writev" | "pwritev" | "copy_file_range" | "sendfile", _) => {
             &[EIO, ENOSPC, EDQUOT, ESTALE, EINTR]
@@ -182,40 +186,41 @@ fn points_of((site, changes): &(Site, bool)) -> Vec<Point> {
         ("read" | "pread" | "readv", _) => &[EIO, ESTALE, EINTR],
         _ => &[EIO, EACCES, ESTALE],
     };
-    let mut faults: Vec<Fault> = errors.iter().map(|&errno| Fault::Error(errno)).collect();
+    let mut faults: Vec<InjectedFault> = errors.iter().map(|&errno| InjectedFault::Error(errno)).collect();
     if matches!(site.0, "write" | "pwrite") {
-        faults.push(Fault::Short);
+        faults.push(InjectedFault::Short);
     }
-    let point = |fault, lasts| Point { site: site.clone(), fault, lasts };
+    let point = |fault, lasts| FaultPoint { site: site.clone(), fault, lasts };
     faults.into_iter().flat_map(|fault| [point(fault, false), point(fault, true)]).collect()
 }
 
-/// Whether an interrupted call goes on for ever when it is interrupted for ever: the kernel never does that.
-fn must_not_last(point: &Point) -> bool {
-    point.fault == Fault::Error(EINTR)
+/// Whether a lasting fault makes no sense: a call that is interrupted again and again is repeated for ever, which the
+/// kernel never causes.
+fn must_not_last(point: &FaultPoint) -> bool {
+    point.fault == InjectedFault::Error(EINTR)
 }
 
-fn one_life(point: &Point) -> Row {
-    let mut life = Life::new();
+fn one_life(point: &FaultPoint) -> SectionResult {
+    let mut life = LifeCycle::new();
     let injected: Arc<Mutex<BTreeMap<&'static str, u64>>> = Arc::default();
-    let watch = Inject {
+    let watch = FaultInjector {
         root: life.farm.root().to_owned(),
-        point: Point { lasts: point.lasts && !must_not_last(point), ..point.clone() },
+        point: FaultPoint { lasts: point.lasts && !must_not_last(point), ..point.clone() },
         began: None,
         injected: injected.clone(),
     };
-    let mut traced = Traced::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
+    let mut traced = TracedDaemon::start(life.farm.command(&["run"]), life.farm.root(), watch).unwrap();
     let end = life.play(traced.pid(), &mut || traced.has_ended());
-    let mut row = Row { files: 5, ..Row::default() };
+    let mut row = SectionResult { files: 5, ..SectionResult::default() };
     match end {
-        End::Done => {
+        ScriptEnd::Done => {
             let (_, in_time) = traced.stop();
             if !in_time {
                 life.broken.push("the daemon did not stop in time".to_owned());
             }
-            life.look_at_rest();
+            life.check_at_rest();
         }
-        End::DaemonEnded => {
+        ScriptEnd::DaemonEnded => {
             drop(traced.kill());
             if life.farm.log().contains("The farm is open.") {
                 life.broken.push(format!("the daemon ended\n{}", tail(&life.farm.log())));
@@ -223,7 +228,7 @@ fn one_life(point: &Point) -> Row {
             row.note = ENDED.to_owned();
             life.run_to_the_end();
         }
-        End::Stuck => {
+        ScriptEnd::Stuck => {
             drop(traced.kill());
             let left = nestd::intake::files_below(&life.farm.folder("inbox")).unwrap_or_default();
             let (step, log) = (life.step_name(), tail(&life.farm.log()));
@@ -241,33 +246,33 @@ fn tail(log: &str) -> String {
     lines[lines.len().saturating_sub(12)..].join("\n")
 }
 
-struct Inject {
+struct FaultInjector {
     root: std::path::PathBuf,
-    point: Point,
+    point: FaultPoint,
     began: Option<Instant>,
     injected: Arc<Mutex<BTreeMap<&'static str, u64>>>,
 }
 
-impl Watch for Inject {
-    fn before(&mut self, call: &Call) -> Verdict {
+impl CallWatcher for FaultInjector {
+    fn before(&mut self, call: &SystemCall) -> CallVerdict {
         if call.name != self.point.site.0 || site(call, &self.root) != self.point.site {
-            return Verdict::Let;
+            return CallVerdict::Let;
         }
         if self.began.is_some_and(|began| !self.point.lasts || began.elapsed() > LASTS) {
-            return Verdict::Let;
+            return CallVerdict::Let;
         }
-        if self.point.fault == Fault::Short && call.bytes < 2 {
-            return Verdict::Let;
+        if self.point.fault == InjectedFault::Short && call.bytes < 2 {
+            return CallVerdict::Let;
         }
         self.began.get_or_insert_with(Instant::now);
         *self.injected.lock().unwrap().entry(call.name).or_default() += 1;
         match self.point.fault {
-            Fault::Error(errno) => Verdict::Fail(errno),
-            Fault::Short => Verdict::Shorten(call.bytes / 2),
+            InjectedFault::Error(errno) => CallVerdict::Fail(errno),
+            InjectedFault::Short => CallVerdict::Shorten(call.bytes / 2),
         }
     }
 
-    fn after(&mut self, _: &Call, _: i64) -> bool {
+    fn after(&mut self, _: &SystemCall, _: i64) -> bool {
         true
     }
 }

@@ -1,5 +1,5 @@
-//! Very many files: dropped all at once, then in waves for as long as there is time. Intake keeps up, `status` answers, and
-//! nothing is lost.
+//! Very many files: dropped all at once, then in waves while there is time. Intake must keep up, `nestd status` must
+//! answer, and nothing may be lost.
 
 use std::{
     fs,
@@ -11,26 +11,26 @@ use glam::DVec3;
 use nestd::ledger::{Ledger, PartState};
 
 use super::{
-    budget::Budget,
+    budget::SectionBudget,
     heavy::peak_mib,
-    row::Row,
+    section_result::SectionResult,
     support::{TestFarm, stl, wait_until_or},
 };
 
-/// Parts so large that few fill the volume: the line is long, the search for what is at its head short.
+/// The parts are so large that few fill the volume: the queue is long, but each search is short.
 const MACHINE: &str = "volume_mm = [200, 200, 200]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0.5\n";
-/// `nestd status` answers within, ms (release).
+/// Time limit of `nestd status`, ms (release build).
 const STATUS_MS: f64 = 100.0;
-/// Memory that a daemon may take with all these parts waiting, MiB.
+/// Memory limit of the daemon with all these parts waiting, MiB.
 const MAX_MEMORY_MIB: u64 = 2048;
-/// What a soak goes up to, when there is time.
+/// Number of files of a long run, when there is time.
 const SOAK_FILES: u64 = 100_000;
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     let mut farm = TestFarm::running(MACHINE);
     farm.nestd_ok(&["pause", "test"]);
     let at_once: u64 = budget.pick(150, 10_000);
-    let mut row = Row::default();
+    let mut row = SectionResult::default();
     let mut status = Vec::new();
     let first = wave(&farm, &mut row, at_once, &mut status);
     let mut waves = 1;
@@ -50,7 +50,7 @@ pub fn run(budget: &Budget) -> Row {
     if peak > MAX_MEMORY_MIB {
         row.broken.push(format!("the daemon took {peak} MiB"));
     }
-    row.broken.extend(farm.ask(async |ledger| ledger.faults().await.unwrap()));
+    row.broken.extend(farm.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap()));
     farm.stop();
     row.points = waves;
     row.note = format!(
@@ -60,8 +60,8 @@ pub fn run(budget: &Budget) -> Row {
     row
 }
 
-/// Drops so many different files at once and waits until each is a waiting part. Returns files per second.
-fn wave(farm: &TestFarm, row: &mut Row, count: u64, status: &mut Vec<f64>) -> f64 {
+/// Drops `count` different files at once and waits until each is a waiting part. Returns files per second.
+fn wave(farm: &TestFarm, row: &mut SectionResult, count: u64, status: &mut Vec<f64>) -> f64 {
     let outside = farm.root().join("sending").join(row.files.to_string());
     fs::create_dir_all(&outside).unwrap();
     let names: Vec<PathBuf> = (0..count).map(|n| format!("part-{}.stl", row.files + n).into()).collect();
@@ -105,7 +105,8 @@ fn wave(farm: &TestFarm, row: &mut Row, count: u64, status: &mut Vec<f64>) -> f6
 }
 
 fn waiting(farm: &TestFarm) -> u64 {
-    let of_profile =
-        async |ledger: &Ledger| ledger.status().await.unwrap().iter().map(|row| row.waiting_parts).sum::<u32>();
-    u64::from(farm.ask(of_profile))
+    let of_profile = async |ledger: &Ledger| {
+        ledger.profile_statuses().await.unwrap().iter().map(|row| row.waiting_parts).sum::<u32>()
+    };
+    u64::from(farm.query_ledger(of_profile))
 }

@@ -1,5 +1,5 @@
-//! Heavy parts through the real daemon: a mesh of very many triangles, a part of very many shells, very many copies. Time and
-//! peak memory of each; and that what is above the stated limits is refused with the reason.
+//! Heavy parts through the real daemon: a mesh of very many triangles, a part of very many shells, very many copies.
+//! Measures time and peak memory of each, and checks that files above the stated limits are refused with the reason.
 
 use std::{
     fs::{self, File},
@@ -13,19 +13,19 @@ use nestd::ledger::PartState;
 use solids::Pose;
 
 use super::{
-    budget::Budget,
-    row::Row,
+    budget::SectionBudget,
+    section_result::SectionResult,
     support::{TestFarm, stl},
 };
 
-/// A common machine; searches are short, for it is not the height that is measured.
+/// A common machine; searches are short, because the height is not measured.
 const MACHINE: &str =
     "volume_mm = [380, 284, 380]\nclearance_mm = 3.0\nsettle_secs = 0.3\nfinal_secs = 5\narrival_secs = 2\n";
-/// What a daemon may take for any of these at most, MiB.
+/// Memory limit of the daemon for each of these parts, MiB.
 const MAX_MEMORY_MIB: u64 = 8192;
 
-/// What a part took.
-struct Cost {
+/// The measured cost of a part.
+struct MeasuredCost {
     what: String,
     read_secs: f64,
     build_secs: f64,
@@ -33,18 +33,18 @@ struct Cost {
 }
 
 /// Writes a part of a size.
-type Writer = fn(&Path, u64);
+type PartWriter = fn(&Path, u64);
 
-pub fn run(budget: &Budget) -> Row {
-    let mut row = Row::default();
-    let cases: [(&str, &str, Writer, u64); 3] = [
-        ("triangles", "ball.stl", ball, budget.pick(100_000, 10_000_000)),
-        ("shells", "crowd.stl", crowd, budget.pick(200, 2000)),
-        ("copies", "block.stl", block, budget.pick(100, 5000)),
+pub fn run(budget: &SectionBudget) -> SectionResult {
+    let mut row = SectionResult::default();
+    let cases: [(&str, &str, PartWriter, u64); 3] = [
+        ("triangles", "ball.stl", write_sphere, budget.pick(100_000, 10_000_000)),
+        ("shells", "crowd.stl", write_cubes, budget.pick(200, 2000)),
+        ("copies", "block.stl", write_block, budget.pick(100, 5000)),
     ];
     let mut told = Vec::new();
     for (what, name, write, size) in cases {
-        match cost(what, name, write, size, budget) {
+        match measure_cost(what, name, write, size, budget) {
             Ok(cost) => {
                 if cost.peak_mib > MAX_MEMORY_MIB {
                     row.broken.push(format!("{} took {} MiB", cost.what, cost.peak_mib));
@@ -65,7 +65,13 @@ pub fn run(budget: &Budget) -> Row {
     row
 }
 
-fn cost(what: &str, name: &str, write: fn(&Path, u64), size: u64, budget: &Budget) -> Result<Cost, String> {
+fn measure_cost(
+    what: &str,
+    name: &str,
+    write: fn(&Path, u64),
+    size: u64,
+    budget: &SectionBudget,
+) -> Result<MeasuredCost, String> {
     let farm = TestFarm::running(MACHINE);
     let what = format!("{size} {what}");
     if name == "block.stl" {
@@ -82,7 +88,7 @@ fn cost(what: &str, name: &str, write: fn(&Path, u64), size: u64, budget: &Budge
     let began = Instant::now();
     farm.flush();
     wait(&farm, &what, limit, || !farm.queued().is_empty())?;
-    Ok(Cost { what, read_secs, build_secs: began.elapsed().as_secs_f64(), peak_mib: peak_mib(farm.pid()) })
+    Ok(MeasuredCost { what, read_secs, build_secs: began.elapsed().as_secs_f64(), peak_mib: peak_mib(farm.pid()) })
 }
 
 fn wait(farm: &TestFarm, what: &str, limit: Duration, mut holds: impl FnMut() -> bool) -> Result<(), String> {
@@ -99,19 +105,19 @@ fn wait(farm: &TestFarm, what: &str, limit: Duration, mut holds: impl FnMut() ->
     Ok(())
 }
 
-/// The greatest memory that a process has taken, MiB.
+/// The peak memory of a process, MiB.
 pub fn peak_mib(pid: i32) -> u64 {
     let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
     let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() / 1024
 }
 
-/// Each stated limit, set low, and a part above it.
-fn refused_above_the_limits(row: &mut Row) {
+/// Sets each limit low and checks that a part above it is refused.
+fn refused_above_the_limits(row: &mut SectionResult) {
     let cube = stl(&sample_parts::cuboid(DVec3::splat(10.0)));
     let cases = [
-        ("max_triangles = 11", "a.stl", "it has 12 triangles; at most 11 are taken"),
-        ("max_bytes = 600", "a.stl", "it is 684 bytes long; at most 600 are taken"),
+        ("max_triangles = 11", "a.stl", "it has 12 triangles; at most 11 are allowed"),
+        ("max_bytes = 600", "a.stl", "it is 684 bytes long; at most 600 are allowed"),
         ("max_shells = 1", "two.stl", "2 pieces"),
         ("max_copies = 4", "a_x5.stl", "5 copies"),
     ];
@@ -121,7 +127,7 @@ fn refused_above_the_limits(row: &mut Row) {
         fs::write(farm.config(), format!("{config}[limits]\n{limit}\n")).unwrap();
         farm.start();
         if name == "two.stl" {
-            crowd(&farm.root().join("sending"), 2);
+            write_cubes(&farm.root().join("sending"), 2);
             fs::rename(farm.root().join("sending"), farm.folder("inbox").join(name)).unwrap();
         } else {
             farm.drop_bytes(name, &cube);
@@ -137,8 +143,8 @@ fn refused_above_the_limits(row: &mut Row) {
     }
 }
 
-/// A ball of so many triangles, 100 mm wide: rings of latitude, written as they are made.
-fn ball(file: &Path, triangles: u64) {
+/// Writes a sphere of about `triangles` triangles, 100 mm wide, as rings of latitude.
+fn write_sphere(file: &Path, triangles: u64) {
     let rings = ((triangles as f64 / 4.0).sqrt() as u32).max(4);
     let around = 2 * rings;
     let corner = |ring: u32, step: u32| {
@@ -179,8 +185,8 @@ fn facet(out: &mut impl Write, corners: [Vec3; 3]) {
     out.write_all(&bytes).unwrap();
 }
 
-/// One file of so many small cubes that do not touch.
-fn crowd(file: &Path, shells: u64) {
+/// Writes one file of `shells` small cubes that do not touch.
+fn write_cubes(file: &Path, shells: u64) {
     let cube = sample_parts::cuboid(DVec3::splat(2.0));
     let side = (shells as f64).cbrt().ceil() as u64;
     let poses: Vec<Pose> = (0..shells)
@@ -192,6 +198,6 @@ fn crowd(file: &Path, shells: u64) {
     out.flush().unwrap();
 }
 
-fn block(file: &Path, _copies: u64) {
+fn write_block(file: &Path, _copies: u64) {
     fs::write(file, stl(&sample_parts::cuboid(DVec3::new(14.0, 11.0, 8.0)))).unwrap();
 }

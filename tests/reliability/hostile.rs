@@ -1,5 +1,5 @@
-//! Damaged files through every reader, in this process: none may panic, hang, or let in what breaks a promise. The inputs
-//! begin with the corpus of the fuzz targets and are changed at random.
+//! Damaged files through every reader, in this process: no reader may panic, hang, or accept what it must not accept.
+//! The inputs are random changes of the corpus of the fuzz targets.
 
 use std::{
     fs,
@@ -12,19 +12,19 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    budget::Budget,
-    row::Row,
+    budget::SectionBudget,
+    section_result::SectionResult,
     support::{entries, samples},
 };
 
-/// A reader that takes longer hangs, seconds.
+/// A reader that takes longer than this hangs, seconds.
 const MAX_SECS: f64 = 10.0;
-/// What this process may take at most while all readers run, MiB.
+/// Memory limit of this process while all readers run, MiB.
 const MAX_MEMORY_MIB: u64 = 1500;
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     let mut rng = ChaCha8Rng::seed_from_u64(if budget.is_long { rand::random() } else { 42 });
-    let mut row = Row::default();
+    let mut row = SectionResult::default();
     let corpora: Vec<Vec<Vec<u8>>> = entries::TARGETS.iter().map(|(target, _)| corpus(target)).collect();
     let mut slowest: (f64, &str) = (0.0, "");
     while !budget.is_spent() && row.broken.len() < 20 {

@@ -1,4 +1,4 @@
-//! What it costs to take files: very many small ones dropped at once, and the processor time for some of a known size.
+//! The cost of taking files: very many small files dropped at once, and the CPU time for files of a known size.
 
 use std::{
     fs,
@@ -8,26 +8,26 @@ use std::{
 use nestd::ledger::PartState;
 
 use super::{
-    budget::Budget,
-    grid::gridded,
-    row::Row,
+    budget::SectionBudget,
+    grid::gridded_box,
+    section_result::SectionResult,
     support::{TestFarm, wait_until_or},
 };
 
 /// As in `flood`: parts so large that few fill the volume.
 const MACHINE: &str = "volume_mm = [200, 200, 200]\nsettle_secs = 0.3\nfinal_secs = 0.5\narrival_secs = 0.5\n";
-/// `nestd status` answers within, ms (release).
+/// Time limit of `nestd status`, ms (release build).
 const STATUS_MS: f64 = 100.0;
-/// In which Linux tells processor time, on every architecture that nestd runs on.
+/// The unit in which Linux reports CPU time, on every architecture on which nestd runs.
 const TICKS_PER_SEC: f64 = 100.0;
 /// Squares along an edge of a small part: 2 to 50 kB.
 const SMALL: [usize; 5] = [2, 3, 5, 7, 9];
 /// Squares along an edge of a part of 47 kB.
 const EVEN: usize = 9;
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     let (many, even) = budget.pick((150, 60), (10_000, 3_000));
-    let mut row = Row::default();
+    let mut row = SectionResult::default();
     let small = taken(&mut row, many, |n| SMALL[n % SMALL.len()]);
     let same = taken(&mut row, even, |_| EVEN);
     row.points = 2;
@@ -35,15 +35,15 @@ pub fn run(budget: &Budget) -> Row {
     row
 }
 
-/// What a farm of its own takes when so many files stand there at once, in words.
-fn taken(row: &mut Row, count: usize, squares: impl Fn(usize) -> usize) -> String {
+/// Measures a new farm with `count` files in its hot folder; returns the figures as text.
+fn taken(row: &mut SectionResult, count: usize, squares: impl Fn(usize) -> usize) -> String {
     let mut farm = TestFarm::running(MACHINE);
     farm.nestd(&["pause", "test"]); // the answer may come later
     let outside = farm.root().join("sending");
     fs::create_dir_all(&outside).unwrap();
     for n in 0..count {
         let size = [60.0, 60.0 + (n % 1000) as f64 * 0.01, 60.0 + (n / 1000) as f64 * 0.01];
-        fs::write(outside.join(format!("part-{n}.stl")), gridded(size, squares(n))).unwrap();
+        fs::write(outside.join(format!("part-{n}.stl")), gridded_box(size, squares(n))).unwrap();
     }
     let (began, cpu) = (Instant::now(), cpu_secs(farm.pid()));
     for n in 0..count {
@@ -74,7 +74,7 @@ fn taken(row: &mut Row, count: usize, squares: impl Fn(usize) -> usize) -> Strin
     if !farm.parts(PartState::Rejected).is_empty() {
         row.broken.push("files were refused".to_owned());
     }
-    row.broken.extend(farm.ask(async |ledger| ledger.faults().await.unwrap()));
+    row.broken.extend(farm.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap()));
     row.files += count as u64;
     farm.stop();
     format!(
@@ -84,14 +84,12 @@ fn taken(row: &mut Row, count: usize, squares: impl Fn(usize) -> usize) -> Strin
 }
 
 fn waiting(farm: &TestFarm) -> u64 {
-    u64::from(
-        farm.ask(async |ledger| {
-            ledger.status().await.unwrap_or_default().iter().map(|row| row.waiting_parts).sum::<u32>()
-        }),
-    )
+    u64::from(farm.query_ledger(async |ledger| {
+        ledger.profile_statuses().await.unwrap_or_default().iter().map(|row| row.waiting_parts).sum::<u32>()
+    }))
 }
 
-/// Processor seconds of a process so far, its own and the system's for it.
+/// CPU seconds of a process so far, user and system time.
 fn cpu_secs(pid: i32) -> f64 {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
     let fields: Vec<&str> = stat.rsplit_once(')').unwrap().1.split_whitespace().collect();

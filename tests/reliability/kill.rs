@@ -1,5 +1,5 @@
-//! kill -9 at random moments under load: parts, orders and tickets come in all the while, orders by hand are given, the
-//! printer takes builds; many farms at once. In the end everything is built exactly once and the invariants hold.
+//! kill -9 at random moments under load: parts, orders and tickets arrive all the time, operators send commands, the
+//! printer takes builds; many farms at once. At the end everything is built exactly once and the invariants hold.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -9,7 +9,7 @@ use std::{
 };
 
 use nestd::{
-    farm::Witness,
+    farm::InvariantExpectations,
     intake,
     ledger::{CommandKind, Ledger, NewCommand, PartRow, PartState},
 };
@@ -17,48 +17,53 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    budget::Budget,
-    life,
-    pool::{caught, in_parallel},
-    row::Row,
+    budget::SectionBudget,
+    life_cycle,
+    pool::{catch_panic, in_parallel},
+    section_result::SectionResult,
     support::{PROFILE, TestFarm, block, stl},
 };
 
-/// A long run kills at least so often, and as often as its time allows; a short one about a hundred times.
+/// Most kills of a short and of a long run; each also ends when its time is over.
 const KILLS: (u64, u64) = (100, 20_000);
-/// A short run takes so long for them at most.
+/// Time budget of a short run, seconds.
 const SHORT_SECS: f64 = 14.0;
 /// Kills of one farm.
 const KILLS_PER_FARM: u64 = 25;
 const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     let (kills, budget) = (AtomicU64::new(0), &budget.at_least(SHORT_SECS));
     let most = budget.pick(KILLS.0, KILLS.1);
     let farms: Vec<u64> = (0..most.div_ceil(KILLS_PER_FARM)).collect();
     let per_farm = budget.pick(most.div_ceil(4), KILLS_PER_FARM);
     let rows = in_parallel(farms, budget, |seed| {
         if kills.load(Ordering::Relaxed) >= most {
-            return Row::default();
+            return SectionResult::default();
         }
-        caught(&format!("farm {seed}"), || {
-            let mut farm = Killed::new(seed);
+        catch_panic(&format!("farm {seed}"), || {
+            let mut farm = KilledFarm::new(seed);
             farm.kill_often(per_farm, budget, &kills);
             farm.run_to_the_end()
         })
     });
     let faults = kills.into_inner();
-    Row { points: faults, faults, note: format!("kill -9 under load, on {} farms", rows.len()), ..Row::sum(&rows) }
+    SectionResult {
+        points: faults,
+        faults,
+        note: format!("kill -9 under load, on {} farms", rows.len()),
+        ..SectionResult::sum(&rows)
+    }
 }
 
 /// A farm that is killed again and again.
-struct Killed {
+struct KilledFarm {
     farm: TestFarm,
     rng: ChaCha8Rng,
     seed: u64,
     dropped: u64,
-    witness: Witness,
+    witness: InvariantExpectations,
     /// Copies that must be printed, by name.
     wanted: BTreeMap<String, u32>,
     taken: BTreeSet<String>,
@@ -66,16 +71,16 @@ struct Killed {
     broken: Vec<String>,
 }
 
-impl Killed {
+impl KilledFarm {
     fn new(seed: u64) -> Self {
         let farm = TestFarm::new(MACHINE);
-        fs::write(farm.config(), life::FARM).unwrap();
+        fs::write(farm.config(), life_cycle::FARM).unwrap();
         Self {
             farm,
             rng: ChaCha8Rng::seed_from_u64(seed),
             seed,
             dropped: 0,
-            witness: Witness::default(),
+            witness: InvariantExpectations::default(),
             wanted: BTreeMap::new(),
             taken: BTreeSet::new(),
             copies: BTreeSet::new(),
@@ -83,7 +88,7 @@ impl Killed {
         }
     }
 
-    fn kill_often(&mut self, kills: u64, budget: &Budget, all: &AtomicU64) {
+    fn kill_often(&mut self, kills: u64, budget: &SectionBudget, all: &AtomicU64) {
         for _ in 0..kills {
             if budget.left_secs() < 0.25 * budget.secs.min(20.0) {
                 return;
@@ -95,7 +100,7 @@ impl Killed {
             if self.rng.random_bool(0.3) {
                 self.order_something();
             }
-            // A kill a few milliseconds after the start meets the recovery, a later one the work.
+            // A kill a few milliseconds after the start hits the recovery, a later one the work.
             let most_ms = if self.rng.random_bool(0.5) { 120 } else { 1500 };
             std::thread::sleep(Duration::from_millis(self.rng.random_range(2..most_ms)));
             self.farm.kill();
@@ -131,7 +136,7 @@ impl Killed {
         self.farm.drop_bytes(&format!("{folder}{name}"), &bytes);
     }
 
-    /// An order by hand about a part that is there, or to publish; nobody waits for the answer.
+    /// Sends a command about an existing part, or `flush`, without waiting for the answer.
     fn order_something(&mut self) {
         let kind = [CommandKind::Flush, CommandKind::Cancel, CommandKind::Retry][self.rng.random_range(0..3)];
         let pick = self.rng.random_range(0..1000);
@@ -146,7 +151,7 @@ impl Killed {
         });
     }
 
-    /// Asks the ledger, if there is one yet.
+    /// Runs a query on the ledger, if it exists already.
     fn ask<T: Default>(&self, question: impl AsyncFnOnce(&Ledger) -> Result<T, nestd::ledger::LedgerError>) -> T {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
@@ -159,7 +164,7 @@ impl Killed {
         })
     }
 
-    /// Notes every copy of every build file in the queue and takes the files away; no name comes back.
+    /// Records every copy of every build file in the queue and removes the files; no file name may come again.
     fn take_as_a_printer_does(&mut self) {
         for file in self.farm.queued() {
             let name = file.file_name().unwrap().to_string_lossy().into_owned();
@@ -180,8 +185,8 @@ impl Killed {
         }
     }
 
-    /// Nobody kills any more: everything that was cancelled is taken back, and all is built.
-    fn run_to_the_end(mut self) -> Row {
+    /// Without further kills: everything that was cancelled is taken back, and everything is built.
+    fn run_to_the_end(mut self) -> SectionResult {
         self.farm.start();
         let began = Instant::now();
         while !self.is_done() {
@@ -196,27 +201,27 @@ impl Killed {
         }
         self.farm.stop();
         self.take_as_a_printer_does();
-        let witness = Witness { at_rest: true, ..self.witness.clone() };
-        self.broken.extend(self.farm.broken(&witness));
+        let witness = InvariantExpectations { at_rest: true, ..self.witness.clone() };
+        self.broken.extend(self.farm.broken_invariants(&witness));
         let wanted: u32 = self.wanted.values().sum();
         if self.copies.len() as u32 != wanted {
             self.broken.push(format!("I2: {wanted} copies were asked, the printer got {}", self.copies.len()));
         }
         let seed = self.seed;
-        Row {
+        SectionResult {
             files: self.dropped,
             builds: self.taken.len() as u64,
             broken: self.broken.iter().map(|text| format!("farm {seed}: {text}")).collect(),
-            ..Row::default()
+            ..SectionResult::default()
         }
     }
 
-    /// Takes back what was cancelled, publishes what waits, and tells whether all is built and at rest.
+    /// Takes back cancelled parts and publishes waiting ones; returns whether everything is built and at rest.
     fn is_done(&mut self) -> bool {
         self.take_as_a_printer_does();
         let wanted = self.wanted.clone();
         let built: Vec<PartRow> = self.ask(async |ledger| {
-            let asked = ledger.asked().await?;
+            let asked = ledger.pending_commands().await?;
             for part in ledger.parts_in_state(PartState::Rejected).await? {
                 let is_asked = asked.iter().any(|row| row.part_id == Some(part.id));
                 if wanted.contains_key(&part.name) && !is_asked {
@@ -230,7 +235,7 @@ impl Killed {
             ledger.parts_in_state(PartState::Built).await
         });
         let built: BTreeMap<String, u32> = built.into_iter().map(|part| (part.name, part.copies)).collect();
-        let work = intake::work(&self.farm.folder("inbox")).unwrap_or_default();
+        let work = intake::list_claims(&self.farm.folder("inbox")).unwrap_or_default();
         built == self.wanted && work.claims.is_empty() && work.unfinished.is_empty() && self.bad_ones_are_refused()
     }
 
@@ -246,5 +251,5 @@ async fn order(
     part: Option<nestd::ledger::PartId>,
 ) -> Result<(), nestd::ledger::LedgerError> {
     let profile = if matches!(kind, CommandKind::Flush) { PROFILE.to_owned() } else { String::new() };
-    ledger.ask(&NewCommand { kind, profile, part, asked_by: "test".to_owned() }).await.map(drop)
+    ledger.submit_command(&NewCommand { kind, profile, part, asked_by: "test".to_owned() }).await.map(drop)
 }

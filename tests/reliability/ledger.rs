@@ -7,25 +7,25 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    big,
-    budget::Budget,
-    row::Row,
+    budget::SectionBudget,
+    large_ledger,
+    section_result::SectionResult,
     support::{QUICK, TestFarm, block},
 };
 
 /// Builds in the large ledger of a long run.
 const MANY: u64 = 1_000_000;
-/// Parts that wait in it.
+/// Waiting parts in the large ledger.
 const WAITING: u64 = 10_000;
-/// The most that an answer may take, ms; of an optimised build.
+/// Time limit of a query, ms; for an optimised build of nestd.
 const ANSWER_MS: f64 = 100.0;
-/// The most that looking through all of it may take, s.
+/// Time limit of checking the whole ledger, s.
 const LOOK_SECS: f64 = 120.0;
 
-pub fn run(budget: &Budget) -> Row {
-    let mut row = Row::default();
-    large(budget, &mut row);
-    damage(budget, &mut row);
+pub fn run(budget: &SectionBudget) -> SectionResult {
+    let mut row = SectionResult::default();
+    measure_large_ledger(budget, &mut row);
+    damage_ledgers(budget, &mut row);
     backups_while_killed(budget, &mut row);
     row
 }
@@ -34,22 +34,22 @@ fn runtime() -> tokio::runtime::Runtime {
     tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap()
 }
 
-/// History, status and the look through all pages of a large ledger.
-fn large(budget: &Budget, row: &mut Row) {
+/// Measures history, status and the check of all pages of a large ledger.
+fn measure_large_ledger(budget: &SectionBudget, row: &mut SectionResult) {
     let mut farm = TestFarm::new(QUICK);
     let builds = budget.pick(20_000, MANY);
     let path = farm.root().join("state/nestd.db");
     farm.start();
     farm.stop();
     runtime().block_on(async {
-        big::fill(&path, builds).await;
-        big::fill_waiting(&path, budget.pick(500, WAITING)).await;
+        large_ledger::fill_published(&path, builds).await;
+        large_ledger::fill_waiting(&path, budget.pick(500, WAITING)).await;
     });
     fs::remove_file(farm.root().join("state/nestd.db.b3")).unwrap();
-    let history = big::best_ms(|| farm.command(&["history", "--since", "30d"]), budget.pick(7, 40));
-    let status = big::best_ms(|| farm.command(&["status"]), budget.pick(7, 40));
+    let history = large_ledger::best_duration_ms(|| farm.command(&["history", "--since", "30d"]), budget.pick(7, 40));
+    let status = large_ledger::best_duration_ms(|| farm.command(&["status"]), budget.pick(7, 40));
     let began = Instant::now();
-    let whole = runtime().block_on(async { Ledger::open_existing(&path).await.unwrap().check_whole().await });
+    let whole = runtime().block_on(async { Ledger::open_existing(&path).await.unwrap().check_integrity().await });
     let look = began.elapsed().as_secs_f64();
     row.points += 3;
     row.note += &format!(
@@ -64,17 +64,18 @@ fn large(budget: &Budget, row: &mut Row) {
     row.broken.extend(whole.err().map(|error| error.to_string()));
 }
 
-/// What a damaged ledger did when it was opened.
-enum Told {
+/// The result of opening a damaged ledger.
+enum LedgerReply {
     Refused,
-    /// It was opened, and says the same as before in every question.
+    /// It was opened, and every query returns the same as before.
     Same,
-    /// It was opened, and says something else.
+    /// It was opened, and a query returns something else.
     Other,
 }
 
-/// Bytes flipped, cut, overwritten, a log cut or deleted: each is refused, or changes nothing that anybody is told.
-fn damage(budget: &Budget, row: &mut Row) {
+/// Damages ledgers: bytes flipped, cut or overwritten, a log cut or deleted. Each damage is refused, or changes no
+/// result.
+fn damage_ledgers(budget: &SectionBudget, row: &mut SectionResult) {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let (sealed, unsealed) = ledgers();
     let (mut refused, mut harmless, mut unseen) = (0, 0, 0);
@@ -83,15 +84,15 @@ fn damage(budget: &Budget, row: &mut Row) {
     while Instant::now() < end && tried < 20_000 {
         let is_sealed = tried % 2 == 0;
         let from = if is_sealed { &sealed } else { &unsealed };
-        let what = spoil(from.path(), &mut rng);
+        let what = damage_randomly(from.path(), &mut rng);
         match open_again(from.path()) {
-            Told::Refused => refused += 1,
-            Told::Same if is_sealed => row.broken.push(format!("a sealed ledger was opened after this: {what}")),
-            Told::Same => harmless += 1,
-            Told::Other if is_sealed => row.broken.push(format!("a sealed ledger was used after this: {what}")),
-            Told::Other => unseen += 1,
+            LedgerReply::Refused => refused += 1,
+            LedgerReply::Same if is_sealed => row.broken.push(format!("a sealed ledger was opened after this: {what}")),
+            LedgerReply::Same => harmless += 1,
+            LedgerReply::Other if is_sealed => row.broken.push(format!("a sealed ledger was used after this: {what}")),
+            LedgerReply::Other => unseen += 1,
         }
-        from.put_back();
+        from.restore_files();
         tried += 1;
     }
     row.points += tried;
@@ -102,21 +103,21 @@ fn damage(budget: &Budget, row: &mut Row) {
     );
 }
 
-/// Files of a ledger, to be spoilt and put back.
-struct Spoilt {
+/// The files of a ledger, to be damaged and restored.
+struct DamagedLedger {
     folder: tempfile::TempDir,
     files: Vec<(String, Vec<u8>)>,
     answer: String,
 }
 
-impl Spoilt {
+impl DamagedLedger {
     fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    fn put_back(&self) {
+    fn restore_files(&self) {
         for entry in fs::read_dir(self.path()).unwrap().map(Result::unwrap) {
-            // A connection that has just been closed takes SQLite's own files away itself.
+            // A connection that has just been closed removes SQLite's own files itself.
             match fs::remove_file(entry.path()) {
                 Err(error) if error.kind() != std::io::ErrorKind::NotFound => panic!("{error}"),
                 _ => {}
@@ -128,8 +129,8 @@ impl Spoilt {
     }
 }
 
-/// A ledger as an orderly stop leaves it, and as a kill does.
-fn ledgers() -> (Spoilt, Spoilt) {
+/// A ledger as an orderly stop leaves it, and one as a kill leaves it.
+fn ledgers() -> (DamagedLedger, DamagedLedger) {
     let mut farm = TestFarm::running(QUICK);
     for n in 0..6 {
         farm.drop_part(&format!("part{n}_x2.stl"), &block(12.0, 12.0, 10.0 + f64::from(n)));
@@ -146,7 +147,7 @@ fn ledgers() -> (Spoilt, Spoilt) {
     (sealed, keep(&farm.root().join("state")))
 }
 
-fn keep(state: &Path) -> Spoilt {
+fn keep(state: &Path) -> DamagedLedger {
     let folder = tempfile::tempdir().unwrap();
     let mut files = Vec::new();
     for entry in fs::read_dir(state).unwrap().map(Result::unwrap) {
@@ -155,16 +156,16 @@ fn keep(state: &Path) -> Spoilt {
             files.push((name, fs::read(entry.path()).unwrap()));
         }
     }
-    let mut spoilt = Spoilt { folder, files, answer: String::new() };
-    spoilt.put_back();
+    let mut spoilt = DamagedLedger { folder, files, answer: String::new() };
+    spoilt.restore_files();
     spoilt.answer = runtime().block_on(answers(spoilt.path())).unwrap();
     spoilt.files.push(("answer".to_owned(), spoilt.answer.clone().into_bytes()));
-    spoilt.put_back();
+    spoilt.restore_files();
     spoilt
 }
 
-/// Damages the ledger in some way; says how.
-fn spoil(folder: &Path, rng: &mut ChaCha8Rng) -> String {
+/// Damages the ledger in a random way; returns a description.
+fn damage_randomly(folder: &Path, rng: &mut ChaCha8Rng) -> String {
     let (db, log) = (folder.join("nestd.db"), folder.join("nestd.db-wal"));
     let has_log = fs::metadata(&log).is_ok_and(|meta| meta.len() > 0);
     let file = if has_log && rng.random_bool(0.4) { &log } else { &db };
@@ -198,37 +199,37 @@ fn spoil(folder: &Path, rng: &mut ChaCha8Rng) -> String {
     format!("{}: {what}", file.file_name().unwrap().to_string_lossy())
 }
 
-fn open_again(folder: &Path) -> Told {
+fn open_again(folder: &Path) -> LedgerReply {
     let before = fs::read_to_string(folder.join("answer")).unwrap();
     match runtime().block_on(answers(folder)) {
         Err(error) => {
             let clear = error.is_damage() && error.to_string().contains("nestd restore");
-            // A table of migrations that was spoilt is told otherwise, but nothing is used.
+            // A damaged table of migrations gives another error, but the ledger is not used.
             let otherwise =
                 matches!(error, LedgerError::Migrate { .. } | LedgerError::Sql(_) | LedgerError::NewerSchema { .. });
-            if clear || otherwise { Told::Refused } else { panic!("{error}") }
+            if clear || otherwise { LedgerReply::Refused } else { panic!("{error}") }
         }
-        Ok(now) if now == before => Told::Same,
-        Ok(_) => Told::Other,
+        Ok(now) if now == before => LedgerReply::Same,
+        Ok(_) => LedgerReply::Other,
     }
 }
 
-/// All that a ledger says, opened as the daemon opens it.
+/// The results of all queries of a ledger, opened as the daemon opens it.
 async fn answers(folder: &Path) -> Result<String, LedgerError> {
-    let ledger = Ledger::open_whole(&folder.join("nestd.db")).await?;
-    let mut text = format!("{:?}", ledger.history(&Default::default()).await?);
+    let ledger = Ledger::open_checked(&folder.join("nestd.db")).await?;
+    let mut text = format!("{:?}", ledger.read_history(&Default::default()).await?);
     for state in PartState::ALL {
         for part in ledger.parts_in_state(state).await? {
             text += &format!("{part:?} {:?}", ledger.placements_of_part(part.id).await?);
         }
     }
-    text += &format!("{:?}", ledger.faults().await?);
+    text += &format!("{:?}", ledger.find_inconsistencies().await?);
     ledger.close().await;
     Ok(text)
 }
 
-/// Backups beside a daemon that is killed time and again: each is whole, or is not there.
-fn backups_while_killed(budget: &Budget, row: &mut Row) {
+/// Backups beside a daemon that is killed again and again: each backup is complete, or does not exist.
+fn backups_while_killed(budget: &SectionBudget, row: &mut SectionResult) {
     let mut farm = TestFarm::new(&format!("{}[trigger]\ncopies = 3\n", QUICK.replace("_secs = 0.5", "_secs = 0.1")));
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let (mut whole, mut round) = (0_u32, 0_u32);

@@ -1,31 +1,31 @@
-//! Files that take all memory that there is when they are read: under a limit of the daemon's address space it ends, is started
-//! again as the service manager does, and in the end refuses that file with its reason and prints the others.
+//! Files that need all available memory to read. With a limit on its address space the daemon ends and is restarted, as
+//! the service manager does; at last it refuses such a file with the reason and prints the other parts.
 
 use std::{thread, time::Duration};
 
 use nestd::ledger::PartState;
 
 use super::{
-    budget::Budget,
+    budget::SectionBudget,
     greedy,
-    row::Row,
+    section_result::SectionResult,
     support::{PROFILE, QUICK, TestFarm, block},
 };
 
-/// Address space of the daemon, bytes; what a process of its own may take in reading; both below what the files need.
+/// Address space of the daemon, bytes, and memory limit of a separate reading process. The files need more than either.
 const MEMORY: u64 = 400 << 20;
 const FARM: &str = "scan_secs = 0.5\n[limits]\nread_memory_bytes = 536870912\n[log]\nfilter = \"info\"\n";
-/// Starts after which the farm must not end any more: each file ends it twice at most.
+/// Number of starts per file after which the daemon must keep running: each file ends it at most twice.
 const STARTS_PER_FILE: u64 = 2;
-/// Seconds that a farm gets.
+/// Time limit of a farm, seconds.
 const PATIENCE: f64 = 400.0;
 
-/// What makes a file.
-type Maker = fn() -> Vec<u8>;
+/// A function that makes a file.
+type FileMaker = fn() -> Vec<u8>;
 
-pub fn run(budget: &Budget) -> Row {
-    let mut row = Row::default();
-    let files: [(&str, Maker); 4] = [
+pub fn run(budget: &SectionBudget) -> SectionResult {
+    let mut row = SectionResult::default();
+    let files: [(&str, FileMaker); 4] = [
         ("many", || greedy::equal_components(99_000, 200)),
         ("deep", || greedy::deep_components(15, 600)),
         ("idle", || greedy::idle_vertices(12_000_000)),
@@ -48,8 +48,8 @@ pub fn run(budget: &Budget) -> Row {
     row
 }
 
-/// A farm with these files and an ordinary one: each is refused with its reason or read, the ordinary one is printed.
-fn one_farm(row: &mut Row, files: &[(&str, Maker)]) {
+/// A farm with these files and an ordinary one: each is refused with a reason or read, and the ordinary one is printed.
+fn one_farm(row: &mut SectionResult, files: &[(&str, FileMaker)]) {
     let mut farm = TestFarm::new(QUICK);
     std::fs::write(farm.config(), FARM).unwrap();
     farm.start_with_memory(MEMORY);
@@ -78,7 +78,7 @@ fn one_farm(row: &mut Row, files: &[(&str, Maker)]) {
     if ends > STARTS_PER_FILE * files.len() as u64 {
         row.broken.push(format!("{names:?} ended the daemon {ends} times"));
     }
-    // What was read may be dropped from the build: only the ordinary one must be printed.
+    // A file that was read may be left out of the build: only the ordinary one must be printed.
     for part in farm.parts(PartState::Waiting).iter().filter(|part| part.name != "good.stl") {
         farm.nestd(&["cancel", &part.id.to_string()]);
     }

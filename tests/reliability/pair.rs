@@ -1,6 +1,6 @@
-//! Two servers on one share: the first stands still after its n-th changing call for longer than its lease, the second takes the
-//! folders and adopts the claims, the first goes on. Copies are counted by content in the build files that the printer got:
-//! nothing twice, nothing lost.
+//! Two servers on one share: the first pauses after its n-th changing call for longer than its lease, the second takes
+//! the folders and adopts the claims, then the first resumes. Copies are counted by content in the build files that the
+//! printer got: none is printed twice, none is lost.
 
 use std::{
     collections::BTreeMap,
@@ -17,52 +17,56 @@ use std::{
 use nestd::intake;
 
 use super::{
-    budget::Budget,
-    life,
-    pool::{caught, in_parallel, spread},
-    row::Row,
+    budget::SectionBudget,
+    life_cycle,
+    pool::{catch_panic, in_parallel, spread_order},
+    section_result::SectionResult,
     support::{PROFILE, TestFarm, block, stl},
-    trace::{Call, Kind, Traced, Verdict, Watch, is_allowed},
+    trace::{CallEffect, CallVerdict, CallWatcher, SystemCall, TracedDaemon, is_allowed},
 };
 
-/// What is dropped, by its edge in mm.
+/// The dropped cubes, by their edge in mm.
 const SIZES: [f64; 3] = [9.0, 10.0, 11.0];
 const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n";
 const TRIGGER: &str = "[trigger]\ncopies = 1\n";
-/// A lease is so many times shorter than in earnest.
+/// The factor by which a lease is shorter than in production.
 const HURRY: &str = "10";
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     if !is_allowed() {
-        return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
+        return SectionResult {
+            note: "SKIPPED: processes may not be traced here".to_owned(),
+            ..SectionResult::default()
+        };
     }
     // A short run has no time to count them first.
-    let (whole, row) = if budget.is_long { one_trial(u64::MAX) } else { (900, Row::default()) };
-    let points = spread(whole);
+    let (whole, row) = if budget.is_long { one_trial(u64::MAX) } else { (900, SectionResult::default()) };
+    let points = spread_order(whole);
     let all = points.len();
-    let mut rows =
-        in_parallel(points, budget, |point| caught(&format!("paused after change {point}"), || one_trial(point).1));
+    let mut rows = in_parallel(points, budget, |point| {
+        catch_panic(&format!("paused after change {point}"), || one_trial(point).1)
+    });
     let note = format!("two servers, the first paused after the n-th changing call; {} of {all} points", rows.len());
     rows.insert(0, row);
-    let sum = Row::sum(&rows);
-    Row { faults: sum.points, note, ..sum }
+    let sum = SectionResult::sum(&rows);
+    SectionResult { faults: sum.points, note, ..sum }
 }
 
 /// Both servers' farms; the folders are those of the first.
-struct Pair {
+struct ServerPair {
     first: TestFarm,
     second: TestFarm,
     printed: BTreeMap<String, u32>,
     builds: u64,
 }
 
-fn one_trial(point: u64) -> (u64, Row) {
-    let mut pair = Pair::new();
-    let watch = PauseAfter { point, ..PauseAfter::default() };
+fn one_trial(point: u64) -> (u64, SectionResult) {
+    let mut pair = ServerPair::new();
+    let watch = PauseAfterChanges { point, ..PauseAfterChanges::default() };
     let (count, paused, go_on) = (watch.count.clone(), watch.paused.clone(), watch.go_on.clone());
     let first = as_host(pair.first.command(&["run"]), "first");
-    let traced = Traced::start(first, pair.first.root(), watch).unwrap();
+    let traced = TracedDaemon::start(first, pair.first.root(), watch).unwrap();
     let wanted = SIZES.len() as u32;
     pair.wait(60.0, |pair| paused.load(Ordering::SeqCst) || pair.total() == wanted);
     let is_paused = paused.load(Ordering::SeqCst);
@@ -73,7 +77,7 @@ fn one_trial(point: u64) -> (u64, Row) {
         pair.wait(1.0, |_| false);
         go_on.store(true, Ordering::SeqCst);
         pair.wait(6.0, |pair| pair.total() >= wanted);
-        // It gives the folders back, and the first goes on with what is its own.
+        // The second gives the folders back, and the first continues with its own parts.
         pair.second.stop();
     }
     pair.wait(60.0, |pair| pair.total() >= wanted);
@@ -93,19 +97,19 @@ fn one_trial(point: u64) -> (u64, Row) {
     let points = u64::from(is_paused);
     (
         count.load(Ordering::SeqCst),
-        Row { points, files: u64::from(wanted), builds: pair.builds, broken, ..Row::default() },
+        SectionResult { points, files: u64::from(wanted), builds: pair.builds, broken, ..SectionResult::default() },
     )
 }
 
-impl Pair {
+impl ServerPair {
     fn new() -> Self {
         let first = TestFarm::new(&format!("{MACHINE}{TRIGGER}"));
         let shared = ["inbox", "queue"].map(|kind| format!("{kind} = {:?}\n", first.folder(kind))).concat();
         let second = TestFarm::new(&format!("{MACHINE}[folders]\n{shared}{TRIGGER}"));
-        // Where the harness waits for the folders of a farm.
+        // The harness waits for this folder of a farm.
         fs::create_dir_all(second.folder("inbox")).unwrap();
         for farm in [&first, &second] {
-            fs::write(farm.config(), life::FARM).unwrap();
+            fs::write(farm.config(), life_cycle::FARM).unwrap();
         }
         for size in SIZES {
             first.drop_part(&format!("block-{size}.stl"), &block(size, size, size));
@@ -113,7 +117,7 @@ impl Pair {
         Self { first, second, printed: BTreeMap::new(), builds: 0 }
     }
 
-    /// Waits until it holds; the printer takes what it sees meanwhile.
+    /// Waits until the condition holds; meanwhile the printer takes the build files that appear.
     fn wait(&mut self, secs: f64, mut holds: impl FnMut(&Self) -> bool) {
         let began = Instant::now();
         while began.elapsed().as_secs_f64() < secs && !holds(self) {
@@ -130,7 +134,7 @@ impl Pair {
                 continue;
             }
             self.builds += 1;
-            for placed in build_file::read_build(&to, &build_file::Limits::default()).unwrap() {
+            for placed in build_file::read_build(&to, &build_file::ReadLimits::default()).unwrap() {
                 *self.printed.entry(placed.source_hash.unwrap()).or_default() += 1;
             }
         }
@@ -140,7 +144,7 @@ impl Pair {
         self.printed.values().sum()
     }
 
-    /// A person takes over what the first has claimed, once the second serves.
+    /// Runs `nestd adopt` as soon as the second serves: it takes over the claims of the first.
     fn adopt(&mut self, broken: &mut Vec<String>) {
         let began = Instant::now();
         let marker = self.first.folder("inbox").join(".nestd-owner");
@@ -151,7 +155,7 @@ impl Pair {
             let text = String::from_utf8_lossy(&told.stderr).into_owned();
             broken.push(format!("adopting was refused after {:?}: {text}\n{}", began.elapsed(), self.second.log()));
         }
-        let left = intake::foreign(&self.first.folder("inbox"), "nobody").unwrap_or_default();
+        let left = intake::foreign_claims(&self.first.folder("inbox"), "nobody").unwrap_or_default();
         let former: Vec<_> = left.iter().filter(|name| name.starts_with(".new-")).collect();
         if !former.is_empty() && !told.status.success() {
             broken.push(format!("half made claims are left: {former:?}"));
@@ -164,22 +168,22 @@ fn as_host(mut command: Command, name: &str) -> Command {
     command
 }
 
-/// Lets the daemon stand still after its n-th changing call: who is traced does not go on while its tracer waits.
+/// Pauses the daemon after its n-th changing call: a traced process stands still while its tracer waits.
 #[derive(Default)]
-struct PauseAfter {
+struct PauseAfterChanges {
     point: u64,
     count: Arc<AtomicU64>,
     paused: Arc<AtomicBool>,
     go_on: Arc<AtomicBool>,
 }
 
-impl Watch for PauseAfter {
-    fn before(&mut self, _: &Call) -> Verdict {
-        Verdict::Let
+impl CallWatcher for PauseAfterChanges {
+    fn before(&mut self, _: &SystemCall) -> CallVerdict {
+        CallVerdict::Let
     }
 
-    fn after(&mut self, call: &Call, result: i64) -> bool {
-        if call.kind != Kind::Change || result < 0 {
+    fn after(&mut self, call: &SystemCall, result: i64) -> bool {
+        if call.kind != CallEffect::Change || result < 0 {
             return true;
         }
         if self.count.fetch_add(1, Ordering::SeqCst) + 1 == self.point {

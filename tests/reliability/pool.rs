@@ -1,4 +1,4 @@
-//! Many farms at once: a daemon at its reference life-cycle mostly waits.
+//! Runs many farms at once, because a daemon in its reference life-cycle mostly waits.
 
 use std::{
     panic::{AssertUnwindSafe, catch_unwind},
@@ -8,16 +8,16 @@ use std::{
     },
 };
 
-use super::{budget::Budget, row::Row};
+use super::{budget::SectionBudget, section_result::SectionResult};
 
-/// Farms at once.
-fn workers(budget: &Budget) -> usize {
+/// The number of farms at once.
+fn workers(budget: &SectionBudget) -> usize {
     let cores = std::thread::available_parallelism().map_or(2, usize::from);
     budget.pick(2 * cores, 4 * cores)
 }
 
-/// Does as much as the budget allows, in the given order.
-pub fn in_parallel<P: Send, R: Send>(points: Vec<P>, budget: &Budget, work: impl Fn(P) -> R + Sync) -> Vec<R> {
+/// Works on as many points as the budget allows, in the given order.
+pub fn in_parallel<P: Send, R: Send>(points: Vec<P>, budget: &SectionBudget, work: impl Fn(P) -> R + Sync) -> Vec<R> {
     let points: Vec<Mutex<Option<P>>> = points.into_iter().map(|point| Mutex::new(Some(point))).collect();
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
@@ -35,16 +35,16 @@ pub fn in_parallel<P: Send, R: Send>(points: Vec<P>, budget: &Budget, work: impl
     results.into_inner().unwrap()
 }
 
-/// One point; a panic in it is something broken, and ends no other.
-pub fn caught(what: &str, work: impl FnOnce() -> Row) -> Row {
+/// Works on one point; a panic counts as a violation and does not stop the others.
+pub fn catch_panic(what: &str, work: impl FnOnce() -> SectionResult) -> SectionResult {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let message = panic.downcast_ref::<String>().cloned();
         let message = message.or_else(|| panic.downcast_ref::<&str>().map(|m| (*m).to_owned())).unwrap_or_default();
-        Row { broken: vec![format!("{what}: {message}")], ..Row::default() }
+        SectionResult { broken: vec![format!("{what}: {message}")], ..SectionResult::default() }
     })
 }
 
-/// The seed of a run: `NESTD_SEED` plays an earlier one again.
+/// The seed of a run: `NESTD_SEED` repeats an earlier run.
 pub fn seed() -> u64 {
     match std::env::var("NESTD_SEED") {
         Ok(seed) => seed.parse().expect("NESTD_SEED is a number"),
@@ -52,8 +52,9 @@ pub fn seed() -> u64 {
     }
 }
 
-/// 1 to `last` in an order of which every beginning is spread over the whole: a run that is cut short has seen all regions.
-pub fn spread(last: u64) -> Vec<u64> {
+/// The numbers 1 to `last`, ordered so that every prefix is spread over the whole range: a run that is cut short has
+/// tried all regions.
+pub fn spread_order(last: u64) -> Vec<u64> {
     let bits = 64 - last.leading_zeros();
     let reversed = |n: u64| n.reverse_bits() >> (64 - bits.max(1));
     (0..1u64 << bits).map(reversed).filter(|&n| n >= 1 && n <= last).collect()

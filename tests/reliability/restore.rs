@@ -1,7 +1,8 @@
-//! A ledger put back: `nestd restore` and `check --deep --repair` killed after each call that changes a file, after each
-//! action that may have followed the backup, with each folder away in turn. Then the daemon is started at once, or the command
-//! is given again to its end; what comes out is counted in the build files by content. Each dropped content is printed as often
-//! as it was asked for, or a person is told of it; nothing is doubled; with a folder away the ledger stays as it was.
+//! Restoring a ledger: `nestd restore` and `check --deep --repair` are killed after each system call that changes a
+//! file, for each action that may have followed the backup, and are run with each folder missing in turn. Then the
+//! daemon is started at once, or the command is run again to its end. The printed copies are counted by content in the
+//! build files: each dropped content is printed with its copies, or reported to a person; nothing is printed twice;
+//! with a missing folder the ledger does not change.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -16,25 +17,25 @@ use rand_chacha::ChaCha8Rng;
 use solids::Mesh;
 
 use super::{
-    budget::Budget,
-    crash::KillAfter,
-    life,
-    pool::{caught, in_parallel, seed, spread},
-    row::Row,
+    budget::SectionBudget,
+    crash::KillAfterChanges,
+    life_cycle,
+    pool::{catch_panic, in_parallel, seed, spread_order},
+    section_result::SectionResult,
     support::{PROFILE, TestFarm, block, stl},
-    trace::{Traced, is_allowed},
+    trace::{TracedDaemon, is_allowed},
 };
 
-/// A short run takes so long at least: a farm has to live before its ledger can be put back.
+/// Time budget of a short run, seconds: a farm must work before its ledger can be restored.
 const SHORT_SECS: f64 = 12.0;
-/// A farm comes to rest within this.
+/// Time limit for a farm to come to rest.
 const REST: Duration = Duration::from_secs(120);
 const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 20\n";
 
 /// What happened after the backup was made.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Later {
+enum LaterAction {
     Drop,
     SameAgain,
     Cancel,
@@ -44,77 +45,88 @@ enum Later {
     Outcome,
 }
 
-const LATER: [Later; 7] =
-    [Later::Drop, Later::SameAgain, Later::Cancel, Later::Retry, Later::Publish, Later::Print, Later::Outcome];
+const LATER: [LaterAction; 7] = [
+    LaterAction::Drop,
+    LaterAction::SameAgain,
+    LaterAction::Cancel,
+    LaterAction::Retry,
+    LaterAction::Publish,
+    LaterAction::Print,
+    LaterAction::Outcome,
+];
 
-/// How the ledger is put back.
+/// The method of restoring the ledger.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum How {
+enum RestoreMethod {
     /// `nestd restore BACKUP`.
     Restore,
     /// The backup is copied over the ledger by hand, then `nestd check --deep --repair`.
     Repair,
 }
 
-/// A folder that is away, and whether an empty directory stands in its place.
-type Away = Option<(&'static str, bool)>;
+/// A missing folder, and whether an empty directory is in its place.
+type MissingFolder = Option<(&'static str, bool)>;
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     if !is_allowed() {
-        return Row { note: "SKIPPED: processes may not be traced here".to_owned(), ..Row::default() };
+        return SectionResult {
+            note: "SKIPPED: processes may not be traced here".to_owned(),
+            ..SectionResult::default()
+        };
     }
     let seed = seed();
     let budget = &budget.at_least(SHORT_SECS);
-    let mut cases: Vec<(Later, How)> = LATER.iter().flat_map(|&l| [(l, How::Restore), (l, How::Repair)]).collect();
+    let mut cases: Vec<(LaterAction, RestoreMethod)> =
+        LATER.iter().flat_map(|&l| [(l, RestoreMethod::Restore), (l, RestoreMethod::Repair)]).collect();
     cases.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
     let all = cases.len();
     let rows = in_parallel(cases, budget, |(later, how)| {
-        caught(&format!("{how:?} after {later:?}"), || Farm::prepared(later, how).play(budget, seed))
+        catch_panic(&format!("{how:?} after {later:?}"), || RestoredFarm::prepared(later, how).play(budget, seed))
     });
-    Row {
+    SectionResult {
         note: format!(
             "killed while it was put back, with folders away; {} of {all} stories; NESTD_SEED={seed}",
             rows.len()
         ),
-        ..Row::sum(&rows)
+        ..SectionResult::sum(&rows)
     }
 }
 
-/// A farm that has stopped, after a backup and what came later.
-struct Farm {
+/// A stopped farm, after a backup and a later action.
+struct RestoredFarm {
     farm: TestFarm,
-    later: Later,
-    how: How,
+    later: LaterAction,
+    how: RestoreMethod,
     backup: PathBuf,
-    /// Copies that were asked for, by content.
+    /// Expected copies, by content.
     asked: BTreeMap<String, u32>,
     /// The names of each content.
     names: BTreeMap<String, Vec<String>>,
-    /// Copies that the printer has taken before, by content.
+    /// Copies that the printer took earlier, by content.
     printed: BTreeMap<String, u32>,
-    /// All files as they were when it had stopped.
+    /// All files at the time of the stop.
     files: BTreeMap<PathBuf, Option<(Vec<u8>, fs::Permissions)>>,
 }
 
-impl Farm {
-    fn prepared(later: Later, how: How) -> Self {
+impl RestoredFarm {
+    fn prepared(later: LaterAction, how: RestoreMethod) -> Self {
         let farm = TestFarm::new(MACHINE);
-        fs::write(farm.config(), life::FARM).unwrap();
+        fs::write(farm.config(), life_cycle::FARM).unwrap();
         let backup = farm.root().join("ledger.backup");
         let (asked, names, printed, files) = Default::default();
         let mut story = Self { farm, later, how, backup, asked, names, printed, files };
         story.farm.start();
-        story.drops("a_x2.stl", 2, &block(20.0, 20.0, 20.0));
+        story.drop_part("a_x2.stl", 2, &block(20.0, 20.0, 20.0));
         story.farm.wait_for_parts(PartState::Waiting, 1);
-        story.drops("refused.stl", 1, &block(15.0, 20.0, 20.0));
+        story.drop_part("refused.stl", 1, &block(15.0, 20.0, 20.0));
         let parts = story.farm.wait_for_parts(PartState::Waiting, 2);
         let id = |name: &str| parts.iter().find(|part| part.name == name).unwrap().id.to_string();
         story.farm.nestd_ok(&["cancel", &id("refused.stl")]);
         story.farm.wait_for_parts(PartState::Rejected, 1);
         story.farm.nestd_ok(&["backup", story.backup.to_str().unwrap()]);
-        story.happens(&id("a_x2.stl"), &id("refused.stl"));
+        story.apply_later_action(&id("a_x2.stl"), &id("refused.stl"));
         story.farm.stop();
-        if how == How::Repair {
+        if how == RestoreMethod::Repair {
             let ledger = story.farm.root().join("state/nestd.db");
             for suffix in ["-wal", "-shm", ".b3"] {
                 let _ = fs::remove_file(format!("{}{suffix}", ledger.display()));
@@ -125,38 +137,38 @@ impl Farm {
         story
     }
 
-    fn drops(&mut self, name: &str, copies: u32, mesh: &Mesh) {
+    fn drop_part(&mut self, name: &str, copies: u32, mesh: &Mesh) {
         let content = hash(&stl(mesh));
         self.names.entry(content.clone()).or_default().push(name.to_owned());
         *self.asked.entry(content).or_default() += copies;
         self.farm.drop_part(name, mesh);
     }
 
-    fn happens(&mut self, waiting: &str, refused: &str) {
+    fn apply_later_action(&mut self, waiting: &str, refused: &str) {
         match self.later {
-            Later::Drop => {
-                self.drops("b_x3.stl", 3, &block(21.0, 20.0, 20.0));
+            LaterAction::Drop => {
+                self.drop_part("b_x3.stl", 3, &block(21.0, 20.0, 20.0));
                 self.farm.wait_for_parts(PartState::Waiting, 2);
             }
-            Later::SameAgain => {
-                self.drops("again_x3.stl", 3, &block(20.0, 20.0, 20.0));
+            LaterAction::SameAgain => {
+                self.drop_part("again_x3.stl", 3, &block(20.0, 20.0, 20.0));
                 self.farm.wait_for_parts(PartState::Waiting, 2);
             }
-            Later::Cancel => {
+            LaterAction::Cancel => {
                 self.farm.nestd_ok(&["cancel", waiting]);
                 self.farm.wait_for_parts(PartState::Rejected, 2);
             }
-            Later::Retry => {
+            LaterAction::Retry => {
                 self.farm.nestd_ok(&["retry", refused]);
                 self.farm.wait_for_parts(PartState::Waiting, 2);
             }
-            Later::Publish | Later::Print | Later::Outcome => {
+            LaterAction::Publish | LaterAction::Print | LaterAction::Outcome => {
                 self.farm.flush();
                 self.farm.wait_for_parts(PartState::Built, 1);
-                if self.later == Later::Outcome {
+                if self.later == LaterAction::Outcome {
                     self.farm.nestd_ok(&["outcome", "1", "failed"]);
                 }
-                if self.later != Later::Publish {
+                if self.later != LaterAction::Publish {
                     self.printed = self.in_queue();
                     self.farm.queued().iter().for_each(|file| fs::remove_file(file).unwrap());
                 }
@@ -175,14 +187,14 @@ impl Farm {
 
     fn args(&self) -> Vec<&str> {
         match self.how {
-            How::Restore => vec!["restore", self.backup.to_str().unwrap()],
-            How::Repair => vec!["check", "--deep", "--repair"],
+            RestoreMethod::Restore => vec!["restore", self.backup.to_str().unwrap()],
+            RestoreMethod::Repair => vec!["check", "--deep", "--repair"],
         }
     }
 
-    fn play(mut self, budget: &Budget, seed: u64) -> Row {
-        let mut row = Row { files: self.asked.len() as u64, ..Row::default() };
-        let mut all: Vec<Away> = ["archive", "error", "queue", "inbox"]
+    fn play(mut self, budget: &SectionBudget, seed: u64) -> SectionResult {
+        let mut row = SectionResult { files: self.asked.len() as u64, ..SectionResult::default() };
+        let mut all: Vec<MissingFolder> = ["archive", "error", "queue", "inbox"]
             .into_iter()
             .flat_map(|folder| [Some((folder, false)), Some((folder, true))])
             .collect();
@@ -193,9 +205,9 @@ impl Farm {
         }
         let changes = self.killed_after(u64::MAX, &mut row);
         if budget.is_long {
-            self.goes_on(u64::MAX, &mut row);
+            self.continue_work(u64::MAX, &mut row);
         }
-        let mut points = spread(changes);
+        let mut points = spread_order(changes);
         if !budget.is_long {
             points.shuffle(&mut ChaCha8Rng::seed_from_u64(seed));
         }
@@ -204,17 +216,17 @@ impl Farm {
                 break;
             }
             self.killed_after(point, &mut row);
-            self.goes_on(point, &mut row);
+            self.continue_work(point, &mut row);
             row.faults += 1;
         }
         row.points += row.faults + 1;
         row
     }
 
-    /// With a folder away the ledger is not put back, and nothing changes.
-    fn is_refused(&self, away: Away) -> Option<String> {
+    /// Checks that with a missing folder the ledger is not restored and nothing changes.
+    fn is_refused(&self, away: MissingFolder) -> Option<String> {
         let (folder, is_empty) = away?;
-        self.as_it_was();
+        self.reset_files();
         let (folder, aside) = (self.farm.folder(folder), self.farm.root().join("aside"));
         fs::rename(&folder, &aside).unwrap();
         if is_empty {
@@ -240,23 +252,23 @@ impl Farm {
         })
     }
 
-    /// Puts the ledger back and kills that after so many changes; how many there were.
-    fn killed_after(&self, point: u64, row: &mut Row) -> u64 {
-        self.as_it_was();
-        let watch = KillAfter::new(self.farm.root(), point);
-        let mut traced = Traced::start(self.farm.command(&self.args()), self.farm.root(), watch).unwrap();
+    /// Restores the ledger and kills that command after `point` changes; returns the number of changes.
+    fn killed_after(&self, point: u64, row: &mut SectionResult) -> u64 {
+        self.reset_files();
+        let watch = KillAfterChanges::new(self.farm.root(), point);
+        let mut traced = TracedDaemon::start(self.farm.command(&self.args()), self.farm.root(), watch).unwrap();
         let began = Instant::now();
         while !traced.has_ended() && began.elapsed() < REST {
             std::thread::sleep(Duration::from_millis(5));
         }
         let watch = traced.kill();
         let about = format!("{:?} after {:?}, killed after change {point}", self.how, self.later);
-        row.broken.extend(watch.foreign().into_iter().map(|text| format!("{about}: {text}")));
+        row.broken.extend(watch.foreign_deletions().into_iter().map(|text| format!("{about}: {text}")));
         watch.changes()
     }
 
-    /// The daemon is started at once or the command is given again; then the farm does its work.
-    fn goes_on(&mut self, point: u64, row: &mut Row) {
+    /// Starts the daemon at once, or runs the command again first; then the farm finishes its work.
+    fn continue_work(&mut self, point: u64, row: &mut SectionResult) {
         let mut said = String::new();
         let mut starts = point.is_multiple_of(2) && self.starts();
         if !starts {
@@ -275,10 +287,10 @@ impl Farm {
         told += &fs::read_to_string(self.farm.root().join("state/attention.json")).unwrap_or_default();
         self.farm.stop();
         row.builds += self.farm.queued().len() as u64;
-        row.broken.extend(self.judged(&told).map(|text| format!("{about}: {text}\n{said}\n{}", self.farm.log())));
+        row.broken.extend(self.find_faults(&told).map(|text| format!("{about}: {text}\n{said}\n{}", self.farm.log())));
     }
 
-    /// Whether the daemon serves the farm as it is.
+    /// Whether the daemon starts on the farm in its current state.
     fn starts(&mut self) -> bool {
         let _ = fs::remove_file(self.farm.root().join("log"));
         self.farm.start();
@@ -312,8 +324,8 @@ impl Farm {
         quiet >= 2
     }
 
-    /// What is wrong in the end.
-    fn judged(&self, told: &str) -> Option<String> {
+    /// The fault at the end, if there is one.
+    fn find_faults(&self, told: &str) -> Option<String> {
         let in_queue = self.in_queue();
         let below = |folder: &Path| nestd::intake::files_below(folder).unwrap_or_default();
         let mut kept = below(&self.farm.folder("error"));
@@ -333,8 +345,8 @@ impl Farm {
         None
     }
 
-    /// Puts all files as they were when the farm had stopped; folders stay the same folders.
-    fn as_it_was(&self) {
+    /// Resets all files to their state at the stop; the folders themselves stay the same inodes.
+    fn reset_files(&self) {
         let root = self.farm.root();
         for (path, was) in tree(root).into_iter().rev() {
             match self.files.get(&path) {

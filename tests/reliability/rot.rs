@@ -1,6 +1,6 @@
-//! Bytes that rot: each file that nestd owns is altered with its length kept, cut, removed or replaced, in each state of its
-//! part or build; then the farm goes on. Nothing wrong is printed, nothing is printed twice, and nothing is lost in silence:
-//! what is not printed is asked for, told, or named by `check --deep`.
+//! Damaged files: each file that nestd owns is changed without a change of length, cut, removed or replaced, in each
+//! state of its part or build; then the farm continues. Nothing damaged is printed, nothing is printed twice, and
+//! nothing is lost silently: a part that is not printed is requested again, reported, or named by `check --deep`.
 
 use std::{
     fs,
@@ -9,69 +9,69 @@ use std::{
 };
 
 use nestd::{
-    farm::Witness,
+    farm::InvariantExpectations,
     ledger::{BuildState, PartState},
 };
 
 use super::{
-    budget::Budget,
-    pool::{caught, in_parallel},
-    row::Row,
+    budget::SectionBudget,
+    pool::{catch_panic, in_parallel},
+    section_result::SectionResult,
     support::{PROFILE, QUICK, TestFarm, block, stl, wait_until_or},
 };
 
-/// A short run takes so long at most.
+/// Time budget of a short run, seconds.
 const SHORT_SECS: f64 = 20.0;
-/// Volumes of what is dropped, mm3, each twice.
+/// Volumes of the dropped parts, mm3, each twice.
 const DROPPED: [u64; 4] = [2400, 2400, 3000, 3000];
-/// A case that takes longer is stuck.
+/// A case that takes longer than this is stuck.
 const CASE: Duration = Duration::from_secs(40);
 
-/// When it happens.
+/// The moment of the damage.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum When {
+enum DamageMoment {
     Waiting,
     Staged,
     Published,
 }
 
-/// What is done to a file.
+/// The kind of damage.
 #[derive(Debug, Clone, Copy)]
-enum How {
+enum DamageKind {
     Altered,
     Cut,
     Removed,
     Replaced,
 }
 
-/// The files that nestd owns, by when they are there; the first that matches is spoilt.
-const OWNED: [(When, &str); 14] = [
-    (When::Waiting, "state/store/"),
-    (When::Waiting, "state/nestd.db.b3"),
-    (When::Waiting, "state/attention.json"),
-    (When::Waiting, "state/cache/"),
-    (When::Waiting, "inbox/test/STATUS.txt"),
-    (When::Waiting, "inbox/test/.nestd-owner"),
-    (When::Waiting, "queue/test/.nestd-queue"),
-    (When::Staged, ".build.3mf.part"),
-    (When::Staged, ".parts.csv.part"),
-    (When::Staged, ".report.json.part"),
-    (When::Staged, "state/store/"),
-    (When::Published, ".build.3mf"),
-    (When::Published, ".stl"),
-    (When::Published, ".nestd-build.json"),
+/// The files that nestd owns, by the moment at which they exist; the first match is damaged.
+const OWNED: [(DamageMoment, &str); 14] = [
+    (DamageMoment::Waiting, "state/store/"),
+    (DamageMoment::Waiting, "state/nestd.db.b3"),
+    (DamageMoment::Waiting, "state/attention.json"),
+    (DamageMoment::Waiting, "state/cache/"),
+    (DamageMoment::Waiting, "inbox/test/STATUS.txt"),
+    (DamageMoment::Waiting, "inbox/test/.nestd-owner"),
+    (DamageMoment::Waiting, "queue/test/.nestd-queue"),
+    (DamageMoment::Staged, ".build.3mf.part"),
+    (DamageMoment::Staged, ".parts.csv.part"),
+    (DamageMoment::Staged, ".report.json.part"),
+    (DamageMoment::Staged, "state/store/"),
+    (DamageMoment::Published, ".build.3mf"),
+    (DamageMoment::Published, ".stl"),
+    (DamageMoment::Published, ".nestd-build.json"),
 ];
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     let budget = &budget.at_least(SHORT_SECS);
-    let hows = [How::Altered, How::Cut, How::Removed, How::Replaced];
-    let cases: Vec<(When, &str, How)> =
+    let hows = [DamageKind::Altered, DamageKind::Cut, DamageKind::Removed, DamageKind::Replaced];
+    let cases: Vec<(DamageMoment, &str, DamageKind)> =
         hows.iter().flat_map(|&how| OWNED.iter().map(move |&(when, what)| (when, what, how))).collect();
     let rows = in_parallel(cases, budget, |(when, what, how)| {
-        caught(&format!("{what} {how:?} when {when:?}"), || Rot { when, what, how }.play())
+        catch_panic(&format!("{what} {how:?} when {when:?}"), || DamageCase { when, what, how }.play())
     });
-    let sum = Row::sum(&rows);
-    Row {
+    let sum = SectionResult::sum(&rows);
+    SectionResult {
         faults: sum.points,
         files: 2 * sum.points,
         note: "owned files altered, cut, removed, replaced".to_owned(),
@@ -80,47 +80,53 @@ pub fn run(budget: &Budget) -> Row {
 }
 
 /// One case.
-struct Rot {
-    when: When,
+struct DamageCase {
+    when: DamageMoment,
     what: &'static str,
-    how: How,
+    how: DamageKind,
 }
 
-impl Rot {
-    fn play(&self) -> Row {
+impl DamageCase {
+    fn play(&self) -> SectionResult {
         let mut farm = TestFarm::running(&QUICK.replace("final_secs = 0.5", "final_secs = 1"));
         farm.drop_part("ring_x2.stl", &block(20.0, 15.0, 10.0));
         farm.drop_part("plate_x2.stl", &block(30.0, 20.0, 4.0));
         farm.wait_for_parts(PartState::Waiting, 2);
-        let blocked = (self.when != When::Waiting).then(|| self.bring_on(&farm)).flatten();
+        let blocked = (self.when != DamageMoment::Waiting).then(|| self.reach_moment(&farm)).flatten();
         farm.stop();
-        let Some(file) = self.find(&farm) else { return Row::default() };
-        self.spoil(&file);
+        let Some(file) = self.find(&farm) else { return SectionResult::default() };
+        self.damage_file(&file);
         blocked.iter().for_each(|folder| fs::remove_dir(folder).unwrap());
         farm.start();
-        let told = go_on(&mut farm);
+        let told = continue_as_people_do(&mut farm);
         if farm.has_ended() {
-            // A ledger or its seal that is not as it was left: nothing is done with it, and the remedy is told.
+            // The ledger or its checksum was changed: nestd does not use it, and names the remedy.
             let said = farm.log();
             let is_refused = self.what.starts_with("state/nestd.db") && said.contains("nestd restore FILE");
             let broken = (!is_refused).then(|| format!("{} {:?}: the daemon ended: {said}", self.what, self.how));
-            return Row { points: 1, broken: broken.into_iter().collect(), ..Row::default() };
+            return SectionResult { points: 1, broken: broken.into_iter().collect(), ..SectionResult::default() };
         }
         farm.stop();
-        let broken =
-            self.judge(&farm, told).map(|text| format!("{} {:?} when {:?}: {text}", self.what, self.how, self.when));
-        Row { points: 1, builds: farm.queued().len() as u64, broken: broken.into_iter().collect(), ..Row::default() }
+        let broken = self
+            .find_faults(&farm, told)
+            .map(|text| format!("{} {:?} when {:?}: {text}", self.what, self.how, self.when));
+        SectionResult {
+            points: 1,
+            builds: farm.queued().len() as u64,
+            broken: broken.into_iter().collect(),
+            ..SectionResult::default()
+        }
     }
 
-    /// Publishes, or has a build proved whose publishing is held up: a folder stands in the place of its record.
-    fn bring_on(&self, farm: &TestFarm) -> Option<PathBuf> {
+    /// Publishes a build, or leaves a proved build whose publishing is blocked by a folder in the place of its record.
+    fn reach_moment(&self, farm: &TestFarm) -> Option<PathBuf> {
         farm.flush();
-        if self.when == When::Published {
+        if self.when == DamageMoment::Published {
             farm.wait_for_queued(1);
             farm.wait_for_parts(PartState::Built, 2);
             return None;
         }
-        let in_state = |state| farm.ask(async |ledger| ledger.builds_in_state(state).await.unwrap()).pop();
+        let in_state = |state| farm.query_ledger(async |ledger| ledger.builds_in_state(state).await.unwrap()).pop();
         wait_until_or("a build is nested", 30.0, || farm.log(), || in_state(BuildState::Nesting).is_some());
         let build = in_state(BuildState::Nesting)?;
         let name = build_file::build_file_name(build.times.nesting_at?.0, PROFILE, build.id.0.unsigned_abs());
@@ -132,9 +138,9 @@ impl Rot {
 
     fn find(&self, farm: &TestFarm) -> Option<PathBuf> {
         let below: &[&str] = match self.when {
-            When::Waiting => &["state", "inbox", "queue"],
-            When::Staged => &["state", "queue"],
-            When::Published => &["archive", "queue"],
+            DamageMoment::Waiting => &["state", "inbox", "queue"],
+            DamageMoment::Staged => &["state", "queue"],
+            DamageMoment::Published => &["archive", "queue"],
         };
         let files = below.iter().flat_map(|folder| nestd::intake::files_below(&farm.root().join(folder)).unwrap());
         let matches = |file: &PathBuf| {
@@ -144,31 +150,36 @@ impl Rot {
         files.into_iter().find(matches)
     }
 
-    fn spoil(&self, file: &Path) {
+    fn damage_file(&self, file: &Path) {
         let mut bytes = fs::read(file).unwrap();
         let half = bytes.len() / 2;
         match self.how {
-            How::Altered => {
+            DamageKind::Altered => {
                 if let Some(byte) = bytes.get_mut(half) {
                     *byte ^= 1;
                 }
                 fs::write(file, bytes).unwrap();
             }
-            How::Cut => fs::write(file, &bytes[..half]).unwrap(),
-            How::Removed => fs::remove_file(file).unwrap(),
-            How::Replaced => fs::write(file, stl(&block(20.0, 15.0, 12.0))).unwrap(),
+            DamageKind::Cut => fs::write(file, &bytes[..half]).unwrap(),
+            DamageKind::Removed => fs::remove_file(file).unwrap(),
+            DamageKind::Replaced => fs::write(file, stl(&block(20.0, 15.0, 12.0))).unwrap(),
         }
     }
 
-    /// What is wrong in the end.
-    fn judge(&self, farm: &TestFarm, told: bool) -> Option<String> {
-        let named = farm.broken(&Witness::default());
+    /// Whether the case looks as if the printer had taken the published file, which is its business.
+    fn is_taken_by_the_printer(&self) -> bool {
+        matches!((self.when, self.how), (DamageMoment::Published, DamageKind::Removed)) && self.what == ".build.3mf"
+    }
+
+    /// The fault at the end, if there is one.
+    fn find_faults(&self, farm: &TestFarm, told: bool) -> Option<String> {
+        let named = farm.broken_invariants(&InvariantExpectations::default());
         let mut printed = Vec::new();
         for file in farm.queued() {
             match build_file::read_build(&file, &Default::default()) {
                 Ok(placed) => printed.extend(placed.iter().map(|item| item.mesh.volume_mm3().round() as u64)),
-                // The printer's own copy was spoilt after it was published.
-                Err(_) if self.when == When::Published && !named.is_empty() => return None,
+                // The printer's own file was damaged after it was published.
+                Err(_) if self.when == DamageMoment::Published && !named.is_empty() => return None,
                 Err(error) => return Some(format!("{} is visible and cannot be read: {error}", file.display())),
             }
         }
@@ -179,18 +190,21 @@ impl Rot {
         if printed.len() > DROPPED.len() {
             return Some(format!("something is printed twice: {printed:?}"));
         }
+        if self.is_taken_by_the_printer() {
+            return (!printed.is_empty()).then(|| format!("the printer took it, and it is printed again: {printed:?}"));
+        }
         if printed != DROPPED && !told && named.is_empty() {
             return Some(format!("only {printed:?} is printed, and nobody is told\n{}", farm.log()));
         }
-        // What heals leaves nothing behind; what people must see to is named.
-        let is_printers = self.when == When::Published;
+        // A repaired file leaves nothing behind; a problem for people is named.
+        let is_printers = self.when == DamageMoment::Published;
         (!named.is_empty() && !told && !is_printers).then(|| format!("it was not healed: {named:?}"))
     }
 }
 
-/// Goes on as people would: what is asked for is dropped again, what waits is published. Returns whether a person was told
-/// of something that stands to the end.
-fn go_on(farm: &mut TestFarm) -> bool {
+/// Continues as people would: drops requested files again and publishes waiting parts. Returns whether a problem for a
+/// person was reported until the end.
+fn continue_as_people_do(farm: &mut TestFarm) -> bool {
     let began = Instant::now();
     let mut again = vec![("ring", block(20.0, 15.0, 10.0)), ("plate", block(30.0, 20.0, 4.0))];
     let notices = farm.root().join("state/attention.json");

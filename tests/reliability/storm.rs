@@ -1,7 +1,7 @@
-//! Everything at once: kill -9 at random moments, mixed at random with all that people do to a farm: drops (the same content
-//! again, too), tickets, lists, order folders, cancels, retries, flushes, pauses, outcomes, reloads, backups and restores. What
-//! was asked is noted by the script alone, never by the ledger; what was printed is counted in the build files that the printer
-//! took, by content. Nothing may be lost in silence, nothing doubled.
+//! Everything at once: kill -9 at random moments, mixed with random actions of people: drops (also of the same content
+//! again), tickets, lists, order folders, cancels, retries, flushes, pauses, outcomes, reloads, backups and restores.
+//! The script alone records the expected copies, never the ledger; printed copies are counted by content in the build
+//! files that the printer took. Nothing may be lost silently or printed twice.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -16,79 +16,79 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::{
-    budget::Budget,
-    life,
-    pool::{caught, in_parallel, seed},
-    row::Row,
+    budget::SectionBudget,
+    life_cycle,
+    pool::{catch_panic, in_parallel, seed},
+    section_result::SectionResult,
     support::{PROFILE, TestFarm, block, stl},
 };
 
-/// Kills of a long run at most; a short one ends with its time.
+/// Most kills of a long run; a short run ends when its time is over.
 const KILLS: u64 = 20_000;
 const KILLS_PER_FARM: u64 = 25;
-/// A short run takes so long for them at least.
+/// Time budget of a short run, seconds.
 const SHORT_SECS: f64 = 10.0;
-/// A farm has so long to come to rest after the last kill, seconds.
+/// Time for a farm to come to rest after the last kill, seconds.
 const REST_SECS: u64 = 120;
 const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 
-pub fn run(budget: &Budget) -> Row {
+pub fn run(budget: &SectionBudget) -> SectionResult {
     let first = seed();
     let (kills, budget) = (AtomicU64::new(0), &budget.at_least(SHORT_SECS));
     let farms: Vec<u64> = (first..first + budget.pick(4, KILLS / KILLS_PER_FARM)).collect();
     let rows = in_parallel(farms, budget, |seed| {
-        caught(&format!("storm of seed {seed}"), || {
-            let mut storm = Storm::new(seed);
-            storm.rages(budget, &kills);
-            storm.settles()
+        catch_panic(&format!("storm of seed {seed}"), || {
+            let mut storm = StormFarm::new(seed);
+            storm.run_random_actions(budget, &kills);
+            storm.finish_and_compare()
         })
     });
     let faults = kills.into_inner();
-    Row {
+    SectionResult {
         points: rows.len() as u64,
         faults,
         note: format!("{faults} kills on {} farms, amid everything else; NESTD_SEED={first}", rows.len()),
-        ..Row::sum(&rows)
+        ..SectionResult::sum(&rows)
     }
 }
 
-/// What the script knows of one content.
+/// What the script knows about one content.
 #[derive(Debug, Default, Clone)]
-struct Asked {
-    /// Copies that were asked for.
+struct ExpectedContent {
+    /// Expected copies.
     copies: u32,
-    /// It cannot be read: it must be refused.
+    /// The content cannot be read: it must be refused.
     is_bad: bool,
-    /// The script has ordered it to be cancelled, at least once: so many copies may be missing.
+    /// Copies that may be missing, because the script has cancelled the part at least once.
     cancelled: u32,
-    /// Names that it was dropped under, as reasons and reports name it.
+    /// File names under which it was dropped, as reasons and reports show them.
     names: BTreeSet<String>,
 }
 
-struct Storm {
+struct StormFarm {
     farm: TestFarm,
     rng: ChaCha8Rng,
     seed: u64,
     dropped: u64,
     /// By content.
-    asked: BTreeMap<String, Asked>,
-    /// Contents that were dropped, to be dropped again.
+    asked: BTreeMap<String, ExpectedContent>,
+    /// Dropped contents, to be dropped again.
     contents: Vec<Vec<u8>>,
     /// Copies in the build files that the printer took, by content.
     printed: BTreeMap<String, u32>,
     taken: BTreeSet<String>,
     backups: Vec<PathBuf>,
-    /// All that `restore` told a person to look at.
+    /// Everything that `restore` reported for a person to look at.
     doubts: String,
     history: Vec<String>,
     broken: Vec<String>,
 }
 
-impl Storm {
+impl StormFarm {
     fn new(seed: u64) -> Self {
         let farm = TestFarm::new(MACHINE);
-        fs::write(farm.config(), life::FARM).unwrap();
+        fs::write(farm.config(), life_cycle::FARM).unwrap();
         Self {
             farm,
             rng: ChaCha8Rng::seed_from_u64(seed),
@@ -105,14 +105,14 @@ impl Storm {
         }
     }
 
-    fn rages(&mut self, budget: &Budget, all: &AtomicU64) {
+    fn run_random_actions(&mut self, budget: &SectionBudget, all: &AtomicU64) {
         for _ in 0..KILLS_PER_FARM {
             if budget.left_secs() < 0.3 * budget.secs.min(20.0) {
                 return;
             }
             self.farm.start();
             for _ in 0..self.rng.random_range(0..4) {
-                self.does_something();
+                self.run_random_action();
             }
             let most_ms = if self.rng.random_bool(0.5) { 120 } else { 1200 };
             std::thread::sleep(Duration::from_millis(self.rng.random_range(2..most_ms)));
@@ -120,42 +120,42 @@ impl Storm {
             all.fetch_add(1, Ordering::Relaxed);
             self.history.push("kill".to_owned());
             if self.rng.random_bool(0.3) {
-                self.prints();
+                self.take_printed_files();
             }
             if self.rng.random_bool(0.15) {
-                self.restores();
+                self.restore_backup();
             }
         }
     }
 
-    fn does_something(&mut self) {
+    fn run_random_action(&mut self) {
         match self.rng.random_range(0..16) {
-            0..=5 => self.drops(),
-            6 => self.drops_a_list(),
-            7 => self.cancels(),
-            8 => self.retries(),
-            9 => self.tells(&["flush", PROFILE]),
-            10 => self.tells(&["pause", PROFILE]),
-            11 => self.tells(&["resume", PROFILE]),
-            12 => self.tells_an_outcome(),
+            0..=5 => self.drop_random_part(),
+            6 => self.drop_order_list(),
+            7 => self.cancel_part(),
+            8 => self.retry_part(),
+            9 => self.run_command(&["flush", PROFILE]),
+            10 => self.run_command(&["pause", PROFILE]),
+            11 => self.run_command(&["resume", PROFILE]),
+            12 => self.record_outcome(),
             13 => {
                 let profile = format!("{MACHINE}# {}\n", self.dropped);
                 self.farm.write_profile(PROFILE, &profile);
                 self.farm.reload();
             }
-            14 => self.prints(),
-            _ => self.backs_up(),
+            14 => self.take_printed_files(),
+            _ => self.make_backup(),
         }
     }
 
-    /// A command that nobody waits for longer than it takes to note it.
-    fn tells(&mut self, args: &[&str]) {
+    /// Runs a command without waiting for the daemon's answer.
+    fn run_command(&mut self, args: &[&str]) {
         self.history.push(args.join(" "));
         let _ = self.farm.nestd(args);
     }
 
-    /// A content: new, the same again, or one that cannot be read.
-    fn content(&mut self) -> (Vec<u8>, bool) {
+    /// Picks a content: new, an earlier one, or an unreadable one.
+    fn pick_content(&mut self) -> (Vec<u8>, bool) {
         if !self.contents.is_empty() && self.rng.random_bool(0.2) {
             let again = self.rng.random_range(0..self.contents.len());
             return (self.contents[again].clone(), false);
@@ -172,7 +172,7 @@ impl Storm {
         (bytes, is_bad)
     }
 
-    fn asks(&mut self, bytes: &[u8], name: &str, copies: u32, is_bad: bool) {
+    fn record_expected(&mut self, bytes: &[u8], name: &str, copies: u32, is_bad: bool) {
         let asked = self.asked.entry(hash(bytes)).or_default();
         asked.copies += copies;
         asked.is_bad = is_bad;
@@ -180,9 +180,9 @@ impl Storm {
         self.dropped += 1;
     }
 
-    /// A part, sometimes in an order folder, sometimes with a ticket.
-    fn drops(&mut self) {
-        let (bytes, is_bad) = self.content();
+    /// Drops a part, sometimes in an order folder, sometimes with a ticket.
+    fn drop_random_part(&mut self) {
+        let (bytes, is_bad) = self.pick_content();
         let (n, mut copies) = (self.dropped, self.rng.random_range(1..4));
         let folder = if self.rng.random_bool(0.2) { format!("order-{n}/") } else { String::new() };
         let name = if copies > 1 { format!("part{n}_x{copies}.stl") } else { format!("part{n}.stl") };
@@ -190,20 +190,20 @@ impl Storm {
             copies = self.rng.random_range(1..4);
             self.farm.drop_bytes(&format!("{folder}{name}.toml"), format!("copies = {copies}\n").as_bytes());
         }
-        self.asks(&bytes, &name, copies, is_bad);
+        self.record_expected(&bytes, &name, copies, is_bad);
         self.farm.drop_bytes(&format!("{folder}{name}"), &bytes);
         self.history.push(format!("drop {folder}{name} ({copies})"));
     }
 
-    /// An order folder with its list, which is there first.
-    fn drops_a_list(&mut self) {
+    /// Drops an order folder whose list comes first.
+    fn drop_order_list(&mut self) {
         let order = format!("list-{}", self.dropped);
         let (mut list, mut files) = ("file,copies\n".to_owned(), Vec::new());
         for _ in 0..self.rng.random_range(1..4) {
-            let (bytes, is_bad) = self.content();
+            let (bytes, is_bad) = self.pick_content();
             let (name, copies) = (format!("part{}.stl", self.dropped), self.rng.random_range(1..5));
             list += &format!("{name},{copies}\n");
-            self.asks(&bytes, &name, copies, is_bad);
+            self.record_expected(&bytes, &name, copies, is_bad);
             files.push((name, bytes));
         }
         self.farm.drop_bytes(&format!("{order}/order.csv"), list.as_bytes());
@@ -211,7 +211,7 @@ impl Storm {
         self.history.push(format!("drop {order}: {list:?}"));
     }
 
-    /// Parts in a state, to give orders about; what they are is known by content.
+    /// Parts in a state, as targets of commands; the script knows them by content.
     fn parts(&self, state: PartState) -> Vec<PartRow> {
         let began = Instant::now();
         while !self.farm.root().join("state/nestd.db").exists() {
@@ -220,34 +220,34 @@ impl Storm {
             }
             std::thread::sleep(Duration::from_millis(20));
         }
-        self.farm.ask(async |ledger| ledger.parts_in_state(state).await.unwrap_or_default())
+        self.farm.query_ledger(async |ledger| ledger.parts_in_state(state).await.unwrap_or_default())
     }
 
-    fn one_of(&mut self, state: PartState) -> Option<PartRow> {
+    fn pick_part(&mut self, state: PartState) -> Option<PartRow> {
         let mut parts = self.parts(state);
         (!parts.is_empty()).then(|| parts.swap_remove(self.rng.random_range(0..parts.len())))
     }
 
-    fn cancels(&mut self) {
-        let Some(part) = self.one_of(PartState::Waiting) else { return };
+    fn cancel_part(&mut self) {
+        let Some(part) = self.pick_part(PartState::Waiting) else { return };
         if let Some(asked) = self.asked.get_mut(&part.file.content_hash) {
             asked.cancelled += part.copies;
         }
-        self.tells(&["cancel", &part.id.to_string()]);
+        self.run_command(&["cancel", &part.id.to_string()]);
     }
 
-    fn retries(&mut self) {
-        let Some(part) = self.one_of(PartState::Rejected) else { return };
-        self.tells(&["retry", &part.id.to_string()]);
+    fn retry_part(&mut self) {
+        let Some(part) = self.pick_part(PartState::Rejected) else { return };
+        self.run_command(&["retry", &part.id.to_string()]);
     }
 
-    fn tells_an_outcome(&mut self) {
+    fn record_outcome(&mut self) {
         let outcome = ["complete", "interrupted", "failed"][self.rng.random_range(0..3)];
         let build = self.rng.random_range(1..=self.taken.len().max(1)).to_string();
-        self.tells(&["outcome", &build, outcome]);
+        self.run_command(&["outcome", &build, outcome]);
     }
 
-    fn backs_up(&mut self) {
+    fn make_backup(&mut self) {
         let file = self.farm.root().join(format!("backup-{}", self.history.len()));
         if self.farm.nestd(&["backup", file.to_str().unwrap()]).status.success() {
             self.history.push(format!("backup {}", file.display()));
@@ -255,8 +255,9 @@ impl Storm {
         }
     }
 
-    /// Puts back a backup; the daemon does not run. What a person is told to look at is kept, and is a person's from then on.
-    fn restores(&mut self) {
+    /// Restores a backup while the daemon does not run. The reports for a person are kept, and those parts count as
+    /// handled.
+    fn restore_backup(&mut self) {
         if self.backups.is_empty() {
             return;
         }
@@ -271,11 +272,11 @@ impl Storm {
         self.doubts += "\n";
     }
 
-    /// Takes files from the queue as a printer does, and counts what is in them.
-    fn prints(&mut self) {
+    /// Takes build files from the queue as a printer does, and counts their copies.
+    fn take_printed_files(&mut self) {
         for file in self.farm.queued() {
             let name = file.file_name().unwrap().to_string_lossy().into_owned();
-            match build_file::read_build(&file, &build_file::Limits::default()) {
+            match build_file::read_build(&file, &build_file::ReadLimits::default()) {
                 Ok(placed) => placed.into_iter().for_each(|copy| {
                     *self.printed.entry(copy.source_hash.unwrap_or_default()).or_default() += 1;
                 }),
@@ -289,10 +290,10 @@ impl Storm {
         }
     }
 
-    /// Nobody kills any more; then what was asked and what was printed are held against each other.
-    fn settles(mut self) -> Row {
+    /// Finishes without further kills, then compares expected and printed copies.
+    fn finish_and_compare(mut self) -> SectionResult {
         self.farm.start();
-        self.tells(&["resume", PROFILE]);
+        self.run_command(&["resume", PROFILE]);
         let (began, mut quiet) = (Instant::now(), 0);
         while quiet < 3 {
             std::thread::sleep(Duration::from_millis(400));
@@ -306,23 +307,23 @@ impl Storm {
             }
         }
         self.farm.kill();
-        self.prints();
-        self.compares();
+        self.take_printed_files();
+        self.compare_copies();
         let (seed, story) = (self.seed, self.history.join("\n  "));
         if !self.broken.is_empty() {
             self.broken.push(format!("the story was\n  {story}"));
         }
-        Row {
+        SectionResult {
             files: self.dropped,
             builds: self.taken.len() as u64,
             broken: self.broken.iter().map(|text| format!("NESTD_SEED={seed}: {text}")).collect(),
-            ..Row::default()
+            ..SectionResult::default()
         }
     }
 
-    /// Whether all that was dropped is taken, and nothing waits to be read, nested or published.
+    /// Whether all dropped files are taken, and none waits to be read, nested or published.
     fn is_at_rest(&mut self) -> bool {
-        self.prints();
+        self.take_printed_files();
         let inbox = self.farm.folder("inbox");
         let is_part = |file: &PathBuf| file.extension().is_some_and(|extension| extension == "stl");
         let is_empty = !nestd::intake::files_below(&inbox).unwrap_or_default().iter().any(is_part);
@@ -334,7 +335,7 @@ impl Storm {
         is_empty && waiting + under_way == 0
     }
 
-    fn compares(&mut self) {
+    fn compare_copies(&mut self) {
         let error = nestd::intake::files_below(&self.farm.folder("error")).unwrap_or_default();
         let refused: BTreeSet<String> =
             error.iter().filter_map(|file| Some(hash(&fs::read(file).ok()?))).collect::<BTreeSet<_>>();

@@ -1,16 +1,16 @@
-//! The table of a run, as text and as `docs/reliability.md`.
+//! The table of results of a run, as text and as `docs/reliability.md`.
 
 use std::{fs, path::Path};
 
-use super::row::Row;
+use super::section_result::SectionResult;
 
 const HEAD: [&str; 8] = ["section", "points tried", "faults injected", "files", "builds", "broken", "seconds", "note"];
 
 /// The table, in Markdown.
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[SectionResult]) -> String {
     let mut cells: Vec<Vec<String>> = vec![HEAD.map(str::to_owned).to_vec()];
     cells.extend(rows.iter().map(cells_of));
-    cells.push(cells_of(&Row { section: "all", ..Row::sum(rows) }));
+    cells.push(cells_of(&SectionResult { section: "all", ..SectionResult::sum(rows) }));
     let width = |at: usize| cells.iter().map(|row| row[at].chars().count()).max().unwrap_or_default();
     let widths: Vec<usize> = (0..HEAD.len()).map(width).collect();
     let mut lines: Vec<String> = cells.iter().map(|row| line(row, &widths)).collect();
@@ -35,7 +35,7 @@ fn line(row: &[String], widths: &[usize]) -> String {
     format!("|{}|", row.iter().enumerate().map(cell).collect::<Vec<_>>().join("|"))
 }
 
-fn cells_of(row: &Row) -> Vec<String> {
+fn cells_of(row: &SectionResult) -> Vec<String> {
     let numbers = [row.points, row.faults, row.files, row.builds, row.broken.len() as u64].map(|n| n.to_string());
     let mut cells = vec![row.section.to_owned()];
     cells.extend(numbers);
@@ -45,7 +45,7 @@ fn cells_of(row: &Row) -> Vec<String> {
 }
 
 /// Writes `docs/reliability.md`; only a long run of every section does.
-pub fn write_document(rows: &[Row], minutes: f64) {
+pub fn write_document(rows: &[SectionResult], minutes: f64) {
     let profile = if cfg!(debug_assertions) { "test" } else { "release" };
     let host = rustix::system::uname();
     let threads = std::thread::available_parallelism().map_or(0, usize::from);
@@ -53,8 +53,8 @@ pub fn write_document(rows: &[Row], minutes: f64) {
         "# Reliability\n\n\
          Written by `cargo test --release --test reliability -- --minutes {minutes}`; do not edit. A budget of {minutes} minutes, \
          {profile} profile, nestd {}, {} {}, {threads} threads, on {}.\n\n\
-         \"Broken\" counts violations of the invariants I1-I4 (ARCHITECTURE.md) and of what a section demands besides; it must \
-         be 0.\n\n{}",
+         \"Broken\" counts violations of the invariants I1-I4 (ARCHITECTURE.md) and of further conditions of a \
+         section; it must be 0.\n\n{}",
         env!("CARGO_PKG_VERSION"),
         host.sysname().to_string_lossy(),
         host.release().to_string_lossy(),

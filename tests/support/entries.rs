@@ -1,5 +1,6 @@
-//! The doors that hostile bytes come in by, one per fuzz target. Shared by the fuzz targets in `fuzz/`, the replay of the
-//! corpus and the reliability run. Each entry panics when a reader does, and when what a reader lets in breaks a promise.
+//! The entry points for hostile input, one per fuzz target. The fuzz targets in `fuzz/`, the replay of the corpus and
+//! the reliability run share them. An entry panics when a reader panics, and when a reader accepts input that it must
+//! not accept.
 
 use std::{
     cell::RefCell,
@@ -10,19 +11,19 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use build_file::{Contents, Limits, ReadError, Unit, has_end, read, read_build};
+use build_file::{FileReadError, LengthUnit, PartFileContents, ReadLimits, has_end, read_build, read_part_file};
 use nestd::{
     intake::{OrderList, Ticket, copies_in_name, display_name, raw_name},
-    ledger::Tilts,
+    ledger::RequiredTilts,
     settings,
 };
-use nester::Orientation;
+use nester::OrientationLimits;
 
 /// A fuzz target: its name, which is also its corpus' folder, and its entry.
-pub type Target = (&'static str, fn(&[u8]));
+pub type FuzzTarget = (&'static str, fn(&[u8]));
 
-/// All of them.
-pub const TARGETS: [Target; 9] = [
+/// All fuzz targets.
+pub const TARGETS: [FuzzTarget; 9] = [
     ("stl_binary", stl_binary),
     ("stl_ascii", stl_ascii),
     ("threemf_zip", threemf_zip),
@@ -34,13 +35,13 @@ pub const TARGETS: [Target; 9] = [
     ("names", names),
 ];
 
-/// Between farm file and machine file in one input of [`configuration`].
-const CUT: &[u8] = b"\n# machine\n";
-/// The farm file where the input is a machine file only.
-const FARM: &[u8] = b"scan_secs = 1\n";
+/// Separates farm file and machine file in an input of [`configuration`].
+const SEPARATOR: &[u8] = b"\n# machine\n";
+/// The farm file for an input that is only a machine file.
+const DEFAULT_FARM_FILE: &[u8] = b"scan_secs = 1\n";
 
 thread_local! {
-    /// A file that is in memory only.
+    /// A file in memory.
     static SCRATCH: RefCell<File> =
         RefCell::new(rustix::fs::memfd_create("nestd-fuzz", rustix::fs::MemfdFlags::CLOEXEC).unwrap().into());
     static FOLDER: tempfile::TempDir = folder();
@@ -53,7 +54,7 @@ fn folder() -> tempfile::TempDir {
     dir
 }
 
-/// The bytes as a file.
+/// Writes the bytes to a file and passes its path on.
 fn with_file<T>(bytes: &[u8], use_it: impl FnOnce(&Path) -> T) -> T {
     SCRATCH.with_borrow_mut(|file| {
         file.set_len(0).unwrap();
@@ -63,11 +64,11 @@ fn with_file<T>(bytes: &[u8], use_it: impl FnOnce(&Path) -> T) -> T {
     })
 }
 
-/// Reads as the farm does; what it lets in keeps the limits and is made of finite numbers.
-fn read_part(file: &Path, name: &str) -> Result<Contents, ReadError> {
-    let limits = Limits::for_testing();
+/// Reads as the farm does, and asserts that accepted contents keep the limits and have finite numbers only.
+fn read_part(file: &Path, name: &str) -> Result<PartFileContents, FileReadError> {
+    let limits = ReadLimits::for_testing();
     let _ = has_end(&mut File::open(file).unwrap(), name).unwrap();
-    let result = read(file, name, None, Unit::Millimeter, &limits);
+    let result = read_part_file(file, name, None, LengthUnit::Millimeter, &limits);
     match &result {
         Ok(contents) => {
             assert!(!contents.solids.is_empty());
@@ -84,7 +85,7 @@ fn read_part(file: &Path, name: &str) -> Result<Contents, ReadError> {
     result
 }
 
-/// The bytes as they are, and as facets under a header that tells their number.
+/// Reads the bytes as they are, and as facets under a header with the right count.
 pub fn stl_binary(bytes: &[u8]) {
     let _ = with_file(bytes, |file| read_part(file, "a.stl"));
     let mut framed = b"solid or not".to_vec();
@@ -94,47 +95,47 @@ pub fn stl_binary(bytes: &[u8]) {
     let _ = with_file(&framed, |file| read_part(file, "a.stl"));
 }
 
-/// The bytes as text that calls itself a solid.
+/// Reads the bytes as text that begins with `solid`.
 pub fn stl_ascii(bytes: &[u8]) {
     let text = [b"solid ".as_slice(), bytes].concat();
     let _ = with_file(&text, |file| read_part(file, "a.stl"));
 }
 
-/// The bytes as a package.
+/// Reads the bytes as a ZIP package.
 pub fn threemf_zip(bytes: &[u8]) {
     with_file(bytes, |file| {
         let _ = read_part(file, "a.3mf");
-        let _ = read_build(file, &Limits::for_testing());
+        let _ = read_build(file, &ReadLimits::for_testing());
     });
 }
 
-/// The bytes as the model of a sound package.
+/// Reads the bytes as the model of a valid package.
 pub fn threemf_xml(bytes: &[u8]) {
     let entries = [("_rels/.rels", super::samples::RELATIONSHIPS.as_bytes()), ("3D/3dmodel.model", bytes)];
     threemf_zip(&super::samples::package(&entries, zip::CompressionMethod::Stored));
 }
 
-/// Whatever a ticket may say can be kept in the ledger and is the same when it comes back.
+/// Asserts that the values of a ticket can be stored in the ledger and read back unchanged.
 fn ticket_is_kept(ticket: Ticket) {
     if let Some(due) = ticket.due
-        && let Ok(at) = due.at(&jiff::tz::TimeZone::UTC)
+        && let Ok(at) = due.to_timestamp(&jiff::tz::TimeZone::UTC)
     {
-        let text = nestd::ledger::Utc(at).to_string();
+        let text = nestd::ledger::UtcTimestamp(at).to_string();
         assert!(text.parse::<jiff::Timestamp>().is_ok(), "{text}");
     }
     assert!(ticket.copies.is_none_or(|n| (1..=10_000).contains(&n)));
     assert!(ticket.clearance_mm.is_none_or(|mm| (0.0..=100.0).contains(&mm)));
-    let turning = Orientation::new(
+    let turning = OrientationLimits::new(
         ticket.orientation.unwrap_or_default(),
         ticket.keep_up.as_deref().unwrap_or_default(),
         ticket.not_down.as_deref().unwrap_or_default(),
     );
-    let kept = Tilts(turning.tilts).to_string();
-    let back = Tilts::try_from(kept.clone()).unwrap_or_else(|error| panic!("{kept:?}: {error}"));
+    let kept = RequiredTilts(turning.tilts).to_string();
+    let back = RequiredTilts::try_from(kept.clone()).unwrap_or_else(|error| panic!("{kept:?}: {error}"));
     assert_eq!(back.0.len(), kept.split(';').filter(|one| !one.is_empty()).count());
 }
 
-/// The bytes as a sidecar in TOML.
+/// Reads the bytes as a ticket in TOML.
 pub fn ticket_toml(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(ticket) = Ticket::from_toml(text, "a.stl.toml") {
@@ -142,7 +143,7 @@ pub fn ticket_toml(bytes: &[u8]) {
     }
 }
 
-/// The bytes as a sidecar in JSON.
+/// Reads the bytes as a ticket in JSON.
 pub fn ticket_json(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(ticket) = Ticket::from_json(text, "a.stl.json") {
@@ -150,34 +151,34 @@ pub fn ticket_json(bytes: &[u8]) {
     }
 }
 
-/// The bytes as an order list, asked for each file that it names and for one that it may not.
+/// Reads the bytes as an order list, and looks up each file that it names and one that it may not name.
 pub fn order_csv(bytes: &[u8]) {
-    let list = OrderList::parse(bytes);
-    let _ = list.row_for(OsStr::new("a.stl"));
+    let list = OrderList::parse_list(bytes);
+    let _ = list.row_for_file(OsStr::new("a.stl"));
     for row in list.rows().unwrap_or_default().iter().take(50) {
-        let found = list.row_for(OsStr::new(&row.file));
+        let found = list.row_for_file(OsStr::new(&row.file));
         if let Ok(Some(row)) = found {
             ticket_is_kept(row.ticket.clone().expect("a row that is found makes sense"));
         }
     }
 }
 
-/// The bytes as a farm file and a machine file.
+/// Reads the bytes as a farm file and a machine file.
 pub fn configuration(bytes: &[u8]) {
-    let cut = bytes.windows(CUT.len()).position(|window| window == CUT);
-    let (farm, machine) = cut.map_or((FARM, bytes), |at| (&bytes[..at], &bytes[at + CUT.len()..]));
+    let cut = bytes.windows(SEPARATOR.len()).position(|window| window == SEPARATOR);
+    let (farm, machine) = cut.map_or((DEFAULT_FARM_FILE, bytes), |at| (&bytes[..at], &bytes[at + SEPARATOR.len()..]));
     FOLDER.with(|folder| {
         let file = folder.path().join("nestd.toml");
         fs::write(&file, farm).unwrap();
         fs::write(folder.path().join("profiles/m.toml"), machine).unwrap();
-        match settings::load(Some(&file), Some(Path::new("/farm"))) {
+        match settings::load_settings(Some(&file), Some(Path::new("/farm"))) {
             Ok(settings) => assert_eq!(settings.profiles.len(), 1),
             Err(error) => assert!(!error.to_string().is_empty()),
         }
     });
 }
 
-/// The bytes as the name of a file.
+/// Uses the bytes as the name of a file.
 pub fn names(bytes: &[u8]) {
     let name = OsStr::from_bytes(bytes);
     let shown = display_name(name);

@@ -1,16 +1,16 @@
-//! Files that are small and take much: of memory when they are read, of time when they are nested. All are within the limits.
+//! Small files within all limits that need much memory to read, or much time to nest.
 
 use std::{fmt::Write as _, io::Write};
 
 use zip::{ZipWriter, write::SimpleFileOptions};
 
-/// A 3MF whose one part is so many equal components in one place, each a fan of `triangles` triangles or four more.
+/// A 3MF with one part made of `components` equal components in one place, each with about `triangles` triangles.
 pub fn equal_components(components: usize, triangles: usize) -> Vec<u8> {
     let instances = "<component objectid=\"1\"/>".repeat(components);
     package(&format!("{}<object id=\"2\"><components>{instances}</components></object>", fan(triangles)), 2)
 }
 
-/// The same, but each object is twice the one before it: so many objects deep.
+/// The same, but each object holds the previous one twice, `depth` objects deep.
 pub fn deep_components(depth: usize, triangles: usize) -> Vec<u8> {
     let mut objects = fan(triangles);
     for id in 2..depth + 2 {
@@ -20,7 +20,7 @@ pub fn deep_components(depth: usize, triangles: usize) -> Vec<u8> {
     package(&objects, depth + 1)
 }
 
-/// A 3MF of one mesh with so many vertices, nearly all of them unused, in a small file.
+/// A small 3MF file of one mesh with `vertices` vertices, nearly all of them unused.
 pub fn idle_vertices(vertices: usize) -> Vec<u8> {
     let many = "<vertex x=\"1\" y=\"1\" z=\"1\"/>".repeat(vertices);
     let mesh = "<vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"9\" y=\"0\" z=\"0\"/><vertex x=\"0\" y=\"9\" z=\"0\"/>\
@@ -31,7 +31,7 @@ pub fn idle_vertices(vertices: usize) -> Vec<u8> {
     package(&format!("<object id=\"1\">{mesh}</object>"), 1)
 }
 
-/// A 3MF of one small part in a file that is larger by so many bytes.
+/// A 3MF of one small part in a file that is padded by `bytes` bytes.
 pub fn padded(bytes: usize) -> Vec<u8> {
     let mut zip = ZipWriter::new_append(std::io::Cursor::new(equal_components(1, 8))).unwrap();
     let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
@@ -40,7 +40,7 @@ pub fn padded(bytes: usize) -> Vec<u8> {
     zip.finish().unwrap().into_inner()
 }
 
-/// The object 1: a round pyramid with so many sides, closed.
+/// The object 1: a closed pyramid with about `sides` triangles.
 fn fan(sides: usize) -> String {
     let mut vertices = "<vertex x=\"0\" y=\"0\" z=\"10\"/><vertex x=\"0\" y=\"0\" z=\"0\"/>".to_owned();
     let mut triangles = String::new();

@@ -1,7 +1,7 @@
 //! Parts of a known number of bytes.
 
-/// A box of these edges, mm, as a binary STL, each face in squares: 84 + 600 `squares`^2 bytes.
-pub fn gridded(size_mm: [f64; 3], squares: usize) -> Vec<u8> {
+/// A box of a given size as a binary STL, each face divided into squares: 84 + 600 `squares`^2 bytes.
+pub fn gridded_box(size_mm: [f64; 3], squares: usize) -> Vec<u8> {
     let mut bytes = vec![0; 80];
     bytes.extend((12 * squares as u32 * squares as u32).to_le_bytes());
     for face in 0..6 {

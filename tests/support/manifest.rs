@@ -1,5 +1,5 @@
-//! The torture set: what its manifest expects of every file, and where we differ on purpose. Shared by the test of the
-//! readers and the reliability run.
+//! The torture set: the result that its manifest expects for every file, and where nestd differs on purpose. The test
+//! of the readers and the reliability run share it.
 
 use std::path::{Path, PathBuf};
 
@@ -24,34 +24,34 @@ pub const EXCEPTIONS: [(&str, &str); 11] = [
 ];
 
 /// A file of the set.
-pub struct Expected {
+pub struct ExpectedFile {
     path: String,
-    /// As the manifest says it: `accept:<triangles>;warn ...`, `reject:...`, `ignore:...`.
+    /// The expectation in the manifest: `accept:<triangles>;warn ...`, `reject:...`, `ignore:...`.
     pub expect: String,
 }
 
-/// What became of a file.
-pub struct Outcome {
-    /// Triangles that its parts ask for, copies counted each; `None` = refused.
+/// The result of reading a file.
+pub struct FileOutcome {
+    /// Triangles of its parts times their copies; `None` = refused.
     pub triangles: Option<usize>,
     /// Triangles that were left out for having no area.
     pub left_out: usize,
-    /// Warnings, or the reason.
+    /// The warnings, or the reason of the refusal.
     pub said: String,
 }
 
 /// All files of the set.
-pub fn files(data: &Path) -> Vec<Expected> {
+pub fn files(data: &Path) -> Vec<ExpectedFile> {
     let mut reader = csv::Reader::from_path(data.join("MANIFEST.csv")).unwrap();
     let headers = reader.headers().unwrap().clone();
     let column = |name: &str| headers.iter().position(|h| h == name).unwrap();
     let (group, path, expect) = (column("group"), column("path"), column("expect"));
     let torture = |r: &csv::StringRecord| r[group] == *"torture";
-    let row = |r: csv::StringRecord| Expected { path: r[path].to_owned(), expect: r[expect].to_owned() };
+    let row = |r: csv::StringRecord| ExpectedFile { path: r[path].to_owned(), expect: r[expect].to_owned() };
     reader.records().map(Result::unwrap).filter(torture).map(row).collect()
 }
 
-/// The files with odd names are kept in an archive.
+/// Unpacks the files with odd names, which are kept in an archive.
 pub fn unpack_names(data: &Path) -> tempfile::TempDir {
     let names = tempfile::tempdir().unwrap();
     let archive = data.join("torture/names.tar");
@@ -60,8 +60,8 @@ pub fn unpack_names(data: &Path) -> tempfile::TempDir {
     names
 }
 
-impl Expected {
-    /// Where it lies.
+impl ExpectedFile {
+    /// The path of the file.
     pub fn file(&self, data: &Path, names: &Path) -> PathBuf {
         match self.path.strip_prefix("torture/names/") {
             Some(_) => names.join(self.path.trim_start_matches("torture/")),
@@ -69,14 +69,14 @@ impl Expected {
         }
     }
 
-    /// What is wrong with an outcome, if anything.
-    pub fn complaint(&self, outcome: &Outcome) -> Option<String> {
+    /// How an outcome differs from the expectation, if it does.
+    pub fn find_difference(&self, outcome: &FileOutcome) -> Option<String> {
         let wanted: Option<usize> = self.expect.strip_prefix("accept:").map(|rest| {
             let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
             digits.parse().unwrap()
         });
         match (wanted, outcome.triangles) {
-            (Some(count), Some(found)) if found + outcome.left_out == count => self.not_told(&outcome.said),
+            (Some(count), Some(found)) if found + outcome.left_out == count => self.missing_warnings(&outcome.said),
             (Some(_), None) => Some(format!("refused: {}", outcome.said)),
             (Some(_), Some(found)) => Some(format!("accepted with {found} triangles")),
             (None, Some(found)) if self.expect.starts_with("reject") => {
@@ -86,8 +86,8 @@ impl Expected {
         }
     }
 
-    /// Defects and sizes that the manifest wants told.
-    fn not_told(&self, said: &str) -> Option<String> {
+    /// Warnings that the manifest demands and the outcome lacks.
+    fn missing_warnings(&self, said: &str) -> Option<String> {
         const OPEN: &str = "open edges";
         const MANY: &str = "edges of more than two triangles";
         const WOUND: &str = "face opposite ways";

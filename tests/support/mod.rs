@@ -1,15 +1,15 @@
-//! What several test programs share: first of all a farm in a temporary folder, served by the real daemon.
-#![allow(dead_code)] // no program needs all of it
+//! Code that several test programs share, above all a farm in a temporary folder, served by the real daemon.
+#![allow(dead_code)] // no test program uses all of it
 
 pub mod entries;
 pub mod greedy;
 pub mod grid;
-pub mod hook;
 pub mod manifest;
 pub mod random;
 pub mod samples;
 pub mod trace;
 pub mod trial;
+pub mod webhook;
 
 use std::{
     fs,
@@ -19,7 +19,7 @@ use std::{
 };
 
 use nestd::{
-    farm::{self, Witness},
+    farm::{self, InvariantExpectations},
     ledger::{Ledger, PartRow, PartState},
     settings,
 };
@@ -34,12 +34,12 @@ pub struct TestFarm {
     daemon: Option<Child>,
 }
 
-/// What a profile says when a test does not say otherwise: small volume, quick settling, short searches.
+/// The usual profile of a test: small volume, quick settling, short searches.
 pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.5\n\
                          arrival_secs = 0.5\nmax_attempts = 50\n";
 
 impl TestFarm {
-    /// A farm whose machine's file is `profile`; nothing runs yet.
+    /// A farm whose machine file contains `profile`; the daemon does not run yet.
     pub fn new(profile: &str) -> Self {
         let dir = TempDir::new().unwrap();
         fs::create_dir_all(dir.path().join("config/profiles")).unwrap();
@@ -76,18 +76,18 @@ impl TestFarm {
         self.start_as(self.command(&["run"]));
     }
 
-    /// Starts the daemon where so many files may be open.
+    /// Starts the daemon with a limit of open files.
     pub fn start_with_open_files(&mut self, most: u32) {
         self.start_under(&format!("ulimit -n {most}"));
     }
 
-    /// Starts the daemon with so much address space, bytes.
+    /// Starts the daemon with a limit of address space, bytes.
     pub fn start_with_memory(&mut self, most: u64) {
-        // One arena: what malloc only sets aside would count too.
+        // One malloc arena, because reserved address space counts as well.
         self.start_under(&format!("ulimit -v {}; export MALLOC_ARENA_MAX=1", most / 1024));
     }
 
-    /// Starts the daemon again if it has ended by itself, as the service manager does.
+    /// Restarts the daemon if it has ended by itself, as the service manager does.
     pub fn start_again_where_it_ended(&mut self, most: u64) -> bool {
         let has_ended = self.has_ended();
         if has_ended {
@@ -174,14 +174,14 @@ impl TestFarm {
         out.into_owned()
     }
 
-    /// Orders the profile to be published now. On a busy machine the answer may come later; a refusal fails the test.
+    /// Runs `nestd flush`. On a busy machine the answer may come later; a refusal fails the test.
     pub fn flush(&self) {
         let output = self.nestd(&["flush", PROFILE]);
         let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() != Some(2) && !told.contains("Refused"), "{told}\n{}", self.log());
     }
 
-    /// Drops a file as a careful sender does: written elsewhere on the same file system, then renamed in.
+    /// Drops a file as a careful sender does: writes it elsewhere on the same file system, then renames it.
     pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
         let target = self.folder("inbox").join(name);
         fs::create_dir_all(target.parent().unwrap()).unwrap();
@@ -194,13 +194,13 @@ impl TestFarm {
         self.drop_bytes(name, &stl(mesh));
     }
 
-    /// Drops a file into a hot folder that is another file system.
+    /// Drops a file into a hot folder on another file system.
     pub fn drop_across(&self, name: &str, mesh: &Mesh) {
         fs::write(self.folder("inbox").join(name), stl(mesh)).unwrap();
     }
 
-    /// Asks the ledger.
-    pub fn ask<T>(&self, question: impl AsyncFnOnce(&Ledger) -> T) -> T {
+    /// Runs a query on the ledger.
+    pub fn query_ledger<T>(&self, question: impl AsyncFnOnce(&Ledger) -> T) -> T {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let began = Instant::now();
@@ -217,15 +217,16 @@ impl TestFarm {
         })
     }
 
-    /// What breaks the invariants.
-    pub fn broken(&self, witness: &Witness) -> Vec<String> {
-        let settings = settings::load(Some(&self.config()), Some(self.root())).unwrap();
-        let looked = self.ask(async |ledger| farm::invariants(&settings, ledger, witness).await.unwrap());
+    /// The violations of the invariants.
+    pub fn broken_invariants(&self, witness: &InvariantExpectations) -> Vec<String> {
+        let settings = settings::load_settings(Some(&self.config()), Some(self.root())).unwrap();
+        let looked =
+            self.query_ledger(async |ledger| farm::check_invariants(&settings, ledger, witness).await.unwrap());
         looked.violations.iter().map(ToString::to_string).collect()
     }
 
     pub fn parts(&self, state: PartState) -> Vec<PartRow> {
-        self.ask(async |ledger| ledger.parts_in_state(state).await.unwrap())
+        self.query_ledger(async |ledger| ledger.parts_in_state(state).await.unwrap())
     }
 
     pub fn wait_for_parts(&self, state: PartState, count: usize) -> Vec<PartRow> {
@@ -242,7 +243,7 @@ impl TestFarm {
         parts
     }
 
-    /// The published build files that lie in the queue.
+    /// The published build files in the queue.
     pub fn queued(&self) -> Vec<PathBuf> {
         let Ok(entries) = fs::read_dir(self.folder("queue")) else { return Vec::new() };
         let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
@@ -259,13 +260,13 @@ impl TestFarm {
         self.queued()
     }
 
-    /// Asserts that the ledger agrees with itself, and that each published copy is in exactly one build file.
+    /// Asserts that the ledger is consistent, and that each published copy is in exactly one build file.
     pub fn assert_nothing_lost_or_doubled(&self) {
-        let faults = self.ask(async |ledger| ledger.faults().await.unwrap());
+        let faults = self.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
         let mut seen = std::collections::BTreeMap::new();
         for file in self.queued() {
-            for placed in build_file::read_build(&file, &build_file::Limits::default()).unwrap() {
+            for placed in build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap() {
                 let key = (placed.part_number.unwrap(), placed.copy.unwrap());
                 if let Some(other) = seen.insert(key.clone(), file.clone()) {
                     panic!("copy {key:?} is in {} and in {}", other.display(), file.display());

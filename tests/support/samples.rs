@@ -1,4 +1,4 @@
-//! Small sound files of every kind, what hostile ones are made of.
+//! Small valid files of every format, from which tests make hostile ones.
 
 use std::io::{Cursor, Write};
 
@@ -13,14 +13,14 @@ pub const MESH: &str = r#"<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="
 const CORNERS: [[u8; 3]; 4] = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]];
 const TRIANGLES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
-/// A model of these resources and this build.
+/// A 3MF model with given resources and build items.
 pub fn model(resources: &str, build: &str) -> String {
     format!(
         r#"<?xml version="1.0" encoding="UTF-8"?><model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02" xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06"><metadata name="Title">T</metadata><resources>{resources}</resources><build>{build}</build></model>"#
     )
 }
 
-/// A model with an object, an assembly and turned build items.
+/// A valid model with an object, an assembly and rotated build items.
 pub fn honest() -> String {
     model(
         &format!(
@@ -40,7 +40,7 @@ pub fn package(entries: &[(&str, &[u8])], method: CompressionMethod) -> Vec<u8> 
     zip.finish().unwrap().into_inner()
 }
 
-/// A 3MF package of this model.
+/// A 3MF package with a given model.
 pub fn threemf(model: &[u8]) -> Vec<u8> {
     let entries: [(&str, &[u8]); 3] = [
         ("[Content_Types].xml", TYPES.as_bytes()),
@@ -50,7 +50,7 @@ pub fn threemf(model: &[u8]) -> Vec<u8> {
     package(&entries, CompressionMethod::Deflated)
 }
 
-/// A tetrahedron whose header lies that it is text.
+/// A binary tetrahedron whose header claims to be text.
 pub fn binary_stl() -> Vec<u8> {
     let mut bytes = b"solid binary".to_vec();
     bytes.resize(80, b' ');
@@ -63,7 +63,7 @@ pub fn binary_stl() -> Vec<u8> {
     bytes
 }
 
-/// The same as text.
+/// The tetrahedron as text.
 pub fn text_stl() -> Vec<u8> {
     let mut text = "solid text\n".to_owned();
     for triangle in TRIANGLES {

@@ -1,5 +1,5 @@
-//! Tests that only run where something is: a folder of parts, a browser, a server. Where it is not they are reported as ignored,
-//! with the reason; the attribute that ignores a test cannot say so, for it is decided when nestd is built.
+//! Tests that need something on the machine: a folder of parts, a browser, a server. Without it they are reported as
+//! ignored, with the reason. The attribute `#[ignore]` cannot do this, because it is decided at compile time.
 
 use libtest_mimic::{Completion, Trial};
 
@@ -14,8 +14,8 @@ pub fn trial(name: &str, missing: Option<String>, test: impl FnOnce() + Send + '
     })
 }
 
-/// Why a test cannot run that needs these variables of the environment.
-pub fn unset(needed: &[&str]) -> Option<String> {
+/// The reason why a test that needs these environment variables cannot run, if one is not set.
+pub fn missing_variables(needed: &[&str]) -> Option<String> {
     let unset: Vec<&str> = needed.iter().copied().filter(|name| std::env::var_os(name).is_none()).collect();
     (!unset.is_empty()).then(|| format!("needs {}", unset.join(" and ")))
 }

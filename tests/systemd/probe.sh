@@ -61,13 +61,13 @@ check "the build is in the queue" within 60 published paper-200 1
 as_nestd status >> "$RESULTS/checks" 2>&1
 as_nestd history >> "$RESULTS/checks" 2>&1
 
-# A technician in the group, with an order folder that only he may write to by mode.
+# A technician in the group, with an order folder that only the technician may write to.
 useradd -M -G nestd technician 2>/dev/null
 check "a technician drops an order" runuser -u technician -- sh -c \
     'umask 077; mkdir "/srv/nestd/inbox/paper-200/order 7" && cat > "/srv/nestd/inbox/paper-200/order 7/piece.stl"' < <(cube /tmp/piece.stl; cat /tmp/piece.stl)
 check "it is taken or refused with a reason" within 30 test ! -e "/srv/nestd/inbox/paper-200/order 7/piece.stl"
 
-# Least privilege, and what the operator does as docs/operations.md says.
+# Least privilege, and the operator's commands from docs/operations.md.
 refuses_root() { ! /usr/bin/nestd run -c /etc/nestd/nestd.toml > /tmp/said 2>&1 && grep -q 'does not run as root' /tmp/said; }
 check "it does not run as root" refuses_root
 owns_only_its_folders() {
@@ -101,7 +101,7 @@ journalctl -u nestd --no-pager -o cat | grep -q 'third.toml' && say "ok      the
 rm /etc/nestd/profiles/third.toml
 systemctl reload nestd
 
-# A process that stands still gives no sign of life.
+# A stopped process sends no heartbeat.
 kill -STOP "$before"
 restarted() { is_active && [ "$(property MainPID)" != "$before" ] && [ "$(property MainPID)" != 0 ]; }
 check "the watchdog has it killed and started anew" within 60 restarted

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs nestd's unit under a real systemd: boots a container of this machine (an overlay, so that nothing of it is changed),
+# Runs nestd's unit under a real systemd: boots a container from this machine (an overlay, so that the machine is not changed),
 # installs binary, unit, account, folders and configuration as systemd/README.md says, and checks start, work, reload,
 # watchdog and stop.
 #
@@ -18,7 +18,7 @@ skip() { echo "skipped: $*"; exit 77; }
 command -v systemd-nspawn >/dev/null || skip "needs systemd-nspawn"
 command -v unshare >/dev/null || skip "needs unshare"
 
-# A private mount namespace: the overlay is gone when this script is, however it ends.
+# A private mount namespace: the overlay disappears when this script ends, in whatever way.
 if [ -z "${NESTD_IN_NAMESPACE:-}" ]; then
     mkdir -p "$RESULTS"
     export NESTD_IN_NAMESPACE=1
@@ -33,7 +33,7 @@ mkdir "$WORK"/{upper,work,root}
 mount -t overlay -o "lowerdir=/,upperdir=$WORK/upper,workdir=$WORK/work" overlay "$WORK/root"
 ROOT=$WORK/root
 
-# Nothing of the machine's own services, and nothing left of an nestd that is installed on it.
+# Removes the machine's own services, and the files of an installed nestd.
 rm -rf "$ROOT"/etc/systemd/system/*.wants/* "$ROOT"/etc/nestd "$ROOT"/srv/nestd "$ROOT"/var/lib/nestd
 rm -f "$ROOT"/etc/fstab; : > "$ROOT"/etc/fstab
 : > "$ROOT"/etc/machine-id
@@ -47,7 +47,7 @@ install -D -m 0644 "$REPO/docs/operations.md" "$ROOT/usr/share/doc/nestd/operati
 install -d "$ROOT/etc/nestd/profiles"
 install -m 0644 "$REPO/config/profiles/paper-200.toml" "$ROOT/etc/nestd/profiles/"
 
-# Short times, so that the checks are quick; everything else is what ships.
+# Short times, so that the checks are fast; everything else is as shipped.
 {
     echo 'scan_secs = 1'
     cat "$REPO/config/server/nestd.toml"

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Proves the unit as it is written: systemd-analyze verify without a word, and an exposure of at most 1.5 (of 10).
+# Checks the unit file: systemd-analyze verify must print nothing, and the exposure must be at most 1.5 (of 10).
 # Exit code 77 when there is no systemd-analyze.
 set -euo pipefail
 command -v systemd-analyze >/dev/null || { echo "skipped: needs systemd-analyze"; exit 77; }
@@ -9,16 +9,16 @@ trap 'rm -r "$work"' EXIT
 
 # The unit's own binary need not be installed here.
 sed 's|^ExecStart=/usr/bin/nestd|ExecStart=/bin/true|' "$unit" > "$work/nestd.service"
-# It exits with 0 on directives that it does not know, but says so.
+# systemd-analyze exits with 0 on unknown directives, but prints a warning.
 said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
 [ -z "$said" ] || { echo "$said"; exit 1; }
-# So with the drop-in for a webhook.
+# The same with the drop-in for a webhook.
 mkdir "$work/nestd.service.d"
 cp "$(dirname "$unit")/webhook.conf" "$work/nestd.service.d/"
 said=$(systemd-analyze verify --man=no "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
 [ -z "$said" ] || { echo "$said"; exit 1; }
 rm -r "$work/nestd.service.d"
-# So with the dashboard's socket.
+# The same with the dashboard's socket.
 cp "$(dirname "$unit")/nestd-web.socket" "$work/"
 said=$(systemd-analyze verify --man=no "$work/nestd-web.socket" "$work/nestd.service" 2>&1) || { echo "$said"; exit 1; }
 [ -z "$said" ] || { echo "$said"; exit 1; }

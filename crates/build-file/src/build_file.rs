@@ -1,11 +1,12 @@
-//! What a build file says: meshes, where they stand, and for whom. The writer and the reader share it.
+//! The contents of a build file: meshes, their poses, and what they are for. The writer and the reader share these
+//! types.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 use solids::{Bounds, Mesh, Pose};
 
-use super::{Arrangement, Instances};
+use super::{Arrangement, InstanceSharing};
 
 /// A build, ready to be written.
 #[derive(Debug, Clone)]
@@ -14,7 +15,7 @@ pub struct BuildFile {
     pub title: String,
     /// Machine profile.
     pub profile: String,
-    /// The ledger's number of the build, as in the file's name; UUIDs are derived from it.
+    /// The ledger's number of the build, as in the file's name. UUIDs are derived from it.
     pub build_id: String,
     /// RFC 3339, e.g. `2026-11-20T04:49:00Z`; the only clock in the file.
     pub created: String,
@@ -22,41 +23,41 @@ pub struct BuildFile {
     pub seed: u64,
     /// Edge lengths of the build volume, mm.
     pub volume_mm: DVec3,
-    /// Boxes of the build volume in which nothing may stand, mm.
+    /// Keep-out boxes of the build volume, in which no part may be placed, mm.
     pub keep_out: Vec<Bounds>,
-    /// What is kept free along the walls, above the floor and below the lid, mm.
+    /// Margins along the walls, above the floor and below the ceiling, mm.
     pub margins_mm: DVec3,
     /// Least distance between the surfaces of two placements, mm.
     pub clearance_mm: f64,
     /// The clearance also holds when either of two placements is raised by up to this, mm.
     pub clearance_z_extra_mm: f64,
-    /// Thickness of a layer, mm; layers are counted from where the floor's margin ends.
+    /// Thickness of a layer, mm. Layers are counted from the top of the floor margin.
     pub layer_mm: f64,
-    /// No layer may be filled beyond this, mm2.
+    /// Greatest filled area of a layer, mm2.
     pub layer_area_cap_mm2: Option<f64>,
     /// Top of the highest placement, mm.
     pub height_mm: f64,
     /// Part volume / (base area x build height).
     pub density: f64,
-    /// What was to become of parts locked into each other, as settings spell it (`forbid`, `warn`, `allow`).
+    /// The interlock rule of the build, as settings spell it (`forbid`, `warn`, `allow`).
     pub interlock: String,
     /// Name and version of the program, e.g. `nestd 0.1.0`.
     pub application: String,
     /// Distinct meshes.
-    pub objects: Vec<BuildObject>,
+    pub objects: Vec<BuildFileObject>,
     /// One per placed copy.
-    pub items: Vec<BuildItem>,
+    pub items: Vec<BuildFileItem>,
     /// How copies of one mesh are written.
-    pub instances: Instances,
+    pub instances: InstanceSharing,
     /// Whether a consumer may re-arrange the placements.
     pub arrangement: Arrangement,
-    /// A PNG picture for file browsers.
+    /// A PNG picture, shown by file browsers.
     pub thumbnail_png: Option<Vec<u8>>,
 }
 
 /// One distinct mesh of a build.
 #[derive(Debug, Clone)]
-pub struct BuildObject {
+pub struct BuildFileObject {
     /// Name of the part.
     pub name: String,
     /// In mm, in its own frame.
@@ -69,28 +70,28 @@ pub struct BuildObject {
 
 /// One placed copy.
 #[derive(Debug, Clone)]
-pub struct BuildItem {
+pub struct BuildFileItem {
     /// Index into [`BuildFile::objects`].
     pub object: usize,
     /// Mesh frame -> machine frame (origin bottom front left, z up), mm.
     pub pose: Pose,
-    /// Order or kit that the copy is for.
+    /// Order or kit to which the copy belongs.
     pub order: Option<String>,
     /// Copy number, from 1.
     pub copy: u32,
-    /// Name that the part was dropped under.
+    /// File name under which the part was dropped.
     pub source_name: String,
     /// BLAKE3 of the dropped file.
     pub source_hash: String,
-    /// A clearance of its own, mm.
+    /// Clearance of this part, mm.
     pub clearance_mm: Option<f64>,
-    /// The orientation rule that it was placed under, as settings spell it (`free`, `upright`, ...).
+    /// The orientation rule under which the part was placed, as settings spell it (`free`, `upright`, ...).
     pub orientation: Option<String>,
-    /// Directions that had to stand near to straight up, as a line of text (`0,0,1:30;...`).
+    /// Directions that had to point nearly straight up, as a line of text (`0,0,1:30;...`).
     pub tilts: Option<String>,
 }
 
-/// One placed copy, as a build file says it.
+/// One placed copy, as read from a build file.
 #[derive(Debug, Clone)]
 pub struct PlacedMesh {
     /// Name of the object.
@@ -103,28 +104,28 @@ pub struct PlacedMesh {
     pub part_number: Option<String>,
     /// Copy number, from 1.
     pub copy: Option<u32>,
-    /// Order or kit that the copy is for.
+    /// Order or kit to which the copy belongs.
     pub order: Option<String>,
-    /// Name that the part was dropped under.
+    /// File name under which the part was dropped.
     pub source_name: Option<String>,
     /// BLAKE3 of the dropped file.
     pub source_hash: Option<String>,
-    /// A clearance of its own, mm.
+    /// Clearance of this part, mm.
     pub clearance_mm: Option<f64>,
-    /// The orientation rule that it was placed under.
+    /// The orientation rule under which the part was placed.
     pub orientation: Option<String>,
-    /// Directions that had to stand near to straight up.
+    /// Directions that had to point nearly straight up.
     pub tilts: Option<String>,
 }
 
-/// What a build file says about itself; `None` where another packer wrote it.
+/// The metadata of a build file; `None` where another packer wrote the file.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct BuildInfo {
+pub struct BuildMetadata {
     /// Shown by viewers.
     pub title: Option<String>,
     /// Program that wrote it.
     pub application: Option<String>,
-    /// When it was made.
+    /// Creation time.
     pub created: Option<String>,
     /// Machine profile.
     pub profile: Option<String>,
@@ -134,22 +135,22 @@ pub struct BuildInfo {
     pub seed: Option<u64>,
     /// Edge lengths of the build volume, mm.
     pub volume_mm: Option<DVec3>,
-    /// Boxes of the build volume in which nothing may stand, mm.
+    /// Keep-out boxes of the build volume, in which no part may be placed, mm.
     pub keep_out: Vec<Bounds>,
-    /// What is kept free along the walls, above the floor and below the lid, mm.
+    /// Margins along the walls, above the floor and below the ceiling, mm.
     pub margins_mm: Option<DVec3>,
     /// Least distance between the surfaces of two placements, mm.
     pub clearance_mm: Option<f64>,
     /// The clearance also holds when either of two placements is raised by up to this, mm.
     pub clearance_z_extra_mm: Option<f64>,
-    /// Thickness of a layer, mm; layers are counted from where the floor's margin ends.
+    /// Thickness of a layer, mm. Layers are counted from the top of the floor margin.
     pub layer_mm: Option<f64>,
-    /// No layer may be filled beyond this, mm2.
+    /// Greatest filled area of a layer, mm2.
     pub layer_area_cap_mm2: Option<f64>,
     /// Top of the highest placement, mm.
     pub height_mm: Option<f64>,
     /// Part volume / (base area x build height).
     pub density: Option<f64>,
-    /// What was to become of parts locked into each other.
+    /// The interlock rule of the build.
     pub interlock: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! What is written is what is read back, by us and by others.
+//! Tests that a written build is read back the same, by our reader and by another one.
 
 use std::{io::Cursor, path::Path, sync::Arc};
 
@@ -16,8 +16,8 @@ fn cuboid(size: DVec3) -> Mesh {
     Mesh::new(vertices, triangles).unwrap()
 }
 
-fn object(name: &str, size: DVec3) -> BuildObject {
-    BuildObject {
+fn object(name: &str, size: DVec3) -> BuildFileObject {
+    BuildFileObject {
         name: name.to_owned(),
         mesh: Arc::new(cuboid(size)),
         part_number: format!("P-{name}"),
@@ -25,8 +25,8 @@ fn object(name: &str, size: DVec3) -> BuildObject {
     }
 }
 
-fn item(object: usize, copy: u32, pose: Pose) -> BuildItem {
-    BuildItem {
+fn item(object: usize, copy: u32, pose: Pose) -> BuildFileItem {
+    BuildFileItem {
         object,
         pose,
         order: (copy == 1).then(|| "order 7".to_owned()),
@@ -39,8 +39,8 @@ fn item(object: usize, copy: u32, pose: Pose) -> BuildItem {
     }
 }
 
-/// Three copies of two parts, turned every way.
-pub(super) fn sample(instances: Instances, arrangement: Arrangement) -> BuildFile {
+/// Three copies of two parts, in several orientations.
+pub(super) fn sample(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
     let turned = |x: f64, y: f64, z: f64, at: DVec3| {
         Pose::new(DQuat::from_euler(glam::EulerRot::XYZ, x, y, z), at + DVec3::splat(1.0 / 3.0))
     };
@@ -89,18 +89,19 @@ fn with_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     then(file.path())
 }
 
-const CHOICES: [(Instances, Arrangement); 4] = [
-    (Instances::Shared, Arrangement::Items),
-    (Instances::Expanded, Arrangement::Items),
-    (Instances::Shared, Arrangement::Locked),
-    (Instances::Expanded, Arrangement::Locked),
+const CHOICES: [(InstanceSharing, Arrangement); 4] = [
+    (InstanceSharing::Shared, Arrangement::Items),
+    (InstanceSharing::Expanded, Arrangement::Items),
+    (InstanceSharing::Shared, Arrangement::Locked),
+    (InstanceSharing::Expanded, Arrangement::Locked),
 ];
 
 #[test]
 fn what_is_written_is_read_back_exactly() {
     for (instances, arrangement) in CHOICES {
         let build = sample(instances, arrangement);
-        let (info, placed) = with_file(&bytes(&build), |f| read_build_and_info(f, &Limits::for_testing()).unwrap());
+        let (info, placed) =
+            with_file(&bytes(&build), |f| read_build_and_metadata(f, &ReadLimits::for_testing()).unwrap());
         assert_eq!(placed.len(), 3);
         for (read, item) in placed.iter().zip(&build.items) {
             let object = &build.objects[item.object];
@@ -109,7 +110,7 @@ fn what_is_written_is_read_back_exactly() {
             assert!(read.pose.translation == item.pose.translation);
             assert!(read.pose.rotation.angle_between(item.pose.rotation) < 1e-7);
             let corner = DVec3::splat(300.0);
-            assert!(read.pose.point(corner).distance(item.pose.point(corner)) < 1e-10);
+            assert!(read.pose.transform_point(corner).distance(item.pose.transform_point(corner)) < 1e-10);
             assert_eq!((read.name.as_str(), read.copy), (object.name.as_str(), Some(item.copy)));
             assert_eq!(read.part_number.as_deref(), Some(object.part_number.as_str()));
             assert_eq!((&read.order, &read.orientation), (&item.order, &item.orientation));
@@ -118,7 +119,7 @@ fn what_is_written_is_read_back_exactly() {
             assert_eq!((read.source_hash.as_deref(), read.clearance_mm), (Some("0123"), item.clearance_mm));
         }
         let shared = Arc::ptr_eq(&placed[0].mesh, &placed[2].mesh);
-        assert_eq!(shared, instances == Instances::Shared);
+        assert_eq!(shared, instances == InstanceSharing::Shared);
         assert_eq!(info.profile.as_deref(), Some("mjf-5200"));
         assert_eq!((info.seed, info.clearance_mm, info.height_mm), (Some(7), Some(3.0), Some(61.5)));
         assert_eq!((info.volume_mm, info.density), (Some(build.volume_mm), Some(0.123)));
@@ -130,7 +131,7 @@ fn what_is_written_is_read_back_exactly() {
 #[test]
 fn no_coordinate_of_a_build_is_below_zero() {
     for arrangement in [Arrangement::Items, Arrangement::Locked] {
-        let mut build = sample(Instances::Shared, arrangement);
+        let mut build = sample(InstanceSharing::Shared, arrangement);
         let turned = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, 0.2, 0.1);
         for (item, rotation) in build.items.iter_mut().zip([DQuat::IDENTITY, DQuat::from_rotation_z(1.5), turned]) {
             let at = build.objects[item.object].mesh.bounds_at(&Pose::new(rotation, DVec3::ZERO)).min;
@@ -138,7 +139,7 @@ fn no_coordinate_of_a_build_is_below_zero() {
         }
         let mut bytes = Cursor::new(Vec::new());
         write_build(&build, &mut bytes).unwrap();
-        let placed = with_file(bytes.get_ref(), |file| read_build(file, &Limits::default())).unwrap();
+        let placed = with_file(bytes.get_ref(), |file| read_build(file, &ReadLimits::default())).unwrap();
         for one in &placed {
             let lowest = one.mesh.bounds_at(&one.pose).min;
             assert!(lowest.min_element() >= 0.0 && lowest.max_element() < 2e-9, "{lowest}");
@@ -146,7 +147,7 @@ fn no_coordinate_of_a_build_is_below_zero() {
         build.items[0].pose.translation.x -= 1.0;
         let mut bytes = Cursor::new(Vec::new());
         write_build(&build, &mut bytes).unwrap();
-        let placed = with_file(bytes.get_ref(), |file| read_build(file, &Limits::default())).unwrap();
+        let placed = with_file(bytes.get_ref(), |file| read_build(file, &ReadLimits::default())).unwrap();
         let lowest = placed[0].mesh.bounds_at(&placed[0].pose).min.x;
         assert!(lowest < -0.99, "what really stands outside is not hidden: {lowest}");
     }
@@ -154,7 +155,7 @@ fn no_coordinate_of_a_build_is_below_zero() {
 
 #[test]
 fn the_same_build_gives_the_same_bytes() {
-    let build = sample(Instances::Shared, Arrangement::Items);
+    let build = sample(InstanceSharing::Shared, Arrangement::Items);
     let first = bytes(&build);
     assert_eq!(first, bytes(&build.clone()));
     let other = BuildFile { build_id: "43".to_owned(), ..build };
@@ -165,7 +166,7 @@ fn the_same_build_gives_the_same_bytes() {
 fn a_second_reader_agrees_and_notices_a_swap() {
     for (instances, arrangement) in CHOICES {
         with_file(&bytes(&sample(instances, arrangement)), |file| {
-            let limits = Limits::for_testing();
+            let limits = ReadLimits::for_testing();
             let mut placed = read_build(file, &limits).unwrap();
             cross_check(file, &placed, &limits).unwrap();
             let inverse = placed[0].pose.rotation.conjugate();
@@ -177,8 +178,8 @@ fn a_second_reader_agrees_and_notices_a_swap() {
 
 #[test]
 fn a_build_dropped_again_gives_its_parts_with_copies() {
-    with_file(&bytes(&sample(Instances::Shared, Arrangement::Items)), |file| {
-        let contents = read(file, "again.3mf", None, Unit::Inch, &Limits::for_testing()).unwrap();
+    with_file(&bytes(&sample(InstanceSharing::Shared, Arrangement::Items)), |file| {
+        let contents = read_part_file(file, "again.3mf", None, LengthUnit::Inch, &ReadLimits::for_testing()).unwrap();
         let named: Vec<(&str, u32)> = contents.solids.iter().map(|s| (s.name.as_str(), s.copies)).collect();
         assert_eq!(named, [("plate", 1), ("cube", 1), ("plate", 1)], "each rotation is a part of its own");
     });
@@ -186,7 +187,7 @@ fn a_build_dropped_again_gives_its_parts_with_copies() {
 
 #[test]
 fn a_build_that_makes_no_sense_is_not_written() {
-    let sane = sample(Instances::Shared, Arrangement::Items);
+    let sane = sample(InstanceSharing::Shared, Arrangement::Items);
     let empty = BuildFile { items: Vec::new(), ..sane.clone() };
     let undated = BuildFile { created: "yesterday".to_owned(), ..sane.clone() };
     let mut dangling = sane.clone();
@@ -194,17 +195,19 @@ fn a_build_that_makes_no_sense_is_not_written() {
     let mut lost = sane;
     lost.items[0].pose.translation.x = f64::NAN;
     for build in [empty, undated, dangling, lost] {
-        assert!(matches!(write_build(&build, Cursor::new(Vec::new())), Err(WriteError::Build(_))));
+        assert!(matches!(write_build(&build, Cursor::new(Vec::new())), Err(FileWriteError::Build(_))));
     }
 }
 
 #[test]
 fn the_whole_build_as_stl_stands_where_the_items_stand() {
-    let build = sample(Instances::Shared, Arrangement::Items);
+    let build = sample(InstanceSharing::Shared, Arrangement::Items);
     let mut out = Vec::new();
     write_stl(build.items.iter().map(|i| (&*build.objects[i.object].mesh, &i.pose)), &mut out).unwrap();
     assert_eq!(out.len(), 84 + 50 * 36);
-    let contents = with_file(&out, |f| read(f, "all.stl", None, Unit::Millimeter, &Limits::for_testing()).unwrap());
+    let contents = with_file(&out, |f| {
+        read_part_file(f, "all.stl", None, LengthUnit::Millimeter, &ReadLimits::for_testing()).unwrap()
+    });
     let mesh = &contents.solids[0].mesh;
     let top = build.items.iter().map(|i| build.objects[i.object].mesh.bounds_at(&i.pose).max.z).fold(0.0, f64::max);
     assert!((mesh.bounds().max.z - top).abs() < 1e-5);
@@ -213,7 +216,7 @@ fn the_whole_build_as_stl_stands_where_the_items_stand() {
 
 #[test]
 fn the_pick_map_has_a_row_per_copy() {
-    let build = sample(Instances::Shared, Arrangement::Items);
+    let build = sample(InstanceSharing::Shared, Arrangement::Items);
     let mut out = Vec::new();
     write_pick_map(pick_rows(&build), &mut out).unwrap();
     let mut reader = csv::Reader::from_reader(out.as_slice());

@@ -1,14 +1,14 @@
-//! Meshes and poses -> `.build.3mf`: the package around the model, with nothing in it that the build does not decide.
+//! Writes meshes and poses as `.build.3mf`: the package around the model. Its bytes depend on the build only.
 
 use std::io::{BufWriter, Seek, Write};
 
 use jiff::{Timestamp, tz::TimeZone};
 use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
-use super::{BuildFile, WriteError, model_write::write_model};
+use super::{BuildFile, FileWriteError, model_write::write_model};
 
-/// Deflate level: higher ones are several times slower for a few percent.
-const LEVEL: i64 = 3;
+/// Deflate level: higher levels are several times slower for a few percent.
+const DEFLATE_LEVEL: i64 = 3;
 /// An upper bound of the bytes of one vertex or triangle in XML.
 const XML_BYTES: u64 = 96;
 
@@ -30,20 +30,20 @@ const THUMBNAIL_RELATIONSHIP: &str = concat!(
 );
 
 /// Writes a build as a 3MF package; the same build gives the same bytes.
-pub fn write_build(build: &BuildFile, out: impl Write + Seek) -> Result<(), WriteError> {
-    check(build)?;
-    let options = options(build)?;
+pub fn write_build(build: &BuildFile, out: impl Write + Seek) -> Result<(), FileWriteError> {
+    check_build(build)?;
+    let options = entry_options(build)?;
     let mut zip = ZipWriter::new(BufWriter::with_capacity(1 << 16, out));
-    zip.start_file("[Content_Types].xml", options).map_err(package)?;
+    zip.start_file("[Content_Types].xml", options).map_err(package_error)?;
     zip.write_all(CONTENT_TYPES.as_bytes())?;
-    zip.start_file("_rels/.rels", options).map_err(package)?;
+    zip.start_file("_rels/.rels", options).map_err(package_error)?;
     zip.write_all(RELATIONSHIPS_HEAD.as_bytes())?;
     if build.thumbnail_png.is_some() {
         zip.write_all(THUMBNAIL_RELATIONSHIP.as_bytes())?;
     }
     zip.write_all(b"</Relationships>")?;
-    let huge = model_bytes(build) > u64::from(u32::MAX);
-    zip.start_file("3D/3dmodel.model", options.large_file(huge)).map_err(package)?;
+    let huge = max_model_bytes(build) > u64::from(u32::MAX);
+    zip.start_file("3D/3dmodel.model", options.large_file(huge)).map_err(package_error)?;
     let mut model = BufWriter::with_capacity(1 << 16, &mut zip);
     write_model(build, &mut model)?;
     model.flush()?;
@@ -53,32 +53,35 @@ pub fn write_build(build: &BuildFile, out: impl Write + Seek) -> Result<(), Writ
             "Metadata/thumbnail.png",
             options.compression_method(CompressionMethod::Stored).compression_level(None),
         )
-        .map_err(package)?;
+        .map_err(package_error)?;
         zip.write_all(png)?;
     }
-    zip.finish().map_err(package)?.flush()?;
+    zip.finish().map_err(package_error)?.flush()?;
     Ok(())
 }
 
-/// What would make a file that lies.
-fn check(build: &BuildFile) -> Result<(), WriteError> {
+/// Checks for contents that would make the file wrong.
+fn check_build(build: &BuildFile) -> Result<(), FileWriteError> {
     if build.items.is_empty() {
-        return Err(WriteError::Build("it places nothing".to_owned()));
+        return Err(FileWriteError::Build("it contains no placements".to_owned()));
     }
     for (number, item) in (1..).zip(&build.items) {
         if item.object >= build.objects.len() {
-            return Err(WriteError::Build(format!("item {number} names object {}, which is not there", item.object)));
+            return Err(FileWriteError::Build(format!(
+                "item {number} refers to object {}, which does not exist",
+                item.object
+            )));
         }
         if !(item.pose.translation.is_finite() && item.pose.rotation.is_normalized()) {
-            return Err(WriteError::Build(format!("item {number} has no rigid pose")));
+            return Err(FileWriteError::Build(format!("item {number} has no rigid pose")));
         }
     }
     Ok(())
 }
 
-/// Entry dates are the build's own, so that no clock gets into the bytes.
-fn options(build: &BuildFile) -> Result<SimpleFileOptions, WriteError> {
-    let bad = |_| WriteError::Build(format!("its creation date {:?} is no RFC 3339 time", build.created));
+/// Entry dates are the build's creation time, so that the bytes do not depend on a clock.
+fn entry_options(build: &BuildFile) -> Result<SimpleFileOptions, FileWriteError> {
+    let bad = |_| FileWriteError::Build(format!("its creation date {:?} is no RFC 3339 time", build.created));
     let created: Timestamp = build.created.parse().map_err(bad)?;
     let utc = created.to_zoned(TimeZone::UTC);
     let part = |n: i8| n.unsigned_abs();
@@ -92,22 +95,22 @@ fn options(build: &BuildFile) -> Result<SimpleFileOptions, WriteError> {
     );
     Ok(SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(LEVEL))
+        .compression_level(Some(DEFLATE_LEVEL))
         .last_modified_time(date.unwrap_or_default()))
 }
 
-fn model_bytes(build: &BuildFile) -> u64 {
+fn max_model_bytes(build: &BuildFile) -> u64 {
     let mesh_bytes = |object: usize| {
         let mesh = &build.objects[object].mesh;
         (mesh.vertices().len() + mesh.triangles().len()) as u64 * XML_BYTES
     };
-    // As if every copy were written out: too much is harmless.
+    // The estimate assumes that every copy is written out; too much is harmless.
     build.items.iter().map(|item| 4096 + mesh_bytes(item.object)).sum()
 }
 
-fn package(error: zip::result::ZipError) -> WriteError {
+fn package_error(error: zip::result::ZipError) -> FileWriteError {
     match error {
-        zip::result::ZipError::Io(error) => WriteError::Io(error),
-        other => WriteError::Package(other.to_string()),
+        zip::result::ZipError::Io(error) => FileWriteError::Io(error),
+        other => FileWriteError::Package(other.to_string()),
     }
 }

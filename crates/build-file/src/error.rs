@@ -1,4 +1,4 @@
-//! Why a file cannot be read or written. The farm puts these sentences into `<name>.reason.txt`.
+//! Errors of reading and writing files. The farm writes these sentences into `<name>.reason.txt`.
 
 use std::io;
 
@@ -7,22 +7,22 @@ use thiserror::Error;
 
 /// Why a dropped file or a build file cannot be read.
 #[derive(Debug, Error)]
-pub enum ReadError {
-    /// The disk failed, not the file: worth another try.
+pub enum FileReadError {
+    /// The disk failed, not the file: another try may succeed.
     #[error("cannot read the file")]
     Io(#[from] io::Error),
     /// Neither STL nor 3MF.
     #[error("is no STL or 3MF file: {what}")]
     Unknown {
-        /// What it looks like.
+        /// What the file looks like.
         what: String,
-        /// What gives a file that can be read; a sentence.
+        /// How to get a readable file; a sentence.
         remedy: &'static str,
     },
     /// The file ends before its content does.
     #[error("the file is truncated: {0}")]
     Truncated(String),
-    /// A rule of the file format is broken; says where.
+    /// A rule of the file format is broken; names the place.
     #[error("is not valid {format}: {reason}")]
     Invalid {
         /// `STL` or `3MF`.
@@ -30,28 +30,28 @@ pub enum ReadError {
         /// What is wrong and where.
         reason: String,
     },
-    /// Valid, but it asks for something that is not supported.
+    /// Valid, but it needs a feature that is not supported.
     #[error("{what}")]
     Unsupported {
-        /// What it asks for.
+        /// The feature.
         what: String,
-        /// What gives a file that can be read; a sentence.
+        /// How to get a readable file; a sentence.
         remedy: &'static str,
     },
-    /// A limit is passed.
-    #[error("{what}; at most {limit} are taken (limits.{key})")]
+    /// A limit is exceeded.
+    #[error("{what}; at most {limit} are allowed (limits.{key})")]
     TooLarge {
         /// What was counted.
         what: String,
-        /// The limit of [`super::Limits`] that it passes.
+        /// The value of the exceeded limit in [`super::ReadLimits`].
         limit: u64,
         /// Its name in the configuration.
         key: &'static str,
     },
-    /// A surface that is no solid.
+    /// A surface that is not a solid.
     #[error("{name} is no solid")]
     NoSolid {
-        /// Object or solid.
+        /// Name of the object or solid.
         name: String,
         /// Why.
         #[source]
@@ -59,13 +59,13 @@ pub enum ReadError {
     },
 }
 
-impl ReadError {
-    /// Whether the disk failed rather than the file: a second try may help.
+impl FileReadError {
+    /// Whether the disk failed rather than the file: another try may succeed.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Io(_))
     }
 
-    /// What to do about it; a sentence, "" where it is not for the one who dropped the file.
+    /// The remedy, as a sentence; empty if the person who dropped the file can do nothing.
     pub fn remedy(&self) -> String {
         let text = match self {
             Self::Io(_) => "",
@@ -91,25 +91,25 @@ impl ReadError {
         text.to_owned()
     }
 
-    pub(super) fn stl(reason: impl Into<String>) -> Self {
+    pub(super) fn invalid_stl(reason: impl Into<String>) -> Self {
         Self::Invalid { format: "STL", reason: reason.into() }
     }
 
-    pub(super) fn threemf(reason: impl Into<String>) -> Self {
+    pub(super) fn invalid_threemf(reason: impl Into<String>) -> Self {
         Self::Invalid { format: "3MF", reason: reason.into() }
     }
 }
 
 /// Why a file could not be written.
 #[derive(Debug, Error)]
-pub enum WriteError {
+pub enum FileWriteError {
     /// The disk failed.
     #[error("cannot write")]
     Io(#[from] io::Error),
     /// The package could not be put together.
     #[error("cannot write the package: {0}")]
     Package(String),
-    /// The description makes no sense.
-    #[error("the build makes no sense: {0}")]
+    /// The build description is inconsistent.
+    #[error("the build description is invalid: {0}")]
     Build(String),
 }

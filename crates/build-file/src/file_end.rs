@@ -1,4 +1,4 @@
-//! Whether a file's end is there: a half-copied drop is waited for.
+//! Checks whether the end of a file is there: the farm waits for a half-copied drop.
 
 use std::{
     fs::File,
@@ -7,16 +7,17 @@ use std::{
 
 use super::{
     package::{MAX_END, end_record},
-    sniff::{HEAD_BYTES, Kind, kind},
+    sniff::{FileFormat, HEAD_BYTES, detect_format},
     stl_read::{binary_len, claimed_count},
 };
 
-/// Where the last `endsolid` is looked for; its name and white space may follow.
+/// Length of the file's end that is searched for the last `endsolid`; a name and white space may follow it.
 const TEXT_TAIL: u64 = 1 << 16;
 
-/// Whether the end that the format promises is there: a binary STL is 84 + 50 n bytes or longer, an ASCII STL has its
-/// `endsolid`, a 3MF its end-of-central-directory record. Any other file: `true`, since it will be refused when read. Reads
-/// the head and the tail only. A file that lies about its length never has its end: the caller bounds the wait.
+/// Whether the file has the end that its format promises: a binary STL is 84 + 50 n bytes or longer, an ASCII STL has
+/// its `endsolid`, a 3MF its end-of-central-directory record. Returns `true` for any other file, since reading will
+/// refuse it. Only the head and the tail are read. A file with a wrong length field never has its end, so the caller
+/// must limit the wait.
 pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
     let len = opened.metadata()?.len();
     let mut head = Vec::new();
@@ -24,26 +25,26 @@ pub fn has_end(opened: &mut File, name: &str) -> io::Result<bool> {
     if is_barely_begun(&head, name) {
         return Ok(false);
     }
-    match kind(&head, len, name) {
-        Kind::Package => Ok(end_record(&tail(opened, len, MAX_END)?).is_some()),
-        Kind::TextStl => {
-            let tail = tail(opened, len, TEXT_TAIL)?;
+    match detect_format(&head, len, name) {
+        FileFormat::Package => Ok(end_record(&read_tail(opened, len, MAX_END)?).is_some()),
+        FileFormat::TextStl => {
+            let tail = read_tail(opened, len, TEXT_TAIL)?;
             Ok(tail.windows(8).any(|w| w.eq_ignore_ascii_case(b"endsolid")))
         }
-        Kind::BinaryStl => Ok(claimed_count(&head).is_some_and(|count| len >= binary_len(count))),
-        Kind::Other(_) => Ok(true),
+        FileFormat::BinaryStl => Ok(claimed_count(&head).is_some_and(|count| len >= binary_len(count))),
+        FileFormat::Other(_) => Ok(true),
     }
 }
 
-/// Whether a file may hold a part: STL or 3MF by its bytes, or by its name while it has none to tell by.
+/// Whether a file may hold a part: STL or 3MF by its bytes, or by its name while there are no bytes yet.
 pub fn may_be_part(opened: &mut File, name: &str) -> io::Result<bool> {
     let len = opened.metadata()?.len();
     let mut head = Vec::new();
     opened.by_ref().take(HEAD_BYTES).read_to_end(&mut head)?;
-    Ok(is_barely_begun(&head, name) || !matches!(kind(&head, len, name), Kind::Other(_)))
+    Ok(is_barely_begun(&head, name) || !matches!(detect_format(&head, len, name), FileFormat::Other(_)))
 }
 
-/// Too little, or allocated but not yet written: an STL or 3MF may still come of it.
+/// Whether the file has too few bytes, or is allocated but not yet written: it may still become an STL or 3MF.
 fn is_barely_begun(head: &[u8], name: &str) -> bool {
     let extension = name.rsplit_once('.').map_or(String::new(), |(_, e)| e.to_ascii_lowercase());
     let awaited = matches!(extension.as_str(), "stl" | "3mf");
@@ -51,7 +52,7 @@ fn is_barely_begun(head: &[u8], name: &str) -> bool {
     awaited && (head.iter().all(|&b| b == 0) || prefix(b"solid") || prefix(b"pk\x03\x04"))
 }
 
-fn tail(file: &mut File, len: u64, at_most: u64) -> io::Result<Vec<u8>> {
+fn read_tail(file: &mut File, len: u64, at_most: u64) -> io::Result<Vec<u8>> {
     let length = len.min(at_most);
     file.seek(SeekFrom::Start(len - length))?;
     let mut bytes = Vec::new();

@@ -1,23 +1,24 @@
-//! Letters for pictures: strokes of a pen, so that they are sharp at every size. Only what "84.0 mm of 300 mm" needs.
+//! Letters for pictures, drawn as pen strokes so that they are sharp at every size. Only the characters of "84.0 mm of
+//! 300 mm".
 
-use super::raster::Canvas;
+use super::raster::DepthCanvas;
 use glam::{Vec2, Vec3};
 
-/// Units of the grid on which letters are drawn: from the top of a digit to its foot.
-const TALL: f32 = 12.0;
+/// Height of a digit in units of the letter grid.
+const DIGIT_HEIGHT: f32 = 12.0;
 /// Points on each piece of a curve.
-const FINE: usize = 8;
+const CURVE_POINTS: usize = 8;
 
-/// A run of the pen over points of the grid, x to the right, y down; a curve goes smoothly through them.
-enum Stroke {
+/// A pen stroke through points of the grid, x to the right, y down; a curve passes smoothly through them.
+enum PenStroke {
     Line(&'static [(f32, f32)]),
     Curve(&'static [(f32, f32)]),
 }
 
-use Stroke::{Curve, Line};
+use PenStroke::{Curve, Line};
 
-/// Letters: how far the next one is, and the strokes.
-const LETTERS: [(char, f32, &[Stroke]); 14] = [
+/// Letters: advance width and strokes.
+const LETTERS: [(char, f32, &[PenStroke]); 14] = [
     ('0', 9.5, &[Curve(&[(4.0, 0.0), (7.0, 2.5), (7.0, 9.5), (4.0, 12.0), (1.0, 9.5), (1.0, 2.5), (4.0, 0.0)])]),
     ('1', 9.5, &[Line(&[(1.5, 2.5), (4.2, 0.0), (4.2, 12.0)])]),
     (
@@ -101,32 +102,35 @@ const LETTERS: [(char, f32, &[Stroke]); 14] = [
         &[Curve(&[(5.8, 0.3), (4.2, 0.2), (2.9, 1.6), (2.8, 4.0), (2.8, 12.0)]), Line(&[(0.9, 4.6), (5.4, 4.6)])],
     ),
 ];
-/// How far the letter after a gap is.
-const GAP: f32 = 5.0;
+/// Advance width of any other character, e.g. a space.
+const SPACE_WIDTH: f32 = 5.0;
 
-/// How far the next letter is, and the strokes.
-fn letter(c: char) -> (f32, &'static [Stroke]) {
-    LETTERS.iter().find(|(known, ..)| *known == c).map_or((GAP, &[]), |&(_, advance, strokes)| (advance, strokes))
+/// Advance width and strokes of a letter.
+fn letter_strokes(c: char) -> (f32, &'static [PenStroke]) {
+    LETTERS
+        .iter()
+        .find(|(known, ..)| *known == c)
+        .map_or((SPACE_WIDTH, &[]), |&(_, advance, strokes)| (advance, strokes))
 }
 
 /// Width of a text whose digits are `tall` samples high, samples.
-pub(super) fn width(text: &str, tall: f32) -> f32 {
-    text.chars().map(|c| letter(c).0).sum::<f32>() * tall / TALL
+pub(super) fn text_width(text: &str, tall: f32) -> f32 {
+    text.chars().map(|c| letter_strokes(c).0).sum::<f32>() * tall / DIGIT_HEIGHT
 }
 
-/// Writes a text in front of everything; its first digit's upper left corner is at `at`, samples.
-pub(super) fn write(canvas: &mut Canvas, text: &str, mut at: Vec2, tall: f32, tag: u32) {
-    let scale = tall / TALL;
+/// Draws a text in front of everything. The upper left corner of its first digit is at `at`, samples.
+pub(super) fn write_text(canvas: &mut DepthCanvas, text: &str, mut at: Vec2, tall: f32, tag: u32) {
+    let scale = tall / DIGIT_HEIGHT;
     let pen = (tall / 7.0).round().max(1.0) as usize;
     for c in text.chars() {
-        let (advance, strokes) = letter(c);
+        let (advance, strokes) = letter_strokes(c);
         for stroke in strokes {
             let points = match stroke {
                 Line(points) => points.iter().map(|&p| Vec2::from(p)).collect(),
                 Curve(points) => smooth(points),
             };
             let placed: Vec<Vec3> = points.iter().map(|&p| (at + scale * p).extend(f32::MIN)).collect();
-            placed.windows(2).for_each(|run| canvas.line(run[0], run[1], pen, 0.0, tag));
+            placed.windows(2).for_each(|run| canvas.draw_line(run[0], run[1], pen, 0.0, tag));
         }
         at.x += scale * advance;
     }
@@ -147,8 +151,8 @@ fn smooth(points: &[(f32, f32)]) -> Vec<Vec2> {
     let mut curve = vec![point(0)];
     for piece in 0..last as isize {
         let [a, b, c, d] = [-1, 0, 1, 2].map(|k| point(piece + k));
-        curve.extend((1..=FINE).map(|step| {
-            let t = step as f32 / FINE as f32;
+        curve.extend((1..=CURVE_POINTS).map(|step| {
+            let t = step as f32 / CURVE_POINTS as f32;
             let bend = (2.0 * a - 5.0 * b + 4.0 * c - d) * t + (3.0 * b - a - 3.0 * c + d) * (t * t);
             0.5 * (2.0 * b + (c - a) * t + bend * t)
         }));

@@ -7,32 +7,31 @@ mod raster;
 mod shade;
 mod unit;
 
-pub use picture::{Drawn, Viewpoint, picture};
-pub use unit::Unit;
+pub use picture::{PictureBody, Viewpoint, draw_picture};
+pub use unit::LengthUnit;
 
 mod limits;
 mod options;
 
-pub use limits::Limits;
-pub use options::{Arrangement, Instances};
+pub use limits::ReadLimits;
+pub use options::{Arrangement, InstanceSharing};
 
 mod build_file;
 mod build_read;
 mod build_write;
-mod counted;
+mod decimal;
 mod document;
 mod error;
 mod file_end;
 mod file_name;
 mod flatten;
-mod guard;
 mod model;
 mod model_parse;
 mod model_write;
-mod number;
 mod package;
+mod part_read;
 mod pick_map;
-mod read;
+mod plural;
 mod second_reader;
 mod sniff;
 mod solid;
@@ -40,24 +39,25 @@ mod stl_read;
 mod stl_text;
 mod stl_write;
 mod threemf_read;
+mod unpack_guard;
 mod uuid;
-mod visible;
+mod visible_text;
 mod xml;
 
-pub use build_file::{BuildFile, BuildInfo, BuildItem, BuildObject, PlacedMesh};
-pub use build_read::{read_build, read_build_and_info};
+pub use build_file::{BuildFile, BuildFileItem, BuildFileObject, BuildMetadata, PlacedMesh};
+pub use build_read::{read_build, read_build_and_metadata};
 pub use build_write::write_build;
-pub use counted::counted;
-pub use error::{ReadError, WriteError};
+pub use error::{FileReadError, FileWriteError};
 pub use file_end::{has_end, may_be_part};
 pub use file_name::build_file_name;
-pub use model_write::safe as name_in_build_file;
-pub use pick_map::{PickRow, pick_rows, write_pick_map};
-pub use read::read;
+pub use model_write::sanitize_name as name_in_build_file;
+pub use part_read::read_part_file;
+pub use pick_map::{PickMapRow, pick_rows, write_pick_map};
+pub use plural::format_count;
 pub use second_reader::cross_check;
-pub use solid::{Contents, Solid};
+pub use solid::{PartFileContents, PartFileSolid};
 pub use stl_write::write_stl;
-pub use visible::{cell, is_invisible, visible, visible_lines};
+pub use visible_text::{csv_cell, escape_invisible, escape_invisible_lines, is_invisible};
 
 #[cfg(test)]
 mod build_tests;

@@ -1,14 +1,14 @@
-//! Limits of the readers: what is larger is refused, not tried.
+//! Limits of the readers: larger files are refused.
 
 use serde::{Deserialize, Serialize};
 
-/// What a reader accepts at most.
+/// Greatest sizes that a reader accepts.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Limits {
+pub struct ReadLimits {
     /// Bytes of a dropped file.
     pub max_bytes: u64,
-    /// Triangles of one part, instances of components counted each.
+    /// Triangles of one part, counting every component instance.
     pub max_triangles: u64,
     /// Bytes that a 3MF package may unpack to.
     pub max_unpacked_bytes: u64,
@@ -18,15 +18,15 @@ pub struct Limits {
     pub max_instances: u64,
     /// How deep components may nest.
     pub max_depth: u32,
-    /// Pieces of one part that do not hang together.
+    /// Separate shells of one part.
     pub max_shells: u64,
-    /// Copies that one dropped file may ask for, all its parts together.
+    /// Copies that one dropped file may request, all its parts together.
     pub max_copies: u64,
-    /// Memory of a process that reads a file alone because reading it has ended the daemon before, bytes.
+    /// Memory of a separate process that reads a file after reading it has crashed the daemon before, bytes.
     pub read_memory_bytes: u64,
 }
 
-impl Default for Limits {
+impl Default for ReadLimits {
     fn default() -> Self {
         Self {
             max_bytes: 2 << 30,
@@ -42,8 +42,8 @@ impl Default for Limits {
     }
 }
 
-impl Limits {
-    /// Small limits, so that tests reach them.
+impl ReadLimits {
+    /// Small limits that tests can reach.
     pub fn for_testing() -> Self {
         Self {
             max_bytes: 4 << 20,

@@ -1,42 +1,42 @@
-//! What a model part of a 3MF package says, as it says it: objects, components and build items in the file's own unit. `BuildItem` of the
-//! build file is our own word; `Item` here is the `<item>` of 3MF.
+//! The contents of one model part of a 3MF package: objects, components and build items in the file's own unit.
+//! `BuildFileItem` is this project's item of a build file; `Item` here is the `<item>` element of 3MF.
 
 use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3};
 
-use super::{Limits, ReadError, Unit, xml::Space};
+use super::{FileReadError, LengthUnit, ReadLimits, xml::XmlNamespace};
 
-/// Metadata without a namespace or under our own.
+/// Metadata without a namespace or in this project's namespace.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Metadata(pub(super) Vec<(Space, String, String)>);
+pub(super) struct ModelMetadata(pub(super) Vec<(XmlNamespace, String, String)>);
 
-impl Metadata {
-    /// The value of a name under our own namespace.
-    pub(super) fn nestd(&self, name: &str) -> Option<String> {
-        self.of(Space::Nestd, name)
+impl ModelMetadata {
+    /// The value of a name in this project's namespace.
+    pub(super) fn nestd_value(&self, name: &str) -> Option<String> {
+        self.value_in(XmlNamespace::Nestd, name)
     }
 
-    /// The value of one of the specification's nine names.
-    pub(super) fn plain(&self, name: &str) -> Option<String> {
-        self.of(Space::None, name)
+    /// The value of one of the nine names of the specification.
+    pub(super) fn standard_value(&self, name: &str) -> Option<String> {
+        self.value_in(XmlNamespace::None, name)
     }
 
-    fn of(&self, space: Space, name: &str) -> Option<String> {
+    fn value_in(&self, space: XmlNamespace, name: &str) -> Option<String> {
         self.0.iter().find(|(s, n, _)| *s == space && n == name).map(|(_, _, value)| value.clone())
     }
 }
 
-/// What an object is made of.
+/// The contents of an object.
 #[derive(Debug, Clone)]
-pub(super) enum Body {
+pub(super) enum ObjectBody {
     Mesh { vertices: Vec<DVec3>, triangles: Vec<[u32; 3]> },
-    Components(Vec<Reference>),
+    Components(Vec<ObjectReference>),
 }
 
-/// An object at a place: a component or a build item.
+/// A reference to an object with a transform: a component or a build item.
 #[derive(Debug, Clone)]
-pub(super) struct Reference {
+pub(super) struct ObjectReference {
     /// Another model part of the package (production extension).
     pub(super) path: Option<String>,
     pub(super) object: u32,
@@ -44,49 +44,49 @@ pub(super) struct Reference {
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Object {
+pub(super) struct ModelObject {
     pub(super) name: Option<String>,
     pub(super) part_number: Option<String>,
     /// Whether it is printed: `model` and `solidsupport`.
     pub(super) is_part: bool,
-    pub(super) body: Body,
+    pub(super) body: ObjectBody,
     /// Its true shape is in a slice stack.
     pub(super) sliced: bool,
     /// Its true shape is in beams.
     pub(super) lattice: bool,
-    pub(super) metadata: Metadata,
+    pub(super) metadata: ModelMetadata,
 }
 
 #[derive(Debug, Clone)]
-pub(super) struct Item {
-    pub(super) reference: Reference,
+pub(super) struct ModelItem {
+    pub(super) reference: ObjectReference,
     pub(super) part_number: Option<String>,
-    /// Slicers mark what is not to be printed.
+    /// False if a slicer marked the item as not to be printed.
     pub(super) printable: bool,
-    pub(super) metadata: Metadata,
+    pub(super) metadata: ModelMetadata,
 }
 
 /// One model part of the package.
 #[derive(Debug, Default)]
 pub(super) struct ModelPart {
-    pub(super) unit: Unit,
-    pub(super) objects: HashMap<u32, Object>,
-    pub(super) items: Vec<Item>,
-    pub(super) metadata: Metadata,
+    pub(super) unit: LengthUnit,
+    pub(super) objects: HashMap<u32, ModelObject>,
+    pub(super) items: Vec<ModelItem>,
+    pub(super) metadata: ModelMetadata,
 }
 
-/// What may still be read of each kind.
+/// The remaining budget of each kind of element.
 #[derive(Debug)]
-pub(super) struct Budget {
-    limits: Limits,
+pub(super) struct ModelBudget {
+    limits: ReadLimits,
     left: [u64; 6],
-    /// Metadata that breaks a rule and is passed over.
+    /// Number of ignored metadata entries that break a rule.
     pub(super) odd_metadata: u32,
 }
 
-/// Things that are counted.
+/// Kinds of elements that are counted.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Counted {
+pub(super) enum CountedElement {
     Triangles,
     Vertices,
     Objects,
@@ -95,46 +95,49 @@ pub(super) enum Counted {
     MetadataBytes,
 }
 
-impl Budget {
-    /// Metadata of all objects and items together; a name and a hash per instance is a quarter of it.
+impl ModelBudget {
+    /// Metadata bytes per instance, of all objects and items together. A name and a hash per instance take a quarter of
+    /// it.
     const METADATA_BYTES_PER_INSTANCE: u64 = 1024;
 
-    pub(super) fn new(limits: &Limits) -> Self {
+    pub(super) fn new(limits: &ReadLimits) -> Self {
         let mut budget = Self { limits: limits.clone(), left: [0; 6], odd_metadata: 0 };
-        use Counted::*;
+        use CountedElement::*;
         for counted in [Triangles, Vertices, Objects, Components, Items, MetadataBytes] {
             budget.left[counted as usize] = budget.limit(counted);
         }
         budget
     }
 
-    fn limit(&self, counted: Counted) -> u64 {
+    fn limit(&self, counted: CountedElement) -> u64 {
         match counted {
-            Counted::Triangles => self.limits.max_triangles,
-            Counted::Vertices => self.limits.max_triangles.saturating_mul(3),
-            Counted::Objects | Counted::Components | Counted::Items => self.limits.max_instances,
-            Counted::MetadataBytes => self.limits.max_instances.saturating_mul(Self::METADATA_BYTES_PER_INSTANCE),
+            CountedElement::Triangles => self.limits.max_triangles,
+            CountedElement::Vertices => self.limits.max_triangles.saturating_mul(3),
+            CountedElement::Objects | CountedElement::Components | CountedElement::Items => self.limits.max_instances,
+            CountedElement::MetadataBytes => {
+                self.limits.max_instances.saturating_mul(Self::METADATA_BYTES_PER_INSTANCE)
+            }
         }
     }
 
-    pub(super) fn take(&mut self, counted: Counted, amount: u64) -> Result<(), ReadError> {
+    pub(super) fn take_amount(&mut self, counted: CountedElement, amount: u64) -> Result<(), FileReadError> {
         let left = &mut self.left[counted as usize];
         match left.checked_sub(amount) {
             Some(rest) => *left = rest,
-            None => return Err(self.passed(counted)),
+            None => return Err(self.limit_error(counted)),
         }
         Ok(())
     }
 
-    fn passed(&self, counted: Counted) -> ReadError {
+    fn limit_error(&self, counted: CountedElement) -> FileReadError {
         let (what, key) = match counted {
-            Counted::Triangles => ("it has too many triangles", "max_triangles"),
-            Counted::Vertices => ("it has too many vertices", "max_triangles"),
-            Counted::Objects => ("it has too many objects", "max_instances"),
-            Counted::Components => ("it has too many components", "max_instances"),
-            Counted::Items => ("it has too many build items", "max_instances"),
-            Counted::MetadataBytes => ("its metadata has too many bytes", "max_instances"),
+            CountedElement::Triangles => ("it has too many triangles", "max_triangles"),
+            CountedElement::Vertices => ("it has too many vertices", "max_triangles"),
+            CountedElement::Objects => ("it has too many objects", "max_instances"),
+            CountedElement::Components => ("it has too many components", "max_instances"),
+            CountedElement::Items => ("it has too many build items", "max_instances"),
+            CountedElement::MetadataBytes => ("its metadata has too many bytes", "max_instances"),
         };
-        ReadError::TooLarge { what: what.to_owned(), limit: self.limit(counted), key }
+        FileReadError::TooLarge { what: what.to_owned(), limit: self.limit(counted), key }
     }
 }

@@ -1,5 +1,6 @@
-//! The model part of a build file, streamed: `threemf2` cannot write metadata of items, holds the whole XML in memory and
-//! escapes nothing. Names come from outside, so they are mapped to characters that every reader gets right.
+//! Writes the model part of a build file as a stream. `threemf2` cannot write metadata of items, holds the whole XML in
+//! memory and escapes nothing. Names come from outside, so they are mapped to characters that every reader handles
+//! correctly.
 
 use std::io::{self, Write};
 
@@ -7,16 +8,17 @@ use glam::DVec3;
 use solids::Mesh;
 
 use super::{
-    Arrangement, BuildFile, BuildItem, Instances, is_invisible,
-    uuid::uuid,
+    Arrangement, BuildFile, BuildFileItem, InstanceSharing, is_invisible,
+    uuid::derive_uuid,
     xml::{CORE, NESTD, PRODUCTION},
 };
 
-/// What stands out of the volume by more than rounding is no rounding: it is written as it is, for the proof to refuse.
-const MOVED_IN_MM: f64 = 1e-6;
-/// So far from zero the rounding of whoever multiplies does not reach.
+/// Greatest excess over the volume that counts as rounding, mm. A greater excess is written unchanged, so that the
+/// proof refuses it.
+const MAX_MOVED_IN_MM: f64 = 1e-6;
+/// Distance from zero that the rounding of other readers does not reach.
 const CLEAR_OF_ZERO_MM: f64 = 1e-9;
-/// Longest name that is written; more is cut off.
+/// Greatest length of a written name; the rest is cut off.
 const MAX_NAME: usize = 200;
 
 /// Writes the `<model>` of a build.
@@ -26,26 +28,26 @@ pub(super) fn write_model(build: &BuildFile, out: &mut impl Write) -> io::Result
         out,
         r#"<model unit="millimeter" xml:lang="en-US" xmlns="{CORE}" xmlns:p="{PRODUCTION}" xmlns:nestd="{NESTD}">"#
     )?;
-    package_metadata(build, out)?;
-    let ids = Ids::of(build);
+    write_package_metadata(build, out)?;
+    let ids = ResourceIds::for_build(build);
     writeln!(out, "<resources>")?;
     for &(id, object) in &ids.meshes {
-        mesh_object(build, id, object, out)?;
+        write_mesh_object(build, id, object, out)?;
     }
     let locked = match build.arrangement {
         Arrangement::Items => None,
-        Arrangement::Locked => Some(locked_object(build, &ids, out)?),
+        Arrangement::Locked => Some(write_locked_object(build, &ids, out)?),
     };
     writeln!(out, "</resources>")?;
-    writeln!(out, r#"<build p:UUID="{}">"#, uuid(&[&build.build_id, "build"]))?;
+    writeln!(out, r#"<build p:UUID="{}">"#, derive_uuid(&[&build.build_id, "build"]))?;
     match locked {
         Some(id) => {
-            let uuid = uuid(&[&build.build_id, "item", "locked"]);
+            let uuid = derive_uuid(&[&build.build_id, "item", "locked"]);
             writeln!(out, r#"<item objectid="{id}" p:UUID="{uuid}"/>"#)?;
         }
         None => {
             for (number, item) in build.items.iter().enumerate() {
-                build_item(build, number, item, ids.of_item[number], out)?;
+                write_build_item(build, number, item, ids.of_item[number], out)?;
             }
         }
     }
@@ -53,20 +55,20 @@ pub(super) fn write_model(build: &BuildFile, out: &mut impl Write) -> io::Result
 }
 
 /// Resource ids, unique across the package.
-struct Ids {
+struct ResourceIds {
     /// (id, index of the object) of each mesh to write.
     meshes: Vec<(usize, usize)>,
     /// Id of each item's mesh.
     of_item: Vec<usize>,
 }
 
-impl Ids {
-    fn of(build: &BuildFile) -> Self {
+impl ResourceIds {
+    fn for_build(build: &BuildFile) -> Self {
         let mut ids = Self { meshes: Vec::new(), of_item: Vec::new() };
         let mut known = vec![None; build.objects.len()];
         for item in &build.items {
             let id = match (build.instances, known[item.object]) {
-                (Instances::Shared, Some(id)) => id,
+                (InstanceSharing::Shared, Some(id)) => id,
                 _ => {
                     ids.meshes.push((ids.meshes.len() + 1, item.object));
                     ids.meshes.len()
@@ -79,52 +81,52 @@ impl Ids {
     }
 }
 
-fn package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
+fn write_package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
     let volume = build.volume_mm;
     let locked = if build.arrangement == Arrangement::Locked { "locked" } else { "items" };
-    metadata(out, "Title", &build.title)?;
-    metadata(out, "Application", &build.application)?;
-    metadata(out, "CreationDate", &build.created)?;
-    metadata(out, "nestd:profile", &build.profile)?;
-    metadata(out, "nestd:build", &build.build_id)?;
-    metadata(out, "nestd:seed", &build.seed.to_string())?;
-    metadata(out, "nestd:volume_mm", &format!("{} {} {}", volume.x, volume.y, volume.z))?;
+    write_metadata(out, "Title", &build.title)?;
+    write_metadata(out, "Application", &build.application)?;
+    write_metadata(out, "CreationDate", &build.created)?;
+    write_metadata(out, "nestd:profile", &build.profile)?;
+    write_metadata(out, "nestd:build", &build.build_id)?;
+    write_metadata(out, "nestd:seed", &build.seed.to_string())?;
+    write_metadata(out, "nestd:volume_mm", &format!("{} {} {}", volume.x, volume.y, volume.z))?;
     if !build.keep_out.is_empty() {
         let corner = |c: DVec3| format!("{} {} {}", c.x, c.y, c.z);
         let boxes: Vec<String> =
             build.keep_out.iter().map(|b| format!("{} {}", corner(b.min), corner(b.max))).collect();
-        metadata(out, "nestd:keep_out_mm", &boxes.join("; "))?;
+        write_metadata(out, "nestd:keep_out_mm", &boxes.join("; "))?;
     }
     let margins = build.margins_mm;
-    metadata(out, "nestd:margins_mm", &format!("{} {} {}", margins.x, margins.y, margins.z))?;
-    metadata(out, "nestd:clearance_mm", &build.clearance_mm.to_string())?;
-    metadata(out, "nestd:clearance_z_extra_mm", &build.clearance_z_extra_mm.to_string())?;
-    metadata(out, "nestd:layer_mm", &build.layer_mm.to_string())?;
+    write_metadata(out, "nestd:margins_mm", &format!("{} {} {}", margins.x, margins.y, margins.z))?;
+    write_metadata(out, "nestd:clearance_mm", &build.clearance_mm.to_string())?;
+    write_metadata(out, "nestd:clearance_z_extra_mm", &build.clearance_z_extra_mm.to_string())?;
+    write_metadata(out, "nestd:layer_mm", &build.layer_mm.to_string())?;
     if let Some(cap_mm2) = build.layer_area_cap_mm2 {
-        metadata(out, "nestd:layer_area_cap_mm2", &cap_mm2.to_string())?;
+        write_metadata(out, "nestd:layer_area_cap_mm2", &cap_mm2.to_string())?;
     }
-    metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
-    metadata(out, "nestd:density", &build.density.to_string())?;
-    metadata(out, "nestd:interlock", &build.interlock)?;
-    metadata(out, "nestd:arrangement", locked)
+    write_metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
+    write_metadata(out, "nestd:density", &build.density.to_string())?;
+    write_metadata(out, "nestd:interlock", &build.interlock)?;
+    write_metadata(out, "nestd:arrangement", locked)
 }
 
-fn item_metadata(item: &BuildItem, out: &mut impl Write) -> io::Result<()> {
+fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result<()> {
     write!(out, "<metadatagroup>")?;
     if let Some(order) = &item.order {
-        metadata(out, "nestd:order", order)?;
+        write_metadata(out, "nestd:order", order)?;
     }
-    metadata(out, "nestd:copy", &item.copy.to_string())?;
-    metadata(out, "nestd:source", &item.source_name)?;
-    metadata(out, "nestd:source_hash", &item.source_hash)?;
+    write_metadata(out, "nestd:copy", &item.copy.to_string())?;
+    write_metadata(out, "nestd:source", &item.source_name)?;
+    write_metadata(out, "nestd:source_hash", &item.source_hash)?;
     if let Some(clearance_mm) = item.clearance_mm {
-        metadata(out, "nestd:clearance_mm", &clearance_mm.to_string())?;
+        write_metadata(out, "nestd:clearance_mm", &clearance_mm.to_string())?;
     }
     if let Some(orientation) = &item.orientation {
-        metadata(out, "nestd:orientation", orientation)?;
+        write_metadata(out, "nestd:orientation", orientation)?;
     }
     if let Some(tilts) = &item.tilts {
-        // Not cut like a name: a rule that is written in part is another rule.
+        // Not truncated like a name: a part of a rule would be another rule.
         let number = |c: &char| c.is_ascii_alphanumeric() || matches!(c, ',' | ';' | ':' | '.' | '-' | '+');
         let text: String = tilts.chars().filter(number).collect();
         writeln!(out, r#"<metadata name="nestd:tilts">{text}</metadata>"#)?;
@@ -132,20 +134,20 @@ fn item_metadata(item: &BuildItem, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "</metadatagroup>")
 }
 
-fn metadata(out: &mut impl Write, name: &str, value: &str) -> io::Result<()> {
-    writeln!(out, r#"<metadata name="{name}">{}</metadata>"#, safe(value))
+fn write_metadata(out: &mut impl Write, name: &str, value: &str) -> io::Result<()> {
+    writeln!(out, r#"<metadata name="{name}">{}</metadata>"#, sanitize_name(value))
 }
 
-fn mesh_object(build: &BuildFile, id: usize, object: usize, out: &mut impl Write) -> io::Result<()> {
+fn write_mesh_object(build: &BuildFile, id: usize, object: usize, out: &mut impl Write) -> io::Result<()> {
     let described = &build.objects[object];
-    let uuid = uuid(&[&build.build_id, "object", &described.content_hash, &id.to_string()]);
-    let (name, part) = (safe(&described.name), safe(&described.part_number));
+    let uuid = derive_uuid(&[&build.build_id, "object", &described.content_hash, &id.to_string()]);
+    let (name, part) = (sanitize_name(&described.name), sanitize_name(&described.part_number));
     writeln!(out, r#"<object id="{id}" type="model" name="{name}" partnumber="{part}" p:UUID="{uuid}">"#)?;
-    mesh(&described.mesh, out)?;
+    write_mesh(&described.mesh, out)?;
     writeln!(out, "</object>")
 }
 
-fn mesh(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
+fn write_mesh(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "<mesh>\n<vertices>")?;
     for DVec3 { x, y, z } in mesh.vertices() {
         // `{}` prints the shortest digits that read back as the same number.
@@ -158,64 +160,72 @@ fn mesh(mesh: &Mesh, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "</triangles>\n</mesh>")
 }
 
-/// One object of components, which nobody may move against each other; in between, one object per placement carries its
-/// metadata, since components cannot.
-fn locked_object(build: &BuildFile, ids: &Ids, out: &mut impl Write) -> io::Result<usize> {
+/// Writes one object made of components, which a consumer must not move relative to each other. In between, one object
+/// per placement holds its metadata, since components cannot have metadata.
+fn write_locked_object(build: &BuildFile, ids: &ResourceIds, out: &mut impl Write) -> io::Result<usize> {
     let first = ids.meshes.len() + 1;
     for (number, item) in build.items.iter().enumerate() {
         let described = &build.objects[item.object];
-        let (name, part) = (safe(&described.name), safe(&described.part_number));
-        let own = uuid(&[&build.build_id, "placement", &described.content_hash, &number.to_string()]);
-        let inner = uuid(&[&build.build_id, "mesh", &described.content_hash, &number.to_string()]);
+        let (name, part) = (sanitize_name(&described.name), sanitize_name(&described.part_number));
+        let own = derive_uuid(&[&build.build_id, "placement", &described.content_hash, &number.to_string()]);
+        let inner = derive_uuid(&[&build.build_id, "mesh", &described.content_hash, &number.to_string()]);
         let id = first + number;
         writeln!(out, r#"<object id="{id}" type="model" name="{name}" partnumber="{part}" p:UUID="{own}">"#)?;
-        item_metadata(item, out)?;
+        write_item_metadata(item, out)?;
         writeln!(out, r#"<components><component objectid="{}" p:UUID="{inner}"/></components>"#, ids.of_item[number])?;
         writeln!(out, "</object>")?;
     }
     let id = first + build.items.len();
-    let name = safe(&build.title);
-    let own = uuid(&[&build.build_id, "locked"]);
+    let name = sanitize_name(&build.title);
+    let own = derive_uuid(&[&build.build_id, "locked"]);
     writeln!(out, r#"<object id="{id}" type="model" name="{name}" p:UUID="{own}">"#)?;
     writeln!(out, "<components>")?;
     for (number, item) in build.items.iter().enumerate() {
-        let uuid = uuid(&[&build.build_id, "component", &number.to_string()]);
-        let transform = transform(item, build);
+        let uuid = derive_uuid(&[&build.build_id, "component", &number.to_string()]);
+        let transform = format_transform(item, build);
         writeln!(out, r#"<component objectid="{}" transform="{transform}" p:UUID="{uuid}"/>"#, first + number)?;
     }
     writeln!(out, "</components>\n</object>")?;
     Ok(id)
 }
 
-fn build_item(build: &BuildFile, number: usize, item: &BuildItem, id: usize, out: &mut impl Write) -> io::Result<()> {
+fn write_build_item(
+    build: &BuildFile,
+    number: usize,
+    item: &BuildFileItem,
+    id: usize,
+    out: &mut impl Write,
+) -> io::Result<()> {
     let described = &build.objects[item.object];
-    let uuid = uuid(&[&build.build_id, "item", &described.content_hash, &number.to_string()]);
-    let (transform, part) = (transform(item, build), safe(&described.part_number));
+    let uuid = derive_uuid(&[&build.build_id, "item", &described.content_hash, &number.to_string()]);
+    let (transform, part) = (format_transform(item, build), sanitize_name(&described.part_number));
     writeln!(out, r#"<item objectid="{id}" transform="{transform}" partnumber="{part}" p:UUID="{uuid}">"#)?;
-    item_metadata(item, out)?;
+    write_item_metadata(item, out)?;
     writeln!(out, "</item>")
 }
 
-/// Twelve numbers that multiply row vectors: the images of x, y and z, then the translation, mm. 3MF wants no coordinate below
-/// zero, but a part as large as its volume may stand less than a millionth of a millimetre outside: it is moved in.
-fn transform(item: &BuildItem, build: &BuildFile) -> String {
+/// Twelve numbers for row vectors: the images of x, y and z, then the translation, mm. 3MF forbids coordinates below
+/// zero, but a part as large as its volume may stand less than a millionth of a millimetre outside: such a part is
+/// moved inside.
+fn format_transform(item: &BuildFileItem, build: &BuildFile) -> String {
     let mut pose = item.pose;
     let mesh = &build.objects[item.object].mesh;
     let local = mesh.bounds();
     let reach = local.min.abs().max(local.max.abs()).length();
     if pose.translation.min_element() <= reach + CLEAR_OF_ZERO_MM {
         let lowest = mesh.bounds_at(&pose).min;
-        let out = (DVec3::splat(CLEAR_OF_ZERO_MM) - lowest).clamp(DVec3::ZERO, DVec3::splat(MOVED_IN_MM));
+        let out = (DVec3::splat(CLEAR_OF_ZERO_MM) - lowest).clamp(DVec3::ZERO, DVec3::splat(MAX_MOVED_IN_MM));
         pose.translation += out;
     }
-    let matrix = pose.matrix();
+    let matrix = pose.rotation_matrix();
     let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis, pose.translation];
     let numbers: Vec<String> = columns.iter().flat_map(|v| v.to_array()).map(|n| (n + 0.0).to_string()).collect();
     numbers.join(" ")
 }
 
-/// A name as it stands in build files, in characters that need no escape: a well-known reader gets escapes wrong.
-pub fn safe(name: &str) -> String {
+/// Maps a name to the characters used in build files, none of which needs an escape: a widely used reader handles
+/// escapes wrongly.
+pub fn sanitize_name(name: &str) -> String {
     let unsafe_character = |c: char| is_invisible(c) || matches!(c, '&' | '<' | '>' | '"' | '\'');
     name.chars().take(MAX_NAME).map(|c| if unsafe_character(c) { '_' } else { c }).collect()
 }
@@ -226,7 +236,7 @@ mod tests {
 
     #[test]
     fn names_need_no_escapes() {
-        assert_eq!(safe("a & <b>\n\"c\" 'd' \u{fffe} Größe 简"), "a _ _b___c_ _d_ _ Größe 简");
-        assert_eq!(safe(&"x".repeat(1000)).len(), MAX_NAME);
+        assert_eq!(sanitize_name("a & <b>\n\"c\" 'd' \u{fffe} Größe 简"), "a _ _b___c_ _d_ _ Größe 简");
+        assert_eq!(sanitize_name(&"x".repeat(1000)).len(), MAX_NAME);
     }
 }

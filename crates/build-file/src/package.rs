@@ -1,4 +1,5 @@
-//! A 3MF package behind a guard: entries and unpacked bytes are counted as they come, never believed.
+//! Reads a 3MF package with limits: entries and unpacked bytes are counted while reading; declared sizes are not
+//! trusted.
 
 use std::{
     collections::HashMap,
@@ -10,48 +11,48 @@ use std::{
 use zip::{ZipArchive, result::ZipError};
 
 use super::{
-    Limits, ReadError,
-    guard::Guard,
-    xml::{Step, Tag, Xml},
+    FileReadError, ReadLimits,
+    unpack_guard::UnpackGuard,
+    xml::{DocumentStep, ElementTag, XmlReader},
 };
 
-/// The relationship that leads to the model.
+/// Relationship types of the model.
 const MODEL_TYPES: [&str; 2] = [
     "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel",
     "http://schemas.microsoft.com/3dmanufacturing/2015/06/3dmodel",
 ];
-/// A comment of the greatest length may follow the end record of 22 bytes.
+/// The end record has 22 bytes, and a comment of the greatest length may follow.
 pub(super) const MAX_END: u64 = 22 + 65_535;
 
-/// XML of a package entry, unpacked as it is read.
-pub(super) type EntryXml<'a> = Xml<Guard<BufReader<zip::read::ZipFile<'a, BufReader<File>>>>>;
+/// XML of a package entry, unpacked while it is read.
+pub(super) type EntryXmlReader<'a> = XmlReader<UnpackGuard<BufReader<zip::read::ZipFile<'a, BufReader<File>>>>>;
 
 /// An opened package.
-pub(super) struct Package {
+pub(super) struct PackageReader {
     archive: ZipArchive<BufReader<File>>,
-    /// Lower-case name -> index: package names are equal whatever their case.
+    /// Lower-case name -> index: package names are case-insensitive.
     entries: HashMap<String, usize>,
     /// Bytes that may still be unpacked.
     budget: u64,
-    limits: Limits,
+    limits: ReadLimits,
 }
 
-impl Package {
-    /// Opens the directory and counts its entries; unpacks nothing.
-    pub(super) fn open(file: &Path, limits: &Limits) -> Result<Self, ReadError> {
+impl PackageReader {
+    /// Opens the ZIP directory and counts its entries; unpacks nothing.
+    pub(super) fn open(file: &Path, limits: &ReadLimits) -> Result<Self, FileReadError> {
         let mut opened = File::open(file)?;
         let len = opened.metadata()?.len();
         if len > limits.max_bytes {
-            return Err(ReadError::TooLarge {
+            return Err(FileReadError::TooLarge {
                 what: format!("it is {len} bytes long"),
                 limit: limits.max_bytes,
                 key: "max_bytes",
             });
         }
         let claimed = claimed_entries(&mut opened, len)?
-            .ok_or_else(|| ReadError::Truncated("the end of the ZIP package is missing".to_owned()))?;
+            .ok_or_else(|| FileReadError::Truncated("the end of the ZIP package is missing".to_owned()))?;
         if claimed > limits.max_entries {
-            return Err(ReadError::TooLarge {
+            return Err(FileReadError::TooLarge {
                 what: format!("the package has {claimed} entries"),
                 limit: limits.max_entries,
                 key: "max_entries",
@@ -59,76 +60,85 @@ impl Package {
         }
         let archive = ZipArchive::new(BufReader::new(opened)).map_err(zip_error)?;
         if archive.len() as u64 != claimed {
-            // The ZIP reader keeps one of two equal names; other readers keep the other one.
-            return Err(ReadError::threemf("the package names an entry twice"));
+            // The ZIP reader keeps one of two entries with the same name; other readers keep the other one.
+            return Err(FileReadError::invalid_threemf("the package names an entry twice"));
         }
         let mut entries = HashMap::new();
         for (index, name) in archive.file_names().enumerate() {
             if entries.insert(name.to_ascii_lowercase(), index).is_some() {
-                return Err(ReadError::threemf(format!("the package names {name:?} twice")));
+                return Err(FileReadError::invalid_threemf(format!("the package names {name:?} twice")));
             }
         }
         Ok(Self { archive, entries, budget: limits.max_unpacked_bytes, limits: limits.clone() })
     }
 
-    /// Unpacks one entry as XML and hands it to `parse`, which must read it to its end.
-    pub(super) fn parse<T>(
+    /// Unpacks one entry as XML and passes it to `parse`, which must read it to its end.
+    pub(super) fn parse_entry<T>(
         &mut self,
         path: &str,
-        parse: impl FnOnce(&mut EntryXml<'_>) -> Result<T, ReadError>,
-    ) -> Result<T, ReadError> {
+        parse: impl FnOnce(&mut EntryXmlReader<'_>) -> Result<T, FileReadError>,
+    ) -> Result<T, FileReadError> {
         let name = path.trim_start_matches('/').to_ascii_lowercase();
-        let index = *self.entries.get(&name).ok_or_else(|| ReadError::threemf(format!("there is no {path:?}")))?;
+        let index =
+            *self.entries.get(&name).ok_or_else(|| FileReadError::invalid_threemf(format!("there is no {path:?}")))?;
         let entry = self.archive.by_index(index).map_err(zip_error)?;
         if entry.encrypted() {
-            return Err(encrypted());
+            return Err(encrypted_error());
         }
         let packed = entry.compressed_size();
-        let guard =
-            Guard::new(BufReader::with_capacity(1 << 16, entry), packed, self.budget, self.limits.max_unpacked_bytes);
-        let mut xml = Xml::new(guard, path);
+        let guard = UnpackGuard::new(
+            BufReader::with_capacity(1 << 16, entry),
+            packed,
+            self.budget,
+            self.limits.max_unpacked_bytes,
+        );
+        let mut xml = XmlReader::new(guard, path);
         let result = parse(&mut xml);
-        self.budget -= xml.unpacked().min(self.budget);
+        self.budget -= xml.unpacked_bytes().min(self.budget);
         result
     }
 
-    /// The path of the model that the package starts from, and how many it names (it should be one).
-    pub(super) fn start_part(&mut self) -> Result<(String, usize), ReadError> {
+    /// The path of the start model, and the number of start models (it should be one).
+    pub(super) fn start_part_path(&mut self) -> Result<(String, usize), FileReadError> {
         if !self.entries.contains_key("_rels/.rels") {
             if self.entries.keys().any(|name| name.ends_with(".stl") || name.ends_with(".3mf")) {
-                return Err(ReadError::Unknown {
+                return Err(FileReadError::Unknown {
                     what: "it is a ZIP archive with part files in it".to_owned(),
                     remedy: "Unpack it, and drop the files that are in it.",
                 });
             }
-            return Err(ReadError::threemf("the package has no relationships, so no 3D model"));
+            return Err(FileReadError::invalid_threemf("the package has no relationships, so no 3D model"));
         }
-        let mut targets = self.parse("_rels/.rels", relationship_targets)?;
+        let mut targets = self.parse_entry("_rels/.rels", relationship_targets)?;
         match targets.len() {
-            0 => Err(ReadError::threemf("the package has no 3D model")),
+            0 => Err(FileReadError::invalid_threemf("the package has no 3D model")),
             count => Ok((targets.remove(0), count)),
         }
     }
 }
 
 /// Targets of the relationships to a model.
-fn relationship_targets(xml: &mut EntryXml<'_>) -> Result<Vec<String>, ReadError> {
+fn relationship_targets(xml: &mut EntryXmlReader<'_>) -> Result<Vec<String>, FileReadError> {
     let mut targets = Vec::new();
     loop {
-        match xml.step()? {
-            Step::Open(Tag::Relationship) if xml.plain("Type").is_some_and(|t| MODEL_TYPES.contains(&t)) => {
-                let target = xml.plain("Target").ok_or_else(|| xml.invalid("a relationship without a target"))?;
+        match xml.next_step()? {
+            DocumentStep::Open(ElementTag::Relationship)
+                if xml.plain_attribute("Type").is_some_and(|t| MODEL_TYPES.contains(&t)) =>
+            {
+                let target = xml
+                    .plain_attribute("Target")
+                    .ok_or_else(|| xml.invalid_document("a relationship without a target"))?;
                 if targets.len() < 10 {
                     targets.push(target.to_owned());
                 }
             }
-            Step::End => return Ok(targets),
+            DocumentStep::End => return Ok(targets),
             _ => {}
         }
     }
 }
 
-/// The number of entries that the end record claims, `None` without an end record.
+/// The number of entries that the end record declares; `None` without an end record.
 pub(super) fn claimed_entries(file: &mut File, len: u64) -> io::Result<Option<u64>> {
     let tail_len = len.min(MAX_END + 20);
     file.seek(SeekFrom::Start(len - tail_len))?;
@@ -149,7 +159,7 @@ pub(super) fn claimed_entries(file: &mut File, len: u64) -> io::Result<Option<u6
     }
 }
 
-/// Where the last end-of-central-directory record begins whose comment is wholly there.
+/// Start of the last end-of-central-directory record whose comment is complete.
 pub(super) fn end_record(tail: &[u8]) -> Option<usize> {
     (0..tail.len().saturating_sub(21)).rev().find(|&at| {
         tail[at..].starts_with(b"PK\x05\x06")
@@ -157,22 +167,22 @@ pub(super) fn end_record(tail: &[u8]) -> Option<usize> {
     })
 }
 
-fn encrypted() -> ReadError {
-    ReadError::Unsupported {
+fn encrypted_error() -> FileReadError {
+    FileReadError::Unsupported {
         what: "the package is encrypted".to_owned(),
         remedy: "Save it without a password, and drop that.",
     }
 }
 
-/// A ZIP error in our words: a fault of the disk stays one.
-fn zip_error(error: ZipError) -> ReadError {
+/// Converts a ZIP error; an I/O error of the disk stays an I/O error.
+fn zip_error(error: ZipError) -> FileReadError {
     match error {
-        ZipError::Io(error) if error.raw_os_error().is_some() => ReadError::Io(error),
-        ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => encrypted(),
-        ZipError::UnsupportedArchive(what) => ReadError::Unsupported {
+        ZipError::Io(error) if error.raw_os_error().is_some() => FileReadError::Io(error),
+        ZipError::UnsupportedArchive(ZipError::PASSWORD_REQUIRED) => encrypted_error(),
+        ZipError::UnsupportedArchive(what) => FileReadError::Unsupported {
             what: format!("the package is packed in a way that 3MF does not allow: {what}"),
             remedy: "Open it in the program that wrote it, and save it as a plain 3MF.",
         },
-        other => ReadError::threemf(format!("the ZIP package is damaged: {other}")),
+        other => FileReadError::invalid_threemf(format!("the ZIP package is damaged: {other}")),
     }
 }

@@ -1,10 +1,10 @@
-//! The pick map `.parts.csv`: who takes which part out of the cake, and where it is.
+//! The pick map `.parts.csv`: lists which part belongs to which order, and where it is in the cake.
 
 use std::io::Write;
 
 use glam::DVec3;
 
-use super::{BuildFile, BuildItem, WriteError, cell};
+use super::{BuildFile, BuildFileItem, FileWriteError, csv_cell};
 
 /// Columns of the pick map.
 const HEADER: [&str; 14] = [
@@ -24,20 +24,20 @@ const HEADER: [&str; 14] = [
     "source_hash",
 ];
 
-/// One placed copy, for the person who breaks the build out.
+/// One placed copy, for the person who unpacks the build.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PickRow {
+pub struct PickMapRow {
     /// Item number in the build, from 1.
     pub item: usize,
     /// Name of the part.
     pub part: String,
     /// The farm's number of the part.
     pub part_number: String,
-    /// Order or kit that the copy is for.
+    /// Order or kit to which the copy belongs.
     pub order: Option<String>,
     /// Copy number, from 1.
     pub copy: u32,
-    /// Name that the part was dropped under.
+    /// File name under which the part was dropped.
     pub source_name: String,
     /// BLAKE3 of the dropped file.
     pub source_hash: String,
@@ -49,12 +49,12 @@ pub struct PickRow {
     pub top_mm: f64,
 }
 
-/// The rows of a build, in the order of its items. Items without an object have none.
-pub fn pick_rows(build: &BuildFile) -> Vec<PickRow> {
-    let row = |(item, placed): (usize, &BuildItem)| {
+/// The rows of a build, in the order of its items. Items without an object are skipped.
+pub fn pick_rows(build: &BuildFile) -> Vec<PickMapRow> {
+    let row = |(item, placed): (usize, &BuildFileItem)| {
         let object = build.objects.get(placed.object)?;
         let bounds = object.mesh.bounds_at(&placed.pose);
-        Some(PickRow {
+        Some(PickMapRow {
             item,
             part: object.name.clone(),
             part_number: object.part_number.clone(),
@@ -71,7 +71,7 @@ pub fn pick_rows(build: &BuildFile) -> Vec<PickRow> {
 }
 
 /// Writes rows as CSV with a header.
-pub fn write_pick_map(rows: impl IntoIterator<Item = PickRow>, out: impl Write) -> Result<(), WriteError> {
+pub fn write_pick_map(rows: impl IntoIterator<Item = PickMapRow>, out: impl Write) -> Result<(), FileWriteError> {
     let mut csv = csv::Writer::from_writer(out);
     csv.write_record(HEADER).map_err(csv_error)?;
     for row in rows {
@@ -80,11 +80,11 @@ pub fn write_pick_map(rows: impl IntoIterator<Item = PickRow>, out: impl Write) 
         let numbers = [center.x, center.y, center.z, size.x, size.y, size.z, row.top_mm].map(millimetres);
         let words = [
             row.item.to_string(),
-            cell(&row.part),
-            cell(&row.part_number),
-            cell(row.order.as_deref().unwrap_or_default()),
+            csv_cell(&row.part),
+            csv_cell(&row.part_number),
+            csv_cell(row.order.as_deref().unwrap_or_default()),
             row.copy.to_string(),
-            cell(&row.source_name),
+            csv_cell(&row.source_name),
         ];
         let record = words.iter().chain(&numbers).chain([&row.source_hash]);
         csv.write_record(record).map_err(csv_error)?;
@@ -93,9 +93,9 @@ pub fn write_pick_map(rows: impl IntoIterator<Item = PickRow>, out: impl Write) 
     Ok(())
 }
 
-fn csv_error(error: csv::Error) -> WriteError {
+fn csv_error(error: csv::Error) -> FileWriteError {
     match error.into_kind() {
-        csv::ErrorKind::Io(error) => WriteError::Io(error),
-        other => WriteError::Package(format!("{other:?}")),
+        csv::ErrorKind::Io(error) => FileWriteError::Io(error),
+        other => FileWriteError::Package(format!("{other:?}")),
     }
 }

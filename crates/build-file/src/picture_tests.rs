@@ -1,4 +1,4 @@
-//! What pictures show, looked up in their pixels.
+//! Tests of pictures, by their pixels.
 
 use glam::DQuat;
 
@@ -8,13 +8,13 @@ use crate::shade::{BACKGROUND, FLOOR, body_of};
 const VOLUME: DVec3 = DVec3::splat(100.0);
 
 /// Decoded RGB of a PNG.
-struct Decoded {
+struct DecodedPicture {
     width: u32,
     height: u32,
     pixels: Vec<[u8; 3]>,
 }
 
-impl Decoded {
+impl DecodedPicture {
     fn count(&self, fits: impl Fn(Vec3) -> bool) -> usize {
         self.pixels.iter().filter(|rgb| fits(Vec3::from_array(rgb.map(f32::from)))).count()
     }
@@ -23,35 +23,35 @@ impl Decoded {
         self.count(|pixel| pixel == colour)
     }
 
-    /// Pixels of a hue, however bright.
+    /// Pixels of a hue, of any brightness.
     fn like(&self, kind: usize) -> usize {
         let direction = |c: Vec3| (c - Vec3::splat(c.element_sum() / 3.0)).normalize_or_zero();
-        let wanted = direction(colour(kind));
+        let wanted = direction(kind_colour(kind));
         self.count(|pixel| pixel.max_element() - pixel.min_element() > 40.0 && direction(pixel).dot(wanted) > 0.99)
     }
 }
 
-fn decode(bytes: &[u8]) -> Decoded {
+fn decode(bytes: &[u8]) -> DecodedPicture {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
     let pixels = pixels.as_chunks::<3>().0.to_vec();
-    Decoded { width: info.width, height: info.height, pixels }
+    DecodedPicture { width: info.width, height: info.height, pixels }
 }
 
-/// Of lines and letters, not of a body.
+/// Pixels of lines and letters, not of a body.
 fn is_grey(pixel: Vec3) -> bool {
     pixel.max_element() - pixel.min_element() < 25.0
 }
 
-fn at(mesh: &Mesh, kind: usize, x: f64, y: f64, z: f64) -> Drawn<'_> {
-    Drawn { mesh, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, y, z)), kind }
+fn at(mesh: &Mesh, kind: usize, x: f64, y: f64, z: f64) -> PictureBody<'_> {
+    PictureBody { mesh, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, y, z)), kind }
 }
 
 #[test]
 fn a_body_covers_the_floor_and_leaves_the_corners_empty() {
     let mesh = sample_parts::cuboid(DVec3::splat(60.0));
-    let picture = |bodies: &[Drawn]| decode(&picture(bodies, VOLUME, Viewpoint::Iso, (120, 90)));
+    let picture = |bodies: &[PictureBody]| decode(&draw_picture(bodies, VOLUME, Viewpoint::Iso, (120, 90)));
     let (empty, filled) = (picture(&[]), picture(&[at(&mesh, 0, 20.0, 20.0, 0.0)]));
     assert_eq!((filled.width, filled.height, filled.pixels.len()), (120, 90, 120 * 90));
     assert_eq!(filled.pixels[0].map(f32::from), BACKGROUND.to_array());
@@ -64,7 +64,7 @@ fn every_view_has_the_size_asked_the_frame_and_the_body() {
     let mesh = sample_parts::cuboid(DVec3::splat(60.0));
     for viewpoint in [Viewpoint::Iso, Viewpoint::Top, Viewpoint::Front] {
         for size in [(320, 200), (200, 320), (1, 1), (7, 300)] {
-            let drawn = decode(&picture(&[at(&mesh, 2, 20.0, 20.0, 0.0)], VOLUME, viewpoint, size));
+            let drawn = decode(&draw_picture(&[at(&mesh, 2, 20.0, 20.0, 0.0)], VOLUME, viewpoint, size));
             assert_eq!((drawn.width, drawn.height), size);
             if size.0 >= 200 {
                 let wire = drawn.count(|pixel| is_grey(pixel) && pixel.max_element() < 205.0);
@@ -80,8 +80,8 @@ fn every_view_has_the_size_asked_the_frame_and_the_body() {
 fn copies_of_a_part_have_its_colour_and_other_parts_another() {
     let mesh = sample_parts::cuboid(DVec3::splat(25.0));
     let draw = |kinds: [usize; 3]| {
-        let bodies: Vec<Drawn> = (0..3).map(|n| at(&mesh, kinds[n], 30.0 * n as f64, 0.0, 0.0)).collect();
-        decode(&picture(&bodies, VOLUME, Viewpoint::Front, (400, 300)))
+        let bodies: Vec<PictureBody> = (0..3).map(|n| at(&mesh, kinds[n], 30.0 * n as f64, 0.0, 0.0)).collect();
+        decode(&draw_picture(&bodies, VOLUME, Viewpoint::Front, (400, 300)))
     };
     let (alike, mixed) = (draw([0, 0, 0]), draw([0, 3, 5]));
     assert!(mixed.like(0) > 1000 && mixed.like(3) > 1000 && mixed.like(5) > 1000);
@@ -91,20 +91,20 @@ fn copies_of_a_part_have_its_colour_and_other_parts_another() {
 #[test]
 fn twenty_one_kinds_in_a_row_have_colours_of_their_own() {
     for (a, b) in (0..21).flat_map(|a| (0..a).map(move |b| (a, b))) {
-        assert!(colour(a).distance(colour(b)) > 25.0, "{a} and {b}");
+        assert!(kind_colour(a).distance(kind_colour(b)) > 25.0, "{a} and {b}");
     }
 }
 
 #[test]
 fn the_frame_is_hidden_where_a_body_is_before_it_only() {
     let wall = sample_parts::cuboid(DVec3::new(100.0, 1.0, 100.0));
-    let wires = |bodies: &[Drawn]| {
-        let mut canvas = Canvas::new(400, 300);
-        let (forward, up) = Viewpoint::Iso.directions();
-        let corners: Vec<DVec3> = (0..8).map(|c| corner(c, VOLUME)).collect();
-        let view = View::fit(forward, up, &corners, 400, 300, MARGIN);
+    let wires = |bodies: &[PictureBody]| {
+        let mut canvas = DepthCanvas::new(400, 300);
+        let (forward, up) = Viewpoint::Iso.view_directions();
+        let corners: Vec<DVec3> = (0..8).map(|c| box_corner(c, VOLUME)).collect();
+        let view = OrthographicView::fit_points(forward, up, &corners, 400, 300, MARGIN);
         bodies.iter().for_each(|body| draw_body(&mut canvas, &view, forward, body, 0, &mut { usize::MAX }));
-        draw_wires(&mut canvas, &view, VOLUME, 1);
+        draw_volume_edges(&mut canvas, &view, VOLUME, 1);
         canvas.tags.iter().filter(|&&tag| tag == TAG_WIRE).count()
     };
     let (all, seen) = (wires(&[]), wires(&[at(&wall, 0, 0.0, 50.0, 0.0)]));
@@ -115,15 +115,16 @@ fn the_frame_is_hidden_where_a_body_is_before_it_only() {
 fn the_height_is_a_dashed_line_and_a_text() {
     let mesh = sample_parts::cuboid(DVec3::splat(40.0));
     let is_ink = |pixel: Vec3| is_grey(pixel) && pixel.max_element() < 110.0;
-    let ink = |bodies: &[Drawn]| decode(&picture(bodies, VOLUME, Viewpoint::Front, (400, 300))).count(is_ink);
+    let ink =
+        |bodies: &[PictureBody]| decode(&draw_picture(bodies, VOLUME, Viewpoint::Front, (400, 300))).count(is_ink);
     assert_eq!(ink(&[]), 0, "an empty build has no height");
     assert!(ink(&[at(&mesh, 4, 10.0, 10.0, 0.0)]) > 150);
     assert_eq!(height_in_words(84.04, 300.0), "84.0 mm of 300 mm");
-    let text = |letters: &str| lettering::width(letters, 12.0);
+    let text = |letters: &str| lettering::text_width(letters, 12.0);
     assert!(text("84.0 mm of 300 mm") > 8.0 * text("8") && text("8") > text("."));
     let drawn = |letters: &str| {
-        let mut canvas = Canvas::new(60, 40);
-        lettering::write(&mut canvas, letters, Vec2::new(8.0, 8.0), 24.0, TAG_INK);
+        let mut canvas = DepthCanvas::new(60, 40);
+        lettering::write_text(&mut canvas, letters, Vec2::new(8.0, 8.0), 24.0, TAG_INK);
         canvas.tags
     };
     let letters = ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9", ".", "m", "o", "f", " "];
@@ -136,9 +137,9 @@ fn the_height_is_a_dashed_line_and_a_text() {
 fn the_nearer_body_hides_the_farther_one_whatever_their_order() {
     let mesh = sample_parts::cuboid(DVec3::new(60.0, 20.0, 90.0));
     let draw = |order: [f64; 2]| {
-        let mut canvas = Canvas::new(100, 100);
-        let (forward, up) = Viewpoint::Iso.directions();
-        let view = View::fit(forward, up, &[DVec3::ZERO, VOLUME], 100, 100, 0.0);
+        let mut canvas = DepthCanvas::new(100, 100);
+        let (forward, up) = Viewpoint::Iso.view_directions();
+        let view = OrthographicView::fit_points(forward, up, &[DVec3::ZERO, VOLUME], 100, 100, 0.0);
         for (index, y) in order.into_iter().enumerate() {
             draw_body(&mut canvas, &view, forward, &at(&mesh, 0, 20.0, y, 0.0), index, &mut { usize::MAX });
         }
@@ -155,7 +156,7 @@ fn the_nearer_body_hides_the_farther_one_whatever_their_order() {
 fn the_same_bodies_give_the_same_bytes() {
     let mesh = sample_parts::cuboid(DVec3::splat(60.0));
     let volume_mm = DVec3::new(100.0, 100.0, 200.0);
-    let draw = || picture(&[at(&mesh, 0, 20.0, 20.0, 3.0)], volume_mm, Viewpoint::Iso, (160, 120));
+    let draw = || draw_picture(&[at(&mesh, 0, 20.0, 20.0, 3.0)], volume_mm, Viewpoint::Iso, (160, 120));
     assert_eq!(draw(), draw());
 }
 
@@ -163,6 +164,6 @@ fn the_same_bodies_give_the_same_bytes() {
 fn a_body_outside_the_picture_does_no_harm() {
     let mesh = sample_parts::ring(40.0, 28.0, 8.0);
     let pose = Pose::new(DQuat::from_rotation_x(0.4), DVec3::splat(-500.0));
-    let far = Drawn { mesh: &mesh, pose, kind: 7 };
-    assert!(!picture(&[far], DVec3::splat(50.0), Viewpoint::Top, (64, 64)).is_empty());
+    let far = PictureBody { mesh: &mesh, pose, kind: 7 };
+    assert!(!draw_picture(&[far], DVec3::splat(50.0), Viewpoint::Top, (64, 64)).is_empty());
 }

@@ -1,13 +1,14 @@
-//! A small z-buffer: flat triangles and lines, seen without perspective. Nearer samples win; equal ones keep the first.
+//! A small z-buffer: flat triangles and lines in an orthographic view. The nearest sample wins; of equal ones the
+//! first.
 
 use glam::{DVec3, Vec2, Vec3};
 
-/// What a sample shows when nothing is there.
+/// Tag of a sample that shows nothing.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// Where the eye is: an orthographic view that fits given points into a canvas.
+/// An orthographic view that fits given points into a canvas.
 #[derive(Debug, Clone)]
-pub(super) struct View {
+pub(super) struct OrthographicView {
     right: DVec3,
     up: DVec3,
     forward: DVec3,
@@ -15,10 +16,17 @@ pub(super) struct View {
     shift: (f64, f64),
 }
 
-impl View {
-    /// Looks along `forward` (`up` is up in the picture) with all of `points` inside the upper `width` x `height` samples,
-    /// less a margin given as a share of them.
-    pub(super) fn fit(forward: DVec3, up: DVec3, points: &[DVec3], width: usize, height: usize, margin: f64) -> Self {
+impl OrthographicView {
+    /// A view along `forward` (`up` points up in the picture) with all of `points` inside the upper `width` x `height`
+    /// samples, less a margin given as a share of them.
+    pub(super) fn fit_points(
+        forward: DVec3,
+        up: DVec3,
+        points: &[DVec3],
+        width: usize,
+        height: usize,
+        margin: f64,
+    ) -> Self {
         let forward = forward.normalize();
         let right = forward.cross(up).normalize();
         let up = right.cross(forward);
@@ -34,8 +42,8 @@ impl View {
         Self { right, up, forward, scale, shift }
     }
 
-    /// Samples to the right, samples down, depth in mm.
-    pub(super) fn project(&self, point: DVec3) -> Vec3 {
+    /// Returns samples to the right, samples down, depth in mm.
+    pub(super) fn project_point(&self, point: DVec3) -> Vec3 {
         let x = self.scale * point.dot(self.right) + self.shift.0;
         let y = self.shift.1 - self.scale * point.dot(self.up);
         Vec3::new(x as f32, y as f32, point.dot(self.forward) as f32)
@@ -44,30 +52,30 @@ impl View {
 
 /// Depth and tag of every sample.
 #[derive(Debug)]
-pub(super) struct Canvas {
+pub(super) struct DepthCanvas {
     pub(super) width: usize,
     pub(super) height: usize,
     depth: Vec<f32>,
-    /// What each sample shows: a tag chosen by the caller, or [`NOTHING`].
+    /// The tag of each sample: chosen by the caller, or [`NOTHING`].
     pub(super) tags: Vec<u32>,
 }
 
-impl Canvas {
-    /// An empty canvas of so many samples.
+impl DepthCanvas {
+    /// An empty canvas of `width` x `height` samples.
     pub(super) fn new(width: usize, height: usize) -> Self {
         let samples = width * height;
         Self { width, height, depth: vec![f32::INFINITY; samples], tags: vec![NOTHING; samples] }
     }
 
-    fn put(&mut self, at: usize, depth: f32, tag: u32) {
+    fn put_sample(&mut self, at: usize, depth: f32, tag: u32) {
         if depth < self.depth[at] {
             self.depth[at] = depth;
             self.tags[at] = tag;
         }
     }
 
-    /// Fills a projected triangle whichever way it runs; how many samples were looked at.
-    pub(super) fn triangle(&mut self, [a, mut b, mut c]: [Vec3; 3], tag: u32) -> usize {
+    /// Fills a projected triangle in either winding order. Returns the number of depth tests.
+    pub(super) fn fill_triangle(&mut self, [a, mut b, mut c]: [Vec3; 3], tag: u32) -> usize {
         let mut area = (b - a).truncate().perp_dot((c - a).truncate());
         if area < 0.0 {
             std::mem::swap(&mut b, &mut c);
@@ -95,7 +103,7 @@ impl Canvas {
             for at in y * self.width + x0..y * self.width + x1 {
                 if weights.min_element() >= 0.0 {
                     let depth = (weights.x * a.z + weights.y * b.z + weights.z * c.z) / area;
-                    self.put(at, depth, tag);
+                    self.put_sample(at, depth, tag);
                 }
                 weights += step;
             }
@@ -103,27 +111,27 @@ impl Canvas {
         (x1 - x0) * (y1 - y0)
     }
 
-    /// How far away every sample is, mm; infinite where nothing is.
+    /// Depth of every sample, mm; infinite where nothing is drawn.
     pub(super) fn depths(&self) -> impl Iterator<Item = f32> {
         self.depth.iter().copied()
     }
 
-    /// How far away a sample is, mm.
-    pub(super) fn depth(&self, at: usize) -> f32 {
+    /// Depth of a sample, mm.
+    pub(super) fn depth_at(&self, at: usize) -> f32 {
         self.depth[at]
     }
 
-    /// A [`Canvas::line`] in dashes that are five times as long as thick.
-    pub(super) fn dashes(&mut self, from: Vec3, to: Vec3, thick: usize, nearer: f32, tag: u32) {
+    /// Like [`DepthCanvas::line`], in dashes five times as long as thick.
+    pub(super) fn draw_dashes(&mut self, from: Vec3, to: Vec3, thick: usize, nearer: f32, tag: u32) {
         let dashes = (((to - from).truncate().length() / (8.0 * thick as f32)).round()).max(1.0);
         for dash in 0..dashes as usize {
             let share = |part: f32| from.lerp(to, (dash as f32 + part) / dashes);
-            self.line(share(0.2), share(0.8), thick, nearer, tag);
+            self.draw_line(share(0.2), share(0.8), thick, nearer, tag);
         }
     }
 
-    /// Draws a projected line with a round pen `thick` samples wide, `nearer` mm in front of where it is.
-    pub(super) fn line(&mut self, from: Vec3, to: Vec3, thick: usize, nearer: f32, tag: u32) {
+    /// Draws a projected line with a round pen `thick` samples wide, moved `nearer` mm towards the viewer.
+    pub(super) fn draw_line(&mut self, from: Vec3, to: Vec3, thick: usize, nearer: f32, tag: u32) {
         let steps = (to - from).truncate().abs().max_element().ceil().max(1.0) as usize;
         for step in 0..=steps {
             let p = from.lerp(to, step as f32 / steps as f32);
@@ -132,7 +140,7 @@ impl Canvas {
                 let (x, y) = (corner.x + dx as f32, corner.y + dy as f32);
                 let is_round = thick < 3 || Vec2::new(x, y).distance(p.truncate()) <= radius;
                 if is_round && x >= 0.0 && y >= 0.0 && (x as usize) < self.width && (y as usize) < self.height {
-                    self.put(y as usize * self.width + x as usize, p.z - nearer, tag);
+                    self.put_sample(y as usize * self.width + x as usize, p.z - nearer, tag);
                 }
             }
         }

@@ -1,28 +1,29 @@
-//! From samples to pixels: the colours of bodies, lines that set them off, and the mean of a pixel's samples.
+//! Converts samples to pixels: colours of bodies, contour lines between them, and the mean of a pixel's samples.
 
 use glam::Vec3;
 
-use super::raster::{Canvas, NOTHING};
+use super::raster::{DepthCanvas, NOTHING};
 
-/// Tags below are colours of their own; body tags are `FIRST_BODY + (body << 8 | brightness)`.
+/// Tags below `FIRST_BODY` are fixed colours; body tags are `FIRST_BODY + (body << 8 | brightness)`.
 pub(super) const TAG_FLOOR: u32 = 0;
 pub(super) const TAG_WIRE: u32 = 1;
-/// The line at the build's height, and what is written.
+/// The line at the build's height, and the caption.
 pub(super) const TAG_INK: u32 = 2;
 const FIRST_BODY: u32 = 256;
-/// Bodies beyond so many take the numbers from the start again.
+/// Bodies beyond this number reuse the numbers from the start.
 const MAX_BODIES: usize = 1 << 16;
 
 pub(super) const BACKGROUND: Vec3 = Vec3::new(250.0, 250.0, 248.0);
 pub(super) const FLOOR: Vec3 = Vec3::new(226.0, 229.0, 233.0);
 const WIRE: Vec3 = Vec3::new(120.0, 128.0, 140.0);
 const INK: Vec3 = Vec3::new(27.0, 31.0, 36.0);
-/// Brightness of the lines that set one body off against the next.
+/// Brightness of the contour lines between bodies.
 const CONTOUR: f32 = 0.5;
-/// Share of the background in what is farthest away.
+/// Share of the background colour in the farthest samples.
 const HAZE: f32 = 0.28;
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart; those of the 3D view (`web/view/view.js`).
+/// The colours of Okabe and Ito, which colour-blind people can tell apart; the same as in the 3D view
+/// (`web/view/view.js`).
 const COLOURS: [[u8; 3]; 7] = [
     [0x00, 0x72, 0xb2],
     [0xe6, 0x9f, 0x00],
@@ -33,8 +34,8 @@ const COLOURS: [[u8; 3]; 7] = [
     [0xf0, 0xe4, 0x42],
 ];
 
-/// The colour of a kind of parts; beyond the list the same colours are lighter, then darker.
-pub(super) fn colour(kind: usize) -> Vec3 {
+/// The colour of a kind of parts. Beyond the list, the same colours are used lighter, then darker.
+pub(super) fn kind_colour(kind: usize) -> Vec3 {
     let plain = Vec3::from_array(COLOURS[kind % COLOURS.len()].map(f32::from));
     match kind / COLOURS.len() % 3 {
         0 => plain,
@@ -48,22 +49,22 @@ pub(super) fn body_tag(body: usize, brightness: f64) -> u32 {
     FIRST_BODY + (((body % MAX_BODIES) as u32) << 8) + (255.0 * brightness.clamp(0.0, 1.0)) as u32
 }
 
-/// The body that a tag belongs to.
+/// The body to which a tag belongs.
 pub(super) fn body_of(tag: u32) -> Option<usize> {
     (tag >= FIRST_BODY && tag != NOTHING).then(|| (tag >> 8) as usize - 1)
 }
 
 /// Averages `fine` x `fine` samples into each pixel's RGB. `colours` are those of the bodies.
-pub(super) fn resolve(canvas: &Canvas, colours: &[Vec3], fine: usize) -> Vec<u8> {
+pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], fine: usize) -> Vec<u8> {
     let (width, height) = (canvas.width / fine, canvas.height / fine);
     let depths = || canvas.depths().filter(|depth| depth.is_finite() && *depth > f32::MIN);
     let range = (depths().fold(f32::INFINITY, f32::min), depths().fold(f32::NEG_INFINITY, f32::max));
-    let shader = Shader { canvas, colours, range, reach: fine.div_ceil(2) };
+    let shader = SampleShader { canvas, colours, range, reach: fine.div_ceil(2) };
     let mut pixels = Vec::with_capacity(3 * width * height);
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         let mut sum = Vec3::ZERO;
         for (dy, dx) in (0..fine).flat_map(|dy| (0..fine).map(move |dx| (dy, dx))) {
-            sum += shader.sample(x * fine + dx, y * fine + dy);
+            sum += shader.sample_colour(x * fine + dx, y * fine + dy);
         }
         let mean = sum / (fine * fine) as f32;
         pixels.extend(mean.to_array().map(|c| c.round().clamp(0.0, 255.0) as u8));
@@ -71,8 +72,8 @@ pub(super) fn resolve(canvas: &Canvas, colours: &[Vec3], fine: usize) -> Vec<u8>
     pixels
 }
 
-struct Shader<'a> {
-    canvas: &'a Canvas,
+struct SampleShader<'a> {
+    canvas: &'a DepthCanvas,
     colours: &'a [Vec3],
     /// Depth of the nearest and of the farthest sample, mm.
     range: (f32, f32),
@@ -80,26 +81,26 @@ struct Shader<'a> {
     reach: usize,
 }
 
-impl Shader<'_> {
-    fn sample(&self, x: usize, y: usize) -> Vec3 {
+impl SampleShader<'_> {
+    fn sample_colour(&self, x: usize, y: usize) -> Vec3 {
         let at = y * self.canvas.width + x;
         match self.canvas.tags[at] {
             NOTHING => BACKGROUND,
             TAG_FLOOR => FLOOR,
             TAG_WIRE => WIRE,
             TAG_INK => INK,
-            tag => self.body(tag, x, y),
+            tag => self.body_colour(tag, x, y),
         }
     }
 
-    fn body(&self, tag: u32, x: usize, y: usize) -> Vec3 {
+    fn body_colour(&self, tag: u32, x: usize, y: usize) -> Vec3 {
         let (at, width) = (y * self.canvas.width + x, self.canvas.width);
         let differs = |other: usize| body_of(self.canvas.tags[other]) != body_of(tag);
         let contour =
             (x >= self.reach && differs(at - self.reach)) || (y >= self.reach && differs(at - self.reach * width));
         let plain = self.colours[body_of(tag).unwrap_or(0) % self.colours.len().max(1)];
         let lit = plain * ((tag & 255) as f32 / 255.0) * if contour { CONTOUR } else { 1.0 };
-        let far = (self.canvas.depth(at) - self.range.0) / (self.range.1 - self.range.0).max(1e-6);
+        let far = (self.canvas.depth_at(at) - self.range.0) / (self.range.1 - self.range.0).max(1e-6);
         lit.lerp(BACKGROUND, HAZE * far.clamp(0.0, 1.0))
     }
 }

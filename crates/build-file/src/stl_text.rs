@@ -1,113 +1,114 @@
-//! ASCII STL, read tolerantly: any white space, any line end, any case, several solids, comments, lines of any length.
+//! A tolerant reader for ASCII STL: any white space, line end and case, several solids, comments, lines of any length.
 //!
-//! `stl_io` refuses unnamed, upper-case and CR-only files, stops after the first solid and reads in f32, so that this
-//! tokenizer does the whole of ASCII.
+//! `stl_io` refuses unnamed, upper-case and CR-only files, stops after the first solid and reads in f32. So this
+//! tokenizer reads all ASCII files.
 
 use std::io::{self, BufRead};
 
 use glam::DVec3;
 
-use super::{Limits, ReadError, number::decimal};
+use super::{FileReadError, ReadLimits, decimal::parse_decimal};
 
-/// Longer words cannot be numbers or keywords; the cap keeps a word out of memory that never ends.
+/// Longer words cannot be numbers or keywords. The limit keeps an endless word out of memory.
 const MAX_WORD: usize = 256;
 
-/// So much of an unexpected word is told; binary junk would fill a page.
-const EXCERPT: usize = 40;
+/// Length of an unexpected word in an error message; binary data would fill a page.
+const MAX_EXCERPT: usize = 40;
 
-/// What an ASCII file holds: three vertices per facet.
+/// The contents of an ASCII STL file: three vertices per facet.
 #[derive(Debug, Default)]
-pub(super) struct Soup {
+pub(super) struct TextStlContents {
     pub(super) corners: Vec<DVec3>,
-    /// `solid` headers.
+    /// Number of `solid` headers.
     pub(super) solids: u32,
     /// Whether the last solid is closed by `endsolid`.
     pub(super) ended: bool,
 }
 
 /// Reads facets until the end of the file.
-pub(super) fn read_text(input: impl BufRead, limits: &Limits) -> Result<Soup, ReadError> {
-    let mut words = Words::new(input);
-    let mut soup = Soup::default();
-    let mut next = words.next()?;
+pub(super) fn read_text_stl(input: impl BufRead, limits: &ReadLimits) -> Result<TextStlContents, FileReadError> {
+    let mut words = StlTokenizer::new(input);
+    let mut soup = TextStlContents::default();
+    let mut next = words.next_token()?;
     loop {
         next = match (next, words.word.as_slice()) {
-            (Next::End, _) => return Ok(soup),
-            (Next::Loop, _) => {
-                // A name's line that goes on with facets: another solid, if the one before was closed.
+            (NextToken::End, _) => return Ok(soup),
+            (NextToken::Loop, _) => {
+                // A name line that continues with facets: another solid, if the previous one was closed.
                 soup.solids += u32::from(soup.ended);
                 soup.ended = false;
-                facet(&mut words, &mut soup.corners, true, limits)?
+                read_facet(&mut words, &mut soup.corners, true, limits)?
             }
-            (Next::Word, b"solid") => {
+            (NextToken::Word, b"solid") => {
                 soup.solids += 1;
                 soup.ended = false;
-                words.pass_name()?
+                words.skip_name()?
             }
-            (Next::Word, b"endsolid") => {
+            (NextToken::Word, b"endsolid") => {
                 soup.ended = true;
-                words.pass_name()?
+                words.skip_name()?
             }
-            (Next::Word, b"facet") => facet(&mut words, &mut soup.corners, false, limits)?,
-            (Next::Word, _) => return Err(words.unexpected("`facet` or `endsolid`")),
+            (NextToken::Word, b"facet") => read_facet(&mut words, &mut soup.corners, false, limits)?,
+            (NextToken::Word, _) => return Err(words.unexpected_word("`facet` or `endsolid`")),
         };
     }
 }
 
-/// What follows in the file.
+/// The next token of the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Next {
+enum NextToken {
     /// A word, in lower case.
     Word,
-    /// The vertices of a facet: its words up to `outer loop` are read.
+    /// The vertices of a facet; the words up to `outer loop` are already read.
     Loop,
-    /// Nothing.
+    /// The end of the file.
     End,
 }
 
-/// Words that a name's line may be followed by, never the numbers of a normal.
+/// Keywords that may follow a solid's name on the same line; they are never numbers of a normal.
 const KEYWORDS: [&[u8]; 8] = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"vertex"];
 
-/// Everything after the word `facet` up to `endfacet`, and the word after it. The normal is not trusted, so not read.
-fn facet<R: BufRead>(
-    words: &mut Words<R>,
+/// Reads everything after the word `facet` up to `endfacet`, and the next word. The normal is not trusted, so it is not
+/// read.
+fn read_facet<R: BufRead>(
+    words: &mut StlTokenizer<R>,
     corners: &mut Vec<DVec3>,
     mut in_loop: bool,
-    limits: &Limits,
-) -> Result<Next, ReadError> {
+    limits: &ReadLimits,
+) -> Result<NextToken, FileReadError> {
     if corners.len() as u64 / 3 >= limits.max_triangles {
         let what = "it has too many triangles".to_owned();
-        return Err(ReadError::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" });
+        return Err(FileReadError::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" });
     }
     let first = corners.len();
     loop {
-        if !words.advance()? {
-            return Err(ReadError::Truncated(format!("it ends within facet {}", first / 3 + 1)));
+        if !words.advance_word()? {
+            return Err(FileReadError::Truncated(format!("it ends within facet {}", first / 3 + 1)));
         }
         match words.word.as_slice() {
-            b"vertex" => corners.push(vertex(words)?),
+            b"vertex" => corners.push(read_vertex(words)?),
             b"loop" => in_loop = true,
             b"endfacet" => break,
             b"outer" | b"endloop" => {}
-            b"facet" | b"endsolid" | b"solid" => return Err(words.unexpected("`endfacet`")),
-            _ if in_loop => return Err(words.unexpected("`vertex` or `endloop`")),
+            b"facet" | b"endsolid" | b"solid" => return Err(words.unexpected_word("`endfacet`")),
+            _ if in_loop => return Err(words.unexpected_word("`vertex` or `endloop`")),
             _ => {}
         }
     }
     let found = corners.len() - first;
     if found != 3 {
-        return Err(words.invalid(format!("facet {} has {found} vertices instead of 3", first / 3 + 1)));
+        return Err(words.invalid_line(format!("facet {} has {found} vertices instead of 3", first / 3 + 1)));
     }
-    words.next()
+    words.next_token()
 }
 
-fn vertex<R: BufRead>(words: &mut Words<R>) -> Result<DVec3, ReadError> {
+fn read_vertex<R: BufRead>(words: &mut StlTokenizer<R>) -> Result<DVec3, FileReadError> {
     let mut numbers = [0.0; 3];
     for number in &mut numbers {
-        if !words.advance()? {
-            return Err(ReadError::Truncated("it ends within a vertex".to_owned()));
+        if !words.advance_word()? {
+            return Err(FileReadError::Truncated("it ends within a vertex".to_owned()));
         }
-        *number = decimal(&words.word).ok_or_else(|| words.unexpected("a finite decimal number"))?;
+        *number = parse_decimal(&words.word).ok_or_else(|| words.unexpected_word("a finite decimal number"))?;
     }
     Ok(DVec3::from_array(numbers))
 }
@@ -117,25 +118,25 @@ fn is_blank(byte: u8) -> bool {
 }
 
 /// Splits a stream into words and counts lines.
-struct Words<R> {
+struct StlTokenizer<R> {
     input: R,
     word: Vec<u8>,
     line: u64,
-    /// The line that the word stands in.
+    /// The line of the present word.
     word_line: u64,
-    /// Names may have words of any length; no more of one is kept than of others.
+    /// Whether a name is being read: its words may have any length, but are truncated.
     in_name: bool,
-    /// The byte before, so that CR, LF and CR LF each count as one line end.
+    /// The previous byte, so that CR, LF and CR LF each count as one line end.
     last: u8,
 }
 
-impl<R: BufRead> Words<R> {
+impl<R: BufRead> StlTokenizer<R> {
     fn new(input: R) -> Self {
         Self { input, word: Vec::new(), line: 1, word_line: 1, in_name: false, last: 0 }
     }
 
     /// Reads the next word into `self.word`, in lower case; `false` at the end of the file. `#` starts a comment.
-    fn advance(&mut self) -> Result<bool, ReadError> {
+    fn advance_word(&mut self) -> Result<bool, FileReadError> {
         self.word.clear();
         loop {
             let bytes = self.input.fill_buf()?;
@@ -157,7 +158,7 @@ impl<R: BufRead> Words<R> {
             if self.word.len() > MAX_WORD && self.in_name {
                 self.word.truncate(MAX_WORD);
             } else if self.word.len() > MAX_WORD {
-                return Err(self.invalid(format!("a word is longer than {MAX_WORD} bytes")));
+                return Err(self.invalid_line(format!("a word is longer than {MAX_WORD} bytes")));
             }
             if !is_cut {
                 break;
@@ -167,30 +168,30 @@ impl<R: BufRead> Words<R> {
         Ok(!self.word.is_empty())
     }
 
-    fn next(&mut self) -> Result<Next, ReadError> {
-        Ok(if self.advance()? { Next::Word } else { Next::End })
+    fn next_token(&mut self) -> Result<NextToken, FileReadError> {
+        Ok(if self.advance_word()? { NextToken::Word } else { NextToken::End })
     }
 
-    /// Passes over the name of a solid, which ends with its line, or where the words of a facet follow it: some programs
-    /// write a whole file in one line.
-    fn pass_name(&mut self) -> Result<Next, ReadError> {
+    /// Skips the name of a solid. It ends with its line, or where the words of a facet follow it: some programs write a
+    /// whole file in one line.
+    fn skip_name(&mut self) -> Result<NextToken, FileReadError> {
         let line = self.line;
-        // How many of the words of `facet [normal x y z] outer loop` were seen.
+        // Number of words of `facet [normal x y z] outer loop` seen so far.
         let mut seen = 0;
         loop {
             self.in_name = true;
-            let next = self.next();
+            let next = self.next_token();
             self.in_name = false;
-            if next? == Next::End {
-                return Ok(Next::End);
+            if next? == NextToken::End {
+                return Ok(NextToken::End);
             }
             let word = self.word.as_slice();
             seen = match (seen, word) {
                 (1, b"normal") => 2,
                 (1 | 5, b"outer") => 6,
-                (6, b"loop") => return Ok(Next::Loop),
+                (6, b"loop") => return Ok(NextToken::Loop),
                 (2..5, number) if !KEYWORDS.contains(&number) => seen + 1,
-                _ if self.word_line != line => return Ok(Next::Word),
+                _ if self.word_line != line => return Ok(NextToken::Word),
                 (_, b"facet") => 1,
                 _ => 0,
             };
@@ -219,23 +220,23 @@ impl<R: BufRead> Words<R> {
         self.last = byte;
     }
 
-    /// What stands here instead; the last word of a file may be half of what was wanted.
-    fn unexpected(&mut self, wanted: &str) -> ReadError {
+    /// The error for an unexpected word. The last word of a file may be only half of the expected one.
+    fn unexpected_word(&mut self, wanted: &str) -> FileReadError {
         let is_word = self.word.iter().all(u8::is_ascii_graphic);
         match self.peek() {
             Ok(None) if is_word => {
-                return ReadError::Truncated(format!("it ends in line {}, before {wanted}", self.line));
+                return FileReadError::Truncated(format!("it ends in line {}, before {wanted}", self.line));
             }
             Ok(_) => {}
             Err(error) => return error.into(),
         }
-        let word: String = self.word.escape_ascii().map(char::from).take(EXCERPT).collect();
-        let more = if self.word.escape_ascii().count() > EXCERPT { "..." } else { "" };
-        self.invalid(format!("expected {wanted}, found `{word}`{more}"))
+        let word: String = self.word.escape_ascii().map(char::from).take(MAX_EXCERPT).collect();
+        let more = if self.word.escape_ascii().count() > MAX_EXCERPT { "..." } else { "" };
+        self.invalid_line(format!("expected {wanted}, found `{word}`{more}"))
     }
 
-    fn invalid(&self, reason: String) -> ReadError {
-        ReadError::stl(format!("line {}: {reason}", self.line))
+    fn invalid_line(&self, reason: String) -> FileReadError {
+        FileReadError::invalid_stl(format!("line {}: {reason}", self.line))
     }
 }
 
@@ -243,8 +244,8 @@ impl<R: BufRead> Words<R> {
 mod tests {
     use super::*;
 
-    fn text(text: &str) -> Result<Soup, ReadError> {
-        read_text(text.as_bytes(), &Limits::for_testing())
+    fn text(text: &str) -> Result<TextStlContents, FileReadError> {
+        read_text_stl(text.as_bytes(), &ReadLimits::for_testing())
     }
 
     const FACET: &str = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
@@ -283,7 +284,7 @@ mod tests {
 
     #[test]
     fn a_facet_cut_off_is_truncated() {
-        assert!(matches!(text(&format!("solid\n{}", &FACET[..40])), Err(ReadError::Truncated(_))));
+        assert!(matches!(text(&format!("solid\n{}", &FACET[..40])), Err(FileReadError::Truncated(_))));
     }
 
     #[test]
@@ -291,7 +292,7 @@ mod tests {
         let whole = format!("solid a\n{FACET}{FACET}");
         let (from, to) = ("solid a\n".len() + FACET.len(), whole.len() - "endfacet\n".len());
         for cut in (from + "facet".len()..to).filter(|&cut| !whole[..cut].ends_with(['0', '1'])) {
-            assert!(matches!(text(&whole[..cut]), Err(ReadError::Truncated(_))), "{}", &whole[from..cut]);
+            assert!(matches!(text(&whole[..cut]), Err(FileReadError::Truncated(_))), "{}", &whole[from..cut]);
         }
     }
 
@@ -305,7 +306,8 @@ mod tests {
 
     #[test]
     fn of_binary_junk_a_short_excerpt_is_told() {
-        let error = read_text(&[b"solid\n".as_slice(), &[7; 200]].concat()[..], &Limits::for_testing()).unwrap_err();
+        let error =
+            read_text_stl(&[b"solid\n".as_slice(), &[7; 200]].concat()[..], &ReadLimits::for_testing()).unwrap_err();
         let told = error.to_string();
         assert!(told.contains(r"found `\x07\x07") && told.ends_with("`...") && told.len() < 130, "{told}");
     }
@@ -317,8 +319,8 @@ mod tests {
 
     #[test]
     fn more_triangles_than_the_limit_are_refused() {
-        let limits = Limits { max_triangles: 2, ..Limits::for_testing() };
+        let limits = ReadLimits { max_triangles: 2, ..ReadLimits::for_testing() };
         let many = format!("solid\n{}", FACET.repeat(3));
-        assert!(matches!(read_text(many.as_bytes(), &limits), Err(ReadError::TooLarge { .. })));
+        assert!(matches!(read_text_stl(many.as_bytes(), &limits), Err(FileReadError::TooLarge { .. })));
     }
 }

@@ -1,4 +1,4 @@
-//! The whole build as one binary STL, the source paper's output.
+//! Writes the whole build as one binary STL, like the source paper.
 
 use std::io::Write;
 
@@ -6,42 +6,42 @@ use glam::DVec3;
 use solids::{Mesh, Pose};
 use stl_io::{Normal, Triangle, Vertex};
 
-use super::WriteError;
+use super::FileWriteError;
 
 /// Writes placed meshes as one binary STL in mm.
 pub fn write_stl<'a>(
     placed: impl Iterator<Item = (&'a Mesh, &'a Pose)>,
     mut out: impl Write,
-) -> Result<(), WriteError> {
+) -> Result<(), FileWriteError> {
     let placed: Vec<(&Mesh, &Pose)> = placed.collect();
     let left: usize = placed.iter().map(|(mesh, _)| mesh.triangles().len()).sum();
     if left == 0 {
-        return Err(WriteError::Build("it places nothing".to_owned()));
+        return Err(FileWriteError::Build("it contains no placements".to_owned()));
     }
     if u32::try_from(left).is_err() {
-        return Err(WriteError::Build(format!("{left} triangles are more than an STL file can count")));
+        return Err(FileWriteError::Build(format!("{left} triangles are more than an STL file can count")));
     }
     let triangles = placed.into_iter().flat_map(|(mesh, pose)| {
-        (0..mesh.triangles().len()).map(move |t| facet(mesh.corners(t).map(|corner| pose.point(corner))))
+        (0..mesh.triangles().len()).map(move |t| stl_facet(mesh.corners(t).map(|corner| pose.transform_point(corner))))
     });
-    stl_io::write_stl(&mut out, Counted { triangles, left })?;
+    stl_io::write_stl(&mut out, CountedTriangles { triangles, left })?;
     out.flush()?;
     Ok(())
 }
 
-fn facet([a, b, c]: [DVec3; 3]) -> Triangle {
+fn stl_facet([a, b, c]: [DVec3; 3]) -> Triangle {
     let single = |v: DVec3| v.as_vec3().to_array();
     let normal = (b - a).cross(c - a).normalize_or_zero();
     Triangle { normal: Normal::new(single(normal)), vertices: [a, b, c].map(|v| Vertex::new(single(v))) }
 }
 
-/// An iterator that knows its length, as the format writes the count first.
-struct Counted<I> {
+/// An iterator with a known length, since the format writes the count first.
+struct CountedTriangles<I> {
     triangles: I,
     left: usize,
 }
 
-impl<I: Iterator<Item = Triangle>> Iterator for Counted<I> {
+impl<I: Iterator<Item = Triangle>> Iterator for CountedTriangles<I> {
     type Item = Triangle;
 
     fn next(&mut self) -> Option<Triangle> {
@@ -54,4 +54,4 @@ impl<I: Iterator<Item = Triangle>> Iterator for Counted<I> {
     }
 }
 
-impl<I: Iterator<Item = Triangle>> ExactSizeIterator for Counted<I> {}
+impl<I: Iterator<Item = Triangle>> ExactSizeIterator for CountedTriangles<I> {}

@@ -1,67 +1,74 @@
-//! A dropped 3MF -> its parts: one per distinct object and linear part of its transform, with copies.
+//! Reads a dropped 3MF as parts with copies: one part per distinct object and linear part of its transform.
 
 use std::{collections::HashMap, path::Path};
 
 use glam::{DAffine3, DMat3};
 
 use super::{
-    Contents, Limits, ReadError, Solid, Unit, counted,
-    document::{Document, ObjectKey},
-    flatten::{Flat, Flattener},
-    model::Item,
-    solid, visible,
+    FileReadError, LengthUnit, PartFileContents, PartFileSolid, ReadLimits,
+    document::{ModelDocument, ObjectKey},
+    escape_invisible,
+    flatten::{ComponentFlattener, FlattenedObject},
+    format_count,
+    model::ModelItem,
+    solid,
 };
 
-/// Transforms whose linear parts agree to so many steps per unit are the same: files print 6 to 17 digits.
+/// Transforms count as equal if their linear parts agree to this many steps per unit: files print 6 to 17 digits.
 const STEPS: f64 = 1e9;
 
-type GroupKey = (ObjectKey, [i64; 9]);
+type ItemGroupKey = (ObjectKey, [i64; 9]);
 
-/// Build items that differ by a translation only.
-struct Group {
+/// Build items that differ only by a translation.
+struct ItemGroup {
     key: ObjectKey,
     linear: DMat3,
     copies: u32,
     part_number: Option<String>,
 }
 
-/// Reads a dropped package. `stem` names what the file does not; `ticket_unit` wins over the file's own.
-pub(super) fn read_dropped(
+/// Reads a dropped package. `stem` names unnamed objects; `ticket_unit` overrides the file's unit.
+pub(super) fn read_threemf_parts(
     file: &Path,
     stem: &str,
-    ticket_unit: Option<Unit>,
-    limits: &Limits,
-) -> Result<Contents, ReadError> {
-    let document = Document::read(file, limits)?;
-    let file_unit = document.start().unit;
+    ticket_unit: Option<LengthUnit>,
+    limits: &ReadLimits,
+) -> Result<PartFileContents, FileReadError> {
+    let document = ModelDocument::read_package(file, limits)?;
+    let file_unit = document.start_part().unit;
     let unit = ticket_unit.unwrap_or(file_unit);
     let mut warnings = document.warnings.clone();
     if unit != file_unit {
         warnings.push(format!("the ticket's unit {unit:?} is used instead of the file's {file_unit:?}"));
     }
-    let groups = groups(&document, &mut warnings)?;
-    let mut flattener = Flattener::new(&document, limits);
+    let groups = group_items(&document, &mut warnings)?;
+    let mut flattener = ComponentFlattener::new(&document, limits);
     let many = groups.len() > 1;
     let mut solids = Vec::with_capacity(groups.len());
     for group in groups {
         let object = document.object(group.key);
         let own = object.name.as_deref().or(group.part_number.as_deref()).map(str::trim).filter(|n| !n.is_empty());
         let name = match own {
-            Some(name) => visible(name),
+            Some(name) => escape_invisible(name),
             None if many => format!("{stem} {}", group.key.id()),
             None => stem.to_owned(),
         };
-        let flat = flattener.flatten(group.key, DAffine3::from_mat3(group.linear), unit.mm())?;
-        solids.push(part(name, flat, group.copies, unit)?);
+        let flat = flattener.flatten_object(group.key, DAffine3::from_mat3(group.linear), unit.mm_per_unit())?;
+        solids.push(part_from_flat(name, flat, group.copies, unit)?);
     }
-    Ok(Contents { solids, warnings })
+    Ok(PartFileContents { solids, warnings })
 }
 
-fn part(name: String, flat: Flat, copies: u32, unit: Unit) -> Result<Solid, ReadError> {
-    let mut solid = solid::solid(name, flat.vertices, flat.triangles, copies, unit)?;
+fn part_from_flat(
+    name: String,
+    flat: FlattenedObject,
+    copies: u32,
+    unit: LengthUnit,
+) -> Result<PartFileSolid, FileReadError> {
+    let mut solid = solid::check_solid(name, flat.vertices, flat.triangles, copies, unit)?;
     if flat.sliced {
         solid.warnings.push(
-            "the file gives this part as a stack of slices too, which is left out: its triangles may be a rough stand-in only"
+            "the file also has this part as a slice stack, which is ignored: its triangles may be only an approximation"
                 .to_owned(),
         );
     }
@@ -69,16 +76,16 @@ fn part(name: String, flat: Flat, copies: u32, unit: Unit) -> Result<Solid, Read
 }
 
 /// Groups the build items that are parts, in the order of their first item.
-fn groups(document: &Document, warnings: &mut Vec<String>) -> Result<Vec<Group>, ReadError> {
-    let items = &document.start().items;
+fn group_items(document: &ModelDocument, warnings: &mut Vec<String>) -> Result<Vec<ItemGroup>, FileReadError> {
+    let items = &document.start_part().items;
     if items.is_empty() {
-        return Err(ReadError::threemf("it has no build items, so nothing to print"));
+        return Err(FileReadError::invalid_threemf("it has no build items, so nothing to print"));
     }
-    let mut found: HashMap<GroupKey, usize> = HashMap::new();
-    let mut groups: Vec<Group> = Vec::new();
+    let mut found: HashMap<ItemGroupKey, usize> = HashMap::new();
+    let mut groups: Vec<ItemGroup> = Vec::new();
     let (mut unprintable, mut helpers) = (0, 0);
     for item in items {
-        let key = document.key(&item.reference, None)?;
+        let key = document.resolve_reference(&item.reference, None)?;
         unprintable += u32::from(!item.printable);
         helpers += u32::from(!document.object(key).is_part);
         if !item.printable || !document.object(key).is_part {
@@ -87,7 +94,7 @@ fn groups(document: &Document, warnings: &mut Vec<String>) -> Result<Vec<Group>,
         let linear = item.reference.transform.matrix3;
         let steps = linear.to_cols_array().map(|x| (x * STEPS).round() as i64);
         let at = *found.entry((key, steps)).or_insert_with(|| {
-            groups.push(group(item, key, linear));
+            groups.push(empty_group(item, key, linear));
             groups.len() - 1
         });
         groups[at].copies += 1;
@@ -95,21 +102,25 @@ fn groups(document: &Document, warnings: &mut Vec<String>) -> Result<Vec<Group>,
     if unprintable > 0 {
         warnings.push(format!(
             "{} as not printable and left out",
-            counted(unprintable, "build item is marked", "build items are marked")
+            format_count(unprintable, "build item is marked", "build items are marked")
         ));
     }
     if helpers > 0 {
         warnings.push(format!(
             "{}, not parts, and left out",
-            counted(helpers, "build item is supports or another helper", "build items are supports or other helpers")
+            format_count(
+                helpers,
+                "build item is supports or another helper",
+                "build items are supports or other helpers"
+            )
         ));
     }
     if groups.is_empty() {
-        return Err(ReadError::threemf("none of its build items is a part to print"));
+        return Err(FileReadError::invalid_threemf("none of its build items is a part to print"));
     }
     Ok(groups)
 }
 
-fn group(item: &Item, key: ObjectKey, linear: DMat3) -> Group {
-    Group { key, linear, copies: 0, part_number: item.part_number.clone() }
+fn empty_group(item: &ModelItem, key: ObjectKey, linear: DMat3) -> ItemGroup {
+    ItemGroup { key, linear, copies: 0, part_number: item.part_number.clone() }
 }

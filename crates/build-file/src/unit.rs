@@ -1,11 +1,11 @@
-//! Units of length a file may be in.
+//! Units of length of a file.
 
 use serde::{Deserialize, Serialize};
 
 /// A unit of length; the names are those of 3MF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Unit {
+pub enum LengthUnit {
     /// 0.001 mm.
     Micron,
     /// 1 mm.
@@ -26,9 +26,9 @@ pub enum Unit {
     Meter,
 }
 
-impl Unit {
+impl LengthUnit {
     /// Millimetres in one unit.
-    pub fn mm(self) -> f64 {
+    pub fn mm_per_unit(self) -> f64 {
         match self {
             Self::Micron => 0.001,
             Self::Millimeter => 1.0,

@@ -1,8 +1,8 @@
-//! UUIDs of the production extension, derived from what they name: the same build gives the same file.
+//! UUIDs of the production extension. They are derived from content, so that the same build gives the same file.
 
-/// A UUID laid out as version 5, from the BLAKE3 hash of the words. Each word is ended by a zero, so that no two lists of
-/// words run together.
-pub(super) fn uuid(words: &[&str]) -> String {
+/// A UUID in the layout of version 5, from the BLAKE3 hash of the words. Each word is followed by a zero byte, so that
+/// different lists of words give different UUIDs.
+pub(super) fn derive_uuid(words: &[&str]) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(b"nestd uuid\0");
     for word in words {
@@ -18,13 +18,13 @@ pub(super) fn uuid(words: &[&str]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::uuid;
+    use super::derive_uuid;
 
     #[test]
     fn a_uuid_depends_on_each_word_and_on_nothing_else() {
-        assert_eq!(uuid(&["a", "b"]), uuid(&["a", "b"]));
-        assert_ne!(uuid(&["a", "b"]), uuid(&["ab", ""]));
-        let text = uuid(&["a"]);
+        assert_eq!(derive_uuid(&["a", "b"]), derive_uuid(&["a", "b"]));
+        assert_ne!(derive_uuid(&["a", "b"]), derive_uuid(&["ab", ""]));
+        let text = derive_uuid(&["a"]);
         assert_eq!((text.len(), &text[14..15], text.matches('-').count()), (36, "5", 4));
     }
 }

@@ -1,4 +1,5 @@
-//! XML as 3MF uses it: namespaces resolved, no DTD, no undeclared prefix, no attribute twice, bounded depth.
+//! Reads XML as 3MF uses it: resolves namespaces, refuses DTDs, undeclared prefixes and duplicate attributes, limits
+//! depth.
 
 use std::{io::BufRead, ops::Range};
 
@@ -8,14 +9,14 @@ use quick_xml::{
     name::{NamespaceResolver, Prefix, QName, ResolveResult},
 };
 
-use super::{ReadError, guard::Guard};
+use super::{FileReadError, unpack_guard::UnpackGuard};
 
-/// Deeper XML is no 3MF.
+/// Deeper XML is not a 3MF.
 const MAX_DEPTH: usize = 64;
-/// An element of 3MF has a dozen; finding one twice compares each with each.
+/// A 3MF element has about a dozen. Finding duplicates compares each attribute with each.
 const MAX_ATTRIBUTES: usize = 64;
 
-/// Our own namespace, for what 3MF has no words for.
+/// This project's namespace, for metadata that 3MF does not define.
 pub(super) const NESTD: &str = "https://nestd.org/2026/build";
 pub(super) const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 pub(super) const PRODUCTION: &str = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
@@ -25,9 +26,9 @@ pub(super) const SLICE: &str = "http://schemas.microsoft.com/3dmanufacturing/sli
 const LATTICE: &str = "http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02";
 const RELATIONSHIPS: &str = "http://schemas.openxmlformats.org/package/2006/relationships";
 
-/// The namespaces that mean something to us.
+/// The namespaces that the reader knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Space {
+pub(super) enum XmlNamespace {
     /// No prefix, no default.
     None,
     Core,
@@ -39,8 +40,8 @@ pub(super) enum Space {
     Other,
 }
 
-impl Space {
-    pub(super) fn of(uri: &str) -> Self {
+impl XmlNamespace {
+    pub(super) fn from_uri(uri: &str) -> Self {
         match uri {
             CORE | CORE_2013 => Self::Core,
             PRODUCTION => Self::Production,
@@ -53,9 +54,9 @@ impl Space {
     }
 }
 
-/// The elements that mean something to us.
+/// The elements that the reader knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Tag {
+pub(super) enum ElementTag {
     Model,
     Metadata,
     MetadataGroup,
@@ -76,84 +77,84 @@ pub(super) enum Tag {
     Other,
 }
 
-impl Tag {
-    fn of(space: Space, local: &str) -> Self {
+impl ElementTag {
+    fn from_name(space: XmlNamespace, local: &str) -> Self {
         match (space, local) {
-            (Space::Core, "vertex") => Self::Vertex,
-            (Space::Core, "triangle") => Self::Triangle,
-            (Space::Core, "model") => Self::Model,
-            (Space::Core, "metadata") => Self::Metadata,
-            (Space::Core, "metadatagroup") => Self::MetadataGroup,
-            (Space::Core, "resources") => Self::Resources,
-            (Space::Core, "object") => Self::Object,
-            (Space::Core, "mesh") => Self::Mesh,
-            (Space::Core, "vertices") => Self::Vertices,
-            (Space::Core, "triangles") => Self::Triangles,
-            (Space::Core, "components") => Self::Components,
-            (Space::Core, "component") => Self::Component,
-            (Space::Core, "build") => Self::Build,
-            (Space::Core, "item") => Self::Item,
-            (Space::Lattice, "beamlattice") => Self::BeamLattice,
-            (Space::Relationships, "Relationship") => Self::Relationship,
+            (XmlNamespace::Core, "vertex") => Self::Vertex,
+            (XmlNamespace::Core, "triangle") => Self::Triangle,
+            (XmlNamespace::Core, "model") => Self::Model,
+            (XmlNamespace::Core, "metadata") => Self::Metadata,
+            (XmlNamespace::Core, "metadatagroup") => Self::MetadataGroup,
+            (XmlNamespace::Core, "resources") => Self::Resources,
+            (XmlNamespace::Core, "object") => Self::Object,
+            (XmlNamespace::Core, "mesh") => Self::Mesh,
+            (XmlNamespace::Core, "vertices") => Self::Vertices,
+            (XmlNamespace::Core, "triangles") => Self::Triangles,
+            (XmlNamespace::Core, "components") => Self::Components,
+            (XmlNamespace::Core, "component") => Self::Component,
+            (XmlNamespace::Core, "build") => Self::Build,
+            (XmlNamespace::Core, "item") => Self::Item,
+            (XmlNamespace::Lattice, "beamlattice") => Self::BeamLattice,
+            (XmlNamespace::Relationships, "Relationship") => Self::Relationship,
             _ => Self::Other,
         }
     }
 }
 
-/// One step through the document.
+/// One event of the document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Step {
-    /// An element opens; its attributes can be asked for until the next step.
-    Open(Tag),
+pub(super) enum DocumentStep {
+    /// An element opens; its attributes are available until the next step.
+    Open(ElementTag),
     /// The innermost open element closes.
     Close,
-    /// Character data, in [`Xml::text`].
+    /// Character data, in [`XmlReader::text`].
     Text,
-    /// The document is over.
+    /// The document ends.
     End,
 }
 
 #[derive(Debug, Clone)]
-struct Attribute {
-    space: Space,
+struct XmlAttribute {
+    space: XmlNamespace,
     name: Range<usize>,
     value: Range<usize>,
 }
 
 /// A reader of one document.
-pub(super) struct Xml<R> {
+pub(super) struct XmlReader<R> {
     reader: Reader<R>,
-    names: Names,
+    names: NamespaceScope,
     buffer: Vec<u8>,
     /// Names and values of the open element's attributes, or character data.
     text: String,
-    attributes: Vec<Attribute>,
-    /// The open element was empty, so its close is the next step.
+    attributes: Vec<XmlAttribute>,
+    /// The open element is empty, so the next step closes it.
     empty: bool,
     path: String,
     seen_root: bool,
 }
 
-/// The namespaces in force. Most elements declare none, so that nothing is looked up for them.
-struct Names {
+/// The namespaces in scope. Most elements declare none, so nothing is looked up for them.
+struct NamespaceScope {
     resolver: NamespaceResolver,
-    /// For each open element, whether it declared namespaces, and the default one around it.
-    open: Vec<(bool, Space)>,
-    default: Space,
+    /// For each open element, whether it declared namespaces, and the default namespace outside it.
+    open: Vec<(bool, XmlNamespace)>,
+    default: XmlNamespace,
 }
 
-impl Names {
-    fn enter(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
+impl NamespaceScope {
+    fn enter_element(&mut self, start: &BytesStart<'_>) -> Result<(), String> {
         let declares = start.attributes_raw().contains("xmlns");
         self.open.push((declares, self.default));
         if declares {
             self.resolver.push(start).map_err(|error| error.to_string())?;
-            self.default = self.space(None)?;
+            self.default = self.resolve_namespace(None)?;
         }
         Ok(())
     }
 
-    fn leave(&mut self) {
+    fn leave_element(&mut self) {
         if let Some((declared, default)) = self.open.pop()
             && declared
         {
@@ -162,21 +163,25 @@ impl Names {
         }
     }
 
-    fn space(&self, prefix: Option<Prefix<'_>>) -> Result<Space, String> {
+    fn resolve_namespace(&self, prefix: Option<Prefix<'_>>) -> Result<XmlNamespace, String> {
         match self.resolver.resolve_prefix(prefix, true) {
-            ResolveResult::Bound(namespace) => Ok(Space::of(namespace.0)),
-            ResolveResult::Unbound => Ok(Space::None),
+            ResolveResult::Bound(namespace) => Ok(XmlNamespace::from_uri(namespace.0)),
+            ResolveResult::Unbound => Ok(XmlNamespace::None),
             ResolveResult::Unknown(prefix) => Err(format!("the prefix `{prefix}` is not declared")),
         }
     }
 }
 
-impl<R: BufRead> Xml<Guard<R>> {
+impl<R: BufRead> XmlReader<UnpackGuard<R>> {
     /// `path` names the document in errors.
-    pub(super) fn new(guard: Guard<R>, path: &str) -> Self {
+    pub(super) fn new(guard: UnpackGuard<R>, path: &str) -> Self {
         Self {
             reader: Reader::from_reader(guard),
-            names: Names { resolver: NamespaceResolver::default(), open: Vec::new(), default: Space::None },
+            names: NamespaceScope {
+                resolver: NamespaceResolver::default(),
+                open: Vec::new(),
+                default: XmlNamespace::None,
+            },
             buffer: Vec::new(),
             text: String::new(),
             attributes: Vec::new(),
@@ -186,95 +191,99 @@ impl<R: BufRead> Xml<Guard<R>> {
         }
     }
 
-    pub(super) fn unpacked(&mut self) -> u64 {
-        self.reader.get_mut().unpacked()
+    pub(super) fn unpacked_bytes(&mut self) -> u64 {
+        self.reader.get_mut().unpacked_bytes()
     }
 
     fn depth(&self) -> usize {
         self.names.open.len()
     }
 
-    /// The next thing of interest; comments and processing instructions are passed over.
-    pub(super) fn step(&mut self) -> Result<Step, ReadError> {
+    /// The next relevant event; comments and processing instructions are skipped.
+    pub(super) fn next_step(&mut self) -> Result<DocumentStep, FileReadError> {
         if std::mem::take(&mut self.empty) {
-            return self.placed(Step::Close);
+            return self.check_step(DocumentStep::Close);
         }
         loop {
             self.buffer.clear();
             self.reader.get_mut().start_token();
             let event = match self.reader.read_event_into(&mut self.buffer) {
                 Ok(event) => event,
-                Err(error) => return Err(self.failed(error)),
+                Err(error) => return Err(self.read_failure(error)),
             };
             let step = match event {
                 Event::Start(ref start) | Event::Empty(ref start) => {
                     self.empty = matches!(event, Event::Empty(_));
-                    match open(&mut self.names, start, &mut self.attributes, &mut self.text) {
-                        Ok(tag) => Step::Open(tag),
-                        Err(reason) => return Err(self.invalid(&reason)),
+                    match open_element(&mut self.names, start, &mut self.attributes, &mut self.text) {
+                        Ok(tag) => DocumentStep::Open(tag),
+                        Err(reason) => return Err(self.invalid_document(&reason)),
                     }
                 }
-                Event::End(_) => Step::Close,
-                Event::Eof => Step::End,
-                Event::DocType(_) => return Err(self.invalid("it has a DTD, which 3MF forbids")),
+                Event::End(_) => DocumentStep::Close,
+                Event::Eof => DocumentStep::End,
+                Event::DocType(_) => return Err(self.invalid_document("it has a DTD, which 3MF forbids")),
                 Event::Text(data) => {
                     self.text.clear();
                     self.text.push_str(&data.xml10_content());
-                    Step::Text
+                    DocumentStep::Text
                 }
                 Event::CData(data) => {
                     self.text.clear();
                     self.text.push_str(&data.xml10_content());
-                    Step::Text
+                    DocumentStep::Text
                 }
                 Event::GeneralRef(reference) => {
                     self.text.clear();
-                    match character(&reference) {
+                    match resolve_reference(&reference) {
                         Some(c) => self.text.push(c),
-                        None => return Err(self.invalid("it names an entity that XML does not define")),
+                        None => return Err(self.invalid_document("it names an entity that XML does not define")),
                     }
-                    Step::Text
+                    DocumentStep::Text
                 }
                 Event::Decl(_) | Event::PI(_) | Event::Comment(_) => continue,
             };
-            return self.placed(step);
+            return self.check_step(step);
         }
     }
 
-    /// Checks that a step fits where the document stands. An opening element has entered its names already.
-    fn placed(&mut self, step: Step) -> Result<Step, ReadError> {
+    /// Checks that an event is allowed at the present place. An opening element has already entered its namespaces.
+    fn check_step(&mut self, step: DocumentStep) -> Result<DocumentStep, FileReadError> {
         let depth = self.depth();
         match step {
-            Step::Open(_) if depth == 1 && self.seen_root => return Err(self.invalid("it has two root elements")),
-            Step::Open(_) if depth > MAX_DEPTH => return Err(self.invalid("its elements nest too deeply")),
-            Step::Open(_) => self.seen_root = true,
-            Step::Close => self.names.leave(),
-            Step::End if depth > 0 => return Err(self.invalid("it ends within an element")),
-            Step::End if !self.seen_root => return Err(self.invalid("it holds no XML")),
-            Step::Text if depth == 0 && !self.text.trim().is_empty() => {
-                return Err(self.invalid("it has text outside the root element"));
+            DocumentStep::Open(_) if depth == 1 && self.seen_root => {
+                return Err(self.invalid_document("it has two root elements"));
+            }
+            DocumentStep::Open(_) if depth > MAX_DEPTH => {
+                return Err(self.invalid_document("its elements nest too deeply"));
+            }
+            DocumentStep::Open(_) => self.seen_root = true,
+            DocumentStep::Close => self.names.leave_element(),
+            DocumentStep::End if depth > 0 => return Err(self.invalid_document("it ends within an element")),
+            DocumentStep::End if !self.seen_root => return Err(self.invalid_document("it holds no XML")),
+            DocumentStep::Text if depth == 0 && !self.text.trim().is_empty() => {
+                return Err(self.invalid_document("it has text outside the root element"));
             }
             _ => {}
         }
         Ok(step)
     }
 
-    /// Passes over the open element and all in it.
-    pub(super) fn skip(&mut self) -> Result<(), ReadError> {
+    /// Skips the open element and its contents.
+    pub(super) fn skip_element(&mut self) -> Result<(), FileReadError> {
         let outside = self.depth() - 1;
         while self.depth() > outside {
-            self.step()?;
+            self.next_step()?;
         }
         Ok(())
     }
 
-    /// The text of the open element up to its close; elements in it are passed over.
-    pub(super) fn text_inside(&mut self) -> Result<String, ReadError> {
+    /// The text of the open element up to its end; elements in it are skipped.
+    pub(super) fn text_inside(&mut self) -> Result<String, FileReadError> {
         let outside = self.depth() - 1;
         let mut text = String::new();
         while self.depth() > outside {
             let inside = self.depth() == outside + 1;
-            if self.step()? == Step::Text && inside && text.len() < 1 << 16 {
+            if self.next_step()? == DocumentStep::Text && inside && text.len() < 1 << 16 {
                 text.push_str(&self.text);
             }
         }
@@ -282,18 +291,18 @@ impl<R: BufRead> Xml<Guard<R>> {
     }
 
     /// The value of an attribute without a prefix.
-    pub(super) fn plain(&self, name: &str) -> Option<&str> {
-        self.attribute(Space::None, name)
+    pub(super) fn plain_attribute(&self, name: &str) -> Option<&str> {
+        self.attribute_value(XmlNamespace::None, name)
     }
 
-    /// The value of an attribute of a namespace.
-    pub(super) fn attribute(&self, space: Space, name: &str) -> Option<&str> {
-        let wanted = |a: &&Attribute| a.space == space && &self.text[a.name.clone()] == name;
+    /// The value of an attribute in a namespace.
+    pub(super) fn attribute_value(&self, space: XmlNamespace, name: &str) -> Option<&str> {
+        let wanted = |a: &&XmlAttribute| a.space == space && &self.text[a.name.clone()] == name;
         self.attributes.iter().find(wanted).map(|a| &self.text[a.value.clone()])
     }
 
-    /// The namespace that a prefix stands for here, `None` when it is not declared.
-    pub(super) fn namespace(&self, prefix: &str) -> Option<String> {
+    /// The namespace of a prefix at this place; `None` when it is not declared.
+    pub(super) fn namespace_uri(&self, prefix: &str) -> Option<String> {
         let name = format!("{prefix}:x");
         match self.names.resolver.resolve_prefix(QName(&name).prefix(), true) {
             ResolveResult::Bound(namespace) => Some(namespace.0.to_owned()),
@@ -301,36 +310,36 @@ impl<R: BufRead> Xml<Guard<R>> {
         }
     }
 
-    /// An error in this document.
-    pub(super) fn invalid(&self, reason: &str) -> ReadError {
-        ReadError::threemf(format!("{}: {reason}", self.path))
+    /// Creates an error in this document.
+    pub(super) fn invalid_document(&self, reason: &str) -> FileReadError {
+        FileReadError::invalid_threemf(format!("{}: {reason}", self.path))
     }
 
-    fn failed(&mut self, error: quick_xml::Error) -> ReadError {
-        if let Some(reason) = self.reader.get_mut().take_tripped() {
+    fn read_failure(&mut self, error: quick_xml::Error) -> FileReadError {
+        if let Some(reason) = self.reader.get_mut().take_refusal() {
             return reason;
         }
         match error {
             quick_xml::Error::Io(io) if io.raw_os_error().is_some() => {
-                ReadError::Io(std::io::Error::from_raw_os_error(io.raw_os_error().unwrap_or(0)))
+                FileReadError::Io(std::io::Error::from_raw_os_error(io.raw_os_error().unwrap_or(0)))
             }
-            quick_xml::Error::Io(io) => self.invalid(&format!("its packed data is damaged ({io})")),
-            other => self.invalid(&other.to_string()),
+            quick_xml::Error::Io(io) => self.invalid_document(&format!("its packed data is damaged ({io})")),
+            other => self.invalid_document(&other.to_string()),
         }
     }
 }
 
-/// Takes an opening element apart and enters its namespaces.
-fn open(
-    names: &mut Names,
+/// Parses an opening element and enters its namespaces.
+fn open_element(
+    names: &mut NamespaceScope,
     start: &BytesStart<'_>,
-    attributes: &mut Vec<Attribute>,
+    attributes: &mut Vec<XmlAttribute>,
     text: &mut String,
-) -> Result<Tag, String> {
-    names.enter(start)?;
+) -> Result<ElementTag, String> {
+    names.enter_element(start)?;
     attributes.clear();
     text.clear();
-    // The reader's own check for doubles allocates at every element; ours is below.
+    // The reader's own check for duplicates allocates at every element; our check is below.
     for attribute in start.attributes().with_checks(false) {
         let attribute = attribute.map_err(|e| e.to_string())?;
         let (local, prefix) = attribute.key.decompose();
@@ -338,8 +347,8 @@ fn open(
             continue;
         }
         let space = match prefix {
-            None => Space::None,
-            prefix => names.space(prefix)?,
+            None => XmlNamespace::None,
+            prefix => names.resolve_namespace(prefix)?,
         };
         let name_start = text.len();
         text.push_str(local.into_inner());
@@ -350,9 +359,9 @@ fn open(
         } else {
             text.push_str(&attribute.value);
         }
-        let new = Attribute { space, name: name_start..value_start, value: value_start..text.len() };
-        let is_new = |a: &Attribute| text[a.name.clone()] == text[new.name.clone()] && a.space == new.space;
-        if space != Space::Other && attributes.iter().any(is_new) {
+        let new = XmlAttribute { space, name: name_start..value_start, value: value_start..text.len() };
+        let is_new = |a: &XmlAttribute| text[a.name.clone()] == text[new.name.clone()] && a.space == new.space;
+        if space != XmlNamespace::Other && attributes.iter().any(is_new) {
             return Err(format!("duplicated attribute `{}`", &text[new.name]));
         }
         if attributes.len() == MAX_ATTRIBUTES {
@@ -363,13 +372,13 @@ fn open(
     let (local, prefix) = start.name().decompose();
     let space = match prefix {
         None => names.default,
-        prefix => names.space(prefix)?,
+        prefix => names.resolve_namespace(prefix)?,
     };
-    Ok(Tag::of(space, local.into_inner()))
+    Ok(ElementTag::from_name(space, local.into_inner()))
 }
 
-/// What a reference stands for: a number or one of the five names that XML knows without a DTD.
-fn character(reference: &BytesRef<'_>) -> Option<char> {
+/// Resolves a reference: a number or one of the five names that XML defines without a DTD.
+fn resolve_reference(reference: &BytesRef<'_>) -> Option<char> {
     if reference.is_char_ref() {
         return reference.resolve_char_ref().ok().flatten();
     }

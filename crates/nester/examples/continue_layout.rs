@@ -7,48 +7,48 @@ use std::{error::Error, sync::Arc};
 
 use glam::DVec3;
 use nester::{
-    BuildVolume, Config, Instance, InstanceError, Item, Placement, PreparedMeshes, SearchBudget, Solution, insert,
-    nest_with,
+    BuildVolume, InstanceError, ItemPlacement, NestingConfig, NestingInstance, NestingItem, NestingSolution,
+    PreparedMeshes, SearchBudget, insert_copies, nest_with_cache,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (knob, rail) =
         (Arc::new(sample_parts::knob(42.0, 20.0, 6)), Arc::new(sample_parts::rail(90.0, 35.0, 10.0, 2.5)));
     let machine = BuildVolume { size_mm: DVec3::new(110.0, 110.0, 160.0) };
-    let asked = |knobs: u32, rails: u32| -> Result<Instance, InstanceError> {
-        let items = vec![Item::new("knob", knob.clone(), knobs), Item::new("rail", rail.clone(), rails)];
-        Instance::new(machine, 2.0, items)
+    let asked = |knobs: u32, rails: u32| -> Result<NestingInstance, InstanceError> {
+        let items = vec![NestingItem::new("knob", knob.clone(), knobs), NestingItem::new("rail", rail.clone(), rails)];
+        NestingInstance::new(machine, 2.0, items)
     };
     // Meshes are prepared once for all that follows.
-    let (config, prepared) = (Config::default(), PreparedMeshes::default());
+    let (config, prepared) = (NestingConfig::default(), PreparedMeshes::default());
 
     let monday = asked(8, 4)?;
-    let first = nest_with(&monday, &config, &[], &prepared, &SearchBudget::of_evaluations(60_000), &mut ());
+    let first = nest_with_cache(&monday, &config, &[], &prepared, &SearchBudget::of_evaluations(60_000), &mut ());
     println!("Monday: {}", told(&monday, &first));
 
     // Three knobs more: into gaps where there are any, the others make room, and nobody starts over.
     let tuesday = asked(11, 4)?;
     let budget = SearchBudget::of_evaluations(20_000);
-    let inserted = insert(&tuesday, &config, &first.placements, &prepared, &budget, &mut ());
+    let inserted = insert_copies(&tuesday, &config, &first.placements, &prepared, &budget, &mut ());
     println!("Tuesday, three knobs more: {}", told(&tuesday, &inserted));
     println!("  {} of the parts moved", moved(&first.placements, &inserted.placements));
 
     // The knobs of Monday are promised to a customer as they stand; everything else may still move.
-    let promised: Vec<Placement> = first.placements.iter().filter(|p| p.item == 0).copied().collect();
+    let promised: Vec<ItemPlacement> = first.placements.iter().filter(|p| p.item == 0).copied().collect();
     let reserved = asked(11, 6)?.with_pinned(promised.clone());
     let budget = SearchBudget::of_evaluations(60_000);
-    let last = nest_with(&reserved, &config, &first.placements, &prepared, &budget, &mut ());
+    let last = nest_with_cache(&reserved, &config, &first.placements, &prepared, &budget, &mut ());
     println!("Wednesday, two rails more and {} knobs promised: {}", promised.len(), told(&reserved, &last));
     println!("  {} of the promised parts moved", moved(&promised, &last.placements));
     Ok(())
 }
 
-fn told(instance: &Instance, solution: &Solution) -> String {
-    let (placed, copies) = (solution.placements.len(), instance.copies());
+fn told(instance: &NestingInstance, solution: &NestingSolution) -> String {
+    let (placed, copies) = (solution.placements.len(), instance.copy_count());
     format!("{placed} of {copies} parts, {:.1} mm high", solution.height_mm)
 }
 
 /// How many copies of an earlier layout stand elsewhere in a later one.
-fn moved(before: &[Placement], after: &[Placement]) -> usize {
+fn moved(before: &[ItemPlacement], after: &[ItemPlacement]) -> usize {
     before.iter().filter(|placement| !after.contains(placement)).count()
 }

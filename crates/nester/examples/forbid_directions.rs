@@ -8,36 +8,36 @@ use std::{error::Error, sync::Arc};
 
 use glam::DVec3;
 use nester::{
-    Body, BuildVolume, Config, Instance, Interlock, Item, NotDown, Orientation, OrientationRule, SearchBudget, Tilt,
-    nest, rotation_obeys, take_apart,
+    BuildVolume, FaceNotDown, InterlockRule, NestingConfig, NestingInstance, NestingItem, OrientationLimits,
+    OrientationRule, PlacedSolid, SearchBudget, TiltLimit, find_removal_order, nest, obeys_orientation,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
     // A tray must not be printed upside down, or it holds powder: within 60 degrees of how it stands.
-    let tray = Orientation::new(OrientationRule::Free, &[Tilt::new(DVec3::Z, 60.0)?], &[]);
+    let tray = OrientationLimits::new(OrientationRule::Free, &[TiltLimit::new(DVec3::Z, 60.0)?], &[]);
     // The upper face of a pulley is seen: it must not look down, where layers show as steps.
-    let pulley = Orientation::new(OrientationRule::Free, &[], &[NotDown::new(DVec3::Z, 45.0)?]);
+    let pulley = OrientationLimits::new(OrientationRule::Free, &[], &[FaceNotDown::new(DVec3::Z, 45.0)?]);
     let items = vec![
-        Item::new("tray", Arc::new(sample_parts::tray([2, 1], 22.0, 18.0, 2.0)), 3).with_orientation(tray),
-        Item::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 3).with_orientation(pulley),
+        NestingItem::new("tray", Arc::new(sample_parts::tray([2, 1], 22.0, 18.0, 2.0)), 3).with_orientation(tray),
+        NestingItem::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 3).with_orientation(pulley),
         // A lampshade stands as it was drawn, and only turns about z.
-        Item::new("lampshade", Arc::new(sample_parts::lampshade(50.0, 30.0, 36.0, 2.0)), 3)
+        NestingItem::new("lampshade", Arc::new(sample_parts::lampshade(50.0, 30.0, 36.0, 2.0)), 3)
             .with_orientation(OrientationRule::Upright),
         // Rings may be turned in any way, but a chain would not do.
-        Item::new("ring", Arc::new(sample_parts::ring(36.0, 26.0, 5.0)), 8),
+        NestingItem::new("ring", Arc::new(sample_parts::ring(36.0, 26.0, 5.0)), 8),
     ];
     let machine = BuildVolume { size_mm: DVec3::new(110.0, 110.0, 160.0) };
-    let instance = Instance::new(machine, 1.5, items)?;
-    let config = Config { interlock: Interlock::Forbid, ..Config::default() };
+    let instance = NestingInstance::new(machine, 1.5, items)?;
+    let config = NestingConfig { interlock: InterlockRule::Forbid, ..NestingConfig::default() };
     let budget = SearchBudget::of_evaluations(100_000);
     let solution = nest(&instance, &config, &[], &budget, &mut ());
 
     let asked = |item: usize| &instance.items()[item].orientation;
-    let obeying = solution.placements.iter().filter(|p| rotation_obeys(asked(p.item), &p.pose)).count();
+    let obeying = solution.placements.iter().filter(|p| obeys_orientation(asked(p.item), &p.pose)).count();
     println!("{:.1} mm high; {obeying} of {} parts stand as they may", solution.height_mm, solution.placements.len());
 
-    let bodies = Body::of_layout(&instance, &solution.placements);
-    let apart = take_apart(&bodies);
+    let bodies = PlacedSolid::of_layout(&instance, &solution.placements);
+    let apart = find_removal_order(&bodies);
     println!("{} parts are locked into others; the rest is drawn out in this order:", apart.locked.len());
     for &(body, way) in &apart.order {
         println!("  {:<14} {}", bodies[body].name, in_words(way));

@@ -6,7 +6,10 @@
 use std::{error::Error, sync::Arc};
 
 use glam::DVec3;
-use nester::{BuildVolume, Config, Instance, Item, SearchBudget, Solution, lower_bound_mm, nest, prove_layout};
+use nester::{
+    BuildVolume, NestingConfig, NestingInstance, NestingItem, NestingSolution, SearchBudget, lower_bound_mm, nest,
+    prove_layout,
+};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // What is to be printed: a name, a mesh in mm, how many copies.
@@ -17,21 +20,25 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("pulley", sample_parts::pulley(44.0, 12.0, 8.0), 4),
         ("hook", sample_parts::hook(16.0, 8.0, 30.0), 6),
     ];
-    let items = list.map(|(name, mesh, copies)| Item::new(name, Arc::new(mesh), copies));
+    let items = list.map(|(name, mesh, copies)| NestingItem::new(name, Arc::new(mesh), copies));
     let machine = BuildVolume { size_mm: DVec3::new(120.0, 120.0, 200.0) };
     let clearance_mm = 2.0;
-    let instance = Instance::new(machine, clearance_mm, items.into())?;
-    println!("{} parts, at least {:.1} mm high whatever anybody does", instance.copies(), lower_bound_mm(&instance));
+    let instance = NestingInstance::new(machine, clearance_mm, items.into())?;
+    println!(
+        "{} parts, at least {:.1} mm high whatever anybody does",
+        instance.copy_count(),
+        lower_bound_mm(&instance)
+    );
 
     let mut told_mm = f64::INFINITY;
-    let mut listener = |better: &Solution, evaluations: u64| {
+    let mut listener = |better: &NestingSolution, evaluations: u64| {
         if better.unplaced.is_empty() && better.height_mm < 0.99 * told_mm {
             told_mm = better.height_mm;
             println!("{evaluations:>7} evaluations: {told_mm:.1} mm");
         }
     };
     let budget = SearchBudget::of_evaluations(200_000);
-    let solution = nest(&instance, &Config::default(), &[], &budget, &mut listener);
+    let solution = nest(&instance, &NestingConfig::default(), &[], &budget, &mut listener);
 
     let proof = prove_layout(&instance, &solution.placements);
     println!(

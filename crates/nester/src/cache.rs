@@ -1,17 +1,18 @@
-//! Work that depends on a mesh only, kept from one run to the next. What is kept guides the search and never decides:
-//! the trees that prove clearance are always built from the triangles, so no kept byte can make a build wrong.
+//! Caches prepared data that depends on a mesh only, between runs. Cached data guides the search and never decides
+//! validity: the trees that prove clearance are always built from the triangles, so a cached byte cannot make a build
+//! wrong.
 
 use solids::{Mesh, Obb, Pose};
 
 use super::{
-    body::Body,
-    field::DistanceField,
-    outline::Outline,
-    pack::{Packer, Unpacker},
+    byte_codec::{ByteReader, ByteWriter},
+    distance_field::DistanceField,
+    outline::MeshOutline,
+    sphere_tree::SphereTree,
 };
 
-/// A place to keep bytes by key. What it gives back may be missing or stale, but not altered: implementations check
-/// it. Asked from several threads at once.
+/// A key-value store for bytes. A value may be missing or stale but must not be altered: implementations check that.
+/// Called from several threads at once.
 ///
 /// ```
 /// use std::{collections::HashMap, sync::{Arc, Mutex}};
@@ -34,18 +35,18 @@ use super::{
 /// let prepared = PreparedMeshes::default().with_cache(Some(Arc::new(MemoryCache::default())));
 /// # assert!(prepared.is_empty());
 /// ```
-pub trait Cache: Sync {
-    /// What was kept under a key, if it is still there and whole.
-    fn fetch(&self, key: &str) -> Option<Vec<u8>>;
-    /// Keeps bytes under a key. Failing to is no error: the work is done again.
-    fn keep(&self, key: &str, bytes: &[u8]);
+pub trait PreparedMeshCache: Sync {
+    /// Returns the value stored under a key, if it still exists and is intact.
+    fn fetch_bytes(&self, key: &str) -> Option<Vec<u8>>;
+    /// Stores bytes under a key. A failure is not an error: the data is computed again.
+    fn store_bytes(&self, key: &str, bytes: &[u8]);
 }
 
-/// Part of every key; another number for another meaning of the bytes or another way to work them out.
+/// Version in every key. It changes with the format of the bytes or the method that computes them.
 const VERSION: u32 = 1;
 
-/// The name of a mesh by its content: equal meshes have equal names, wherever they come from.
-pub(crate) fn name_of(mesh: &Mesh) -> String {
+/// The content hash of a mesh: equal meshes have equal hashes, wherever they come from.
+pub(crate) fn mesh_content_hash(mesh: &Mesh) -> String {
     let mut hasher = blake3::Hasher::new();
     let mut bytes = Vec::with_capacity(1 << 16);
     let mut flush = |bytes: &mut Vec<u8>, most: usize| {
@@ -67,51 +68,52 @@ pub(crate) fn name_of(mesh: &Mesh) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// The key of a kind of work on a mesh.
-pub(crate) fn key_of(kind: &str, mesh_name: &str) -> String {
+/// The key of a kind of prepared data of a mesh.
+pub(crate) fn cache_key(kind: &str, mesh_name: &str) -> String {
     format!("{kind}-{VERSION}-{mesh_name}")
 }
 
-/// An outline as bytes.
-pub(crate) fn pack_outline(outline: &Outline) -> Vec<u8> {
-    let mut packer = Packer::default();
-    packer.f64s(&outline.obb.pose.rotation.to_array());
-    packer.f64s(&outline.obb.pose.translation.to_array());
-    packer.f64s(&outline.obb.half_mm.to_array());
-    packer.f64s(&[outline.radius_mm]);
-    packer.u32(outline.extremes.len() as u32);
-    outline.extremes.iter().for_each(|p| packer.f64s(&p.to_array()));
+/// Encodes an outline as bytes.
+pub(crate) fn pack_outline(outline: &MeshOutline) -> Vec<u8> {
+    let mut packer = ByteWriter::default();
+    packer.write_f64s(&outline.obb.pose.rotation.to_array());
+    packer.write_f64s(&outline.obb.pose.translation.to_array());
+    packer.write_f64s(&outline.obb.half_mm.to_array());
+    packer.write_f64s(&[outline.radius_mm]);
+    packer.write_u32(outline.extremes.len() as u32);
+    outline.extremes.iter().for_each(|p| packer.write_f64s(&p.to_array()));
     packer.0
 }
 
-/// An outline from bytes.
-pub(crate) fn unpack_outline(bytes: &[u8]) -> Option<Outline> {
-    let mut from = Unpacker(bytes);
-    let rotation = glam::DQuat::from_array(from.f64s()?);
-    let pose = Pose { rotation, translation: from.f64s()?.into() };
-    let obb = Obb { pose, half_mm: from.f64s()?.into() };
-    let [radius_mm] = from.f64s()?;
-    let count = from.u32()?;
-    let extremes: Vec<glam::DVec3> = (0..count).map(|_| from.f64s().map(Into::into)).collect::<Option<_>>()?;
-    (from.0.is_empty() && rotation.is_normalized() && !extremes.is_empty()).then_some(Outline {
+/// Decodes an outline from bytes.
+pub(crate) fn unpack_outline(bytes: &[u8]) -> Option<MeshOutline> {
+    let mut from = ByteReader(bytes);
+    let rotation = glam::DQuat::from_array(from.read_f64s()?);
+    let pose = Pose { rotation, translation: from.read_f64s()?.into() };
+    let obb = Obb { pose, half_mm: from.read_f64s()?.into() };
+    let [radius_mm] = from.read_f64s()?;
+    let count = from.read_u32()?;
+    let extremes: Vec<glam::DVec3> = (0..count).map(|_| from.read_f64s().map(Into::into)).collect::<Option<_>>()?;
+    (from.0.is_empty() && rotation.is_normalized() && !extremes.is_empty()).then_some(MeshOutline {
         obb,
         extremes,
         radius_mm,
     })
 }
 
-/// Guides as bytes: signed distances, many points and few.
-pub(crate) fn pack_guides(field: &DistanceField, fine: &Body, coarse: &Body) -> Vec<u8> {
-    let mut packer = Packer::default();
-    field.pack(&mut packer);
-    fine.pack(&mut packer);
-    coarse.pack(&mut packer);
+/// Encodes a collision proxy as bytes: distance grid, fine points, coarse points.
+pub(crate) fn pack_proxies(field: &DistanceField, fine: &SphereTree, coarse: &SphereTree) -> Vec<u8> {
+    let mut packer = ByteWriter::default();
+    field.write_to(&mut packer);
+    fine.write_to(&mut packer);
+    coarse.write_to(&mut packer);
     packer.0
 }
 
-/// Guides from bytes.
-pub(crate) fn unpack_guides(bytes: &[u8]) -> Option<(DistanceField, Body, Body)> {
-    let mut from = Unpacker(bytes);
-    let guides = (DistanceField::unpack(&mut from)?, Body::unpack(&mut from)?, Body::unpack(&mut from)?);
-    from.0.is_empty().then_some(guides)
+/// Decodes a collision proxy from bytes.
+pub(crate) fn unpack_proxies(bytes: &[u8]) -> Option<(DistanceField, SphereTree, SphereTree)> {
+    let mut from = ByteReader(bytes);
+    let proxies =
+        (DistanceField::read_from(&mut from)?, SphereTree::read_from(&mut from)?, SphereTree::read_from(&mut from)?);
+    from.0.is_empty().then_some(proxies)
 }

@@ -1,42 +1,43 @@
-//! Parameters of the search, each with its default; `settings` reads them from TOML.
+//! Parameters of the search with their defaults. The `settings` module reads them from TOML.
 
 use serde::{Deserialize, Serialize};
 
-use super::Organs;
 #[cfg(feature = "paper")]
 use super::PaperConfig;
+use super::SearchComponents;
 
-/// Which search nests a build.
+/// The search method that nests a build.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Method {
-    /// Our own search, the default.
+pub enum NestingMethod {
+    /// This project's own search, the default.
     #[default]
     Nestd,
-    /// The published method, faithful: FPA one part after the other with OBB trees as collision test. Its parameters and where
+    /// The published method, implemented faithfully: FPA (flower pollination algorithm), one part after the other, with
+    /// OBB trees as the collision test. Its parameters and where
     /// it was published: [`PaperConfig`].
     #[cfg(feature = "paper")]
     Paper,
 }
 
-/// What becomes of parts that are locked into each other: that cannot be drawn out of the finished build one after the other
-/// along straight lines.
+/// How to treat interlocked parts: parts that cannot be removed from the finished build one after the other along
+/// straight lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Interlock {
-    /// No layout with a locked part counts; the search keeps clear of them. The published method knows nothing of it and
-    /// only warns.
+pub enum InterlockRule {
+    /// A layout with a locked part is not valid, and the search avoids such layouts. The published method does not
+    /// support this rule and only warns.
     #[default]
     Forbid,
-    /// Locked parts are told.
+    /// Locked parts are reported.
     Warn,
-    /// Nobody looks.
+    /// Interlocking is not checked.
     Allow,
 }
 
-impl Interlock {
-    /// As settings and build files spell it.
-    pub fn word(self) -> &'static str {
+impl InterlockRule {
+    /// The spelling in settings and build files.
+    pub fn as_str(self) -> &'static str {
         match self {
             Self::Forbid => "forbid",
             Self::Warn => "warn",
@@ -45,7 +46,7 @@ impl Interlock {
     }
 }
 
-/// Everything that steers the search but the instance and the budget.
+/// All search parameters except the instance and the budget.
 ///
 /// ```
 /// use nester::{Config, Interlock};
@@ -55,43 +56,44 @@ impl Interlock {
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Config {
-    /// Which search.
-    pub method: Method,
-    /// Seed of every random choice: same seed, threads and evaluation budget give the same build.
+pub struct NestingConfig {
+    /// Search method.
+    pub method: NestingMethod,
+    /// Seed of every random choice: the same seed, number of threads and evaluation budget give the same build.
     pub seed: u64,
-    /// Threads to search with; part of what makes a build repeatable. 0 = one per core.
+    /// Number of search threads; it affects the result. 0 = one per core.
     pub threads: usize,
-    /// What becomes of parts that are locked into each other.
-    pub interlock: Interlock,
+    /// How to treat interlocked parts.
+    pub interlock: InterlockRule,
     /// Parameters of the paper's method.
     #[cfg(feature = "paper")]
     pub paper: PaperConfig,
-    /// Which organs of our own search take part; for benches, not for configuration files.
+    /// Enabled components of our own search. For benches, not for configuration files.
     #[serde(skip)]
-    pub organs: Organs,
+    pub components: SearchComponents,
 }
 
-impl Default for Config {
+impl Default for NestingConfig {
     fn default() -> Self {
         Self {
-            method: Method::Nestd,
+            method: NestingMethod::Nestd,
             seed: 1,
             threads: 1,
-            interlock: Interlock::default(),
+            interlock: InterlockRule::default(),
             #[cfg(feature = "paper")]
             paper: PaperConfig::default(),
-            organs: Organs::default(),
+            components: SearchComponents::default(),
         }
     }
 }
 
-impl Config {
-    /// What becomes of locked parts when all is said: the published method cannot forbid them, so there they are told.
-    pub fn interlock(&self) -> Interlock {
+impl NestingConfig {
+    /// The interlock rule that is actually applied: the published method cannot forbid locked parts, so it reports them
+    /// instead.
+    pub fn effective_interlock(&self) -> InterlockRule {
         match (self.method, self.interlock) {
             #[cfg(feature = "paper")]
-            (Method::Paper, Interlock::Forbid) => Interlock::Warn,
+            (NestingMethod::Paper, InterlockRule::Forbid) => InterlockRule::Warn,
             (_, interlock) => interlock,
         }
     }

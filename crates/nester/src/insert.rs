@@ -1,40 +1,40 @@
-//! A copy more in a layout that stands: into a gap where there is one, else the parts around the best place make room.
-//! Nobody starts over, and whoever stands far from it stays where he is.
+//! Inserts a copy into an existing layout: into a gap if there is one; otherwise the parts around the best position
+//! make room. The layout is not rebuilt, and parts far from the new copy do not move.
 
 use std::{collections::BTreeSet, sync::Arc};
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Config, Instance, Listener, Placement, PreparedMeshes, Solution, Stop,
-    boxes::Boxes,
-    construct::Builder,
-    course::Course,
-    interlock::parted,
-    layout::Layout,
-    piece::{Piece, Task, height_mm, solution},
-    recipe::Recipe,
-    relocate::{DepthGrid, Effort, relocate},
-    separate::{Outcome, Patience, separate},
-    standing::standing,
+    ItemPlacement, NestingConfig, NestingInstance, NestingSolution, PreparedMeshes, ProgressListener, StopCondition,
+    box_stacker::BoxStacker,
+    interlock_check::split_separable,
+    layout_builder::LayoutBuilder,
+    nesting_run::NestingRun,
+    prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
+    recipe::PlacementRecipe,
+    relocation::{OverlapDepthGrid, RelocationEffort, relocate_part},
+    retained::retained_items,
+    separation::{SeparationLimits, SeparationOutcome, separate_parts},
+    working_layout::WorkingLayout,
 };
 
-/// Places at which room is made for a copy before it goes on top.
-const PLACES: usize = 4;
-/// Looks at a part among its neighbours, for each of those places.
-const LOOKS: u64 = 1500;
-/// How hard a place is looked for.
-const EFFORT: Effort = Effort { asked: 2000, looked_at: 48, pushed: 3 };
+/// Number of positions at which the neighbours make room before the copy is placed on top.
+const MAX_PLACES: usize = 4;
+/// Greatest number of part evaluations for each of those positions.
+const MAX_EVALUATIONS_PER_PLACE: u64 = 1500;
+/// Search effort for one position.
+const EFFORT: RelocationEffort = RelocationEffort { grid_queries: 2000, coarse_checks: 48, separated: 3 };
 /// Parts nearer to the copy than this share of its radius make room.
-const AROUND: f64 = 0.5;
-/// Parts no deeper in each other than this over the copy's section may be clear on the triangles, mm.
-const NEARLY_MM: f32 = 0.02;
-/// What of a height counts as no gain, mm.
+const MAKE_ROOM_SHARE: f64 = 0.5;
+/// Overlap per cross section below which the exact test is tried, mm.
+const NEAR_OVERLAP_MM: f32 = 0.02;
+/// Height differences up to this count as equal, mm.
 const SAME_MM: f64 = 1e-6;
 
-/// Puts the copies that `standing` lacks into it, as low as they find a gap; where there is none, the parts around the
-/// best place make room, and else they go on top. Copies that the instance does not ask for any more are left out, so
-/// this removes as well. A typical copy takes a fraction of a second; `stop` ends the making of room.
+/// Inserts the copies that `standing` lacks, each into the lowest gap. If there is no gap, the parts around the best
+/// position make room; otherwise the copy is placed on top. Copies that the instance no longer contains are left out,
+/// so this also removes copies. A typical copy takes a fraction of a second. `stop` limits the time for making room.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -55,83 +55,102 @@ const SAME_MM: f64 = 1e-6;
 /// assert_eq!(three.placements, seven.placements[..3]); // nobody moved
 /// # Ok::<(), nester::InstanceError>(())
 /// ```
-pub fn insert(
-    instance: &Instance,
-    config: &Config,
-    standing: &[Placement],
+pub fn insert_copies(
+    instance: &NestingInstance,
+    config: &NestingConfig,
+    standing: &[ItemPlacement],
     prepared: &PreparedMeshes,
-    stop: &dyn Stop,
-    listener: &mut dyn Listener,
-) -> Solution {
-    Course::new(instance, config, prepared, stop, listener).insert_only(standing)
+    stop: &dyn StopCondition,
+    listener: &mut dyn ProgressListener,
+) -> NestingSolution {
+    NestingRun::new(instance, config, prepared, stop, listener).insert_only(standing)
 }
 
-impl Course<'_> {
-    /// Only puts in what is lacking.
-    fn insert_only(mut self, start: &[Placement]) -> Solution {
-        let Some(task) = self.task(Arc::new(self.lineup())) else {
-            return solution(self.instance, &self.best, self.evaluations);
+impl NestingRun<'_> {
+    /// Only inserts the missing copies.
+    fn insert_only(mut self, start: &[ItemPlacement]) -> NestingSolution {
+        let Some(task) = self.prepare_instance(Arc::new(self.outline_instance())) else {
+            return solution_from_items(self.instance, &self.best_items, self.evaluations);
         };
-        let standing = standing(&task, self.instance, start);
-        self.offer(standing.clone());
-        self.insert_each(&task, &standing, &lacking(&task, &standing));
-        solution(self.instance, &self.best, self.evaluations)
+        let standing = retained_items(&task, self.instance, start);
+        self.offer_layout(standing.clone());
+        self.insert_missing(&task, &standing, &missing_copies(&task, &standing));
+        solution_from_items(self.instance, &self.best_items, self.evaluations)
     }
 
-    /// Puts copies into a layout that stands, the largest first, and offers the layout.
-    pub(super) fn insert_each(&mut self, task: &Task, standing: &[Piece], lacking: &[(usize, u32)]) {
+    /// Inserts copies into an existing layout, the largest first, and offers the result.
+    pub(super) fn insert_missing(
+        &mut self,
+        task: &PreparedInstance,
+        standing: &[PlacedItem],
+        missing: &[(usize, u32)],
+    ) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let recipe = Recipe::FIRST[0];
-        let mut builder = Builder::new(task);
-        let mut stack = builder.stack(standing);
-        for copy in recipe.sorted(&task.lineup, lacking, &mut rng) {
-            let before_mm = height_mm(&stack.pieces);
-            let placed = builder.put(&recipe, copy, &mut stack);
-            let grew = height_mm(&stack.pieces) > before_mm + SAME_MM && before_mm > 0.0;
-            if placed && !grew || self.stop.spent(self.evaluations) >= 1.0 {
+        let recipe = PlacementRecipe::FIRST[0];
+        let mut builder = LayoutBuilder::new(task);
+        let mut stack = builder.start_layout(standing);
+        for copy in recipe.sort_copies(&task.outlined, missing, &mut rng) {
+            let before_mm = height_mm(&stack.items);
+            let placed = builder.place_copy(&recipe, copy, &mut stack);
+            let grew = height_mm(&stack.items) > before_mm + SAME_MM && before_mm > 0.0;
+            if placed && !grew || self.stop.spent_share_at(self.evaluations) >= 1.0 {
                 continue;
             }
-            // Without a place at all, the lid is the machine's own.
-            let lid_mm = if placed { before_mm } else { task.room.z };
-            let mut pieces = stack.pieces.clone();
+            // If the copy did not fit at all, the height limit is that of the machine.
+            let height_limit_mm = if placed { before_mm } else { task.room.z };
+            let mut pieces = stack.items.clone();
             if !placed {
-                pieces.push(task.piece(copy, task.lineup.candidate(copy.0).fitting, 0.5 * task.room));
+                pieces.push(task.place_item(
+                    copy,
+                    task.outlined.outlined_item(copy.0).fitting_rotation,
+                    0.5 * task.room,
+                ));
             }
-            if let Some(pieces) = self.make_room(task, &pieces, lid_mm, &mut rng) {
-                stack = builder.stack(&pieces);
+            if let Some(pieces) = self.make_room(task, &pieces, height_limit_mm, &mut rng) {
+                stack = builder.start_layout(&pieces);
             }
         }
-        // What would be locked in goes on top, from where it can always be lifted.
-        let (free, locked) = if task.separable { parted(task, stack.pieces) } else { (stack.pieces, Vec::new()) };
+        // Copies that would be locked in are placed on top, from where they can always be lifted.
+        let (free, locked) =
+            if task.must_be_separable { split_separable(task, stack.items) } else { (stack.items, Vec::new()) };
         let locked: Vec<(usize, u32)> = locked.iter().map(|piece| (piece.item, piece.copy)).collect();
-        self.offer(Boxes::new(&task.lineup).stack(&free, &locked));
+        self.offer_layout(BoxStacker::new(&task.outlined).stack_copies(&free, &locked));
     }
 
-    /// Looks for a place of the last piece under a lid at which the parts around it can make room for it.
-    fn make_room(&mut self, task: &Task, pieces: &[Piece], lid_mm: f64, rng: &mut ChaCha8Rng) -> Option<Vec<Piece>> {
-        let mut layout = Layout::new(task, pieces, lid_mm);
-        let (stands, promised, last) = (layout.stands.clone(), layout.fixed.clone(), pieces.len() - 1);
-        let radius = layout.guides[last].shape.radius_mm as f32;
-        let patience = Patience { rounds: 25, repairs: 8, nearly: NEARLY_MM * radius * radius };
-        for _ in 0..PLACES {
+    /// Searches for a position of the last piece below a height limit where the parts around it can make room.
+    fn make_room(
+        &mut self,
+        task: &PreparedInstance,
+        pieces: &[PlacedItem],
+        height_limit_mm: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Option<Vec<PlacedItem>> {
+        let mut layout = WorkingLayout::new(task, pieces, height_limit_mm);
+        let (poses, promised, last) = (layout.poses.clone(), layout.fixed.clone(), pieces.len() - 1);
+        let radius = layout.proxies[last].shape.radius_mm as f32;
+        let patience =
+            SeparationLimits { idle_rounds: 25, failed_checks: 8, near_overlap: NEAR_OVERLAP_MM * radius * radius };
+        for _ in 0..MAX_PLACES {
             let before = layout.evaluations;
             layout.fixed.clone_from(&promised);
-            layout.load(&stands);
-            layout.forget();
-            let mut grid = DepthGrid::new(&layout);
-            relocate(&mut layout, &mut grid, last, EFFORT, rng);
-            let reach = (AROUND * layout.guides[last].shape.radius_mm + task.reach_mm) as f32;
+            layout.load_poses(&poses);
+            layout.age_memory();
+            let mut grid = OverlapDepthGrid::new(&layout);
+            relocate_part(&mut layout, &mut grid, last, EFFORT, rng);
+            let reach = (MAKE_ROOM_SHARE * layout.proxies[last].shape.radius_mm + task.max_clearance_mm) as f32;
             for (part, promised) in promised.iter().enumerate().take(last) {
-                let (here, there) = (&layout.guides[last], &layout.guides[part]);
+                let (here, there) = (&layout.proxies[last], &layout.proxies[part]);
                 layout.fixed[part] = *promised || !here.is_near(there, reach);
             }
             let (stop, made) = (self.stop, self.evaluations);
-            let over = |looks: u64| looks > before + LOOKS || stop.spent(made + looks - before) >= 1.0;
-            let outcome = separate(&mut layout, patience, rng, over);
+            let over = |looks: u64| {
+                looks > before + MAX_EVALUATIONS_PER_PLACE || stop.spent_share_at(made + looks - before) >= 1.0
+            };
+            let outcome = separate_parts(&mut layout, patience, rng, over);
             self.evaluations += layout.evaluations - before;
             match outcome {
-                Outcome::Clear(pieces) if task.keeps_cap(&pieces) => return Some(pieces),
-                _ if self.stop.spent(self.evaluations) >= 1.0 => return None,
+                SeparationOutcome::Clear(pieces) if task.keeps_cap(&pieces) => return Some(pieces),
+                _ if self.stop.spent_share_at(self.evaluations) >= 1.0 => return None,
                 _ => {}
             }
         }
@@ -139,14 +158,14 @@ impl Course<'_> {
     }
 }
 
-/// Whether copies are few beside what stands: then they are put in, and nothing is built anew.
-pub(super) fn are_few(lacking: &[(usize, u32)], standing: &[Piece]) -> bool {
-    !standing.is_empty() && lacking.len() <= 4 + standing.len() / 4
+/// Whether the missing copies are few compared to the placed pieces: then they are inserted and nothing is rebuilt.
+pub(super) fn are_few(missing: &[(usize, u32)], standing: &[PlacedItem]) -> bool {
+    !standing.is_empty() && missing.len() <= 4 + standing.len() / 4
 }
 
-/// Copies that neither stand nor are promised elsewhere, in order of precedence.
-pub(super) fn lacking(task: &Task, standing: &[Piece]) -> Vec<(usize, u32)> {
+/// Copies that are neither placed nor fixed at a pose, in order of precedence.
+pub(super) fn missing_copies(task: &PreparedInstance, standing: &[PlacedItem]) -> Vec<(usize, u32)> {
     let taken: BTreeSet<(usize, u32)> = standing.iter().map(|p| (p.item, p.copy)).collect();
-    let is_free = |copy: &&(usize, u32)| !taken.contains(copy) && !task.pins.contains(copy);
+    let is_free = |copy: &&(usize, u32)| !taken.contains(copy) && !task.pinned.contains(copy);
     task.copies.iter().filter(is_free).copied().collect()
 }

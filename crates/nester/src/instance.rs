@@ -1,4 +1,4 @@
-//! What is asked of the nester, frozen: a build volume, a clearance and items with copies.
+//! The input of the nester: a build volume, a clearance, and items with copies. It does not change during the search.
 
 use std::sync::Arc;
 
@@ -7,37 +7,37 @@ use solids::{Bounds, Mesh};
 use thiserror::Error;
 
 use super::{
-    BuildVolume, LayerCap, Orientation, Placement,
-    reserved::{Reserved, Zone, block},
+    BuildVolume, ItemPlacement, LayerAreaCap, OrientationLimits,
+    reserved::{ReservedSpace, ReservedZone, box_mesh},
 };
 
-/// Slices of a zone thinner than this inside the volume keep nothing out, mm.
+/// A zone whose part inside the volume is thinner than this is ignored, mm.
 const THINNEST_MM: f64 = 1e-6;
 
-/// A part as the nester sees it.
+/// A part to nest.
 #[derive(Debug, Clone)]
-pub struct Item {
+pub struct NestingItem {
     /// Name for reports and proofs.
     pub name: String,
-    /// The solid; equal meshes should be the same `Arc`, so that work on them is shared.
+    /// The solid. Equal meshes should share one `Arc`, so that their preparation is shared.
     pub mesh: Arc<Mesh>,
     /// How many copies to place, at least 1.
     pub copies: u32,
-    /// How it may be turned.
-    pub orientation: Orientation,
-    /// Clearance of its own, mm; between two parts the greater clearance holds.
+    /// Allowed orientations.
+    pub orientation: OrientationLimits,
+    /// Clearance of this item, mm. Between two items the greater clearance applies.
     pub clearance_mm: Option<f64>,
 }
 
-impl Item {
+impl NestingItem {
     /// So many copies of a mesh, turned in any way, at the instance's clearance.
     pub fn new(name: impl Into<String>, mesh: Arc<Mesh>, copies: u32) -> Self {
-        Self { name: name.into(), mesh, copies, orientation: Orientation::default(), clearance_mm: None }
+        Self { name: name.into(), mesh, copies, orientation: OrientationLimits::default(), clearance_mm: None }
     }
 
     /// The same, turned only as a rule allows.
     #[must_use]
-    pub fn with_orientation(self, orientation: impl Into<Orientation>) -> Self {
+    pub fn with_orientation(self, orientation: impl Into<OrientationLimits>) -> Self {
         Self { orientation: orientation.into(), ..self }
     }
 
@@ -48,7 +48,7 @@ impl Item {
     }
 }
 
-/// Why an instance makes no sense.
+/// Why an instance is invalid.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum InstanceError {
     /// A size is not a positive number.
@@ -57,11 +57,11 @@ pub enum InstanceError {
     /// A clearance is negative or not a number.
     #[error("the clearance {0} mm is not a distance")]
     BadClearance(f64),
-    /// A keep-out box is none.
+    /// A keep-out box is not a valid box.
     #[error("the keep-out from {0} to {1} mm is not a box")]
     BadKeepOut(DVec3, DVec3),
-    /// A layer has no thickness, or none of it may be filled.
-    #[error("at most {0} mm2 of layers of {1} mm is no cap")]
+    /// The layer thickness or the area cap is not positive.
+    #[error("{0} mm2 is not a valid area cap for layers of {1} mm")]
     BadLayers(f64, f64),
     /// There is nothing to nest.
     #[error("there is nothing to nest")]
@@ -78,7 +78,7 @@ pub enum InstanceError {
     },
 }
 
-/// What is asked. Items stand in order of precedence: where not all fit, earlier items come first.
+/// The nesting problem. Items are in order of precedence: when not all copies fit, earlier items are placed first.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -97,18 +97,18 @@ pub enum InstanceError {
 ///
 /// Written with serde, every distinct mesh (`Arc`) is written once; what is read is checked as here.
 #[derive(Debug, Clone)]
-pub struct Instance {
+pub struct NestingInstance {
     volume: BuildVolume,
     clearance_mm: f64,
     clearance_z_extra_mm: f64,
-    layer_cap: LayerCap,
-    items: Vec<Item>,
-    reserved: Reserved,
+    layer_cap: LayerAreaCap,
+    items: Vec<NestingItem>,
+    reserved: ReservedSpace,
 }
 
-impl Instance {
-    /// Checks and freezes. Clearance in mm, items in order of precedence; items with 0 copies are allowed.
-    pub fn new(volume: BuildVolume, clearance_mm: f64, items: Vec<Item>) -> Result<Self, InstanceError> {
+impl NestingInstance {
+    /// Checks the input. The clearance is in mm; items are in order of precedence; items with 0 copies are allowed.
+    pub fn new(volume: BuildVolume, clearance_mm: f64, items: Vec<NestingItem>) -> Result<Self, InstanceError> {
         let size = volume.size_mm;
         if !(size.is_finite() && size.min_element() > 0.0) {
             return Err(InstanceError::BadVolume(size.x, size.y, size.z));
@@ -121,16 +121,16 @@ impl Instance {
         if items.iter().all(|i| i.copies == 0) {
             return Err(InstanceError::Empty);
         }
-        let (layer_cap, reserved) = (LayerCap::default(), Reserved::default());
+        let (layer_cap, reserved) = (LayerAreaCap::default(), ReservedSpace::default());
         Ok(Self { volume, clearance_mm, clearance_z_extra_mm: 0.0, layer_cap, items, reserved })
     }
 
-    pub(super) fn reserved(&self) -> &Reserved {
+    pub(super) fn reserved_space(&self) -> &ReservedSpace {
         &self.reserved
     }
 
-    /// Keeps boxes of the build volume free, mm in its frame: nothing touches them, but nothing keeps a clearance from
-    /// them either. What of a box lies outside the volume is of no matter.
+    /// Keeps boxes of the build volume free, mm in its frame. No part may touch such a box, but no clearance to it is
+    /// required. The part of a box outside the volume is ignored.
     ///
     /// ```
     /// # use std::sync::Arc;
@@ -154,16 +154,16 @@ impl Instance {
             let solid = if is_box { Ok(()) } else { Err(InstanceError::BadKeepOut(keep_out.min, keep_out.max)) };
             solid?;
             if inside.size().min_element() > THINNEST_MM {
-                let mesh = block(&inside).ok_or(InstanceError::BadKeepOut(keep_out.min, keep_out.max))?;
-                zones.push(Zone { bounds: inside, mesh: Arc::new(mesh) });
+                let mesh = box_mesh(&inside).ok_or(InstanceError::BadKeepOut(keep_out.min, keep_out.max))?;
+                zones.push(ReservedZone { bounds: inside, mesh: Arc::new(mesh) });
             }
         }
         self.reserved.zones = zones;
         Ok(self)
     }
 
-    /// Promises copies where they stand: they are part of every layout and never move. A copy whose pose breaks a rule, or
-    /// comes too near to one promised before it, is placed nowhere rather than elsewhere.
+    /// Fixes copies at given poses: they are part of every layout and never move. If a pose breaks a rule, or comes too
+    /// near to an earlier fixed copy, that copy stays unplaced.
     ///
     /// ```
     /// # use std::sync::Arc;
@@ -180,23 +180,23 @@ impl Instance {
     /// # Ok::<(), nester::InstanceError>(())
     /// ```
     #[must_use]
-    pub fn with_pinned(mut self, pinned: Vec<Placement>) -> Self {
+    pub fn with_pinned(mut self, pinned: Vec<ItemPlacement>) -> Self {
         self.reserved.pinned = pinned;
         self
     }
 
-    /// The boxes that are kept free, as far as they lie in the volume, mm.
+    /// The parts of the keep-out boxes that lie inside the volume, mm.
     pub fn keep_out(&self) -> Vec<Bounds> {
         self.reserved.zones.iter().map(|zone| zone.bounds).collect()
     }
 
-    /// The copies that never move.
-    pub fn pinned(&self) -> &[Placement] {
+    /// The copies with fixed poses.
+    pub fn pinned(&self) -> &[ItemPlacement] {
         &self.reserved.pinned
     }
 
-    /// Asks for more clearance along z: between any two parts the clearance also holds when either of them is raised by
-    /// anything from 0 to `extra_mm`.
+    /// Requires more clearance along z: between any two parts the clearance must also hold when either of them is
+    /// raised by anything from 0 to `extra_mm`.
     pub fn with_clearance_z_extra(self, extra_mm: f64) -> Result<Self, InstanceError> {
         if !(extra_mm.is_finite() && extra_mm >= 0.0) {
             return Err(InstanceError::BadClearance(extra_mm));
@@ -214,37 +214,37 @@ impl Instance {
         self.clearance_mm
     }
 
-    /// Says how thick layers are, and how much of one may be filled.
-    pub fn with_layer_cap(self, layer_cap: LayerCap) -> Result<Self, InstanceError> {
+    /// Sets the layer thickness and the greatest area that a layer may fill.
+    pub fn with_layer_cap(self, layer_cap: LayerAreaCap) -> Result<Self, InstanceError> {
         if !(layer_cap.layer_mm.is_finite() && layer_cap.layer_mm > 0.0 && layer_cap.area_mm2 > 0.0) {
             return Err(InstanceError::BadLayers(layer_cap.area_mm2, layer_cap.layer_mm));
         }
         Ok(Self { layer_cap, ..self })
     }
 
-    /// Layers, and how much of one may be filled.
-    pub fn layer_cap(&self) -> LayerCap {
+    /// The layer thickness and the greatest area that a layer may fill.
+    pub fn layer_cap(&self) -> LayerAreaCap {
         self.layer_cap
     }
 
-    /// By how much either of two parts may be raised without breaking their clearance, mm.
+    /// The height by which either of two parts may be raised without breaking their clearance, mm.
     pub fn clearance_z_extra_mm(&self) -> f64 {
         self.clearance_z_extra_mm
     }
 
     /// Items in order of precedence.
-    pub fn items(&self) -> &[Item] {
+    pub fn items(&self) -> &[NestingItem] {
         &self.items
     }
 
-    /// The clearance that holds between two items, mm.
+    /// The clearance that applies between two items, mm.
     pub fn clearance_between_mm(&self, item1: usize, item2: usize) -> f64 {
         let own = |item: usize| self.items[item].clearance_mm.unwrap_or(0.0);
         self.clearance_mm.max(own(item1)).max(own(item2))
     }
 
-    /// Copies of all items.
-    pub fn copies(&self) -> usize {
+    /// Number of copies of all items together.
+    pub fn copy_count(&self) -> usize {
         self.items.iter().map(|i| i.copies as usize).sum()
     }
 }

@@ -1,4 +1,4 @@
-//! The search where parts may not be locked into each other: what it hands out can always be taken apart.
+//! Tests of the search when interlocking is forbidden: every result can be taken apart.
 
 use std::{collections::BTreeSet, sync::Arc};
 
@@ -7,22 +7,22 @@ use proptest::prelude::*;
 use solids::{Mesh, Pose};
 
 use super::{
-    Body, BuildVolume, Config, Instance, Interlock, Item, Organs, OrientationRule, Placement, PreparedMeshes, Solution,
-    Stop, nest,
-    outline::Lineup,
-    piece::{Piece, Task},
-    prove,
-    separable::{can_leave, dismantle, in_the_way, locked_pairs, ways},
-    take_apart,
+    BuildVolume, InterlockRule, ItemPlacement, NestingConfig, NestingInstance, NestingItem, NestingSolution,
+    OrientationRule, PlacedSolid, PreparedMeshes, SearchComponents, StopCondition,
+    disassembly::{can_be_removed, items_blocking_disassembly, locked_pairs, plan_disassembly, removal_directions},
+    find_removal_order, nest,
+    outline::OutlinedInstance,
+    preparation::MeshPreparation,
+    prepared_instance::{PlacedItem, PreparedInstance},
+    prove_placed_solids,
+    rotations::axis_rotations,
     testing::{block, cells, range},
-    turns::axis_turns,
-    workshop::Workshop,
 };
 
-struct Evaluations(u64);
+struct InterlockTestBudget(u64);
 
-impl Stop for Evaluations {
-    fn spent(&self, evaluations: u64) -> f64 {
+impl StopCondition for InterlockTestBudget {
+    fn spent_share_at(&self, evaluations: u64) -> f64 {
         evaluations as f64 / self.0 as f64
     }
 }
@@ -39,8 +39,8 @@ fn dumbbell() -> Arc<Mesh> {
     cells(3.0, range([0, 0, 0], [1, 1, 8]).chain(head(0)).chain(head(7)))
 }
 
-fn instance(size: DVec3, clearance_mm: f64, meshes: &[(Arc<Mesh>, u32)]) -> Instance {
-    let item = |(mesh, copies): &(Arc<Mesh>, u32)| Item {
+fn instance(size: DVec3, clearance_mm: f64, meshes: &[(Arc<Mesh>, u32)]) -> NestingInstance {
+    let item = |(mesh, copies): &(Arc<Mesh>, u32)| NestingItem {
         name: "part".to_owned(),
         mesh: mesh.clone(),
         copies: *copies,
@@ -48,11 +48,11 @@ fn instance(size: DVec3, clearance_mm: f64, meshes: &[(Arc<Mesh>, u32)]) -> Inst
         clearance_mm: None,
     };
     let volume = BuildVolume { size_mm: size };
-    Instance::new(volume, clearance_mm, meshes.iter().map(item).collect()).expect("makes sense")
+    NestingInstance::new(volume, clearance_mm, meshes.iter().map(item).collect()).expect("makes sense")
 }
 
-fn bodies(instance: &Instance, placements: &[Placement]) -> Vec<Body> {
-    let body = |p: &Placement| Body {
+fn bodies(instance: &NestingInstance, placements: &[ItemPlacement]) -> Vec<PlacedSolid> {
+    let body = |p: &ItemPlacement| PlacedSolid {
         name: String::new(),
         mesh: instance.items()[p.item].mesh.clone(),
         pose: p.pose,
@@ -61,30 +61,35 @@ fn bodies(instance: &Instance, placements: &[Placement]) -> Vec<Body> {
     placements.iter().map(body).collect()
 }
 
-fn placed(item: usize, copy: u32, turn: DQuat, at: [f64; 3]) -> Placement {
-    Placement { item, copy, pose: Pose::new(turn, DVec3::from_array(at)) }
+fn placed(item: usize, copy: u32, turn: DQuat, at: [f64; 3]) -> ItemPlacement {
+    ItemPlacement { item, copy, pose: Pose::new(turn, DVec3::from_array(at)) }
 }
 
 /// Two frames linked like a chain, 5 mm and more inside the volume.
-fn chain() -> (Instance, Vec<Placement>) {
+fn chain() -> (NestingInstance, Vec<ItemPlacement>) {
     let instance = instance(DVec3::splat(60.0), 1.0, &[(frame(7), 2), (block(DVec3::splat(5.0)), 1)]);
     let upright = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
     let start = vec![placed(0, 0, DQuat::IDENTITY, [10.0, 10.0, 15.0]), placed(0, 1, upright, [20.0, 21.5, 5.0])];
     (instance, start)
 }
 
-fn run(instance: &Instance, interlock: Interlock, start: &[Placement], evaluations: u64) -> Solution {
-    let config = Config { interlock, ..Config::default() };
-    nest(instance, &config, start, &Evaluations(evaluations), &mut |found: &Solution, _: u64| {
-        if interlock == Interlock::Forbid {
-            assert_eq!(take_apart(&bodies(instance, &found.placements)).locked, Vec::<usize>::new());
+fn run(
+    instance: &NestingInstance,
+    interlock: InterlockRule,
+    start: &[ItemPlacement],
+    evaluations: u64,
+) -> NestingSolution {
+    let config = NestingConfig { interlock, ..NestingConfig::default() };
+    nest(instance, &config, start, &InterlockTestBudget(evaluations), &mut |found: &NestingSolution, _: u64| {
+        if interlock == InterlockRule::Forbid {
+            assert_eq!(find_removal_order(&bodies(instance, &found.placements)).locked, Vec::<usize>::new());
         }
     })
 }
 
 #[test]
 fn ways_are_the_26_of_a_cube_with_up_first() {
-    let ways = ways();
+    let ways = removal_directions();
     assert_eq!(ways[0], DVec3::Z);
     for (at, way) in ways.iter().enumerate() {
         assert!((way.length() - 1.0).abs() < 1e-12);
@@ -95,37 +100,40 @@ fn ways_are_the_26_of_a_cube_with_up_first() {
 #[test]
 fn a_layout_that_was_locked_is_repaired_where_that_is_forbidden() {
     let (instance, start) = chain();
-    assert!(prove(&bodies(&instance, &start), DVec3::splat(60.0)).is_proved(), "the chain is a proved layout");
-    assert_eq!(take_apart(&bodies(&instance, &start)).locked, [0, 1]);
-    let solution = run(&instance, Interlock::Forbid, &start, 3000);
+    assert!(
+        prove_placed_solids(&bodies(&instance, &start), DVec3::splat(60.0)).is_proved(),
+        "the chain is a proved layout"
+    );
+    assert_eq!(find_removal_order(&bodies(&instance, &start)).locked, [0, 1]);
+    let solution = run(&instance, InterlockRule::Forbid, &start, 3000);
     assert_eq!(solution.placements.len(), 3);
-    assert!(prove(&bodies(&instance, &solution.placements), DVec3::splat(60.0)).is_proved());
+    assert!(prove_placed_solids(&bodies(&instance, &solution.placements), DVec3::splat(60.0)).is_proved());
 }
 
 #[test]
 fn where_it_is_allowed_a_chain_may_stay_one() {
     let (instance, start) = chain();
-    // No budget: what stands is left as it stands.
-    let solution = run(&instance, Interlock::Allow, &start, 1);
+    // No budget: the given layout stays as it is.
+    let solution = run(&instance, InterlockRule::Allow, &start, 1);
     assert_eq!(solution.placements.len(), 3);
-    assert_eq!(take_apart(&bodies(&instance, &solution.placements)).locked, [0, 1]);
+    assert_eq!(find_removal_order(&bodies(&instance, &solution.placements)).locked, [0, 1]);
 }
 
 #[test]
 fn frames_and_dumbbells_come_apart_at_every_height_on_the_way() {
     let instance = instance(DVec3::new(45.0, 45.0, 200.0), 1.0, &[(frame(7), 6), (dumbbell(), 5), (frame(5), 4)]);
-    let solution = run(&instance, Interlock::Forbid, &[], 25_000);
+    let solution = run(&instance, InterlockRule::Forbid, &[], 25_000);
     assert!(solution.unplaced.is_empty());
-    assert!(prove(&bodies(&instance, &solution.placements), instance.volume().size_mm).is_proved());
+    assert!(prove_placed_solids(&bodies(&instance, &solution.placements), instance.volume().size_mm).is_proved());
 }
 
-/// Two frames of 21 mm, one flat and one on edge, neither of which may be turned, in a volume that holds both only as links
+/// Two frames of 21 mm, one flat and one on edge, which must not be rotated, in a volume that holds both only as links
 /// of a chain.
-fn two_links() -> Instance {
+fn two_links() -> NestingInstance {
     let inner = |v: i32| (1..6).contains(&v);
     let flat = cells(3.0, range([0, 0, 0], [7, 7, 1]).filter(|c| !(inner(c[0]) && inner(c[1]))));
     let on_edge = cells(3.0, range([0, 0, 0], [7, 1, 7]).filter(|c| !(inner(c[0]) && inner(c[2]))));
-    let item = |mesh| Item {
+    let item = |mesh| NestingItem {
         name: "link".to_owned(),
         mesh,
         copies: 1,
@@ -133,31 +141,32 @@ fn two_links() -> Instance {
         clearance_mm: None,
     };
     let volume = BuildVolume { size_mm: DVec3::new(32.0, 22.0, 22.0) };
-    Instance::new(volume, 1.0, vec![item(on_edge), item(flat)]).expect("makes sense")
+    NestingInstance::new(volume, 1.0, vec![item(on_edge), item(flat)]).expect("makes sense")
 }
 
 #[test]
 fn where_two_links_fit_only_as_a_chain_one_stays_out() {
     let instance = two_links();
     let start = [placed(0, 0, DQuat::IDENTITY, [10.5, 9.5, 0.5]), placed(1, 0, DQuat::IDENTITY, [0.2, 0.5, 8.0])];
-    for (interlock, count) in [(Interlock::Forbid, 1), (Interlock::Warn, 2), (Interlock::Allow, 2)] {
+    for (interlock, count) in [(InterlockRule::Forbid, 1), (InterlockRule::Warn, 2), (InterlockRule::Allow, 2)] {
         let solution = run(&instance, interlock, &start, 2000);
         assert_eq!(solution.placements.len(), count, "{interlock:?}");
-        assert_eq!(take_apart(&bodies(&instance, &solution.placements)).locked.len(), [0, 2][count - 1]);
+        assert_eq!(find_removal_order(&bodies(&instance, &solution.placements)).locked.len(), [0, 2][count - 1]);
     }
 }
 
-fn task(instance: &Instance) -> Task {
+fn task(instance: &NestingInstance) -> PreparedInstance {
     let prepared = PreparedMeshes::default();
-    let workshop = Workshop::new(&prepared, 1);
-    let lineup = Lineup::new(instance, |meshes| workshop.outlines(meshes));
-    Task::new(Arc::new(lineup), BTreeSet::new(), &workshop, Organs::default(), 2000, 100).unwrap()
+    let workshop = MeshPreparation::new(&prepared, 1);
+    let outlined = OutlinedInstance::new(instance, |meshes| workshop.prepare_outlines(meshes));
+    PreparedInstance::new(Arc::new(outlined), BTreeSet::new(), &workshop, SearchComponents::default(), 2000, 100)
+        .unwrap()
 }
 
-fn pieces(task: &Task, placements: &[Placement]) -> Vec<Piece> {
-    let piece = |p: &Placement| {
-        let place = task.kind(p.item).shape.place(&p.pose);
-        task.piece((p.item, p.copy), p.pose.rotation, place)
+fn pieces(task: &PreparedInstance, placements: &[ItemPlacement]) -> Vec<PlacedItem> {
+    let piece = |p: &ItemPlacement| {
+        let place = task.prepared_item(p.item).shape.center_at(&p.pose);
+        task.place_item((p.item, p.copy), p.pose.rotation, place)
     };
     placements.iter().map(piece).collect()
 }
@@ -173,12 +182,12 @@ fn a_locked_pair_is_found_and_the_smaller_part_has_to_go() {
     ];
     let task = task(&instance);
     let pieces = pieces(&task, &placements);
-    let found = dismantle(&task, &pieces, &[]);
+    let found = plan_disassembly(&task, &pieces, &[]);
     assert_eq!(found.locked, [0, 1]);
     assert_eq!(locked_pairs(&task, &pieces, &found.locked), [(0, 1)]);
-    assert_eq!(in_the_way(&task, &pieces), [1]);
-    assert!(!can_leave(&task, &pieces[1], &pieces[..1]));
-    assert!(can_leave(&task, &pieces[2], &pieces[..2]));
+    assert_eq!(items_blocking_disassembly(&task, &pieces), [1]);
+    assert!(!can_be_removed(&task, &pieces[1], &pieces[..1]));
+    assert!(can_be_removed(&task, &pieces[2], &pieces[..2]));
 }
 
 proptest! {
@@ -190,21 +199,21 @@ proptest! {
     ) {
         let meshes = [frame(7), frame(5), dumbbell(), block(DVec3::new(4.0, 4.0, 20.0))];
         let instance = instance(DVec3::splat(100.0), 0.6, &meshes.map(|mesh| (mesh, 12)));
-        let (mut placements, turns) = (Vec::new(), axis_turns());
+        let (mut placements, turns) = (Vec::new(), axis_rotations());
         for (number, (x, y, z, item, turn)) in (0..).zip(places) {
             placements.push(placed(item, number, turns[turn], [x, y, z]));
-            let proof = prove(&bodies(&instance, &placements), DVec3::splat(1e4));
+            let proof = prove_placed_solids(&bodies(&instance, &placements), DVec3::splat(1e4));
             if !proof.too_close.is_empty() || !proof.inside.is_empty() {
                 placements.pop();
             }
         }
         let task = task(&instance);
         let pieces = pieces(&task, &placements);
-        let cold = dismantle(&task, &pieces, &[]);
-        prop_assert_eq!(&cold.locked, &take_apart(&bodies(&instance, &placements)).locked);
-        let warm = dismantle(&task, &pieces, &cold.leaves);
+        let cold = plan_disassembly(&task, &pieces, &[]);
+        prop_assert_eq!(&cold.locked, &find_removal_order(&bodies(&instance, &placements)).locked);
+        let warm = plan_disassembly(&task, &pieces, &cold.removals);
         prop_assert_eq!(warm.locked, cold.locked);
         prop_assert!(warm.sweeps <= cold.sweeps);
-        prop_assert_eq!(warm.leaves, cold.leaves);
+        prop_assert_eq!(warm.removals, cold.removals);
     }
 }

@@ -1,36 +1,36 @@
-//! How thick the layers of a machine are, and how much of one may be filled.
+//! Layer thickness of a machine, and the greatest area that a layer may fill.
 
 use serde::{Deserialize, Serialize};
 
 use super::BuildVolume;
 
-/// Layers where nobody says how thick they are, mm.
+/// Layer thickness where none is configured, mm.
 pub const DEFAULT_LAYER_MM: f64 = 0.1;
 
-/// Layers of a machine, and how much of one may be filled.
+/// Layer thickness, and the greatest area that a layer may fill.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(from = "WrittenCap", into = "WrittenCap")]
-pub struct LayerCap {
+pub struct LayerAreaCap {
     /// Thickness of a layer, mm; layers are counted from the floor of the build volume.
     pub layer_mm: f64,
     /// Greatest filled area of any layer, mm2; infinite = no cap.
     pub area_mm2: f64,
 }
 
-impl LayerCap {
-    /// A cap as a share of the base of a build volume; `None` = no cap.
-    pub fn of_share(layer_mm: f64, share: Option<f64>, volume: &BuildVolume) -> Self {
+impl LayerAreaCap {
+    /// A cap given as a share of the base area of a build volume; `None` = no cap.
+    pub fn from_share(layer_mm: f64, share: Option<f64>, volume: &BuildVolume) -> Self {
         let base_mm2 = volume.size_mm.x * volume.size_mm.y;
         Self { layer_mm, area_mm2: share.map_or(f64::INFINITY, |share| share * base_mm2) }
     }
 
-    /// Greatest filled area of a layer, mm2; `None` = any.
-    pub fn capped_mm2(&self) -> Option<f64> {
+    /// Greatest filled area of a layer, mm2; `None` = no limit.
+    pub fn cap_mm2(&self) -> Option<f64> {
         self.area_mm2.is_finite().then_some(self.area_mm2)
     }
 }
 
-impl Default for LayerCap {
+impl Default for LayerAreaCap {
     fn default() -> Self {
         Self { layer_mm: DEFAULT_LAYER_MM, area_mm2: f64::INFINITY }
     }
@@ -45,14 +45,14 @@ struct WrittenCap {
     area_mm2: Option<f64>,
 }
 
-impl From<WrittenCap> for LayerCap {
+impl From<WrittenCap> for LayerAreaCap {
     fn from(written: WrittenCap) -> Self {
         Self { layer_mm: written.layer_mm, area_mm2: written.area_mm2.unwrap_or(f64::INFINITY) }
     }
 }
 
-impl From<LayerCap> for WrittenCap {
-    fn from(cap: LayerCap) -> Self {
-        Self { layer_mm: cap.layer_mm, area_mm2: cap.capped_mm2() }
+impl From<LayerAreaCap> for WrittenCap {
+    fn from(cap: LayerAreaCap) -> Self {
+        Self { layer_mm: cap.layer_mm, area_mm2: cap.cap_mm2() }
     }
 }

@@ -1,17 +1,17 @@
-//! What is filled in each layer of a build. Heat goes with the filled area, so a machine may ask that no layer is filled beyond
-//! a cap. The area of a layer is its mean: the volume between its two planes over its thickness, exact, so that it does not
-//! jump where a face lies in a plane.
+//! The filled area of each layer of a build. Heat grows with the filled area, so a machine may limit it. The area of a
+//! layer is its mean: the volume between its two planes divided by its thickness. This is exact and does not jump where
+//! a face lies in a plane.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use solids::{Mesh, Pose};
 
-use super::LayerCap;
+use super::LayerAreaCap;
 
-/// By how much a cap may be passed, as a share of it: rounding.
+/// Share by which a cap may be exceeded, because of rounding.
 const CAP_TOLERANCE: f64 = 1e-6;
 
-/// What is filled in the layers of a build.
+/// The filled areas of the layers of a build.
 ///
 /// ```
 /// use glam::DVec3;
@@ -29,25 +29,27 @@ pub struct LayerAreas {
     pub layer_mm: f64,
     /// Greatest filled area of any layer, mm2.
     pub largest_area_mm2: f64,
-    /// Middle of that layer above the floor of the build volume, mm.
+    /// Height of that layer's middle above the floor of the build volume, mm.
     pub largest_at_mm: f64,
     /// Mean filled area of the layers up to the build height, mm2.
     pub mean_area_mm2: f64,
-    /// Mean over greatest filled area: 1 when every layer is filled alike.
+    /// Mean over greatest filled area: 1 when every layer has the same filled area.
     pub evenness: f64,
-    /// Greatest filled area that was allowed, mm2; `None` = any.
+    /// Greatest filled area that was allowed, mm2; `None` = no limit.
     pub cap_mm2: Option<f64>,
 }
 
 impl LayerAreas {
-    /// Of placed meshes, standing on the floor of the build volume at z = 0.
-    pub fn of<'a>(placed: impl IntoIterator<Item = (&'a Mesh, Pose)>, cap: LayerCap) -> Self {
-        let mut filled = Filled::new(cap);
-        placed.into_iter().for_each(|(mesh, pose)| filled.add(&Slice::of(mesh, &pose, cap.layer_mm)));
-        filled.areas()
+    /// Measures placed meshes; the floor of the build volume is at z = 0.
+    pub fn from_meshes<'a>(placed: impl IntoIterator<Item = (&'a Mesh, Pose)>, cap: LayerAreaCap) -> Self {
+        let mut filled = FilledLayers::new(cap);
+        placed
+            .into_iter()
+            .for_each(|(mesh, pose)| filled.add_part(&PartLayerAreas::from_mesh(mesh, &pose, cap.layer_mm)));
+        filled.layer_areas()
     }
 
-    /// For people: `the layer at 12.05 mm is filled with 210.0 mm2, 200.0 mm2 are allowed`.
+    /// A readable sentence: `the layer at 12.05 mm is filled with 210.0 mm2, 200.0 mm2 are allowed`.
     pub fn in_words(&self) -> String {
         let filled =
             format!("the layer at {:.2} mm is filled with {:.1} mm2", self.largest_at_mm, self.largest_area_mm2);
@@ -57,7 +59,7 @@ impl LayerAreas {
         }
     }
 
-    /// Whether no layer is filled beyond what was allowed, to rounding.
+    /// Whether no layer exceeds the allowed area, up to rounding.
     pub fn keeps_cap(&self) -> bool {
         self.cap_mm2.is_none_or(|cap| self.largest_area_mm2 <= cap * (1.0 + 2.0 * CAP_TOLERANCE))
     }
@@ -65,26 +67,27 @@ impl LayerAreas {
 
 /// Filled areas of one part, layer by layer.
 #[derive(Debug, Clone)]
-pub(crate) struct Slice {
+pub(crate) struct PartLayerAreas {
     /// First layer.
     pub(crate) first: usize,
     areas: Vec<f64>,
 }
 
-impl Slice {
-    /// Of a mesh at a pose.
-    pub(crate) fn of(mesh: &Mesh, pose: &Pose, layer_mm: f64) -> Self {
-        let points: Vec<DVec3> = mesh.vertices().iter().map(|&v| pose.point(v)).collect();
+impl PartLayerAreas {
+    /// Measures a mesh at a pose.
+    pub(crate) fn from_mesh(mesh: &Mesh, pose: &Pose, layer_mm: f64) -> Self {
+        let points: Vec<DVec3> = mesh.vertices().iter().map(|&v| pose.transform_point(v)).collect();
         let (low, high) =
             points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p.z), high.max(p.z)));
         let layer = |z: f64| (z / layer_mm).floor().max(0.0) as usize;
         let (first, last) = (layer(low), layer(high));
-        // The contours of a closed surface enclose the same area from wherever it is measured; near ones lose no digits.
-        let middle = pose.point(mesh.bounds().center()).with_z(0.0);
+        // The area enclosed by the contours of a closed surface does not depend on the origin; a near origin keeps
+        // precision.
+        let middle = pose.transform_point(mesh.bounds().center()).with_z(0.0);
         let mut areas = vec![0.0; last - first + 1];
         for &[a, b, c] in mesh.triangles() {
             let corners = [a, b, c].map(|v| points[v as usize] - middle);
-            Cut::new(corners).add(first, layer_mm, &mut areas);
+            SlicedTriangle::new(corners).add_volumes(first, layer_mm, &mut areas);
         }
         areas.iter_mut().for_each(|area| *area = (*area / layer_mm).max(0.0));
         Self { first, areas }
@@ -92,14 +95,14 @@ impl Slice {
 }
 
 /// A triangle cut by horizontal planes.
-struct Cut {
+struct SlicedTriangle {
     /// Corners from low to high.
     corners: [DVec3; 3],
-    /// 1 where the solid is to the left of the way from the long edge to the others, -1 where it is to the right.
+    /// 1 if the solid is to the left of the direction from the long edge to the other edges, -1 if it is to the right.
     side: f64,
 }
 
-impl Cut {
+impl SlicedTriangle {
     fn new([a, b, c]: [DVec3; 3]) -> Self {
         let normal = (b - a).cross(c - a);
         let mut corners = [a, b, c];
@@ -112,22 +115,22 @@ impl Cut {
         Self { corners, side }
     }
 
-    /// Adds what it contributes to the volume of each layer.
-    fn add(&self, first: usize, layer_mm: f64, volumes: &mut [f64]) {
+    /// Adds the triangle's contribution to the volume of each layer.
+    fn add_volumes(&self, first: usize, layer_mm: f64, volumes: &mut [f64]) {
         let [low, middle, high] = self.corners.map(|c| c.z);
         let layer = |z: f64| ((z / layer_mm).floor().max(0.0) as usize).clamp(first, first + volumes.len() - 1);
         for at in layer(low)..=layer(high) {
-            // What stands a hair below the floor belongs to the first layer.
+            // A part slightly below the floor counts for the first layer.
             let bottom = if at == 0 { f64::NEG_INFINITY } else { at as f64 * layer_mm };
             let (from, to) = (low.max(bottom), high.min((at + 1) as f64 * layer_mm));
             let cut = middle.clamp(from, to.max(from));
-            volumes[at - first] += self.volume(from, cut, true) + self.volume(cut, to, false);
+            volumes[at - first] += self.volume_between(from, cut, true) + self.volume_between(cut, to, false);
         }
     }
 
-    /// Between two heights on one side of the middle corner: the area is a quadratic of the height, which Simpson's rule
-    /// integrates exactly.
-    fn volume(&self, from: f64, to: f64, lower: bool) -> f64 {
+    /// The volume between two heights on one side of the middle corner. The area is a quadratic function of the height,
+    /// which Simpson's rule integrates exactly.
+    fn volume_between(&self, from: f64, to: f64, lower: bool) -> f64 {
         if to <= from {
             return 0.0;
         }
@@ -142,43 +145,44 @@ impl Cut {
     }
 }
 
-/// Filled areas of all parts together, and the cap on them.
+/// Filled areas of all parts together, and their cap.
 #[derive(Debug, Clone)]
-pub(crate) struct Filled {
-    cap: LayerCap,
+pub(crate) struct FilledLayers {
+    cap: LayerAreaCap,
     areas: Vec<f64>,
 }
 
-impl Filled {
-    /// Nothing is filled.
-    pub(crate) fn new(cap: LayerCap) -> Self {
+impl FilledLayers {
+    /// No part is added yet.
+    pub(crate) fn new(cap: LayerAreaCap) -> Self {
         Self { cap, areas: Vec::new() }
     }
 
-    /// Whether there is a cap at all.
+    /// Whether there is a cap.
     pub(crate) fn is_capped(&self) -> bool {
         self.cap.area_mm2.is_finite()
     }
 
     /// Whether a part may be added.
-    pub(crate) fn takes(&self, slice: &Slice) -> bool {
-        self.takes_raised(slice, 0)
+    pub(crate) fn can_add(&self, slice: &PartLayerAreas) -> bool {
+        self.can_add_raised(slice, 0)
     }
 
-    fn takes_raised(&self, slice: &Slice, layers: usize) -> bool {
+    fn can_add_raised(&self, slice: &PartLayerAreas, layers: usize) -> bool {
         let most = self.cap.area_mm2 * (1.0 + CAP_TOLERANCE);
         let here = |at: usize| self.areas.get(slice.first + layers + at).copied().unwrap_or(0.0);
         slice.areas.iter().enumerate().all(|(at, area)| here(at) + area <= most)
     }
 
-    /// By how many layers a part must be raised at least so that it may be added; `None` when it is too much alone.
-    pub(crate) fn raise(&self, slice: &Slice) -> Option<usize> {
+    /// The least number of layers by which a part must be raised so that it may be added; `None` when it alone exceeds
+    /// the cap.
+    pub(crate) fn layers_to_raise(&self, slice: &PartLayerAreas) -> Option<usize> {
         let above_all = self.areas.len().saturating_sub(slice.first);
-        (0..=above_all).find(|&layers| self.takes_raised(slice, layers))
+        (0..=above_all).find(|&layers| self.can_add_raised(slice, layers))
     }
 
     /// Adds a part.
-    pub(crate) fn add(&mut self, slice: &Slice) {
+    pub(crate) fn add_part(&mut self, slice: &PartLayerAreas) {
         let end = slice.first + slice.areas.len();
         if self.areas.len() < end {
             self.areas.resize(end, 0.0);
@@ -186,20 +190,20 @@ impl Filled {
         self.areas[slice.first..end].iter_mut().zip(&slice.areas).for_each(|(sum, area)| *sum += area);
     }
 
-    /// By how much a part must be lifted so that the cap lets it be added, mm; `None` when it is too much alone.
-    pub(crate) fn lift_mm(&self, mesh: &Mesh, pose: &Pose) -> Option<f64> {
-        let layers = self.raise(&Slice::of(mesh, pose, self.cap.layer_mm))?;
+    /// The height by which a part must be raised so that it may be added, mm; `None` when it alone exceeds the cap.
+    pub(crate) fn raise_mm(&self, mesh: &Mesh, pose: &Pose) -> Option<f64> {
+        let layers = self.layers_to_raise(&PartLayerAreas::from_mesh(mesh, pose, self.cap.layer_mm))?;
         Some(layers as f64 * self.cap.layer_mm)
     }
 
-    /// Takes a part away again.
-    pub(crate) fn take(&mut self, slice: &Slice) {
+    /// Removes a part.
+    pub(crate) fn remove_part(&mut self, slice: &PartLayerAreas) {
         let end = slice.first + slice.areas.len();
         self.areas[slice.first..end].iter_mut().zip(&slice.areas).for_each(|(sum, area)| *sum -= area);
     }
 
-    /// What is filled.
-    pub(crate) fn areas(&self) -> LayerAreas {
+    /// The filled areas.
+    pub(crate) fn layer_areas(&self) -> LayerAreas {
         let layer_mm = self.cap.layer_mm;
         let greatest = self.areas.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)));
         let (at, largest) = greatest.map_or((0, 0.0), |(at, &area)| (at, area));
@@ -210,7 +214,7 @@ impl Filled {
             largest_at_mm: (at as f64 + 0.5) * layer_mm,
             mean_area_mm2: mean,
             evenness: if largest > 0.0 { mean / largest } else { 1.0 },
-            cap_mm2: self.cap.capped_mm2(),
+            cap_mm2: self.cap.cap_mm2(),
         }
     }
 }
@@ -225,7 +229,7 @@ mod tests {
     use crate::{testing::block, testing::hollow};
 
     fn areas(mesh: &Mesh, pose: &Pose, layer_mm: f64) -> Vec<f64> {
-        let slice = Slice::of(mesh, pose, layer_mm);
+        let slice = PartLayerAreas::from_mesh(mesh, pose, layer_mm);
         [vec![0.0; slice.first], slice.areas].concat()
     }
 
@@ -240,17 +244,17 @@ mod tests {
 
     #[test]
     fn a_part_is_raised_until_the_cap_holds() {
-        let mut filled = Filled::new(LayerCap { layer_mm: 1.0, area_mm2: 30.0 });
+        let mut filled = FilledLayers::new(LayerAreaCap { layer_mm: 1.0, area_mm2: 30.0 });
         let cube = block(DVec3::new(4.0, 5.0, 3.0));
-        let slice = Slice::of(&cube, &Pose::IDENTITY, 1.0);
-        assert_eq!(filled.raise(&slice), Some(0));
-        filled.add(&slice);
-        assert!(!filled.takes(&slice));
-        assert_eq!(filled.raise(&slice), Some(3));
-        filled.take(&slice);
-        assert!(filled.takes(&slice));
-        let plate = Slice::of(&block(DVec3::new(10.0, 10.0, 1.0)), &Pose::IDENTITY, 1.0);
-        assert_eq!(filled.raise(&plate), None, "too much alone");
+        let slice = PartLayerAreas::from_mesh(&cube, &Pose::IDENTITY, 1.0);
+        assert_eq!(filled.layers_to_raise(&slice), Some(0));
+        filled.add_part(&slice);
+        assert!(!filled.can_add(&slice));
+        assert_eq!(filled.layers_to_raise(&slice), Some(3));
+        filled.remove_part(&slice);
+        assert!(filled.can_add(&slice));
+        let plate = PartLayerAreas::from_mesh(&block(DVec3::new(10.0, 10.0, 1.0)), &Pose::IDENTITY, 1.0);
+        assert_eq!(filled.layers_to_raise(&plate), None, "too much alone");
     }
 
     proptest! {
@@ -261,12 +265,12 @@ mod tests {
             genes in [0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64], z in 20.0..40.0f64, layer_mm in 0.05..3.0f64, seed in 0.0..6.0f64,
         ) {
             let mesh = star(2, |d| (DVec3::new(9.0, 5.0, 3.0) * d).length() * (1.0 + 0.3 * (4.0 * d.y + seed).sin()));
-            let pose = Pose::new(crate::turns::turn_of_genes(genes), DVec3::new(30.0, 20.0, z));
-            let slice = Slice::of(&mesh, &pose, layer_mm);
+            let pose = Pose::new(crate::rotations::rotation_from_genes(genes), DVec3::new(30.0, 20.0, z));
+            let slice = PartLayerAreas::from_mesh(&mesh, &pose, layer_mm);
             let volume: f64 = slice.areas.iter().sum::<f64>() * layer_mm;
             prop_assert!((volume - mesh.volume_mm3()).abs() < 1e-6 * mesh.volume_mm3(), "{volume}");
-            // Half as thick layers have the same mean, two by two.
-            let half = Slice::of(&mesh, &pose, 0.5 * layer_mm);
+            // Layers of half the thickness have the same mean, two by two.
+            let half = PartLayerAreas::from_mesh(&mesh, &pose, 0.5 * layer_mm);
             for (at, area) in slice.areas.iter().enumerate() {
                 let part = |n: usize| half.areas.get((2 * (slice.first + at) + n).wrapping_sub(half.first)).unwrap_or(&0.0);
                 prop_assert!((0.5 * (part(0) + part(1)) - area).abs() < 1e-6 * (1.0 + area));

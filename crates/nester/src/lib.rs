@@ -1,101 +1,102 @@
 #![doc = include_str!("../README.md")]
-// The packing search: solids x pollination. What is asked is an `Instance`, what is found is a `Solution`. No file, no log and no
+// The packing search: solids x pollination. What is asked is an `NestingInstance`, what is found is a `NestingSolution`. No file, no log and no
 // process-wide memory in here: time comes in through `Stop`, progress goes out through `Listener`.
 
-mod body;
-mod bound;
-mod boxes;
+mod box_stacker;
 mod build_volume;
+mod byte_codec;
 mod cache;
-mod compress;
+mod components;
+mod compression;
 mod config;
-mod construct;
-mod contest;
-mod course;
-mod cut;
-mod field;
-mod first_turns;
-mod fit;
-mod hulls;
+mod disassembly;
+mod distance_field;
+mod exact_contacts;
+mod first_rotations;
+mod fit_check;
+mod height_bound;
+mod hull_penetration;
 mod insert;
-mod inside;
 mod instance;
 mod instance_serde;
-mod interlock;
+mod interlock_check;
+mod interlock_memory;
 mod layer_cap;
 mod layers;
-mod layout;
-mod locks;
-mod near;
+mod layout_builder;
+mod lowest_layers;
 mod nester;
-mod notes;
-mod organs;
+mod nesting_run;
 mod orientation;
 mod orientation_rule;
 mod outline;
-mod pack;
+mod pair_records;
 #[cfg(feature = "paper")]
 mod paper;
-mod piece;
 mod placement;
 mod pollination;
+mod preparation;
+mod prepared_instance;
 mod prepared_meshes;
 mod proof;
-mod push;
+mod proximity_grid;
 mod recipe;
-mod relocate;
+mod relocation;
 mod report;
 mod reserved;
-mod scan;
-mod search;
+mod retained;
+mod rotations;
 mod search_budget;
-mod separable;
-mod separate;
-mod settle;
+mod search_control;
+mod separation;
+mod separation_step;
 mod shape;
 mod skyline;
+mod solid_nodes;
 mod solution;
-mod standing;
+mod sphere_tree;
 #[cfg(test)]
 mod testing;
+mod tie_break;
 mod tilt;
-mod touch;
-mod turns;
+mod tournament;
+mod truncate_queue;
 mod voxels;
-mod workshop;
+mod working_layout;
 
-pub use bound::lower_bound_mm;
-pub use build_volume::{BuildVolume, Margins};
-pub use cache::Cache;
-pub use config::{Config, Interlock, Method};
-pub use fit::{Misfit, fits};
-pub use insert::insert;
-pub use instance::{Instance, InstanceError, Item};
-pub use layer_cap::{DEFAULT_LAYER_MM, LayerCap};
+pub use build_volume::{BuildVolume, VolumeMargins};
+pub use cache::PreparedMeshCache;
+pub use components::SearchComponents;
+pub use config::{InterlockRule, NestingConfig, NestingMethod};
+pub use disassembly::removal_gap_mm;
+pub use fit_check::{FitFailure, find_fitting_rotation};
+pub use height_bound::lower_bound_mm;
+pub use insert::insert_copies;
+pub use instance::{InstanceError, NestingInstance, NestingItem};
+pub use layer_cap::{DEFAULT_LAYER_MM, LayerAreaCap};
 pub use layers::LayerAreas;
-pub use nester::{nest, nest_with};
-pub use organs::Organs;
-pub use orientation::Orientation;
+pub use nester::{nest, nest_with_cache};
+pub use orientation::OrientationLimits;
 pub use orientation_rule::OrientationRule;
 #[cfg(feature = "paper")]
 pub use paper::PaperConfig;
-pub use placement::Placement;
+pub use placement::ItemPlacement;
 pub use prepared_meshes::PreparedMeshes;
 pub use proof::{
-    Body, Pair, Proof, TakenApart, prove, prove_layout, prove_raised, prove_with, rotation_obeys, take_apart,
+    ClearanceViolation, Disassembly, LayoutProof, PlacedSolid, find_removal_order, obeys_orientation, prove_layout,
+    prove_placed_solids, prove_with_keep_out, prove_with_z_extra,
 };
-pub use report::{Course, DrawnCopy, NamedCopy, PlacedPart, Report, Separability, UnplacedPart};
-pub use search::{Listener, Stop};
+pub use report::{LockedCopy, NestingReport, PlacedPart, RemovedCopy, SearchSummary, Separability, UnplacedPart};
 pub use search_budget::SearchBudget;
-pub use separable::drawing_gap_mm;
-pub use solution::Solution;
-pub use tilt::{MAX_TILTS, NotDown, Tilt, TiltError, write_tilts};
+pub use search_control::{ProgressListener, StopCondition};
+pub use solution::NestingSolution;
+pub use tilt::{FaceNotDown, MAX_TILTS, TiltLimit, TiltLimitError, write_tilts};
 
-#[cfg(test)]
-mod goals_tests;
 #[cfg(test)]
 mod interlock_tests;
 #[cfg(test)]
 mod nester_tests;
 #[cfg(test)]
-mod open_tests;
+mod open_build_tests;
+#[cfg(test)]
+mod tie_break_tests;

@@ -1,32 +1,33 @@
-//! The door: Instance -> Solution.
+//! The entry point of the search: Instance -> Solution.
 
 use std::sync::{Arc, mpsc};
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    Config, Instance, Listener, Method, Placement, PreparedMeshes, Solution, Stop,
-    boxes::Boxes,
-    construct::Builder,
-    contest::contest,
-    course::{COARSE_NODES, COARSE_POINTS, Course, WORTH_KEEPING},
-    cut::is_hopeless,
-    insert::{are_few, lacking},
-    interlock::parted,
+    ItemPlacement, NestingConfig, NestingInstance, NestingMethod, NestingSolution, PreparedMeshes, ProgressListener,
+    StopCondition,
+    box_stacker::BoxStacker,
+    insert::{are_few, missing_copies},
+    interlock_check::split_separable,
+    layout_builder::LayoutBuilder,
     lower_bound_mm,
-    outline::Lineup,
-    piece::{Piece, Task, height_mm, solution},
-    recipe::Recipe,
-    settle::{is_better, settle},
-    standing::standing,
+    nesting_run::{COARSE_NODES, COARSE_POINTS, MAX_HEIGHT_RATIO, NestingRun},
+    outline::OutlinedInstance,
+    prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
+    recipe::PlacementRecipe,
+    retained::retained_items,
+    tie_break::{is_better_layout, pack_toward_origin},
+    tournament::run_tournament,
+    truncate_queue::exceeds_capacity,
 };
 #[cfg(feature = "paper")]
 use crate::paper::nest_paper;
-use crate::pollination::{Pollination, Setup};
+use crate::pollination::{FlowerPollination, PollinationSettings};
 
-/// Nests. `start` is an earlier layout of (part of) the same instance to go on from; copies that it lacks are inserted.
-/// Always returns a layout in which every placement is inside the volume and keeps its clearance on the triangles;
-/// copies that found no place are in `unplaced`. There are no errors: an instance that was made can be nested.
+/// Nests an instance. `start` is an earlier layout of the same instance, or of a part of it, to continue from; missing
+/// copies are inserted. The returned layout is always valid: every placement is inside the volume and keeps its
+/// clearance, checked on the triangles. Copies that could not be placed are in `unplaced`. There are no errors: an instance that was made can be nested.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -51,207 +52,224 @@ use crate::pollination::{Pollination, Setup};
 /// # Ok::<(), nester::InstanceError>(())
 /// ```
 pub fn nest(
-    instance: &Instance,
-    config: &Config,
-    start: &[Placement],
-    stop: &dyn Stop,
-    listener: &mut dyn Listener,
-) -> Solution {
-    nest_with(instance, config, start, &PreparedMeshes::default(), stop, listener)
+    instance: &NestingInstance,
+    config: &NestingConfig,
+    start: &[ItemPlacement],
+    stop: &dyn StopCondition,
+    listener: &mut dyn ProgressListener,
+) -> NestingSolution {
+    nest_with_cache(instance, config, start, &PreparedMeshes::default(), stop, listener)
 }
 
 /// The same, with meshes that were prepared for an earlier search: see [`PreparedMeshes`]. What comes out does not depend on it.
-pub fn nest_with(
-    instance: &Instance,
-    config: &Config,
-    start: &[Placement],
+pub fn nest_with_cache(
+    instance: &NestingInstance,
+    config: &NestingConfig,
+    start: &[ItemPlacement],
     prepared: &PreparedMeshes,
-    stop: &dyn Stop,
-    listener: &mut dyn Listener,
-) -> Solution {
+    stop: &dyn StopCondition,
+    listener: &mut dyn ProgressListener,
+) -> NestingSolution {
     match config.method {
         #[cfg(feature = "paper")]
-        Method::Paper => nest_paper(instance, config, stop, listener),
-        Method::Nestd => Course::new(instance, config, prepared, stop, listener).run(start),
+        NestingMethod::Paper => nest_paper(instance, config, stop, listener),
+        NestingMethod::Nestd => NestingRun::new(instance, config, prepared, stop, listener).run(start),
     }
 }
 
-/// Share of the budget for first layouts, after the first one.
+/// Share of the budget for the first layouts, after the very first one.
 const START_SHARE: f64 = 0.1;
-/// Share of the budget for what comes after the height.
-const SETTLE_SHARE: f64 = 0.02;
-/// First layouts that are kept as places to begin from.
-const MOST_STARTS: usize = 8;
-/// From here on, boxes are stacked in one order only.
-const MANY: usize = 300;
-/// Nodes of all distance grids together, about: two bytes each.
-const MOST_NODES: usize = 12_000_000;
-/// Nodes of a finer distance grid. Few different ones, so that what is kept of a mesh serves again.
+/// Share of the budget for improving the tie-break criteria after the height search.
+const TIE_BREAK_SHARE: f64 = 0.02;
+/// Number of first layouts that are kept as starting points.
+const MAX_FIRST_LAYOUTS: usize = 8;
+/// From this number of copies on, boxes are stacked in one order only.
+const MANY_COPIES: usize = 300;
+/// Approximate number of nodes of all distance grids together, at two bytes each.
+const MAX_TOTAL_NODES: usize = 12_000_000;
+/// Node counts of a finer distance grid. There are only a few values, so that cached grids can be reused.
 const FINER_NODES: [usize; 6] = [60_000, 75_000, 100_000, 150_000, 200_000, 300_000];
-/// Share of the budget for finer guides.
+/// Share of the budget for finer collision proxies.
 const FINER_SHARE: f64 = 0.12;
-/// Meshes of finer guides between two looks at the budget.
-const FINER_AT_ONCE: usize = 8;
+/// Number of meshes refined between two checks of the budget.
+const FINER_BATCH: usize = 8;
 
-impl Course<'_> {
-    fn run(mut self, start: &[Placement]) -> Solution {
-        let lineup = Arc::new(self.lineup());
+impl NestingRun<'_> {
+    fn run(mut self, start: &[ItemPlacement]) -> NestingSolution {
+        let outlined = Arc::new(self.outline_instance());
         if start.is_empty() && self.instance.pinned().is_empty() {
-            self.stack_boxes(&lineup);
-            if self.stop.spent(0) >= 1.0 {
-                return solution(self.instance, &self.best, self.evaluations);
+            self.stack_boxes(&outlined);
+            if self.stop.spent_share_at(0) >= 1.0 {
+                return solution_from_items(self.instance, &self.best_items, self.evaluations);
             }
         }
-        let begun = self.stop.spent(0);
-        let Some(task) = self.task(lineup.clone()) else {
-            // What stands already cannot be judged without the meshes: boxes need none.
-            if self.best.is_empty() {
-                self.stack_boxes(&lineup);
+        let begun = self.stop.spent_share_at(0);
+        let Some(task) = self.prepare_instance(outlined.clone()) else {
+            // An existing layout cannot be checked without prepared meshes; stacking boxes does not need them.
+            if self.best_items.is_empty() {
+                self.stack_boxes(&outlined);
             }
-            return solution(self.instance, &self.best, self.evaluations);
+            return solution_from_items(self.instance, &self.best_items, self.evaluations);
         };
-        let prepared = self.stop.spent(0) - begun;
-        self.construct(&task, start);
-        let task = self.refined(task, prepared);
-        if self.best.len() < task.copies.len() {
-            // What was too much may fit when the rest stands closer.
-            self.search(&task, 0.6);
-            self.insert_lacking(&task);
+        let prepared = self.stop.spent_share_at(0) - begun;
+        self.build_first_layouts(&task, start);
+        let task = self.with_finer_proxies(task, prepared);
+        if self.best_items.len() < task.copies.len() {
+            // Copies that did not fit may fit after the others are packed more closely.
+            self.compress_layouts(&task, 0.6);
+            self.retry_unplaced(&task);
         }
-        self.search(&task, 1.0 - SETTLE_SHARE);
-        self.settle_down(&task);
-        solution(self.instance, &self.best, self.evaluations)
+        self.compress_layouts(&task, 1.0 - TIE_BREAK_SHARE);
+        self.improve_tie_breaks(&task);
+        solution_from_items(self.instance, &self.best_items, self.evaluations)
     }
 
-    /// Boxes on boxes, by several orders; where they do not all fit, in order of precedence.
-    fn stack_boxes(&mut self, lineup: &Lineup) {
-        let mut boxes = Boxes::new(lineup);
+    /// Stacks bounding boxes in several orders. If not all copies fit, uses the order of precedence.
+    fn stack_boxes(&mut self, outlined: &OutlinedInstance) {
+        let mut boxes = BoxStacker::new(outlined);
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let orders = if lineup.copies.len() > MANY { 1 } else { Recipe::FIRST.len() };
-        for recipe in &Recipe::FIRST[..orders] {
-            let order = recipe.sorted(lineup, &lineup.copies, &mut rng);
-            let pieces = boxes.stack(&[], &order);
-            if pieces.len() < lineup.copies.len() {
-                return self.offer(boxes.stack(&[], &lineup.copies));
+        let orders = if outlined.copies.len() > MANY_COPIES { 1 } else { PlacementRecipe::FIRST.len() };
+        for recipe in &PlacementRecipe::FIRST[..orders] {
+            let order = recipe.sort_copies(outlined, &outlined.copies, &mut rng);
+            let pieces = boxes.stack_copies(&[], &order);
+            if pieces.len() < outlined.copies.len() {
+                return self.offer_layout(boxes.stack_copies(&[], &outlined.copies));
             }
-            self.offer(pieces);
+            self.offer_layout(pieces);
         }
     }
 
-    /// The task with finer guides, as fine as an eighth of the budget allows (the first preparation took `prepared`).
-    fn refined(&self, mut task: Task, prepared: f64) -> Task {
+    /// Returns the task with finer collision proxies, as fine as [`FINER_SHARE`] of the budget allows. The first
+    /// preparation took the share `prepared`.
+    fn with_finer_proxies(&self, mut task: PreparedInstance, prepared: f64) -> PreparedInstance {
         let finer = (FINER_SHARE / prepared.max(1e-6)) as usize * COARSE_NODES;
-        let distinct = task.kinds.iter().flatten().count().max(1);
-        let most = finer.min((MOST_NODES / distinct).clamp(50_000, 300_000));
+        let distinct = task.prepared_items.iter().flatten().count().max(1);
+        let most = finer.min((MAX_TOTAL_NODES / distinct).clamp(50_000, 300_000));
         let nodes = FINER_NODES.into_iter().rev().find(|&nodes| nodes <= most);
-        let wanted = self.config.organs.fine_guides && !self.best.is_empty();
+        let wanted = self.config.components.fine_proxies && !self.best_items.is_empty();
         let Some(nodes) = nodes.filter(|_| wanted) else { return task };
-        let begun = self.stop.spent(self.evaluations);
+        let begun = self.stop.spent_share_at(self.evaluations);
         let points = COARSE_POINTS * if nodes > 100_000 { 3 } else { 2 };
-        for first in (0..task.kinds.len()).step_by(FINER_AT_ONCE) {
-            let last = (first + FINER_AT_ONCE).min(task.kinds.len());
-            task.refine(first..last, &self.workshop, nodes, points);
-            // What was kept coarse may be cheap and what is fine dear: the rest then stays coarse.
-            if self.stop.spent(self.evaluations) > begun + FINER_SHARE {
+        for first in (0..task.prepared_items.len()).step_by(FINER_BATCH) {
+            let last = (first + FINER_BATCH).min(task.prepared_items.len());
+            task.refine_shapes(first..last, &self.preparation, nodes, points);
+            // Coarse data may have come cheaply from the cache while fine data is expensive: the remaining meshes then
+            // stay coarse.
+            if self.stop.spent_share_at(self.evaluations) > begun + FINER_SHARE {
                 break;
             }
         }
         task
     }
 
-    /// Offers a first layout, and keeps it as a place to begin from if it is not offered already.
-    fn consider(&mut self, pieces: Vec<Piece>) {
+    /// Offers a first layout, and keeps it as a starting point unless one of the same height is known.
+    fn offer_first_layout(&mut self, pieces: Vec<PlacedItem>) {
         let height = height_mm(&pieces);
-        if self.starts.iter().all(|known| height_mm(known) != height) {
-            let at = self.starts.partition_point(|known| height_mm(known) <= height);
-            self.starts.insert(at, pieces.clone());
-            self.starts.truncate(MOST_STARTS);
+        if self.first_layouts.iter().all(|known| height_mm(known) != height) {
+            let at = self.first_layouts.partition_point(|known| height_mm(known) <= height);
+            self.first_layouts.insert(at, pieces.clone());
+            self.first_layouts.truncate(MAX_FIRST_LAYOUTS);
         }
-        self.offer(pieces);
+        self.offer_layout(pieces);
     }
 
-    /// The first layouts: what stands already, boxes, and bit columns by several recipes.
-    fn construct(&mut self, task: &Task, start: &[Placement]) {
+    /// Builds the first layouts: retained placements, stacked boxes, and voxel placement by several recipes.
+    fn build_first_layouts(&mut self, task: &PreparedInstance, start: &[ItemPlacement]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let standing = standing(task, self.instance, start);
-        let lacking = lacking(task, &standing);
+        let standing = retained_items(task, self.instance, start);
+        let missing = missing_copies(task, &standing);
         if !standing.is_empty() {
-            self.offer(Boxes::new(&task.lineup).stack(&standing, &lacking));
+            self.offer_layout(BoxStacker::new(&task.outlined).stack_copies(&standing, &missing));
         }
-        if lacking.is_empty() {
+        if missing.is_empty() {
             return;
         }
-        if are_few(&lacking, &standing) {
-            self.insert_each(task, &standing, &lacking);
-            if self.best.len() == standing.len() + lacking.len() {
+        if are_few(&missing, &standing) {
+            self.insert_missing(task, &standing, &missing);
+            if self.best_items.len() == standing.len() + missing.len() {
                 return;
             }
         }
-        if is_hopeless(self.instance, &lacking) {
-            return self.keep_precedence(task, &mut Builder::new(task), &standing, &lacking);
+        if exceeds_capacity(self.instance, &missing) {
+            return self.place_by_precedence(task, &mut LayoutBuilder::new(task), &standing, &missing);
         }
-        let mut builder = Builder::new(task);
-        for (at, recipe) in Recipe::FIRST.iter().enumerate() {
-            let order = recipe.sorted(&task.lineup, &lacking, &mut rng);
+        let mut builder = LayoutBuilder::new(task);
+        for (at, recipe) in PlacementRecipe::FIRST.iter().enumerate() {
+            let order = recipe.sort_copies(&task.outlined, &missing, &mut rng);
             let limit = if at == 0 { 1.0 } else { START_SHARE };
-            if let Some(pieces) = self.build(&mut builder, recipe, &order, &standing, limit) {
-                self.consider(pieces);
+            if let Some(pieces) = self.build_layout(&mut builder, recipe, &order, &standing, limit) {
+                self.offer_first_layout(pieces);
             }
-            if self.stop.spent(self.evaluations) >= START_SHARE {
+            if self.stop.spent_share_at(self.evaluations) >= START_SHARE {
                 break;
             }
         }
-        self.vary(task, &mut builder, &standing, &lacking);
-        if self.best.len() < task.copies.len() {
-            self.keep_precedence(task, &mut builder, &standing, &lacking);
+        self.vary_recipes(task, &mut builder, &standing, &missing);
+        if self.best_items.len() < task.copies.len() {
+            self.place_by_precedence(task, &mut builder, &standing, &missing);
         }
     }
 
-    /// Tries other recipes by flower pollination: order, liking for low tops, pull and disorder.
-    fn vary(&mut self, task: &Task, builder: &mut Builder<'_>, standing: &[Piece], lacking: &[(usize, u32)]) {
+    /// Tries more recipes by flower pollination: order, preference for low tops, pull, and random disorder.
+    fn vary_recipes(
+        &mut self,
+        task: &PreparedInstance,
+        builder: &mut LayoutBuilder<'_>,
+        standing: &[PlacedItem],
+        missing: &[(usize, u32)],
+    ) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
-        let setup = Setup { population: 8, even: !self.config.organs.flowers_in_start, ..Setup::default() };
-        let mut flowers: Pollination<f64> = Pollination::new(setup, Recipe::genes(), self.config.seed);
+        let setup = PollinationSettings {
+            population: 8,
+            even: !self.config.components.flowers_in_start,
+            ..PollinationSettings::default()
+        };
+        let mut flowers: FlowerPollination<f64> =
+            FlowerPollination::new(setup, PlacementRecipe::gene_ranges(), self.config.seed);
         for _ in 0..24 {
-            if self.stop.spent(self.evaluations) >= START_SHARE {
+            if self.stop.spent_share_at(self.evaluations) >= START_SHARE {
                 return;
             }
-            let recipe = Recipe::of_genes(flowers.ask());
-            let order = recipe.sorted(&task.lineup, lacking, &mut rng);
-            let built = self.build(builder, &recipe, &order, standing, START_SHARE);
+            let recipe = PlacementRecipe::from_genes(flowers.ask());
+            let order = recipe.sort_copies(&task.outlined, missing, &mut rng);
+            let built = self.build_layout(builder, &recipe, &order, standing, START_SHARE);
             let whole = built.filter(|pieces| pieces.len() == task.copies.len());
             flowers.tell(whole.as_ref().map_or(f64::INFINITY, |pieces| height_mm(pieces)));
-            whole.into_iter().for_each(|pieces| self.consider(pieces));
+            whole.into_iter().for_each(|pieces| self.offer_first_layout(pieces));
         }
     }
 
-    /// Lowers the lid over what has been found, until a share of the budget is used up.
-    fn search(&mut self, task: &Task, until: f64) {
-        if self.best.is_empty() || !self.config.organs.separation || self.stop.spent(self.evaluations) >= until {
+    /// Lowers the height limit on the best layouts until a share of the budget is used up.
+    fn compress_layouts(&mut self, task: &PreparedInstance, until: f64) {
+        if self.best_items.is_empty()
+            || !self.config.components.separation
+            || self.stop.spent_share_at(self.evaluations) >= until
+        {
             return;
         }
-        let promised_mm = self.best.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
-        let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best));
-        let (stop, seed, before, starts) = (self.stop, self.config.seed, self.evaluations, self.places_to_begin());
+        let promised_mm = self.best_items.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
+        let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best_items));
+        let (stop, seed, before, starts) = (self.stop, self.config.seed, self.evaluations, self.starting_layouts());
         let threads = match self.config.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
         };
-        // Every thread searches for itself with its own seed; the lowest layout wins, the first thread's among equals.
-        let spent = |made: u64| stop.spent(before + made * threads as u64) / until;
-        let lower = |thread: usize, found: &mut dyn FnMut(Vec<Piece>, u64)| {
-            contest(task, &starts, floor_mm, (seed, thread), &spent, found)
+        // Every thread searches independently with its own seed. The lowest layout wins; on equal heights the thread
+        // with the lowest number wins.
+        let spent = |made: u64| stop.spent_share_at(before + made * threads as u64) / until;
+        let lower = |thread: usize, found: &mut dyn FnMut(Vec<PlacedItem>, u64)| {
+            run_tournament(task, &starts, floor_mm, (seed, thread), &spent, found)
         };
         if threads == 1 {
             let made = lower(0, &mut |pieces, made| {
                 self.evaluations = before + made;
-                self.offer(pieces);
+                self.offer_layout(pieces);
             });
             self.evaluations = before + made;
             return;
         }
-        let (send, found) = mpsc::channel::<(Vec<Piece>, u64)>();
-        let run = |thread: usize, send: mpsc::Sender<(Vec<Piece>, u64)>| {
+        let (send, found) = mpsc::channel::<(Vec<PlacedItem>, u64)>();
+        let run = |thread: usize, send: mpsc::Sender<(Vec<PlacedItem>, u64)>| {
             let mut last = None;
             let made = lower(thread, &mut |pieces, made| {
                 last = Some(pieces.clone());
@@ -261,54 +279,58 @@ impl Course<'_> {
             (last, made)
         };
         let run = &run;
-        let ends: Vec<(Option<Vec<Piece>>, u64)> = std::thread::scope(|scope| {
+        let ends: Vec<(Option<Vec<PlacedItem>>, u64)> = std::thread::scope(|scope| {
             let start = |thread: usize, send: mpsc::Sender<_>| scope.spawn(move || run(thread, send));
             let handles: Vec<_> = (0..threads).map(|thread| start(thread, send.clone())).collect();
             drop(send);
             for (pieces, made) in found {
                 self.evaluations = before + made * threads as u64;
-                self.offer(pieces);
+                self.offer_layout(pieces);
             }
             handles.into_iter().map(|h| h.join().expect("a search thread does not panic")).collect()
         });
         self.evaluations = before + ends.iter().map(|(_, made)| made).sum::<u64>();
         let lowest = ends.into_iter().filter_map(|(last, _)| last).min_by(|a, b| height_mm(a).total_cmp(&height_mm(b)));
-        if let Some(pieces) = lowest.filter(|pieces| pieces.len() == self.best.len()) {
-            self.best = pieces;
+        if let Some(pieces) = lowest.filter(|pieces| pieces.len() == self.best_items.len()) {
+            self.best_items = pieces;
         }
     }
 
-    /// Layouts to begin the search with: the best, and others of as many copies that are not much higher.
-    fn places_to_begin(&self) -> Vec<Vec<Piece>> {
-        let height = height_mm(&self.best);
-        let is_other = |other: &&Vec<Piece>| {
+    /// Returns the starting layouts of the search: the best one, and others with as many copies that are not much
+    /// higher.
+    fn starting_layouts(&self) -> Vec<Vec<PlacedItem>> {
+        let height = height_mm(&self.best_items);
+        let is_other = |other: &&Vec<PlacedItem>| {
             let there = height_mm(other);
-            other.len() == self.best.len() && there != height && there <= WORTH_KEEPING * height
+            other.len() == self.best_items.len() && there != height && there <= MAX_HEIGHT_RATIO * height
         };
-        std::iter::once(&self.best).chain(self.starts.iter().filter(is_other)).cloned().collect()
+        std::iter::once(&self.best_items).chain(self.first_layouts.iter().filter(is_other)).cloned().collect()
     }
 
-    /// What comes after the height: a denser packed box, nearer to the origin, more even layers.
-    fn settle_down(&mut self, task: &Task) {
-        if self.best.is_empty() || !self.config.organs.settling || self.stop.spent(self.evaluations) >= 1.0 {
+    /// Improves the criteria that count after the height: a denser packed box, nearer to the origin, more even layers.
+    fn improve_tie_breaks(&mut self, task: &PreparedInstance) {
+        if self.best_items.is_empty()
+            || !self.config.components.tie_breaks
+            || self.stop.spent_share_at(self.evaluations) >= 1.0
+        {
             return;
         }
         let (stop, before) = (self.stop, self.evaluations);
-        let mut pieces = self.best.clone();
-        self.evaluations += settle(task, &mut pieces, |asked| stop.spent(before + asked) >= 1.0);
-        let comes_apart = !task.separable || parted(task, pieces.clone()).1.is_empty();
-        if comes_apart && is_better(task, &pieces, &self.best) {
-            self.best = pieces;
+        let mut pieces = self.best_items.clone();
+        self.evaluations += pack_toward_origin(task, &mut pieces, |asked| stop.spent_share_at(before + asked) >= 1.0);
+        let comes_apart = !task.must_be_separable || split_separable(task, pieces.clone()).1.is_empty();
+        if comes_apart && is_better_layout(task, &pieces, &self.best_items) {
+            self.best_items = pieces;
         }
     }
 
-    /// Copies that found no place are tried again around the best layout, in order of precedence.
-    fn insert_lacking(&mut self, task: &Task) {
-        let standing = self.best.clone();
-        let lacking = lacking(task, &standing);
-        let mut builder = Builder::new(task);
-        if let Some(pieces) = self.build(&mut builder, &Recipe::FIRST[0], &lacking, &standing, 0.9) {
-            self.offer(pieces);
+    /// Tries to insert the copies that could not be placed into the best layout, in order of precedence.
+    fn retry_unplaced(&mut self, task: &PreparedInstance) {
+        let standing = self.best_items.clone();
+        let missing = missing_copies(task, &standing);
+        let mut builder = LayoutBuilder::new(task);
+        if let Some(pieces) = self.build_layout(&mut builder, &PlacementRecipe::FIRST[0], &missing, &standing, 0.9) {
+            self.offer_layout(pieces);
         }
     }
 }

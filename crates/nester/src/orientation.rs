@@ -1,4 +1,4 @@
-//! How a part may be turned, whole: the rule and the tilts beside it. A hard rule through the whole search.
+//! All orientation limits of a part: the rule and the tilts. A hard constraint during the whole search.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,11 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::{
-    NotDown, OrientationRule, Tilt,
+    FaceNotDown, OrientationRule, TiltLimit, rotations,
     tilt::{RIM_TOLERANCE, nearest_up},
-    turns,
 };
 
-/// How a part may be turned: a rule, and directions of the mesh that must stay near to straight up, all of them.
+/// Orientation limits of a part: a rule, and directions of the mesh that must all stay near straight up.
 ///
 /// ```
 /// use glam::DVec3;
@@ -28,35 +27,35 @@ use super::{
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Orientation {
-    /// Which rotations.
+pub struct OrientationLimits {
+    /// The allowed rotations.
     pub rule: OrientationRule,
-    /// Which ways up.
-    pub tilts: Vec<Tilt>,
+    /// The limits on the up direction.
+    pub tilts: Vec<TiltLimit>,
 }
 
-impl From<OrientationRule> for Orientation {
+impl From<OrientationRule> for OrientationLimits {
     fn from(rule: OrientationRule) -> Self {
         Self { rule, tilts: Vec::new() }
     }
 }
 
-impl Orientation {
-    /// A rule, directions that stay up and faces that must not look down.
-    pub fn new(rule: OrientationRule, keep_up: &[Tilt], not_down: &[NotDown]) -> Self {
+impl OrientationLimits {
+    /// Combines a rule, directions that must stay up, and faces that must not look down.
+    pub fn new(rule: OrientationRule, keep_up: &[TiltLimit], not_down: &[FaceNotDown]) -> Self {
         Self { rule, tilts: keep_up.iter().copied().chain(not_down.iter().map(|&face| face.into())).collect() }
     }
 
-    /// Whether the tilts let a rotation be; the rule is not asked.
-    pub(crate) fn lets(&self, turn: DQuat) -> bool {
+    /// Whether the tilts allow a rotation; the rule is not checked.
+    pub(crate) fn allows_rotation(&self, turn: DQuat) -> bool {
         let up = turn.conjugate() * DVec3::Z;
-        self.tilts.iter().all(|tilt| tilt.lets(up, RIM_TOLERANCE))
+        self.tilts.iter().all(|tilt| tilt.allows_up(up, RIM_TOLERANCE))
     }
 
-    /// The rotation that the tilts let be and that is nearest to one of the rule's; `None` where the rule leaves no
-    /// freedom to bring it there, or where no way up obeys all tilts.
-    pub(crate) fn nearest(&self, turn: DQuat) -> Option<DQuat> {
-        if self.tilts.is_empty() || self.lets(turn) {
+    /// The rotation nearest to `turn` that the tilts allow, for a `turn` that obeys the rule. `None` if the rule leaves
+    /// no freedom to reach it, or if no up direction obeys all tilts.
+    pub(crate) fn nearest_allowed(&self, turn: DQuat) -> Option<DQuat> {
+        if self.tilts.is_empty() || self.allows_rotation(turn) {
             return Some(turn);
         }
         if self.rule != OrientationRule::Free {
@@ -64,17 +63,17 @@ impl Orientation {
         }
         let up = nearest_up(&self.tilts, turn.conjugate() * DVec3::Z)?;
         let brought = (DQuat::from_rotation_arc((turn * up).normalize(), DVec3::Z) * turn).normalize();
-        self.lets(brought).then_some(brought)
+        self.allows_rotation(brought).then_some(brought)
     }
 
-    /// The rotation that three numbers in 0..1 stand for where the rule is free: even numbers give rotations that are even
-    /// over what the tightest tilt allows, brought to what the others allow.
-    pub(crate) fn turn_of_genes(&self, genes: [f64; 3]) -> Option<DQuat> {
+    /// Decodes a rotation from three numbers in 0..1 for a free rule. Uniform numbers give rotations that are uniform
+    /// over what the tightest tilt allows; they are then moved to what the other tilts allow.
+    pub(crate) fn rotation_from_genes(&self, genes: [f64; 3]) -> Option<DQuat> {
         let Some(tightest) = self.tilts.iter().min_by(|a, b| a.within_deg().total_cmp(&b.within_deg())) else {
-            return Some(turns::turn_of_genes(genes));
+            return Some(rotations::rotation_from_genes(genes));
         };
         let [share, around, roll] = genes;
-        // Even over a cap: heights above its base are even.
+        // Uniform over a spherical cap: the heights above its base are uniform.
         let cos = 1.0 - share * (1.0 - tightest.within_deg().to_radians().cos());
         let (sin, cos) = ((1.0 - cos * cos).max(0.0).sqrt(), cos);
         let axis = tightest.direction();
@@ -83,7 +82,7 @@ impl Orientation {
         let up = (axis * cos + (side * along_side + axis.cross(side) * along_other) * sin).normalize();
         let up = nearest_up(&self.tilts, up)?;
         let turn = DQuat::from_rotation_z(roll * TAU) * DQuat::from_rotation_arc(up, DVec3::Z);
-        self.nearest(turn.normalize())
+        self.nearest_allowed(turn.normalize())
     }
 }
 
@@ -92,7 +91,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::tilt::between;
+    use crate::tilt::angle_between;
 
     proptest! {
         #[test]
@@ -100,22 +99,22 @@ mod tests {
             (x, y, z, within) in (-1.0..1.0_f64, -1.0..1.0_f64, 0.1..1.0_f64, 0.0..180.0_f64),
             genes in [0.0..1.0_f64, 0.0..1.0_f64, 0.0..1.0_f64],
         ) {
-            let tilt = Tilt::new(DVec3::new(x, y, z), within).unwrap();
-            let face = Tilt::new(DVec3::NEG_Z, 150.0).unwrap();
-            let orientation = Orientation { rule: OrientationRule::Free, tilts: vec![tilt, face] };
-            if let Some(turn) = orientation.turn_of_genes(genes) {
-                prop_assert!(between(turn * tilt.direction(), DVec3::Z) <= within.to_radians() + 2.0 * RIM_TOLERANCE);
+            let tilt = TiltLimit::new(DVec3::new(x, y, z), within).unwrap();
+            let face = TiltLimit::new(DVec3::NEG_Z, 150.0).unwrap();
+            let orientation = OrientationLimits { rule: OrientationRule::Free, tilts: vec![tilt, face] };
+            if let Some(turn) = orientation.rotation_from_genes(genes) {
+                prop_assert!(angle_between(turn * tilt.direction(), DVec3::Z) <= within.to_radians() + 2.0 * RIM_TOLERANCE);
                 prop_assert!((turn * DVec3::NEG_Z).z >= 150_f64.to_radians().cos() - 1e-6);
             }
         }
 
         #[test]
         fn the_way_back_is_the_least_turn(genes in [0.0..1.0_f64, 0.0..1.0_f64, 0.0..1.0_f64], within in 0.0..180.0_f64) {
-            let tilt = Tilt::new(DVec3::new(0.3, -0.2, 0.9), within).unwrap();
-            let orientation = Orientation { rule: OrientationRule::Free, tilts: vec![tilt] };
-            let turn = turns::turn_of_genes(genes);
-            let brought = orientation.nearest(turn).unwrap();
-            let excess = (between(turn * tilt.direction(), DVec3::Z) - within.to_radians()).max(0.0);
+            let tilt = TiltLimit::new(DVec3::new(0.3, -0.2, 0.9), within).unwrap();
+            let orientation = OrientationLimits { rule: OrientationRule::Free, tilts: vec![tilt] };
+            let turn = rotations::rotation_from_genes(genes);
+            let brought = orientation.nearest_allowed(turn).unwrap();
+            let excess = (angle_between(turn * tilt.direction(), DVec3::Z) - within.to_radians()).max(0.0);
             prop_assert!((turn.angle_between(brought) - excess).abs() < 1e-5);
         }
     }

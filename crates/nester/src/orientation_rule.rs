@@ -1,4 +1,4 @@
-//! Which rotations a part may have, as people say it.
+//! Which rotations a part may have, in the words that settings and tickets use.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,10 +9,10 @@ pub enum OrientationRule {
     /// Any rotation.
     #[default]
     Free,
-    /// Rotations about z only: what was up stays up.
+    /// Rotations about z only: the part's up direction stays up.
     Upright,
     /// The 24 rotations that map axes onto axes.
     Axis,
-    /// As dropped; translations only.
+    /// Orientation as in the dropped file; translations only.
     Fixed,
 }

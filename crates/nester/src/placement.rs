@@ -1,4 +1,4 @@
-//! Where one copy stands.
+//! The pose of one copy.
 
 use serde::{Deserialize, Serialize};
 use solids::Pose;
@@ -6,11 +6,11 @@ use solids::Pose;
 /// One copy of an item at a pose.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Placement {
+pub struct ItemPlacement {
     /// Index into the instance's items.
     pub item: usize,
     /// Copy number, from 0.
     pub copy: u32,
-    /// Where it stands: mesh frame -> build frame.
+    /// Pose: mesh frame -> build frame.
     pub pose: Pose,
 }

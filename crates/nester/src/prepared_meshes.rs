@@ -9,12 +9,12 @@ use std::{
 use solids::{ClearanceTree, Mesh};
 
 use super::{
-    cache::{self, Cache},
-    outline::Outline,
-    shape::{Detail, Shape},
+    cache::{self, PreparedMeshCache},
+    outline::MeshOutline,
+    shape::{PreparedShape, ShapeDetail},
 };
 
-/// Shapes of one mesh that stay in memory at most: a coarse and a fine one, and room for a change of clearance.
+/// Greatest number of shapes kept in memory per mesh: a coarse one, a fine one, and one more for a change of clearance.
 const MOST_SHAPES: usize = 3;
 
 /// Prepared meshes: their smallest boxes, distance trees and distance grids. Give the same one to several searches, and meshes
@@ -22,7 +22,7 @@ const MOST_SHAPES: usize = 3;
 /// same time. With counted evaluations a search finds the same with and without; with a limit on time, less of it goes into
 /// preparing.
 ///
-/// A mesh is forgotten once nobody else holds it any more. With a [`Cache`] the work also outlives the process.
+/// A mesh is forgotten once nobody else holds it any more. With a [`PreparedMeshCache`] the work also outlives the process.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -42,25 +42,25 @@ const MOST_SHAPES: usize = 3;
 /// ```
 #[derive(Clone, Default)]
 pub struct PreparedMeshes {
-    known: Arc<Mutex<Vec<Bench>>>,
-    cache: Option<Arc<dyn Cache + Send>>,
+    known: Arc<Mutex<Vec<PreparationMemo>>>,
+    cache: Option<Arc<dyn PreparedMeshCache + Send>>,
 }
 
-/// What is in memory of one mesh.
+/// The data of one mesh that is kept in memory.
 #[derive(Default)]
-struct Bench {
+struct PreparationMemo {
     mesh: Weak<Mesh>,
-    /// The mesh's name by its content, once somebody asked.
+    /// The mesh's content hash, once it was needed.
     name: Option<Arc<str>>,
-    outline: Option<Arc<Outline>>,
+    outline: Option<Arc<MeshOutline>>,
     tree: Option<Arc<ClearanceTree>>,
-    shapes: Vec<(Detail, Arc<Shape>)>,
+    shapes: Vec<(ShapeDetail, Arc<PreparedShape>)>,
 }
 
 impl PreparedMeshes {
     /// The same meshes in memory; from now on work is also kept in this cache, and taken from it. `None` = in none.
     #[must_use]
-    pub fn with_cache(self, cache: Option<Arc<dyn Cache + Send>>) -> Self {
+    pub fn with_cache(self, cache: Option<Arc<dyn PreparedMeshCache + Send>>) -> Self {
         Self { cache, ..self }
     }
 
@@ -75,25 +75,31 @@ impl PreparedMeshes {
     }
 
     /// A mesh from outside.
-    pub(crate) fn outline(&self, mesh: &Arc<Mesh>) -> Arc<Outline> {
+    pub(crate) fn outline(&self, mesh: &Arc<Mesh>) -> Arc<MeshOutline> {
         if let Some(known) = self.at_bench(mesh, |bench| bench.outline.clone()) {
             return known;
         }
-        let key = self.cache().map(|cache| (cache, cache::key_of("outline", &self.name_of(mesh))));
-        let kept = key.as_ref().and_then(|(cache, key)| cache::unpack_outline(&cache.fetch(key)?));
+        let key = self.cache().map(|cache| (cache, cache::cache_key("outline", &self.name_of(mesh))));
+        let kept = key.as_ref().and_then(|(cache, key)| cache::unpack_outline(&cache.fetch_bytes(key)?));
         let is_kept = kept.is_some();
-        let outline = Arc::new(kept.unwrap_or_else(|| Outline::new(mesh)));
+        let outline = Arc::new(kept.unwrap_or_else(|| MeshOutline::new(mesh)));
         if let (Some((cache, key)), false) = (key, is_kept) {
-            cache.keep(&key, &cache::pack_outline(&outline));
+            cache.store_bytes(&key, &cache::pack_outline(&outline));
         }
         self.at_bench(mesh, |bench| bench.outline.get_or_insert(outline).clone())
     }
 
     /// A mesh at a detail; `None` when it is not known and the time is over before it is prepared.
-    pub(crate) fn shape(&self, mesh: &Arc<Mesh>, detail: Detail, is_over: &dyn Fn() -> bool) -> Option<Arc<Shape>> {
-        // Exactly this detail: a finer one at hand would make a build depend on what was nested before it.
-        let known =
-            |bench: &mut Bench| bench.shapes.iter().find(|(of, _)| *of == detail).map(|(_, shape)| shape.clone());
+    pub(crate) fn shape(
+        &self,
+        mesh: &Arc<Mesh>,
+        detail: ShapeDetail,
+        is_over: &dyn Fn() -> bool,
+    ) -> Option<Arc<PreparedShape>> {
+        // Use exactly this detail: a finer one in memory would make a build depend on earlier builds.
+        let known = |bench: &mut PreparationMemo| {
+            bench.shapes.iter().find(|(of, _)| *of == detail).map(|(_, shape)| shape.clone())
+        };
         if let Some(known) = self.at_bench(mesh, known) {
             return Some(known);
         }
@@ -102,12 +108,12 @@ impl PreparedMeshes {
         }
         let outline = self.outline(mesh);
         let tree = self.at_bench(mesh, |bench| bench.tree.clone()).unwrap_or_else(|| {
-            let tree = Arc::new(ClearanceTree::along(mesh.clone(), outline.obb));
+            let tree = Arc::new(ClearanceTree::with_obb(mesh.clone(), outline.obb));
             self.at_bench(mesh, |bench| bench.tree.get_or_insert(tree).clone())
         });
         let name = self.cache().map(|_| self.name_of(mesh));
         let kept = self.cache().zip(name.as_deref());
-        let shape = Arc::new(Shape::new(tree, &outline, detail, kept, is_over)?);
+        let shape = Arc::new(PreparedShape::new(tree, &outline, detail, kept, is_over)?);
         self.at_bench(mesh, |bench| {
             bench.shapes.push((detail, shape.clone()));
             let too_many = bench.shapes.len().saturating_sub(MOST_SHAPES);
@@ -116,27 +122,27 @@ impl PreparedMeshes {
         Some(shape)
     }
 
-    fn cache(&self) -> Option<&dyn Cache> {
-        self.cache.as_deref().map(|cache| cache as &dyn Cache)
+    fn cache(&self) -> Option<&dyn PreparedMeshCache> {
+        self.cache.as_deref().map(|cache| cache as &dyn PreparedMeshCache)
     }
 
     fn name_of(&self, mesh: &Arc<Mesh>) -> Arc<str> {
         let known = self.at_bench(mesh, |bench| bench.name.clone());
         known.unwrap_or_else(|| {
-            let name: Arc<str> = cache::name_of(mesh).into();
+            let name: Arc<str> = cache::mesh_content_hash(mesh).into();
             self.at_bench(mesh, |bench| bench.name.get_or_insert(name).clone())
         })
     }
 
-    /// Looks at, or adds to, what is in memory of a mesh.
-    fn at_bench<T>(&self, mesh: &Arc<Mesh>, look: impl FnOnce(&mut Bench) -> T) -> T {
+    /// Reads or changes the data that is kept in memory for a mesh.
+    fn at_bench<T>(&self, mesh: &Arc<Mesh>, look: impl FnOnce(&mut PreparationMemo) -> T) -> T {
         let mut benches = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(at) = benches.iter().position(|bench| std::ptr::eq(bench.mesh.as_ptr(), Arc::as_ptr(mesh))) {
             return look(&mut benches[at]);
         }
-        // The tree itself holds its mesh; another holder means that somebody may still ask.
+        // The tree itself holds a reference to its mesh. A further reference means that the mesh is still in use.
         benches.retain(|bench| bench.mesh.strong_count() > usize::from(bench.tree.is_some()));
-        benches.push(Bench { mesh: Arc::downgrade(mesh), ..Bench::default() });
+        benches.push(PreparationMemo { mesh: Arc::downgrade(mesh), ..PreparationMemo::default() });
         let at = benches.len() - 1;
         look(&mut benches[at])
     }

@@ -1,41 +1,45 @@
-//! The independent judge of a finished layout: clearance and containment on the triangles, walls on the vertices. It shares
-//! nothing with the search but the distance kernel; it finds its own neighbours and takes nothing for granted.
+//! The independent proof of a finished layout: clearance and containment on the triangles, walls on the vertices. It
+//! shares only the distance kernel with the search: it finds the neighbouring pairs itself and relies on no result of
+//! the search.
 
 use std::{collections::HashMap, sync::Arc};
 
 use glam::{DQuat, DVec3};
 use solids::{Bounds, ClearanceTree, Mesh, Pose};
 
-use super::{Instance, Orientation, OrientationRule, Placement, Tilt, reserved::block, turns::axis_turns};
+use super::{
+    ItemPlacement, NestingInstance, OrientationLimits, OrientationRule, TiltLimit, reserved::box_mesh,
+    rotations::axis_rotations,
+};
 
-pub use apart::{TakenApart, take_apart};
+pub use disassembly::{Disassembly, find_removal_order};
 
-/// A clearance may be short by so much, mm.
+/// Allowed shortfall of a clearance, mm.
 const CLEARANCE_TOLERANCE_MM: f64 = 1e-6;
-/// A body may stand out of the volume by so much, mm.
+/// Allowed excess of a body over the volume, mm.
 const WALL_TOLERANCE_MM: f64 = 1e-6;
-/// A body may reach into a zone by so much, mm.
+/// Allowed depth of a body in a zone, mm.
 const ZONE_TOLERANCE_MM: f64 = 1e-6;
-/// A rotation may be off its rule by so much, radians.
+/// Allowed deviation of a rotation from its rule, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
 
-/// One placed solid as the judge sees it.
+/// One placed solid, as input of the proof.
 #[derive(Debug, Clone)]
-pub struct Body {
+pub struct PlacedSolid {
     /// Name for reports.
     pub name: String,
-    /// The solid; equal meshes should be the same `Arc`, so that work on them is shared.
+    /// The solid. Equal meshes should share one `Arc`, so that their preparation is shared.
     pub mesh: Arc<Mesh>,
     /// Mesh frame -> build frame.
     pub pose: Pose,
-    /// Clearance asked for this body, mm; between two bodies the greater one holds.
+    /// Clearance required for this body, mm. Between two bodies the greater one applies.
     pub clearance_mm: f64,
 }
 
-impl Body {
+impl PlacedSolid {
     /// The placed copies of an instance, in their order, named `part #1`, `part #2`, ..
-    pub fn of_layout(instance: &Instance, placements: &[Placement]) -> Vec<Self> {
-        let body = |placement: &Placement| {
+    pub fn of_layout(instance: &NestingInstance, placements: &[ItemPlacement]) -> Vec<Self> {
+        let body = |placement: &ItemPlacement| {
             let item = &instance.items()[placement.item];
             Self {
                 name: format!("{} #{}", item.name, placement.copy + 1),
@@ -48,45 +52,45 @@ impl Body {
     }
 }
 
-/// Two bodies that come too near.
+/// Two bodies that are too close to each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pair {
+pub struct ClearanceViolation {
     /// Index of the one body.
     pub first: usize,
     /// Index of the other body, greater than `first`.
     pub second: usize,
-    /// Distance between their surfaces, mm, while either is raised as far as it may be; 0 when they meet.
+    /// Distance between their surfaces, mm, over all allowed raises of either body; 0 when they meet.
     pub distance_mm: f64,
-    /// Distance that was asked for, mm.
+    /// Required distance, mm.
     pub wanted_mm: f64,
 }
 
-/// What the judge found.
+/// The result of the proof.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Proof {
+pub struct LayoutProof {
     /// Top of the highest body above z = 0, mm; 0 without bodies.
     pub height_mm: f64,
-    /// The least distance between any two bodies, mm, exact. Pairs are measured up to twice the greatest clearance + 1 mm;
-    /// `None` when no pair is nearer than that (or there are fewer than two bodies).
+    /// The least distance between any two bodies, mm, exact. Pairs are measured up to twice the greatest clearance plus
+    /// 1 mm; `None` when no pair is nearer than that (or there are fewer than two bodies).
     pub clearance_proved_mm: Option<f64>,
-    /// Pairs nearer than their clearance, or whose surfaces meet: at clearance 0, too, they must not.
-    pub too_close: Vec<Pair>,
+    /// Pairs nearer than their clearance, or whose surfaces meet. Surfaces must not meet even at clearance 0.
+    pub too_close: Vec<ClearanceViolation>,
     /// Bodies that stand out of the volume, with the greatest excess over any wall, mm.
     pub outside: Vec<(usize, f64)>,
     /// (outer, inner): the inner body lies inside the outer solid or inside a sealed cavity of it.
     pub inside: Vec<(usize, usize)>,
-    /// (body, zone): the body stands in the zone that is to be kept free.
+    /// (body, zone): the body reaches into the keep-out zone.
     pub intruding: Vec<(usize, usize)>,
 }
 
-impl Proof {
-    /// Whether nothing is wrong.
+impl LayoutProof {
+    /// Whether the layout is valid.
     pub fn is_proved(&self) -> bool {
         self.too_close.is_empty() && self.outside.is_empty() && self.inside.is_empty() && self.intruding.is_empty()
     }
 }
 
-/// Judges a layout by all that an instance asks but its orientation rules ([`rotation_obeys`]) and its cap on layers
+/// Judges a layout by all that an instance asks but its orientation rules ([`obeys_orientation`]) and its cap on layers
 /// ([`LayerAreas`](crate::LayerAreas)).
 ///
 /// ```
@@ -107,48 +111,54 @@ impl Proof {
 /// assert_eq!((proof.too_close[0].distance_mm, proof.too_close[0].wanted_mm), (1.0, 2.0));
 /// # Ok::<(), nester::InstanceError>(())
 /// ```
-pub fn prove_layout(instance: &Instance, placements: &[Placement]) -> Proof {
-    let bodies = Body::of_layout(instance, placements);
-    prove_with(&bodies, instance.volume().size_mm, instance.clearance_z_extra_mm(), &instance.keep_out())
+pub fn prove_layout(instance: &NestingInstance, placements: &[ItemPlacement]) -> LayoutProof {
+    let bodies = PlacedSolid::of_layout(instance, placements);
+    prove_with_keep_out(&bodies, instance.volume().size_mm, instance.clearance_z_extra_mm(), &instance.keep_out())
 }
 
-/// Judges bodies in a box from the origin to `volume_mm`. Tolerance 1e-6 mm on clearance and on walls. A pose that is not
-/// made of finite numbers stands infinitely far outside.
-pub fn prove(bodies: &[Body], volume_mm: DVec3) -> Proof {
-    prove_raised(bodies, volume_mm, 0.0)
+/// Checks bodies in a box from the origin to `volume_mm`. The tolerance is 1e-6 mm on clearance and on walls. A pose
+/// with numbers that are not finite counts as infinitely far outside.
+pub fn prove_placed_solids(bodies: &[PlacedSolid], volume_mm: DVec3) -> LayoutProof {
+    prove_with_z_extra(bodies, volume_mm, 0.0)
 }
 
-/// As [`prove`]; between any two bodies the clearance must also hold when either is raised by anything from 0 to `extra_mm`.
-pub fn prove_raised(bodies: &[Body], volume_mm: DVec3, extra_mm: f64) -> Proof {
-    prove_with(bodies, volume_mm, extra_mm, &[])
+/// Like [`prove_placed_solids`], but between any two bodies the clearance must also hold when either is raised by anything from 0 to
+/// `extra_mm`.
+pub fn prove_with_z_extra(bodies: &[PlacedSolid], volume_mm: DVec3, extra_mm: f64) -> LayoutProof {
+    prove_with_keep_out(bodies, volume_mm, extra_mm, &[])
 }
 
-/// As [`prove_raised`], with boxes in which nothing may stand. A body may reach into one by 1e-6 mm.
-pub fn prove_with(bodies: &[Body], volume_mm: DVec3, extra_mm: f64, keep_out: &[Bounds]) -> Proof {
-    let trees = trees(bodies);
-    // The walls are judged on every vertex, not on the tree's bounds.
+/// Like [`prove_with_z_extra`], with keep-out boxes. A body may reach into a box by 1e-6 mm.
+pub fn prove_with_keep_out(
+    bodies: &[PlacedSolid],
+    volume_mm: DVec3,
+    extra_mm: f64,
+    keep_out: &[Bounds],
+) -> LayoutProof {
+    let trees = build_trees(bodies);
+    // The walls are checked on every vertex, not on the tree's bounds.
     let bounds: Vec<Bounds> = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
     let outside: Vec<(usize, f64)> = (bounds.iter().map(|b| excess_mm(b, volume_mm)).enumerate())
         .filter(|&(_, excess_mm)| excess_mm > WALL_TOLERANCE_MM)
         .collect();
-    let mut proof = Proof {
+    let mut proof = LayoutProof {
         height_mm: bounds.iter().map(|b| b.max.z).fold(0.0, f64::max),
         clearance_proved_mm: None,
         too_close: Vec::new(),
         outside,
         inside: Vec::new(),
-        intruding: intruding(bodies, &trees, &bounds, keep_out),
+        intruding: find_intrusions(bodies, &trees, &bounds, keep_out),
     };
     let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
-    for (first, second) in neighbours(&bounds, cap_mm + extra_mm) {
-        judge(bodies, &trees, &bounds, (first, second), (cap_mm, extra_mm), &mut proof);
+    for (first, second) in nearby_pairs(&bounds, cap_mm + extra_mm) {
+        check_pair(bodies, &trees, &bounds, (first, second), (cap_mm, extra_mm), &mut proof);
     }
     proof.too_close.sort_by_key(|p| (p.first, p.second));
     proof.inside.sort_unstable();
     proof
 }
 
-/// Whether a pose turns a part only as its rule allows (within 1e-6 of a radian).
+/// Whether a pose rotates a part only as its rule allows (within 1e-6 radian).
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
@@ -159,10 +169,10 @@ pub fn prove_with(bodies: &[Body], volume_mm: DVec3, extra_mm: f64, keep_out: &[
 /// assert!(rotation_obeys(&upright, &Pose::new(DQuat::from_rotation_z(1.0), DVec3::ZERO)));
 /// assert!(!rotation_obeys(&upright, &Pose::new(DQuat::from_rotation_x(1.0), DVec3::ZERO)));
 /// ```
-pub fn rotation_obeys(orientation: &Orientation, pose: &Pose) -> bool {
-    let stands = |tilt: &Tilt| {
-        let (stands, up) = (pose.direction(tilt.direction()), DVec3::Z);
-        stands.cross(up).length().atan2(stands.dot(up)) <= tilt.within_deg().to_radians() + ANGLE_TOLERANCE
+pub fn obeys_orientation(orientation: &OrientationLimits, pose: &Pose) -> bool {
+    let poses = |tilt: &TiltLimit| {
+        let (poses, up) = (pose.transform_direction(tilt.direction()), DVec3::Z);
+        poses.cross(up).length().atan2(poses.dot(up)) <= tilt.within_deg().to_radians() + ANGLE_TOLERANCE
     };
     // |sin| of half the angle between two rotations is the length of their quotient's vector part.
     let is_near = |to: DQuat| {
@@ -172,18 +182,18 @@ pub fn rotation_obeys(orientation: &Orientation, pose: &Pose) -> bool {
     let obeys = match orientation.rule {
         OrientationRule::Free => pose.rotation.is_finite(),
         OrientationRule::Upright => {
-            let up = pose.direction(DVec3::Z);
+            let up = pose.transform_direction(DVec3::Z);
             up.z > 0.0 && up.truncate().length() <= ANGLE_TOLERANCE
         }
-        OrientationRule::Axis => axis_turns().into_iter().any(is_near),
+        OrientationRule::Axis => axis_rotations().into_iter().any(is_near),
         OrientationRule::Fixed => is_near(DQuat::IDENTITY),
     };
-    obeys && orientation.tilts.iter().all(stands)
+    obeys && orientation.tilts.iter().all(poses)
 }
 
-/// Bodies that stand in a zone, with the number of the zone.
-fn intruding(
-    bodies: &[Body],
+/// Bodies that reach into a zone, with the number of the zone.
+fn find_intrusions(
+    bodies: &[PlacedSolid],
     trees: &[Arc<ClearanceTree>],
     bounds: &[Bounds],
     keep_out: &[Bounds],
@@ -191,13 +201,13 @@ fn intruding(
     let mut found = Vec::new();
     for (number, zone) in keep_out.iter().enumerate() {
         let zone = Bounds { min: zone.min + ZONE_TOLERANCE_MM, max: zone.max - ZONE_TOLERANCE_MM };
-        let Some(solid) = block(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
+        let Some(solid) = box_mesh(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
         let stands_in = |body: usize| {
             let pose = &bodies[body].pose;
             bounds[body].distance(&zone) <= 0.0
                 && (solid.distance_capped_mm(&trees[body], pose, 1.0) <= 0.0
-                    || solid.holds_part(&trees[body], pose)
-                    || trees[body].holds_part(&solid, &pose.inverse()))
+                    || solid.contains_part(&trees[body], pose)
+                    || trees[body].contains_part(&solid, &pose.inverse()))
         };
         found.extend((0..bodies.len()).filter(|&body| stands_in(body)).map(|body| (body, number)));
     }
@@ -205,14 +215,14 @@ fn intruding(
     found
 }
 
-/// A tree per distinct mesh, in the order of the bodies.
-fn trees(bodies: &[Body]) -> Vec<Arc<ClearanceTree>> {
+/// One tree per distinct mesh, in the order of the bodies.
+fn build_trees(bodies: &[PlacedSolid]) -> Vec<Arc<ClearanceTree>> {
     let mut known: HashMap<*const Mesh, Arc<ClearanceTree>> = HashMap::new();
     let tree = |mesh: &Arc<Mesh>| Arc::new(ClearanceTree::new(mesh.clone()));
     bodies.iter().map(|b| known.entry(Arc::as_ptr(&b.mesh)).or_insert_with(|| tree(&b.mesh)).clone()).collect()
 }
 
-/// How far bounds stand out of the volume, mm; infinite for numbers that are none.
+/// Greatest excess of bounds over the volume, mm; infinite for numbers that are not finite.
 fn excess_mm(bounds: &Bounds, volume_mm: DVec3) -> f64 {
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
         return f64::INFINITY;
@@ -221,13 +231,13 @@ fn excess_mm(bounds: &Bounds, volume_mm: DVec3) -> f64 {
 }
 
 /// Pairs whose bounds are nearer than `cap_mm`, by a sweep along x.
-fn neighbours(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
+fn nearby_pairs(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
     let mut order: Vec<usize> = (0..bounds.len()).collect();
     order.sort_by(|&i, &j| bounds[i].min.x.total_cmp(&bounds[j].min.x));
     let mut open: Vec<usize> = Vec::new();
     let mut pairs = Vec::new();
     for i in order {
-        // NaN keeps a body open: it is told as outside anyway.
+        // NaN keeps a body in the list; it is reported as outside anyway.
         open.retain(|&j| bounds[j].max.x.is_nan() || bounds[j].max.x + cap_mm > bounds[i].min.x);
         let near = open.iter().filter(|&&j| bounds[j].distance(&bounds[i]) < cap_mm);
         pairs.extend(near.map(|&j| (i.min(j), i.max(j))));
@@ -236,42 +246,42 @@ fn neighbours(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Measures one pair and writes down what is wrong with it.
-fn judge(
-    bodies: &[Body],
+/// Measures one pair and records its violations.
+fn check_pair(
+    bodies: &[PlacedSolid],
     trees: &[Arc<ClearanceTree>],
     bounds: &[Bounds],
     (first, second): (usize, usize),
     (cap_mm, extra_mm): (f64, f64),
-    proof: &mut Proof,
+    proof: &mut LayoutProof,
 ) {
-    let pose12 = bodies[first].pose.seen(&bodies[second].pose);
+    let pose12 = bodies[first].pose.relative_pose_of(&bodies[second].pose);
     let distance_mm = trees[first].distance_capped_mm(&trees[second], &pose12, cap_mm);
     if distance_mm < cap_mm {
         proof.clearance_proved_mm = Some(proof.clearance_proved_mm.map_or(distance_mm, |least| least.min(distance_mm)));
     }
     let wanted_mm = bodies[first].clearance_mm.max(bodies[second].clearance_mm);
     if extra_mm > 0.0 && distance_mm > 0.0 {
-        let slide1 = bodies[first].pose.inverse().direction(DVec3::Z * extra_mm);
+        let slide1 = bodies[first].pose.inverse().transform_direction(DVec3::Z * extra_mm);
         let raised_mm = trees[first].distance_sliding_mm(&trees[second], &pose12, slide1, cap_mm);
         if raised_mm <= 0.0 || raised_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
-            return proof.too_close.push(Pair { first, second, distance_mm: raised_mm, wanted_mm });
+            return proof.too_close.push(ClearanceViolation { first, second, distance_mm: raised_mm, wanted_mm });
         }
     }
     if distance_mm <= 0.0 || distance_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
-        proof.too_close.push(Pair { first, second, distance_mm, wanted_mm });
+        proof.too_close.push(ClearanceViolation { first, second, distance_mm, wanted_mm });
     }
     if distance_mm <= 0.0 || bounds[first].distance(&bounds[second]) > 0.0 {
         return;
     }
-    if trees[first].holds_part(&trees[second], &pose12) {
+    if trees[first].contains_part(&trees[second], &pose12) {
         proof.inside.push((first, second));
     }
-    if trees[second].holds_part(&trees[first], &pose12.inverse()) {
+    if trees[second].contains_part(&trees[first], &pose12.inverse()) {
         proof.inside.push((second, first));
     }
 }
 
-mod apart;
+mod disassembly;
 #[cfg(test)]
 mod tests;

@@ -1,15 +1,15 @@
-//! What is told of a finished nesting, for people and programs.
+//! The report on a finished nesting, for people and programs.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use solids::{Bounds, Mesh, Pose};
 
 use super::{
-    Body, Instance, Interlock, LayerAreas, LayerCap, Solution, TakenApart, drawing_gap_mm, lower_bound_mm,
-    settle::packing, take_apart,
+    Disassembly, InterlockRule, LayerAreaCap, LayerAreas, NestingInstance, NestingSolution, PlacedSolid,
+    find_removal_order, lower_bound_mm, removal_gap_mm, tie_break::packing_measures,
 };
 
-/// Where one copy stands.
+/// The pose of one copy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlacedPart {
     /// Name of the item.
@@ -20,7 +20,7 @@ pub struct PlacedPart {
     pub pose: [[f64; 4]; 4],
 }
 
-/// A copy that found no place.
+/// A copy that could not be placed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct UnplacedPart {
     /// Name of the item.
@@ -29,82 +29,83 @@ pub struct UnplacedPart {
     pub copy: u32,
 }
 
-/// A placed copy.
+/// A locked copy.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct NamedCopy {
+pub struct LockedCopy {
     /// Name of the item.
     pub part: String,
     /// Copy number, from 0.
     pub copy: u32,
 }
 
-/// A copy that can be drawn out of the build, after all that are told before it.
+/// A copy that can be removed from the build after all copies before it in the list.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DrawnCopy {
+pub struct RemovedCopy {
     /// Name of the item.
     pub part: String,
     /// Copy number, from 0.
     pub copy: u32,
-    /// The straight line that it takes: a unit vector in the machine's frame.
+    /// The direction of removal: a unit vector in the machine's frame.
     pub way: [f64; 3],
 }
 
-/// Whether and how a build comes apart.
+/// Whether a build can be taken apart, and in which order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Separability {
-    /// Distance that a copy keeps at least from all that are still there while it is drawn out, mm (for parts with a
-    /// clearance of their own half of that, at most half a millimetre).
+    /// Least distance that a copy keeps from all remaining copies while it is removed, mm (for parts with their own
+    /// clearance half of that, at most half a millimetre).
     pub gap_mm: f64,
-    /// Copies that cannot be drawn out: locked into each other.
-    pub locked: Vec<NamedCopy>,
-    /// The others in an order in which they can be drawn out.
-    pub order: Vec<DrawnCopy>,
+    /// Copies that cannot be removed: they are interlocked.
+    pub locked: Vec<LockedCopy>,
+    /// The other copies, in an order in which they can be removed.
+    pub order: Vec<RemovedCopy>,
 }
 
 impl Separability {
-    /// What the judge found, for a build of a clearance (mm); `name` gives an index's part and copy.
-    pub fn new(apart: &TakenApart, clearance_mm: f64, name: impl Fn(usize) -> (String, u32)) -> Self {
+    /// Creates the result from a disassembly, for a build with a clearance (mm); `name` returns the part and copy of an
+    /// index.
+    pub fn new(apart: &Disassembly, clearance_mm: f64, name: impl Fn(usize) -> (String, u32)) -> Self {
         let drawn = |&(body, way): &(usize, DVec3)| {
             let (part, copy) = name(body);
-            DrawnCopy { part, copy, way: way.to_array() }
+            RemovedCopy { part, copy, way: way.to_array() }
         };
         let locked = |&body: &usize| {
             let (part, copy) = name(body);
-            NamedCopy { part, copy }
+            LockedCopy { part, copy }
         };
         Self {
-            gap_mm: drawing_gap_mm(clearance_mm),
+            gap_mm: removal_gap_mm(clearance_mm),
             locked: apart.locked.iter().map(locked).collect(),
             order: apart.order.iter().map(drawn).collect(),
         }
     }
 
-    /// Takes bodies apart as far as a rule asks for it: `None` where nobody looks.
-    pub fn apart(rule: Interlock, bodies: &[Body]) -> Option<TakenApart> {
-        (rule != Interlock::Allow).then(|| take_apart(bodies))
+    /// Takes bodies apart if a rule requires it; `None` if interlocking is not checked.
+    pub fn disassemble_under(rule: InterlockRule, bodies: &[PlacedSolid]) -> Option<Disassembly> {
+        (rule != InterlockRule::Allow).then(|| find_removal_order(bodies))
     }
 
-    /// What [`Separability::apart`] finds, with names.
-    pub fn look(
-        rule: Interlock,
-        bodies: &[Body],
+    /// The result of [`Separability::disassemble_under`], with names.
+    pub fn examine_bodies(
+        rule: InterlockRule,
+        bodies: &[PlacedSolid],
         clearance_mm: f64,
         name: impl Fn(usize) -> (String, u32),
     ) -> Option<Self> {
-        Self::apart(rule, bodies).map(|apart| Self::new(&apart, clearance_mm, name))
+        Self::disassemble_under(rule, bodies).map(|apart| Self::new(&apart, clearance_mm, name))
     }
 
-    /// Whether a rule lets pass what was found.
-    pub fn obeys(&self, rule: Interlock) -> bool {
-        rule != Interlock::Forbid || self.locked.is_empty()
+    /// Whether the result obeys a rule.
+    pub fn obeys_rule(&self, rule: InterlockRule) -> bool {
+        rule != InterlockRule::Forbid || self.locked.is_empty()
     }
 
-    /// How many are locked, and who.
+    /// A sentence with the number and the names of the locked copies.
     pub fn in_words(&self) -> String {
         format!("{} parts are locked into each other: {}", self.locked.len(), self.locked_text())
     }
 
-    /// The locked copies in one line, the first few by name.
+    /// The locked copies on one line, the first few by name.
     pub fn locked_text(&self) -> String {
         const NAMED: usize = 5;
         let names = self.locked.iter().take(NAMED).map(|c| format!("{} #{}", c.part, c.copy + 1));
@@ -116,12 +117,12 @@ impl Separability {
     }
 }
 
-/// How a search went, as seen from outside; what [`Report::new`] needs beside the solution.
+/// Data about a search that [`NestingReport::new`] needs beside the solution.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Course {
-    /// Least distance found by the proof of the written file, mm; `None` when no two parts are near.
+pub struct SearchSummary {
+    /// Least distance measured by the proof of the written file, mm; `None` when no two parts are near.
     pub clearance_proved_mm: Option<f64>,
-    /// Whether the written file comes apart; `None` when nobody looked.
+    /// Disassembly of the written file; `None` when interlocking was not checked.
     pub separable: Option<Separability>,
     /// Seed of the search.
     pub seed: u64,
@@ -135,30 +136,30 @@ pub struct Course {
 
 /// The report on one build.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Report {
+pub struct NestingReport {
     /// Top of the highest placement, mm.
     pub height_mm: f64,
     /// Part volume / (base area x build height).
     pub density: f64,
-    /// Part volume / volume of the packed box, from the corner of the box that may be filled to the farthest of all parts.
+    /// Part volume / volume of the packed box, which reaches from the corner of the usable box to the farthest part.
     pub packed_density: f64,
-    /// Mean distance of the middles of the parts' bounds from the corner of the box that may be filled, mm.
+    /// Mean distance of the centers of the parts' bounds from the corner of the usable box, mm.
     pub mean_distance_mm: f64,
-    /// What is filled in each layer.
+    /// The filled areas of the layers.
     pub layers: LayerAreas,
     /// A height that no layout of all copies can beat, mm.
     pub lower_bound_mm: f64,
-    /// Clearance asked, mm.
+    /// Required clearance, mm.
     pub clearance_mm: f64,
-    /// By how much either of two parts may be raised without breaking it, mm.
+    /// Height by which either of two parts may be raised without breaking the clearance, mm.
     pub clearance_z_extra_mm: f64,
     /// Least distance between any two parts, mm, proved on the triangles of the written file; `null` when none are near.
     pub clearance_proved_mm: Option<f64>,
-    /// Whether and how the written file comes apart; `null` when locked parts are allowed and nobody looked.
+    /// Disassembly of the written file; `null` when locked parts are allowed and were not checked.
     pub separable: Option<Separability>,
     /// Copies placed.
     pub placed: usize,
-    /// Copies that found no place.
+    /// Copies that could not be placed.
     pub unplaced: Vec<UnplacedPart>,
     /// Seed of the search.
     pub seed: u64,
@@ -170,26 +171,27 @@ pub struct Report {
     pub wall_secs: f64,
     /// (wall seconds, build height in mm) of every improvement.
     pub curve: Vec<(f64, f64)>,
-    /// Where every copy stands.
+    /// The pose of every copy.
     pub placements: Vec<PlacedPart>,
 }
 
-impl Report {
-    /// Measures density, closeness and layers of placed meshes that stand in the box that may be filled, its corner at the
-    /// origin.
-    pub fn measured(mut self, placed: &[(&Mesh, Pose)], cap: LayerCap) -> Self {
+impl NestingReport {
+    /// Measures density, closeness and layers of placed meshes, given in the frame of the usable box, with its corner
+    /// at the origin.
+    pub fn with_measurements(mut self, placed: &[(&Mesh, Pose)], cap: LayerAreaCap) -> Self {
         let bounds: Vec<Bounds> = placed.iter().map(|(mesh, pose)| mesh.bounds_at(pose)).collect();
         let volume_mm3 = placed.iter().map(|(mesh, _)| mesh.volume_mm3()).sum();
-        (self.packed_density, self.mean_distance_mm) = packing(volume_mm3, bounds.iter().copied());
-        self.layers = LayerAreas::of(placed.iter().copied(), cap);
+        (self.packed_density, self.mean_distance_mm) = packing_measures(volume_mm3, bounds.iter().copied());
+        self.layers = LayerAreas::from_meshes(placed.iter().copied(), cap);
         self
     }
 
-    /// Puts together what was asked, what was found and how the search went; what stands where is measured by
-    /// [`Report::measured`].
-    pub fn new(instance: &Instance, solution: &Solution, course: Course) -> Self {
+    /// Combines the instance, the solution and the data about the search. Measures of the placed meshes are added by
+    /// [`NestingReport::with_measurements`].
+    pub fn new(instance: &NestingInstance, solution: &NestingSolution, course: SearchSummary) -> Self {
         let name = |item: usize| instance.items()[item].name.clone();
-        let placed = |p: &super::Placement| PlacedPart { part: name(p.item), copy: p.copy, pose: p.pose.rows() };
+        let placed =
+            |p: &super::ItemPlacement| PlacedPart { part: name(p.item), copy: p.copy, pose: p.pose.matrix_rows() };
         Self {
             height_mm: solution.height_mm,
             density: solution.density(instance),

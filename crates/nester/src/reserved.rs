@@ -1,37 +1,37 @@
-//! What never moves: zones of the machine in which nothing may stand, and copies that are promised where they stand.
+//! What never moves: zones of the machine in which no part may be placed, and copies with fixed poses.
 
 use std::{collections::BTreeSet, sync::Arc};
 
 use glam::DVec3;
 use solids::{Bounds, Mesh};
 
-use super::Placement;
+use super::ItemPlacement;
 
-/// A zone of the build volume in which nothing may stand.
+/// A zone of the build volume in which no part may be placed.
 #[derive(Debug, Clone)]
-pub(crate) struct Zone {
+pub(crate) struct ReservedZone {
     /// The part of it inside the volume, mm.
     pub(crate) bounds: Bounds,
     /// The same as a solid.
     pub(crate) mesh: Arc<Mesh>,
 }
 
-/// What never moves, in the build volume's frame.
+/// Zones and fixed copies, in the build volume's frame.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Reserved {
-    pub(crate) zones: Vec<Zone>,
-    pub(crate) pinned: Vec<Placement>,
+pub(crate) struct ReservedSpace {
+    pub(crate) zones: Vec<ReservedZone>,
+    pub(crate) pinned: Vec<ItemPlacement>,
 }
 
-impl Reserved {
-    /// Whether a copy is promised where it stands.
-    pub(crate) fn pins(&self) -> BTreeSet<(usize, u32)> {
+impl ReservedSpace {
+    /// The copies that are fixed at a pose.
+    pub(crate) fn pinned_copies(&self) -> BTreeSet<(usize, u32)> {
         self.pinned.iter().map(|p| (p.item, p.copy)).collect()
     }
 }
 
 /// A box as a solid.
-pub(crate) fn block(bounds: &Bounds) -> Option<Mesh> {
+pub(crate) fn box_mesh(bounds: &Bounds) -> Option<Mesh> {
     let size = bounds.size();
     let corner = |n: usize| bounds.min + size * DVec3::new((n & 1) as f64, (n >> 1 & 1) as f64, (n >> 2 & 1) as f64);
     let triangles = vec![

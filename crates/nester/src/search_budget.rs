@@ -9,7 +9,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::Stop;
+use super::StopCondition;
 
 /// What a search may cost: wall time, evaluations, or whichever of both ends first; counted from its construction. Clones share
 /// one budget: another thread can cancel the search with one, or ask how far it is.
@@ -75,7 +75,7 @@ impl SearchBudget {
         Self { evaluation_limit: Some(limit), ..self }
     }
 
-    /// Ends the search soon; what it has found so far counts.
+    /// Ends the search soon; what it has found so far is kept.
     pub fn cancel(&self) {
         self.shared.is_cancelled.store(true, Ordering::Relaxed);
     }
@@ -115,8 +115,8 @@ fn share(used: f64, limit: f64) -> f64 {
     if limit > 0.0 { used / limit } else { 1.0 }
 }
 
-impl Stop for SearchBudget {
-    fn spent(&self, evaluations: u64) -> f64 {
+impl StopCondition for SearchBudget {
+    fn spent_share_at(&self, evaluations: u64) -> f64 {
         if self.evaluation_limit.is_some() {
             self.shared.evaluations.fetch_max(evaluations, Ordering::Relaxed);
         }
@@ -131,9 +131,9 @@ mod tests {
     #[test]
     fn evaluations_are_a_share_and_the_most_that_were_told_count() {
         let budget = SearchBudget::of_evaluations(200);
-        assert_eq!((budget.spent(50), budget.spent(20)), (0.25, 0.1));
+        assert_eq!((budget.spent_share_at(50), budget.spent_share_at(20)), (0.25, 0.1));
         assert_eq!((budget.spent_share(), budget.secs_left()), (0.25, None));
-        assert_eq!((budget.spent(500), budget.spent_share()), (2.5, 1.0));
+        assert_eq!((budget.spent_share_at(500), budget.spent_share()), (2.5, 1.0));
     }
 
     #[test]
@@ -142,27 +142,27 @@ mod tests {
         while budget.secs_over() == 0.0 {
             std::thread::yield_now();
         }
-        assert!(budget.spent(0) >= 1.0 && budget.secs_left() == Some(0.0));
+        assert!(budget.spent_share_at(0) >= 1.0 && budget.secs_left() == Some(0.0));
         let patient = SearchBudget::of_secs(1e9).with_evaluations(10);
-        assert!(patient.spent(0) < 1e-3 && patient.secs_over() == 0.0);
-        assert_eq!(patient.spent(10), 1.0);
+        assert!(patient.spent_share_at(0) < 1e-3 && patient.secs_over() == 0.0);
+        assert_eq!(patient.spent_share_at(10), 1.0);
     }
 
     #[test]
     fn a_limit_that_is_none_ends_at_once_and_an_endless_one_never() {
         for secs in [0.0, -1.0, f64::NAN] {
-            assert!(SearchBudget::of_secs(secs).spent(0) >= 1.0, "{secs}");
+            assert!(SearchBudget::of_secs(secs).spent_share_at(0) >= 1.0, "{secs}");
         }
-        assert_eq!(SearchBudget::of_evaluations(0).spent(0), 1.0);
-        assert!(SearchBudget::of_secs(f64::INFINITY).spent(u64::MAX) < 1e-6);
-        assert_eq!(SearchBudget::until_cancelled().spent(u64::MAX), 0.0);
+        assert_eq!(SearchBudget::of_evaluations(0).spent_share_at(0), 1.0);
+        assert!(SearchBudget::of_secs(f64::INFINITY).spent_share_at(u64::MAX) < 1e-6);
+        assert_eq!(SearchBudget::until_cancelled().spent_share_at(u64::MAX), 0.0);
     }
 
     #[test]
     fn whoever_holds_a_clone_can_cancel() {
         let budget = SearchBudget::of_secs(1000.0);
-        assert!(budget.spent(0) < 1.0);
+        assert!(budget.spent_share_at(0) < 1.0);
         budget.clone().cancel();
-        assert_eq!((budget.spent(0), budget.spent_share()), (f64::INFINITY, 1.0));
+        assert_eq!((budget.spent_share_at(0), budget.spent_share()), (f64::INFINITY, 1.0));
     }
 }

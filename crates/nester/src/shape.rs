@@ -1,4 +1,4 @@
-//! Everything the search knows of one distinct mesh, shared by all of its copies.
+//! The prepared data of one distinct mesh, shared by all of its copies.
 
 use std::sync::Arc;
 
@@ -6,95 +6,96 @@ use glam::{DQuat, DVec3};
 use solids::{ClearanceTree, Pose};
 
 use super::{
-    body::Body,
-    cache::{self, Cache},
-    field::DistanceField,
-    outline::Outline,
+    cache::{self, PreparedMeshCache},
+    distance_field::DistanceField,
+    outline::MeshOutline,
+    sphere_tree::SphereTree,
 };
 
-/// Points of the few by which candidates are compared.
+/// Number of points of the coarse set, by which candidates are compared.
 const FEW_POINTS: usize = 120;
 
 /// A distinct mesh, prepared.
 #[derive(Debug)]
-pub(crate) struct Shape {
-    /// Decides: exact distances.
+pub(crate) struct PreparedShape {
+    /// Exact distances; these decide validity.
     pub(crate) tree: Arc<ClearanceTree>,
-    /// Middle of the smallest box, mesh frame, mm; the origin of all that follows.
+    /// Center of the smallest box, mesh frame, mm; the origin of all that follows.
     pub(crate) center: DVec3,
     /// Rotation of the smallest box.
     pub(crate) frame: DQuat,
-    /// Points that decide the extents, less the center.
+    /// Points that determine the extents, relative to the center.
     pub(crate) extremes: Vec<DVec3>,
-    /// The same, for the guides.
+    /// The same points in single precision, for the proxies.
     pub(crate) extremes_f32: Vec<glam::Vec3>,
     /// Greatest distance of a point from the center, mm.
     pub(crate) radius_mm: f64,
-    /// Guides: signed distance.
-    pub(crate) field: DistanceField,
-    /// Many surface points.
-    pub(crate) fine: Body,
-    /// Few surface points.
-    pub(crate) coarse: Body,
+    /// Signed distance grid, for the proxies.
+    pub(crate) distance_field: DistanceField,
+    /// Fine set of surface points.
+    pub(crate) fine_points: SphereTree,
+    /// Coarse set of surface points.
+    pub(crate) coarse_points: SphereTree,
 }
 
 /// How finely a shape is prepared.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Detail {
-    /// Nodes of the distance grid, about.
+pub(crate) struct ShapeDetail {
+    /// Approximate number of nodes of the distance grid.
     pub(crate) nodes: usize,
-    /// Surface points, about.
+    /// Approximate number of surface points.
     pub(crate) points: usize,
-    /// How far the grid reaches beyond the mesh, mm.
+    /// Distance by which the grid reaches beyond the mesh, mm.
     pub(crate) reach_mm: f64,
 }
 
-impl Shape {
-    /// Works out the guides, or takes them from what was kept under the mesh's name; `None` when the time is over before.
+impl PreparedShape {
+    /// Computes the collision proxy, or takes it from the cache under the mesh's content hash; `None` when the time
+    /// runs out first.
     pub(crate) fn new(
         tree: Arc<ClearanceTree>,
-        outline: &Outline,
-        detail: Detail,
-        kept: Option<(&dyn Cache, &str)>,
+        outline: &MeshOutline,
+        detail: ShapeDetail,
+        kept: Option<(&dyn PreparedMeshCache, &str)>,
         is_over: &dyn Fn() -> bool,
     ) -> Option<Self> {
         let center = outline.obb.pose.translation;
-        let (field, fine, coarse) = guides(&tree, center, detail, kept, is_over)?;
+        let (field, fine, coarse) = prepare_proxies(&tree, center, detail, kept, is_over)?;
         Some(Self {
             center,
             frame: outline.obb.pose.rotation,
             radius_mm: outline.radius_mm,
             extremes_f32: outline.extremes.iter().map(|p| p.as_vec3()).collect(),
             extremes: outline.extremes.clone(),
-            field,
-            fine,
-            coarse,
+            distance_field: field,
+            fine_points: fine,
+            coarse_points: coarse,
             tree,
         })
     }
 
-    /// The pose of the mesh when its center stands at `place` after `turn`.
-    pub(crate) fn pose(&self, turn: DQuat, place: DVec3) -> Pose {
+    /// The pose of the mesh when its center is at `place` after the rotation `turn`.
+    pub(crate) fn mesh_pose(&self, turn: DQuat, place: DVec3) -> Pose {
         let turn = turn.normalize();
         Pose::new(turn, place - turn * self.center)
     }
 
-    /// Where the center stands at a pose.
-    pub(crate) fn place(&self, pose: &Pose) -> DVec3 {
-        pose.point(self.center)
+    /// Position of the center at a pose.
+    pub(crate) fn center_at(&self, pose: &Pose) -> DVec3 {
+        pose.transform_point(self.center)
     }
 }
 
-fn guides(
+fn prepare_proxies(
     tree: &ClearanceTree,
     center: DVec3,
-    detail: Detail,
-    kept: Option<(&dyn Cache, &str)>,
+    detail: ShapeDetail,
+    kept: Option<(&dyn PreparedMeshCache, &str)>,
     is_over: &dyn Fn() -> bool,
-) -> Option<(DistanceField, Body, Body)> {
+) -> Option<(DistanceField, SphereTree, SphereTree)> {
     let kind = || format!("guides-{}-{}-{:016x}", detail.nodes, detail.points, detail.reach_mm.to_bits());
-    let slot = kept.map(|(cache, name)| (cache, cache::key_of(&kind(), name)));
-    let known = slot.as_ref().and_then(|(cache, key)| cache::unpack_guides(&cache.fetch(key)?));
+    let slot = kept.map(|(cache, name)| (cache, cache::cache_key(&kind(), name)));
+    let known = slot.as_ref().and_then(|(cache, key)| cache::unpack_proxies(&cache.fetch_bytes(key)?));
     if known.is_some() {
         return known;
     }
@@ -103,9 +104,9 @@ fn guides(
     if is_over() {
         return None;
     }
-    let (fine, coarse) = (Body::new(mesh, center, detail.points), Body::new(mesh, center, FEW_POINTS));
+    let (fine, coarse) = (SphereTree::new(mesh, center, detail.points), SphereTree::new(mesh, center, FEW_POINTS));
     if let Some((cache, key)) = slot {
-        cache.keep(&key, &cache::pack_guides(&field, &fine, &coarse));
+        cache.store_bytes(&key, &cache::pack_proxies(&field, &fine, &coarse));
     }
     Some((field, fine, coarse))
 }

@@ -1,16 +1,16 @@
-//! Solids for this room's tests.
+//! Solids for the tests of this crate.
 
 use std::{collections::BTreeSet, sync::Arc};
 
 use glam::DVec3;
 use solids::{Bounds, Mesh};
 
-use super::{Config, reserved};
+use super::{NestingConfig, reserved};
 
 /// A box from the origin.
 pub(crate) fn block(size: DVec3) -> Arc<Mesh> {
     let bounds = Bounds { min: DVec3::ZERO, max: size };
-    Arc::new(reserved::block(&bounds).expect("a box is a solid"))
+    Arc::new(reserved::box_mesh(&bounds).expect("a box is a solid"))
 }
 
 /// A box of edge `size` with a sealed box-shaped cavity whose walls are `wall` thick.
@@ -65,12 +65,12 @@ pub(crate) fn range(low: [i32; 3], high: [i32; 3]) -> impl Iterator<Item = [i32;
 
 /// A configuration of each method that is there; the published one with a small population and at most so many layouts
 /// (0 = any number).
-pub(crate) fn each_method(max_layouts: u64) -> Vec<Config> {
-    let own = Config::default();
+pub(crate) fn each_method(max_layouts: u64) -> Vec<NestingConfig> {
+    let own = NestingConfig::default();
     #[cfg(feature = "paper")]
     {
         let paper = crate::PaperConfig { population: 20, iterations: 20, max_layouts, ..crate::PaperConfig::default() };
-        vec![own.clone(), Config { method: crate::Method::Paper, paper, ..own }]
+        vec![own.clone(), NestingConfig { method: crate::NestingMethod::Paper, paper, ..own }]
     }
     #[cfg(not(feature = "paper"))]
     {

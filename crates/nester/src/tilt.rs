@@ -1,5 +1,5 @@
-//! Which ways up a part may stand: directions of its mesh that must stay near to straight up. A face must not look down when
-//! its normal must stay out of a cone around straight down, which is the same kind of rule.
+//! Limits on the up direction of a part: directions of its mesh that must point nearly straight up. A face must not
+//! look down means that its normal must stay out of a cone around straight down, which is the same kind of limit.
 
 use std::{fmt, str::FromStr};
 
@@ -7,18 +7,18 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// More of them for one part are a slip.
+/// Greatest number of tilts of one part; more are probably a mistake.
 pub const MAX_TILTS: usize = 16;
-/// A face that must not look down keeps so far from straight down where nothing else is said, degrees: powder-bed machines
-/// show steps on faces that look down more steeply.
+/// Default angle that a face which must not look down keeps from straight down, degrees. Powder-bed machines show steps
+/// on faces that look down more steeply.
 const DEFAULT_SPARE_DEG: f64 = 45.0;
-/// The search may miss the rim of a cone by so much, radians; the proof allows ten times as much.
+/// Tolerance of the search at the rim of a cone, radians. The proof allows ten times as much.
 pub(crate) const RIM_TOLERANCE: f64 = 1e-7;
 
-/// A direction of the mesh that must stand within an angle of straight up.
+/// A direction of the mesh that must point within an angle of straight up.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RawTilt", into = "RawTilt")]
-pub struct Tilt {
+pub struct TiltLimit {
     direction: DVec3,
     within_deg: f64,
 }
@@ -26,30 +26,30 @@ pub struct Tilt {
 /// A face, by its outward normal, that must not look down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "RawFace", into = "RawFace")]
-pub struct NotDown {
+pub struct FaceNotDown {
     direction: DVec3,
     spare_deg: f64,
 }
 
-/// Why something is no tilt.
+/// Why a tilt is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum TiltError {
-    /// Its length is 0 or no number.
-    #[error("the direction is none: three numbers are wanted, not all 0")]
+pub enum TiltLimitError {
+    /// The direction has length 0 or is not finite.
+    #[error("the direction is invalid: three numbers are needed, not all 0")]
     NoDirection,
-    /// Its angle is none.
+    /// The angle is out of range.
     #[error("the angle must be 0 to 180 degrees")]
     NoAngle,
-    /// A text that does not say one.
-    #[error("wants three numbers and an angle in degrees, e.g. 0,0,1:30")]
+    /// The text is not a tilt.
+    #[error("expected three numbers and an angle in degrees, e.g. 0,0,1:30")]
     NoTilt,
 }
 
-impl Tilt {
-    /// `direction` of the mesh (any length) stands within `within_deg` degrees, 0 to 180, of straight up.
-    pub fn new(direction: DVec3, within_deg: f64) -> Result<Self, TiltError> {
-        let within_deg = angle_of(within_deg)?;
-        Ok(Self { direction: unit(direction)?, within_deg })
+impl TiltLimit {
+    /// `direction` of the mesh (any length) must point within `within_deg` degrees, 0 to 180, of straight up.
+    pub fn new(direction: DVec3, within_deg: f64) -> Result<Self, TiltLimitError> {
+        let within_deg = check_angle(within_deg)?;
+        Ok(Self { direction: unit_direction(direction)?, within_deg })
     }
 
     /// The direction, mesh frame, of length 1.
@@ -57,41 +57,41 @@ impl Tilt {
         self.direction
     }
 
-    /// Its greatest angle to straight up, degrees.
+    /// The greatest angle between the direction and straight up, degrees.
     pub fn within_deg(&self) -> f64 {
         self.within_deg
     }
 
-    /// For people: `(0, 0, 1) within 30 degrees of up`.
+    /// A readable text: `(0, 0, 1) within 30 degrees of up`.
     pub fn in_words(&self) -> String {
         let [x, y, z] = self.direction.to_array().map(|v| (v * 1e3).round() / 1e3 + 0.0);
         format!("({x}, {y}, {z}) within {} degrees of up", self.within_deg)
     }
 
-    fn within(&self) -> f64 {
+    fn within_radians(&self) -> f64 {
         self.within_deg.to_radians()
     }
 
-    /// Whether it lets the mesh's direction `up` (of length 1) stand straight up, within a tolerance in radians.
-    pub(crate) fn lets(&self, up: DVec3, tolerance: f64) -> bool {
-        between(self.direction, up) <= self.within() + tolerance
+    /// Whether the mesh's direction `up` (of length 1) may point straight up, within a tolerance in radians.
+    pub(crate) fn allows_up(&self, up: DVec3, tolerance: f64) -> bool {
+        angle_between(self.direction, up) <= self.within_radians() + tolerance
     }
 
-    /// The tilts that a text lists, as [`write_tilts`] writes them.
-    pub fn parse_list(text: &str) -> Result<Vec<Self>, TiltError> {
+    /// Parses a list of tilts in the format of [`write_tilts`].
+    pub fn parse_list(text: &str) -> Result<Vec<Self>, TiltLimitError> {
         text.split(';').filter(|one| !one.trim().is_empty()).map(str::parse).collect()
     }
 }
 
-impl NotDown {
-    /// The face with the outward `normal` keeps `spare_deg` degrees, 0 to 180, from looking straight down.
-    pub fn new(normal: DVec3, spare_deg: f64) -> Result<Self, TiltError> {
-        Ok(Self { direction: unit(normal)?, spare_deg: angle_of(spare_deg)? })
+impl FaceNotDown {
+    /// The face with the outward `normal` must keep `spare_deg` degrees, 0 to 180, from pointing straight down.
+    pub fn new(normal: DVec3, spare_deg: f64) -> Result<Self, TiltLimitError> {
+        Ok(Self { direction: unit_direction(normal)?, spare_deg: check_angle(spare_deg)? })
     }
 }
 
-impl From<NotDown> for Tilt {
-    fn from(face: NotDown) -> Self {
+impl From<FaceNotDown> for TiltLimit {
+    fn from(face: FaceNotDown) -> Self {
         Self { direction: face.direction, within_deg: 180.0 - face.spare_deg }
     }
 }
@@ -106,60 +106,61 @@ impl From<NotDown> for Tilt {
 /// assert_eq!(write_tilts(&tilts), "0,0,1:30;1,0,0:90");
 /// # Ok::<(), nester::TiltError>(())
 /// ```
-pub fn write_tilts(tilts: &[Tilt]) -> String {
+pub fn write_tilts(tilts: &[TiltLimit]) -> String {
     tilts.iter().map(ToString::to_string).collect::<Vec<_>>().join(";")
 }
 
-impl fmt::Display for Tilt {
+impl fmt::Display for TiltLimit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let DVec3 { x, y, z } = self.direction;
         write!(f, "{x},{y},{z}:{}", self.within_deg)
     }
 }
 
-impl FromStr for Tilt {
-    type Err = TiltError;
+impl FromStr for TiltLimit {
+    type Err = TiltLimitError;
 
-    fn from_str(text: &str) -> Result<Self, TiltError> {
-        let (direction, angle) = numbers(text)?;
-        Self::new(direction, angle.ok_or(TiltError::NoTilt)?)
+    fn from_str(text: &str) -> Result<Self, TiltLimitError> {
+        let (direction, angle) = parse_numbers(text)?;
+        Self::new(direction, angle.ok_or(TiltLimitError::NoTilt)?)
     }
 }
 
-impl FromStr for NotDown {
-    type Err = TiltError;
+impl FromStr for FaceNotDown {
+    type Err = TiltLimitError;
 
-    fn from_str(text: &str) -> Result<Self, TiltError> {
-        let (direction, angle) = numbers(text)?;
+    fn from_str(text: &str) -> Result<Self, TiltLimitError> {
+        let (direction, angle) = parse_numbers(text)?;
         Self::new(direction, angle.unwrap_or(DEFAULT_SPARE_DEG))
     }
 }
 
 /// `x,y,z` or `x,y,z:angle`.
-fn numbers(text: &str) -> Result<(DVec3, Option<f64>), TiltError> {
-    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| TiltError::NoTilt);
+fn parse_numbers(text: &str) -> Result<(DVec3, Option<f64>), TiltLimitError> {
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|_| TiltLimitError::NoTilt);
     let (direction, angle) = match text.split_once(':') {
         Some((direction, angle)) => (direction, Some(number(angle)?)),
         None => (text, None),
     };
     let parts = direction.split(',').map(number).collect::<Result<Vec<f64>, _>>()?;
-    let direction = <[f64; 3]>::try_from(parts).map_err(|_| TiltError::NoTilt)?;
+    let direction = <[f64; 3]>::try_from(parts).map_err(|_| TiltLimitError::NoTilt)?;
     Ok((direction.into(), angle))
 }
 
-fn angle_of(degrees: f64) -> Result<f64, TiltError> {
-    if (0.0..=180.0).contains(&degrees) { Ok(degrees) } else { Err(TiltError::NoAngle) }
+fn check_angle(degrees: f64) -> Result<f64, TiltLimitError> {
+    if (0.0..=180.0).contains(&degrees) { Ok(degrees) } else { Err(TiltLimitError::NoAngle) }
 }
 
-/// One of length 1 already stays as it is to the last digit, so that what is written comes back the same.
-fn unit(direction: DVec3) -> Result<DVec3, TiltError> {
+/// Normalises a direction. A direction of length 1 stays the same to the last digit, so that a written value is read
+/// back unchanged.
+fn unit_direction(direction: DVec3) -> Result<DVec3, TiltLimitError> {
     if direction.is_finite() && (direction.length_squared() - 1.0).abs() < 1e-12 {
         return Ok(direction);
     }
-    direction.try_normalize().ok_or(TiltError::NoDirection)
+    direction.try_normalize().ok_or(TiltLimitError::NoDirection)
 }
 
-/// As files say it.
+/// The serialised form.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawTilt {
@@ -167,32 +168,32 @@ struct RawTilt {
     within_deg: f64,
 }
 
-impl TryFrom<RawTilt> for Tilt {
-    type Error = TiltError;
+impl TryFrom<RawTilt> for TiltLimit {
+    type Error = TiltLimitError;
 
-    fn try_from(raw: RawTilt) -> Result<Self, TiltError> {
+    fn try_from(raw: RawTilt) -> Result<Self, TiltLimitError> {
         Self::new(raw.direction.into(), raw.within_deg)
     }
 }
 
-impl From<Tilt> for RawTilt {
-    fn from(tilt: Tilt) -> Self {
+impl From<TiltLimit> for RawTilt {
+    fn from(tilt: TiltLimit) -> Self {
         Self { direction: tilt.direction.to_array(), within_deg: tilt.within_deg }
     }
 }
 
-/// As files say it: the normal alone, or with how far it keeps from straight down.
+/// The serialised form: the normal alone, or the normal with its angle from straight down.
 #[derive(Serialize, Deserialize)]
-#[serde(untagged, expecting = "a direction as in [0, 0, 1] or { direction = [0, 0, 1], spare_deg = 45 } is wanted")]
+#[serde(untagged, expecting = "expected a direction like [0, 0, 1] or { direction = [0, 0, 1], spare_deg = 45 }")]
 enum RawFace {
     Normal([f64; 3]),
     Spare { direction: [f64; 3], spare_deg: f64 },
 }
 
-impl TryFrom<RawFace> for NotDown {
-    type Error = TiltError;
+impl TryFrom<RawFace> for FaceNotDown {
+    type Error = TiltLimitError;
 
-    fn try_from(raw: RawFace) -> Result<Self, TiltError> {
+    fn try_from(raw: RawFace) -> Result<Self, TiltLimitError> {
         match raw {
             RawFace::Normal(normal) => Self::new(normal.into(), DEFAULT_SPARE_DEG),
             RawFace::Spare { direction, spare_deg } => Self::new(direction.into(), spare_deg),
@@ -200,43 +201,43 @@ impl TryFrom<RawFace> for NotDown {
     }
 }
 
-impl From<NotDown> for RawFace {
-    fn from(face: NotDown) -> Self {
+impl From<FaceNotDown> for RawFace {
+    fn from(face: FaceNotDown) -> Self {
         Self::Spare { direction: face.direction.to_array(), spare_deg: face.spare_deg }
     }
 }
 
-/// Angle between two directions, radians; exact near 0 and near a half turn, where a cosine says nothing.
-pub(crate) fn between(one: DVec3, other: DVec3) -> f64 {
+/// Angle between two directions, radians. It is exact near 0 and near 180 degrees, where a cosine loses precision.
+pub(crate) fn angle_between(one: DVec3, other: DVec3) -> f64 {
     one.cross(other).length().atan2(one.dot(other))
 }
 
-/// The direction of the mesh nearest to `up` that may stand straight up; `None` when no way up obeys all tilts. What a tilt
-/// allows is a cap of the sphere of directions, so the nearest point that all allow is `up` itself, or the nearest on the
-/// rim of one cap, or where two rims cross.
-pub(crate) fn nearest_up(tilts: &[Tilt], up: DVec3) -> Option<DVec3> {
-    let obeys = |up: DVec3| tilts.iter().all(|tilt| tilt.lets(up, RIM_TOLERANCE));
+/// The direction of the mesh nearest to `up` that may point straight up; `None` when no direction obeys all tilts. Each
+/// tilt allows a cap of the sphere of directions. So the nearest allowed point is `up` itself, or the nearest point on
+/// the rim of one cap, or a point where two rims cross.
+pub(crate) fn nearest_up(tilts: &[TiltLimit], up: DVec3) -> Option<DVec3> {
+    let obeys = |up: DVec3| tilts.iter().all(|tilt| tilt.allows_up(up, RIM_TOLERANCE));
     if obeys(up) {
         return Some(up);
     }
-    let rims = tilts.iter().map(|tilt| on_rim(tilt, up));
+    let rims = tilts.iter().map(|tilt| nearest_on_rim(tilt, up));
     let pairs = (0..tilts.len()).flat_map(|at| (0..at).map(move |other| (at, other)));
-    let crossings = pairs.flat_map(|(at, other)| crossings(&tilts[at], &tilts[other])).flatten();
+    let crossings = pairs.flat_map(|(at, other)| rim_crossings(&tilts[at], &tilts[other])).flatten();
     let allowed = rims.chain(crossings).filter(|&up| obeys(up));
-    allowed.min_by(|&a, &b| between(a, up).total_cmp(&between(b, up)))
+    allowed.min_by(|&a, &b| angle_between(a, up).total_cmp(&angle_between(b, up)))
 }
 
 /// The point of a cap's rim nearest to `up`.
-fn on_rim(tilt: &Tilt, up: DVec3) -> DVec3 {
+fn nearest_on_rim(tilt: &TiltLimit, up: DVec3) -> DVec3 {
     let axis = tilt.direction;
     let away = (up - axis * up.dot(axis)).try_normalize().unwrap_or(axis.any_orthonormal_vector());
-    let (sin, cos) = tilt.within().sin_cos();
+    let (sin, cos) = tilt.within_radians().sin_cos();
     axis * cos + away * sin
 }
 
 /// Where the rims of two caps cross.
-fn crossings(one: &Tilt, other: &Tilt) -> [Option<DVec3>; 2] {
-    let (cos1, cos2) = (one.within().cos(), other.within().cos());
+fn rim_crossings(one: &TiltLimit, other: &TiltLimit) -> [Option<DVec3>; 2] {
+    let (cos1, cos2) = (one.within_radians().cos(), other.within_radians().cos());
     let together = one.direction.dot(other.direction);
     let normal = one.direction.cross(other.direction);
     let apart = normal.length_squared();
@@ -257,40 +258,41 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::turns::spread_directions;
+    use crate::rotations::spread_directions;
 
-    fn tilt(direction: [f64; 3], within_deg: f64) -> Tilt {
-        Tilt::new(direction.into(), within_deg).unwrap()
+    fn tilt(direction: [f64; 3], within_deg: f64) -> TiltLimit {
+        TiltLimit::new(direction.into(), within_deg).unwrap()
     }
 
     #[test]
     fn a_tilt_is_the_same_after_text_and_json() {
-        let tilts = vec![tilt([1.0, 2.0, -0.3], 33.3), NotDown::new(DVec3::new(0.1, 0.7, 9.0), 45.0).unwrap().into()];
-        assert_eq!(Tilt::parse_list(&write_tilts(&tilts)).unwrap(), tilts);
+        let tilts =
+            vec![tilt([1.0, 2.0, -0.3], 33.3), FaceNotDown::new(DVec3::new(0.1, 0.7, 9.0), 45.0).unwrap().into()];
+        assert_eq!(TiltLimit::parse_list(&write_tilts(&tilts)).unwrap(), tilts);
         let json = serde_json::to_string(&tilts).unwrap();
-        let back: Vec<Tilt> = serde_json::from_str(&json).unwrap();
-        assert!(back.iter().zip(&tilts).all(|(b, t)| between(b.direction, t.direction) < 1e-12), "{back:?}");
-        assert_eq!(Tilt::parse_list("").unwrap(), []);
+        let back: Vec<TiltLimit> = serde_json::from_str(&json).unwrap();
+        assert!(back.iter().zip(&tilts).all(|(b, t)| angle_between(b.direction, t.direction) < 1e-12), "{back:?}");
+        assert_eq!(TiltLimit::parse_list("").unwrap(), []);
     }
 
     #[test]
     fn what_is_no_direction_and_no_angle_is_refused() {
-        assert_eq!(Tilt::new(DVec3::ZERO, 10.0), Err(TiltError::NoDirection));
-        assert_eq!(Tilt::new(DVec3::NAN, 10.0), Err(TiltError::NoDirection));
-        assert_eq!(Tilt::new(DVec3::Z, 181.0), Err(TiltError::NoAngle));
-        assert_eq!("0,0,1".parse::<Tilt>(), Err(TiltError::NoTilt));
-        assert_eq!("0,1:30".parse::<Tilt>(), Err(TiltError::NoTilt));
-        assert_eq!(Tilt::from("0,0,1".parse::<NotDown>().unwrap()), tilt([0.0, 0.0, 1.0], 135.0));
+        assert_eq!(TiltLimit::new(DVec3::ZERO, 10.0), Err(TiltLimitError::NoDirection));
+        assert_eq!(TiltLimit::new(DVec3::NAN, 10.0), Err(TiltLimitError::NoDirection));
+        assert_eq!(TiltLimit::new(DVec3::Z, 181.0), Err(TiltLimitError::NoAngle));
+        assert_eq!("0,0,1".parse::<TiltLimit>(), Err(TiltLimitError::NoTilt));
+        assert_eq!("0,1:30".parse::<TiltLimit>(), Err(TiltLimitError::NoTilt));
+        assert_eq!(TiltLimit::from("0,0,1".parse::<FaceNotDown>().unwrap()), tilt([0.0, 0.0, 1.0], 135.0));
     }
 
     #[test]
     fn faces_are_read_with_and_without_what_they_spare() {
-        let faces: Vec<NotDown> =
+        let faces: Vec<FaceNotDown> =
             serde_json::from_str(r#"[[0, 0, -2], {"direction": [1, 0, 0], "spare_deg": 10}]"#).unwrap();
-        assert_eq!(Tilt::from(faces[0]), tilt([0.0, 0.0, -1.0], 135.0));
-        assert_eq!(Tilt::from(faces[1]), tilt([1.0, 0.0, 0.0], 170.0));
-        let error = serde_json::from_str::<NotDown>("[0, 0]").unwrap_err().to_string();
-        assert!(error.contains("a direction as in [0, 0, 1]"), "{error}");
+        assert_eq!(TiltLimit::from(faces[0]), tilt([0.0, 0.0, -1.0], 135.0));
+        assert_eq!(TiltLimit::from(faces[1]), tilt([1.0, 0.0, 0.0], 170.0));
+        let error = serde_json::from_str::<FaceNotDown>("[0, 0]").unwrap_err().to_string();
+        assert!(error.contains("a direction like [0, 0, 1]"), "{error}");
     }
 
     #[test]
@@ -301,7 +303,7 @@ mod tests {
         assert_eq!(nearest_up(&all_around, DVec3::Z), None);
     }
 
-    fn any_tilt() -> impl Strategy<Value = Tilt> {
+    fn any_tilt() -> impl Strategy<Value = TiltLimit> {
         ((-1.0..1.0_f64, -1.0..1.0_f64, 0.1..1.0_f64), prop_oneof![Just(0.0), 0.0..180.0_f64])
             .prop_map(|((x, y, z), within)| tilt([x, y, z], within))
     }
@@ -310,13 +312,13 @@ mod tests {
         #[test]
         fn no_allowed_direction_is_nearer(tilts in prop::collection::vec(any_tilt(), 1..5), at in 0..300_usize) {
             let directions: Vec<DVec3> = spread_directions(300).collect();
-            let obeys = |up: DVec3, spare: f64| tilts.iter().all(|t| t.lets(up, spare));
+            let obeys = |up: DVec3, spare: f64| tilts.iter().all(|t| t.allows_up(up, spare));
             let up = directions[at];
             match nearest_up(&tilts, up) {
                 Some(found) => {
                     prop_assert!(obeys(found, 2.0 * RIM_TOLERANCE) && found.is_normalized());
                     for &other in directions.iter().filter(|&&d| obeys(d, 0.0)) {
-                        prop_assert!(between(found, up) <= between(other, up) + 1e-6);
+                        prop_assert!(angle_between(found, up) <= angle_between(other, up) + 1e-6);
                     }
                 }
                 None => prop_assert!(!directions.iter().any(|&d| obeys(d, 0.0))),

@@ -1,27 +1,27 @@
-//! An occupancy volume in bit columns: where a grown part finds its lowest place, for all positions on a lattice.
+//! A voxel volume in bit columns: finds the lowest free position of a grown part, for all positions on a lattice.
 
 use glam::{DMat3, DQuat, DVec3};
 use solids::{Bounds, Pose};
 
-use super::shape::Shape;
+use super::shape::PreparedShape;
 
 /// A part at one rotation, grown by half its clearance, as columns of bits.
 #[derive(Debug, Clone)]
-pub(crate) struct Raster {
+pub(crate) struct PartRaster {
     /// The rotation.
-    pub(crate) turn: DQuat,
+    pub(crate) rotation: DQuat,
     /// From the least corner of its bounds to its center, mm.
     pub(crate) corner_to_center: DVec3,
     /// Extents, mm.
     pub(crate) size: DVec3,
     /// Height in voxels, growth included.
     pub(crate) layers: usize,
-    columns: Vec<Column>,
+    columns: Vec<BitColumn>,
     words: Vec<u64>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Column {
+struct BitColumn {
     x: u32,
     y: u32,
     /// First layer with a voxel.
@@ -30,9 +30,9 @@ struct Column {
     count: u32,
 }
 
-impl Raster {
-    /// Sets every voxel whose middle is nearer to the solid than half the clearance and `grow` voxels.
-    pub(crate) fn new(shape: &Shape, turn: DQuat, clearance_mm: f64, pitch: f64, grow: f64) -> Self {
+impl PartRaster {
+    /// Sets every voxel whose centre is nearer to the solid than half the clearance plus `grow` voxels.
+    pub(crate) fn new(shape: &PreparedShape, turn: DQuat, clearance_mm: f64, pitch: f64, grow: f64) -> Self {
         let bounds = shape.tree.bounds_at(&Pose::new(turn, DVec3::ZERO));
         let corner_to_center = turn * shape.center - bounds.min;
         let cells = ((bounds.size() + clearance_mm) / pitch).ceil().as_ivec3().max(glam::IVec3::ONE);
@@ -41,7 +41,7 @@ impl Raster {
         let first = back * (DVec3::splat(0.5 * pitch - 0.5 * clearance_mm) - corner_to_center);
         let (along_x, along_y, along_z) = (back.x_axis * pitch, back.y_axis * pitch, back.z_axis * pitch);
         let mut raster = Self {
-            turn,
+            rotation: turn,
             corner_to_center,
             size: bounds.size(),
             layers: cells.z as usize,
@@ -55,33 +55,34 @@ impl Raster {
                 let line = first + along_x * f64::from(x) + along_y * f64::from(y);
                 let mut z = 0;
                 while z < cells.z {
-                    let distance = shape.field.distance((line + along_z * f64::from(z)).as_vec3());
+                    let distance = shape.distance_field.distance((line + along_z * f64::from(z)).as_vec3());
                     if distance < reach {
                         bits[z as usize / 64] |= 1 << (z % 64);
                         z += 1;
                     } else {
-                        // Nothing is nearer than the distance: skip what cannot be reached, with a voxel to spare.
+                        // Nothing is nearer than the distance: skip the voxels that cannot be reached, less one as a
+                        // margin.
                         z += (((distance - reach) / pitch as f32) as i32 - 1).max(1);
                     }
                 }
-                raster.push(x as u32, y as u32, &bits);
+                raster.push_column(x as u32, y as u32, &bits);
             }
         }
-        // Long columns collide first: ask them first.
-        let weight = |c: &Column| {
+        // Long columns collide first, so test them first.
+        let weight = |c: &BitColumn| {
             let words = &raster.words[c.first as usize..(c.first + c.count) as usize];
             std::cmp::Reverse(words.iter().map(|w| w.count_ones()).sum::<u32>())
         };
         let mut columns = raster.columns.clone();
         columns.sort_by_cached_key(weight);
-        // A spread of the longest ones meets more than neighbours do.
+        // A selection spread over the longest columns collides sooner than neighbouring columns do.
         let step = (columns.len() / 7).max(1);
         raster.columns = (0..step).flat_map(|k| columns.iter().skip(k).step_by(step).copied()).collect();
         raster
     }
 
-    /// The same with every column drawn up by `lift` voxels.
-    pub(crate) fn lifted(mut self, lift: usize) -> Self {
+    /// Returns the raster with every column extended upwards by `lift` voxels.
+    pub(crate) fn extended_upwards(mut self, lift: usize) -> Self {
         if lift == 0 {
             return self;
         }
@@ -92,14 +93,14 @@ impl Raster {
             let own = &words[part.first as usize..(part.first + part.count) as usize];
             let mut bits = vec![0_u64; self.layers.div_ceil(64) + 1];
             for layer in (0..own.len() * 64).filter(|at| own[at / 64] >> (at % 64) & 1 == 1) {
-                set(&mut bits, part.low as usize + layer, lift);
+                set_bits(&mut bits, part.low as usize + layer, lift);
             }
-            self.push(part.x, part.y, &bits);
+            self.push_column(part.x, part.y, &bits);
         }
         self
     }
 
-    fn push(&mut self, x: u32, y: u32, bits: &[u64]) {
+    fn push_column(&mut self, x: u32, y: u32, bits: &[u64]) {
         let Some(low) = bits.iter().position(|&w| w != 0) else { return };
         let low = low * 64 + bits[low].trailing_zeros() as usize;
         let last = bits.iter().rposition(|&w| w != 0).unwrap_or(0);
@@ -112,12 +113,12 @@ impl Raster {
         while self.words.len() as u32 > first + 1 && self.words.last() == Some(&0) {
             self.words.pop();
         }
-        self.columns.push(Column { x, y, low: low as u32, first, count: self.words.len() as u32 - first });
+        self.columns.push(BitColumn { x, y, low: low as u32, first, count: self.words.len() as u32 - first });
     }
 }
 
-/// Sets a bit and `lift` bits above it, as far as there are any.
-fn set(bits: &mut [u64], layer: usize, lift: usize) {
+/// Sets a bit and the `lift` bits above it that exist.
+fn set_bits(bits: &mut [u64], layer: usize, lift: usize) {
     for at in layer..=layer + lift {
         if let Some(word) = bits.get_mut(at / 64) {
             *word |= 1 << (at % 64);
@@ -125,23 +126,23 @@ fn set(bits: &mut [u64], layer: usize, lift: usize) {
     }
 }
 
-/// The build volume in bit columns; its lattice starts half a clearance outside the walls.
+/// The build volume as bit columns. Its lattice starts half a clearance outside the walls.
 #[derive(Debug, Clone)]
-pub(crate) struct Occupancy {
+pub(crate) struct OccupancyGrid {
     room: DVec3,
     /// Edge of a voxel, mm.
     pub(crate) pitch: f64,
     cells_y: usize,
     words: usize,
     bits: Vec<u64>,
-    /// Voxels that solids are drawn higher by.
+    /// Voxels by which solids are extended upwards.
     lift: usize,
-    /// Layers below this one hold something.
+    /// All voxels at and above this layer are free.
     pub(crate) top: usize,
 }
 
-impl Occupancy {
-    /// An empty volume; `clearance_mm` is the greatest there is.
+impl OccupancyGrid {
+    /// Creates an empty volume; `clearance_mm` is the greatest clearance of any item.
     pub(crate) fn new(room: DVec3, clearance_mm: f64, pitch: f64, lift: usize) -> Self {
         let cells = ((room + clearance_mm) / pitch).ceil().as_ivec3() + 2;
         let words = (cells.z as usize).div_ceil(64) + 1;
@@ -149,20 +150,20 @@ impl Occupancy {
         Self { room, pitch, cells_y: cells.y as usize, words, bits, lift, top: 0 }
     }
 
-    /// Lattice positions at which a raster is inside the walls.
-    pub(crate) fn positions(&self, raster: &Raster) -> Option<[usize; 3]> {
-        let free = self.room - raster.size - 2.0 * super::fit::WALL_SPARE_MM;
+    /// Number of lattice positions along each axis at which a raster is inside the walls.
+    pub(crate) fn lattice_positions(&self, raster: &PartRaster) -> Option<[usize; 3]> {
+        let free = self.room - raster.size - 2.0 * super::fit_check::WALL_SPARE_MM;
         free.cmpge(DVec3::ZERO).all().then(|| (free / self.pitch).to_array().map(|n| n as usize + 1))
     }
 
-    /// Place of a raster's center at a lattice position, mm.
-    pub(crate) fn place(&self, raster: &Raster, [x, y, z]: [usize; 3]) -> DVec3 {
-        let corner = DVec3::new(x as f64, y as f64, z as f64) * self.pitch + super::fit::WALL_SPARE_MM;
+    /// Position of a raster's center at a lattice position, mm.
+    pub(crate) fn center_at(&self, raster: &PartRaster, [x, y, z]: [usize; 3]) -> DVec3 {
+        let corner = DVec3::new(x as f64, y as f64, z as f64) * self.pitch + super::fit_check::WALL_SPARE_MM;
         corner + raster.corner_to_center
     }
 
     #[inline]
-    fn window(&self, column: usize, layer: usize) -> u64 {
+    fn bits_at(&self, column: usize, layer: usize) -> u64 {
         let (word, shift) = (layer / 64, layer % 64);
         if word + 1 >= self.words {
             return if word < self.words { self.bits[column + word] >> shift } else { 0 };
@@ -171,8 +172,14 @@ impl Occupancy {
         if shift == 0 { low } else { low >> shift | high << (64 - shift) }
     }
 
-    /// The lowest layer from `from` below `end` at which the raster is free at (x, y).
-    pub(crate) fn lowest(&self, raster: &Raster, [x, y]: [usize; 2], from: usize, end: usize) -> Option<usize> {
+    /// The lowest layer, from `from` and below `end`, at which the raster is free at (x, y).
+    pub(crate) fn lowest_free_layer(
+        &self,
+        raster: &PartRaster,
+        [x, y]: [usize; 2],
+        from: usize,
+        end: usize,
+    ) -> Option<usize> {
         let mut layer = from;
         let (mut clear, mut at) = (0, 0);
         while layer < end {
@@ -184,7 +191,7 @@ impl Occupancy {
             let words = &raster.words[part.first as usize..(part.first + part.count) as usize];
             let free = |layer: usize| {
                 let low = layer + part.low as usize;
-                words.iter().enumerate().all(|(k, &word)| word & self.window(column, low + 64 * k) == 0)
+                words.iter().enumerate().all(|(k, &word)| word & self.bits_at(column, low + 64 * k) == 0)
             };
             if free(layer) {
                 clear += 1;
@@ -201,7 +208,7 @@ impl Occupancy {
     }
 
     /// Fills the raster's voxels at a lattice position.
-    pub(crate) fn fill(&mut self, raster: &Raster, [x, y, z]: [usize; 3]) {
+    pub(crate) fn fill_raster(&mut self, raster: &PartRaster, [x, y, z]: [usize; 3]) {
         for part in &raster.columns {
             let column = ((x + part.x as usize) * self.cells_y + y + part.y as usize) * self.words;
             let words = &raster.words[part.first as usize..(part.first + part.count) as usize];
@@ -219,8 +226,16 @@ impl Occupancy {
         self.top = self.top.max(z + raster.layers);
     }
 
-    /// Fills every voxel of a box (in the build frame), grown by half a clearance.
-    pub(crate) fn fill_solid(&mut self, shape: &Shape, pose: &Pose, bounds: &Bounds, reach_mm: f64, half_mm: f64) {
+    /// Fills every voxel nearer than `reach_mm` to a solid (in the build frame). The lattice starts `half_mm` outside
+    /// the walls.
+    pub(crate) fn fill_solid(
+        &mut self,
+        shape: &PreparedShape,
+        pose: &Pose,
+        bounds: &Bounds,
+        reach_mm: f64,
+        half_mm: f64,
+    ) {
         let back = pose.inverse();
         let least = ((bounds.min - reach_mm + half_mm) / self.pitch).floor().max(DVec3::ZERO).as_usizevec3();
         let most = ((bounds.max + reach_mm + half_mm) / self.pitch).ceil().max(DVec3::ZERO).as_usizevec3();
@@ -229,9 +244,11 @@ impl Occupancy {
             for y in least.y..most.y.min(self.cells_y) {
                 for z in least.z..most.z.min(self.words * 64) {
                     let middle = DVec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5) * self.pitch - half_mm;
-                    if f64::from(shape.field.distance((back.point(middle) - shape.center).as_vec3())) < reach_mm {
+                    if f64::from(shape.distance_field.distance((back.transform_point(middle) - shape.center).as_vec3()))
+                        < reach_mm
+                    {
                         let column = (x * self.cells_y + y) * self.words;
-                        set(&mut self.bits[column..column + self.words], z, self.lift);
+                        set_bits(&mut self.bits[column..column + self.words], z, self.lift);
                         self.top = self.top.max(z + 1 + self.lift);
                     }
                 }

@@ -1,25 +1,26 @@
-//! Parts of bricks: some cells of an uneven grid are solid.
+//! Parts made of bricks: the solid cells of an uneven grid.
 
 use glam::DVec2;
 use solids::Mesh;
 
 use super::{
-    layers::layers,
-    outline::{Outline, rectangle},
+    layers::extrude_layers,
+    outline::{PlanarOutline, rectangle},
 };
 
 /// The solid cells of the grid with the given lines, mm.
-fn bricks(xs: &[f64], ys: &[f64], zs: &[f64], solid: impl Fn(usize, usize, usize) -> bool) -> Mesh {
+fn solid_cells(xs: &[f64], ys: &[f64], zs: &[f64], solid: impl Fn(usize, usize, usize) -> bool) -> Mesh {
     let columns = xs.len() - 1;
     let cell = |x: usize, y: usize| rectangle(DVec2::new(xs[x], ys[y]), DVec2::new(xs[x + 1], ys[y + 1]));
-    let regions: Vec<Outline> = (0..ys.len() - 1)
+    let regions: Vec<PlanarOutline> = (0..ys.len() - 1)
         .flat_map(|y| (0..columns).map(move |x| (x, y)))
-        .map(|(x, y)| Outline::new(cell(x, y)))
+        .map(|(x, y)| PlanarOutline::new(cell(x, y)))
         .collect();
-    layers(&regions, zs, |region, slab| solid(region % columns, region / columns, slab), |_, _| true).mesh()
+    extrude_layers(&regions, zs, |region, slab| solid(region % columns, region / columns, slab), |_, _| true)
+        .into_mesh()
 }
 
-/// Lines of walls and gaps in turn: cell 0, 2, 4 .. are walls.
+/// Coordinates of alternating walls and gaps: cells 0, 2, 4 .. are walls.
 fn walls_and_gaps(gaps: usize, wall: f64, pitch: f64) -> Vec<f64> {
     (0..=gaps).flat_map(|i| [pitch * i as f64, pitch * i as f64 + wall]).collect()
 }
@@ -27,7 +28,7 @@ fn walls_and_gaps(gaps: usize, wall: f64, pitch: f64) -> Vec<f64> {
 /// A cubic lattice of square struts, mm: `cells` per axis.
 pub fn lattice_block(cells: [usize; 3], pitch_mm: f64, strut_mm: f64) -> Mesh {
     let [xs, ys, zs] = cells.map(|n| walls_and_gaps(n, strut_mm, pitch_mm));
-    bricks(&xs, &ys, &zs, |x, y, z| [x, y, z].iter().filter(|&i| i % 2 == 0).count() >= 2)
+    solid_cells(&xs, &ys, &zs, |x, y, z| [x, y, z].iter().filter(|&i| i % 2 == 0).count() >= 2)
 }
 
 /// An open tray with compartments, mm.
@@ -37,7 +38,7 @@ pub fn tray(compartments: [usize; 2], pitch_mm: f64, height_mm: f64, wall_mm: f6
     // Inner walls stop lower than the rim.
     let rim = |i: usize, n: usize| i == 0 || i == 2 * n;
     let [nx, ny] = compartments;
-    bricks(&xs, &ys, &zs, |x, y, z| match z {
+    solid_cells(&xs, &ys, &zs, |x, y, z| match z {
         0 => true,
         3 => rim(x, nx) || rim(y, ny),
         _ => x % 2 == 0 || y % 2 == 0,

@@ -1,4 +1,4 @@
-//! Parts of constant thickness or in terraces: plates, gears, clips, hinges.
+//! Parts of constant or stepped thickness: plates, gears, clips, hinges.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,8 +6,8 @@ use glam::{DVec2, DVec3};
 use solids::Mesh;
 
 use super::{
-    layers::{layers, prism},
-    outline::{Outline, arc, circle, rectangle, rounded_rectangle, stroke},
+    layers::{extrude_layers, extrude_prism},
+    outline::{PlanarOutline, arc, circle, rectangle, rounded_rectangle, stroke_path},
 };
 
 /// Levels from 0 to `height` in `n` equal slabs.
@@ -15,19 +15,19 @@ fn equal_levels(height: f64, n: usize) -> Vec<f64> {
     (0..=n).map(|i| height * i as f64 / n as f64).collect()
 }
 
-/// A box of 12 triangles from the origin, mm. Too plain for a sample of its own, handy for tests.
+/// A box of 12 triangles from the origin, mm. Too simple for a sample, but useful for tests.
 pub fn cuboid(size_mm: DVec3) -> Mesh {
-    prism(Outline::new(rectangle(DVec2::ZERO, size_mm.truncate())), &[0.0, size_mm.z]).mesh()
+    extrude_prism(PlanarOutline::new(rectangle(DVec2::ZERO, size_mm.truncate())), &[0.0, size_mm.z]).into_mesh()
 }
 
 /// A flat mounting bracket with rounded corners and a screw hole near each end, mm.
 pub fn bracket(length_mm: f64, width_mm: f64, thickness_mm: f64, hole_mm: f64) -> Mesh {
     let (size, middle) = (DVec2::new(length_mm, width_mm), width_mm / 2.0);
-    let mut plate = Outline::new(rounded_rectangle(DVec2::ZERO, size, width_mm / 4.0, 12));
+    let mut plate = PlanarOutline::new(rounded_rectangle(DVec2::ZERO, size, width_mm / 4.0, 12));
     for x in [middle, length_mm - middle] {
         plate = plate.with_hole(circle(DVec2::new(x, middle), hole_mm / 2.0, 32, 0.0));
     }
-    prism(plate, &equal_levels(thickness_mm, 2)).mesh()
+    extrude_prism(plate, &equal_levels(thickness_mm, 2)).into_mesh()
 }
 
 /// An angle bracket of two legs with `ribs` concave gussets between them, mm.
@@ -41,12 +41,12 @@ pub fn ribbed_bracket(leg_mm: f64, width_mm: f64, thickness_mm: f64, ribs: usize
     let mut rib = vec![inner, low];
     rib.extend(&hollow[1..hollow.len() - 1]);
     rib.push(high);
-    // Ribs keep at least half a thickness between them.
+    // Ribs keep a gap of at least half a thickness.
     let ribs = ribs.min(((width_mm - t) / (1.5 * t)) as usize + 1).max(2);
     let pitch = (width_mm - t) / (ribs - 1) as f64;
     let levels: Vec<f64> = (0..ribs).flat_map(|i| [pitch * i as f64, pitch * i as f64 + t]).collect();
-    let regions = [Outline::new(angle.to_vec()), Outline::new(rib)];
-    layers(&regions, &levels, |region, slab| region == 0 || slab % 2 == 0, |_, _| true).mesh()
+    let regions = [PlanarOutline::new(angle.to_vec()), PlanarOutline::new(rib)];
+    extrude_layers(&regions, &levels, |region, slab| region == 0 || slab % 2 == 0, |_, _| true).into_mesh()
 }
 
 /// A spur gear with a bore and a keyway, mm; module = pitch diameter / teeth.
@@ -68,7 +68,7 @@ pub fn spur_gear(teeth: usize, module_mm: f64, width_mm: f64, bore_mm: f64) -> M
     let start = (key / bore).asin();
     let mut hole = arc(DVec2::ZERO, bore, start, TAU - start, 40);
     hole.extend([DVec2::new(1.25 * bore, -key), DVec2::new(1.25 * bore, key)]);
-    prism(Outline::new(outer).with_hole(hole), &equal_levels(width_mm, 2)).mesh()
+    extrude_prism(PlanarOutline::new(outer).with_hole(hole), &equal_levels(width_mm, 2)).into_mesh()
 }
 
 /// A plate of hexagonal cells in a frame, mm; `cell_mm` is the pitch, `wall_mm` the wall between two cells.
@@ -77,16 +77,16 @@ pub fn honeycomb(columns: usize, rows: usize, cell_mm: f64, wall_mm: f64, height
     let radius = (cell_mm - wall_mm) / 3.0f64.sqrt();
     let size =
         DVec2::new(cell_mm * (columns as f64 + 0.5), row_pitch * (rows - 1) as f64 + 2.0 * radius) + 2.0 * wall_mm;
-    let mut plate = Outline::new(rectangle(DVec2::ZERO, size));
+    let mut plate = PlanarOutline::new(rectangle(DVec2::ZERO, size));
     for (row, column) in (0..rows).flat_map(|r| (0..columns).map(move |c| (r, c))) {
         let x = wall_mm + cell_mm * (column as f64 + if row % 2 == 0 { 0.5 } else { 1.0 });
         let y = wall_mm + radius + row_pitch * row as f64;
         plate = plate.with_hole(circle(DVec2::new(x, y), radius, 6, 0.25));
     }
-    prism(plate, &[0.0, height_mm]).mesh()
+    extrude_prism(plate, &[0.0, height_mm]).into_mesh()
 }
 
-/// A springy C with flared lips, mm: a pipe clip for pipes of so many mm.
+/// A springy C with flared lips, mm: a clip for pipes of `pipe_mm`.
 pub fn clip(pipe_mm: f64, thickness_mm: f64, width_mm: f64) -> Mesh {
     let radius = (pipe_mm + thickness_mm) / 2.0;
     let open = 0.9;
@@ -94,27 +94,27 @@ pub fn clip(pipe_mm: f64, thickness_mm: f64, width_mm: f64) -> Mesh {
     let lip = |end: DVec2, side: f64| end + DVec2::new(0.45, side * 0.35) * radius;
     path.insert(0, lip(path[0], 1.0));
     path.push(lip(path[path.len() - 1], -1.0));
-    prism(stroke(&path, thickness_mm), &equal_levels(width_mm, 3)).mesh()
+    extrude_prism(stroke_path(&path, thickness_mm), &equal_levels(width_mm, 3)).into_mesh()
 }
 
-/// One leaf of a hinge with `knuckles` eyes and gaps for those of its twin, mm.
+/// One leaf of a hinge with `knuckles` eyes and gaps for the eyes of the other leaf, mm.
 pub fn hinge(length_mm: f64, leaf_mm: f64, eye_mm: f64, pin_mm: f64, knuckles: usize) -> Mesh {
     let (radius, thick) = (eye_mm / 2.0, 0.4 * eye_mm);
     let open = (thick / eye_mm).asin();
     let eye = arc(DVec2::ZERO, radius, open, TAU - open, 48);
     let (top, bottom) = (eye[0], eye[eye.len() - 1]);
-    // The twin's eyes turn in front of the leaf's edge.
+    // The other leaf's eyes rotate in front of this leaf's edge.
     let edge = 1.12 * radius;
     let neck = vec![bottom, DVec2::new(edge, bottom.y), DVec2::new(edge, top.y), top];
     let end = edge + leaf_mm;
     let leaf = vec![neck[1], DVec2::new(end, bottom.y), DVec2::new(end, top.y), neck[2]];
     let regions = [
-        Outline::new(eye).with_hole(circle(DVec2::ZERO, pin_mm / 2.0, 36, 0.0)),
-        Outline::new(neck),
-        Outline::new(leaf),
+        PlanarOutline::new(eye).with_hole(circle(DVec2::ZERO, pin_mm / 2.0, 36, 0.0)),
+        PlanarOutline::new(neck),
+        PlanarOutline::new(leaf),
     ];
     let levels = equal_levels(length_mm, 2 * knuckles);
-    layers(&regions, &levels, |region, slab| region == 2 || slab % 2 == 0, |_, _| true).mesh()
+    extrude_layers(&regions, &levels, |region, slab| region == 2 || slab % 2 == 0, |_, _| true).into_mesh()
 }
 
 /// A long hat rail with slots along its web, mm.
@@ -128,11 +128,12 @@ pub fn rail(length_mm: f64, width_mm: f64, height_mm: f64, wall_mm: f64) -> Mesh
         DVec2::new(web, height_mm - wall_mm),
         DVec2::new(flange, height_mm - wall_mm),
     ];
-    let right = stroke(&path, wall_mm);
-    let left = Outline::new(right.outer.iter().map(|p| DVec2::new(-p.x, p.y)).collect());
+    let right = stroke_path(&path, wall_mm);
+    let left = PlanarOutline::new(right.outer.iter().map(|p| DVec2::new(-p.x, p.y)).collect());
     let half = wall_mm / 2.0;
-    let bridge = Outline::new(rectangle(DVec2::new(-slot, -half), DVec2::new(slot, half)));
+    let bridge = PlanarOutline::new(rectangle(DVec2::new(-slot, -half), DVec2::new(slot, half)));
     let slots = ((length_mm / (4.0 * slot)) as usize).max(2);
     let levels = equal_levels(length_mm, 2 * slots + 1);
-    layers(&[left, bridge, right], &levels, |region, slab| region != 1 || slab % 2 == 0, |_, _| true).mesh()
+    extrude_layers(&[left, bridge, right], &levels, |region, slab| region != 1 || slab % 2 == 0, |_, _| true)
+        .into_mesh()
 }

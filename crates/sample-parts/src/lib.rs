@@ -1,21 +1,21 @@
 //! The project's own sample parts, made by code: for the demo, the tests and the benches. Millimetres.
 //!
-//! Crisp parts are built exactly, from outlines that are layered or swept; unions and lattices come from signed distances
-//! and marching tetrahedra. Every sample is one closed, consistently oriented surface.
+//! Parts with sharp edges are built exactly, from outlines that are extruded or swept. Unions and lattices come from
+//! signed distance functions and marching tetrahedra. Every sample is one closed, consistently oriented surface.
 
 mod blocks;
-mod distance;
+mod distance_functions;
 mod extruded;
 mod fan;
+mod implicit;
 mod layers;
-mod march;
-mod modelled;
+mod marching_tetrahedra;
 mod outline;
+mod revolved;
 mod surface;
 mod sweep;
 mod swept;
 mod triangulate;
-mod turned;
 mod workload;
 
 use solids::Mesh;
@@ -23,14 +23,14 @@ use solids::Mesh;
 pub use blocks::{lattice_block, tray};
 pub use extruded::{bracket, clip, cuboid, hinge, honeycomb, rail, ribbed_bracket, spur_gear};
 pub use fan::axial_fan;
-pub use modelled::{connecting_rod, gyroid_ball, pipe_tee};
+pub use implicit::{connecting_rod, gyroid_ball, pipe_tee};
+pub use revolved::{lampshade, pawn, pulley, ring};
 pub use swept::{duct, hook, knob, spring};
-pub use turned::{lampshade, pawn, pulley, ring};
-pub use workload::{Workload, random_part, workload};
+pub use workload::{SampleWorkload, random_part, workload_parts};
 
-/// A sample part under the name that its file gets.
+/// A sample part, with the name of its file.
 #[derive(Debug, Clone)]
-pub struct Sample {
+pub struct SamplePart {
     /// File name without extension, ASCII.
     pub name: &'static str,
     /// The solid, mm.
@@ -38,8 +38,8 @@ pub struct Sample {
 }
 
 /// One sample of every kind, the largest 180 mm long.
-pub fn all() -> Vec<Sample> {
-    let sample = |name, mesh| Sample { name, mesh };
+pub fn all_samples() -> Vec<SamplePart> {
+    let sample = |name, mesh| SamplePart { name, mesh };
     vec![
         sample("axial_fan", axial_fan(65.0, 22.0, 7)),
         sample("bracket", bracket(60.0, 24.0, 4.0, 5.0)),

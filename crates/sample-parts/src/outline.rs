@@ -1,4 +1,4 @@
-//! Plane outlines with holes: what layers and sweeps are made of.
+//! Plane outlines with holes: the basis of extruded and swept parts.
 
 use std::f64::consts::TAU;
 
@@ -6,13 +6,13 @@ use glam::DVec2;
 
 /// A plane region: a counter-clockwise outer loop and clockwise holes.
 #[derive(Debug, Clone)]
-pub(super) struct Outline {
+pub(super) struct PlanarOutline {
     pub(super) outer: Vec<DVec2>,
     pub(super) holes: Vec<Vec<DVec2>>,
 }
 
-impl Outline {
-    /// A region without holes; the loop may run either way.
+impl PlanarOutline {
+    /// A region without holes; the loop may have either orientation.
     pub(super) fn new(mut outer: Vec<DVec2>) -> Self {
         if signed_area(&outer) < 0.0 {
             outer.reverse();
@@ -20,7 +20,7 @@ impl Outline {
         Self { outer, holes: Vec::new() }
     }
 
-    /// The region less a loop that lies inside it.
+    /// Cuts a loop that lies inside the region.
     pub(super) fn with_hole(mut self, mut hole: Vec<DVec2>) -> Self {
         if signed_area(&hole) > 0.0 {
             hole.reverse();
@@ -56,7 +56,7 @@ pub(super) fn signed_area(points: &[DVec2]) -> f64 {
     loop_edges(points).map(|(a, b)| a.perp_dot(b)).sum::<f64>() / 2.0
 }
 
-/// A regular polygon with `n` corners; the first stands at `start` turns from the x axis.
+/// A regular polygon with `n` corners; the first corner is at `start` turns from the x axis.
 pub(super) fn circle(center: DVec2, radius: f64, n: usize, start: f64) -> Vec<DVec2> {
     (0..n).map(|i| center + radius * DVec2::from_angle(TAU * (start + i as f64 / n as f64))).collect()
 }
@@ -80,8 +80,8 @@ pub(super) fn rounded_rectangle(min: DVec2, max: DVec2, radius: f64, n: usize) -
     (0..4).flat_map(corner).collect()
 }
 
-/// A path drawn with a pen `width` mm wide and flat ends; corners keep their width.
-pub(super) fn stroke(path: &[DVec2], width: f64) -> Outline {
+/// A path drawn with a pen `width` mm wide and flat ends; the width is constant around corners.
+pub(super) fn stroke_path(path: &[DVec2], width: f64) -> PlanarOutline {
     let last = path.len() - 1;
     let direction = |i: usize| (path[i + 1] - path[i]).normalize();
     let side = |i: usize| {
@@ -91,5 +91,5 @@ pub(super) fn stroke(path: &[DVec2], width: f64) -> Outline {
     };
     let right = (0..=last).map(|i| path[i] - side(i));
     let left = (0..=last).rev().map(|i| path[i] + side(i));
-    Outline::new(right.chain(left).collect())
+    PlanarOutline::new(right.chain(left).collect())
 }

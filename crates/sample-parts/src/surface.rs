@@ -1,30 +1,30 @@
-//! A surface being sewn together, triangle by triangle; corners at exactly equal places are one vertex.
+//! A surface under construction, triangle by triangle; corners at exactly equal places become one vertex.
 
 use glam::DVec3;
 use solids::Mesh;
 
-/// Triangles that are becoming a solid.
+/// Triangles that will form a solid.
 #[derive(Debug, Default)]
-pub(super) struct Surface {
+pub(super) struct SurfaceBuilder {
     corners: Vec<DVec3>,
 }
 
-impl Surface {
-    /// Adds a triangle, counter-clockwise seen from outside; one that collapses to a line of two corners adds nothing.
-    pub(super) fn triangle(&mut self, a: DVec3, b: DVec3, c: DVec3) {
+impl SurfaceBuilder {
+    /// Adds a triangle, counter-clockwise seen from outside; a triangle with two equal corners is ignored.
+    pub(super) fn add_triangle(&mut self, a: DVec3, b: DVec3, c: DVec3) {
         if a != b && b != c && c != a {
             self.corners.extend([a, b, c]);
         }
     }
 
     /// Adds a quadrilateral, counter-clockwise seen from outside.
-    pub(super) fn quad(&mut self, a: DVec3, b: DVec3, c: DVec3, d: DVec3) {
-        self.triangle(a, b, c);
-        self.triangle(a, c, d);
+    pub(super) fn add_quad(&mut self, a: DVec3, b: DVec3, c: DVec3, d: DVec3) {
+        self.add_triangle(a, b, c);
+        self.add_triangle(a, c, d);
     }
 
-    /// Sews two columns of corners, each from low to high, into a wall; `left` stands to the left seen from outside.
-    pub(super) fn zip(&mut self, left: &[DVec3], right: &[DVec3]) {
+    /// Joins two columns of corners, each from low to high, to a wall; `left` is on the left seen from outside.
+    pub(super) fn add_strip(&mut self, left: &[DVec3], right: &[DVec3]) {
         let (mut l, mut r) = (0, 0);
         while l + 1 < left.len() || r + 1 < right.len() {
             let climb_left = match (left.get(l + 1), right.get(r + 1)) {
@@ -32,22 +32,22 @@ impl Surface {
                 (next_left, _) => next_left.is_some(),
             };
             if climb_left {
-                self.triangle(left[l], right[r], left[l + 1]);
+                self.add_triangle(left[l], right[r], left[l + 1]);
                 l += 1;
             } else {
-                self.triangle(left[l], right[r], right[r + 1]);
+                self.add_triangle(left[l], right[r], right[r + 1]);
                 r += 1;
             }
         }
     }
 
     /// Adds all triangles of `other`.
-    pub(super) fn append(&mut self, other: Self) {
+    pub(super) fn append_surface(&mut self, other: Self) {
         self.corners.extend(other.corners);
     }
 
     /// The solid.
-    pub(super) fn mesh(self) -> Mesh {
+    pub(super) fn into_mesh(self) -> Mesh {
         let triangles = (0..self.corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         Mesh::new(self.corners, triangles).expect("a sample part encloses a volume")
     }

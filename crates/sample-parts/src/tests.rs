@@ -1,4 +1,4 @@
-//! Every sample is a clean solid of the size that it says.
+//! Tests that every sample is a clean solid of the stated size.
 
 use std::{collections::HashSet, f64::consts::PI};
 
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::*;
 
-/// Whether the surface is one piece: every triangle is reached from the first over shared vertices.
+/// Whether the surface is connected: every triangle is reachable from the first one over shared vertices.
 fn is_one_shell(mesh: &Mesh) -> bool {
     let mut group: Vec<usize> = (0..mesh.vertices().len()).collect();
     fn root(group: &mut [usize], mut v: usize) -> usize {
@@ -34,7 +34,7 @@ fn least_area_mm2(mesh: &Mesh) -> f64 {
     (0..mesh.triangles().len()).map(area).fold(f64::INFINITY, f64::min)
 }
 
-/// How often the surface winds around a point: 1 inside, 0 outside, more where it overlaps itself.
+/// The winding number of the surface about a point: 1 inside, 0 outside, more where it overlaps itself.
 fn winding(mesh: &Mesh, point: DVec3) -> f64 {
     let solid_angle = |t: usize| {
         let [a, b, c] = mesh.corners(t).map(|corner| (corner - point).normalize());
@@ -43,7 +43,7 @@ fn winding(mesh: &Mesh, point: DVec3) -> f64 {
     (0..mesh.triangles().len()).map(solid_angle).sum::<f64>() / (4.0 * PI)
 }
 
-/// Looks at both sides of `n` triangles spread over the surface.
+/// Tests both sides of `n` triangles spread over the surface.
 fn assert_does_not_overlap_itself(name: &str, mesh: &Mesh, n: usize) {
     let count = mesh.triangles().len();
     for t in (0..n).map(|i| i * count / n) {
@@ -70,7 +70,7 @@ fn assert_near(name: &str, mesh: &Mesh, exact_mm3: f64, tolerance: f64) {
 
 #[test]
 fn every_sample_is_one_closed_shell_without_collapsed_triangles() {
-    for sample in all() {
+    for sample in all_samples() {
         assert_clean(sample.name, &sample.mesh);
         let triangles = sample.mesh.triangles().len();
         assert!((500..=20_000).contains(&triangles), "{} has {triangles} triangles", sample.name);
@@ -91,10 +91,10 @@ fn every_random_part_is_one_closed_shell_and_no_two_are_alike() {
 
 #[test]
 fn no_sample_overlaps_itself() {
-    for sample in all() {
+    for sample in all_samples() {
         assert_does_not_overlap_itself(sample.name, &sample.mesh, 60);
     }
-    for (i, (mesh, _)) in workload(Workload::EngineLike).iter().enumerate() {
+    for (i, (mesh, _)) in workload_parts(SampleWorkload::EngineLike).iter().enumerate() {
         assert_does_not_overlap_itself(&format!("engine-like part {i}"), mesh, 30);
     }
     for seed in 0..200 {
@@ -104,14 +104,14 @@ fn no_sample_overlaps_itself() {
 
 #[test]
 fn there_are_at_least_fourteen_kinds_with_names_of_their_own() {
-    let names: HashSet<&str> = all().iter().map(|s| s.name).collect();
-    assert!(names.len() >= 14 && names.len() == all().len());
+    let names: HashSet<&str> = all_samples().iter().map(|s| s.name).collect();
+    assert!(names.len() >= 14 && names.len() == all_samples().len());
     assert!(names.iter().all(|n| n.chars().all(|c| c.is_ascii_lowercase() || c == '_')));
 }
 
 #[test]
 fn the_same_call_gives_the_same_mesh() {
-    for (first, second) in all().iter().zip(all()) {
+    for (first, second) in all_samples().iter().zip(all_samples()) {
         assert_eq!(first.mesh.vertices(), second.mesh.vertices(), "{}", first.name);
         assert_eq!(first.mesh.triangles(), second.mesh.triangles(), "{}", first.name);
     }
@@ -125,7 +125,7 @@ fn crisp_parts_have_their_volumes() {
     assert_near("cuboid", &mesh, 6000.0, 1e-12);
     assert!(mesh.bounds().size() == size && mesh.triangles().len() == 12);
     assert_near("ring", &ring(40.0, 28.0, 8.0), PI * (400.0 - 196.0) * 8.0, 2e-3);
-    // A pipe's volume is its section times the way of its centre.
+    // A pipe's volume is its cross section times the length of its center line.
     let way = 32.0 * PI / 2.0 + 2.0 * 18.0;
     assert_near("duct", &duct(30.0, 2.5, 32.0, 90.0, 18.0), PI * (225.0 - 156.25) * way, 1e-2);
     // The wire has 16 sides.
@@ -165,12 +165,12 @@ fn the_fan_fills_its_frame_exactly() {
 
 #[test]
 fn workloads_hold_the_copies_and_the_meshes_that_they_promise() {
-    let copies = |w| workload(w).iter().map(|(_, copies)| copies).sum::<u32>();
-    assert_eq!((copies(Workload::Fans), copies(Workload::EngineLike)), (20, 30));
-    let engine = workload(Workload::EngineLike);
+    let copies = |w| workload_parts(w).iter().map(|(_, copies)| copies).sum::<u32>();
+    assert_eq!((copies(SampleWorkload::Fans), copies(SampleWorkload::EngineLike)), (20, 30));
+    let engine = workload_parts(SampleWorkload::EngineLike);
     assert!(engine.iter().all(|(mesh, _)| mesh.defects().is_closed() && mesh.bounds().size().max_element() < 120.0));
     let different: HashSet<u64> = engine.iter().map(|(mesh, _)| mesh.volume_mm3().to_bits()).collect();
     assert_eq!(different.len(), 30);
-    let small = Workload::Small { copies: 100, meshes: 30, seed: 5 };
-    assert_eq!((workload(small).len(), copies(small)), (30, 100));
+    let small = SampleWorkload::Small { copies: 100, meshes: 30, seed: 5 };
+    assert_eq!((workload_parts(small).len(), copies(small)), (30, 100));
 }

@@ -1,34 +1,34 @@
-//! Piles of parts for benches: many alike, all different, and random ones by seed.
+//! Sets of parts for benches: many copies of one part, all different, and random ones by seed.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
 
-/// A pile of parts to nest.
+/// A set of parts to nest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Workload {
+pub enum SampleWorkload {
     /// 20 axial fans of 65 x 65 x 22 mm.
     Fans,
-    /// 30 different parts, as an engine has them, each once; for a base of 120 x 120 mm and more.
+    /// 30 different parts, as in an engine, one copy each; for a base of at least 120 x 120 mm.
     EngineLike,
-    /// `copies` small parts over `meshes` different random meshes.
+    /// `copies` small parts of `meshes` different random meshes.
     Small {
         /// Copies of all parts together.
         copies: u32,
         /// Different meshes.
         meshes: u32,
-        /// Which meshes.
+        /// Seed of the meshes.
         seed: u64,
     },
 }
 
-/// The meshes of a workload with their copies, at least 1 each. The same workload is the same for ever.
-pub fn workload(workload: Workload) -> Vec<(Mesh, u32)> {
+/// The meshes of a workload with their numbers of copies, at least 1 each. The result for a workload never changes.
+pub fn workload_parts(workload: SampleWorkload) -> Vec<(Mesh, u32)> {
     match workload {
-        Workload::Fans => vec![(axial_fan(65.0, 22.0, 7), 20)],
-        Workload::EngineLike => engine_like().into_iter().map(|mesh| (mesh, 1)).collect(),
-        Workload::Small { copies, meshes, seed } => {
+        SampleWorkload::Fans => vec![(axial_fan(65.0, 22.0, 7), 20)],
+        SampleWorkload::EngineLike => engine_like().into_iter().map(|mesh| (mesh, 1)).collect(),
+        SampleWorkload::Small { copies, meshes, seed } => {
             let meshes = meshes.clamp(1, copies.max(1));
             let share = |i: u32| copies.max(1) / meshes + u32::from(i < copies.max(1) % meshes);
             (0..meshes).map(|i| (random_part(seed.wrapping_mul(1_000_003).wrapping_add(i.into())), share(i))).collect()
@@ -72,7 +72,7 @@ fn engine_like() -> Vec<Mesh> {
     ]
 }
 
-/// A small part of a random kind and size, about 10 to 50 mm. The same seed gives the same part for ever.
+/// A small part of a random kind and size, about 10 to 50 mm. The same seed always gives the same part.
 pub fn random_part(seed: u64) -> Mesh {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let kind = rng.random_range(0..16u32);

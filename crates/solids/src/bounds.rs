@@ -13,11 +13,11 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// Bounds that hold nothing; joining a point makes them that point.
+    /// Empty bounds; adding a point makes them that point.
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// The least bounds around `points`.
-    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
+    pub fn from_points(points: impl IntoIterator<Item = DVec3>) -> Self {
         points
             .into_iter()
             .fold(Self::EMPTY, |bounds, point| Self { min: bounds.min.min(point), max: bounds.max.max(point) })
@@ -38,8 +38,9 @@ impl Bounds {
         (other.min - self.max).max(self.min - other.max).max(DVec3::ZERO).length()
     }
 
-    /// Whether `other` lies wholly inside, with `slack` mm to spare on every side (negative: may stand out so far).
-    pub fn holds(&self, other: &Self, slack: f64) -> bool {
+    /// Whether `other` lies wholly inside, with a margin of `slack` mm on every side (negative: it may stand out by
+    /// that much).
+    pub fn contains_bounds(&self, other: &Self, slack: f64) -> bool {
         other.min.cmpge(self.min + slack).all() && other.max.cmple(self.max - slack).all()
     }
 }

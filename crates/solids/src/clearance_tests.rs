@@ -1,4 +1,4 @@
-//! The clearance tree against brute force, against an independent kernel, and in places where surfaces touch.
+//! Tests of the clearance tree against brute force, against an independent kernel, and at places where surfaces touch.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 use super::{
     Bounds, ClearanceTree, Mesh, Pose,
-    fixtures::{block, bucket, cuboid, safe, star},
+    fixtures::{block, bucket, cuboid, hollow_box, star},
     triangle::Triangle,
 };
 
@@ -23,7 +23,7 @@ fn shift(x: f64, y: f64, z: f64) -> Pose {
 /// Every triangle against every triangle.
 fn brute_force(mesh1: &Mesh, mesh2: &Mesh, pose12: &Pose) -> f64 {
     let triangles2: Vec<Triangle> = (0..mesh2.triangles().len())
-        .map(|t| Triangle::new(mesh2.corners(t)).moved(&pose12.matrix(), pose12.translation))
+        .map(|t| Triangle::new(mesh2.corners(t)).transformed_by(&pose12.rotation_matrix(), pose12.translation))
         .collect();
     let triangles1 = (0..mesh1.triangles().len()).map(|t| Triangle::new(mesh1.corners(t)));
     triangles1
@@ -67,7 +67,7 @@ proptest! {
         prop_assert!((back - truth).abs() < 1e-9, "from the other side {back}, brute force {truth}");
         prop_assert!((one.distance_capped_mm(&two, &pose12, cap) - truth.min(cap)).abs() < 1e-9);
         if (truth - cap).abs() > 1e-9 {
-            prop_assert_eq!(one.closer_than(&two, &pose12, cap), truth < cap);
+            prop_assert_eq!(one.is_closer_than(&two, &pose12, cap), truth < cap);
         }
     }
 
@@ -90,20 +90,20 @@ proptest! {
     fn a_star_holds_what_is_nearer_than_its_radius(seed in 0.0..6.0f64, d in any_pose(1.0), share in 0.01..3.0f64) {
         let radius = |d: DVec3| 5.0 + (3.0 * d.x + seed).sin();
         let part = tree(&star(3, radius));
-        let direction = d.direction(DVec3::X);
+        let direction = d.transform_direction(DVec3::X);
         // The faceted surface is off the round one by less than 2 %.
         prop_assume!((share - 1.0).abs() > 0.03);
-        prop_assert_eq!(part.holds_point(direction * radius(direction) * share), share < 1.0);
+        prop_assert_eq!(part.contains_point(direction * radius(direction) * share), share < 1.0);
     }
 
     #[test]
     fn the_smallest_box_holds_all_and_is_no_larger_than_the_bounds(seed in 0.0..6.0f64, pose in any_pose(9.0)) {
         let mesh = bumpy(seed, 2, DVec3::new(9.0, 3.0, 1.0));
-        let turned: Vec<DVec3> = mesh.vertices().iter().map(|&v| pose.point(v)).collect();
+        let turned: Vec<DVec3> = mesh.vertices().iter().map(|&v| pose.transform_point(v)).collect();
         let mesh = Arc::new(Mesh::new(turned, mesh.triangles().to_vec()).unwrap());
         let part = tree(&mesh);
         let obb = part.obb();
-        prop_assert!(mesh.vertices().iter().all(|&v| obb.holds(v, 1e-9)));
+        prop_assert!(mesh.vertices().iter().all(|&v| obb.contains_point(v, 1e-9)));
         prop_assert!(obb.volume_mm3() <= mesh.bounds().size().element_product() * (1.0 + 1e-9));
         prop_assert!(obb.half_mm.x >= obb.half_mm.y - 1e-9 && obb.half_mm.y >= obb.half_mm.z - 1e-9);
     }
@@ -138,7 +138,7 @@ fn touching_and_overlapping_surfaces_are_at_zero() {
         ),
     ] {
         assert_eq!(brick.distance_capped_mm(&brick, &pose12, 3.0), 0.0, "{place}");
-        assert!(brick.closer_than(&brick, &pose12, 0.0) && brick.closer_than(&brick, &pose12, 3.0), "{place}");
+        assert!(brick.is_closer_than(&brick, &pose12, 0.0) && brick.is_closer_than(&brick, &pose12, 3.0), "{place}");
     }
 }
 
@@ -148,8 +148,8 @@ fn gaps_are_measured_to_the_last_digit() {
     assert!((brick.distance_capped_mm(&brick, &shift(13.0, 2.0, 0.0), 5.0) - 3.0).abs() < 1e-12);
     assert!((brick.distance_capped_mm(&brick, &shift(13.0, 14.0, 0.0), 9.0) - 5.0).abs() < 1e-12);
     assert_eq!(brick.distance_capped_mm(&brick, &shift(1e6, 0.0, 0.0), 3.0), 3.0);
-    assert!(!brick.closer_than(&brick, &shift(13.0, 0.0, 0.0), 3.0 - 1e-9));
-    assert!(brick.closer_than(&brick, &shift(13.0, 0.0, 0.0), 3.0 + 1e-9));
+    assert!(!brick.is_closer_than(&brick, &shift(13.0, 0.0, 0.0), 3.0 - 1e-9));
+    assert!(brick.is_closer_than(&brick, &shift(13.0, 0.0, 0.0), 3.0 + 1e-9));
 }
 
 #[test]
@@ -172,21 +172,21 @@ fn slivers_do_not_open_the_surface() {
     assert!(mesh.defects().is_closed());
     let (split, plain) = (tree(&mesh), tree(&brick));
     assert!((split.distance_capped_mm(&plain, &shift(2.0, 0.0, 12.5), 9.0) - 2.5).abs() < 1e-9);
-    assert!(split.holds_point(DVec3::new(3.3, 0.1, 9.9)) && !split.holds_point(DVec3::new(3.3, -0.1, 9.9)));
+    assert!(split.contains_point(DVec3::new(3.3, 0.1, 9.9)) && !split.contains_point(DVec3::new(3.3, -0.1, 9.9)));
 }
 
 #[test]
 fn nested_parts_are_seen_in_solids_and_in_sealed_cavities_only() {
     let small = tree(&block(2.0, 2.0, 2.0));
     let solid = tree(&block(20.0, 20.0, 20.0));
-    let (sealed, open) = (tree(&safe(20.0, 3.0)), tree(&bucket(20.0, 3.0)));
+    let (sealed, open) = (tree(&hollow_box(20.0, 3.0)), tree(&bucket(20.0, 3.0)));
     let middle = shift(9.0, 9.0, 9.0);
     assert_eq!(solid.distance_capped_mm(&small, &middle, 5.0), 5.0, "the surfaces are far apart");
-    assert!(solid.holds_part(&small, &middle) && !small.holds_part(&solid, &middle.inverse()));
-    assert!(sealed.holds_part(&small, &middle), "would never come out");
-    assert!(!sealed.holds_point(DVec3::splat(10.0)) && sealed.holds_point(DVec3::splat(1.0)));
-    assert!(!open.holds_part(&small, &middle), "comes out at the top");
-    assert!(!solid.holds_part(&small, &shift(30.0, 9.0, 9.0)));
+    assert!(solid.contains_part(&small, &middle) && !small.contains_part(&solid, &middle.inverse()));
+    assert!(sealed.contains_part(&small, &middle), "would never come out");
+    assert!(!sealed.contains_point(DVec3::splat(10.0)) && sealed.contains_point(DVec3::splat(1.0)));
+    assert!(!open.contains_part(&small, &middle), "comes out at the top");
+    assert!(!solid.contains_part(&small, &shift(30.0, 9.0, 9.0)));
 }
 
 #[test]
@@ -196,9 +196,9 @@ fn one_piece_of_a_loose_part_inside_is_enough() {
     let moved = two.triangles().iter().map(|t| t.map(|v| v + 8));
     let pair = Mesh::new(vertices, one.triangles().iter().copied().chain(moved).collect()).unwrap();
     let (pair, solid) = (tree(&Arc::new(pair)), tree(&block(20.0, 20.0, 20.0)));
-    assert!(solid.holds_part(&pair, &shift(-40.0, -40.0, -40.0)));
-    assert!(solid.holds_part(&pair, &shift(9.0, 9.0, 9.0)));
-    assert!(!solid.holds_part(&pair, &shift(-20.0, -20.0, -20.0)), "the solid stands between the pieces");
+    assert!(solid.contains_part(&pair, &shift(-40.0, -40.0, -40.0)));
+    assert!(solid.contains_part(&pair, &shift(9.0, 9.0, 9.0)));
+    assert!(!solid.contains_part(&pair, &shift(-20.0, -20.0, -20.0)), "the solid stands between the pieces");
 }
 
 #[test]
@@ -208,8 +208,8 @@ fn overlapping_pieces_count_as_inside() {
     let vertices = [one.vertices(), two.vertices()].concat();
     let union = Mesh::new(vertices, one.triangles().iter().copied().chain(moved).collect()).unwrap();
     let part = tree(&Arc::new(union));
-    assert!([2.0, 7.0, 12.0].into_iter().all(|x| part.holds_point(DVec3::new(x, x + 0.1, x - 0.1))));
-    assert!(!part.holds_point(DVec3::new(12.0, 2.0, 2.0)));
+    assert!([2.0, 7.0, 12.0].into_iter().all(|x| part.contains_point(DVec3::new(x, x + 0.1, x - 0.1))));
+    assert!(!part.contains_point(DVec3::new(12.0, 2.0, 2.0)));
 }
 
 #[test]
@@ -217,7 +217,8 @@ fn a_solid_in_the_lattice_of_round_numbers_is_still_seen_from_inside() {
     let part = tree(&block(8.0, 8.0, 8.0));
     for i in 0..9 * 9 * 9 {
         let point = DVec3::new(f64::from(i % 9), f64::from(i / 9 % 9), f64::from(i / 81)) - 0.5;
-        let inside = Bounds { min: DVec3::ZERO, max: DVec3::splat(8.0) }.holds(&Bounds::around([point]), 0.0);
-        assert_eq!(part.holds_point(point), inside, "{point}");
+        let inside =
+            Bounds { min: DVec3::ZERO, max: DVec3::splat(8.0) }.contains_bounds(&Bounds::from_points([point]), 0.0);
+        assert_eq!(part.contains_point(point), inside, "{point}");
     }
 }

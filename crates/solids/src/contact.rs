@@ -1,5 +1,5 @@
-//! Where two surfaces come near each other: not only how near, as [`ClearanceTree::distance_capped_mm`] tells, but at which
-//! points, so that a search knows which way apart is.
+//! Finds the points where two surfaces come near each other, not only the distance as
+//! [`ClearanceTree::distance_capped_mm`] does, so that a search knows the direction of separation.
 
 use glam::DVec3;
 
@@ -10,14 +10,14 @@ use super::{
 
 /// Two points of two surfaces that are near each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct SurfaceContact {
     /// Point of the first surface, in the first mesh's frame, mm.
     pub point1: DVec3,
     /// Point of the second surface, in the first mesh's frame too, mm.
     pub point2: DVec3,
 }
 
-impl Contact {
+impl SurfaceContact {
     /// Distance of the two points, mm.
     pub fn distance_mm(&self) -> f64 {
         self.point1.distance(self.point2)
@@ -25,23 +25,27 @@ impl Contact {
 }
 
 impl ClearanceTree {
-    /// Tells `each` of places at which the surfaces are nearer than `limit_mm` without meeting: the nearest points of
-    /// every two leaves of the trees that come so near. `pose12` is the frame of `other` seen from this one.
-    pub fn contacts(&self, other: &Self, pose12: &Pose, limit_mm: f64, each: &mut dyn FnMut(Contact)) {
+    /// Calls `each` with the places at which the surfaces are nearer than `limit_mm` without meeting: the nearest
+    /// points of every two leaves of the trees that come so near. `pose12` is the frame of `other` seen from this one.
+    pub fn visit_contacts(&self, other: &Self, pose12: &Pose, limit_mm: f64, each: &mut dyn FnMut(SurfaceContact)) {
         let frame = &self.obb().pose;
-        self.walk(other, pose12).near_leaves(limit_mm * limit_mm, &mut |one, two| {
+        self.pair_walk(other, pose12).visit_near_leaves(limit_mm * limit_mm, &mut |one, two| {
             let contact = closest_points(one, two);
-            each(Contact { point1: frame.point(contact.point1), point2: frame.point(contact.point2) });
+            each(SurfaceContact {
+                point1: frame.transform_point(contact.point1),
+                point2: frame.transform_point(contact.point2),
+            });
         });
     }
 }
 
-/// The nearest points of two triangles that do not cross: a corner of one and a point of the other, or on two edges.
-fn closest_points(one: &Triangle, two: &Triangle) -> Contact {
-    let mut best = Contact { point1: one.corners[0], point2: two.corners[0] };
+/// The nearest points of two triangles that do not intersect: a corner of one and a point of the other, or points on
+/// two edges.
+fn closest_points(one: &Triangle, two: &Triangle) -> SurfaceContact {
+    let mut best = SurfaceContact { point1: one.corners[0], point2: two.corners[0] };
     let mut try_pair = |point1: DVec3, point2: DVec3| {
         if point1.distance_squared(point2) < best.point1.distance_squared(best.point2) {
-            best = Contact { point1, point2 };
+            best = SurfaceContact { point1, point2 };
         }
     };
     for corner in one.corners {
@@ -54,7 +58,7 @@ fn closest_points(one: &Triangle, two: &Triangle) -> Contact {
         for j in 0..3 {
             let (from1, to1) = (one.corners[i], one.corners[(i + 1) % 3]);
             let (from2, to2) = (two.corners[j], two.corners[(j + 1) % 3]);
-            if let Some((point1, point2)) = crossing(from1, to1 - from1, from2, to2 - from2) {
+            if let Some((point1, point2)) = nearest_on_segments(from1, to1 - from1, from2, to2 - from2) {
                 try_pair(point1, point2);
             }
         }
@@ -62,8 +66,8 @@ fn closest_points(one: &Triangle, two: &Triangle) -> Contact {
     best
 }
 
-/// The nearest points of two lines when both lie within the segments; the ends are another matter.
-fn crossing(from1: DVec3, d1: DVec3, from2: DVec3, d2: DVec3) -> Option<(DVec3, DVec3)> {
+/// The nearest points of two lines, if both lie within the segments; ends of segments are not considered.
+fn nearest_on_segments(from1: DVec3, d1: DVec3, from2: DVec3, d2: DVec3) -> Option<(DVec3, DVec3)> {
     let r = from1 - from2;
     let (a, b, c, e, f) = (d1.length_squared(), d1.dot(d2), d1.dot(r), d2.length_squared(), d2.dot(r));
     let spread = a * e - b * b;
@@ -92,14 +96,14 @@ mod tests {
             let pose12 = Pose::new(DQuat::from_scaled_axis(DVec3::from_array(turn)), DVec3::from_array(shift));
             let exact = one.distance_capped_mm(&two, &pose12, 8.0);
             let mut found = Vec::new();
-            one.contacts(&two, &pose12, 8.0, &mut |contact| found.push(contact));
+            one.visit_contacts(&two, &pose12, 8.0, &mut |contact| found.push(contact));
             for contact in &found {
                 let off = contact.point1.max(DVec3::new(20.0, 10.0, 6.0)) - contact.point1 - contact.point1.min(DVec3::ZERO);
                 prop_assert!(off.min_element() >= -1e-9, "{contact:?} leaves the first part");
-                prop_assert!(pose12.inverse().point(contact.point2).length() < 8.1, "{contact:?} leaves the second part");
+                prop_assert!(pose12.inverse().transform_point(contact.point2).length() < 8.1, "{contact:?} leaves the second part");
                 prop_assert!(contact.distance_mm() < 8.0 && contact.distance_mm() >= exact - 1e-9);
             }
-            let least = found.iter().map(Contact::distance_mm).fold(8.0, f64::min);
+            let least = found.iter().map(SurfaceContact::distance_mm).fold(8.0, f64::min);
             prop_assert!(exact == 0.0 || (least - exact).abs() < 1e-9, "contact {least} exact {exact}");
         }
     }

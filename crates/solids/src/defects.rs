@@ -1,8 +1,8 @@
-//! What may be wrong with a surface: told, not refused.
+//! Defects of a surface. They are reported, not refused.
 
-/// What is wrong with a surface; all zero for a clean one.
+/// The defects of a surface; all zero for a clean one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Defects {
+pub struct MeshDefects {
     /// Edges with a triangle on one side only.
     pub open_edges: usize,
     /// Edges shared by more than two triangles whose directions do not cancel in pairs.
@@ -11,15 +11,15 @@ pub struct Defects {
     pub inconsistent_edges: usize,
     /// Triangles without an area, dropped.
     pub degenerate_triangles: usize,
-    /// Corners that were moved onto another one, at a distance that is the rounding of 32-bit coordinates.
+    /// Vertices that were merged with another one within the rounding of 32-bit coordinates.
     pub welded_vertices: usize,
-    /// Triangles of pieces that are there several times in one place, left out.
+    /// Triangles of duplicate pieces at the same place, left out.
     pub equal_triangles: usize,
-    /// The whole surface was inside out and has been turned.
+    /// Whether the whole surface was inside out and was reversed.
     pub inverted: bool,
 }
 
-impl Defects {
+impl MeshDefects {
     /// Whether the surface is closed and consistently oriented.
     pub fn is_closed(&self) -> bool {
         self.open_edges == 0 && self.non_manifold_edges == 0 && self.inconsistent_edges == 0

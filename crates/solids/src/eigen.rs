@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
     let mut a = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|c| c.to_array());
     let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Jacobi converges quadratically: some eight sweeps reach rounding from any start.
+    // Jacobi's method converges quadratically: about eight sweeps reach rounding precision from any start.
     for _ in 0..16 {
         let off = a[0][1].powi(2) + a[0][2].powi(2) + a[1][2].powi(2);
         let diagonal = a[0][0].powi(2) + a[1][1].powi(2) + a[2][2].powi(2);
@@ -15,7 +15,7 @@ pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
             break;
         }
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            rotate(&mut a, &mut v, p, q);
+            jacobi_rotate(&mut a, &mut v, p, q);
         }
     }
     let mut order = [0, 1, 2];
@@ -26,8 +26,8 @@ pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
     (values, DMat3::from_cols(x, y, x.cross(y)))
 }
 
-/// One Jacobi rotation, which makes `a[p][q]` zero.
-fn rotate(a: &mut [[f64; 3]; 3], v: &mut [[f64; 3]; 3], p: usize, q: usize) {
+/// One Jacobi rotation, which sets `a[p][q]` to zero.
+fn jacobi_rotate(a: &mut [[f64; 3]; 3], v: &mut [[f64; 3]; 3], p: usize, q: usize) {
     if a[p][q] == 0.0 {
         return;
     }

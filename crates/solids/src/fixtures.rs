@@ -1,4 +1,4 @@
-//! Solids and pairs of them for tests and benches.
+//! Solids and pairs of solids for tests and benches.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -7,8 +7,8 @@ use rand_chacha::{ChaCha8Rng, rand_core::Rng};
 
 use super::{ClearanceTree, Mesh, Pose};
 
-/// Corners and faces of a box, counter-clockwise seen from outside.
-fn brick(min: DVec3, max: DVec3, vertices: &mut Vec<DVec3>, triangles: &mut Vec<[u32; 3]>, inwards: bool) {
+/// Adds the corners and faces of a box, counter-clockwise seen from outside.
+fn add_box(min: DVec3, max: DVec3, vertices: &mut Vec<DVec3>, triangles: &mut Vec<[u32; 3]>, inwards: bool) {
     let base = vertices.len() as u32;
     vertices.extend((0..8).map(|i| {
         let pick = |bit: u32, low: f64, high: f64| if i >> bit & 1 == 1 { high } else { low };
@@ -25,7 +25,7 @@ fn brick(min: DVec3, max: DVec3, vertices: &mut Vec<DVec3>, triangles: &mut Vec<
 /// A box between two corners.
 pub fn cuboid(min: DVec3, max: DVec3) -> Arc<Mesh> {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    brick(min, max, &mut vertices, &mut triangles, false);
+    add_box(min, max, &mut vertices, &mut triangles, false);
     Arc::new(Mesh::new(vertices, triangles).expect("a box is a solid"))
 }
 
@@ -35,20 +35,20 @@ pub fn block(x: f64, y: f64, z: f64) -> Arc<Mesh> {
 }
 
 /// A box with a sealed box-shaped cavity, walls of `wall` mm.
-pub fn safe(size: f64, wall: f64) -> Arc<Mesh> {
+pub fn hollow_box(size: f64, wall: f64) -> Arc<Mesh> {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    brick(DVec3::ZERO, DVec3::splat(size), &mut vertices, &mut triangles, false);
-    brick(DVec3::splat(wall), DVec3::splat(size - wall), &mut vertices, &mut triangles, true);
+    add_box(DVec3::ZERO, DVec3::splat(size), &mut vertices, &mut triangles, false);
+    add_box(DVec3::splat(wall), DVec3::splat(size - wall), &mut vertices, &mut triangles, true);
     Arc::new(Mesh::new(vertices, triangles).expect("a hollow box is a solid"))
 }
 
 /// A box open at the top: a bucket with walls of `wall` mm.
 pub fn bucket(size: f64, wall: f64) -> Arc<Mesh> {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    brick(DVec3::ZERO, DVec3::splat(size), &mut vertices, &mut triangles, false);
+    add_box(DVec3::ZERO, DVec3::splat(size), &mut vertices, &mut triangles, false);
     let (low, high) = (DVec3::splat(wall), DVec3::new(size - wall, size - wall, size));
-    brick(low, high, &mut vertices, &mut triangles, true);
-    // The two lids (faces 4, 5, 7, 6 of each box) make way for a rim between them.
+    add_box(low, high, &mut vertices, &mut triangles, true);
+    // The two tops (face 4, 5, 7, 6 of each box) are replaced by a rim between them.
     let on_top = |t: &[u32; 3]| t.iter().all(|&v| vertices[v as usize].z == size);
     triangles.retain(|t| !on_top(t));
     for (a, b) in [(4, 5), (5, 7), (7, 6), (6, 4)] {
@@ -96,9 +96,9 @@ pub fn star(level: u32, radius_mm: impl Fn(DVec3) -> f64) -> Arc<Mesh> {
     Arc::new(Mesh::new(placed, triangles).expect("a star is a solid"))
 }
 
-/// A solid of the shared data, or `None` (said on stderr) when `NESTD_DATA` does not say where they are.
+/// A solid from the shared data, or `None` with a message on stderr when `NESTD_DATA` is not set.
 #[allow(clippy::print_stderr)]
-pub fn from_data(file: &str) -> Option<Arc<Mesh>> {
+pub fn mesh_from_data(file: &str) -> Option<Arc<Mesh>> {
     let Ok(folder) = std::env::var("NESTD_DATA") else {
         eprintln!("skipped: NESTD_DATA is not set");
         return None;
@@ -110,7 +110,7 @@ pub fn from_data(file: &str) -> Option<Arc<Mesh>> {
     Some(Arc::new(Mesh::new(vertices, triangles).expect("is a solid")))
 }
 
-/// Evenly in [-1, 1].
+/// A uniform number in [-1, 1].
 pub fn unit(rng: &mut ChaCha8Rng) -> f64 {
     f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
 }
@@ -119,8 +119,8 @@ fn direction(rng: &mut ChaCha8Rng) -> DVec3 {
     DVec3::new(unit(rng), unit(rng), unit(rng)).normalize_or(DVec3::X)
 }
 
-/// A random turn, moved along a random direction until the distance is at most 0.05 mm more than `gap_mm`.
-pub fn tight(one: &ClearanceTree, two: &ClearanceTree, gap_mm: f64, rng: &mut ChaCha8Rng) -> Pose {
+/// A random rotation, moved along a random direction until the distance is at most 0.05 mm more than `gap_mm`.
+pub fn tight_pose(one: &ClearanceTree, two: &ClearanceTree, gap_mm: f64, rng: &mut ChaCha8Rng) -> Pose {
     let (axis, angle, way) = (direction(rng), unit(rng) * 3.0, direction(rng));
     let rotation = DQuat::from_axis_angle(axis, angle);
     let (center1, center2) = (one.mesh().bounds().center(), rotation * two.mesh().bounds().center());
@@ -128,7 +128,7 @@ pub fn tight(one: &ClearanceTree, two: &ClearanceTree, gap_mm: f64, rng: &mut Ch
     let (mut near, mut far) = (0.0, 1000.0);
     while far - near > 0.05 {
         let middle = 0.5 * (near + far);
-        if one.closer_than(two, &at(middle), gap_mm) {
+        if one.is_closer_than(two, &at(middle), gap_mm) {
             near = middle;
         } else {
             far = middle;

@@ -6,10 +6,10 @@ mod box_tree;
 mod clearance;
 mod contact;
 mod defects;
+mod direction_sweep;
 mod eigen;
-mod equal;
-mod extremes;
-mod inside;
+mod equal_pieces;
+mod extreme_points;
 mod mesh;
 mod mesh_serde;
 mod obb;
@@ -19,11 +19,11 @@ mod pose;
 #[cfg(feature = "obb-tree")]
 mod separating_axis;
 mod shells;
-mod slide;
-mod sweep;
+mod sliding_distance;
+mod tree_pair_walk;
 mod triangle;
-mod walk;
 mod weld;
+mod winding_number;
 
 #[cfg(test)]
 mod clearance_tests;
@@ -36,9 +36,9 @@ mod sweep_tests;
 
 pub use bounds::Bounds;
 pub use clearance::ClearanceTree;
-pub use contact::Contact;
-pub use defects::Defects;
-pub use extremes::Extremes;
+pub use contact::SurfaceContact;
+pub use defects::MeshDefects;
+pub use extreme_points::ExtremePoints;
 pub use mesh::{Mesh, MeshError};
 pub use obb::Obb;
 #[cfg(feature = "obb-tree")]

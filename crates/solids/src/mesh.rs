@@ -1,15 +1,15 @@
-//! A closed triangle surface in mm, checked once, at its construction.
+//! A closed triangle surface in mm, checked once when it is created.
 
 use glam::DVec3;
 use thiserror::Error;
 
 use super::{
-    Bounds, Defects, Pose,
-    equal::one_of_equal_pieces,
-    weld::{edge_defects, mend, weld},
+    Bounds, MeshDefects, Pose,
+    equal_pieces::keep_one_of_equal_pieces,
+    weld::{edge_defects, weld_equal_vertices, weld_open_edges},
 };
 
-/// Why a triangle soup is no solid.
+/// Why a triangle soup is not a solid.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MeshError {
     /// No triangle with an area is left.
@@ -21,12 +21,12 @@ pub enum MeshError {
         /// Index of the vertex as given.
         vertex: usize,
     },
-    /// A triangle names a vertex that does not exist.
+    /// A triangle refers to a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, but there are only {vertices}")]
     BadIndex {
         /// Index of the triangle as given.
         triangle: usize,
-        /// The vertex index that it names.
+        /// The index of the missing vertex.
         vertex: u32,
         /// How many vertices there are.
         vertices: usize,
@@ -43,12 +43,13 @@ pub struct Mesh {
     triangles: Vec<[u32; 3]>,
     bounds: Bounds,
     volume_mm3: f64,
-    defects: Defects,
+    defects: MeshDefects,
 }
 
 impl Mesh {
-    /// Checks, welds vertices at equal places (along edges that stay open: at places that differ by the rounding of 32-bit
-    /// coordinates), drops triangles that name a vertex twice, and turns an inside-out surface. Holes and the like are no error here but told by [`Mesh::defects`].
+    /// Checks the input; welds vertices at equal places (along edges that stay open, also at places that differ by the
+    /// rounding of 32-bit coordinates); drops triangles that use a vertex twice; reverses an inside-out surface. Holes
+    /// and the like are not errors; [`Mesh::defects`] reports them.
     pub fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if let Some(vertex) = vertices.iter().position(|v| !v.is_finite()) {
             return Err(MeshError::NotFinite { vertex });
@@ -59,11 +60,11 @@ impl Mesh {
             }
         }
         let given = triangles.len();
-        let (mut vertices, mut triangles) = weld(&vertices, triangles);
+        let (mut vertices, mut triangles) = weld_equal_vertices(&vertices, triangles);
         let mut defects = edge_defects(&triangles, vertices.len(), |_, _| {});
         if !defects.is_closed() {
             let apart = vertices.len();
-            (vertices, triangles) = mend(&vertices, triangles);
+            (vertices, triangles) = weld_open_edges(&vertices, triangles);
             defects = edge_defects(&triangles, vertices.len(), |_, _| {});
             defects.welded_vertices = apart - vertices.len();
         }
@@ -72,9 +73,9 @@ impl Mesh {
         }
         defects.degenerate_triangles = given - triangles.len();
         let with_equal = triangles.len();
-        triangles = one_of_equal_pieces(triangles, vertices.len());
+        triangles = keep_one_of_equal_pieces(triangles, vertices.len());
         defects.equal_triangles = with_equal - triangles.len();
-        let bounds = Bounds::around(vertices.iter().copied());
+        let bounds = Bounds::from_points(vertices.iter().copied());
         let mut volume_mm3 = signed_volume(&vertices, &triangles, bounds.center());
         let size = bounds.size();
         if volume_mm3.abs() <= 1e-9 * size.max_element().powi(3) || size.min_element() <= 0.0 {
@@ -100,7 +101,7 @@ impl Mesh {
         Ok(Self { vertices, triangles, volume_mm3, ..checked })
     }
 
-    /// Corner places, mm; every one is used by a triangle.
+    /// Corner positions, mm; every one is used by a triangle.
     pub fn vertices(&self) -> &[DVec3] {
         &self.vertices
     }
@@ -122,7 +123,7 @@ impl Mesh {
 
     /// Exact axis-aligned bounds of the mesh at a pose. Time grows with the vertices.
     pub fn bounds_at(&self, pose: &Pose) -> Bounds {
-        Bounds::around(self.vertices.iter().map(|&v| pose.point(v)))
+        Bounds::from_points(self.vertices.iter().map(|&v| pose.transform_point(v)))
     }
 
     /// Enclosed volume, mm3, positive.
@@ -130,13 +131,13 @@ impl Mesh {
         self.volume_mm3
     }
 
-    /// What is wrong with the surface.
-    pub fn defects(&self) -> Defects {
+    /// The defects of the surface.
+    pub fn defects(&self) -> MeshDefects {
         self.defects
     }
 }
 
-/// Sum of the signed tetrahedra over all triangles, mm3; `origin` near the mesh keeps digits.
+/// Sum of the signed tetrahedra over all triangles, mm3; an `origin` near the mesh keeps precision.
 fn signed_volume(vertices: &[DVec3], triangles: &[[u32; 3]], origin: DVec3) -> f64 {
     let corner = |v: u32| vertices[v as usize] - origin;
     triangles.iter().map(|&[a, b, c]| corner(a).dot(corner(b).cross(corner(c)))).sum::<f64>() / 6.0

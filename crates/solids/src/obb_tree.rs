@@ -1,23 +1,23 @@
-//! The paper's OBB tree (section 2.2): the collision proxy of the paper's method. Every box has axes of its own, from the
-//! principal axes of its triangles.
+//! The OBB tree of the paper (section 2.2): the collision test of the paper's method. Every box has its own axes, from
+//! the principal axes of its triangles.
 
 use glam::{DMat3, DVec3};
 
 use super::{Mesh, Obb, Pose, obb::vertex_axes, separating_axis::boxes_overlap};
 
-/// Below this depth nodes are halved by count: halving the axis leads no further with coincident or very uneven triangles.
+/// Below this depth, nodes are halved by count: halving the axis does not separate coincident or very uneven triangles.
 const MAX_UNEVEN_DEPTH: usize = 48;
 
-/// A box and its two children, which stand side by side; 0 (the root is nobody's child) for a leaf.
+/// A box and its two children, which are stored next to each other; 0 (the root is no node's child) for a leaf.
 #[derive(Debug, Clone, Copy)]
-struct Node {
+struct ObbTreeNode {
     rotation: DMat3,
     center: DVec3,
     half: DVec3,
     children: u32,
 }
 
-impl Node {
+impl ObbTreeNode {
     fn is_leaf(&self) -> bool {
         self.children == 0
     }
@@ -27,18 +27,18 @@ impl Node {
 #[derive(Debug, Clone)]
 pub struct ObbTree {
     root: Obb,
-    nodes: Vec<Node>,
+    nodes: Vec<ObbTreeNode>,
 }
 
 impl ObbTree {
-    /// Builds the tree (sections 2.2.1 and 2.2.2). A node is divided in the middle of its primary axis, by the centres of
-    /// its triangles, until it holds one triangle or until its least height is no more than `stop_height_mm` (section 2.2.4:
-    /// the clearance; 0 builds the whole tree).
+    /// Builds the tree (sections 2.2.1 and 2.2.2). A node is divided in the middle of its primary axis, by the centers
+    /// of its triangles, until it contains one triangle or until its least height is at most `stop_height_mm` (section
+    /// 2.2.4: the clearance; 0 builds the whole tree).
     pub fn new(mesh: &Mesh, stop_height_mm: f64) -> Self {
         let mut triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(|t| mesh.corners(t)).collect();
-        let root = around(&triangles);
-        let mut tree = Self { root, nodes: vec![node(&root)] };
-        tree.divide(0, &root, &mut triangles, stop_height_mm, 0);
+        let root = box_around(&triangles);
+        let mut tree = Self { root, nodes: vec![leaf_node(&root)] };
+        tree.divide_node(0, &root, &mut triangles, stop_height_mm, 0);
         tree
     }
 
@@ -47,61 +47,62 @@ impl ObbTree {
         &self.root
     }
 
-    /// How many boxes there are.
+    /// Number of boxes.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Never: a mesh has triangles.
+    /// Never true: a mesh has triangles.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
     /// Whether leaf boxes of the two trees overlap when each box is expanded by half of `clearance_mm` on every side
-    /// (section 2.2.5). `pose12` is the frame of `other` seen from this one. When they do not, the surfaces keep the
-    /// clearance; when they do, they may still keep it. A part wholly inside another is not seen.
-    pub fn collides(&self, other: &Self, pose12: &Pose, clearance_mm: f64) -> bool {
-        let pair = Pair {
+    /// (section 2.2.5). `pose12` is the frame of `other` seen from this one. If they do not overlap, the surfaces keep
+    /// the clearance; if they do, the surfaces may still keep it. A part wholly inside another one is not detected.
+    pub fn collides_with(&self, other: &Self, pose12: &Pose, clearance_mm: f64) -> bool {
+        let pair = ObbTreePair {
             nodes1: &self.nodes,
             nodes2: &other.nodes,
-            rotation12: pose12.matrix(),
+            rotation12: pose12.rotation_matrix(),
             translation12: pose12.translation,
             expansion: DVec3::splat(0.5 * clearance_mm),
         };
-        pair.collides(&self.nodes[0], &other.nodes[0])
+        pair.nodes_collide(&self.nodes[0], &other.nodes[0])
     }
 
-    fn divide(&mut self, at: usize, obb: &Obb, triangles: &mut [[DVec3; 3]], stop_height_mm: f64, depth: usize) {
+    fn divide_node(&mut self, at: usize, obb: &Obb, triangles: &mut [[DVec3; 3]], stop_height_mm: f64, depth: usize) {
         if triangles.len() == 1 || 2.0 * obb.half_mm.min_element() <= stop_height_mm && stop_height_mm > 0.0 {
             return;
         }
-        let middle = split(obb, triangles, depth);
+        let middle = split_triangles(obb, triangles, depth);
         let (left, right) = triangles.split_at_mut(middle);
-        let boxes = [around(left), around(right)];
+        let boxes = [box_around(left), box_around(right)];
         let children = self.nodes.len();
         self.nodes[at].children = children as u32;
-        self.nodes.extend([node(&boxes[0]), node(&boxes[1])]);
-        self.divide(children, &boxes[0], left, stop_height_mm, depth + 1);
-        self.divide(children + 1, &boxes[1], right, stop_height_mm, depth + 1);
+        self.nodes.extend([leaf_node(&boxes[0]), leaf_node(&boxes[1])]);
+        self.divide_node(children, &boxes[0], left, stop_height_mm, depth + 1);
+        self.divide_node(children + 1, &boxes[1], right, stop_height_mm, depth + 1);
     }
 }
 
 /// The box along the principal axes of the triangles' corners.
-fn around(triangles: &[[DVec3; 3]]) -> Obb {
+fn box_around(triangles: &[[DVec3; 3]]) -> Obb {
     let corners = triangles.iter().flatten().copied();
-    Obb::along(vertex_axes(corners.clone()), corners)
+    Obb::along_axes(vertex_axes(corners.clone()), corners)
 }
 
-fn node(obb: &Obb) -> Node {
-    Node { rotation: obb.pose.matrix(), center: obb.pose.translation, half: obb.half_mm, children: 0 }
+fn leaf_node(obb: &Obb) -> ObbTreeNode {
+    ObbTreeNode { rotation: obb.pose.rotation_matrix(), center: obb.pose.translation, half: obb.half_mm, children: 0 }
 }
 
-/// Orders triangles by the side of the primary axis' middle on which their centres lie; the size of the first group.
-fn split(obb: &Obb, triangles: &mut [[DVec3; 3]], depth: usize) -> usize {
-    let axis = obb.pose.matrix().x_axis;
+/// Orders triangles by the side of the primary axis' middle on which their centers lie. Returns the size of the first
+/// group.
+fn split_triangles(obb: &Obb, triangles: &mut [[DVec3; 3]], depth: usize) -> usize {
+    let axis = obb.pose.rotation_matrix().x_axis;
     let place = |t: &[DVec3; 3]| (t[0] + t[1] + t[2]).dot(axis) / 3.0;
     let mean = triangles.iter().map(place).sum::<f64>() / triangles.len() as f64;
-    // Where the middle of the axis leaves one half empty, the mean of the centres divides.
+    // If the middle of the axis leaves one half empty, divide at the mean of the centers.
     for border in [obb.pose.translation.dot(axis), mean] {
         let mut middle = 0;
         for i in 0..triangles.len() {
@@ -120,31 +121,31 @@ fn split(obb: &Obb, triangles: &mut [[DVec3; 3]], depth: usize) -> usize {
 }
 
 /// Two trees, and frame 2 seen from frame 1.
-struct Pair<'a> {
-    nodes1: &'a [Node],
-    nodes2: &'a [Node],
+struct ObbTreePair<'a> {
+    nodes1: &'a [ObbTreeNode],
+    nodes2: &'a [ObbTreeNode],
     rotation12: DMat3,
     translation12: DVec3,
     expansion: DVec3,
 }
 
-impl Pair<'_> {
-    fn collides(&self, node1: &Node, node2: &Node) -> bool {
+impl ObbTreePair<'_> {
+    fn nodes_collide(&self, node1: &ObbTreeNode, node2: &ObbTreeNode) -> bool {
         let back = node1.rotation.transpose();
         let rotation12 = back * (self.rotation12 * node2.rotation);
         let center12 = back * (self.rotation12 * node2.center + self.translation12 - node1.center);
         if !boxes_overlap(node1.half + self.expansion, node2.half + self.expansion, &rotation12, center12) {
             return false;
         }
-        let children = |node: &Node| [node.children as usize, node.children as usize + 1];
+        let children = |node: &ObbTreeNode| [node.children as usize, node.children as usize + 1];
         match (node1.is_leaf(), node2.is_leaf()) {
             (true, true) => true,
-            (false, true) => children(node1).into_iter().any(|c| self.collides(&self.nodes1[c], node2)),
-            (true, false) => children(node2).into_iter().any(|c| self.collides(node1, &self.nodes2[c])),
+            (false, true) => children(node1).into_iter().any(|c| self.nodes_collide(&self.nodes1[c], node2)),
+            (true, false) => children(node2).into_iter().any(|c| self.nodes_collide(node1, &self.nodes2[c])),
             (false, false) if node1.half.length_squared() >= node2.half.length_squared() => {
-                children(node1).into_iter().any(|c| self.collides(&self.nodes1[c], node2))
+                children(node1).into_iter().any(|c| self.nodes_collide(&self.nodes1[c], node2))
             }
-            (false, false) => children(node2).into_iter().any(|c| self.collides(node1, &self.nodes2[c])),
+            (false, false) => children(node2).into_iter().any(|c| self.nodes_collide(node1, &self.nodes2[c])),
         }
     }
 }
@@ -166,7 +167,8 @@ mod tests {
 
     /// Checks that the boxes hold their triangles: every triangle lies wholly in one leaf.
     fn leaves_hold_all(tree: &ObbTree, mesh: &Mesh) -> bool {
-        let holds = |n: &Node, p: DVec3| (n.rotation.transpose() * (p - n.center)).abs().cmple(n.half + 1e-9).all();
+        let holds =
+            |n: &ObbTreeNode, p: DVec3| (n.rotation.transpose() * (p - n.center)).abs().cmple(n.half + 1e-9).all();
         (0..mesh.triangles().len()).all(|t| {
             let corners = mesh.corners(t);
             tree.nodes.iter().any(|n| n.is_leaf() && corners.iter().all(|&c| holds(n, c)))
@@ -181,7 +183,7 @@ mod tests {
             let mesh = bumpy(seed, DVec3::new(x, 4.0, 2.0));
             let tree = ObbTree::new(&mesh, stop);
             prop_assert!(leaves_hold_all(&tree, &mesh));
-            prop_assert!(mesh.vertices().iter().all(|&v| tree.root().holds(v, 1e-9)));
+            prop_assert!(mesh.vertices().iter().all(|&v| tree.root().contains_point(v, 1e-9)));
         }
 
         #[test]
@@ -192,7 +194,7 @@ mod tests {
             let (one, two) = (bumpy(seed, DVec3::new(7.0, 3.0, 2.0)), bumpy(-seed, DVec3::new(2.0, 5.0, 4.0)));
             let rotation = DQuat::from_euler(EulerRot::XYZ, turn[0], turn[1], turn[2]);
             let pose12 = Pose::new(rotation, DVec3::from_array(t));
-            let collides = ObbTree::new(&one, stop).collides(&ObbTree::new(&two, stop), &pose12, clearance);
+            let collides = ObbTree::new(&one, stop).collides_with(&ObbTree::new(&two, stop), &pose12, clearance);
             let distance = ClearanceTree::new(one).distance_capped_mm(&ClearanceTree::new(two), &pose12, 100.0);
             prop_assert!(collides || distance >= clearance - 1e-9, "distance {distance}");
             // Expanded boxes reach no further than half a diagonal of the expansion, and a whole tree's leaves lie on

@@ -35,12 +35,12 @@ impl Pose {
     }
 
     /// Moves a point.
-    pub fn point(&self, point: DVec3) -> DVec3 {
+    pub fn transform_point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
     }
 
     /// Turns a direction.
-    pub fn direction(&self, direction: DVec3) -> DVec3 {
+    pub fn transform_direction(&self, direction: DVec3) -> DVec3 {
         self.rotation * direction
     }
 
@@ -51,23 +51,23 @@ impl Pose {
     }
 
     /// First `inner`, then `self`: `pose13 = pose12.after(pose23)`.
-    pub fn after(&self, inner: &Self) -> Self {
+    pub fn compose_with(&self, inner: &Self) -> Self {
         Self::new(self.rotation * inner.rotation, self.rotation * inner.translation + self.translation)
     }
 
-    /// Frame `other` seen from this frame: `pose12 = pose01.inverse() after pose02`.
-    pub fn seen(&self, other: &Self) -> Self {
-        self.inverse().after(other)
+    /// Frame `other` seen from this frame: `pose12 = pose01.inverse().after(pose02)`.
+    pub fn relative_pose_of(&self, other: &Self) -> Self {
+        self.inverse().compose_with(other)
     }
 
     /// The rotation as a matrix.
-    pub fn matrix(&self) -> DMat3 {
+    pub fn rotation_matrix(&self) -> DMat3 {
         DMat3::from_quat(self.rotation)
     }
 
     /// Row-major 4x4 matrix acting on column vectors.
-    pub fn rows(&self) -> [[f64; 4]; 4] {
-        let m = self.matrix();
+    pub fn matrix_rows(&self) -> [[f64; 4]; 4] {
+        let m = self.rotation_matrix();
         let t = self.translation;
         [
             [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],

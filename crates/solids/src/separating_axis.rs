@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 /// by equation (9). `rotation12` and `center12` are the second box's axes and middle seen from the first box's own frame;
 /// half edges in mm.
 pub(crate) fn boxes_overlap(half1: DVec3, half2: DVec3, rotation12: &DMat3, center12: DVec3) -> bool {
-    /// Added to the absolute cosines: the product of two nearly parallel edges is no axis but noise, and must not separate.
+    /// Added to the absolute cosines: the product of two nearly parallel edges is only noise and must not separate.
     const PARALLEL: f64 = 1e-9;
     let r = [rotation12.x_axis.to_array(), rotation12.y_axis.to_array(), rotation12.z_axis.to_array()];
     // `cos(i, j)`: axis i of the first box against axis j of the second.
@@ -69,8 +69,8 @@ mod tests {
             let pose12 = Pose::new(rotation, DVec3::from_array(t));
             let (one, two) = (centered(half1), centered(half2));
             let distance = one.distance_capped_mm(&two, &pose12, 100.0);
-            let nested = one.holds_part(&two, &pose12) || two.holds_part(&one, &pose12.inverse());
-            let overlap = boxes_overlap(half1, half2, &pose12.matrix(), pose12.translation);
+            let nested = one.contains_part(&two, &pose12) || two.contains_part(&one, &pose12.inverse());
+            let overlap = boxes_overlap(half1, half2, &pose12.rotation_matrix(), pose12.translation);
             if distance > 1e-6 && !nested {
                 prop_assert!(!overlap, "apart by {distance}");
             } else {

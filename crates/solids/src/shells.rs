@@ -1,15 +1,15 @@
-//! How many pieces a surface is made of: triangles that share a vertex are of one piece.
+//! Counts the shells of a surface: triangles that share a vertex belong to the same shell.
 
 use super::Mesh;
 
 impl Mesh {
-    /// Pieces of the surface that share no vertex. Time grows with the triangles.
-    pub fn shells(&self) -> usize {
+    /// Number of shells: pieces of the surface that share no vertex. Time grows with the triangles.
+    pub fn shell_count(&self) -> usize {
         let mut above: Vec<u32> = (0..self.vertices().len() as u32).collect();
         for &[a, b, c] in self.triangles() {
-            let top = root(&mut above, a);
+            let top = find_root(&mut above, a);
             for other in [b, c] {
-                let other = root(&mut above, other);
+                let other = find_root(&mut above, other);
                 above[other as usize] = top;
             }
         }
@@ -17,8 +17,8 @@ impl Mesh {
     }
 }
 
-/// The vertex that stands for a piece; paths are halved on the way.
-fn root(above: &mut [u32], mut vertex: u32) -> u32 {
+/// The representative vertex of a piece (union-find with path halving).
+fn find_root(above: &mut [u32], mut vertex: u32) -> u32 {
     while above[vertex as usize] != vertex {
         let higher = above[above[vertex as usize] as usize];
         above[vertex as usize] = higher;
@@ -40,7 +40,7 @@ mod tests {
         for count in [1_u32, 2, 700] {
             let vertices = (0..count).flat_map(|n| corners.map(|c| c + DVec3::X * 3.0 * f64::from(n))).collect();
             let triangles = (0..count).flat_map(|n| faces.map(|face| face.map(|v| v + 4 * n))).collect();
-            assert_eq!(Mesh::new(vertices, triangles).expect("is a solid").shells(), count as usize);
+            assert_eq!(Mesh::new(vertices, triangles).expect("is a solid").shell_count(), count as usize);
         }
     }
 }

@@ -1,10 +1,10 @@
-//! How fast the clearance tree answers on real parts; runs over `NESTD_DATA` only.
+//! Speed of the clearance tree on real parts; runs only if `NESTD_DATA` is set.
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
     ClearanceTree, Pose,
-    fixtures::{from_data, tight},
+    fixtures::{mesh_from_data, tight_pose},
 };
 
 /// CPU seconds of this thread, so that other work on the machine does not count.
@@ -18,12 +18,12 @@ fn cpu_secs() -> f64 {
 fn a_tight_pair_is_answered_in_microseconds() {
     let files = ["nest/fan/fan_90mm_test.STL", "nest/so101/Base_SO101.stl", "nest/compressor/Casting_Mold.STL"];
     for file in files {
-        let Some(mesh) = from_data(file) else { return };
+        let Some(mesh) = mesh_from_data(file) else { return };
         let start = cpu_secs();
         let part = ClearanceTree::new(mesh.clone());
         let built = cpu_secs() - start;
         let mut rng = ChaCha8Rng::seed_from_u64(7);
-        let poses: Vec<Pose> = (0..300).map(|_| tight(&part, &part, 3.0, &mut rng)).collect();
+        let poses: Vec<Pose> = (0..300).map(|_| tight_pose(&part, &part, 3.0, &mut rng)).collect();
         // The clock ticks in milliseconds: the same poses many times.
         let poses = poses.repeat(5);
         let mut sum = 0.0;
@@ -33,7 +33,7 @@ fn a_tight_pair_is_answered_in_microseconds() {
         }
         let capped = (cpu_secs() - start) * 1e6 / poses.len() as f64;
         let start = cpu_secs();
-        let closer = poses.iter().filter(|p| part.closer_than(&part, p, 3.2)).count();
+        let closer = poses.iter().filter(|p| part.is_closer_than(&part, p, 3.2)).count();
         let yes = (cpu_secs() - start) * 1e6 / poses.len() as f64;
         let start = cpu_secs();
         let top: f64 = poses.iter().map(|p| part.bounds_at(p).max.z).sum();

@@ -1,4 +1,4 @@
-//! The exact sweep against many small steps.
+//! Tests of the exact sweep against many small steps.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::{
     ClearanceTree, Mesh, Pose,
-    fixtures::{block, bucket, cuboid, safe, star},
+    fixtures::{block, bucket, cuboid, hollow_box, star},
 };
 
 fn tree(mesh: &Arc<Mesh>) -> ClearanceTree {
@@ -25,7 +25,7 @@ fn spiky(seed: f64, level: u32, size: DVec3) -> Arc<Mesh> {
     })
 }
 
-/// The least distance on the way, looked at every `step` mm over 60 mm.
+/// The least distance during the motion, measured every `step` mm over 60 mm.
 fn stepped(one: &ClearanceTree, two: &ClearanceTree, pose12: &Pose, way: DVec3, step: f64) -> f64 {
     let count = (60.0 / step) as usize;
     let at = |k: usize| Pose { translation: pose12.translation - way * (k as f64 * step), ..*pose12 };
@@ -64,7 +64,7 @@ proptest! {
         const STEP: f64 = 0.05;
         let (one, two) = (tree(&mesh1), tree(&mesh2));
         prop_assume!(one.distance_capped_mm(&two, &pose12, gap) >= gap);
-        prop_assume!(!one.holds_part(&two, &pose12) && !two.holds_part(&one, &pose12.inverse()));
+        prop_assume!(!one.contains_part(&two, &pose12) && !two.contains_part(&one, &pose12.inverse()));
         let least = stepped(&one, &two, &pose12, way, STEP);
         let free = one.is_free_along(&two, &pose12, way, gap);
         prop_assert_eq!(two.is_free_along(&one, &pose12.inverse(), -(pose12.rotation.conjugate() * way), gap), free);
@@ -93,7 +93,7 @@ fn what_stands_in_a_bucket_leaves_by_its_mouth_only() {
 
 #[test]
 fn nothing_leaves_a_sealed_cavity() {
-    let (safe, cube) = (tree(&safe(30.0, 2.0)), tree(&cuboid(DVec3::splat(12.0), DVec3::splat(18.0))));
+    let (safe, cube) = (tree(&hollow_box(30.0, 2.0)), tree(&cuboid(DVec3::splat(12.0), DVec3::splat(18.0))));
     for way in AXES {
         assert!(!cube.is_free_along(&safe, &Pose::IDENTITY, way, 0.1), "{way}");
         assert!(!safe.is_free_along(&cube, &Pose::IDENTITY, way, 0.1), "{way}");

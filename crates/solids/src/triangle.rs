@@ -1,8 +1,9 @@
-//! The distance between two triangles, exact to rounding, also where they cross, touch, lie in one plane or have no area.
+//! The distance between two triangles, exact up to rounding, also if they cross, touch, lie in one plane or have no
+//! area.
 
 use glam::{DMat3, DVec3};
 
-/// A triangle whose height is below this share of its longest edge has no trustworthy normal; its edges stand for it.
+/// A triangle whose height is below this share of its longest edge has no reliable normal; only its edges are used.
 const SLIVER: f64 = 1e-7;
 
 /// A triangle with its unit normal, which is zero for a sliver.
@@ -20,7 +21,7 @@ impl Triangle {
         let [a, b, c] = corners;
         let (ab, bc, ca) = (b - a, c - b, a - c);
         let longest_sq = ab.length_squared().max(bc.length_squared()).max(ca.length_squared());
-        // The two shortest edges lose the fewest digits.
+        // The two shortest edges lose the least precision.
         let cross = if bc.length_squared() >= longest_sq {
             ab.cross(-ca)
         } else if ca.length_squared() >= longest_sq {
@@ -33,47 +34,47 @@ impl Triangle {
     }
 
     /// The triangle seen from another frame.
-    pub fn moved(&self, rotation: &DMat3, translation: DVec3) -> Self {
+    pub fn transformed_by(&self, rotation: &DMat3, translation: DVec3) -> Self {
         Self { corners: self.corners.map(|c| *rotation * c + translation), normal: *rotation * self.normal }
     }
 
-    /// Whether the normal can be relied upon.
-    fn has_face(&self) -> bool {
+    /// Whether the normal is reliable.
+    fn has_normal(&self) -> bool {
         self.normal != DVec3::ZERO
     }
 
-    /// Signed heights of points over this plane, mm; all zero for a sliver, which tells nothing.
+    /// Signed heights of points over this plane, mm; all zero for a sliver, which has no plane.
     fn heights(&self, points: &[DVec3; 3]) -> [f64; 3] {
         points.map(|p| (p - self.corners[0]).dot(self.normal))
     }
 
-    /// Whether the foot of `point` on the plane lies in the triangle, borders included.
-    pub fn covers(&self, point: DVec3) -> bool {
+    /// Whether the projection of `point` on the plane lies in the triangle, borders included.
+    pub fn covers_point(&self, point: DVec3) -> bool {
         let [a, b, c] = self.corners;
         let left = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(self.normal) >= 0.0;
         left(a, b) && left(b, c) && left(c, a)
     }
 
     /// Least and greatest corner of the triangle's box.
-    pub fn span(&self) -> (DVec3, DVec3) {
+    pub fn corner_span(&self) -> (DVec3, DVec3) {
         let [a, b, c] = self.corners;
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    /// The squared distance to `other`, mm2, or `cap_sq` when it is no less.
+    /// The squared distance to `other`, mm2, or `cap_sq` when it is not less.
     pub fn distance_sq_below(&self, other: &Self, cap_sq: f64) -> f64 {
-        let (span1, span2) = (self.span(), other.span());
+        let (span1, span2) = (self.corner_span(), other.corner_span());
         if (span2.0 - span1.1).max(span1.0 - span2.1).max(DVec3::ZERO).length_squared() >= cap_sq {
             return cap_sq;
         }
         let cap = cap_sq.sqrt();
         let heights2 = self.heights(&other.corners);
         let heights1 = other.heights(&self.corners);
-        if one_side(&heights2) >= cap || one_side(&heights1) >= cap {
+        if one_sided_height(&heights2) >= cap || one_sided_height(&heights1) >= cap {
             return cap_sq;
         }
-        if one_side(&heights1) <= 0.0
-            && one_side(&heights2) <= 0.0
+        if one_sided_height(&heights1) <= 0.0
+            && one_sided_height(&heights2) <= 0.0
             && (self.is_pierced(&other.corners, &heights2) || other.is_pierced(&self.corners, &heights1))
         {
             return 0.0;
@@ -82,24 +83,24 @@ impl Triangle {
         let best_sq = other.corners_to_face_sq(&self.corners, &heights1, best_sq);
         let near1 = near_edges(&self.corners, &heights1, span2, best_sq);
         let near2 = near_edges(&other.corners, &heights2, span1, best_sq);
-        edges_sq(&self.corners, near1, &other.corners, near2, best_sq)
+        edges_distance_sq(&self.corners, near1, &other.corners, near2, best_sq)
     }
 
     /// Whether an edge of the triangle `corners` passes through this face.
     fn is_pierced(&self, corners: &[DVec3; 3], heights: &[f64; 3]) -> bool {
-        self.has_face()
+        self.has_normal()
             && EDGES.iter().any(|&(i, j)| {
                 let (from, to) = (heights[i], heights[j]);
-                from * to <= 0.0 && from != to && self.covers(corners[i].lerp(corners[j], from / (from - to)))
+                from * to <= 0.0 && from != to && self.covers_point(corners[i].lerp(corners[j], from / (from - to)))
             })
     }
 
     /// The least squared distance of `corners` to the inside of this face, where it is below `best_sq`.
     fn corners_to_face_sq(&self, corners: &[DVec3; 3], heights: &[f64; 3], mut best_sq: f64) -> f64 {
-        if self.has_face() {
+        if self.has_normal() {
             for (corner, height) in corners.iter().zip(heights) {
                 let height_sq = height * height;
-                if height_sq < best_sq && self.covers(*corner) {
+                if height_sq < best_sq && self.covers_point(*corner) {
                     best_sq = height_sq;
                 }
             }
@@ -111,14 +112,14 @@ impl Triangle {
 /// Corner numbers of the three edges.
 const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
 
-/// How far all three heights lie on one side of a plane; 0 or less when they lie on both.
-fn one_side(heights: &[f64; 3]) -> f64 {
+/// Distance of all three heights from a plane if they are on one side of it; 0 or less when they are on both sides.
+fn one_sided_height(heights: &[f64; 3]) -> f64 {
     let [a, b, c] = *heights;
     a.min(b).min(c).max(-a.max(b).max(c))
 }
 
-/// Which edges of a triangle can come nearer than `cap_sq` to the other one, by the heights of its corners over the other's
-/// plane and by the box around the other.
+/// The edges of a triangle that can come nearer than `cap_sq` to the other one, by the heights of its corners over the
+/// other's plane and by the box around the other.
 fn near_edges(corners: &[DVec3; 3], heights: &[f64; 3], (min, max): (DVec3, DVec3), cap_sq: f64) -> [bool; 3] {
     EDGES.map(|(i, j)| {
         let height = heights[i].min(heights[j]).max(-heights[i].max(heights[j]));
@@ -131,22 +132,32 @@ fn near_edges(corners: &[DVec3; 3], heights: &[f64; 3], (min, max): (DVec3, DVec
 }
 
 /// The least squared distance between those edges of two triangles that are near, where it is below `best_sq`.
-fn edges_sq(corners1: &[DVec3; 3], near1: [bool; 3], corners2: &[DVec3; 3], near2: [bool; 3], mut best_sq: f64) -> f64 {
+fn edges_distance_sq(
+    corners1: &[DVec3; 3],
+    near1: [bool; 3],
+    corners2: &[DVec3; 3],
+    near2: [bool; 3],
+    mut best_sq: f64,
+) -> f64 {
     for (&(i, j), _) in EDGES.iter().zip(near1).filter(|e| e.1) {
         for (&(k, l), _) in EDGES.iter().zip(near2).filter(|e| e.1) {
-            best_sq = segments_sq(corners1[i], corners1[j], corners2[k], corners2[l]).min(best_sq);
+            best_sq = segments_distance_sq(corners1[i], corners1[j], corners2[k], corners2[l]).min(best_sq);
         }
     }
     best_sq
 }
 
 /// The squared distance between the segments `from1 to1` and `from2 to2`, mm2 (Ericson, Real-Time Collision Detection,
-/// 5.1.9). The answer is always that of two points on the segments.
-fn segments_sq(from1: DVec3, to1: DVec3, from2: DVec3, to2: DVec3) -> f64 {
+/// 5.1.9). The result is always the distance of two points on the segments.
+fn segments_distance_sq(from1: DVec3, to1: DVec3, from2: DVec3, to2: DVec3) -> f64 {
     let (d1, d2, r) = (to1 - from1, to2 - from2, from1 - from2);
     let (a, e) = (d1.length_squared(), d2.length_squared());
     if a <= 0.0 || e <= 0.0 {
-        return if a > 0.0 { to_segment_sq(from2, from1, d1, a) } else { to_segment_sq(from1, from2, d2, e) };
+        return if a > 0.0 {
+            point_segment_distance_sq(from2, from1, d1, a)
+        } else {
+            point_segment_distance_sq(from1, from2, d2, e)
+        };
     }
     let (b, c, f) = (d1.dot(d2), d1.dot(r), d2.dot(r));
     let spread = a * e - b * b;
@@ -160,19 +171,19 @@ fn segments_sq(from1: DVec3, to1: DVec3, from2: DVec3, to2: DVec3) -> f64 {
         s = ((b - c) / a).clamp(0.0, 1.0);
     }
     let apart_sq = (r + d1 * s - d2 * t).length_squared();
-    // Below this the two directions are so nearly parallel that `s` is noise: the ends tell.
+    // Below this the two directions are so nearly parallel that `s` is noise: the segment ends decide.
     if spread > 1e-12 * a * e {
         return apart_sq;
     }
     apart_sq
-        .min(to_segment_sq(from1, from2, d2, e))
-        .min(to_segment_sq(to1, from2, d2, e))
-        .min(to_segment_sq(from2, from1, d1, a))
-        .min(to_segment_sq(to2, from1, d1, a))
+        .min(point_segment_distance_sq(from1, from2, d2, e))
+        .min(point_segment_distance_sq(to1, from2, d2, e))
+        .min(point_segment_distance_sq(from2, from1, d1, a))
+        .min(point_segment_distance_sq(to2, from1, d1, a))
 }
 
 /// The squared distance of a point to the segment from `from` along `d`, whose squared length is `d_sq`.
-fn to_segment_sq(point: DVec3, from: DVec3, d: DVec3, d_sq: f64) -> f64 {
+fn point_segment_distance_sq(point: DVec3, from: DVec3, d: DVec3, d_sq: f64) -> f64 {
     let r = point - from;
     let share = if d_sq > 0.0 { (r.dot(d) / d_sq).clamp(0.0, 1.0) } else { 0.0 };
     (r - d * share).length_squared()

@@ -1,23 +1,23 @@
-//! Makes one vertex of several at the same place, and tells which edges of a surface do not close.
+//! Merges vertices at the same place, and finds the edges at which a surface does not close.
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::Defects;
+use super::MeshDefects;
 
-/// Places that differ by this much plus [`NOISE_SHARE`] of the largest coordinate are rounding noise, mm.
+/// Places that differ by at most this plus [`NOISE_SHARE`] of the largest coordinate count as equal, mm.
 const NOISE_MM: f64 = 1e-6;
 /// Four units in the last place of a 32-bit float: STL files hold such coordinates.
 const NOISE_SHARE: f64 = 4.8e-7;
 
-/// Merges equal vertices and drops triangles that collapse and vertices that nothing names.
-pub(super) fn weld(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+/// Merges equal vertices; drops triangles that collapse and vertices that no triangle uses.
+pub(super) fn weld_equal_vertices(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     const UNSEEN: u32 = u32::MAX;
-    let mut welder = Welder::default();
+    let mut welder = VertexWelder::default();
     let mut welded = vec![UNSEEN; vertices.len()];
     let mut out = triangles;
-    // -0.0 equals 0.0, so that both weld; there is no NaN any more.
+    // -0.0 equals 0.0, so both are merged; NaN was refused before.
     out.retain(|corners| {
         let [a, b, c] = corners.map(|v| vertices[v as usize]);
         a != b && b != c && c != a
@@ -25,28 +25,28 @@ pub(super) fn weld(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>,
     for corner in out.iter_mut().flatten() {
         let known = &mut welded[*corner as usize];
         if *known == UNSEEN {
-            *known = welder.index(vertices[*corner as usize]);
+            *known = welder.vertex_index(vertices[*corner as usize]);
         }
         *corner = *known;
     }
     (welder.kept, out)
 }
 
-/// Numbers different places in the order of their first coming. An open hash table of indices: a third of the time and
-/// memory of a map that holds the places a second time.
+/// Numbers different places in the order of their first occurrence. An open-addressing hash table of indices: a third
+/// of the time and memory of a map that stores the places a second time.
 #[derive(Default)]
-struct Welder {
+struct VertexWelder {
     kept: Vec<DVec3>,
-    /// Index + 1 of a kept vertex, 0 where free; its length is a power of two.
+    /// Index + 1 of a kept vertex, 0 if free; the length is a power of two.
     slots: Vec<u32>,
 }
 
-impl Welder {
-    fn index(&mut self, place: DVec3) -> u32 {
+impl VertexWelder {
+    fn vertex_index(&mut self, place: DVec3) -> u32 {
         if 2 * self.kept.len() >= self.slots.len() {
-            self.grow();
+            self.grow_slots();
         }
-        let slot = self.slot(place);
+        let slot = self.find_slot(place);
         if self.slots[slot] == 0 {
             self.kept.push(place);
             self.slots[slot] = self.kept.len() as u32;
@@ -54,27 +54,27 @@ impl Welder {
         self.slots[slot] - 1
     }
 
-    /// Where a place is, or the free slot where it belongs.
-    fn slot(&self, place: DVec3) -> usize {
+    /// The slot of a place, or the free slot for it.
+    fn find_slot(&self, place: DVec3) -> usize {
         let mask = self.slots.len() - 1;
-        let mut slot = hash(place) as usize & mask;
+        let mut slot = hash_position(place) as usize & mask;
         while self.slots[slot] != 0 && self.kept[self.slots[slot] as usize - 1] != place {
             slot = (slot + 1) & mask;
         }
         slot
     }
 
-    fn grow(&mut self) {
+    fn grow_slots(&mut self) {
         self.slots = vec![0; (4 * self.kept.len()).next_power_of_two().max(64)];
         for index in 0..self.kept.len() {
-            let slot = self.slot(self.kept[index]);
+            let slot = self.find_slot(self.kept[index]);
             self.slots[slot] = index as u32 + 1;
         }
     }
 }
 
 /// Mixes the bits of three coordinates; adding zero makes -0.0 and 0.0 the same.
-fn hash(place: DVec3) -> u64 {
+fn hash_position(place: DVec3) -> u64 {
     let fold = |state: u64, bits: u64| {
         let wide = u128::from(state ^ bits) * 0x9e37_79b9_7f4a_7c15;
         (wide >> 64) as u64 ^ wide as u64
@@ -82,9 +82,9 @@ fn hash(place: DVec3) -> u64 {
     (place + DVec3::ZERO).to_array().into_iter().map(f64::to_bits).fold(0x2545_f491_4f6c_dd1d, fold)
 }
 
-/// Welds what exact equality left apart: vertices on defective edges that differ only by the rounding of 32-bit
-/// coordinates, as exporters write them. Vertices of sound edges stay where they are.
-pub(super) fn mend(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+/// Merges vertices that exact equality left separate: those on defective edges that differ only by the rounding of
+/// 32-bit coordinates, as exporters write them. Vertices of sound edges do not move.
+pub(super) fn weld_open_edges(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let mut loose = vec![false; vertices.len()];
     edge_defects(&triangles, vertices.len(), |a, b| {
         loose[a as usize] = true;
@@ -93,7 +93,7 @@ pub(super) fn mend(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>,
     let largest = vertices.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
     let noise_mm = NOISE_MM + NOISE_SHARE * largest;
     let mut mended = vertices.to_vec();
-    // Cells as wide as the noise: a neighbour within it is in one of the 27 cells around.
+    // The cells are as wide as the noise: a neighbour within it is in one of the 27 surrounding cells.
     let cell = |place: DVec3| (place / noise_mm).floor().as_i64vec3();
     let mut kept: HashMap<glam::I64Vec3, Vec<u32>> = HashMap::new();
     for vertex in (0..vertices.len()).filter(|&v| loose[v]) {
@@ -109,12 +109,13 @@ pub(super) fn mend(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> (Vec<DVec3>,
             None => kept.entry(home).or_default().push(vertex as u32),
         }
     }
-    weld(&mended, triangles)
+    weld_equal_vertices(&mended, triangles)
 }
 
-/// Counts edges that are not passed exactly once each way. An edge passed twice each way (two solids that touch along
-/// it) still encloses a volume and is no defect. `bad` hears of the two vertices of each defective edge.
-pub(super) fn edge_defects(triangles: &[[u32; 3]], vertices: usize, mut bad: impl FnMut(u32, u32)) -> Defects {
+/// Counts edges that are not used exactly once in each direction. An edge used twice in each direction (two solids that
+/// touch along it) still encloses a volume and is not a defect. `bad` is called with the two vertices of each defective
+/// edge.
+pub(super) fn edge_defects(triangles: &[[u32; 3]], vertices: usize, mut bad: impl FnMut(u32, u32)) -> MeshDefects {
     let edges = || triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
     // A counting sort by the lower vertex leaves a handful of edges in each bucket.
     let mut ends = vec![0_usize; vertices + 1];
@@ -128,7 +129,7 @@ pub(super) fn edge_defects(triangles: &[[u32; 3]], vertices: usize, mut bad: imp
         sorted[*next] = u64::from(a.max(b)) << 1 | u64::from(a < b);
         *next += 1;
     }
-    let mut defects = Defects::default();
+    let mut defects = MeshDefects::default();
     let mut start = 0;
     for (vertex, &end) in ends[..vertices].iter().enumerate() {
         let bucket = &mut sorted[start..end];
@@ -157,8 +158,8 @@ mod tests {
     #[test]
     fn many_places_keep_the_number_of_their_first_coming() {
         let many: Vec<DVec3> = (0..1000).map(|i| DVec3::new(f64::from(i % 250), 0.0, -0.0)).collect();
-        let mut welder = Welder::default();
-        let indices: Vec<u32> = many.iter().map(|&place| welder.index(place)).collect();
+        let mut welder = VertexWelder::default();
+        let indices: Vec<u32> = many.iter().map(|&place| welder.vertex_index(place)).collect();
         assert!((0..1000).all(|i| indices[i] == i as u32 % 250));
     }
 }

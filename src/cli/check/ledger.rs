@@ -1,129 +1,137 @@
-//! The ledger: can it be opened, is its schema ours, does it hold together, and are the queues those it knows.
+//! Checks the ledger: it can be opened, its schema is current, its rows are consistent, and the queue folders are those
+//! that it knows.
 
 use std::fs;
 
 use anyhow::{Context, Result};
-use build_file::counted;
+use build_file::format_count;
 
-use super::report::Report;
+use super::report::CheckReport;
 use crate::{
     farm,
     ledger::{BuildRow, BuildState, Ledger, LedgerError},
-    settings::{Profile, Settings},
+    settings::{MachineProfile, Settings},
 };
 
-const WHAT: &str = "ledger";
-/// The file by which a queue folder is known.
+const SUBJECT: &str = "ledger";
+/// The file in a queue folder that holds the folder's identity.
 const QUEUE_MARKER: &str = ".nestd-queue";
 
-/// Looks at the ledger without changing it.
-pub fn look(settings: &Settings, report: &mut Report) -> Result<()> {
+/// Checks the ledger without changing it.
+pub fn check_ledger(settings: &Settings, report: &mut CheckReport) -> Result<()> {
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().context("starting to read the ledger")?;
-    runtime.block_on(look_into(settings, report));
+    runtime.block_on(open_and_check(settings, report));
     Ok(())
 }
 
-async fn look_into(settings: &Settings, report: &mut Report) {
+async fn open_and_check(settings: &Settings, report: &mut CheckReport) {
     let path = settings.ledger.display();
     let ledger = match Ledger::open_existing(&settings.ledger).await {
         Ok(ledger) => ledger,
         Err(LedgerError::Missing { .. }) => {
             return match farm::lost_ledger(settings) {
-                Some(detail) => report.problem(WHAT, detail, farm::Attention::LedgerLost.remedy()),
-                None => report.ok(WHAT, format!("{path} will be made by the daemon")),
+                Some(detail) => report.add_problem(SUBJECT, detail, farm::AlertKind::LedgerLost.remedy()),
+                None => report.add_ok(SUBJECT, format!("{path} will be made by the daemon")),
             };
         }
-        Err(error @ LedgerError::OlderSchema { .. }) => return report.note(WHAT, error.to_string()),
+        Err(error @ LedgerError::OlderSchema { .. }) => return report.add_note(SUBJECT, error.to_string()),
         Err(error) => {
             let remedy = "keep the file; if it is damaged, put back a copy together with its -wal file";
-            return report.problem(WHAT, in_full(&error), remedy);
+            return report.add_problem(SUBJECT, error_chain(&error), remedy);
         }
     };
-    if let Err(error) = look_at_rows(&ledger, settings, report).await {
-        report.problem(WHAT, format!("cannot be read: {}", in_full(&error)), "check the disk; keep the file");
+    if let Err(error) = check_rows(&ledger, settings, report).await {
+        report.add_problem(
+            SUBJECT,
+            format!("cannot be read: {}", error_chain(&error)),
+            "check the disk; keep the file",
+        );
     }
     ledger.close().await;
 }
 
-async fn look_at_rows(ledger: &Ledger, settings: &Settings, report: &mut Report) -> Result<(), LedgerError> {
-    let faults = ledger.faults().await?;
+async fn check_rows(ledger: &Ledger, settings: &Settings, report: &mut CheckReport) -> Result<(), LedgerError> {
+    let faults = ledger.find_inconsistencies().await?;
     for fault in &faults {
-        report.problem(
-            WHAT,
+        report.add_problem(
+            SUBJECT,
             format!("does not hold together: {fault}"),
             "keep the file and report it to nestd's makers",
         );
     }
     if faults.is_empty() {
-        report.ok(WHAT, format!("{}, schema is current, rows hold together", settings.ledger.display()));
+        report.add_ok(SUBJECT, format!("{}, schema is current, rows hold together", settings.ledger.display()));
     }
-    match ledger.daemon().await? {
+    match ledger.last_daemon().await? {
         Some(daemon) if daemon.alive => {
-            report.ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host))
+            report.add_ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host))
         }
         _ => {
-            report.note("daemon", "does not run");
-            look_at_claims(ledger, settings, report).await;
+            report.add_note("daemon", "does not run");
+            check_left_claims(ledger, settings, report).await;
         }
     }
-    look_at_folders(ledger, settings, report).await;
-    for status in ledger.status().await? {
+    compare_with_folders(ledger, settings, report).await;
+    for status in ledger.profile_statuses().await? {
         let parts = status.claimed_parts + status.waiting_parts;
         if parts > 0 && !settings.profiles.contains_key(&status.profile) {
             let text = format!(
                 "{} for {}, which has no file in profiles/",
-                counted(parts, "part waits", "parts wait"),
+                format_count(parts, "part waits", "parts wait"),
                 status.profile
             );
-            report.problem("configuration", text, "put its file back, or cancel the parts");
+            report.add_problem("configuration", text, "put its file back, or cancel the parts");
         }
     }
     for build in ledger.builds_in_state(BuildState::Verified).await? {
         if let Some(profile) = settings.profiles.get(&build.profile) {
-            staged_in_this_queue(&build, profile, report);
+            check_staging_queue(&build, profile, report);
         }
     }
     Ok(())
 }
 
-/// What the folders tell and the ledger does not know, and folders that cannot tell.
-async fn look_at_folders(ledger: &Ledger, settings: &Settings, report: &mut Report) {
+/// Reports files in the folders that the ledger does not know, and folders that cannot be read.
+async fn compare_with_folders(ledger: &Ledger, settings: &Settings, report: &mut CheckReport) {
     match farm::unknown_to_ledger(settings, ledger).await {
         Ok((unknown, away)) => {
             for what in unknown {
-                let text = format!("does not know {what}, of which the folders tell: it is older than they are");
-                report.problem(WHAT, text, farm::Attention::LedgerBehind.remedy());
+                let text = format!("does not know {what}, which the folders show: the ledger is older than they are");
+                report.add_problem(SUBJECT, text, farm::AlertKind::LedgerBehind.remedy());
             }
             for folder in away {
                 let text = format!("{} cannot be looked at: {}", folder.folder.display(), folder.why);
-                report.problem(WHAT, text, "mount it again, and let nestd's user read it");
+                report.add_problem(SUBJECT, text, "mount it again, and let nestd's user read it");
             }
         }
-        Err(error) => report.problem(WHAT, format!("cannot be compared with the folders: {error:#}"), "check the disk"),
+        Err(error) => {
+            report.add_problem(SUBJECT, format!("cannot be compared with the folders: {error:#}"), "check the disk")
+        }
     }
 }
 
-/// Files that were taken from a hot folder, and nobody works on.
-async fn look_at_claims(ledger: &Ledger, settings: &Settings, report: &mut Report) {
-    match farm::left_claims(settings, ledger).await {
+/// Reports claimed files that the ledger does not know: no daemon works on them.
+async fn check_left_claims(ledger: &Ledger, settings: &Settings, report: &mut CheckReport) {
+    match farm::find_abandoned_claims(settings, ledger).await {
         Ok(left) => left.iter().for_each(|claim| {
             let text = format!("{} was taken from the hot folder and the ledger does not know it", claim.display());
             let remedy = "start the daemon, which takes or gives back what lies there; what another nestd left, take over \
                           with nestd adopt PROFILE";
-            report.problem("claims", text, remedy);
+            report.add_problem("claims", text, remedy);
         }),
-        Err(error) => report.problem("claims", format!("cannot be looked at: {error:#}"), "mount the folder again"),
+        Err(error) => report.add_problem("claims", format!("cannot be looked at: {error:#}"), "mount the folder again"),
     }
 }
 
-/// A build is staged in one queue folder; published from another it would be printed twice or never.
-fn staged_in_this_queue(build: &BuildRow, profile: &Profile, report: &mut Report) {
+/// Checks that a staged build's queue folder is the one configured now. Published from another folder, the build would
+/// be printed twice or never.
+fn check_staging_queue(build: &BuildRow, profile: &MachineProfile, report: &mut CheckReport) {
     let queue = &profile.folders.queue;
     let marker = fs::read_to_string(queue.join(QUEUE_MARKER)).ok().map(|text| text.trim().to_owned());
     if build.staged.queue_id.is_some() && marker != build.staged.queue_id {
         let text = format!("{} is not the folder in which build {} was staged", queue.display(), build.id);
-        report.problem(
+        report.add_problem(
             &format!("queue of {}", profile.name),
             text,
             "mount or configure that folder again before the daemon runs",
@@ -131,8 +139,8 @@ fn staged_in_this_queue(build: &BuildRow, profile: &Profile, report: &mut Report
     }
 }
 
-/// An error with its sources.
-fn in_full(error: &LedgerError) -> String {
+/// The text of an error with all its sources.
+fn error_chain(error: &LedgerError) -> String {
     let mut text = error.to_string();
     let mut source = std::error::Error::source(error);
     while let Some(error) = source {

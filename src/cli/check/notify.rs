@@ -1,4 +1,4 @@
-//! The receivers of messages: whether they could be told.
+//! Checks the receivers of messages: whether messages could be delivered.
 
 use std::{
     fs,
@@ -7,61 +7,66 @@ use std::{
     time::Duration,
 };
 
-use super::report::Report;
+use super::report::CheckReport;
 use crate::{
     access,
-    settings::{Settings, Webhook},
+    settings::{Settings, WebhookSettings},
 };
 
-/// A host that does not answer within this time is told as a warning.
-const PATIENCE: Duration = Duration::from_secs(3);
+/// A host that does not answer within this time gets a warning.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// Looks at what `[notify]` names.
-pub fn look(settings: &Settings, report: &mut Report) {
+/// Checks the receivers that `[notify]` names.
+pub fn check_receivers(settings: &Settings, report: &mut CheckReport) {
     if let Some(webhook) = &settings.notify.webhook {
-        secret(webhook, report);
-        reach(webhook, report);
+        check_secret(webhook, report);
+        check_webhook(webhook, report);
     }
     if let Some([program, ..]) = settings.notify.command.as_deref() {
         let what = "command of [notify]";
         match fs::metadata(program) {
-            Ok(meta) if meta.is_file() && meta.permissions().mode() & 0o111 != 0 => report.ok(what, program),
-            Ok(_) => report.problem(what, format!("{program} is no program"), "name a file that may be executed"),
-            Err(error) => report.problem(what, format!("{program}: {error}"), "name a program that is there"),
+            Ok(meta) if meta.is_file() && meta.permissions().mode() & 0o111 != 0 => report.add_ok(what, program),
+            Ok(_) => report.add_problem(what, format!("{program} is no program"), "name a file that may be executed"),
+            Err(error) => report.add_problem(what, format!("{program}: {error}"), "name a program that is there"),
         }
     }
 }
 
-fn secret(webhook: &Webhook, report: &mut Report) {
+fn check_secret(webhook: &WebhookSettings, report: &mut CheckReport) {
     let what = "secret of [notify]";
     match access::read_secret(&webhook.secret_file) {
-        Ok(_) => report.ok(what, webhook.secret_file.display().to_string()),
+        Ok(_) => report.add_ok(what, webhook.secret_file.display().to_string()),
         Err(error) => {
             let text = format!("{:#}", anyhow::Error::from(error));
-            report.problem(what, text, "make it a file that nestd's user may read and others may not, with a long key");
+            report.add_problem(
+                what,
+                text,
+                "make it a file that nestd's user may read and others may not, with a long key",
+            );
         }
     }
 }
 
-/// A host that is away now may be there later: that is a warning.
-fn reach(webhook: &Webhook, report: &mut Report) {
+/// Connects to the webhook's host. A host that is down now may be up later, so a failure is only a warning.
+fn check_webhook(webhook: &WebhookSettings, report: &mut CheckReport) {
     let what = "webhook of [notify]";
-    let address = address(&webhook.url);
+    let address = host_and_port(&webhook.url);
     let remedy = "see that the host is up and may be reached from here; under systemd see docs/monitoring.md";
     let found = address.to_socket_addrs().map(Iterator::collect::<Vec<_>>);
-    let tried = found.map(|all| all.iter().map(|one| TcpStream::connect_timeout(one, PATIENCE)).collect::<Vec<_>>());
+    let tried =
+        found.map(|all| all.iter().map(|one| TcpStream::connect_timeout(one, CONNECT_TIMEOUT)).collect::<Vec<_>>());
     match tried {
-        Ok(tried) if tried.iter().any(Result::is_ok) => report.ok(what, format!("{address} answers")),
+        Ok(tried) if tried.iter().any(Result::is_ok) => report.add_ok(what, format!("{address} answers")),
         Ok(tried) => {
             let why = tried.into_iter().find_map(Result::err).map(|error| error.to_string());
-            report.warning(what, format!("{address} cannot be reached: {}", why.unwrap_or_default()), remedy);
+            report.add_warning(what, format!("{address} cannot be reached: {}", why.unwrap_or_default()), remedy);
         }
-        Err(error) => report.warning(what, format!("{address} is not known: {error}"), remedy),
+        Err(error) => report.add_warning(what, format!("{address} is not known: {error}"), remedy),
     }
 }
 
-/// Host and port of an address of a web server.
-fn address(url: &str) -> String {
+/// Host and port of a URL.
+fn host_and_port(url: &str) -> String {
     let (rest, port) = match url.strip_prefix("https://") {
         Some(rest) => (rest, 443),
         None => (url.strip_prefix("http://").unwrap_or(url), 80),
@@ -81,6 +86,6 @@ fn host_and_port_of_a_webhook_are_found() {
         ("https://[::1]/", "[::1]:443"),
         ("https://[::1]:99/", "[::1]:99"),
     ] {
-        assert_eq!(address(url), is, "{url}");
+        assert_eq!(host_and_port(url), is, "{url}");
     }
 }

@@ -1,29 +1,29 @@
-//! What was looked at, what was found and what to do.
+//! The findings of a check: what was checked, what was found, and the remedy.
 
 use std::path::PathBuf;
 
 use anyhow::Result;
-use build_file::visible_lines;
+use build_file::escape_invisible_lines;
 use serde::Serialize;
 
-use crate::settings::Problem;
+use crate::settings::ConfigProblem;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-enum Level {
+enum FindingLevel {
     Ok,
     /// Worth knowing, not wrong.
     Note,
-    /// Probably not as it was meant, though the daemon can work.
+    /// Probably not as intended, but the daemon can work.
     Warning,
     Problem,
 }
 
-/// One thing that was looked at.
+/// The result of one check.
 #[derive(Debug, Clone, Serialize)]
-struct Finding {
-    level: Level,
-    /// What was looked at, as in "inbox of fuse-1".
+struct CheckFinding {
+    level: FindingLevel,
+    /// What was checked, as in "inbox of fuse-1".
     what: String,
     text: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -34,65 +34,72 @@ struct Finding {
     line: Option<usize>,
 }
 
-/// All findings, in the order of looking.
+/// All findings, in the order of the checks.
 #[derive(Debug, Default)]
-pub struct Report {
-    findings: Vec<Finding>,
+pub struct CheckReport {
+    findings: Vec<CheckFinding>,
 }
 
-impl Report {
-    /// All is well with `what`.
-    pub fn ok(&mut self, what: &str, text: impl Into<String>) {
-        self.add(Level::Ok, what, text.into(), None);
+impl CheckReport {
+    /// Nothing is wrong with `what`.
+    pub fn add_ok(&mut self, what: &str, text: impl Into<String>) {
+        self.add_finding(FindingLevel::Ok, what, text.into(), None);
     }
 
-    /// Something worth knowing that hinders nothing.
-    pub fn note(&mut self, what: &str, text: impl Into<String>) {
-        self.add(Level::Note, what, text.into(), None);
+    /// Something worth knowing that is no problem.
+    pub fn add_note(&mut self, what: &str, text: impl Into<String>) {
+        self.add_finding(FindingLevel::Note, what, text.into(), None);
     }
 
-    /// Something is probably not as it was meant.
-    pub fn warning(&mut self, what: &str, text: impl Into<String>, remedy: impl Into<String>) {
-        self.add(Level::Warning, what, text.into(), Some(remedy.into()));
+    /// Something is probably not as intended.
+    pub fn add_warning(&mut self, what: &str, text: impl Into<String>, remedy: impl Into<String>) {
+        self.add_finding(FindingLevel::Warning, what, text.into(), Some(remedy.into()));
     }
 
     /// Something is wrong.
-    pub fn problem(&mut self, what: &str, text: impl Into<String>, remedy: impl Into<String>) {
-        self.add(Level::Problem, what, text.into(), Some(remedy.into()));
+    pub fn add_problem(&mut self, what: &str, text: impl Into<String>, remedy: impl Into<String>) {
+        self.add_finding(FindingLevel::Problem, what, text.into(), Some(remedy.into()));
     }
 
     /// Something is wrong in a configuration file.
-    pub fn configuration_problem(&mut self, problem: Problem) {
-        let Problem { file, line, text, remedy } = problem;
+    pub fn add_configuration_problem(&mut self, problem: ConfigProblem) {
+        let ConfigProblem { file, line, text, remedy } = problem;
         let what = "configuration".to_owned();
-        self.findings.push(Finding { level: Level::Problem, what, text, remedy: Some(remedy), file: Some(file), line });
+        self.findings.push(CheckFinding {
+            level: FindingLevel::Problem,
+            what,
+            text,
+            remedy: Some(remedy),
+            file: Some(file),
+            line,
+        });
     }
 
-    /// How much is wrong.
-    pub fn problems(&self) -> usize {
-        self.count(Level::Problem)
+    /// The number of problems.
+    pub fn problem_count(&self) -> usize {
+        self.count_level(FindingLevel::Problem)
     }
 
-    fn count(&self, level: Level) -> usize {
+    fn count_level(&self, level: FindingLevel) -> usize {
         self.findings.iter().filter(|finding| finding.level == level).count()
     }
 
-    /// Prints it to standard output.
-    pub fn print(&self, json: bool) -> Result<()> {
+    /// Prints the findings to standard output.
+    pub fn print_findings(&self, json: bool) -> Result<()> {
         if json {
-            let value = serde_json::json!({ "problems": self.problems(), "findings": self.findings });
+            let value = serde_json::json!({ "problems": self.problem_count(), "findings": self.findings });
             println!("{}", serde_json::to_string_pretty(&value)?);
             return Ok(());
         }
         for finding in &self.findings {
             print_line(finding);
         }
-        let warnings = match self.count(Level::Warning) {
+        let warnings = match self.count_level(FindingLevel::Warning) {
             0 => String::new(),
             1 => ", 1 warning".to_owned(),
             several => format!(", {several} warnings"),
         };
-        match self.problems() {
+        match self.problem_count() {
             0 => println!("No problem found{warnings}."),
             1 => println!("1 problem found{warnings}."),
             several => println!("{several} problems found{warnings}."),
@@ -100,18 +107,18 @@ impl Report {
         Ok(())
     }
 
-    fn add(&mut self, level: Level, what: &str, text: String, remedy: Option<String>) {
-        let text = visible_lines(&text);
-        self.findings.push(Finding { level, what: what.to_owned(), text, remedy, file: None, line: None });
+    fn add_finding(&mut self, level: FindingLevel, what: &str, text: String, remedy: Option<String>) {
+        let text = escape_invisible_lines(&text);
+        self.findings.push(CheckFinding { level, what: what.to_owned(), text, remedy, file: None, line: None });
     }
 }
 
-fn print_line(finding: &Finding) {
+fn print_line(finding: &CheckFinding) {
     let level = match finding.level {
-        Level::Ok => "ok",
-        Level::Note => "note",
-        Level::Warning => "WARNING",
-        Level::Problem => "PROBLEM",
+        FindingLevel::Ok => "ok",
+        FindingLevel::Note => "note",
+        FindingLevel::Warning => "WARNING",
+        FindingLevel::Problem => "PROBLEM",
     };
     let place = match (&finding.file, finding.line) {
         (Some(file), Some(line)) => format!("{}:{line}", file.display()),

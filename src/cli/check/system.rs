@@ -1,64 +1,67 @@
-//! Limits of the system that a farm runs into.
+//! Checks the system's limits that a farm can reach.
 
 use std::{fs, path::Path};
 
 use rustix::process::{Resource, getrlimit};
 
-use super::report::Report;
+use super::report::CheckReport;
 use crate::settings::Settings;
 
-/// Open files that a busy daemon needs: ledger connections, a few parts and builds at once, the watch.
+/// Open files that a busy daemon needs: ledger connections, a few parts and builds at once, inotify.
 const MIN_OPEN_FILES: u64 = 256;
-/// Folders that other programs of the same user may watch.
-const OTHERS_WATCHES: usize = 1000;
-/// Folders are counted up to here; more are more than enough to say so.
+/// Watches that are left for other programs of the same user.
+const OTHER_PROGRAMS_WATCHES: usize = 1000;
+/// Folders are counted up to this number; counting further would not change the result.
 const MAX_COUNTED: usize = 1_000_000;
 
-/// Looks at the system.
-pub fn look(settings: &Settings, report: &mut Report) {
-    open_files(report);
-    watches(settings, report);
-    threads(settings, report);
+/// Checks the system.
+pub fn check_system(settings: &Settings, report: &mut CheckReport) {
+    check_open_files(report);
+    check_watches(settings, report);
+    check_threads(settings, report);
 }
 
-fn open_files(report: &mut Report) {
+fn check_open_files(report: &mut CheckReport) {
     match getrlimit(Resource::Nofile).current {
-        Some(limit) if limit < MIN_OPEN_FILES => report.problem(
+        Some(limit) if limit < MIN_OPEN_FILES => report.add_problem(
             "open files",
             format!("at most {limit} may be open, nestd needs {MIN_OPEN_FILES}"),
             "raise LimitNOFILE= of the unit, or ulimit -n",
         ),
-        Some(limit) => report.ok("open files", format!("at most {limit}")),
-        None => report.ok("open files", "no limit"),
+        Some(limit) => report.add_ok("open files", format!("at most {limit}")),
+        None => report.add_ok("open files", "no limit"),
     }
 }
 
-/// Each folder below a hot folder takes one watch; without it, it is scanned only.
-fn watches(settings: &Settings, report: &mut Report) {
+/// Checks the inotify limits. Each folder below a hot folder needs one watch; a folder without a watch is only scanned.
+fn check_watches(settings: &Settings, report: &mut CheckReport) {
     let limit = |name| -> Option<usize> {
         fs::read_to_string(format!("/proc/sys/fs/inotify/{name}")).ok()?.trim().parse().ok()
     };
     if limit("max_user_instances") == Some(0) {
-        report.problem("inotify", "no instance is allowed", "sysctl fs.inotify.max_user_instances=128");
+        report.add_problem("inotify", "no instance is allowed", "sysctl fs.inotify.max_user_instances=128");
     }
     let Some(allowed) = limit("max_user_watches") else {
-        report.note("inotify", "is not there: the hot folders are scanned only");
+        report.add_note("inotify", "is not there: the hot folders are scanned only");
         return;
     };
-    let needed: usize = settings.profiles.values().map(|profile| folders_below(&profile.folders.inbox)).sum();
-    if needed + OTHERS_WATCHES > allowed {
-        report.problem(
+    let needed: usize = settings.profiles.values().map(|profile| count_folders(&profile.folders.inbox)).sum();
+    if needed + OTHER_PROGRAMS_WATCHES > allowed {
+        report.add_problem(
             "inotify",
             format!("{allowed} folders may be watched, the hot folders have {needed}"),
-            format!("sysctl fs.inotify.max_user_watches={}", (4 * (needed + OTHERS_WATCHES)).next_power_of_two()),
+            format!(
+                "sysctl fs.inotify.max_user_watches={}",
+                (4 * (needed + OTHER_PROGRAMS_WATCHES)).next_power_of_two()
+            ),
         );
     } else {
-        report.ok("inotify", format!("{allowed} folders may be watched, the hot folders have {needed}"));
+        report.add_ok("inotify", format!("{allowed} folders may be watched, the hot folders have {needed}"));
     }
 }
 
-/// The folder and all below it; links are not followed.
-fn folders_below(folder: &Path) -> usize {
+/// Counts a folder and all folders below it; links are not followed.
+fn count_folders(folder: &Path) -> usize {
     let (mut waiting, mut count) = (vec![folder.to_owned()], 0);
     while let Some(folder) = waiting.pop() {
         let Ok(entries) = fs::read_dir(&folder) else { continue };
@@ -72,13 +75,13 @@ fn folders_below(folder: &Path) -> usize {
     count
 }
 
-fn threads(settings: &Settings, report: &mut Report) {
+fn check_threads(settings: &Settings, report: &mut CheckReport) {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     match settings.threads {
-        0 => report.ok("threads", format!("{cores}, one per core")),
+        0 => report.add_ok("threads", format!("{cores}, one per core")),
         threads if threads > cores => {
-            report.note("threads", format!("{threads} on {cores} cores: they wait for one another"))
+            report.add_note("threads", format!("{threads} on {cores} cores: the threads wait for each other"))
         }
-        threads => report.ok("threads", format!("{threads} of {cores} cores")),
+        threads => report.add_ok("threads", format!("{threads} of {cores} cores")),
     }
 }

@@ -11,24 +11,24 @@ use std::{
 use anyhow::{Context, Result, bail};
 use rustix::process::{Pid, Signal, kill_process};
 
-/// An orderly stop takes 10 s at most; a little more for a busy machine.
+/// An orderly stop takes 10 s at most; this is a little more, for a busy machine.
 const STOP_SECS: u64 = 15;
-/// So much of the log is shown when something failed.
+/// Lines of the log that are shown after a failure.
 const TAIL_LINES: usize = 30;
 
-/// A running `nestd run`. Dropped without [`Daemon::stop`], it is killed: the ledger stands a crash.
+/// A running `nestd run`. When it is dropped without [`DemoDaemon::stop`] it is killed, which the ledger survives.
 #[derive(Debug)]
-pub(super) struct Daemon {
+pub(super) struct DemoDaemon {
     child: Child,
     log: PathBuf,
 }
 
-impl Daemon {
-    /// Starts this very program as the daemon; its log is appended to `log`.
+impl DemoDaemon {
+    /// Starts this program as the daemon; its log is appended to `log`.
     pub(super) fn start(config: &Path, root: &Path, log: &Path) -> Result<Self> {
         let out = File::options().create(true).append(true).open(log);
         let out = out.with_context(|| format!("cannot write {}", log.display()))?;
-        let child = nestd(config, root)?
+        let child = nestd_command(config, root)?
             .args(["run", "--allow-root"])
             .stdin(Stdio::null())
             .stdout(out.try_clone()?)
@@ -38,8 +38,8 @@ impl Daemon {
         Ok(Self { child, log: log.to_owned() })
     }
 
-    /// Its process number.
-    pub(super) fn pid(&self) -> u32 {
+    /// The process id.
+    pub(super) fn process_id(&self) -> u32 {
         self.child.id()
     }
 
@@ -78,9 +78,9 @@ impl Daemon {
     }
 }
 
-impl Drop for Daemon {
+impl Drop for DemoDaemon {
     fn drop(&mut self) {
-        // Fails when it has ended, as it should have.
+        // After `stop` the process has ended, and there is nothing to kill.
         if matches!(self.child.try_wait(), Ok(None)) {
             let _ = self.child.kill();
             let _ = self.child.wait();
@@ -89,8 +89,8 @@ impl Drop for Daemon {
     }
 }
 
-/// This very program, told to use the demo's farm.
-pub(super) fn nestd(config: &Path, root: &Path) -> Result<Command> {
+/// A command that runs this program on the demo's farm.
+pub(super) fn nestd_command(config: &Path, root: &Path) -> Result<Command> {
     let mut command = Command::new(std::env::current_exe().context("cannot find this program")?);
     command.arg("-c").arg(config).arg("--root").arg(root);
     Ok(command)

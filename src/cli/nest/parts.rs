@@ -1,4 +1,4 @@
-//! Which parts are asked for: arguments and lists -> meshes with copies.
+//! Reads the requested parts: arguments and lists become meshes with copies.
 
 use std::{
     collections::BTreeMap,
@@ -9,51 +9,52 @@ use std::{
 use anyhow::{Context, Result};
 use solids::Mesh;
 
-use super::{args::Args, setup::Setup};
+use super::{args::NestArgs, setup::NestingSetup};
 use crate::{
     build::BuildPart,
-    cli::{Usage, table::tell},
+    cli::{UsageError, table::print_to_stderr},
 };
 
-/// A file that is asked for.
-pub struct Row {
+/// A part file that the user requested.
+pub struct RequestedFile {
     name: String,
-    /// Where it is.
+    /// The path of the file.
     pub file: PathBuf,
     copies: u32,
 }
 
-/// All files that are asked for, not read yet.
-pub fn rows(args: &Args) -> Result<Vec<Row>> {
-    let mut rows = args.source.parts.iter().map(|text| row_of(text)).collect::<Result<Vec<Row>>>()?;
+/// All requested files, not read yet.
+pub fn requested_files(args: &NestArgs) -> Result<Vec<RequestedFile>> {
+    let mut rows =
+        args.source.parts.iter().map(|text| parse_part_argument(text)).collect::<Result<Vec<RequestedFile>>>()?;
     if args.source.list.is_some() {
-        rows.extend(listed(args)?);
+        rows.extend(read_part_list(args)?);
     }
     Ok(rows)
 }
 
-/// Reads all parts; warnings go to the terminal's error output.
-pub fn read(rows: Vec<Row>, setup: &Setup) -> Result<Vec<BuildPart>> {
-    // Equal files are read once, so that the search shares all work on them.
+/// Reads all parts; warnings go to standard error.
+pub fn read_parts(rows: Vec<RequestedFile>, setup: &NestingSetup) -> Result<Vec<BuildPart>> {
+    // Files with the same content are read once, so that the search shares all work on them.
     let mut known: BTreeMap<String, Vec<(String, Arc<Mesh>, u32)>> = BTreeMap::new();
     let mut parts = Vec::new();
     for row in rows {
-        let unusable = |error: anyhow::Error| Usage(format!("{}: {error:#}", row.name));
-        let source_hash = blake3::hash(&bytes_of(&row.file).map_err(unusable)?).to_hex().to_string();
+        let unusable = |error: anyhow::Error| UsageError(format!("{}: {error:#}", row.name));
+        let source_hash = blake3::hash(&read_bytes(&row.file).map_err(unusable)?).to_hex().to_string();
         if !known.contains_key(&source_hash) {
-            let contents = build_file::read(&row.file, &row.name, None, setup.unit, &setup.limits)
+            let contents = build_file::read_part_file(&row.file, &row.name, None, setup.unit, &setup.limits)
                 .map_err(|error| unusable(error.into()))?;
             let solid_warnings =
                 contents.solids.iter().flat_map(|s| s.warnings.iter().map(move |w| format!("{}: {w}", s.name)));
             for warning in contents.warnings.iter().cloned().chain(solid_warnings) {
-                tell(&format!("{}: {warning}", row.name));
+                print_to_stderr(&format!("{}: {warning}", row.name));
             }
             let solids = contents.solids.into_iter().map(|s| (s.name, Arc::new(s.mesh), s.copies)).collect();
             known.insert(source_hash.clone(), solids);
         }
         let solids = &known[&source_hash];
         for (solid, mesh, copies) in solids {
-            // The solid's name is told where a file holds several.
+            // The name of the solid is added where a file holds several.
             let name = if solids.len() > 1 { format!("{} ({solid})", row.name) } else { row.name.clone() };
             parts.push(BuildPart {
                 name: name.clone(),
@@ -73,8 +74,8 @@ pub fn read(rows: Vec<Row>, setup: &Setup) -> Result<Vec<BuildPart>> {
     Ok(parts)
 }
 
-/// `bracket.stl` or `bracket.stl=4`; a file whose own name ends so is taken as it is.
-fn row_of(text: &str) -> Result<Row> {
+/// Parses `bracket.stl` or `bracket.stl=4`. An existing file whose name itself ends in `=4` is taken as that file.
+fn parse_part_argument(text: &str) -> Result<RequestedFile> {
     let whole = PathBuf::from(text);
     let split = text.rsplit_once('=').and_then(|(name, copies)| Some((name, copies.parse::<u32>().ok()?)));
     let (name, copies) = match split {
@@ -82,18 +83,18 @@ fn row_of(text: &str) -> Result<Row> {
         _ => (text.to_owned(), 1),
     };
     if copies == 0 {
-        return Err(Usage(format!("{text}: 0 copies are none; leave the part out")).into());
+        return Err(UsageError(format!("{text}: 0 copies are none; leave the part out")).into());
     }
     let file = PathBuf::from(&name);
     let short = file.file_name().map_or_else(|| name.clone(), |n| n.to_string_lossy().into_owned());
-    Ok(Row { name: short, file, copies })
+    Ok(RequestedFile { name: short, file, copies })
 }
 
-/// The rows of the list.
-fn listed(args: &Args) -> Result<Vec<Row>> {
+/// Reads the rows of the list.
+fn read_part_list(args: &NestArgs) -> Result<Vec<RequestedFile>> {
     let Some(list) = &args.source.list else { return Ok(Vec::new()) };
     let base = args.source.base.clone().or_else(|| list.parent().map(PathBuf::from)).unwrap_or_default();
-    let wrong = |what: String| Usage(format!("{}: {what}", list.display()));
+    let wrong = |what: String| UsageError(format!("{}: {what}", list.display()));
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .flexible(true)
@@ -116,12 +117,12 @@ fn listed(args: &Args) -> Result<Vec<Row>> {
             Some(text) => text.parse().map_err(|_| wrong(format!("line {line}: {text:?} is no number of copies")))?,
             None => 1,
         };
-        rows.push(Row { file: base.join(&name), name, copies });
+        rows.push(RequestedFile { file: base.join(&name), name, copies });
     }
     Ok(rows)
 }
 
-/// Reads a file's bytes for a hash, with the name in the error.
-fn bytes_of(file: &Path) -> Result<Vec<u8>> {
+/// Reads the bytes of a file to hash them; an error names the file.
+fn read_bytes(file: &Path) -> Result<Vec<u8>> {
     std::fs::read(file).with_context(|| format!("reading {}", file.display()))
 }

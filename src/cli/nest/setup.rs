@@ -1,39 +1,39 @@
-//! What a build is nested for: a profile's machine, or one that the options describe.
+//! The setup of a search: the machine and rules of a profile, or those that the options describe.
 
 use anyhow::Result;
-use build_file::{Arrangement, Instances, Limits, Unit};
+use build_file::{Arrangement, InstanceSharing, LengthUnit, ReadLimits};
 use glam::DVec3;
-use nester::{Config, LayerCap, Margins, NotDown, Orientation, OrientationRule, Tilt};
+use nester::{FaceNotDown, LayerAreaCap, NestingConfig, OrientationLimits, OrientationRule, TiltLimit, VolumeMargins};
 
-use super::args::Args;
+use super::args::NestArgs;
 use crate::{
-    build::Machine,
-    cli::{Common, Usage},
+    build::MachineSpec,
+    cli::{CommonArgs, UsageError},
     settings,
 };
 
 /// Clearance without a profile and without `--clearance`, mm.
 const DEFAULT_CLEARANCE_MM: f64 = 3.0;
 
-/// What is asked for: the profile's word unless an option says otherwise.
-pub(super) struct Setup {
+/// The values of the profile, overridden by the options.
+pub(super) struct NestingSetup {
     /// The machine.
-    pub(super) machine: Machine,
+    pub(super) machine: MachineSpec,
     /// How the parts may be turned.
-    pub(super) orientation: Orientation,
-    /// Unit of files that do not say theirs.
-    pub(super) unit: Unit,
+    pub(super) orientation: OrientationLimits,
+    /// Unit of files that do not state their own.
+    pub(super) unit: LengthUnit,
     /// Limits of the readers.
-    pub(super) limits: Limits,
+    pub(super) limits: ReadLimits,
     /// Search parameters.
-    pub(super) config: Config,
+    pub(super) config: NestingConfig,
 }
 
-/// The setup that the options ask for.
-pub(super) fn setup(common: &Common, args: &Args) -> Result<Setup> {
+/// Resolves the setup from the profile and the options.
+pub(super) fn resolve_setup(common: &CommonArgs, args: &NestArgs) -> Result<NestingSetup> {
     let (mut setup, layer_area_cap) = match &args.machine.profile {
-        Some(name) => from_profile(common, args, name)?,
-        None => (without_profile(args), None),
+        Some(name) => setup_from_profile(common, args, name)?,
+        None => (setup_without_profile(args), None),
     };
     let (machine, config) = (&mut setup.machine, &mut setup.config);
     config.method = args.search.method.unwrap_or(config.method);
@@ -44,47 +44,57 @@ pub(super) fn setup(common: &Common, args: &Args) -> Result<Setup> {
     machine.margins = args.machine.margins.unwrap_or(machine.margins);
     machine.clearance_mm = args.machine.clearance.unwrap_or(machine.clearance_mm);
     machine.clearance_z_extra_mm = args.machine.clearance_z_extra.unwrap_or(machine.clearance_z_extra_mm);
-    machine.interlock = config.interlock();
+    machine.interlock = config.effective_interlock();
     let layer_area_cap = args.machine.layer_area_cap.or(layer_area_cap);
-    machine.layer_cap = LayerCap::of_share(machine.layer_cap.layer_mm, layer_area_cap, &machine.build_volume());
+    machine.layer_cap = LayerAreaCap::from_share(machine.layer_cap.layer_mm, layer_area_cap, &machine.build_volume());
     Ok(setup)
 }
 
-/// The machine's rules but for what an option says.
-fn turning(args: &Args, rule: OrientationRule, keep_up: &[Tilt], not_down: &[NotDown]) -> Orientation {
+/// The profile's orientation rules, overridden by the options.
+fn orientation_rules(
+    args: &NestArgs,
+    rule: OrientationRule,
+    keep_up: &[TiltLimit],
+    not_down: &[FaceNotDown],
+) -> OrientationLimits {
     let keep_up = if args.turning.keep_up.is_empty() { keep_up } else { &args.turning.keep_up };
     let not_down = if args.turning.not_down.is_empty() { not_down } else { &args.turning.not_down };
-    Orientation::new(args.turning.orientation.unwrap_or(rule), keep_up, not_down)
+    OrientationLimits::new(args.turning.orientation.unwrap_or(rule), keep_up, not_down)
 }
 
-fn without_profile(args: &Args) -> Setup {
-    let config = Config::default();
-    let machine = Machine {
+fn setup_without_profile(args: &NestArgs) -> NestingSetup {
+    let config = NestingConfig::default();
+    let machine = MachineSpec {
         name: "none".to_owned(),
         volume_mm: args.machine.volume.unwrap_or(DVec3::ZERO),
-        margins: Margins::default(),
+        margins: VolumeMargins::default(),
         keep_out: Vec::new(),
         clearance_mm: DEFAULT_CLEARANCE_MM,
         clearance_z_extra_mm: 0.0,
-        layer_cap: LayerCap::default(),
-        interlock: config.interlock(),
-        instances: Instances::default(),
+        layer_cap: LayerAreaCap::default(),
+        interlock: config.effective_interlock(),
+        instances: InstanceSharing::default(),
         arrangement: Arrangement::default(),
     };
-    let orientation = turning(args, OrientationRule::default(), &[], &[]);
-    Setup { machine, orientation, unit: Unit::default(), limits: Limits::default(), config }
+    let orientation = orientation_rules(args, OrientationRule::default(), &[], &[]);
+    NestingSetup { machine, orientation, unit: LengthUnit::default(), limits: ReadLimits::default(), config }
 }
 
-/// What a profile asks for, and the share of a layer that it lets be filled.
-fn from_profile(common: &Common, args: &Args, name: &str) -> Result<(Setup, Option<f64>)> {
-    let settings = settings::load(common.config.as_deref(), common.root.as_deref())
-        .map_err(|error| Usage(format!("{:#}", anyhow::Error::from(error))))?;
+/// The setup of a profile, and the largest share of a layer that the profile allows to fill.
+fn setup_from_profile(common: &CommonArgs, args: &NestArgs, name: &str) -> Result<(NestingSetup, Option<f64>)> {
+    let settings = settings::load_settings(common.config.as_deref(), common.root.as_deref())
+        .map_err(|error| UsageError(format!("{:#}", anyhow::Error::from(error))))?;
     let known = || settings.profiles.keys().cloned().collect::<Vec<_>>().join(", ");
     let profile = (settings.profiles.get(name))
-        .ok_or_else(|| Usage(format!("there is no profile {name}; there are: {}", known())))?;
-    let setup = Setup {
-        machine: profile.machine(),
-        orientation: turning(args, profile.turning.orientation, &profile.turning.keep_up, &profile.turning.not_down),
+        .ok_or_else(|| UsageError(format!("there is no profile {name}; there are: {}", known())))?;
+    let setup = NestingSetup {
+        machine: profile.to_machine(),
+        orientation: orientation_rules(
+            args,
+            profile.turning.orientation,
+            &profile.turning.keep_up,
+            &profile.turning.not_down,
+        ),
         unit: profile.intake.unit,
         limits: settings.limits.clone(),
         config: profile.search.nest.clone(),

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
 use super::super::{
-    Attention, Witness,
+    AlertKind, InvariantExpectations,
     farm::Farm,
     invariants,
     time_source::{ClockHands, TimeSource},
@@ -49,7 +49,9 @@ impl HandDrivenFarm {
     pub fn closed(profile: &str) -> Self {
         let dir = TempDir::new().unwrap();
         fs::create_dir_all(dir.path().join("config/profiles")).unwrap();
-        fs::write(dir.path().join("config/nestd.toml"), "scan_secs = 0.5\norphan_ticket_secs = 3\n").unwrap();
+        // Other tests of this process go on with the usual umask, which a farm sets for its whole process.
+        let config = "scan_secs = 0.5\norphan_ticket_secs = 3\n[files]\nmode = \"0644\"\n";
+        fs::write(dir.path().join("config/nestd.toml"), config).unwrap();
         let (hands, time) = ClockHands::make();
         let runtime = Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap();
         let farm = Self { dir, hands, time, runtime, farm: None };
@@ -67,7 +69,7 @@ impl HandDrivenFarm {
     /// Opens it, as the daemon does at its start.
     pub fn start(&mut self) {
         let (config, root) = (self.root().join("config/nestd.toml"), self.root().to_owned());
-        let load = Box::new(move || settings::load(Some(&config), Some(&root)));
+        let load = Box::new(move || settings::load_settings(Some(&config), Some(&root)));
         let settings = load().unwrap();
         let opening = Farm::open(load, settings, self.time.clone());
         let opened = self.runtime.block_on(opening).map_err(|(_, _, failure)| format!("{failure:#}"));
@@ -78,12 +80,12 @@ impl HandDrivenFarm {
     /// Closes it in order.
     pub fn stop(&mut self) {
         let mut farm = self.farm.take().unwrap();
-        self.runtime.block_on(farm.stop());
+        self.runtime.block_on(farm.shut_down());
     }
 
     /// Reads the configuration again.
     pub fn reload(&mut self) {
-        self.runtime.block_on(self.farm.as_mut().unwrap().reload());
+        self.runtime.block_on(self.farm.as_mut().unwrap().reload_configuration());
         self.beat();
     }
 
@@ -91,7 +93,7 @@ impl HandDrivenFarm {
     pub fn beat(&mut self) {
         let farm = self.farm.as_mut().unwrap();
         self.runtime.block_on(async {
-            farm.beat().await;
+            farm.run_tick().await;
             farm.wait_for_jobs(Instant::now() + JOBS_END_WITHIN).await;
         });
         assert!(farm.jobs.is_idle(), "a job does not end");
@@ -115,14 +117,14 @@ impl HandDrivenFarm {
             self.pass_secs(STEP.as_secs_f64());
         }
         let farm = self.farm.as_ref().unwrap();
-        let alerts: Vec<String> = farm.notices.all().map(|alert| alert.sentence()).collect();
+        let alerts: Vec<String> = farm.alerts.active_alerts().map(|alert| alert.alert_text()).collect();
         let failures = &farm.nesting.failures;
         panic!("it does not come to pass that {what}; alerts: {alerts:#?}, failures of builds: {failures:#?}");
     }
 
     /// Whether a person is asked to see to something of this kind.
-    pub fn tells_of(&self, kind: Attention) -> bool {
-        self.farm.as_ref().unwrap().notices.all().any(|alert| alert.kind == kind)
+    pub fn tells_of(&self, kind: AlertKind) -> bool {
+        self.farm.as_ref().unwrap().alerts.active_alerts().any(|alert| alert.kind == kind)
     }
 
     pub fn root(&self) -> &Path {
@@ -154,13 +156,13 @@ impl HandDrivenFarm {
     pub fn order(&self, kind: CommandKind, part: Option<PartId>) -> CommandId {
         let profile = if part.is_some() { String::new() } else { PROFILE.to_owned() };
         let command = NewCommand { kind, profile, part, asked_by: "a@test".to_owned() };
-        self.ask(async |ledger| ledger.ask(&command).await.unwrap())
+        self.ask(async |ledger| ledger.submit_command(&command).await.unwrap())
     }
 
     /// Gives an order and lets time pass until it is answered.
     pub fn order_and_wait(&mut self, kind: CommandKind, part: Option<PartId>) -> CommandRow {
         let id = self.order(kind, part);
-        let answer = |farm: &Self| farm.ask(async |ledger| ledger.command(id).await.unwrap().unwrap());
+        let answer = |farm: &Self| farm.ask(async |ledger| ledger.find_command(id).await.unwrap().unwrap());
         self.pass_until("the order is answered", |farm| answer(farm).answered_at.is_some());
         answer(self)
     }
@@ -198,15 +200,16 @@ impl HandDrivenFarm {
 
     /// Asserts that the ledger agrees with itself and with the folders, and that each published copy is in exactly one build file.
     pub fn assert_nothing_lost_or_doubled(&self) {
-        let faults = self.ask(async |ledger| ledger.faults().await.unwrap());
+        let faults = self.ask(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
         let settings = &self.farm.as_ref().unwrap().settings;
-        let looked =
-            self.ask(async |ledger| invariants::invariants(settings, ledger, &Witness::default()).await.unwrap());
+        let looked = self.ask(async |ledger| {
+            invariants::check_invariants(settings, ledger, &InvariantExpectations::default()).await.unwrap()
+        });
         assert!(looked.violations.is_empty(), "{:#?}", looked.violations);
         let mut seen = BTreeMap::new();
         for file in self.queued() {
-            for placed in build_file::read_build(&file, &build_file::Limits::default()).unwrap() {
+            for placed in build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap() {
                 let key = (placed.part_number.unwrap(), placed.copy.unwrap());
                 if let Some(other) = seen.insert(key.clone(), file.clone()) {
                     panic!("copy {key:?} is in {} and in {}", other.display(), file.display());

@@ -23,7 +23,7 @@ fn a_list_that_is_copied_last_counts_for_every_file_of_its_order() {
         farm.drop_bytes(name, &stl(&block(10.0 + at as f64, 10.0, 10.0)));
         farm.pass_secs(0.25);
     }
-    // Excel's "Unicode Text", with names as a Windows computer writes them.
+    // Excel's "Unicode Text" format, with file names as Windows writes them.
     let text = "Datei\tStückzahl\tPreis\r\n.\\a.stl\t2\t1,50\r\nB\t3\t\r\nGröße.stl\t4\t\r\n";
     let list: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
     farm.drop_bytes("order-7/order.csv", &list);

@@ -1,97 +1,107 @@
-//! I2 and I3: every build file in a queue folder is the one that its row says, with the copies that its row says.
+//! I2 and I3: every build file in a queue folder matches its row, including the copies in it.
 
 use std::{collections::BTreeSet, fs, path::Path};
 
 use anyhow::Result;
 
-use super::looked::{
+use super::report::{
     Invariant::{I2, I3},
-    Looked, Witness,
+    InvariantExpectations, InvariantReport,
 };
 use crate::{
     intake,
     ledger::{BuildRow, BuildState, Ledger},
-    settings::{Profile, Settings},
+    settings::{MachineProfile, Settings},
 };
 
-/// Looks through every queue folder.
-pub async fn visible(settings: &Settings, ledger: &Ledger, witness: &Witness, looked: &mut Looked) -> Result<()> {
+/// Checks every queue folder.
+pub async fn check_visible_builds(
+    settings: &Settings,
+    ledger: &Ledger,
+    witness: &InvariantExpectations,
+    looked: &mut InvariantReport,
+) -> Result<()> {
     for profile in settings.profiles.values() {
         let Ok(entries) = fs::read_dir(&profile.folders.queue) else { continue };
         let mut names: Vec<String> = entries.flatten().filter_map(|e| e.file_name().into_string().ok()).collect();
         names.sort();
         for name in names {
             if name.starts_with('.') && (name.ends_with(".part") || name.ends_with(".half")) {
-                left_over(profile, &name, witness, looked);
+                report_left_over_file(profile, &name, witness, looked);
             } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
-                let row = ledger.build_named(&profile.name, &name).await?;
-                build_file(profile, &name, row, settings, ledger, witness, looked).await?;
+                let row = ledger.find_build_by_file(&profile.name, &name).await?;
+                check_build_file(profile, &name, row, settings, ledger, witness, looked).await?;
             }
         }
     }
     Ok(())
 }
 
-fn left_over(profile: &Profile, name: &str, witness: &Witness, looked: &mut Looked) {
+fn report_left_over_file(
+    profile: &MachineProfile,
+    name: &str,
+    witness: &InvariantExpectations,
+    looked: &mut InvariantReport,
+) {
     if witness.at_rest {
         let text = format!("{} was left behind", profile.folders.queue.join(name).display());
-        looked.found(I3, text, "restart the daemon: it removes what no build names");
+        looked.add_violation(I3, text, "restart the daemon: it removes what no build names");
     }
 }
 
-async fn build_file(
-    profile: &Profile,
+async fn check_build_file(
+    profile: &MachineProfile,
     name: &str,
     row: Option<BuildRow>,
     settings: &Settings,
     ledger: &Ledger,
-    witness: &Witness,
-    looked: &mut Looked,
+    witness: &InvariantExpectations,
+    looked: &mut InvariantReport,
 ) -> Result<()> {
     let file = profile.folders.queue.join(name);
     let shown = file.display();
     let Some(row) = row else {
         let text = format!("{shown} is in the queue and no build of the ledger has that name");
         let remedy = "somebody copied it there, or the ledger is older than it: do not print it before that is clear";
-        looked.found_by_people(I3, text, remedy);
+        looked.add_manual_violation(I3, text, remedy);
         return Ok(());
     };
-    looked.builds += 1;
+    looked.builds_checked += 1;
     let may_be_visible = row.times.published_at.is_some() || (!witness.at_rest && row.state == BuildState::Verified);
     if !may_be_visible {
         let text = format!("{shown} is in the queue and build {} is {}", row.id, row.state);
-        looked.found(I3, text, "take it out of the queue, and restart the daemon");
+        looked.add_violation(I3, text, "take it out of the queue, and restart the daemon");
     }
     match intake::hash_file(&file) {
         // The printer took it meanwhile.
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) => {
             let text = format!("{shown} cannot be read: {error}");
-            looked.found(I3, text, "check the disk; `nestd show` names the parts, which can be dropped again");
+            looked.add_violation(I3, text, "check the disk; `nestd show` names the parts, which can be dropped again");
             return Ok(());
         }
         Ok(hash) if Some(&hash) != row.staged.file_hash.as_ref() => {
             let text = format!("{shown} is not the file that was proved as build {}", row.id);
-            looked.found(I3, text, "do not print it: somebody changed it or the disk damaged it");
+            looked.add_violation(I3, text, "do not print it: somebody changed it or the disk damaged it");
         }
-        Ok(_) => looked.files += 1,
+        Ok(_) => looked.files_read += 1,
     }
-    same_copies(&file, &row, settings, ledger, looked).await
+    check_same_copies(&file, &row, settings, ledger, looked).await
 }
 
-/// The copies in the file are those of the row.
-async fn same_copies(
+/// Checks that the copies in the file are those of the row.
+async fn check_same_copies(
     file: &Path,
     row: &BuildRow,
     settings: &Settings,
     ledger: &Ledger,
-    looked: &mut Looked,
+    looked: &mut InvariantReport,
 ) -> Result<()> {
     let placed = match build_file::read_build(file, &settings.limits) {
         Ok(placed) => placed,
         Err(error) => {
             let text = format!("{} cannot be read as a build: {error}", file.display());
-            looked.found(I3, text, "do not print it: somebody changed it or the disk damaged it");
+            looked.add_violation(I3, text, "do not print it: somebody changed it or the disk damaged it");
             return Ok(());
         }
     };
@@ -109,7 +119,7 @@ async fn same_copies(
             rows.len(),
             row.id
         );
-        looked.found(I2, text, "do not print it, and report it to nestd's makers");
+        looked.add_violation(I2, text, "do not print it, and report it to nestd's makers");
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! I1 and I4: where the file of every part must lie.
+//! I1 and I4: where the file of every part must be.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -6,84 +6,91 @@ use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 
 use super::{
-    folders::{ByHash, Folders, by_hash},
-    looked::{
+    folders::{FilesByHash, FolderContents, files_by_hash},
+    report::{
         Invariant::{I1, I4},
-        Looked, Witness,
+        InvariantExpectations, InvariantReport,
     },
 };
 use crate::{
     farm::{forgettable::KEEP_REFUSED_SECS, trigger::secs_between},
-    intake::{self, Store, StoreError},
-    ledger::{Ledger, PartPlace, PartState},
+    intake::{self, ContentStore, StoreError},
+    ledger::{Ledger, PartFileRow, PartState},
     settings::Settings,
 };
 
-/// The archive is purged by the time at which a file came there, which is before its build was published by up to this.
+/// The archive is purged by the age of its files; an original is archived at most this long before its build is
+/// published.
 const NESTED_WITHIN: SignedDuration = SignedDuration::from_hours(48);
 
-/// A live part's file is in the store; a refused one's in the error folder, and for a time in the store.
-pub async fn live_and_refused(
+/// The file of a live part is in the store; that of a refused part is in the error folder and, for a time, in the
+/// store.
+pub async fn check_live_and_refused_parts(
     settings: &Settings,
     ledger: &Ledger,
-    folders: &Folders,
-    witness: &Witness,
-    looked: &mut Looked,
+    folders: &FolderContents,
+    witness: &InvariantExpectations,
+    looked: &mut InvariantReport,
 ) -> Result<()> {
-    let mut stored = Stored::of(settings);
-    let mut refused: BTreeMap<(&str, &str), Vec<&PartPlace>> = BTreeMap::new();
-    let places = ledger.part_places().await?;
+    let mut stored = StoreVerifier::for_settings(settings);
+    let mut refused: BTreeMap<(&str, &str), Vec<&PartFileRow>> = BTreeMap::new();
+    let places = ledger.unbuilt_part_files().await?;
     for part in &places {
         if part.state == PartState::Rejected {
             refused.entry((&part.profile, &part.content_hash)).or_default().push(part);
         } else {
-            live(part, folders, &mut stored, looked);
+            check_live_part(part, folders, &mut stored, looked);
         }
     }
     for ((profile, hash), parts) in &refused {
         let Some(errors) = folders.error.get(*profile) else { continue };
         let lie = errors.get(*hash).map_or(0, Vec::len);
-        refused_once(parts, lie, folders, witness, looked);
-        kept_for_retry(parts, &mut stored, looked);
+        check_refused_copies(parts, lie, folders, witness, looked);
+        check_kept_for_retry(parts, &mut stored, looked);
     }
     if witness.at_rest {
         for (profile, errors) in &folders.error {
             for (hash, paths) in errors.iter().filter(|(hash, _)| !refused.contains_key(&(profile, hash))) {
-                doubled_in_error(ledger, profile, hash, paths, looked).await?;
+                check_error_folder_duplicates(ledger, profile, hash, paths, looked).await?;
             }
         }
     }
     Ok(())
 }
 
-/// Looks at each content once, however many parts have it.
-struct Stored {
-    store: Store,
+/// Verifies each content once, even if many parts share it.
+struct StoreVerifier {
+    store: ContentStore,
     known: HashMap<String, Result<(), String>>,
 }
 
-impl Stored {
-    fn of(settings: &Settings) -> Self {
-        Self { store: Store::at(settings.state_dir.join("store")), known: HashMap::new() }
+impl StoreVerifier {
+    fn for_settings(settings: &Settings) -> Self {
+        Self { store: ContentStore::from_dir(settings.state_dir.join("store")), known: HashMap::new() }
     }
 
-    fn look(&mut self, hash: &str, looked: &mut Looked) -> Result<(), String> {
+    fn verify_content(&mut self, hash: &str, looked: &mut InvariantReport) -> Result<(), String> {
         if let Some(known) = self.known.get(hash) {
             return known.clone();
         }
-        looked.files += 1;
-        let answer = self.store.verify(hash).map_err(|error| match error {
+        looked.files_read += 1;
+        let answer = self.store.verify_hash(hash).map_err(|error| match error {
             StoreError::Damaged(path) => format!("{} does not hold the bytes that its name says", path.display()),
-            other => crate::farm::failure::chain(&other),
+            other => crate::farm::failure::error_chain(&other),
         });
         self.known.insert(hash.to_owned(), answer.clone());
         answer
     }
 }
 
-fn live(part: &PartPlace, folders: &Folders, stored: &mut Stored, looked: &mut Looked) {
-    let Err(why) = stored.look(&part.content_hash, looked) else { return };
-    // Between its row and its reading, the claimed original stands for it: the next start stores it again.
+fn check_live_part(
+    part: &PartFileRow,
+    folders: &FolderContents,
+    stored: &mut StoreVerifier,
+    looked: &mut InvariantReport,
+) {
+    let Err(why) = stored.verify_content(&part.content_hash, looked) else { return };
+    // Until it is read, the claimed original can replace the stored file: the next start stores it again.
     let in_work = folders.work.get(&part.profile).and_then(|work| work.claims.iter().find(|c| c.id == part.claim));
     if part.state == PartState::Claimed
         && in_work.is_some_and(|claim| intake::hash_file(&claim.part).is_ok_and(|hash| hash == part.content_hash))
@@ -96,11 +103,17 @@ fn live(part: &PartPlace, folders: &Folders, stored: &mut Stored, looked: &mut L
         "put the file with the BLAKE3 {} back from a backup of the state folder, or cancel part {id} and drop it again",
         part.content_hash
     );
-    looked.found(I1, text, remedy);
+    looked.add_violation(I1, text, remedy);
 }
 
-/// Each refused content lies in the error folder at least once, and not more often than it was refused.
-fn refused_once(parts: &[&PartPlace], lie: usize, folders: &Folders, witness: &Witness, looked: &mut Looked) {
+/// Each refused content is in the error folder at least once, and not more often than it was refused.
+fn check_refused_copies(
+    parts: &[&PartFileRow],
+    lie: usize,
+    folders: &FolderContents,
+    witness: &InvariantExpectations,
+    looked: &mut InvariantReport,
+) {
     let [first, ..] = parts else { return };
     let (id, name) = (first.id, &first.name);
     let waits = folders.work.get(&first.profile).is_some_and(|work| {
@@ -109,54 +122,62 @@ fn refused_once(parts: &[&PartPlace], lie: usize, folders: &Folders, witness: &W
     if lie == 0 && !waits {
         let text = format!("part {id} ({name}) is refused and its file is not in the error folder");
         let remedy = format!("when nobody took it away on purpose, `nestd retry {id}` takes it from the store");
-        looked.found_by_people(I1, text, remedy);
+        looked.add_manual_violation(I1, text, remedy);
     }
     if lie > parts.len() {
         let text = format!("part {id} ({name}) is refused once and its file lies {lie} times in the error folder");
-        looked.found_by_people(I1, text, "keep one of them and remove the others");
+        looked.add_manual_violation(I1, text, "keep one of them and remove the others");
     }
 }
 
 /// Refused files stay in the store for `nestd retry`.
-fn kept_for_retry(parts: &[&PartPlace], stored: &mut Stored, looked: &mut Looked) {
+fn check_kept_for_retry(parts: &[&PartFileRow], stored: &mut StoreVerifier, looked: &mut InvariantReport) {
     let now = Timestamp::now();
     let young = parts.iter().find(|part| secs_between(part.state_at.0, now) < KEEP_REFUSED_SECS);
     let Some(part) = young else { return };
-    if let Err(why) = stored.look(&part.content_hash, looked) {
+    if let Err(why) = stored.verify_content(&part.content_hash, looked) {
         let text = format!("part {} ({}) was refused lately and cannot be taken back: {why}", part.id, part.name);
-        looked.found(I4, text, "drop the file again instead of `nestd retry`; check who deletes in the state folder");
+        looked.add_violation(
+            I4,
+            text,
+            "drop the file again instead of `nestd retry`; check who deletes in the state folder",
+        );
     }
 }
 
 /// A file in the error folder whose part is not refused (any more) is in two places.
-async fn doubled_in_error(
+async fn check_error_folder_duplicates(
     ledger: &Ledger,
     profile: &str,
     hash: &str,
     paths: &[std::path::PathBuf],
-    looked: &mut Looked,
+    looked: &mut InvariantReport,
 ) -> Result<()> {
-    if let Some(part) = ledger.part_of_content(profile, hash).await? {
+    if let Some(part) = ledger.find_part_with_content(profile, hash).await? {
         let text = format!("part {} is {} and its file also lies at {}", part.id, part.state, paths[0].display());
-        looked.found(I1, text, "remove it there: the part goes on without it");
+        looked.add_violation(I1, text, "remove it there: the part goes on without it");
     }
     Ok(())
 }
 
 /// The originals of published builds are in the archive for as long as the profile says.
-pub async fn built(settings: &Settings, ledger: &Ledger, looked: &mut Looked) -> Result<()> {
-    let oldest = settings.profiles.values().map(|profile| since(profile.output.archive_days)).min();
-    let mut archives: HashMap<String, ByHash> = HashMap::new();
-    for row in ledger.built_places(oldest.unwrap_or(Timestamp::MIN)).await? {
+pub async fn check_archived_originals(
+    settings: &Settings,
+    ledger: &Ledger,
+    looked: &mut InvariantReport,
+) -> Result<()> {
+    let oldest = settings.profiles.values().map(|profile| originals_required_since(profile.output.archive_days)).min();
+    let mut archives: HashMap<String, FilesByHash> = HashMap::new();
+    for row in ledger.built_parts_since(oldest.unwrap_or(Timestamp::MIN)).await? {
         let Some(profile) = settings.profiles.get(&row.profile) else { continue };
-        let published = ledger.build(row.build).await?.and_then(|build| build.times.published_at);
-        if published.is_none_or(|at| at.0 < since(profile.output.archive_days)) {
+        let published = ledger.find_build(row.build).await?.and_then(|build| build.times.published_at);
+        if published.is_none_or(|at| at.0 < originals_required_since(profile.output.archive_days)) {
             continue;
         }
         let stem = row.file_name.strip_suffix(".build.3mf").unwrap_or(&row.file_name);
         let archived = archives
             .entry(row.file_name.clone())
-            .or_insert_with(|| by_hash(&profile.folders.archive.join(stem), |_| true, looked));
+            .or_insert_with(|| files_by_hash(&profile.folders.archive.join(stem), |_| true, looked));
         if !archived.contains_key(&row.content_hash) {
             let text = format!(
                 "part {} ({}) is printed in build {} and its original is not in {}",
@@ -167,14 +188,14 @@ pub async fn built(settings: &Settings, ledger: &Ledger, looked: &mut Looked) ->
             );
             let remedy =
                 "nestd keeps originals for archive_days: ask who else deletes there, and put it back if needed";
-            looked.found_by_people(I1, text, remedy);
+            looked.add_manual_violation(I1, text, remedy);
         }
     }
     Ok(())
 }
 
-/// Originals of builds that were published since then must be there.
-fn since(archive_days: u32) -> Timestamp {
+/// Originals of builds published since this time must be in the archive.
+fn originals_required_since(archive_days: u32) -> Timestamp {
     if archive_days == 0 {
         return Timestamp::MIN;
     }
@@ -182,15 +203,20 @@ fn since(archive_days: u32) -> Timestamp {
     Timestamp::now().checked_sub(keep).unwrap_or(Timestamp::MIN)
 }
 
-/// What lies in `.claimed/` belongs to a part that is being taken; at rest nothing lies there.
-pub async fn work(ledger: &Ledger, folders: &Folders, witness: &Witness, looked: &mut Looked) -> Result<()> {
+/// Each claim in `.claimed/` belongs to a part that is being taken; at rest there is none.
+pub async fn check_open_claims(
+    ledger: &Ledger,
+    folders: &FolderContents,
+    witness: &InvariantExpectations,
+    looked: &mut InvariantReport,
+) -> Result<()> {
     if !witness.at_rest {
         return Ok(());
     }
     for work in folders.work.values() {
         for path in &work.unfinished {
             let text = format!("{} was left half done", path.display());
-            looked.found(I1, text, "restart the daemon: it gives back what was taken and removes what is done");
+            looked.add_violation(I1, text, "restart the daemon: it gives back what was taken and removes what is done");
         }
         for claim in &work.claims {
             let parts = ledger.parts_of_claim(&claim.id).await?;
@@ -198,15 +224,20 @@ pub async fn work(ledger: &Ledger, folders: &Folders, witness: &Witness, looked:
                 None => format!("{} was claimed and has no row", claim.part.display()),
                 Some(part) => format!("{} lies in work, and part {} is {}", claim.part.display(), part.id, part.state),
             };
-            looked.found(I1, text, "restart the daemon, which ends every claim; its log says what hinders it");
+            looked.add_violation(I1, text, "restart the daemon, which ends every claim; its log says what hinders it");
         }
     }
     Ok(())
 }
 
-/// Every content is in the ledger, in work or still in the hot folder as often as it was dropped.
-pub async fn dropped(ledger: &Ledger, folders: &Folders, witness: &Witness, looked: &mut Looked) -> Result<()> {
-    let recorded: BTreeMap<String, u32> = ledger.drops_by_hash().await?.into_iter().collect();
+/// Every content is in the ledger, in work or still in the hot folder, as often as it was dropped.
+pub async fn check_dropped_files(
+    ledger: &Ledger,
+    folders: &FolderContents,
+    witness: &InvariantExpectations,
+    looked: &mut InvariantReport,
+) -> Result<()> {
+    let recorded: BTreeMap<String, u32> = ledger.drop_counts_by_hash().await?.into_iter().collect();
     for (hash, &times) in &witness.dropped {
         let rows = recorded.get(hash).copied().unwrap_or(0) as usize;
         let lie: usize = folders.inbox.values().filter_map(|inbox| inbox.get(hash)).map(Vec::len).sum();
@@ -215,8 +246,8 @@ pub async fn dropped(ledger: &Ledger, folders: &Folders, witness: &Witness, look
             let is_it = intake::hash_file(&claim.part).is_ok_and(|found| found == *hash);
             unrecorded += usize::from(is_it && ledger.parts_of_claim(&claim.id).await?.is_empty());
         }
-        // What was being taken stands in a half made claim, which the next look gives back.
-        for file in folders.work.values().flat_map(|work| &work.half_made) {
+        // A half-made claim may hold the file; the next scan gives it back.
+        for file in folders.work.values().flat_map(|work| &work.unfinished_files) {
             unrecorded += usize::from(intake::hash_file(file).is_ok_and(|found| found == *hash));
         }
         if rows + lie + unrecorded != times {
@@ -224,21 +255,21 @@ pub async fn dropped(ledger: &Ledger, folders: &Folders, witness: &Witness, look
                 "a file was dropped {times} times; {rows} are recorded, {unrecorded} are claimed, {lie} lie in the hot \
                  folder (BLAKE3 {hash})"
             );
-            looked.found(I1, text, "keep all folders as they are and report it to nestd's makers");
+            looked.add_violation(I1, text, "keep all folders as they are and report it to nestd's makers");
         }
     }
     Ok(())
 }
 
-/// Files of others are as they were.
-pub fn untouched(witness: &Witness, looked: &mut Looked) {
+/// Files that do not belong to nestd are unchanged.
+pub fn check_foreign_files(witness: &InvariantExpectations, looked: &mut InvariantReport) {
     for (path, hash) in &witness.untouched {
-        looked.files += 1;
+        looked.files_read += 1;
         let text = match intake::hash_file(path) {
             Ok(found) if found == *hash => continue,
             Ok(_) => format!("{} is not nestd's and was changed", path.display()),
             Err(error) => format!("{} is not nestd's and cannot be read any more: {error}", path.display()),
         };
-        looked.found(I4, text, "put it back and report it to nestd's makers");
+        looked.add_violation(I4, text, "put it back and report it to nestd's makers");
     }
 }

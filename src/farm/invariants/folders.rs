@@ -1,4 +1,4 @@
-//! What lies in the error, archive and hot folders, by content.
+//! The files in the error, archive and hot folders, by content.
 
 use std::{
     collections::{BTreeMap, HashMap, HashSet},
@@ -7,59 +7,64 @@ use std::{
 
 use anyhow::Result;
 
-use super::looked::{Invariant, Looked, Witness};
+use super::report::{Invariant, InvariantExpectations, InvariantReport};
 use crate::{
-    intake::{self, Work},
+    intake::{self, ClaimsOnDisk},
     ledger::{Ledger, PartState},
     settings::Settings,
 };
 
-/// The files of a folder by the BLAKE3 of each.
-pub type ByHash = HashMap<String, Vec<PathBuf>>;
+/// Files of a folder by BLAKE3.
+pub type FilesByHash = HashMap<String, Vec<PathBuf>>;
 
-/// What was found in the folders of every machine, by profile.
+/// The files in the folders of all machines, by profile.
 #[derive(Debug, Default)]
-pub struct Folders {
+pub struct FolderContents {
     /// Refused files.
-    pub error: BTreeMap<String, ByHash>,
+    pub error: BTreeMap<String, FilesByHash>,
     /// Claims.
-    pub work: BTreeMap<String, Work>,
-    /// Files that were dropped and not taken; only asked for where there is a witness.
-    pub inbox: BTreeMap<String, ByHash>,
+    pub work: BTreeMap<String, ClaimsOnDisk>,
+    /// Files that were dropped and not claimed; only read if the number of drops is known.
+    pub inbox: BTreeMap<String, FilesByHash>,
 }
 
-impl Folders {
-    /// Reads them. What cannot be read is a violation, for nothing can be said of what lies there.
-    pub async fn read(settings: &Settings, witness: &Witness, ledger: &Ledger, looked: &mut Looked) -> Result<Self> {
+impl FolderContents {
+    /// Reads all folders. A folder that cannot be read is a violation, since its contents are not known.
+    pub async fn read_all(
+        settings: &Settings,
+        witness: &InvariantExpectations,
+        ledger: &Ledger,
+        looked: &mut InvariantReport,
+    ) -> Result<Self> {
         let mut folders = Self::default();
         let refused = ledger.parts_in_state(PartState::Rejected).await?;
         for (name, profile) in &settings.profiles {
             let sizes: HashSet<u64> = refused.iter().filter(|p| p.profile == *name).map(|p| p.file.bytes).collect();
             let wanted = |size| witness.at_rest || sizes.contains(&size);
-            let error = by_hash(&profile.folders.error, wanted, looked);
+            let error = files_by_hash(&profile.folders.error, wanted, looked);
             folders.error.insert(name.clone(), error);
-            match intake::work(&profile.folders.inbox) {
+            match intake::list_claims(&profile.folders.inbox) {
                 Ok(work) => drop(folders.work.insert(name.clone(), work)),
-                Err(error) => unreadable(&profile.folders.inbox.join(".claimed"), &error, looked),
+                Err(error) => report_unreadable(&profile.folders.inbox.join(".claimed"), &error, looked),
             }
             if !witness.dropped.is_empty() {
-                folders.inbox.insert(name.clone(), in_hot_folder(&profile.folders.inbox, looked));
+                folders.inbox.insert(name.clone(), dropped_files_by_hash(&profile.folders.inbox, looked));
             }
         }
         Ok(folders)
     }
 }
 
-/// The regular files below a folder whose size is wanted; one that is not there holds none.
-pub fn by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, looked: &mut Looked) -> ByHash {
-    let mut found = ByHash::new();
+/// The regular files below a folder whose size is wanted; none if the folder does not exist.
+pub fn files_by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, looked: &mut InvariantReport) -> FilesByHash {
+    let mut found = FilesByHash::new();
     if !folder.exists() {
         return found;
     }
     let files = match intake::files_below(folder) {
         Ok(files) => files,
         Err(error) => {
-            unreadable(folder, &error, looked);
+            report_unreadable(folder, &error, looked);
             return found;
         }
     };
@@ -69,37 +74,37 @@ pub fn by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, looked: &mut Looked)
         if !meta.is_file() || !wanted(meta.len()) || name.starts_with(b".") || name.ends_with(b".reason.txt") {
             continue;
         }
-        hash_into(&mut found, file, looked);
+        add_file_by_hash(&mut found, file, looked);
     }
     found
 }
 
-fn in_hot_folder(inbox: &Path, looked: &mut Looked) -> ByHash {
-    let mut found = ByHash::new();
-    match intake::scan(inbox, intake::ScanLimits::default()) {
+fn dropped_files_by_hash(inbox: &Path, looked: &mut InvariantReport) -> FilesByHash {
+    let mut found = FilesByHash::new();
+    match intake::scan_inbox(inbox, intake::ScanLimits::default()) {
         Ok(listing) => {
-            for seen in listing.seen.into_iter().filter(|seen| seen.kind == intake::Kind::File) {
-                hash_into(&mut found, seen.path, looked);
+            for seen in listing.entries.into_iter().filter(|seen| seen.kind == intake::EntryKind::File) {
+                add_file_by_hash(&mut found, seen.path, looked);
             }
         }
-        Err(error) => looked.found(Invariant::I1, error.to_string(), "mount it again and look once more"),
+        Err(error) => looked.add_violation(Invariant::I1, error.to_string(), "mount it again and look once more"),
     }
     found
 }
 
-fn hash_into(found: &mut ByHash, file: PathBuf, looked: &mut Looked) {
+fn add_file_by_hash(found: &mut FilesByHash, file: PathBuf, looked: &mut InvariantReport) {
     match intake::hash_file(&file) {
         Ok(hash) => {
-            looked.files += 1;
+            looked.files_read += 1;
             found.entry(hash).or_default().push(file);
         }
-        // Somebody took it meanwhile.
+        // The file was taken meanwhile.
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-        Err(error) => unreadable(&file, &error, looked),
+        Err(error) => report_unreadable(&file, &error, looked),
     }
 }
 
-fn unreadable(path: &Path, error: &std::io::Error, looked: &mut Looked) {
+fn report_unreadable(path: &Path, error: &std::io::Error, looked: &mut InvariantReport) {
     let text = format!("{} cannot be read ({error}), so that nothing is known of what lies there", path.display());
-    looked.found(Invariant::I1, text, "let nestd's user read it, check the disk, and look once more");
+    looked.add_violation(Invariant::I1, text, "let nestd's user read it, check the disk, and look once more");
 }

@@ -1,4 +1,4 @@
-//! A ledger damaged on purpose: noticed, refused, kept.
+//! Tests with ledgers damaged on purpose: the damage is noticed, the ledger is refused, its files are kept.
 
 use std::{fs, path::PathBuf};
 
@@ -8,21 +8,22 @@ use tempfile::TempDir;
 use super::*;
 use crate::ledger::{Ledger, fixtures::*};
 
-/// A ledger that was closed in order, with some parts and builds.
+/// A ledger with some parts and builds that was closed in an orderly way.
 async fn closed() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nestd.db");
-    let ledger = Ledger::open_whole(&path).await.unwrap();
+    let ledger = Ledger::open_checked(&path).await.unwrap();
     for n in 0..12 {
         let part = waiting(&ledger, &format!("part-{n}"), 2).await;
         published(&ledger, &[(part, 0), (part, 1)]).await;
     }
-    assert!(ledger.close_sealed().await.unwrap());
-    assert!(seal_of(&path).exists() && !lost_changes::log_of(&path).exists());
+    assert!(ledger.close_with_checksum().await.unwrap());
+    assert!(checksum_path(&path).exists() && !lost_changes::log_of(&path).exists());
     (folder, path)
 }
 
-/// The ledger's files as a kill leaves them: the last changes only in the log. They are in a folder of their own.
+/// The ledger's files as a kill leaves them: the last changes are only in the write-ahead log. They are in a separate
+/// folder.
 async fn killed() -> (TempDir, PathBuf) {
     let (from, path) = closed().await;
     let ledger = Ledger::open(&path).await.unwrap();
@@ -36,7 +37,7 @@ async fn killed() -> (TempDir, PathBuf) {
 }
 
 async fn refusal(path: &Path) -> String {
-    let error = Ledger::open_whole(path).await.expect_err("a damaged ledger was opened");
+    let error = Ledger::open_checked(path).await.expect_err("a damaged ledger was opened");
     assert!(error.is_damage(), "{error}");
     assert!(error.to_string().contains("nestd restore"), "no remedy: {error}");
     error.to_string()
@@ -51,11 +52,11 @@ fn flip(file: &Path, at: usize) {
 #[tokio::test]
 async fn a_ledger_that_was_closed_in_order_is_opened_again_and_its_seal_broken_by_the_first_change() {
     let (_folder, path) = closed().await;
-    let ledger = Ledger::open_whole(&path).await.unwrap();
+    let ledger = Ledger::open_checked(&path).await.unwrap();
     waiting(&ledger, "another", 1).await;
-    assert!(!seal_of(&path).exists());
-    assert!(ledger.close_sealed().await.unwrap());
-    assert!(look_at_files(&path).await.unwrap(), "the seal vouches for it");
+    assert!(!checksum_path(&path).exists());
+    assert!(ledger.close_with_checksum().await.unwrap());
+    assert!(check_files(&path).await.unwrap(), "the seal vouches for it");
 }
 
 #[tokio::test]
@@ -64,10 +65,10 @@ async fn any_flipped_byte_of_a_sealed_ledger_is_noticed() {
     let bytes = fs::metadata(&path).unwrap().len() as usize;
     for at in (0..bytes).step_by(bytes / 50) {
         flip(&path, at);
-        assert!(refusal(&path).await.contains("not as nestd left it"));
+        assert!(refusal(&path).await.contains("it changed since nestd shut down"));
         flip(&path, at);
     }
-    Ledger::open_whole(&path).await.unwrap();
+    Ledger::open_checked(&path).await.unwrap();
 }
 
 #[tokio::test]
@@ -83,13 +84,13 @@ async fn a_sealed_ledger_that_was_cut_emptied_removed_or_given_a_log_is_refused(
     refusal(&path).await;
     fs::remove_file(lost_changes::log_of(&path)).unwrap();
     fs::remove_file(&path).unwrap();
-    assert!(look_at_files(&path).await.is_err());
+    assert!(check_files(&path).await.is_err());
 }
 
 #[tokio::test]
 async fn what_a_kill_leaves_is_opened_with_all_its_changes() {
     let (_folder, path) = killed().await;
-    let ledger = Ledger::open_whole(&path).await.unwrap();
+    let ledger = Ledger::open_checked(&path).await.unwrap();
     assert_eq!(ledger.parts_named("only in the log.stl").await.unwrap().len(), 1);
 }
 
@@ -116,7 +117,7 @@ async fn a_log_that_is_gone_or_cut_or_damaged_after_a_kill_is_noticed() {
     fs::remove_file(&log).unwrap();
     assert!(refusal(&path).await.contains("is gone"));
     again(&whole);
-    Ledger::open_whole(&path).await.unwrap();
+    Ledger::open_checked(&path).await.unwrap();
 }
 
 #[tokio::test]
@@ -139,12 +140,12 @@ async fn a_note_that_is_behind_or_torn_or_gone_refuses_nothing() {
     let noted: i64 = fs::read_to_string(&note).unwrap().trim().parse().unwrap();
     for text in [format!("{:020}\n", noted - 1), String::new(), "0000".to_owned(), "no number".to_owned()] {
         fs::write(&note, text).unwrap();
-        assert!(!look_at_files(&path).await.unwrap());
+        assert!(!check_files(&path).await.unwrap());
     }
     fs::write(&note, format!("{:020}\n", noted + 1)).unwrap();
-    assert!(look_at_files(&path).await.unwrap_err().is_damage());
+    assert!(check_files(&path).await.unwrap_err().is_damage());
     fs::remove_file(&note).unwrap();
-    Ledger::open_whole(&path).await.unwrap();
+    Ledger::open_checked(&path).await.unwrap();
 }
 
 #[tokio::test]
@@ -155,10 +156,10 @@ async fn a_ledger_put_back_by_hand_after_a_kill_is_not_held_against_the_note_of_
         fs::remove_file(path.with_file_name(file)).unwrap();
     }
     fs::copy(&backup, &path).unwrap();
-    let ledger = Ledger::open_whole(&path).await.unwrap();
+    let ledger = Ledger::open_checked(&path).await.unwrap();
     assert!(!path.with_file_name("nestd.db-changes").exists());
     waiting(&ledger, "after it", 1).await;
-    assert!(ledger.close_sealed().await.unwrap());
+    assert!(ledger.close_with_checksum().await.unwrap());
     assert!(!path.with_file_name("nestd.db-changes").exists(), "an orderly stop leaves no note");
     drop(backup_folder);
 }
@@ -166,19 +167,19 @@ async fn a_ledger_put_back_by_hand_after_a_kill_is_not_held_against_the_note_of_
 #[tokio::test]
 async fn damage_without_a_seal_is_noticed_by_looking_at_every_page() {
     let (_folder, path) = closed().await;
-    fs::remove_file(seal_of(&path)).unwrap();
+    fs::remove_file(checksum_path(&path)).unwrap();
     let whole = fs::read(&path).unwrap();
     for (what, from, to) in [("header", 0, 100), ("schema", 100, 400), ("a page", 3 * 4096, 3 * 4096 + 200)] {
         let mut bytes = whole.clone();
         bytes[from..to].fill(0x55);
         fs::write(&path, bytes).unwrap();
-        let error = Ledger::open_whole(&path).await.expect_err(what);
+        let error = Ledger::open_checked(&path).await.expect_err(what);
         assert!(error.is_damage(), "{what}: {error:?}");
     }
     fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     refusal(&path).await;
     fs::write(&path, whole).unwrap();
-    Ledger::open_whole(&path).await.unwrap();
+    Ledger::open_checked(&path).await.unwrap();
 }
 
 #[tokio::test]
@@ -187,7 +188,7 @@ async fn a_word_that_no_state_machine_knows_is_damage_when_it_is_read() {
     let part = waiting(&ledger, "a", 1).await;
     let raw = SqlitePool::connect_with(SqliteConnectOptions::new().filename(ledger.path())).await.unwrap();
     sqlx::query("UPDATE part SET claimed_at = 'yesterdaz'").execute(&raw).await.unwrap();
-    let error = ledger.part(part).await.unwrap_err();
+    let error = ledger.find_part(part).await.unwrap_err();
     assert!(error.is_damage(), "{error}");
     assert!(error.to_string().contains("nestd restore"));
 }

@@ -1,4 +1,4 @@
-//! Backups: consistent while somebody writes, whole or not there, and never over something else.
+//! Tests of backups: consistent during writes, complete or absent, and never overwriting another file.
 
 use std::{fs, os::unix::fs::PermissionsExt};
 
@@ -11,15 +11,15 @@ async fn a_backup_is_a_whole_ledger_with_its_seal_and_for_its_owner_only() {
     let build = published(&ledger, &[(part, 0), (part, 1)]).await;
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("ledger.backup");
-    let bytes = ledger.backup(&file).await.unwrap();
+    let bytes = ledger.write_backup(&file).await.unwrap();
     assert_eq!(fs::metadata(&file).unwrap().len(), bytes);
     assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o600);
     let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(names.len(), 2, "the backup and its seal: {names:?}");
     super::super::prove_backup(&file).await.unwrap();
-    let copy = Ledger::open_whole(&file).await.unwrap();
+    let copy = Ledger::open_checked(&file).await.unwrap();
     assert_eq!(build_state(&copy, build).await, BuildState::Published);
-    assert_eq!(copy.faults().await.unwrap(), Vec::<String>::new());
+    assert_eq!(copy.find_inconsistencies().await.unwrap(), Vec::<String>::new());
 }
 
 #[tokio::test]
@@ -28,11 +28,11 @@ async fn a_backup_overwrites_nothing_and_leaves_nothing_behind_when_it_fails() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("precious");
     fs::write(&file, "mine").unwrap();
-    let refused = ledger.backup(&file).await.unwrap_err().to_string();
+    let refused = ledger.write_backup(&file).await.unwrap_err().to_string();
     assert!(refused.contains("is there already"), "{refused}");
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    assert!(ledger.backup(&folder.path().join("no/such/folder/ledger")).await.is_err());
+    assert!(ledger.write_backup(&folder.path().join("no/such/folder/ledger")).await.is_err());
 }
 
 #[tokio::test]
@@ -40,7 +40,7 @@ async fn a_damaged_or_foreign_backup_is_told_from_a_good_one() {
     let ledger = fresh().await;
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("backup");
-    ledger.backup(&file).await.unwrap();
+    ledger.write_backup(&file).await.unwrap();
     let whole = fs::read(&file).unwrap();
     for at in [18, 200, whole.len() / 2, whole.len() - 1] {
         let mut bytes = whole.clone();
@@ -73,10 +73,10 @@ async fn a_backup_while_somebody_writes_holds_a_moment_of_the_ledger() {
     for n in 0.. {
         let ended = writes.is_finished();
         let file = folder.path().join(n.to_string());
-        ledger.backup(&file).await.unwrap();
+        ledger.write_backup(&file).await.unwrap();
         let copy = Ledger::open_existing(&file).await.unwrap();
-        assert_eq!(copy.faults().await.unwrap(), Vec::<String>::new());
-        let builds = copy.history(&HistoryQuery::default()).await.unwrap().len();
+        assert_eq!(copy.find_inconsistencies().await.unwrap(), Vec::<String>::new());
+        let builds = copy.read_history(&HistoryQuery::default()).await.unwrap().len();
         assert!(builds >= last, "an acknowledged build is missing");
         last = builds;
         if ended {

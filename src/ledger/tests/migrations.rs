@@ -1,4 +1,4 @@
-//! A ledger of any earlier schema becomes one like new, and keeps every row.
+//! Tests that a ledger of any earlier schema is migrated to the current one and keeps every row.
 
 use std::{borrow::Cow, path::Path};
 
@@ -10,7 +10,7 @@ use sqlx::{
 
 use super::{super::schema::MIGRATIONS, *};
 
-/// A row of each table, as the first schema knows them; later schemas know them too.
+/// A row for each table of the first schema; later schemas have these tables too.
 const ROWS: &str = "
     INSERT INTO part (id, claim, profile, name, content_hash, bytes, state, reason, copies, claimed_at, state_at) VALUES
         (1, 'c1', 'paper-200', 'a.stl', 'aa', 684, 'built', '', 1, '2026-11-01T00:00:00.000Z', '2026-11-02T00:00:00.000Z'),
@@ -38,7 +38,7 @@ async fn text(pool: &SqlitePool, query: String) -> Vec<String> {
     sqlx::query_scalar(sqlx::AssertSqlSafe(query)).fetch_all(pool).await.unwrap()
 }
 
-/// Everything that a schema consists of, as SQLite keeps it.
+/// The whole schema as stored by SQLite.
 async fn schema_of(path: &Path) -> Vec<String> {
     let query = "SELECT type || ' ' || name || ': ' || coalesce(sql, '') FROM sqlite_schema ORDER BY type, name";
     text(&raw(path).await, query.to_owned()).await
@@ -73,9 +73,9 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
             before.push((table, columns, rows));
         }
         pool.close().await;
-        let ledger = Ledger::open_whole(&path).await.unwrap();
-        assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new(), "from schema {version}");
-        let history = ledger.history(&HistoryQuery::default()).await.unwrap();
+        let ledger = Ledger::open_checked(&path).await.unwrap();
+        assert_eq!(ledger.find_inconsistencies().await.unwrap(), Vec::<String>::new(), "from schema {version}");
+        let history = ledger.read_history(&HistoryQuery::default()).await.unwrap();
         assert_eq!((history.len(), history[0].measures.height_mm), (1, Some(87.5)));
         ledger.close().await;
         let pool = raw(&path).await;
@@ -119,7 +119,7 @@ async fn a_newer_ledger_is_refused_with_what_to_do_and_stays_as_it_is() {
     sqlx::query("CREATE TABLE of_the_future (x)").execute(&pool).await.unwrap();
     let before = sqlx::query("SELECT * FROM _sqlx_migrations").fetch_all(&pool).await.unwrap().len();
     pool.close().await;
-    let refused = Ledger::open_whole(&path).await.unwrap_err().to_string();
+    let refused = Ledger::open_checked(&path).await.unwrap_err().to_string();
     assert!(refused.contains("has schema 99") && refused.contains("use the newer nestd"), "{refused}");
     let pool = raw(&path).await;
     let after = sqlx::query("SELECT count(*) FROM _sqlx_migrations").fetch_one(&pool).await.unwrap();

@@ -1,15 +1,15 @@
 //! Tests of the ledger, on real SQLite files.
 
 mod backup;
-mod life;
+mod lifecycle;
 mod migrations;
 mod opening;
-mod plans;
-mod questions;
+mod queries;
+mod query_plans;
+mod random_walks;
 mod shapes;
-mod walk;
 
 use jiff::Timestamp;
-use nester::{OrientationRule, Tilt};
+use nester::{OrientationRule, TiltLimit};
 
 use super::{fixtures::*, *};

@@ -1,12 +1,12 @@
-//! Opening a ledger, and two that write at once.
+//! Tests of opening a ledger, and of two processes that write at the same time.
 
 use std::{path::Path, process, time::Duration};
 
 use super::*;
 
-/// Changes that each of two writers makes at once.
+/// Number of changes that each of two concurrent writers makes.
 const CHANGES: usize = 60;
-/// Where a second process finds the ledger of the test that started it.
+/// Environment variable with the path of the ledger for the second process of a test.
 const LEDGER: &str = "NESTD_TEST_LEDGER";
 
 #[tokio::test]
@@ -23,7 +23,7 @@ async fn a_ledger_is_made_with_its_folder_and_opened_again() {
     assert_eq!(again.path(), path);
     let mode: String = sqlx::query_scalar("PRAGMA journal_mode").fetch_one(again.reader().unwrap()).await.unwrap();
     assert_eq!(mode, "wal");
-    let mut change = again.change().await.unwrap();
+    let mut change = again.begin_change().await.unwrap();
     let full: i64 = sqlx::query_scalar("PRAGMA synchronous").fetch_one(change.db()).await.unwrap();
     let keys: i64 = sqlx::query_scalar("PRAGMA foreign_keys").fetch_one(change.db()).await.unwrap();
     assert_eq!((full, keys), (2, 1), "synchronous = FULL, foreign keys on");
@@ -41,7 +41,7 @@ async fn a_ledger_of_another_schema_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("nestd.db");
     let ledger = Ledger::open(&path).await.unwrap();
-    let mut change = ledger.change().await.unwrap();
+    let mut change = ledger.begin_change().await.unwrap();
     let newer = "INSERT INTO _sqlx_migrations SELECT 9999, description, installed_on, success, checksum, 0 \
                  FROM _sqlx_migrations LIMIT 1";
     sqlx::query(newer).execute(change.db()).await.unwrap();
@@ -49,7 +49,7 @@ async fn a_ledger_of_another_schema_is_refused() {
     for refused in [Ledger::open(&path).await, Ledger::open_existing(&path).await] {
         assert!(matches!(refused, Err(LedgerError::NewerSchema { found: 9999, .. })), "{refused:?}");
     }
-    let mut change = ledger.change().await.unwrap();
+    let mut change = ledger.begin_change().await.unwrap();
     sqlx::query("DELETE FROM _sqlx_migrations").execute(change.db()).await.unwrap();
     change.commit().await.unwrap();
     assert!(matches!(Ledger::open_existing(&path).await, Err(LedgerError::OlderSchema { found: 0, .. })));
@@ -78,7 +78,7 @@ async fn a_change_that_is_dropped_half_way_leaves_nothing_behind() {
     ledger.record_claim(&new_part("last", 1)).await.unwrap();
     let claimed = ledger.parts_in_state(PartState::Claimed).await.unwrap().len();
     assert!(claimed > kept, "{claimed} of {kept}: what was acknowledged is there");
-    assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new());
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), Vec::<String>::new());
 }
 
 /// Reads, then writes: with a deferred BEGIN these fail with "database is locked".
@@ -87,14 +87,14 @@ async fn write_much(path: &Path, who: &str) {
     for n in 0..CHANGES {
         let id = waiting(&ledger, &format!("{who}-{n}"), 1).await;
         if n % 5 == 0 {
-            ledger.cancel(id, Refusal::Cancelled, "enough").await.unwrap();
+            ledger.cancel_part(id, RefusalCause::Cancelled, "enough").await.unwrap();
         }
         ledger.waiting_copies("paper-200").await.unwrap();
     }
     ledger.close().await;
 }
 
-/// Serves the test below; on its own it has nothing to do.
+/// The second process of the test below. Does nothing when run on its own.
 #[tokio::test]
 async fn a_second_process_writes_when_it_is_asked() {
     if let Some(path) = std::env::var_os(LEDGER) {
@@ -121,5 +121,5 @@ async fn processes_and_pools_that_write_at_once_never_see_a_locked_ledger() {
     let ledger = Ledger::open_existing(&path).await.unwrap();
     let all: i64 = sqlx::query_scalar("SELECT count(*) FROM part").fetch_one(ledger.reader().unwrap()).await.unwrap();
     assert_eq!(all as usize, 3 * CHANGES);
-    assert_eq!(ledger.faults().await.unwrap(), Vec::<String>::new());
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), Vec::<String>::new());
 }

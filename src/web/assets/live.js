@@ -1,5 +1,5 @@
-// Keeps a page up to date: when the farm changes, and once a minute, the page is fetched again and its content put in place. A
-// page that cannot be kept up to date says so.
+// Keeps a page up to date: when the farm changes, and once a minute, fetches the page again and replaces its content. Shows a
+// message when the page cannot be updated.
 const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000;
 const main = document.querySelector("#main");
 let events = null, again = 0, busy = false, dirty = false, lost = null;
@@ -31,7 +31,7 @@ function connected() {
   document.getElementById("lost")?.remove();
 }
 
-/** Puts fresh content in place; the 3D view and what somebody has filled in stay as they are. */
+/** Replaces the content; the 3D view and filled-in forms stay as they are. */
 function place(fresh) {
   const view = main.querySelector(":scope > #view"), newView = fresh.querySelector(":scope > #view");
   if (newView && !view) return location.reload(); // It needs a script that this page does not have.
@@ -60,7 +60,7 @@ async function fetched() {
   if (focus) [...main.querySelectorAll("button, a")].find((e) => e.textContent === focus)?.focus();
 }
 
-/** Shows what is new; a change that comes meanwhile, or while somebody types, is looked at afterwards. */
+/** Shows new content; a change that comes in the meantime, or while a person types, is shown afterwards. */
 async function refresh() {
   dirty = true;
   if (busy) return;
@@ -76,7 +76,7 @@ function listen() {
   clearTimeout(again);
   events?.close();
   events = null;
-  // A browser has few connections to a host: a page that nobody sees needs none.
+  // A browser allows few connections to a host: a hidden page closes its own.
   if (document.hidden) return;
   events = new EventSource("/live");
   events.addEventListener("changed", refresh);
@@ -86,7 +86,7 @@ function listen() {
   });
 }
 
-// The page of an error stays what it is.
+// An error page is not updated.
 if (main && !document.querySelector("#problem")) {
   main.addEventListener("focusout", () => setTimeout(() => { if (dirty) refresh(); }));
   document.addEventListener("visibilitychange", () => { listen(); if (!document.hidden) refresh(); });

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Bundles the 3D view with three.js (MIT, its notice stays in the bundle): sh src/web/view/build.sh [--check]
-# --check says whether the bundle that is kept is the one that these sources give.
+# --check says whether the committed bundle matches these sources.
 set -eu
 cd "$(dirname "$0")"
 out=$(mktemp -d)

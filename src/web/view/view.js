@@ -1,4 +1,5 @@
-// The 3D view of a build: each mesh once, its copies instanced. build.sh bundles it with three.js into ../assets/view.js.
+// The 3D view of a build: draws each mesh once, with its copies as instances. build.sh bundles it with three.js into
+// ../assets/view.js.
 import { AmbientLight, BufferAttribute, BufferGeometry, Box3, Box3Helper, Color, DirectionalLight, InstancedMesh, Matrix4, MeshLambertMaterial,
   PerspectiveCamera, Plane, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
@@ -12,7 +13,7 @@ const colourOf = (number) => {
 const section = document.querySelector("#view");
 const HINT = "Point at a copy to see what it is; click to see its siblings.";
 
-// A report carries its scene with it and asks nobody.
+// A report contains its scene; a page fetches it from the server.
 async function fetched(build) {
   const inside = document.querySelector("#scene");
   if (inside) return Uint8Array.from(atob(inside.textContent), (letter) => letter.charCodeAt(0)).buffer;
@@ -76,7 +77,7 @@ function show(data) {
     drawn.instanceMatrix.needsUpdate = true; drawn.computeBoundingSphere();
   });
   const controls = new OrbitControls(camera, canvas);
-  // From the front, a little from the right and above, so near that what stands in the volume just fits.
+  // Looks from the front, slightly from the right and above, as near as possible with the whole build in view.
   const home = () => {
     const high = Math.min(z, Math.max(data.height_mm ?? z, z / 2)), back = new Vector3(0.5, -0.83, 0.42).normalize();
     const right = new Vector3(0, 0, 1).cross(back).normalize(), up = back.clone().cross(right), tall = Math.tan((camera.fov * Math.PI) / 360), wide = tall * camera.aspect;

@@ -1,5 +1,6 @@
-//! The hot folder behind a real Samba server, as the clients of a shop use it: each file is taken once and whole, by the bytes
-//! that the client sent, the row in the ledger and what was printed. Needs `smbd` and `smbclient`.
+//! The hot folder behind a real Samba server, with clients as in a workshop: each file is taken once and complete. The
+//! tests compare the bytes that the client sent, the row in the ledger and the printed copies. They need `smbd` and
+//! `smbclient`.
 
 mod cases;
 mod proxy;

@@ -1,4 +1,4 @@
-//! A bad line between client and server: slow, stalled at a point, or cut there.
+//! A bad connection between client and server: slow, stalled at a point, or cut there.
 
 use std::{
     io::{Read, Write},
@@ -6,19 +6,19 @@ use std::{
     time::Duration,
 };
 
-/// What the line does to what the client sends.
+/// How the connection treats the bytes that the client sends.
 #[derive(Debug, Clone, Copy)]
-pub struct Line {
+pub struct NetworkLine {
     /// Bytes per second.
     pub rate: usize,
-    /// After so many bytes ...
+    /// After this number of bytes ...
     pub at: usize,
-    /// ... nothing passes for so long; `None` = it is cut.
+    /// ... nothing passes for this time; `None` = the connection is cut.
     pub stall: Option<Duration>,
 }
 
-/// Serves one connection to `server`; the port to connect to.
-pub fn serve(line: Line, server: u16) -> u16 {
+/// Forwards one connection to `server`; returns the port to connect to.
+pub fn serve(line: NetworkLine, server: u16) -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     std::thread::spawn(move || {
@@ -29,14 +29,14 @@ pub fn serve(line: Line, server: u16) -> u16 {
             let _ = std::io::copy(&mut down_from, &mut down_to);
             let _ = down_to.shutdown(Shutdown::Both);
         });
-        let _ = carry(line, &client, &server);
+        let _ = forward(line, &client, &server);
         let _ = client.shutdown(Shutdown::Both);
         let _ = server.shutdown(Shutdown::Both);
     });
     port
 }
 
-fn carry(line: Line, mut client: &TcpStream, mut server: &TcpStream) -> std::io::Result<()> {
+fn forward(line: NetworkLine, mut client: &TcpStream, mut server: &TcpStream) -> std::io::Result<()> {
     let (mut buffer, mut sent, mut has_stalled) = (vec![0; 8 << 10], 0, false);
     loop {
         let count = client.read(&mut buffer)?;

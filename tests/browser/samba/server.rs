@@ -1,4 +1,4 @@
-//! A Samba server of a test's own: configuration, port and state in a temporary folder, run by an ordinary user.
+//! A Samba server for one test: configuration, port and state are in a temporary folder; an ordinary user runs it.
 
 use std::{
     fs,
@@ -19,13 +19,13 @@ use super::support::wait_until;
 const NOBODY: u32 = 65534;
 
 /// The server, and what its clients need.
-pub struct Server {
+pub struct SambaServer {
     dir: TempDir,
     port: u16,
     smbd: Child,
 }
 
-/// A program, also where only root looks for it.
+/// The path of a program, also in folders that are only in root's `PATH`.
 fn program(name: &str) -> Option<PathBuf> {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let mut folders: Vec<PathBuf> = std::env::split_paths(&path).collect();
@@ -33,13 +33,13 @@ fn program(name: &str) -> Option<PathBuf> {
     folders.into_iter().map(|folder| folder.join(name)).find(|file| file.is_file())
 }
 
-/// Why there is no server here.
+/// The reason why no server can run on this machine, if there is one.
 pub fn missing() -> Option<String> {
     let missing: Vec<&str> = ["smbd", "smbclient"].into_iter().filter(|name| program(name).is_none()).collect();
     (!missing.is_empty()).then(|| format!("{} is not installed (apt-get install samba smbclient)", missing.join(", ")))
 }
 
-/// Who serves: an ordinary user also where the tests run as root.
+/// The user that runs the server: an ordinary user even if the tests run as root.
 fn user() -> String {
     if geteuid().is_root() {
         return "nobody".to_owned();
@@ -48,7 +48,7 @@ fn user() -> String {
     String::from_utf8(id.stdout).unwrap().trim().to_owned()
 }
 
-impl Server {
+impl SambaServer {
     /// Serves `share` as `inbox`, to guests.
     pub fn start(share: &Path) -> Self {
         let dir = TempDir::new().unwrap();
@@ -87,7 +87,7 @@ impl Server {
         wait_until("smbd listens", 30.0, || TcpStream::connect(("127.0.0.1", self.port)).is_ok());
     }
 
-    /// All its processes end at once, in the middle of whatever they do.
+    /// Kills all its processes at once.
     pub fn kill(&mut self) {
         let group = Pid::from_raw(self.smbd.id() as i32).unwrap();
         let _ = kill_process_group(group, Signal::KILL);
@@ -100,7 +100,7 @@ impl Server {
         self.wait();
     }
 
-    /// A client that connects to this port and does this.
+    /// A client that connects to a port and runs commands.
     pub fn client(&self, port: u16, commands: &str) -> Command {
         let mut command = Command::new(program("smbclient").unwrap());
         command.arg("-s").arg(self.dir.path().join("smb.conf")).args(["-p", &port.to_string(), "-N", "-c", commands]);
@@ -109,8 +109,8 @@ impl Server {
         command
     }
 
-    /// As [`Server::client`], over a good line, to its end.
-    pub fn does(&self, commands: &str) -> Output {
+    /// Runs [`SambaServer::client`] over a good connection, to its end.
+    pub fn run_client(&self, commands: &str) -> Output {
         self.client(self.port, commands).output().unwrap()
     }
 }
@@ -125,7 +125,7 @@ fn spawn(dir: &Path) -> Child {
     command.spawn().unwrap()
 }
 
-/// Lets the server's user into a folder, and let him write there.
+/// Lets the server's user enter a folder and write there.
 pub fn open_to_its_user(root: &Path, share: &Path) {
     for above in share.ancestors().skip(1).take_while(|above| above.starts_with(root)) {
         fs::set_permissions(above, fs::Permissions::from_mode(0o711)).unwrap();
@@ -133,7 +133,7 @@ pub fn open_to_its_user(root: &Path, share: &Path) {
     fs::set_permissions(share, fs::Permissions::from_mode(0o777)).unwrap();
 }
 
-impl Drop for Server {
+impl Drop for SambaServer {
     fn drop(&mut self) {
         self.kill();
     }

@@ -1,4 +1,4 @@
-//! A farm whose hot folder is behind the server, and what was sent to it.
+//! A farm whose hot folder is behind the server, with a record of the files that were sent to it.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -10,68 +10,72 @@ use std::{
 use nestd::ledger::PartState;
 
 use super::{
-    grid::gridded,
-    proxy::{self, Line},
-    server::{Server, open_to_its_user},
+    grid::gridded_box,
+    proxy::{self, NetworkLine},
+    server::{SambaServer, open_to_its_user},
     support::{TestFarm, wait_until_or},
 };
 
-/// A copy that stands still for a while is not given up: a cut one is for the client to send again.
+/// The profile: `unfinished_secs` is long, so that a stalled copy is not refused; a client sends a cut copy again.
 const MACHINE: &str = "volume_mm = [200, 200, 200]\nclearance_mm = 2.0\nsettle_secs = 0.4\nunfinished_secs = 60\nfinal_secs = 0.5\n\
                        arrival_secs = 0.2\nduplicates = \"accept\"\nmax_attempts = 50\n";
 
-pub struct Shop {
+pub struct SambaShop {
     pub farm: TestFarm,
-    pub server: Server,
+    pub server: SambaServer,
     /// Copies that must be printed, by content.
     wanted: BTreeMap<String, u32>,
-    /// Contents that a client itself has written over, perhaps before they were taken.
+    /// Contents that a client itself has overwritten, perhaps before they were taken.
     replaced: BTreeSet<String>,
     made: u32,
 }
 
-impl Shop {
+impl SambaShop {
     pub fn open() -> Self {
         let farm = TestFarm::running(MACHINE);
         open_to_its_user(farm.root(), &farm.folder("inbox"));
-        let server = Server::start(&farm.folder("inbox"));
+        let server = SambaServer::start(&farm.folder("inbox"));
         Self { farm, server, wanted: BTreeMap::new(), replaced: BTreeSet::new(), made: 0 }
     }
 
-    /// A file on the client's side, unlike any other; of so many squares along an edge.
+    /// A new file on the client's side, different from all others, with `squares` squares along an edge.
     pub fn part(&mut self, squares: usize) -> PathBuf {
         self.made += 1;
-        let bytes = gridded([12.0, 14.0, 10.0 + f64::from(self.made) * 0.05], squares);
+        let bytes = gridded_box([12.0, 14.0, 10.0 + f64::from(self.made) * 0.05], squares);
         let file = self.farm.root().join(format!("sent-{}", self.made));
         fs::write(&file, bytes).unwrap();
         file
     }
 
-    /// The content of this file must be printed so often.
-    pub fn wants(&mut self, file: &PathBuf, copies: u32) {
+    /// Expects `copies` printed copies of this file's content.
+    pub fn expect_copies(&mut self, file: &PathBuf, copies: u32) {
         *self.wanted.entry(hash(file)).or_default() += copies;
     }
 
-    /// The content of this file was written over by the client.
-    pub fn is_replaced(&mut self, file: &PathBuf) {
+    /// Records that the client has overwritten the content of this file.
+    pub fn mark_replaced(&mut self, file: &PathBuf) {
         self.replaced.insert(hash(file));
     }
 
-    /// Does this over a good line; it must succeed.
-    pub fn does(&self, commands: &str) {
-        let output = self.server.does(commands);
-        assert!(output.status.success() && !said(&output).contains("NT_STATUS"), "{commands}: {}", said(&output));
+    /// Runs commands over a good connection; they must succeed.
+    pub fn run_client(&self, commands: &str) {
+        let output = self.server.run_client(commands);
+        assert!(
+            output.status.success() && !output_text(&output).contains("NT_STATUS"),
+            "{commands}: {}",
+            output_text(&output)
+        );
     }
 
-    /// Sends a new part of 2 kB under this name, wanted once.
-    pub fn sends(&mut self, name: &str) {
+    /// Sends a new part of 2 kB under this name, and expects one copy.
+    pub fn send_part(&mut self, name: &str) {
         let file = self.part(2);
-        self.does(&format!("put \"{}\" \"{name}\"", file.display()));
-        self.wants(&file, 1);
+        self.run_client(&format!("put \"{}\" \"{name}\"", file.display()));
+        self.expect_copies(&file, 1);
     }
 
-    /// A client that sends over a bad line.
-    pub fn sends_over(&self, line: Line, commands: &str) -> Child {
+    /// Starts a client that sends over a bad connection.
+    pub fn send_over(&self, line: NetworkLine, commands: &str) -> Child {
         let port = proxy::serve(line, self.server.port());
         self.server.client(port, commands).spawn().unwrap()
     }
@@ -86,8 +90,8 @@ impl Shop {
         wait_until_or(&format!("{parts} parts are taken"), 60.0, told, || self.taken() >= parts);
     }
 
-    /// Prints what waits, and holds what was sent, what was taken and what was printed against each other.
-    pub fn closes(mut self) {
+    /// Publishes the waiting parts, and compares the sent, the taken and the printed files.
+    pub fn finish_and_compare(mut self) {
         let least: u32 = self.wanted.values().sum();
         let printed = || self.printed().values().sum::<u32>();
         let told = || format!("{} of {least} are printed\n{}", printed(), self.farm.log());
@@ -111,7 +115,7 @@ impl Shop {
     fn printed(&self) -> BTreeMap<String, u32> {
         let mut printed = BTreeMap::new();
         for file in self.farm.queued() {
-            for placed in build_file::read_build(&file, &build_file::Limits::default()).unwrap() {
+            for placed in build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap() {
                 *printed.entry(placed.source_hash.unwrap()).or_default() += 1;
             }
         }
@@ -119,7 +123,7 @@ impl Shop {
     }
 }
 
-pub fn said(output: &Output) -> String {
+pub fn output_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 

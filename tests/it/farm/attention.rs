@@ -1,9 +1,10 @@
-//! What needs a person is told in `nestd status`, in STATUS.txt and in the journal, with what to do; all else is no error.
+//! Problems that need a person are shown in `nestd status`, in STATUS.txt and in the journal, with a remedy; nothing
+//! else is logged as an error.
 
 use std::{fs, os::unix::fs::FileExt, path::Path};
 
 use nestd::{
-    farm::{Attention, Notice},
+    farm::{AlertKind, FarmAlert},
     ledger::{BuildState, PartState},
 };
 
@@ -11,15 +12,15 @@ use super::support::{PROFILE, QUICK, TestFarm, block, wait_until, wait_until_or}
 
 const SECOND: &str = "second";
 
-/// A farm with two machines, so that one can tell what the other's hot folder cannot.
+/// A farm with two machines, so that one can show problems when the other's hot folder is not available.
 fn farm(profile: &str) -> TestFarm {
     let farm = TestFarm::new(profile);
     farm.write_profile(SECOND, QUICK);
     farm
 }
 
-/// Waits until a kind is told in all three places; STATUS.txt of the machine `told_in`.
-fn is_told_everywhere(farm: &TestFarm, kind: Attention, told_in: &str) {
+/// Waits until a kind is shown in all three places; `told_in` is the machine whose STATUS.txt is read.
+fn is_told_everywhere(farm: &TestFarm, kind: AlertKind, told_in: &str) {
     let status = farm.root().join("inbox").join(told_in).join("STATUS.txt");
     let said = |text: &str| text.contains(kind.headline()) && text.contains(kind.remedy());
     let now = || {
@@ -39,8 +40,8 @@ fn is_told_everywhere(farm: &TestFarm, kind: Attention, told_in: &str) {
     );
 }
 
-/// Waits until nothing needs a person any more.
-fn is_over(farm: &TestFarm, kind: Attention) {
+/// Waits until no problem is left.
+fn is_over(farm: &TestFarm, kind: AlertKind) {
     wait_until_or(
         &format!("{kind:?} is over"),
         40.0,
@@ -54,12 +55,16 @@ fn every_kind_is_told_by_status_with_its_remedy() {
     let farm = TestFarm::new(QUICK);
     let state = farm.root().join("state");
     fs::create_dir(&state).unwrap();
-    for kind in Attention::ALL {
-        let notice =
-            Notice { kind, profile: "test".into(), detail: "just\u{1b}[2J so".into(), since: jiff::Timestamp::now() };
+    for kind in AlertKind::ALL {
+        let notice = FarmAlert {
+            kind,
+            profile: "test".into(),
+            detail: "just\u{1b}[2J so".into(),
+            since: jiff::Timestamp::now(),
+        };
         let text = serde_json::to_string(&[notice]).unwrap();
         fs::write(state.join("attention.json"), text).unwrap();
-        // There is no ledger: what needs a person is told all the same.
+        // The problem is shown although there is no ledger.
         for args in [&["status"][..], &["status", "--json"]] {
             let output = farm.nestd(args);
             let said = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -72,7 +77,7 @@ fn every_kind_is_told_by_status_with_its_remedy() {
 #[test]
 fn the_document_lists_every_kind_with_its_remedy() {
     let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/operations.md")).unwrap();
-    let missing: Vec<String> = (Attention::ALL.iter())
+    let missing: Vec<String> = (AlertKind::ALL.iter())
         .map(|kind| format!("| {} | {} |", kind.headline(), kind.remedy()))
         .filter(|row| !text.contains(row))
         .collect();
@@ -99,20 +104,20 @@ fn folders_that_are_away_and_refused_and_stray_files_are_told_and_it_is_told_whe
     farm.start();
     farm.drop_bytes("torn.stl", b"solid torn");
     fs::write(farm.root().join("inbox/forgotten.stl"), "x").unwrap();
-    is_told_everywhere(&farm, Attention::QueueAway, SECOND);
-    is_told_everywhere(&farm, Attention::Stray, SECOND);
-    is_told_everywhere(&farm, Attention::Refused, "test");
+    is_told_everywhere(&farm, AlertKind::QueueAway, SECOND);
+    is_told_everywhere(&farm, AlertKind::Stray, SECOND);
+    is_told_everywhere(&farm, AlertKind::Refused, "test");
     fs::remove_file(farm.folder("queue")).unwrap();
     fs::remove_file(farm.root().join("inbox/forgotten.stl")).unwrap();
     fs::remove_dir_all(farm.folder("error")).unwrap();
     fs::create_dir(farm.folder("error")).unwrap();
     fs::write(farm.folder("error").join(".nestd-owner"), "").unwrap();
-    is_over(&farm, Attention::QueueAway);
-    is_over(&farm, Attention::Stray);
-    is_over(&farm, Attention::Refused);
+    is_over(&farm, AlertKind::QueueAway);
+    is_over(&farm, AlertKind::Stray);
+    is_over(&farm, AlertKind::Refused);
     fs::rename(farm.folder("inbox"), farm.root().join("elsewhere")).unwrap();
     fs::write(farm.folder("inbox"), "a file in its place").unwrap();
-    is_told_everywhere(&farm, Attention::HotFolderAway, SECOND);
+    is_told_everywhere(&farm, AlertKind::HotFolderAway, SECOND);
 }
 
 #[test]
@@ -123,21 +128,22 @@ fn a_build_that_is_given_up_is_told_until_its_profile_is_resumed_also_after_a_re
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
-    let is_fired = || !farm.ask(async |ledger| ledger.builds_in_state(BuildState::Nesting).await).unwrap().is_empty();
+    let is_fired =
+        || !farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Nesting).await).unwrap().is_empty();
     wait_until("the build is fired", 20.0, is_fired);
     farm.kill();
-    // The machine has become too small for what is being nested.
+    // The machine has become too small for the build that is being nested.
     farm.write_profile(PROFILE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
     farm.start();
-    is_told_everywhere(&farm, Attention::BuildFailed, "test");
+    is_told_everywhere(&farm, AlertKind::BuildFailed, "test");
     farm.wait_for_parts(PartState::Rejected, 1);
     farm.stop();
     fs::write(farm.root().join("log"), "").unwrap();
     farm.write_profile(PROFILE, &profile);
     farm.start();
-    is_told_everywhere(&farm, Attention::BuildFailed, "test");
+    is_told_everywhere(&farm, AlertKind::BuildFailed, "test");
     farm.nestd_ok(&["resume", "test"]);
-    is_over(&farm, Attention::BuildFailed);
+    is_over(&farm, AlertKind::BuildFailed);
     farm.nestd_ok(&["retry", "1"]);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
@@ -154,14 +160,14 @@ fn a_wrong_configuration_and_a_machine_that_is_gone_are_told() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.write_profile(SECOND, "volume_mm = \"wrong\"");
     farm.reload();
-    is_told_everywhere(&farm, Attention::ConfigurationWrong, "test");
+    is_told_everywhere(&farm, AlertKind::ConfigurationWrong, "test");
     fs::remove_file(farm.root().join("config/profiles/second.toml")).unwrap();
     farm.reload();
-    is_told_everywhere(&farm, Attention::MachineGone, "test");
-    is_over(&farm, Attention::ConfigurationWrong);
+    is_told_everywhere(&farm, AlertKind::MachineGone, "test");
+    is_over(&farm, AlertKind::ConfigurationWrong);
     farm.write_profile(SECOND, QUICK);
     farm.reload();
-    is_over(&farm, Attention::MachineGone);
+    is_over(&farm, AlertKind::MachineGone);
 }
 
 #[test]
@@ -184,7 +190,7 @@ fn a_ledger_that_is_damaged_under_the_daemon_halts_it_and_nothing_is_taken_any_m
         pool.close().await;
     });
     farm.drop_part("late.stl", &block(10.0, 20.0, 20.0));
-    is_told_everywhere(&farm, Attention::LedgerDamaged, "test");
+    is_told_everywhere(&farm, AlertKind::LedgerDamaged, "test");
     farm.drop_part("later.stl", &block(11.0, 20.0, 20.0));
     std::thread::sleep(std::time::Duration::from_secs(3));
     assert!(farm.folder("inbox").join("later.stl").exists(), "it was taken\n{}", farm.log());

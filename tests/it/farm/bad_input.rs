@@ -1,4 +1,4 @@
-//! Bad input ends in the error folder with a reason, or with a warning on the part; the daemon goes on.
+//! Bad input goes to the error folder with a reason, or gets a warning on the part; the daemon goes on.
 
 use std::{fs, os::unix::net::UnixListener};
 

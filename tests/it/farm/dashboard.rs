@@ -1,4 +1,4 @@
-//! A farm with a dashboard is as safe as one without: whoever looks holds up and loses nothing.
+//! A farm with a dashboard is as safe as one without: requests delay nothing and lose nothing.
 
 use std::{
     fs,
@@ -20,7 +20,7 @@ fn farm() -> TestFarm {
     farm
 }
 
-/// Asks the dashboard; `None` = no answer within two seconds.
+/// Sends a request to the dashboard; `None` = no response within two seconds.
 fn get(farm: &TestFarm, path: &str) -> Option<String> {
     let mut stream = UnixStream::connect(farm.root().join("web.sock")).ok()?;
     stream.set_read_timeout(Some(Duration::from_secs(2))).unwrap();
@@ -63,7 +63,7 @@ fn curve_and_proved_order_stay_when_the_printer_has_emptied_its_folder_and_two_p
     wait_until_or("the report is there", 20.0, || farm.log(), || fs::exists(&report).unwrap());
     fs::remove_file(&build).unwrap();
     fs::remove_file(&report).unwrap();
-    // A pipe in its place holds up nobody, either.
+    // A pipe in its place blocks nothing, either.
     rustix::fs::mkfifoat(rustix::fs::CWD, &report, rustix::fs::Mode::RWXU).unwrap();
     let sheet = get(&farm, "/api/v1/builds/1").expect("the build for machines");
     assert!(sheet.contains("\"curve\":[{\"wall_secs\":"), "{sheet}");

@@ -1,13 +1,13 @@
-//! `nestd check --deep`: the invariants hold on a farm that has worked, and each way to break one is found and named.
+//! `nestd check --deep`: the invariants hold on a farm after work, and each violation is found and named.
 
 use std::{fs, path::PathBuf};
 
-use nestd::{farm::Witness, ledger::PartState};
+use nestd::{farm::InvariantExpectations, ledger::PartState};
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 
-/// A farm that has built a part, refused one and holds one that waits; nothing runs.
-fn worked() -> TestFarm {
+/// A stopped farm that has built a part, has refused one and holds a waiting one.
+fn farm_after_work() -> TestFarm {
     let mut farm = TestFarm::running(QUICK);
     farm.drop_part("built_x2.stl", &block(20.0, 20.0, 10.0));
     farm.drop_bytes("refused.stl", b"solid nonsense\nendsolid\n");
@@ -24,15 +24,15 @@ fn worked() -> TestFarm {
     farm
 }
 
-fn at_rest(farm: &TestFarm) -> Vec<String> {
+fn violations_at_rest(farm: &TestFarm) -> Vec<String> {
     let files = [stl(&block(20.0, 20.0, 10.0)), b"solid nonsense\nendsolid\n".to_vec(), stl(&block(10.0, 20.0, 30.0))];
     let dropped = files.iter().map(|bytes| (blake3::hash(bytes).to_hex().to_string(), 1)).collect();
-    farm.broken(&Witness { at_rest: true, dropped, ..Witness::default() })
+    farm.broken_invariants(&InvariantExpectations { at_rest: true, dropped, ..InvariantExpectations::default() })
 }
 
 fn only_file(folder: PathBuf) -> PathBuf {
     let mut files = nestd::intake::files_below(&folder).unwrap();
-    // The record of a build and the marker of a folder are for nestd itself.
+    // Skips the record of a build and the marker of a folder, which nestd writes for itself.
     files.retain(|file| !file.ends_with(".nestd-build.json") && !file.ends_with(".nestd-owner"));
     assert_eq!(files.len(), 1, "{files:?}");
     files[0].clone()
@@ -40,15 +40,15 @@ fn only_file(folder: PathBuf) -> PathBuf {
 
 #[test]
 fn the_invariants_hold_on_a_farm_that_has_worked_and_what_breaks_one_is_named() {
-    let farm = worked();
-    assert_eq!(at_rest(&farm), Vec::<String>::new());
+    let farm = farm_after_work();
+    assert_eq!(violations_at_rest(&farm), Vec::<String>::new());
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
 
     let waiting = farm.parts(PartState::Waiting).remove(0);
     let stored = farm.root().join("state/store").join(&waiting.file.content_hash[..2]).join(&waiting.file.content_hash);
     let whole = fs::read(&stored).unwrap();
     fs::write(&stored, [&whole[..whole.len() - 1], b"!"].concat()).unwrap();
-    let found = at_rest(&farm);
+    let found = violations_at_rest(&farm);
     assert!(found.len() == 1 && found[0].starts_with("I1: part 3 (waits.stl) is waiting"), "{found:?}");
     let output = farm.nestd(&["check", "--deep"]);
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -58,21 +58,21 @@ fn the_invariants_hold_on_a_farm_that_has_worked_and_what_breaks_one_is_named() 
     let original = only_file(farm.folder("archive"));
     let kept = fs::read(&original).unwrap();
     fs::remove_file(&original).unwrap();
-    let found = at_rest(&farm);
+    let found = violations_at_rest(&farm);
     assert!(found.len() == 1 && found[0].contains("its original is not in"), "{found:?}");
-    // People may tidy an archive up: a warning, not a failure.
+    // People may remove files from an archive: that is a warning, not a failure.
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("WARNING"));
     fs::write(&original, kept).unwrap();
 
     let refused = farm.folder("error").join("refused.stl");
     fs::rename(&refused, farm.root().join("elsewhere")).unwrap();
-    let found = at_rest(&farm);
+    let found = violations_at_rest(&farm);
     assert!(found.len() == 1 && found[0].contains("not in the error folder"), "{found:?}");
     fs::rename(farm.root().join("elsewhere"), &refused).unwrap();
 
     let build = farm.queued().remove(0);
     fs::copy(&build, build.with_file_name("copied.build.3mf")).unwrap();
-    let found = at_rest(&farm);
+    let found = violations_at_rest(&farm);
     assert!(
         found.len() == 1 && found[0].starts_with("I3: ") && found[0].contains("no build of the ledger"),
         "{found:?}"
@@ -82,7 +82,7 @@ fn the_invariants_hold_on_a_farm_that_has_worked_and_what_breaks_one_is_named() 
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     fs::write(&build, bytes).unwrap();
-    let found = at_rest(&farm);
+    let found = violations_at_rest(&farm);
     assert!(found.iter().any(|text| text.contains("not the file that was proved as build 1")), "{found:?}");
 }
 
@@ -93,7 +93,7 @@ fn a_cancelled_part_that_is_taken_back_leaves_no_second_copy_in_the_error_folder
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.nestd_ok(&["cancel", "1"]);
     farm.wait_for_parts(PartState::Rejected, 1);
-    assert_eq!(farm.broken(&Witness::default()), Vec::<String>::new());
+    assert_eq!(farm.broken_invariants(&InvariantExpectations::default()), Vec::<String>::new());
     farm.nestd_ok(&["retry", "1"]);
     farm.wait_for_parts(PartState::Waiting, 1);
     wait_until("it is gone from the error folder", 5.0, || {

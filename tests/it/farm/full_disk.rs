@@ -1,4 +1,5 @@
-//! A full disk and a read-only queue are states: nothing is refused, nothing is given up, and all goes on when there is room.
+//! A full disk and a read-only queue are temporary: nothing is refused or given up, and work continues when there is
+//! room.
 
 use std::{
     fs,
@@ -17,7 +18,7 @@ struct SmallDisk {
 }
 
 impl SmallDisk {
-    /// `None` where mounting is not allowed; says so.
+    /// `None` where mounting is not allowed; prints that.
     fn new(at: &Path, bytes: u64) -> Option<Self> {
         fs::create_dir_all(at).unwrap();
         let mount = Command::new("mount")
@@ -35,7 +36,7 @@ impl SmallDisk {
     fn fill(&self) {
         let mut bytes = vec![7; 1 << 16];
         let mut file = fs::File::create(self.at.join("filler")).unwrap();
-        // Down to the last byte.
+        // Fills the disk to the last byte.
         while !bytes.is_empty() {
             while std::io::Write::write_all(&mut file, &bytes).is_ok() {}
             bytes.truncate(bytes.len() / 2);
@@ -62,19 +63,19 @@ fn says(farm: &TestFarm, words: &str) {
     wait_until_or(&format!("the log says {words:?}"), 20.0, || farm.log(), || farm.log().contains(words));
 }
 
-/// The build waits, with its part in it, for as long as it takes; then it is published.
+/// Asserts that the build waits with its part while the queue is unusable, and is published afterwards.
 fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     says(farm, "A build cannot be made now");
     let status = || farm.nestd_ok(&["status"]);
     wait_until_or("status tells it", 40.0, || farm.log(), || status().contains("A build cannot be made now"));
-    let build = farm.ask(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).remove(0);
+    let build = farm.query_ledger(async |ledger| ledger.builds_in_state(BuildState::Nesting).await.unwrap()).remove(0);
     assert!(farm.parts(PartState::Batched).len() == 1 && build.attempts <= 1, "{} attempts", build.attempts);
     mend();
     farm.wait_for_queued(1);
     farm.wait_for_parts(PartState::Built, 1);
-    assert!(farm.ask(async |ledger| ledger.paused().await.unwrap()).is_empty());
+    assert!(farm.query_ledger(async |ledger| ledger.paused_profiles().await.unwrap()).is_empty());
 }
 
 #[test]
@@ -139,7 +140,7 @@ fn a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same() {
     farm.start();
     says(&farm, "The farm is open");
     disk.fill();
-    // Longer than a sign of life lasts.
+    // Longer than a heartbeat stays valid.
     let until = std::time::Instant::now() + Duration::from_secs(20);
     while std::time::Instant::now() < until {
         let status = farm.nestd(&["status"]);

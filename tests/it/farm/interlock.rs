@@ -6,7 +6,7 @@ use solids::Mesh;
 
 use super::support::TestFarm;
 
-/// A machine that holds a flat ring and one on edge only when they are linked.
+/// A machine in which a flat ring and a ring on edge fit together only when they are linked.
 const NARROW: &str = "volume_mm = [32, 22, 22]\nclearance_mm = 1.0\norientation = \"fixed\"\nsettle_secs = 0.3\n\
                       unfinished_secs = 2\nfinal_secs = 2\narrival_secs = 2\n";
 
@@ -14,7 +14,7 @@ fn drop_rings(farm: &TestFarm) {
     let flat = sample_parts::ring(21.0, 15.0, 3.0);
     let turned = |v: &DVec3| DVec3::new(v.x, -v.z, v.y);
     let on_edge = Mesh::new(flat.vertices().iter().map(turned).collect(), flat.triangles().to_vec()).unwrap();
-    // The one on edge comes first: around it the flat one finds its place as a link.
+    // The ring on edge is placed first; the flat one then fits only as a link around it.
     farm.drop_part("a_on_edge.stl", &on_edge);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.drop_part("b_flat.stl", &flat);
@@ -30,7 +30,7 @@ fn links_of_a_chain_are_built_apart() {
     let files = farm.wait_for_queued(2);
     farm.wait_for_parts(PartState::Built, 2);
     for file in files {
-        assert_eq!(build_file::read_build(&file, &build_file::Limits::default()).unwrap().len(), 1);
+        assert_eq!(build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap().len(), 1);
         let said = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
         assert!(said.contains("part by part"), "{said}");
     }

@@ -9,17 +9,17 @@ use super::support::{QUICK, TestFarm, block, stl, wait_until};
 #[test]
 fn dropped_parts_become_one_build_in_the_queue_with_its_height_in_the_history() {
     let farm = TestFarm::running(QUICK);
-    for (at, sample) in sample_parts::all().iter().take(5).enumerate() {
+    for (at, sample) in sample_parts::all_samples().iter().take(5).enumerate() {
         farm.drop_part(&format!("{at}_{}_x2.stl", sample.name), &sample.mesh);
     }
     farm.wait_for_parts(PartState::Waiting, 5);
     farm.flush();
     let file = farm.wait_for_queued(1).remove(0);
     farm.wait_for_parts(PartState::Built, 5);
-    let placed = build_file::read_build(&file, &build_file::Limits::default()).unwrap();
+    let placed = build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap();
     assert_eq!(placed.len(), 10);
     let top_mm = placed.iter().map(|p| p.mesh.bounds_at(&p.pose).max.z).fold(0.0, f64::max);
-    let rows = farm.ask(async |ledger| ledger.history(&HistoryQuery::default()).await.unwrap());
+    let rows = farm.query_ledger(async |ledger| ledger.read_history(&HistoryQuery::default()).await.unwrap());
     assert_eq!(rows.len(), 1);
     assert!(
         (rows[0].measures.height_mm.unwrap() - top_mm).abs() < 1e-3,
@@ -38,7 +38,7 @@ fn dropped_parts_become_one_build_in_the_queue_with_its_height_in_the_history() 
 #[test]
 fn a_stop_in_the_middle_of_a_final_search_loses_nothing() {
     let mut farm = TestFarm::running(&QUICK.replace("final_secs = 0.5", "final_secs = 60"));
-    farm.drop_part("a_x6.stl", &sample_parts::all()[0].mesh);
+    farm.drop_part("a_x6.stl", &sample_parts::all_samples()[0].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_parts(PartState::Batched, 1);
@@ -74,7 +74,7 @@ fn a_reload_adds_changes_and_removes_profiles_without_a_restart() {
 }
 
 impl TestFarm {
-    /// A wrong configuration must leave the old one in force: the profile still publishes.
+    /// Asserts that a wrong configuration leaves the old one in force: the profile still publishes.
     fn nestd_ok_with_old_profile(&self, name: &str) {
         self.write_profile(name, QUICK);
         self.nestd_ok(&["flush", name]);
@@ -86,7 +86,7 @@ impl TestFarm {
 fn reloads_while_a_build_is_made_do_not_take_its_file_away() {
     let profile = QUICK.replace("final_secs = 0.5", "final_secs = 2");
     let farm = TestFarm::running(&profile);
-    farm.drop_part("a_x4.stl", &sample_parts::all()[1].mesh);
+    farm.drop_part("a_x4.stl", &sample_parts::all_samples()[1].mesh);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     for days in 1..60 {

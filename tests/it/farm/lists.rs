@@ -6,12 +6,12 @@ use nestd::ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 
-/// A farm that waits so long for what does not fit together.
+/// A farm with a given `incomplete_secs`.
 fn farm(incomplete_secs: f64) -> TestFarm {
     TestFarm::running(&format!("{QUICK}incomplete_secs = {incomplete_secs}\n[trigger]\nmax_wait_secs = \"24h\"\n"))
 }
 
-/// Names and copies of what waits, sorted.
+/// Names and copies of the waiting parts, sorted.
 fn copies(farm: &TestFarm, count: usize) -> Vec<(String, u32)> {
     let mut parts: Vec<_> =
         farm.wait_for_parts(PartState::Waiting, count).into_iter().map(|part| (part.name, part.copies)).collect();

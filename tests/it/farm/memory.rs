@@ -1,4 +1,4 @@
-//! A file that takes more memory than there is: it is refused with its reason, and the others are printed.
+//! A file that needs more memory than there is: it is refused with its reason, and the other parts are printed.
 
 use std::{fs, time::Instant};
 
@@ -35,7 +35,7 @@ fn a_file_whose_reading_ends_the_process_is_refused_and_the_others_are_printed()
     assert!(fs::read_to_string(reason).unwrap().contains("limits.read_memory_bytes"));
     farm.nestd_ok(&["flush", PROFILE]);
     farm.wait_for_queued(1);
-    // Taken back, it is read alone at once: the daemon does not end any more.
+    // After a retry the file is read in a separate process at once: the daemon does not end any more.
     let pid = farm.pid();
     farm.nestd_ok(&["retry", &refused[0].id.to_string()]);
     super::support::wait_until_or(

@@ -1,9 +1,9 @@
-//! The farm as its users meet it: the real binary on real folders, a real SQLite ledger and real inotify.
+//! The farm as users see it: the real binary on real folders, with a real SQLite ledger and real inotify.
 
 mod attention;
 mod bad_input;
 mod dashboard;
-mod decided;
+mod decisions;
 mod deep;
 mod full_disk;
 mod interlock;
@@ -22,7 +22,7 @@ mod returned;
 mod rot;
 mod share;
 mod slow;
+mod status_texts;
 mod watchers;
-mod words;
 
 use crate::support::{self, greedy};

@@ -1,4 +1,4 @@
-//! Names and tickets made to deceive: whatever they hold, every output stays what it is, and the farm builds their parts.
+//! Hostile names and tickets: whatever they hold, every output stays well-formed, and the farm builds their parts.
 
 use std::{
     ffi::OsStr,
@@ -12,13 +12,13 @@ use nestd::ledger::PartState;
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until_or};
 
-/// What a terminal must never get, but for line ends.
+/// Asserts that a text has no control characters except line ends.
 fn assert_harmless(what: &str, text: &str) {
     let bad = text.chars().find(|&c| c != '\n' && build_file::is_invisible(c));
     assert_eq!(bad, None, "{what}: {}", text.escape_debug());
 }
 
-/// No cell of a CSV begins like a formula, unless it is a number.
+/// Asserts that no cell of a CSV begins like a formula, unless it is a number.
 fn assert_no_formula(what: &str, text: &str) {
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes());
     for record in reader.records().map(Result::unwrap) {
@@ -28,7 +28,7 @@ fn assert_no_formula(what: &str, text: &str) {
     }
 }
 
-/// A 3MF whose object is called so.
+/// A 3MF whose object has a given name.
 fn named_package(object: &str) -> Vec<u8> {
     use std::io::Write;
     let model = format!(
@@ -36,7 +36,7 @@ fn named_package(object: &str) -> Vec<u8> {
     );
     let relationships = r#"<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    // A name that climbs out of the package is a name like any other: nothing is ever unpacked to the disk.
+    // A name that leads out of the package (`../`) is harmless, because packages are never unpacked to disk.
     for (name, text) in
         [("_rels/.rels", relationships), ("3D/3dmodel.model", &model), ("../../../tmp/nestd-escaped", "x")]
     {
@@ -109,7 +109,7 @@ fn names_and_tickets_that_deceive_reach_no_terminal_spreadsheet_or_log_as_they_a
             assert_no_formula("history", &told);
         }
     }
-    let picks = fs::read_to_string(beside(&file, ".parts.csv")).unwrap();
+    let picks = fs::read_to_string(sibling_file(&file, ".parts.csv")).unwrap();
     assert!(picks.contains("HYPERLINK"), "{picks}");
     assert_harmless("pick map", &picks);
     assert_no_formula("pick map", &picks);
@@ -120,8 +120,8 @@ fn names_and_tickets_that_deceive_reach_no_terminal_spreadsheet_or_log_as_they_a
     farm.assert_nothing_lost_or_doubled();
 }
 
-/// A file of the same stem.
-fn beside(file: &Path, ending: &str) -> std::path::PathBuf {
+/// The file beside it with the same stem and another ending.
+fn sibling_file(file: &Path, ending: &str) -> std::path::PathBuf {
     let name = file.file_name().unwrap().to_string_lossy().replace(".build.3mf", ending);
     file.with_file_name(name)
 }
@@ -157,7 +157,7 @@ fn pipes_sockets_links_and_devices_under_the_names_of_our_own_files_stop_nobody(
         std::os::unix::fs::symlink(to, inbox.join(name)).unwrap();
     }
     wait_until_or("all are refused", 30.0, || farm.log(), || fs::read_dir(&inbox).unwrap().count() <= 3);
-    // What was refused lies in the error folder now, where reasons of other files are looked for and written.
+    // The refused files are now in the error folder, where reasons of other files are read and written.
     farm.drop_bytes("good.stl", b"solid good\nnothing\nendsolid");
     farm.drop_bytes("pipe.stl", b"solid pipe\nnothing\nendsolid");
     farm.wait_for_parts(PartState::Rejected, 2);

@@ -1,10 +1,11 @@
-//! The open build: it takes parts in and lets them go, keeps zones free, is published at any moment, and rests.
+//! The open build: it adds and removes parts, keeps zones free, can be published at any moment, and is idle without
+//! work.
 
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use nestd::ledger::PartState;
-use nester::{Body, prove_with};
+use nester::{PlacedSolid, prove_with_keep_out};
 use solids::Bounds;
 
 use super::support::{QUICK, TestFarm, block};
@@ -19,13 +20,13 @@ fn a_reserved_zone_stays_free_in_the_published_file() {
     farm.flush();
     farm.wait_for_parts(PartState::Built, 2);
     let file = farm.queued().remove(0);
-    let (info, placed) = build_file::read_build_and_info(&file, &Default::default()).unwrap();
+    let (info, placed) = build_file::read_build_and_metadata(&file, &Default::default()).unwrap();
     let zone = Bounds { min: DVec3::ZERO, max: DVec3::new(60.0, 120.0, 40.0) };
     assert_eq!(info.keep_out, [zone]);
-    let body = |p: build_file::PlacedMesh| Body { name: p.name, mesh: p.mesh, pose: p.pose, clearance_mm: 2.0 };
-    let bodies: Vec<Body> = placed.into_iter().map(body).collect();
+    let body = |p: build_file::PlacedMesh| PlacedSolid { name: p.name, mesh: p.mesh, pose: p.pose, clearance_mm: 2.0 };
+    let bodies: Vec<PlacedSolid> = placed.into_iter().map(body).collect();
     assert_eq!(bodies.len(), 7);
-    assert!(prove_with(&bodies, DVec3::splat(120.0), 0.0, &[zone]).is_proved());
+    assert!(prove_with_keep_out(&bodies, DVec3::splat(120.0), 0.0, &[zone]).is_proved());
     let told = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
     assert!(told.contains("proved") && told.contains("keep-out boxes  1"), "{told}");
 }
@@ -49,7 +50,7 @@ fn a_flush_while_parts_arrive_publishes_all_of_them_within_the_final_budget() {
 #[test]
 fn an_idle_farm_uses_next_to_no_cpu() {
     let farm = TestFarm::running(QUICK);
-    // What waits and is nested costs no more than nothing.
+    // Waiting parts that are already nested cost no more CPU time than an empty farm.
     farm.drop_part("a.stl", &block(20.0, 15.0, 8.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     std::thread::sleep(Duration::from_secs(4));

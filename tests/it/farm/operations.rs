@@ -17,7 +17,7 @@ fn commands(section: &str) -> Vec<String> {
 }
 
 impl TestFarm {
-    /// Does what a line says, on this farm's folders.
+    /// Runs a line of the document on this farm's folders.
     fn do_as_documented(&mut self, line: &str) {
         match line {
             "systemctl stop nestd" => return self.stop(),

@@ -1,4 +1,4 @@
-//! Orders by hand.
+//! Commands of an operator.
 
 use std::time::Duration;
 
@@ -33,7 +33,7 @@ fn an_outcome_is_told_of_a_published_build() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
-    let id = farm.ask(async |ledger| ledger.history(&Default::default()).await.unwrap()[0].build);
+    let id = farm.query_ledger(async |ledger| ledger.read_history(&Default::default()).await.unwrap()[0].build);
     farm.nestd_ok(&["outcome", &id.to_string(), "complete", "--note", "fine"]);
     assert!(farm.nestd_ok(&["show", &format!("b{id}")]).contains("complete"));
 }
@@ -59,7 +59,7 @@ fn a_large_file_is_copied_beside_the_loop_when_its_part_is_cancelled() {
     assert!(std::fs::read(copy).unwrap() == large, "the original is given back whole");
 }
 
-/// Looks often: a copy may take a tenth of a second.
+/// Polls often, because a copy may take only a tenth of a second.
 fn copies_soon(copies: &impl Fn() -> bool) -> impl FnMut() -> bool {
     move || {
         let until = std::time::Instant::now() + Duration::from_secs(1);

@@ -1,4 +1,4 @@
-//! Builds to look at: open, published, and taken by the printer.
+//! Pictures of builds: of an open build, of a published one, and of one that the printer has taken.
 
 use std::{
     fs,
@@ -26,7 +26,7 @@ fn failed(farm: &TestFarm, args: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }
 
-/// The head and the body of an answer of the dashboard.
+/// The head and the body of a response of the dashboard.
 fn get(farm: &TestFarm, path: &str) -> (String, Vec<u8>) {
     let mut stream = UnixStream::connect(farm.root().join("web.sock")).unwrap();
     write!(stream, "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
@@ -90,7 +90,7 @@ fn the_card_of_a_machine_shows_its_build_and_a_look_leaves_the_store_alone() {
     assert!(!page().contains("<img"), "there is nothing to show yet");
     farm.drop_part("a_x2.stl", &block(40.0, 30.0, 20.0));
     wait_until("the card shows the open build", 30.0, || page().contains("alt=\"Build 1, so far: 2 copies"));
-    // What the daemon is just putting into the store is not a look's to clear away.
+    // A request must not remove a file that the daemon is just putting into the store.
     let putting = farm.root().join("state/store/tmp-test");
     fs::write(&putting, "half").unwrap();
     let text = page();

@@ -1,4 +1,5 @@
-//! Least privilege: no daemon as root unless told, and what it makes has the mode and group of the configuration.
+//! Least privilege: the daemon does not run as root without the option, and its files have the configured mode and
+//! group.
 
 use std::{
     fs,
@@ -80,7 +81,7 @@ fn a_group_that_the_daemons_user_is_not_in_is_refused_at_the_start() {
         if !reachable.is_ok_and(|output| output.status.success())
             || fs::set_permissions(farm.root(), PermissionsExt::from_mode(0o755)).is_err()
         {
-            return; // nobody may not run what cargo has built here
+            return; // the user `nobody` may not run the binary that cargo has built here
         }
     }
     let output = command.output().unwrap();
@@ -89,7 +90,7 @@ fn a_group_that_the_daemons_user_is_not_in_is_refused_at_the_start() {
     assert!(said.contains("is not in the group 4711"), "{said}");
 }
 
-/// Starts the daemon as a careless script would: with a umask of its own.
+/// Starts the daemon with a given umask, as a careless script might.
 fn start_with_umask(farm: &TestFarm, umask: &str) -> std::process::Child {
     let daemon = farm.command(&["run"]);
     let mut shell = Command::new("sh");
@@ -119,7 +120,7 @@ fn what_the_daemon_makes_has_the_mode_and_group_of_the_configuration_under_any_u
         fs::write(farm.config(), format!("{config}[files]\nmode = \"{mode:04o}\"\ngroup = \"{group}\"\n")).unwrap();
         let mut daemon = start_with_umask(&farm, umask);
         super::support::wait_until("the hot folder is there", 20.0, || farm.folder("inbox").is_dir());
-        farm.drop_bytes("good.stl", &stl(&sample_parts::all()[0].mesh));
+        farm.drop_bytes("good.stl", &stl(&sample_parts::all_samples()[0].mesh));
         farm.drop_bytes("torn.stl", b"solid torn");
         farm.wait_for_parts(PartState::Waiting, 1);
         farm.flush();
@@ -135,7 +136,7 @@ fn what_the_daemon_makes_has_the_mode_and_group_of_the_configuration_under_any_u
         }
         daemon.kill().unwrap();
         daemon.wait().unwrap();
-        // What was dropped and moved as it is belongs to whoever dropped it.
+        // A file that was dropped and moved keeps the owner who dropped it.
         found.retain(|(path, ..)| !path.ends_with("torn.stl"));
         assert!(found.iter().any(|(path, ..)| path.to_string_lossy().ends_with(".build.3mf")), "{found:#?}");
         assert!(found.iter().any(|(path, ..)| path.ends_with("STATUS.txt")), "{found:#?}");

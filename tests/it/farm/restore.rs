@@ -10,8 +10,8 @@ pub fn text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
-/// A farm that has stopped, and its backup: `a` waited when it was made and was published later, `b` was dropped and
-/// published later, `c` was dropped later and waits. The printer has taken the first build.
+/// A stopped farm and its backup. Part `a` waited at the time of the backup and was published later; `b` was dropped
+/// and published later; `c` was dropped later and waits. The printer has taken the first build.
 fn farm_and_backup() -> (TestFarm, PathBuf) {
     let mut farm = TestFarm::running(QUICK);
     let backup = farm.root().join("ledger.backup");
@@ -33,8 +33,8 @@ fn farm_and_backup() -> (TestFarm, PathBuf) {
     (farm, backup)
 }
 
-/// How often each content stands in a build file.
-pub fn printed(file: &std::path::Path) -> BTreeMap<String, usize> {
+/// The number of copies of each content in a build file.
+pub fn printed_copies(file: &std::path::Path) -> BTreeMap<String, usize> {
     let mut counts = BTreeMap::new();
     for placed in build_file::read_build(file, &Default::default()).unwrap() {
         *counts.entry(placed.source_hash.unwrap()).or_default() += 1;
@@ -46,7 +46,7 @@ pub fn hash_of(mesh: &solids::Mesh) -> String {
     blake3::hash(&stl(mesh)).to_hex().to_string()
 }
 
-/// Lets the farm run, and asserts that nothing of `a` and `b` is printed once more, and `c` with its copies.
+/// Lets the farm run, and asserts that no copy of `a` and `b` is printed again, and that all copies of `c` are.
 fn runs_and_prints_nothing_again(farm: &mut TestFarm) {
     let parts = farm.parts(PartState::Built);
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
@@ -61,7 +61,7 @@ fn runs_and_prints_nothing_again(farm: &mut TestFarm) {
     let new = now.iter().find(|file| !before.contains(file)).unwrap();
     let wanted = [(hash_of(&block(22.0, 20.0, 20.0)), 4), (hash_of(&block(23.0, 20.0, 20.0)), 1)];
     assert_eq!(
-        printed(new),
+        printed_copies(new),
         BTreeMap::from(wanted),
         "what waited with its copies, and what was dropped after the restore"
     );
@@ -70,7 +70,7 @@ fn runs_and_prints_nothing_again(farm: &mut TestFarm) {
         |name: &str| numbers.iter().find(|p| p.source_hash.as_deref() == Some(name)).unwrap().part_number.clone();
     let fresh = number(&hash_of(&block(23.0, 20.0, 20.0))).unwrap();
     assert!(fresh.parse::<i64>().unwrap() > 3, "a number was given out twice");
-    assert_eq!(farm.ask(async |ledger| ledger.faults().await.unwrap()), Vec::<String>::new());
+    assert_eq!(farm.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap()), Vec::<String>::new());
     farm.stop();
 }
 
@@ -133,7 +133,7 @@ fn without_records_the_build_files_in_the_queue_tell() {
     assert_eq!(farm.queued().len(), 1, "printed twice\n{}", farm.log());
 }
 
-/// Published after its backup; its record is gone, as with an archive that was emptied.
+/// A farm that published a build after its backup; the record is gone, as in an emptied archive.
 fn farm_with_a_published() -> (TestFarm, PathBuf) {
     let mut farm = TestFarm::running(QUICK);
     let backup = farm.root().join("ledger.backup");
@@ -198,14 +198,14 @@ fn a_restore_is_refused_while_the_daemon_runs_and_from_what_is_no_whole_backup()
     assert_eq!(fs::read(farm.root().join("state/nestd.db")).unwrap(), before, "the ledger was touched");
 }
 
-/// A ledger as of now, put over the present one by hand once more has happened.
+/// A copy of the current ledger, which a test puts over the ledger by hand later.
 pub fn copy_ledger(farm: &TestFarm) -> PathBuf {
     let copy = farm.root().join("copied.db");
     farm.nestd_ok(&["backup", copy.to_str().unwrap()]);
     copy
 }
 
-pub fn put_over(farm: &TestFarm, copy: &std::path::Path) {
+pub fn replace_ledger(farm: &TestFarm, copy: &std::path::Path) {
     let ledger = farm.root().join("state/nestd.db");
     for suffix in ["-wal", "-shm", ".b3"] {
         let _ = fs::remove_file(format!("{}{suffix}", ledger.display()));
@@ -223,7 +223,7 @@ fn a_ledger_rolled_back_with_no_build_in_between_forgets_no_order() {
     farm.drop_part("two.stl", &block(21.0, 20.0, 20.0));
     farm.wait_for_parts(PartState::Waiting, 2);
     farm.stop();
-    put_over(&farm, &copy);
+    replace_ledger(&farm, &copy);
     let refused = text(&farm.nestd(&["run"]));
     assert!(refused.contains("older than the folders") && refused.contains("--repair"), "{refused}");
     for args in [vec!["check"], vec!["check", "--deep"]] {
@@ -241,10 +241,10 @@ fn a_ledger_rolled_back_with_no_build_in_between_forgets_no_order() {
     farm.flush();
     farm.wait_for_parts(PartState::Built, 2);
     let wanted = [(hash_of(&block(20.0, 20.0, 20.0)), 3), (hash_of(&block(21.0, 20.0, 20.0)), 2)];
-    assert_eq!(printed(&farm.wait_for_queued(1)[0]), BTreeMap::from(wanted));
+    assert_eq!(printed_copies(&farm.wait_for_queued(1)[0]), BTreeMap::from(wanted));
     farm.stop();
-    let store = nestd::intake::Store::at(farm.root().join("state/store"));
-    assert!(store.kept().unwrap().is_empty(), "what is built leaves no note: {:?}", store.kept());
+    let store = nestd::intake::ContentStore::from_dir(farm.root().join("state/store"));
+    assert!(store.list_contents().unwrap().is_empty(), "what is built leaves no note: {:?}", store.list_contents());
 }
 
 #[test]
@@ -272,10 +272,10 @@ fn a_stored_file_of_which_nothing_is_noted_is_told_by_name_and_kept() {
     farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.stop();
-    put_over(&farm, &copy);
-    let store = nestd::intake::Store::at(farm.root().join("state/store"));
+    replace_ledger(&farm, &copy);
+    let store = nestd::intake::ContentStore::from_dir(farm.root().join("state/store"));
     let hash = hash_of(&block(20.0, 20.0, 20.0));
-    for claim in store.kept().unwrap()[&hash].claims.keys() {
+    for claim in store.list_contents().unwrap()[&hash].claims.keys() {
         fs::remove_file(store.note_path(&hash, claim).unwrap()).unwrap();
     }
     assert!(!farm.nestd(&["run"]).status.success());

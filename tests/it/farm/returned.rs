@@ -1,12 +1,12 @@
-//! A ledger that went back in time, and what comes back after it: the same content under another name, folders that were
-//! away, claims that nobody recorded.
+//! A ledger that went back in time, and what appears afterwards: the same content under another name, folders that were
+//! away, claims without a record.
 
 use std::{fs, time::Duration};
 
 use nestd::ledger::PartState;
 
 use super::{
-    restore::{copy_ledger, hash_of, printed, put_over, text},
+    restore::{copy_ledger, hash_of, printed_copies, replace_ledger, text},
     support::{PROFILE, QUICK, TestFarm, block, wait_until_or},
 };
 
@@ -36,7 +36,7 @@ fn the_same_content_under_another_name_is_printed_beside_the_first_after_a_resto
             while began.elapsed() < Duration::from_secs(12) && (count < 5 || is_published) {
                 let _ = farm.nestd(&["flush", PROFILE]);
                 std::thread::sleep(Duration::from_millis(500));
-                count = farm.queued().iter().map(|file| printed(file)[&hash]).sum();
+                count = farm.queued().iter().map(|file| printed_copies(file)[&hash]).sum();
                 if is_published && began.elapsed() > Duration::from_secs(4) {
                     break;
                 }
@@ -62,14 +62,14 @@ fn a_folder_that_was_away_is_held_against_the_ledger_when_it_comes_back() {
         farm.flush();
         farm.wait_for_parts(PartState::Built, 1);
         farm.stop();
-        // The printer has taken it, the share with the archive is away, and the state folder is put back as it was.
+        // The printer has taken the build, the share with the archive is away, and the old state folder is put back.
         farm.queued().iter().for_each(|file| fs::remove_file(file).unwrap());
         let (archive, away) = (farm.folder("archive"), farm.root().join("away"));
         fs::rename(&archive, &away).unwrap();
         if leaves_empty {
             fs::create_dir(&archive).unwrap();
         }
-        put_over(&farm, &copy);
+        replace_ledger(&farm, &copy);
         copy_tree(&kept, &store);
         farm.start();
         let _ = farm.nestd(&["flush", PROFILE]);

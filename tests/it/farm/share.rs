@@ -1,5 +1,5 @@
-//! Folders that others take away, and folders that two daemons want: "unavailable", never "all files deleted"; and a second
-//! daemon that is told who was first.
+//! Folders that disappear: they are "unavailable", never "all files deleted". And folders that two daemons want: the
+//! second daemon is refused and told which daemon was first.
 
 use std::{
     fs,
@@ -16,7 +16,7 @@ fn says(farm: &TestFarm, words: &str) {
     wait_until_or(&format!("the log says {words:?}"), 20.0, || farm.log(), || farm.log().contains(words));
 }
 
-/// Runs the daemon until it ends by itself; what it said.
+/// Runs the daemon until it ends by itself; returns its output.
 fn refused(farm: &TestFarm) -> String {
     let child = farm.command(&["run"]).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let pid = child.id() as i32;
@@ -84,7 +84,7 @@ fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_fo
     fs::remove_file(inbox.join("b.stl")).unwrap();
     fs::remove_dir(&inbox).unwrap();
     fs::rename(&away, &inbox).unwrap();
-    says(&farm, "No longer so: test: The hot folder is unavailable");
+    says(&farm, "Resolved: test: The hot folder is unavailable");
     farm.drop_part("c.stl", &block(20.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 2);
     assert!(farm.parts(PartState::Rejected).is_empty());
@@ -103,7 +103,7 @@ fn a_hot_folder_that_was_replaced_on_purpose_is_taken_when_somebody_says_so() {
     std::thread::sleep(Duration::from_secs(5));
     assert_eq!(fs::read_dir(&inbox).unwrap().count(), 0, "a reload took an empty mount point for the hot folder");
     fs::write(inbox.join(".nestd-owner"), "").unwrap();
-    says(&farm, "No longer so: test: The hot folder is unavailable");
+    says(&farm, "Resolved: test: The hot folder is unavailable");
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
 }
@@ -167,7 +167,7 @@ fn a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was() {
     let inbox = farm.folder("inbox");
     fs::create_dir_all(&inbox).unwrap();
     let image = farm.root().join("image");
-    let Some(share) = Share::new(&image, &inbox) else {
+    let Some(share) = MountedShare::new(&image, &inbox) else {
         eprintln!("SKIPPED: file systems may not be mounted here");
         return;
     };
@@ -179,7 +179,7 @@ fn a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was() {
     says(&farm, "The hot folder is unavailable");
     assert!(fs::read_dir(&inbox).unwrap().count() == 0, "something was written into the mount point");
     assert!(share.mount());
-    says(&farm, "No longer so: test: The hot folder is unavailable");
+    says(&farm, "Resolved: test: The hot folder is unavailable");
     farm.drop_across("b.stl", &block(10.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 2);
     assert!(farm.parts(PartState::Rejected).is_empty());
@@ -188,13 +188,13 @@ fn a_share_that_is_unmounted_and_mounted_again_goes_on_where_it_was() {
 }
 
 /// A file system in a file, mounted through a loop device; unmounted when dropped.
-struct Share<'a> {
+struct MountedShare<'a> {
     image: &'a Path,
     at: &'a Path,
 }
 
-impl<'a> Share<'a> {
-    /// `None` where that is not allowed.
+impl<'a> MountedShare<'a> {
+    /// `None` where mounting is not allowed.
     fn new(image: &'a Path, at: &'a Path) -> Option<Self> {
         fs::File::create(image).unwrap().set_len(16 << 20).unwrap();
         let made = Command::new("mkfs.ext4").arg("-q").arg(image).stderr(Stdio::null()).status();
@@ -208,13 +208,13 @@ impl<'a> Share<'a> {
         mount.is_ok_and(|status| status.success())
     }
 
-    /// As an administrator does whom nothing must hinder.
+    /// Unmounts the file system even while it is in use, as an administrator can.
     fn unmount(&self) {
         let _ = Command::new("umount").arg("-l").arg(self.at).stderr(Stdio::null()).status();
     }
 }
 
-impl Drop for Share<'_> {
+impl Drop for MountedShare<'_> {
     fn drop(&mut self) {
         self.unmount();
     }

@@ -17,7 +17,7 @@ use nestd::ledger::{PartRow, PartState};
 
 use super::support::{
     PROFILE, QUICK, TestFarm, block, signal, stl,
-    trace::{Call, Traced, Verdict, Watch, is_allowed},
+    trace::{CallVerdict, CallWatcher, SystemCall, TracedDaemon, is_allowed},
     wait_until_or,
 };
 
@@ -47,11 +47,11 @@ struct SlowFolders {
 /// Where the files of machines are: what may be a share, or grow.
 const FOLDERS: [&str; 6] = ["inbox", "queue", "error", "archive", "state/store", "state/damaged"];
 
-impl Watch for SlowFolders {
-    fn before(&mut self, call: &Call) -> Verdict {
-        let Ok(path) = call.path.strip_prefix(&self.root) else { return Verdict::Let };
+impl CallWatcher for SlowFolders {
+    fn before(&mut self, call: &SystemCall) -> CallVerdict {
+        let Ok(path) = call.path.strip_prefix(&self.root) else { return CallVerdict::Let };
         if !self.seen.is_watched.load(Ordering::SeqCst) {
-            return Verdict::Let;
+            return CallVerdict::Let;
         }
         let told = format!("{} {}", call.name, path.display());
         // The event loop is the first thread of the process.
@@ -63,13 +63,13 @@ impl Watch for SlowFolders {
         match folder.is_some_and(|folder| self.known.insert((call.name, folder))) {
             true => {
                 self.seen.slowed.lock().unwrap().push(told);
-                Verdict::Delay(SLOW)
+                CallVerdict::Delay(SLOW)
             }
-            false => Verdict::Let,
+            false => CallVerdict::Let,
         }
     }
 
-    fn after(&mut self, _: &Call, _: i64) -> bool {
+    fn after(&mut self, _: &SystemCall, _: i64) -> bool {
         true
     }
 }
@@ -78,7 +78,7 @@ impl Watch for SlowFolders {
 struct TracedFarm {
     farm: TestFarm,
     seen: SeenCalls,
-    daemon: Option<Traced<SlowFolders>>,
+    daemon: Option<TracedDaemon<SlowFolders>>,
     alive: Arc<Mutex<Vec<Instant>>>,
 }
 
@@ -113,7 +113,7 @@ impl TracedFarm {
         let watch =
             SlowFolders { root: self.farm.root().to_owned(), slow, known: HashSet::new(), seen: self.seen.clone() };
         let before = self.farm.log().matches("The farm is open").count();
-        self.daemon = Some(Traced::start(command, self.farm.root(), watch).unwrap());
+        self.daemon = Some(TracedDaemon::start(command, self.farm.root(), watch).unwrap());
         self.wait_for("the farm is open", || self.farm.log().matches("The farm is open").count() > before);
         self.seen.is_watched.store(true, Ordering::SeqCst);
     }
@@ -200,7 +200,7 @@ fn the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part() {
     assert!(by_the_loop.is_empty(), "{by_the_loop:#?}");
     traced.stop();
     traced.farm.assert_nothing_lost_or_doubled();
-    assert_eq!(traced.farm.broken(&Default::default()), [""; 0]);
+    assert_eq!(traced.farm.broken_invariants(&Default::default()), [""; 0]);
 }
 
 #[test]

@@ -1,11 +1,11 @@
-//! Those who watch the farm from outside: a webhook, a textfile, and the commands that try them out.
+//! External monitoring: a webhook, a metrics file, and the commands that test them.
 
 use std::{fs, os::unix::fs::PermissionsExt, time::Duration};
 
-use super::support::{QUICK, TestFarm, block, hook::Hook, wait_until_or};
+use super::support::{QUICK, TestFarm, block, wait_until_or, webhook::TestWebhook};
 
-/// A farm that tells a webhook and writes its metrics into a file.
-fn farm(hook: &Hook, more: &str) -> TestFarm {
+/// A farm that sends messages to a webhook and writes its metrics to a file.
+fn farm(hook: &TestWebhook, more: &str) -> TestFarm {
     let farm = TestFarm::new(QUICK);
     let secret = farm.root().join("secret");
     fs::write(&secret, "a-key-of-some-length-for-tests\n").unwrap();
@@ -22,7 +22,7 @@ fn farm(hook: &Hook, more: &str) -> TestFarm {
     farm
 }
 
-/// Threads of the farm's daemon whose name begins so.
+/// The number of threads of the farm's daemon whose names begin with `name`.
 fn threads(farm: &TestFarm, name: &str) -> usize {
     let threads = fs::read_dir(format!("/proc/{}/task", farm.pid())).unwrap().flatten();
     threads.filter(|thread| fs::read_to_string(thread.path().join("comm")).is_ok_and(|is| is.starts_with(name))).count()
@@ -46,25 +46,25 @@ fn a_farm_that_nobody_watches_has_no_threads_for_it_and_begins_when_the_settings
     farm.reload();
     wait_until_or("the metrics are written", 20.0, || farm.log(), || file.is_file());
     assert!(threads(&farm, "nestd-watch") > 0);
-    assert!(farm.log().contains("What [web] says now is taken at the next start"), "{}", farm.log());
+    assert!(farm.log().contains("The new values in [web] take effect at the next start"), "{}", farm.log());
     farm.stop();
 }
 
 #[test]
 fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
-    let hook = Hook::answering(&[500]);
+    let hook = TestWebhook::with_answers(&[500]);
     let mut farm = farm(&hook, "");
     farm.start();
-    let knows_receiver = || farm.ask(async |ledger| !ledger.receivers().await.unwrap().is_empty());
+    let knows_receiver = || farm.query_ledger(async |ledger| !ledger.list_receivers().await.unwrap().is_empty());
     wait_until_or("the webhook has its place", 20.0, || farm.log(), knows_receiver);
     farm.drop_bytes("<b>torn.stl", b"solid no");
-    let refused = hook.wait_for(1);
+    let refused = hook.wait_for_delivered(1);
     assert_eq!((refused[0]["kind"].as_str(), refused[0]["profile"].as_str()), (Some("refused"), Some("test")));
     assert_eq!(refused[0]["part"]["name"], "<b>torn.stl");
     farm.drop_part("block_x2.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(nestd::ledger::PartState::Waiting, 1);
     farm.flush();
-    let told = hook.wait_for(2);
+    let told = hook.wait_for_delivered(2);
     assert_eq!(told[1]["kind"], "published", "{told:#?}");
     assert_eq!(told[1]["build"]["copies"], 2);
     let name = told[1]["build"]["file"].as_str().unwrap().to_owned();
@@ -81,21 +81,21 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     let is_told = || farm.nestd_ok(&["notify"]).contains("webhook: 0 messages wait, 0 were dropped");
     wait_until_or("the ledger knows that all is delivered", 10.0, || farm.nestd_ok(&["notify"]), is_told);
     assert!(farm.nestd_ok(&["notify", "--test"]).contains("The webhook has the message trial@"));
-    assert_eq!(hook.told().last().unwrap()["kind"], "test");
+    assert_eq!(hook.delivered().last().unwrap()["kind"], "test");
     assert!(farm.nestd_ok(&["check"]).contains("webhook of [notify]"));
     farm.stop();
-    // Every event had one success; the trial is none.
-    let mut ids: Vec<String> = hook.told().iter().map(|m| m["id"].as_str().unwrap().to_owned()).collect();
+    // Every event was delivered once; the trial message is no event.
+    let mut ids: Vec<String> = hook.delivered().iter().map(|m| m["id"].as_str().unwrap().to_owned()).collect();
     ids.sort();
     let count = ids.len();
     ids.dedup();
     assert_eq!((ids.len(), count), (3, 3));
 }
 
-/// The receiver of docs/monitoring.md, word for word, but for its port and its key.
+/// The receiver of docs/monitoring.md, word for word except for its port and its key.
 fn documented_receiver(folder: &std::path::Path, port: u16) -> Option<std::process::Child> {
     let text = include_str!("../../../docs/monitoring.md");
-    let (_, code) = text.split_once("without anything else:\n\n").unwrap();
+    let (_, code) = text.split_once("standard library only:\n\n").unwrap();
     let lines = code.lines().take_while(|line| line.is_empty() || line.starts_with("    "));
     let code: String = lines.map(|line| format!("{}\n", line.strip_prefix("    ").unwrap_or(""))).collect();
     assert!(code.contains("8099") && code.contains("compare_digest"), "{code}");
@@ -109,11 +109,11 @@ fn documented_receiver(folder: &std::path::Path, port: u16) -> Option<std::proce
 #[test]
 fn the_documented_receiver_takes_our_messages_and_refuses_others() {
     let port = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let hook = Hook::answering(&[]);
+    let hook = TestWebhook::with_answers(&[]);
     let farm = farm(&hook, "");
     let config = fs::read_to_string(farm.config()).unwrap();
     fs::write(farm.config(), config.replace(&hook.url, &format!("http://127.0.0.1:{port}/hook"))).unwrap();
-    // Where there is no Python, there is nothing to try.
+    // Without Python there is nothing to test.
     let Some(mut python) = documented_receiver(farm.root(), port) else { return };
     let listens = || std::net::TcpStream::connect(("127.0.0.1", port)).is_ok();
     wait_until_or("the receiver listens", 20.0, String::new, listens);
@@ -124,29 +124,29 @@ fn the_documented_receiver_takes_our_messages_and_refuses_others() {
     let forged = farm.nestd(&["notify", "--test"]);
     python.kill().unwrap();
     python.wait().unwrap();
-    assert!(heard().starts_with("A trial message of nestd on "), "{}", heard());
+    assert!(heard().starts_with("A test message from nestd on "), "{}", heard());
     assert_eq!(forged.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&forged.stderr).contains("answers 403"), "{forged:?}");
 }
 
 #[test]
 fn a_receiver_that_hangs_holds_up_neither_a_build_nor_the_stop() {
-    let hook = Hook::answering(&[0; 50]);
+    let hook = TestWebhook::with_answers(&[0; 50]);
     let mut farm = farm(&hook, "timeout_secs = 30");
     farm.start();
-    let knows_receiver = || farm.ask(async |ledger| !ledger.receivers().await.unwrap().is_empty());
+    let knows_receiver = || farm.query_ledger(async |ledger| !ledger.list_receivers().await.unwrap().is_empty());
     wait_until_or("the webhook has its place", 20.0, || farm.log(), knows_receiver);
     farm.drop_bytes("torn.stl", b"solid no");
-    wait_until_or("the webhook hangs", 30.0, || farm.log(), || !hook.heard().is_empty());
+    wait_until_or("the webhook hangs", 30.0, || farm.log(), || !hook.received().is_empty());
     farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(nestd::ledger::PartState::Waiting, 1);
     farm.flush();
     farm.wait_for_queued(1);
     farm.stop();
-    // After the restart it is told of both; the first perhaps twice, with the same id.
-    hook.answer(&[]);
+    // After the restart it receives both messages; the first perhaps twice, with the same id.
+    hook.set_answers(&[]);
     farm.start();
-    let told = hook.wait_for(2);
+    let told = hook.wait_for_delivered(2);
     let kinds: Vec<&str> = told.iter().filter_map(|m| m["kind"].as_str()).collect();
     assert!(kinds.contains(&"refused") && kinds.contains(&"published"), "{kinds:?}");
     std::thread::sleep(Duration::from_millis(200));
@@ -155,26 +155,27 @@ fn a_receiver_that_hangs_holds_up_neither_a_build_nor_the_stop() {
 
 #[test]
 fn a_machine_whose_queue_is_away_and_a_due_date_that_is_over_are_told_once() {
-    let hook = Hook::answering(&[]);
+    let hook = TestWebhook::with_answers(&[]);
     let mut farm = farm(&hook, "events = [\"unavailable\", \"at-risk\"]");
     farm.start();
-    let knows_receiver = || farm.ask(async |ledger| !ledger.receivers().await.unwrap().is_empty());
+    let knows_receiver = || farm.query_ledger(async |ledger| !ledger.list_receivers().await.unwrap().is_empty());
     wait_until_or("the webhook has its place", 20.0, || farm.log(), knows_receiver);
-    let looked = || farm.ask(async |ledger| ledger.stations().await.unwrap().iter().any(|s| s.is_queue_writable));
+    let looked =
+        || farm.query_ledger(async |ledger| ledger.list_machines().await.unwrap().iter().any(|s| s.is_queue_writable));
     wait_until_or("the machine is known to be available", 30.0, || farm.log(), looked);
     let (queue, away) = (farm.folder("queue"), farm.root().join("away"));
     fs::rename(&queue, &away).unwrap();
     farm.drop_bytes("block.stl.toml", b"due = \"2020-01-01\"\n");
     farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
-    let told = hook.wait_for(2);
+    let told = hook.wait_for_delivered(2);
     let of = |kind: &str| told.iter().find(|m| m["kind"] == kind).unwrap_or_else(|| panic!("no {kind} in {told:#?}"));
     assert!(of("at-risk")["text"].as_str().unwrap().contains("block.stl is due 2020-01-0"), "{told:#?}");
     assert!(of("unavailable")["text"].as_str().unwrap().starts_with("test: "), "{told:#?}");
     fs::remove_dir_all(&queue).ok();
     fs::rename(&away, &queue).unwrap();
-    let told = hook.wait_for(3);
+    let told = hook.wait_for_delivered(3);
     assert_eq!(told[2]["kind"], "available", "{told:#?}");
     assert_eq!(told[2]["text"], "test is available again.");
     farm.stop();
-    assert_eq!(hook.told().len(), 3);
+    assert_eq!(hook.delivered().len(), 3);
 }

@@ -1,5 +1,5 @@
-//! Which files of a room or a crate import which: read from the sources, re-exports followed to the file that defines the name.
-//! What is there for tests alone (`#[cfg(test)]`) does not count.
+//! Reads from the sources which files of a module or crate import which. Re-exports are followed to the file that
+//! defines the name. Code for tests (`#[cfg(test)]`) does not count.
 
 use std::{
     collections::{BTreeMap, BTreeSet, VecDeque},
@@ -10,21 +10,22 @@ use std::{
 /// A module by its names below `src`: `["web", "admit"]`.
 pub type ModulePath = Vec<String>;
 
-/// What imports what, of the modules of one room or crate.
-pub type Imports = BTreeMap<ModulePath, BTreeSet<ModulePath>>;
+/// The imports between the files of one module or crate.
+pub type ImportGraph = BTreeMap<ModulePath, BTreeSet<ModulePath>>;
 
 /// A path in a source text, and whether it is re-exported.
-struct Named {
+struct NamedPath {
     path: Vec<String>,
     is_public: bool,
 }
 
-/// The imports of a room, given the folder that it lies in; of a whole crate, given its sources and no room.
-pub fn imports_of(source: &Path, room: &[&str]) -> Imports {
+/// The imports of a module, given its folder; of a whole crate, given its sources and an empty module.
+pub fn imports_of(source: &Path, room: &[&str]) -> ImportGraph {
     let mut codes = BTreeMap::new();
     read_module(source, room.iter().map(ToString::to_string).collect(), &mut codes);
-    let named: BTreeMap<&ModulePath, Vec<Named>> = codes.iter().map(|(path, code)| (path, paths_in(code))).collect();
-    // What a module re-exports: the name, and the path that it stands for.
+    let named: BTreeMap<&ModulePath, Vec<NamedPath>> =
+        codes.iter().map(|(path, code)| (path, paths_in(code))).collect();
+    // The re-exports of a module: each name, and the path that it stands for.
     let exports = |module: &ModulePath, name: &String| {
         let public = named.get(module)?.iter().filter(|named| named.is_public);
         public.map(|named| &named.path).find(|path| path.last() == Some(name))
@@ -43,7 +44,7 @@ pub fn imports_of(source: &Path, room: &[&str]) -> Imports {
         }
         codes.contains_key(&module).then_some(module)
     };
-    let mut imports = Imports::new();
+    let mut imports = ImportGraph::new();
     for (module, named) in &named {
         let targets = named.iter().filter(|named| !named.is_public).filter_map(|named| resolve(module, &named.path));
         imports.insert((*module).clone(), targets.filter(|target| target != *module).collect());
@@ -51,8 +52,8 @@ pub fn imports_of(source: &Path, room: &[&str]) -> Imports {
     imports
 }
 
-/// The shortest circle through each module that is in one; each circle once.
-pub fn circles(imports: &Imports) -> BTreeSet<Vec<ModulePath>> {
+/// The shortest circle through each module that is part of a circle; each circle once.
+pub fn circles(imports: &ImportGraph) -> BTreeSet<Vec<ModulePath>> {
     let mut circles = BTreeSet::new();
     for start in imports.keys() {
         let mut ways = VecDeque::from([vec![start.clone()]]);
@@ -78,7 +79,7 @@ fn joined(module: &[String], name: &str) -> ModulePath {
     module.iter().cloned().chain([name.to_owned()]).collect()
 }
 
-/// The module that a path starts from, and what follows.
+/// The module at which a path starts, and the rest of the path.
 fn start(from: &[String], path: &[String], codes: &BTreeMap<ModulePath, String>) -> Option<(ModulePath, Vec<String>)> {
     let first = path.first()?.as_str();
     let ups = path.iter().take_while(|name| *name == "super").count();
@@ -91,7 +92,7 @@ fn start(from: &[String], path: &[String], codes: &BTreeMap<ModulePath, String>)
     })
 }
 
-/// Reads a module and those that it declares.
+/// Reads a module and its declared submodules.
 fn read_module(source: &Path, module: ModulePath, codes: &mut BTreeMap<ModulePath, String>) {
     let place = module.iter().fold(source.to_owned(), |place, name| place.join(name));
     let text = fs::read_to_string(place.with_extension("rs")).or_else(|_| fs::read_to_string(place.join("mod.rs")));
@@ -116,7 +117,7 @@ fn without_comments(text: &str) -> String {
     text.lines().map(code).collect::<Vec<_>>().join("\n")
 }
 
-/// The text without what is compiled for tests alone: rustfmt's indentation tells where an item ends.
+/// The text without code for tests. The indentation of rustfmt shows where an item ends.
 fn without_tests(text: &str) -> String {
     let (mut kept, mut lines) = (Vec::new(), text.lines());
     while let Some(line) = lines.next() {
@@ -134,23 +135,23 @@ fn without_tests(text: &str) -> String {
     kept.join("\n")
 }
 
-/// All paths of a text: those of its `use`s, and those inside expressions.
-fn paths_in(code: &str) -> Vec<Named> {
+/// All paths of a text: those of its `use` statements and those inside expressions.
+fn paths_in(code: &str) -> Vec<NamedPath> {
     let (mut named, mut rest) = (Vec::new(), String::new());
     for statement in code.split_inclusive([';', '\n']).fold(Vec::<String>::new(), gathered) {
         let trimmed = statement.trim();
         match use_of(trimmed) {
             Some((is_public, list)) => {
-                named.extend(expanded(list).into_iter().map(|path| Named { path, is_public }));
+                named.extend(expanded(list).into_iter().map(|path| NamedPath { path, is_public }));
             }
             None => rest.push_str(&statement),
         }
     }
-    named.extend(inline_paths(&rest).into_iter().map(|path| Named { path, is_public: false }));
+    named.extend(inline_paths(&rest).into_iter().map(|path| NamedPath { path, is_public: false }));
     named
 }
 
-/// Puts the lines of one `use` together.
+/// Joins the lines of one `use` statement.
 fn gathered(mut statements: Vec<String>, line: &str) -> Vec<String> {
     match statements.last_mut() {
         Some(last) if use_of(last.trim()).is_some() && !last.trim_end().ends_with(';') => last.push_str(line),
@@ -159,7 +160,7 @@ fn gathered(mut statements: Vec<String>, line: &str) -> Vec<String> {
     statements
 }
 
-/// Whether a `use` re-exports, and what it names.
+/// Whether a `use` statement re-exports, and the path that it names.
 fn use_of(statement: &str) -> Option<(bool, &str)> {
     let (before, list) = match statement.strip_prefix("use ") {
         Some(list) => ("", list),
@@ -169,7 +170,7 @@ fn use_of(statement: &str) -> Option<(bool, &str)> {
         .then(|| (!before.is_empty(), list.trim_end_matches(';')))
 }
 
-/// The paths of a list: `a::{b, c::{d, e}}` is `a::b`, `a::c::d`, `a::c::e`.
+/// The paths of a list: `a::{b, c::{d, e}}` becomes `a::b`, `a::c::d`, `a::c::e`.
 fn expanded(list: &str) -> Vec<Vec<String>> {
     let list = list.trim();
     if let Some((head, inner)) = list.split_once('{') {

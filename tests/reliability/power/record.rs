@@ -1,4 +1,4 @@
-//! Records what the daemon does to the farm's files from the first scan to the published build.
+//! Records the daemon's operations on the farm's files from the first scan to the published build.
 
 use std::{
     fs::File,
@@ -8,31 +8,32 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::farm::Witness;
+use nestd::farm::InvariantExpectations;
 use nix::libc;
 
 use super::{
     super::{
-        life::Life,
-        trace::{Call, Traced, Verdict, Watch},
+        life_cycle::LifeCycle,
+        trace::{CallVerdict, CallWatcher, SystemCall, TracedDaemon},
     },
-    tree::{Op, Tree, What},
+    tree::{FileOperation, InodeTree, OperationKind},
 };
 
-/// Fires by itself: nobody else may open the ledger while its files are recorded.
+/// A trigger that fires without a command, because no other process may open the ledger while its files are recorded.
 pub const TRIGGER: &str = "[trigger]\ncopies = 6\n";
 
 /// A recorded life-cycle.
-pub struct Recording {
-    /// The folders before the daemon's first operation, with what was dropped.
-    pub base: Tree,
-    /// What it did.
-    pub ops: Vec<Op>,
-    /// What was dropped.
-    pub witness: Witness,
+pub struct RecordedRun {
+    /// The folders before the daemon's first operation, with the dropped files.
+    pub base: InodeTree,
+    /// The daemon's operations.
+    pub ops: Vec<FileOperation>,
+    /// The dropped files.
+    pub witness: InvariantExpectations,
 }
 
-/// What is rebuilt: not the configuration, which every farm has, nor what says nothing about parts and builds.
+/// Whether a path is rebuilt: not the configuration, which every farm has, and not files that hold nothing about parts
+/// and builds.
 fn is_wanted(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let is_status = |name: &str| matches!(name, "STATUS.txt" | "status.json");
@@ -43,22 +44,22 @@ fn is_wanted(path: &Path) -> bool {
         && !["config", "log", "sending", "taken"].iter().any(|top| path.starts_with(top))
 }
 
-/// Plays the life-cycle once.
-pub fn record() -> Recording {
-    let mut life = Life::with(TRIGGER);
+/// Runs the life-cycle once.
+pub fn record_run() -> RecordedRun {
+    let mut life = LifeCycle::with(TRIGGER);
     life.farm.start();
     life.wait_for_sign_of_life();
     life.farm.stop();
     life.drop_all();
     let root = life.farm.root().to_owned();
-    let base = Tree::read(&root, &is_wanted);
+    let base = InodeTree::read(&root, &is_wanted);
     let state = Arc::new(Mutex::new((base.clone(), Vec::new())));
-    let watch = Record { root: root.clone(), state: state.clone() };
-    let traced = Traced::start(life.farm.command(&["run"]), &root, watch).unwrap();
+    let watch = OperationRecorder { root: root.clone(), state: state.clone() };
+    let traced = TracedDaemon::start(life.farm.command(&["run"]), &root, watch).unwrap();
     let began = Instant::now();
-    let is_done = |life: &Life| {
+    let is_done = |life: &LifeCycle| {
         let inbox = life.farm.folder("inbox");
-        let work = nestd::intake::work(&inbox).unwrap_or_default();
+        let work = nestd::intake::list_claims(&inbox).unwrap_or_default();
         let is_refused = life.farm.folder("error").join("bad.stl").exists();
         !life.farm.queued().is_empty() && work.claims.is_empty() && work.unfinished.is_empty() && is_refused
     };
@@ -69,21 +70,21 @@ pub fn record() -> Recording {
     std::thread::sleep(Duration::from_secs(1));
     drop(traced.kill());
     let ops = std::mem::take(&mut state.lock().unwrap().1);
-    Recording { base, ops, witness: life.witness.clone() }
+    RecordedRun { base, ops, witness: life.witness.clone() }
 }
 
-struct Record {
+struct OperationRecorder {
     root: PathBuf,
-    /// The folders as they are now, and what was done so far.
-    state: Arc<Mutex<(Tree, Vec<Op>)>>,
+    /// The current folders, and the operations so far.
+    state: Arc<Mutex<(InodeTree, Vec<FileOperation>)>>,
 }
 
-impl Watch for Record {
-    fn before(&mut self, _: &Call) -> Verdict {
-        Verdict::Let
+impl CallWatcher for OperationRecorder {
+    fn before(&mut self, _: &SystemCall) -> CallVerdict {
+        CallVerdict::Let
     }
 
-    fn after(&mut self, call: &Call, result: i64) -> bool {
+    fn after(&mut self, call: &SystemCall, result: i64) -> bool {
         if result >= 0 {
             let mut state = self.state.lock().unwrap();
             let (tree, ops) = &mut *state;
@@ -91,7 +92,7 @@ impl Watch for Record {
                 let path = call.to.as_ref().unwrap_or(&call.path);
                 let path = path.strip_prefix(&self.root).unwrap_or(path).to_owned();
                 let is_of_ledger = path.starts_with("state/nestd.db") || path.starts_with("state/nestd.db-wal");
-                let op = Op { what, is_of_ledger, path };
+                let op = FileOperation { what, is_of_ledger, path };
                 tree.allocate(&op);
                 tree.apply(&op);
                 ops.push(op);
@@ -101,35 +102,37 @@ impl Watch for Record {
     }
 }
 
-impl Record {
+impl OperationRecorder {
     fn below<'a>(&self, path: &'a Path) -> Option<&'a Path> {
         path.strip_prefix(&self.root).ok().filter(|path| is_wanted(path))
     }
 
     /// The operations of a call that succeeded.
-    fn operations(&self, call: &Call, result: i64, tree: &Tree) -> Vec<What> {
+    fn operations(&self, call: &SystemCall, result: i64, tree: &InodeTree) -> Vec<OperationKind> {
         self.try_operations(call, result, tree).unwrap_or_default()
     }
 
-    fn try_operations(&self, call: &Call, result: i64, tree: &Tree) -> Option<Vec<What>> {
+    fn try_operations(&self, call: &SystemCall, result: i64, tree: &InodeTree) -> Option<Vec<OperationKind>> {
         let path = self.below(&call.path)?;
         let dir = || tree.find(path.parent()?);
         let name = || path.file_name().map(ToOwned::to_owned);
         Some(match call.name {
             "open" if call.flags & (libc::O_CREAT | libc::O_TRUNC) as u64 != 0 => match tree.find(path) {
-                None => vec![What::Put { dir: dir()?, name: name()?, node: tree.next(), is_dir: false }],
-                Some(node) if call.flags & libc::O_TRUNC as u64 != 0 => vec![What::Truncate { node, bytes: 0 }],
+                None => vec![OperationKind::Put { dir: dir()?, name: name()?, node: tree.next(), is_dir: false }],
+                Some(node) if call.flags & libc::O_TRUNC as u64 != 0 => {
+                    vec![OperationKind::Truncate { node, bytes: 0 }]
+                }
                 Some(_) => Vec::new(),
             },
-            "mkdir" => vec![What::Put { dir: dir()?, name: name()?, node: tree.next(), is_dir: true }],
-            "unlink" | "rmdir" => vec![What::Remove { dir: dir()?, name: name()? }],
+            "mkdir" => vec![OperationKind::Put { dir: dir()?, name: name()?, node: tree.next(), is_dir: true }],
+            "unlink" | "rmdir" => vec![OperationKind::Remove { dir: dir()?, name: name()? }],
             "rename" | "link" => {
                 let to = self.below(call.to.as_deref()?)?;
                 let (to_dir, to_name) = (tree.find(to.parent()?)?, to.file_name()?.to_owned());
                 let node = tree.find(path)?;
                 match call.name {
-                    "link" => vec![What::Link { dir: to_dir, name: to_name, node }],
-                    _ => vec![What::Move { from: dir()?, from_name: name()?, to: to_dir, to_name, node }],
+                    "link" => vec![OperationKind::Link { dir: to_dir, name: to_name, node }],
+                    _ => vec![OperationKind::Move { from: dir()?, from_name: name()?, to: to_dir, to_name, node }],
                 }
             }
             "write" | "pwrite" | "writev" | "pwritev" | "copy_file_range" | "sendfile" => {
@@ -139,10 +142,10 @@ impl Record {
                     .ok()?
                     .read_exact_at(&mut data, offset)
                     .ok()?;
-                vec![What::Write { node: tree.find(path)?, offset, data }]
+                vec![OperationKind::Write { node: tree.find(path)?, offset, data }]
             }
-            "ftruncate" => vec![What::Truncate { node: tree.find(path)?, bytes: call.argument }],
-            "fsync" => vec![What::Sync { node: tree.find(path)? }],
+            "ftruncate" => vec![OperationKind::Truncate { node: tree.find(path)?, bytes: call.argument }],
+            "fsync" => vec![OperationKind::Sync { node: tree.find(path)? }],
             _ => Vec::new(),
         })
     }

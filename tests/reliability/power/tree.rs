@@ -1,4 +1,4 @@
-//! Folders and files as inodes, so that operations can be left out and the rest still means what it meant.
+//! Folders and files as inodes, so that operations can be left out without changing the meaning of the others.
 
 use std::{
     collections::BTreeMap,
@@ -9,31 +9,31 @@ use std::{
 
 /// A folder or file.
 #[derive(Debug, Clone)]
-enum Node {
+enum TreeNode {
     Dir(BTreeMap<OsString, usize>),
     File(Vec<u8>),
 }
 
 /// A tree of inodes; 0 is the root.
 #[derive(Debug, Clone)]
-pub struct Tree {
-    nodes: Vec<Node>,
+pub struct InodeTree {
+    nodes: Vec<TreeNode>,
 }
 
-/// What an operation does.
+/// The kind of an operation.
 #[derive(Debug, Clone)]
-pub enum What {
+pub enum OperationKind {
     /// A new file or folder gets a name.
     Put { dir: usize, name: OsString, node: usize, is_dir: bool },
-    /// A name moves.
+    /// A file or folder is renamed.
     Move { from: usize, from_name: OsString, to: usize, to_name: OsString, node: usize },
-    /// A further name.
+    /// A hard link is made.
     Link { dir: usize, name: OsString, node: usize },
-    /// A name goes.
+    /// A name is removed.
     Remove { dir: usize, name: OsString },
-    /// Contents are written.
+    /// Bytes are written.
     Write { node: usize, offset: u64, data: Vec<u8> },
-    /// A file gets another length.
+    /// The length of a file changes.
     Truncate { node: usize, bytes: u64 },
     /// fsync of a file or folder.
     Sync { node: usize },
@@ -41,55 +41,58 @@ pub enum What {
 
 /// A recorded operation.
 #[derive(Debug, Clone)]
-pub struct Op {
-    pub what: What,
-    /// On SQLite's files.
+pub struct FileOperation {
+    pub what: OperationKind,
+    /// Whether it is on SQLite's files.
     pub is_of_ledger: bool,
-    /// For people.
+    /// A description for people.
     pub path: PathBuf,
 }
 
-impl Op {
+impl FileOperation {
     pub fn is_sync(&self) -> bool {
-        matches!(self.what, What::Sync { .. })
+        matches!(self.what, OperationKind::Sync { .. })
     }
 
     /// Whether a later operation makes this one durable.
-    pub fn is_durable_after(&self, later: &Op) -> bool {
-        let What::Sync { node: synced } = later.what else { return false };
+    pub fn is_durable_after(&self, later: &FileOperation) -> bool {
+        let OperationKind::Sync { node: synced } = later.what else { return false };
         match &self.what {
-            What::Put { dir, .. } | What::Link { dir, .. } | What::Remove { dir, .. } => *dir == synced,
-            What::Move { to, .. } => *to == synced,
-            What::Write { node, .. } | What::Truncate { node, .. } => *node == synced,
-            What::Sync { .. } => true,
+            OperationKind::Put { dir, .. } | OperationKind::Link { dir, .. } | OperationKind::Remove { dir, .. } => {
+                *dir == synced
+            }
+            OperationKind::Move { to, .. } => *to == synced,
+            OperationKind::Write { node, .. } | OperationKind::Truncate { node, .. } => *node == synced,
+            OperationKind::Sync { .. } => true,
         }
     }
 
-    /// Whether it writes on in the file that another one wrote into.
-    pub fn fills_on(&self, before: &Op) -> bool {
-        let written = |op: &Op| if let What::Write { node, .. } = op.what { Some(node) } else { None };
+    /// Whether it continues a write to the same file.
+    pub fn continues_write(&self, before: &FileOperation) -> bool {
+        let written =
+            |op: &FileOperation| if let OperationKind::Write { node, .. } = op.what { Some(node) } else { None };
         written(self).is_some() && written(self) == written(before)
     }
 
     pub fn in_words(&self) -> String {
         let verb = match &self.what {
-            What::Put { is_dir: true, .. } => "mkdir",
-            What::Put { .. } => "create",
-            What::Move { .. } => "rename to",
-            What::Link { .. } => "link",
-            What::Remove { .. } => "remove",
-            What::Write { .. } => "write",
-            What::Truncate { .. } => "truncate",
-            What::Sync { .. } => "fsync",
+            OperationKind::Put { is_dir: true, .. } => "mkdir",
+            OperationKind::Put { .. } => "create",
+            OperationKind::Move { .. } => "rename to",
+            OperationKind::Link { .. } => "link",
+            OperationKind::Remove { .. } => "remove",
+            OperationKind::Write { .. } => "write",
+            OperationKind::Truncate { .. } => "truncate",
+            OperationKind::Sync { .. } => "fsync",
         };
         format!("{verb} {}", self.path.display())
     }
 }
 
-impl Tree {
-    /// What lies in a folder.
+impl InodeTree {
+    /// Reads a folder.
     pub fn read(root: &Path, is_wanted: &dyn Fn(&Path) -> bool) -> Self {
-        let mut tree = Self { nodes: vec![Node::Dir(BTreeMap::new())] };
+        let mut tree = Self { nodes: vec![TreeNode::Dir(BTreeMap::new())] };
         tree.read_into(0, root, root, is_wanted);
         tree
     }
@@ -103,10 +106,10 @@ impl Tree {
             let node = self.nodes.len();
             let name = path.file_name().unwrap().to_owned();
             if path.is_dir() {
-                self.nodes.push(Node::Dir(BTreeMap::new()));
+                self.nodes.push(TreeNode::Dir(BTreeMap::new()));
                 self.read_into(node, &path, root, is_wanted);
             } else {
-                self.nodes.push(Node::File(fs::read(&path).unwrap()));
+                self.nodes.push(TreeNode::File(fs::read(&path).unwrap()));
             }
             self.dir(dir).unwrap().insert(name, node);
         }
@@ -114,7 +117,7 @@ impl Tree {
 
     fn dir(&mut self, node: usize) -> Option<&mut BTreeMap<OsString, usize>> {
         match self.nodes.get_mut(node) {
-            Some(Node::Dir(names)) => Some(names),
+            Some(TreeNode::Dir(names)) => Some(names),
             _ => None,
         }
     }
@@ -122,8 +125,8 @@ impl Tree {
     /// The inode of a path.
     pub fn find(&self, path: &Path) -> Option<usize> {
         path.iter().try_fold(0, |node, name| match &self.nodes[node] {
-            Node::Dir(names) => names.get(name).copied(),
-            Node::File(_) => None,
+            TreeNode::Dir(names) => names.get(name).copied(),
+            TreeNode::File(_) => None,
         })
     }
 
@@ -132,23 +135,23 @@ impl Tree {
         self.nodes.len()
     }
 
-    /// Numbers are given whether or not the name is missing.
-    pub fn allocate(&mut self, op: &Op) {
-        if let What::Put { node, is_dir, .. } = op.what {
+    /// Assigns inode numbers, also for operations that are left out.
+    pub fn allocate(&mut self, op: &FileOperation) {
+        if let OperationKind::Put { node, is_dir, .. } = op.what {
             assert_eq!(node, self.nodes.len());
-            self.nodes.push(if is_dir { Node::Dir(BTreeMap::new()) } else { Node::File(Vec::new()) });
+            self.nodes.push(if is_dir { TreeNode::Dir(BTreeMap::new()) } else { TreeNode::File(Vec::new()) });
         }
     }
 
-    /// Does an operation; one on what is not there does nothing.
-    pub fn apply(&mut self, op: &Op) {
+    /// Applies an operation; one on a missing file does nothing.
+    pub fn apply(&mut self, op: &FileOperation) {
         match &op.what {
-            What::Put { dir, name, node, .. } | What::Link { dir, name, node } => {
+            OperationKind::Put { dir, name, node, .. } | OperationKind::Link { dir, name, node } => {
                 if let Some(names) = self.dir(*dir) {
                     names.insert(name.clone(), *node);
                 }
             }
-            What::Move { from, from_name, to, to_name, node } => {
+            OperationKind::Move { from, from_name, to, to_name, node } => {
                 if let Some(names) = self.dir(*from)
                     && names.get(from_name) == Some(node)
                 {
@@ -158,36 +161,36 @@ impl Tree {
                     names.insert(to_name.clone(), *node);
                 }
             }
-            What::Remove { dir, name } => {
+            OperationKind::Remove { dir, name } => {
                 if let Some(names) = self.dir(*dir) {
                     names.remove(name);
                 }
             }
-            What::Write { node, offset, data } => {
-                if let Node::File(bytes) = &mut self.nodes[*node] {
+            OperationKind::Write { node, offset, data } => {
+                if let TreeNode::File(bytes) = &mut self.nodes[*node] {
                     let end = *offset as usize + data.len();
                     bytes.resize(bytes.len().max(end), 0);
                     bytes[*offset as usize..end].copy_from_slice(data);
                 }
             }
-            What::Truncate { node, bytes: length } => {
-                if let Node::File(bytes) = &mut self.nodes[*node] {
+            OperationKind::Truncate { node, bytes: length } => {
+                if let TreeNode::File(bytes) = &mut self.nodes[*node] {
                     bytes.resize(*length as usize, 0);
                 }
             }
-            What::Sync { .. } => {}
+            OperationKind::Sync { .. } => {}
         }
     }
 
-    /// Makes the tree in a folder.
+    /// Writes the tree to a folder on disk.
     pub fn write(&self, root: &Path) {
         self.write_node(0, root);
     }
 
     fn write_node(&self, node: usize, at: &Path) {
         match &self.nodes[node] {
-            Node::File(bytes) => fs::write(at, bytes).unwrap(),
-            Node::Dir(names) => {
+            TreeNode::File(bytes) => fs::write(at, bytes).unwrap(),
+            TreeNode::Dir(names) => {
                 fs::create_dir_all(at).unwrap();
                 for (name, node) in names {
                     self.write_node(*node, &at.join(name));

@@ -11,7 +11,7 @@ use nix::{libc, unistd::Pid};
 
 /// Whether a call changes something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum CallEffect {
     /// It changes contents, names or what is durable.
     Change,
     /// It only looks.
@@ -20,11 +20,11 @@ pub enum Kind {
 
 /// A call on a path below the farm's root.
 #[derive(Debug, Clone)]
-pub struct Call {
+pub struct SystemCall {
     /// Name of the system call, without the `at` of its newer forms.
     pub name: &'static str,
     /// Whether it changes something.
-    pub kind: Kind,
+    pub kind: CallEffect,
     /// What it is about; a rename's source.
     pub path: PathBuf,
     /// A rename's or link's target.
@@ -46,7 +46,7 @@ pub struct Call {
 }
 
 /// How the arguments of a call name its files.
-enum Form {
+enum ArgumentForm {
     Fd(usize),
     Path(usize),
     At(usize, usize),
@@ -55,9 +55,9 @@ enum Form {
 }
 
 /// Number, name, whether it changes something, and where its files are named.
-const CALLS: [(u64, &str, Kind, Form); 46] = {
-    use Form::*;
-    use Kind::*;
+const CALLS: [(u64, &str, CallEffect, ArgumentForm); 46] = {
+    use ArgumentForm::*;
+    use CallEffect::*;
     [
         (0, "read", Look, Fd(0)),
         (17, "pread", Look, Fd(0)),
@@ -111,18 +111,18 @@ const CALLS: [(u64, &str, Kind, Form); 46] = {
 /// `unlinkat` removes a folder with this flag.
 const REMOVE_DIR: u64 = 0x200;
 
-impl Call {
+impl SystemCall {
     /// The call that a thread of a process is about to make, if it is about the farm's files.
     pub fn decode(pid: Pid, thread: Pid, regs: &libc::user_regs_struct, root: &Path) -> Option<Self> {
         let (number, name, kind, form) = CALLS.iter().find(|(number, ..)| *number == regs.orig_rax)?;
         let args = [regs.rdi, regs.rsi, regs.rdx, regs.r10, regs.r8, regs.r9];
-        let process = Process { pid: pid.as_raw() };
+        let process = TracedProcess { pid: pid.as_raw() };
         let (path, to, fd) = match *form {
-            Form::Fd(at) => (process.of_fd(args[at])?, None, Some(args[at])),
-            Form::Path(at) => (process.at(None, args[at])?, None, None),
-            Form::At(dir, at) => (process.at(Some(args[dir]), args[at])?, None, None),
-            Form::Paths(from, to) => (process.at(None, args[from])?, process.at(None, args[to]), None),
-            Form::Ats(from, to) => {
+            ArgumentForm::Fd(at) => (process.of_fd(args[at])?, None, Some(args[at])),
+            ArgumentForm::Path(at) => (process.at(None, args[at])?, None, None),
+            ArgumentForm::At(dir, at) => (process.at(Some(args[dir]), args[at])?, None, None),
+            ArgumentForm::Paths(from, to) => (process.at(None, args[from])?, process.at(None, args[to]), None),
+            ArgumentForm::Ats(from, to) => {
                 let to = process.at(Some(args[to.0]), args[to.1]);
                 (process.at(Some(args[from.0]), args[from.1])?, to, None)
             }
@@ -139,7 +139,7 @@ impl Call {
         let creates = *name == "open" && flags & (libc::O_CREAT | libc::O_TRUNC) as u64 != 0;
         Some(Self {
             name: if *number == 263 && flags & REMOVE_DIR != 0 { "rmdir" } else { name },
-            kind: if creates { Kind::Change } else { *kind },
+            kind: if creates { CallEffect::Change } else { *kind },
             path,
             to,
             fd,
@@ -159,11 +159,11 @@ impl Call {
     }
 }
 
-struct Process {
+struct TracedProcess {
     pid: i32,
 }
 
-impl Process {
+impl TracedProcess {
     fn of_fd(&self, fd: u64) -> Option<PathBuf> {
         let path = fs::read_link(format!("/proc/{}/fd/{}", self.pid, fd as i32)).ok()?;
         let text = path.into_os_string().into_vec();

@@ -24,11 +24,11 @@ use nix::{
 };
 
 #[allow(unused_imports)] // no program needs all of it
-pub use call::{Call, Kind};
+pub use call::{CallEffect, SystemCall};
 
 /// What to do with a call that is about to be made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
+pub enum CallVerdict {
     /// The kernel does it.
     Let,
     /// It is not done and returns this error.
@@ -40,15 +40,15 @@ pub enum Verdict {
 }
 
 /// Looks at the calls of a traced daemon; lives on the tracer's thread.
-pub trait Watch: Send {
+pub trait CallWatcher: Send {
     /// A call is about to be made.
-    fn before(&mut self, call: &Call) -> Verdict;
+    fn before(&mut self, call: &SystemCall) -> CallVerdict;
     /// A call was made, with this result. `false` = kill the daemon now.
-    fn after(&mut self, call: &Call, result: i64) -> bool;
+    fn after(&mut self, call: &SystemCall, result: i64) -> bool;
 }
 
 /// A daemon under the tracer; killed when dropped.
-pub struct Traced<W> {
+pub struct TracedDaemon<W> {
     pid: Pid,
     ended: Receiver<()>,
     has_ended: bool,
@@ -58,18 +58,18 @@ pub struct Traced<W> {
 /// Whether processes may be traced here; some containers forbid it.
 pub fn is_allowed() -> bool {
     struct Nothing;
-    impl Watch for Nothing {
-        fn before(&mut self, _: &Call) -> Verdict {
-            Verdict::Let
+    impl CallWatcher for Nothing {
+        fn before(&mut self, _: &SystemCall) -> CallVerdict {
+            CallVerdict::Let
         }
-        fn after(&mut self, _: &Call, _: i64) -> bool {
+        fn after(&mut self, _: &SystemCall, _: i64) -> bool {
             true
         }
     }
-    Traced::start(Command::new("true"), Path::new("/nowhere"), Nothing).is_ok()
+    TracedDaemon::start(Command::new("true"), Path::new("/nowhere"), Nothing).is_ok()
 }
 
-impl<W: Watch + 'static> Traced<W> {
+impl<W: CallWatcher + 'static> TracedDaemon<W> {
     /// Starts `command`; calls on paths below `root` are shown to `watch`.
     pub fn start(command: Command, root: &Path, watch: W) -> Result<Self, String> {
         let (tell_pid, pid) = channel();
@@ -84,7 +84,7 @@ impl<W: Watch + 'static> Traced<W> {
                 }
             };
             let _ = tell_pid.send(Ok(pid));
-            let watch = Tracer { pid, root, watch, inside: HashMap::new(), held: Vec::new() }.run();
+            let watch = DaemonTracer { pid, root, watch, inside: HashMap::new(), held: Vec::new() }.run();
             let _ = tell_end.send(());
             watch
         });
@@ -121,7 +121,7 @@ impl<W: Watch + 'static> Traced<W> {
     }
 }
 
-impl<W> Drop for Traced<W> {
+impl<W> Drop for TracedDaemon<W> {
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {
             let _ = kill(self.pid, Signal::SIGKILL);
@@ -167,24 +167,24 @@ fn seize(command: Command) -> Result<Pid, String> {
     Ok(pid)
 }
 
-struct Tracer<W> {
+struct DaemonTracer<W> {
     pid: Pid,
     root: PathBuf,
     watch: W,
     /// Threads inside a call, with the call when it is one of ours, what is to be returned instead and the registers to
     /// be put back.
-    inside: HashMap<Pid, Option<Pending>>,
+    inside: HashMap<Pid, Option<PendingCall>>,
     /// Threads whose call is delayed, and until when.
     held: Vec<(Pid, Instant)>,
 }
 
-struct Pending {
-    call: Call,
-    verdict: Verdict,
+struct PendingCall {
+    call: SystemCall,
+    verdict: CallVerdict,
     regs: libc::user_regs_struct,
 }
 
-impl<W: Watch> Tracer<W> {
+impl<W: CallWatcher> DaemonTracer<W> {
     /// Follows all threads until the process is gone.
     fn run(mut self) -> W {
         let group = Pid::from_raw(-self.pid.as_raw());
@@ -195,7 +195,7 @@ impl<W: Watch> Tracer<W> {
                 if self.held.is_empty() { WaitPidFlag::__WALL } else { WaitPidFlag::__WALL | WaitPidFlag::WNOHANG };
             match waitpid(group, Some(wait)) {
                 Ok(WaitStatus::StillAlive) => std::thread::sleep(Duration::from_millis(1)),
-                Ok(WaitStatus::PtraceSyscall(thread)) => self.at_call(thread),
+                Ok(WaitStatus::PtraceSyscall(thread)) => self.handle_call(thread),
                 Ok(WaitStatus::PtraceEvent(thread, ..)) => resume(thread, None),
                 Ok(WaitStatus::Stopped(thread, signal)) => {
                     let held = matches!(signal, Signal::SIGSTOP | Signal::SIGTRAP | Signal::SIGCONT);
@@ -218,12 +218,12 @@ impl<W: Watch> Tracer<W> {
         self.held.extract_if(.., |(_, until)| *until <= now).for_each(|(thread, _)| resume(thread, None));
     }
 
-    fn at_call(&mut self, thread: Pid) {
+    fn handle_call(&mut self, thread: Pid) {
         match self.inside.remove(&thread) {
             None => {
                 let pending = self.enter(thread);
                 let delay = pending.as_ref().and_then(|pending| match pending.verdict {
-                    Verdict::Delay(delay) => Some(delay),
+                    CallVerdict::Delay(delay) => Some(delay),
                     _ => None,
                 });
                 self.inside.insert(thread, pending);
@@ -237,30 +237,30 @@ impl<W: Watch> Tracer<W> {
         resume(thread, None);
     }
 
-    fn enter(&mut self, thread: Pid) -> Option<Pending> {
+    fn enter(&mut self, thread: Pid) -> Option<PendingCall> {
         let regs = ptrace::getregs(thread).ok()?;
-        let call = Call::decode(self.pid, thread, &regs, &self.root)?;
+        let call = SystemCall::decode(self.pid, thread, &regs, &self.root)?;
         let verdict = self.watch.before(&call);
         let mut changed = regs;
         match verdict {
-            Verdict::Let | Verdict::Delay(_) => {}
-            Verdict::Fail(_) => changed.orig_rax = u64::MAX,
-            Verdict::Shorten(bytes) => changed.rdx = bytes,
+            CallVerdict::Let | CallVerdict::Delay(_) => {}
+            CallVerdict::Fail(_) => changed.orig_rax = u64::MAX,
+            CallVerdict::Shorten(bytes) => changed.rdx = bytes,
         }
-        if !matches!(verdict, Verdict::Let | Verdict::Delay(_)) {
+        if !matches!(verdict, CallVerdict::Let | CallVerdict::Delay(_)) {
             let _ = ptrace::setregs(thread, changed);
         }
-        Some(Pending { call, verdict, regs })
+        Some(PendingCall { call, verdict, regs })
     }
 
-    fn leave(&mut self, thread: Pid, pending: Pending) {
+    fn leave(&mut self, thread: Pid, pending: PendingCall) {
         let Ok(mut regs) = ptrace::getregs(thread) else { return };
         match pending.verdict {
-            Verdict::Let | Verdict::Delay(_) => {}
-            Verdict::Fail(errno) => regs.rax = i64::from(-errno) as u64,
-            Verdict::Shorten(_) => regs.rdx = pending.regs.rdx,
+            CallVerdict::Let | CallVerdict::Delay(_) => {}
+            CallVerdict::Fail(errno) => regs.rax = i64::from(-errno) as u64,
+            CallVerdict::Shorten(_) => regs.rdx = pending.regs.rdx,
         }
-        if !matches!(pending.verdict, Verdict::Let | Verdict::Delay(_)) {
+        if !matches!(pending.verdict, CallVerdict::Let | CallVerdict::Delay(_)) {
             let _ = ptrace::setregs(thread, regs);
         }
         if !self.watch.after(&pending.call, regs.rax as i64) {

@@ -1,148 +1,155 @@
-//! One layout of the paper's method: parts in their sequence, each placed by a flower pollination of its own.
+//! One layout of the paper's method: parts in sequence, each placed by its own flower pollination.
 
 use glam::DVec3;
 use solids::{Bounds, Pose};
 
-use super::{clear::keeps_apart, shape::Shape, zones::Zones};
+use super::{clearance_check::surfaces_keep_clearance, shape::PaperShape, zone_obstacles::ZoneObstacles};
 use crate::{
-    Instance, PaperConfig, Placement, Stop,
-    layers::{Filled, Slice},
-    pollination::{Edge, Gene, Pollination, Setup},
+    ItemPlacement, NestingInstance, PaperConfig, StopCondition,
+    layers::{FilledLayers, PartLayerAreas},
+    pollination::{FlowerPollination, GeneBoundary, GeneRange, PollinationSettings},
 };
 
-/// How often a flower whose proposal interferes is drawn anew within one turn (step 4 of figure 9 goes back without end,
-/// which in a full container would never return).
+/// Number of times that a flower whose proposal interferes is redrawn within one turn. Step 4 of figure 9 repeats
+/// without a limit, which would never end in a full container.
 const REDRAWS: usize = 8;
-/// Proposals between two looks at the budget.
-const LOOK_EVERY: u64 = 16;
-/// Numbers of a genome that stand for the position.
-const POSITION: usize = 3;
+/// Proposals between two checks of the budget.
+const PROPOSALS_PER_CHECK: u64 = 16;
+/// Number of genes that encode the position.
+const POSITION_GENES: usize = 3;
 
-/// Height of the layout with this part first, then its distance from the origin, mm.
-type Fitness = (f64, f64);
+/// Height of the layout with this part, then its distance from the origin, mm.
+type LayoutFitness = (f64, f64);
 
-/// A layout that is being built up.
-pub(super) struct Layout<'a> {
-    instance: &'a Instance,
-    shapes: &'a [Shape],
-    zones: &'a Zones,
-    placed: Vec<Placed>,
+/// A layout under construction.
+pub(super) struct PaperLayout<'a> {
+    instance: &'a NestingInstance,
+    shapes: &'a [PaperShape],
+    zones: &'a ZoneObstacles,
+    placed: Vec<BoundedPlacement>,
     top_mm: f64,
-    filled: Filled,
-    /// The placed part that stood in the way last; it probably does again.
+    filled: FilledLayers,
+    /// The placed part that interfered last; it is tested first.
     obstacle: usize,
 }
 
-struct Placed {
-    placement: Placement,
+struct BoundedPlacement {
+    placement: ItemPlacement,
     bounds: Bounds,
 }
 
-/// What a candidate pose would give.
-struct Candidate {
+/// A candidate pose and its fitness.
+struct CandidatePose {
     pose: Pose,
     bounds: Bounds,
-    fitness: Fitness,
+    fitness: LayoutFitness,
 }
 
-/// How the budget is looked at while a part is being placed.
-pub(super) struct Pace<'a> {
+/// The budget for placing one part.
+pub(super) struct PlacementBudget<'a> {
     /// The budget.
-    pub stop: &'a dyn Stop,
-    /// The share of it at which the part must have its place.
+    pub stop: &'a dyn StopCondition,
+    /// The share of the budget at which the part must be placed.
     pub until: f64,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> PaperLayout<'a> {
     /// An empty layout.
-    pub fn new(instance: &'a Instance, shapes: &'a [Shape], zones: &'a Zones) -> Self {
-        let filled = Filled::new(instance.layer_cap());
+    pub fn new(instance: &'a NestingInstance, shapes: &'a [PaperShape], zones: &'a ZoneObstacles) -> Self {
+        let filled = FilledLayers::new(instance.layer_cap());
         Self { instance, shapes, zones, placed: Vec::new(), top_mm: 0.0, filled, obstacle: 0 }
     }
 
-    /// Puts promised copies where they were promised.
-    pub fn pin(&mut self, pinned: &[Placement]) {
+    /// Places fixed copies at their poses.
+    pub fn add_pinned(&mut self, pinned: &[ItemPlacement]) {
         for &placement in pinned.iter().filter(|p| p.item < self.shapes.len()) {
             let bounds = self.shapes[placement.item].surface.bounds_at(&placement.pose);
             self.top_mm = self.top_mm.max(bounds.max.z);
-            self.placed.push(Placed { placement, bounds });
+            self.placed.push(BoundedPlacement { placement, bounds });
         }
     }
 
-    /// Placed copies in the sequence of their placing.
-    pub fn placements(&self) -> Vec<Placement> {
+    /// Placed copies in the order of placement.
+    pub fn placements(&self) -> Vec<ItemPlacement> {
         self.placed.iter().map(|p| p.placement).collect()
     }
 
-    /// Puts the first part into the corner at the origin in its initial orientation, or a quarter turned. Returns whether it
-    /// fits so.
+    /// Places the first part in the corner at the origin, in its initial orientation or rotated by 90 degrees. Returns
+    /// whether it fits.
     pub fn place_in_corner(&mut self, item: usize, copy: u32) -> bool {
         let fit = (0..2).find_map(|quarters| {
-            let mut genome = vec![0.0; POSITION];
+            let mut genome = vec![0.0; POSITION_GENES];
             genome.extend(self.shapes[item].initial_genes(quarters));
-            self.candidate(item, &genome)
+            self.decode_candidate(item, &genome)
         });
         match fit {
             Some(candidate)
                 if self.placed.is_empty()
                     && !self.is_in_a_zone(item, &candidate)
-                    && self.filled.takes(&self.slice(item, &candidate)) =>
+                    && self.filled.can_add(&self.candidate_layer_areas(item, &candidate)) =>
             {
-                self.put(item, copy, &candidate);
+                self.add_candidate(item, copy, &candidate);
                 true
             }
             _ => false,
         }
     }
 
-    /// Finds a place by flower pollination (section 2.3.1, steps 1 to 8). Returns whether there is one; counts proposals.
-    pub fn place(
+    /// Finds a place by flower pollination (section 2.3.1, steps 1 to 8). Returns whether there is one. Counts
+    /// proposals in `evaluations`.
+    pub fn place_copy(
         &mut self,
         (item, copy): (usize, u32),
         config: &PaperConfig,
-        pace: &Pace,
+        pace: &PlacementBudget,
         seed: u64,
         evaluations: &mut u64,
     ) -> bool {
-        let setup = Setup {
+        let setup = PollinationSettings {
             population: config.population,
             switch_probability: config.switch_probability,
             scale: config.scale,
             levy_exponent: config.levy_exponent,
             even: false,
         };
-        let place = Gene { lower: 0.0, upper: 1.0, edge: Edge::Clamp };
-        let genes = [vec![place; POSITION], self.shapes[item].rotation_genes()].concat();
-        let mut search = Pollination::new(setup, genes, seed).starting_at(self.starts(item, config.population));
-        let mut found: Option<Candidate> = None;
+        let place = GeneRange { lower: 0.0, upper: 1.0, edge: GeneBoundary::Clamp };
+        let genes = [vec![place; POSITION_GENES], self.shapes[item].rotation_genes()].concat();
+        let mut search =
+            FlowerPollination::new(setup, genes, seed).starting_at(self.start_genomes(item, config.population));
+        let mut found: Option<CandidatePose> = None;
         let turns = config.population.max(1) as u64 * (config.iterations as u64 + 1);
         let start = *evaluations;
         for turn in 0..turns {
-            if turn.is_multiple_of(LOOK_EVERY)
+            if turn.is_multiple_of(PROPOSALS_PER_CHECK)
                 && *evaluations > start + 4
-                && pace.stop.spent(*evaluations) >= pace.until
+                && pace.stop.spent_share_at(*evaluations) >= pace.until
             {
                 break;
             }
-            if let Some(better) = self.turn(item, &mut search, evaluations) {
+            if let Some(better) = self.take_flower_turn(item, &mut search, evaluations) {
                 found = Some(better);
             }
         }
         if let Some(candidate) = &found {
-            self.put(item, copy, candidate);
+            self.add_candidate(item, copy, candidate);
         }
         found.is_some()
     }
 
-    /// One flower's turn; the candidate when it is the best so far.
-    fn turn(&mut self, item: usize, search: &mut Pollination<Fitness>, evaluations: &mut u64) -> Option<Candidate> {
+    /// Takes one flower's turn. Returns the candidate when it is the best so far.
+    fn take_flower_turn(
+        &mut self,
+        item: usize,
+        search: &mut FlowerPollination<LayoutFitness>,
+        evaluations: &mut u64,
+    ) -> Option<CandidatePose> {
         for _ in 0..=REDRAWS {
             *evaluations += 1;
-            let candidate = self.candidate(item, search.ask());
+            let candidate = self.decode_candidate(item, search.ask());
             let Some(candidate) = candidate else { continue };
-            // The objective costs far less than the interference test: a place that is no better than the flower's own would
-            // not be taken anyway, so it ends the turn untested.
-            if search.own().is_some_and(|own| candidate.fitness >= *own) {
+            // The objective costs far less than the interference test. A place that is no better than the flower's own
+            // would be rejected anyway, so it ends the turn untested.
+            if search.own_fitness().is_some_and(|own| candidate.fitness >= *own) {
                 break;
             }
             if self.interferes(item, &candidate) {
@@ -152,26 +159,27 @@ impl<'a> Layout<'a> {
             let is_barred = || {
                 self.is_nested(item, &candidate)
                     || self.is_near_when_raised(item, &candidate)
-                    || self.filled.is_capped() && !self.filled.takes(&self.slice(item, &candidate))
+                    || self.filled.is_capped() && !self.filled.can_add(&self.candidate_layer_areas(item, &candidate))
             };
             if is_best && is_barred() {
                 continue;
             }
             return search.tell(candidate.fitness).then_some(candidate);
         }
-        search.skip();
+        search.skip_turn();
         None
     }
 
-    /// Where the first flowers start: on top of everything in the corner at the origin, on the floor there, then scattered
-    /// over the container in the initial orientation; half of the flowers are left to start anywhere in any orientation.
-    fn starts(&self, item: usize, population: usize) -> Vec<Vec<f64>> {
-        // Steps of the golden ratio's three-dimensional kin scatter more evenly than random numbers.
+    /// Start positions of the first flowers: on top of everything in the corner at the origin, on the floor there, then
+    /// scattered over the container in the initial orientation. The other half of the flowers starts anywhere in any
+    /// orientation.
+    fn start_genomes(&self, item: usize, population: usize) -> Vec<Vec<f64>> {
+        // Steps of the three-dimensional generalisation of the golden ratio scatter more evenly than random numbers.
         let kin = [0.819_172_513_396_164_4, 0.671_043_606_703_789_3, 0.549_700_477_901_970_3];
         let flowers = population.div_ceil(2).max(4);
         let place = |flower: usize| match flower {
             0 | 1 => [0.0, 0.0, 1.0],
-            2 | 3 => [0.0; POSITION],
+            2 | 3 => [0.0; POSITION_GENES],
             _ => kin.map(|step| (0.5 + flower as f64 * step).fract()),
         };
         let quarters = |flower: usize| (flower % 4) as u32;
@@ -184,17 +192,17 @@ impl<'a> Layout<'a> {
             .collect()
     }
 
-    /// What a genome stands for, or `None` when its orientation is too large for the container. Position genes are shares of
-    /// the way that the part can go within the walls, in z up to just above the highest part.
-    fn candidate(&self, item: usize, genome: &[f64]) -> Option<Candidate> {
+    /// Decodes a genome; `None` when its orientation is too large for the container. Position genes are shares of the
+    /// range in which the part fits within the walls; in z, up to just above the highest part.
+    fn decode_candidate(&self, item: usize, genome: &[f64]) -> Option<CandidatePose> {
         let shape = &self.shapes[item];
-        let rotation = shape.rotation(&genome[POSITION..]);
-        if !shape.obeys(rotation) {
+        let rotation = shape.decode_rotation(&genome[POSITION_GENES..]);
+        if !shape.allows_rotation(rotation) {
             return None;
         }
         let bounds = shape.surface.bounds_at(&Pose { rotation, translation: DVec3::ZERO });
         let mut free = self.instance.volume().size_mm - bounds.size();
-        // A part exactly as large as the container fits, whatever rounding says.
+        // A part exactly as large as the container fits, in spite of rounding.
         if free.min_element() < -1e-9 {
             return None;
         }
@@ -204,28 +212,33 @@ impl<'a> Layout<'a> {
         let translation = corner - bounds.min;
         let bounds = Bounds { min: corner, max: bounds.max + translation };
         let fitness = (self.top_mm.max(bounds.max.z), bounds.max.length());
-        Some(Candidate { pose: Pose { rotation, translation }, bounds, fitness })
+        Some(CandidatePose { pose: Pose { rotation, translation }, bounds, fitness })
     }
 
-    /// The height at which nothing is in the way any more, mm. A hair above the clearance, so that rounding cannot spoil it.
+    /// The height at which no part can interfere any more, mm. Slightly more than the clearance, in spite of rounding.
     fn above_all_mm(&self, item: usize) -> f64 {
         let extra_mm = self.instance.clearance_z_extra_mm();
-        let clear =
-            |p: &Placed| p.bounds.max.z + self.instance.clearance_between_mm(item, p.placement.item) + extra_mm + 1e-6;
+        let clear = |p: &BoundedPlacement| {
+            p.bounds.max.z + self.instance.clearance_between_mm(item, p.placement.item) + extra_mm + 1e-6
+        };
         self.placed.iter().map(clear).fold(self.zones.top_mm(), f64::max)
     }
 
-    /// Whether the candidate comes too near to a placed part as far as its boxes can tell (figure 9, step 4). Parts whose
-    /// bounds keep the clearance are not looked at any closer.
-    fn interferes(&mut self, item: usize, candidate: &Candidate) -> bool {
-        let hit = |layout: &Self, other: &Placed| {
+    /// Whether the candidate's boxes come too near to those of a placed part (figure 9, step 4). Parts whose bounds
+    /// keep the clearance are not tested further.
+    fn interferes(&mut self, item: usize, candidate: &CandidatePose) -> bool {
+        let hit = |layout: &Self, other: &BoundedPlacement| {
             let clearance_mm = layout.instance.clearance_between_mm(item, other.placement.item);
             let gap_mm = candidate.bounds.distance(&other.bounds);
             if gap_mm >= clearance_mm && gap_mm > 0.0 {
                 return false;
             }
             let boxes = &layout.shapes[other.placement.item].boxes;
-            boxes.collides(&layout.shapes[item].boxes, &other.placement.pose.seen(&candidate.pose), clearance_mm)
+            boxes.collides_with(
+                &layout.shapes[item].boxes,
+                &other.placement.pose.relative_pose_of(&candidate.pose),
+                clearance_mm,
+            )
         };
         if self.is_in_a_zone(item, candidate) {
             return true;
@@ -241,44 +254,49 @@ impl<'a> Layout<'a> {
         false
     }
 
-    fn is_in_a_zone(&self, item: usize, candidate: &Candidate) -> bool {
-        self.zones.meet(&self.shapes[item].surface, &candidate.pose, &candidate.bounds)
+    fn is_in_a_zone(&self, item: usize, candidate: &CandidatePose) -> bool {
+        self.zones.intersect_part(&self.shapes[item].surface, &candidate.pose, &candidate.bounds)
     }
 
-    /// Whether the candidate is wholly inside a placed part, or the other way round: boxes cover surfaces and do not see it.
-    fn is_nested(&self, item: usize, candidate: &Candidate) -> bool {
+    /// Whether the candidate is wholly inside a placed part, or the other way round. Boxes cover only surfaces and do
+    /// not detect this.
+    fn is_nested(&self, item: usize, candidate: &CandidatePose) -> bool {
         let surface = &self.shapes[item].surface;
         self.placed.iter().filter(|p| p.bounds.distance(&candidate.bounds) <= 0.0).any(|p| {
             let other = &self.shapes[p.placement.item].surface;
-            let pose12 = p.placement.pose.seen(&candidate.pose);
-            other.holds_part(surface, &pose12) || surface.holds_part(other, &pose12.inverse())
+            let pose12 = p.placement.pose.relative_pose_of(&candidate.pose);
+            other.contains_part(surface, &pose12) || surface.contains_part(other, &pose12.inverse())
         })
     }
 
-    /// Whether the candidate or a placed part could be raised against the other: boxes do not look at that.
-    fn is_near_when_raised(&self, item: usize, candidate: &Candidate) -> bool {
+    /// Whether raising the candidate or a placed part would break the clearance. Boxes do not test this.
+    fn is_near_when_raised(&self, item: usize, candidate: &CandidatePose) -> bool {
         if self.instance.clearance_z_extra_mm() <= 0.0 {
             return false;
         }
-        let clear = |p: &Placed| {
+        let clear = |p: &BoundedPlacement| {
             let (one, two) =
                 ((item, &candidate.pose, &candidate.bounds), (p.placement.item, &p.placement.pose, &p.bounds));
-            keeps_apart(self.instance, self.shapes, one, two)
+            surfaces_keep_clearance(self.instance, self.shapes, one, two)
         };
         !self.placed.iter().all(clear)
     }
 
-    /// What the candidate fills in each layer.
-    fn slice(&self, item: usize, candidate: &Candidate) -> Slice {
-        Slice::of(&self.instance.items()[item].mesh, &candidate.pose, self.instance.layer_cap().layer_mm)
+    /// The area that the candidate fills in each layer.
+    fn candidate_layer_areas(&self, item: usize, candidate: &CandidatePose) -> PartLayerAreas {
+        PartLayerAreas::from_mesh(
+            &self.instance.items()[item].mesh,
+            &candidate.pose,
+            self.instance.layer_cap().layer_mm,
+        )
     }
 
-    fn put(&mut self, item: usize, copy: u32, candidate: &Candidate) {
+    fn add_candidate(&mut self, item: usize, copy: u32, candidate: &CandidatePose) {
         if self.filled.is_capped() {
-            self.filled.add(&self.slice(item, candidate));
+            self.filled.add_part(&self.candidate_layer_areas(item, candidate));
         }
-        let placement = Placement { item, copy, pose: candidate.pose };
+        let placement = ItemPlacement { item, copy, pose: candidate.pose };
         self.top_mm = self.top_mm.max(candidate.bounds.max.z);
-        self.placed.push(Placed { placement, bounds: candidate.bounds });
+        self.placed.push(BoundedPlacement { placement, bounds: candidate.bounds });
     }
 }

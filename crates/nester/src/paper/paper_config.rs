@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PaperConfig {
-    /// Flowers per part (the paper leaves it open; 200 was the strongest of those tried).
+    /// Flowers per part (not specified in the paper; 200 was the strongest value tried).
     pub population: usize,
-    /// FPA iterations per part (the paper leaves it open).
+    /// FPA iterations per part (not specified in the paper).
     pub iterations: usize,
     /// Switching probability p between global and local pollination.
     pub switch_probability: f64,
@@ -21,7 +21,7 @@ pub struct PaperConfig {
     pub reduce_tree: bool,
     /// Stop when the print height is at most this, mm; 0 = off.
     pub target_height_mm: f64,
-    /// Stop after so many outer iterations (whole layouts); 0 = off.
+    /// Stop after this number of outer iterations (whole layouts); 0 = off.
     pub max_layouts: u64,
     /// Stop when the relative height error between two outer iterations, equation (10), is at most this share; 0 = off.
     pub relative_height_error: f64,

@@ -1,4 +1,4 @@
-//! What the paper's method knows of an item: its trees, where it starts, and what a rotation gene means for it.
+//! An item prepared for the paper's method: its trees, its initial orientation, and the meaning of its rotation genes.
 
 use std::{
     f64::consts::{FRAC_PI_2, PI},
@@ -9,29 +9,29 @@ use glam::{DMat3, DQuat, EulerRot};
 use solids::{ClearanceTree, Mesh, Obb, ObbTree, Pose};
 
 use crate::{
-    Instance, Orientation, OrientationRule,
-    pollination::{Edge, Gene},
-    turns::axis_turns,
+    NestingInstance, OrientationLimits, OrientationRule,
+    pollination::{GeneBoundary, GeneRange},
+    rotations::axis_rotations,
 };
 
-/// An item, prepared once.
-pub(super) struct Shape {
-    /// Judge of the final layout, and exact bounds.
+/// A prepared item.
+pub(super) struct PaperShape {
+    /// Exact distances for the final proof, and exact bounds.
     pub surface: Arc<ClearanceTree>,
-    /// Collision proxy of the search.
+    /// Collision test of the search.
     pub boxes: Arc<ObbTree>,
     /// The largest face of the part's box, mm2: larger ones are placed first (section 2.3.1, step 3).
     pub print_area_mm2: f64,
-    /// The orientation that the search starts from: the smallest extent upright, as far as the rule allows.
+    /// The initial orientation of the search: the smallest extent upright, if the rule allows it.
     pub initial: DQuat,
-    orientation: Orientation,
-    /// Those of the 24 that the tilts let be.
+    orientation: OrientationLimits,
+    /// The axis rotations that the tilts allow.
     axis_turns: Vec<DQuat>,
 }
 
 /// Prepares all items of an instance; items with the same mesh share their trees.
-pub(super) fn shapes(instance: &Instance, reduce_tree: bool) -> Vec<Shape> {
-    let mut known: Vec<(&Arc<Mesh>, f64, Shape)> = Vec::new();
+pub(super) fn prepare_shapes(instance: &NestingInstance, reduce_tree: bool) -> Vec<PaperShape> {
+    let mut known: Vec<(&Arc<Mesh>, f64, PaperShape)> = Vec::new();
     for (index, item) in instance.items().iter().enumerate() {
         let stop_height_mm = if reduce_tree { instance.clearance_between_mm(index, index) } else { 0.0 };
         let same_mesh = known.iter().find(|(mesh, ..)| Arc::ptr_eq(mesh, &item.mesh));
@@ -40,10 +40,10 @@ pub(super) fn shapes(instance: &Instance, reduce_tree: bool) -> Vec<Shape> {
         let boxes = same_tree.map(|(.., s)| s.boxes.clone());
         let surface = surface.unwrap_or_else(|| Arc::new(ClearanceTree::new(item.mesh.clone())));
         let boxes = boxes.unwrap_or_else(|| Arc::new(ObbTree::new(&item.mesh, stop_height_mm)));
-        let shape = Shape {
+        let shape = PaperShape {
             print_area_mm2: print_area_mm2(boxes.root()),
-            initial: initial(&item.orientation, &boxes, &surface),
-            axis_turns: axis_turns().into_iter().filter(|&turn| item.orientation.lets(turn)).collect(),
+            initial: initial_rotation(&item.orientation, &boxes, &surface),
+            axis_turns: axis_rotations().into_iter().filter(|&turn| item.orientation.allows_rotation(turn)).collect(),
             orientation: item.orientation.clone(),
             surface,
             boxes,
@@ -53,32 +53,32 @@ pub(super) fn shapes(instance: &Instance, reduce_tree: bool) -> Vec<Shape> {
     known.into_iter().map(|(.., shape)| shape).collect()
 }
 
-impl Shape {
+impl PaperShape {
     /// The genes of a rotation: three angles from the initial orientation, an angle about z, the number of an axis rotation,
     /// or none.
-    pub fn rotation_genes(&self) -> Vec<Gene> {
-        let angle = Gene { lower: -PI, upper: PI, edge: Edge::Wrap };
+    pub fn rotation_genes(&self) -> Vec<GeneRange> {
+        let angle = GeneRange { lower: -PI, upper: PI, edge: GeneBoundary::Wrap };
         match self.orientation.rule {
             OrientationRule::Free => vec![angle; 3],
             OrientationRule::Upright => vec![angle],
             OrientationRule::Axis => {
-                vec![Gene { lower: 0.0, upper: self.axis_turns.len().max(1) as f64, edge: Edge::Wrap }]
+                vec![GeneRange { lower: 0.0, upper: self.axis_turns.len().max(1) as f64, edge: GeneBoundary::Wrap }]
             }
             OrientationRule::Fixed => Vec::new(),
         }
     }
 
-    /// Whether a rotation that genes stand for obeys the item's rules; it does unless they clash.
-    pub fn obeys(&self, turn: DQuat) -> bool {
-        self.orientation.lets(turn)
+    /// Whether a decoded rotation obeys the item's rules; it does unless the rules contradict each other.
+    pub fn allows_rotation(&self, turn: DQuat) -> bool {
+        self.orientation.allows_rotation(turn)
     }
 
-    /// The rotation that genes stand for; one that the rules allow unless they clash.
-    pub fn rotation(&self, genes: &[f64]) -> DQuat {
+    /// The rotation that genes encode. It is allowed unless the rules contradict each other.
+    pub fn decode_rotation(&self, genes: &[f64]) -> DQuat {
         match (self.orientation.rule, genes) {
             (OrientationRule::Free, &[z, y, x]) => {
                 let turn = DQuat::from_euler(EulerRot::ZYX, z, y, x) * self.initial;
-                self.orientation.nearest(turn).unwrap_or(self.initial)
+                self.orientation.nearest_allowed(turn).unwrap_or(self.initial)
             }
             (OrientationRule::Upright, &[z]) => DQuat::from_rotation_z(z) * self.initial,
             (OrientationRule::Axis, &[number]) => self.axis_turns.get(number as usize).copied().unwrap_or(self.initial),
@@ -86,7 +86,7 @@ impl Shape {
         }
     }
 
-    /// The genes of the initial orientation, turned by quarters about z.
+    /// The genes of the initial orientation, rotated by multiples of 90 degrees about z.
     pub fn initial_genes(&self, quarters: u32) -> Vec<f64> {
         let turn = f64::from(quarters % 4) * FRAC_PI_2;
         let angle = if turn > PI { turn - 2.0 * PI } else { turn };
@@ -109,7 +109,7 @@ fn print_area_mm2(obb: &Obb) -> f64 {
     size.element_product() / size.min_element()
 }
 
-fn initial(orientation: &Orientation, boxes: &ObbTree, surface: &ClearanceTree) -> DQuat {
+fn initial_rotation(orientation: &OrientationLimits, boxes: &ObbTree, surface: &ClearanceTree) -> DQuat {
     let size_at = |rotation: DQuat| surface.bounds_at(&Pose::new(rotation, glam::DVec3::ZERO)).size();
     let by = |value: &dyn Fn(DQuat) -> f64, rotations: Vec<DQuat>| {
         rotations.into_iter().min_by(|&a, &b| value(a).total_cmp(&value(b))).unwrap_or(DQuat::IDENTITY)
@@ -117,22 +117,23 @@ fn initial(orientation: &Orientation, boxes: &ObbTree, surface: &ClearanceTree) 
     match orientation.rule {
         OrientationRule::Free => {
             let lying = smallest_extent_upright(boxes.root());
-            orientation.nearest(lying).unwrap_or(lying)
+            orientation.nearest_allowed(lying).unwrap_or(lying)
         }
         OrientationRule::Upright => {
             let turns = (0..90).map(|degrees| DQuat::from_rotation_z(f64::from(degrees).to_radians()));
             by(&|q| size_at(q).x * size_at(q).y, turns.collect())
         }
-        OrientationRule::Axis => {
-            by(&|q| size_at(q).z, axis_turns().into_iter().filter(|&turn| orientation.lets(turn)).collect())
-        }
+        OrientationRule::Axis => by(
+            &|q| size_at(q).z,
+            axis_rotations().into_iter().filter(|&turn| orientation.allows_rotation(turn)).collect(),
+        ),
         OrientationRule::Fixed => DQuat::IDENTITY,
     }
 }
 
-/// Turns the box's smallest extent to z and its largest to x.
+/// The rotation that takes the box's smallest extent to z and its largest to x.
 fn smallest_extent_upright(obb: &Obb) -> DQuat {
-    let axes = obb.pose.matrix();
+    let axes = obb.pose.rotation_matrix();
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| obb.half_mm[j].total_cmp(&obb.half_mm[i]));
     let (x, y) = (axes.col(order[0]), axes.col(order[1]));

@@ -1,82 +1,82 @@
-//! The paper's method on small instances, and opt-in on the shared workloads.
+//! Tests of the paper's method on small instances; on request also on the shared workloads.
 
 use std::{collections::HashMap, sync::Arc};
 
 use glam::DVec3;
 use solids::{
     ClearanceTree, Mesh,
-    fixtures::{block, from_data, star},
+    fixtures::{block, mesh_from_data, star},
 };
 
 use super::*;
-use crate::{BuildVolume, Config, Item, Method, OrientationRule, PaperConfig};
+use crate::{BuildVolume, NestingConfig, NestingItem, NestingMethod, OrientationRule, PaperConfig};
 
 /// A budget of evaluations.
-struct Evaluations(u64);
+struct PaperTestBudget(u64);
 
-impl Stop for Evaluations {
-    fn spent(&self, evaluations: u64) -> f64 {
+impl StopCondition for PaperTestBudget {
+    fn spent_share_at(&self, evaluations: u64) -> f64 {
         evaluations as f64 / self.0 as f64
     }
 }
 
 /// A budget of CPU seconds, so that other work on the machine does not count.
-struct CpuSecs(f64, f64);
+struct PaperCpuBudget(f64, f64);
 
 fn cpu_secs() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").expect("the tests run on Linux");
     text.split(' ').next().and_then(|n| n.parse::<f64>().ok()).expect("starts with nanoseconds") * 1e-9
 }
 
-impl Stop for CpuSecs {
-    fn spent(&self, _: u64) -> f64 {
+impl StopCondition for PaperCpuBudget {
+    fn spent_share_at(&self, _: u64) -> f64 {
         (cpu_secs() - self.0) / self.1
     }
 }
 
-fn item(mesh: Arc<Mesh>, copies: u32, orientation: OrientationRule) -> Item {
-    Item { name: "part".into(), mesh, copies, orientation: orientation.into(), clearance_mm: None }
+fn item(mesh: Arc<Mesh>, copies: u32, orientation: OrientationRule) -> NestingItem {
+    NestingItem { name: "part".into(), mesh, copies, orientation: orientation.into(), clearance_mm: None }
 }
 
-fn instance(size: [f64; 3], clearance_mm: f64, items: Vec<Item>) -> Instance {
-    Instance::new(BuildVolume { size_mm: DVec3::from_array(size) }, clearance_mm, items).unwrap()
+fn instance(size: [f64; 3], clearance_mm: f64, items: Vec<NestingItem>) -> NestingInstance {
+    NestingInstance::new(BuildVolume { size_mm: DVec3::from_array(size) }, clearance_mm, items).unwrap()
 }
 
-fn config(paper: PaperConfig) -> Config {
-    Config { method: Method::Paper, seed: 3, paper, ..Config::default() }
+fn config(paper: PaperConfig) -> NestingConfig {
+    NestingConfig { method: NestingMethod::Paper, seed: 3, paper, ..NestingConfig::default() }
 }
 
-fn quick() -> Config {
+fn quick() -> NestingConfig {
     config(PaperConfig { population: 20, iterations: 15, max_layouts: 3, ..PaperConfig::default() })
 }
 
-fn run(instance: &Instance, config: &Config, evaluations: u64) -> Solution {
-    nest_paper(instance, config, &Evaluations(evaluations), &mut |_: &Solution, _: u64| ())
+fn run(instance: &NestingInstance, config: &NestingConfig, evaluations: u64) -> NestingSolution {
+    nest_paper(instance, config, &PaperTestBudget(evaluations), &mut |_: &NestingSolution, _: u64| ())
 }
 
-/// Checks a solution from scratch: walls, every pair on the triangles, every copy told once.
-fn holds(instance: &Instance, solution: &Solution) -> bool {
+/// Checks a solution independently: walls, every pair on the triangles, every copy listed once.
+fn holds(instance: &NestingInstance, solution: &NestingSolution) -> bool {
     let trees: Vec<ClearanceTree> = instance.items().iter().map(|i| ClearanceTree::new(i.mesh.clone())).collect();
     let volume = Bounds { min: DVec3::ZERO, max: instance.volume().size_mm };
     let placed = &solution.placements;
-    let walls = placed.iter().all(|p| volume.holds(&instance.items()[p.item].mesh.bounds_at(&p.pose), -1e-6));
+    let walls = placed.iter().all(|p| volume.contains_bounds(&instance.items()[p.item].mesh.bounds_at(&p.pose), -1e-6));
     let apart = placed.iter().enumerate().all(|(i, one)| {
         placed[..i].iter().all(|two| {
             let clearance = instance.clearance_between_mm(one.item, two.item);
-            let pose12 = one.pose.seen(&two.pose);
-            !trees[one.item].closer_than(&trees[two.item], &pose12, clearance - 1e-6)
-                && !trees[one.item].holds_part(&trees[two.item], &pose12)
-                && !trees[two.item].holds_part(&trees[one.item], &pose12.inverse())
+            let pose12 = one.pose.relative_pose_of(&two.pose);
+            !trees[one.item].is_closer_than(&trees[two.item], &pose12, clearance - 1e-6)
+                && !trees[one.item].contains_part(&trees[two.item], &pose12)
+                && !trees[two.item].contains_part(&trees[one.item], &pose12.inverse())
         })
     });
     let mut copies: Vec<(usize, u32)> =
         placed.iter().map(|p| (p.item, p.copy)).chain(solution.unplaced.clone()).collect();
     copies.sort_unstable();
     copies.dedup();
-    walls && apart && copies.len() == instance.copies() && placed.len() + solution.unplaced.len() == copies.len()
+    walls && apart && copies.len() == instance.copy_count() && placed.len() + solution.unplaced.len() == copies.len()
 }
 
-fn mixed() -> Instance {
+fn mixed() -> NestingInstance {
     let bumpy = star(2, |d| 8.0 + 2.0 * (4.0 * d.x).sin());
     let rules = [OrientationRule::Free, OrientationRule::Upright, OrientationRule::Axis, OrientationRule::Fixed];
     let bars = rules.map(|rule| item(block(30.0, 8.0, 5.0), 2, rule));
@@ -90,7 +90,7 @@ fn every_copy_gets_a_place_that_keeps_clearance_walls_and_rules() {
     assert!(solution.unplaced.is_empty() && holds(&instance, &solution), "{solution:?}");
     assert!(solution.height_mm > 5.0 && solution.height_mm <= 100.0);
     for placement in &solution.placements {
-        let (up, east) = (placement.pose.direction(DVec3::Z), placement.pose.direction(DVec3::X));
+        let (up, east) = (placement.pose.transform_direction(DVec3::Z), placement.pose.transform_direction(DVec3::X));
         match instance.items()[placement.item].orientation.rule {
             OrientationRule::Free => {}
             OrientationRule::Upright => assert!(up.z > 1.0 - 1e-9),
@@ -107,7 +107,7 @@ fn the_same_seed_gives_the_same_layout_and_another_seed_another() {
     let instance = mixed();
     let one = run(&instance, &quick(), 30_000);
     assert_eq!(one, run(&instance, &quick(), 30_000));
-    assert_ne!(one.placements, run(&instance, &Config { seed: 4, ..quick() }, 30_000).placements);
+    assert_ne!(one.placements, run(&instance, &NestingConfig { seed: 4, ..quick() }, 30_000).placements);
 }
 
 #[test]
@@ -132,13 +132,13 @@ fn a_full_container_leaves_copies_over() {
 #[test]
 fn a_budget_that_is_spent_already_still_gives_a_layout() {
     let instance = mixed();
-    struct Cancelled;
-    impl Stop for Cancelled {
-        fn spent(&self, _: u64) -> f64 {
+    struct CancelledPaperSearch;
+    impl StopCondition for CancelledPaperSearch {
+        fn spent_share_at(&self, _: u64) -> f64 {
             f64::INFINITY
         }
     }
-    let solution = nest_paper(&instance, &quick(), &Cancelled, &mut |_: &Solution, _: u64| ());
+    let solution = nest_paper(&instance, &quick(), &CancelledPaperSearch, &mut |_: &NestingSolution, _: u64| ());
     assert!(solution.unplaced.is_empty() && holds(&instance, &solution), "{solution:?}");
 }
 
@@ -177,7 +177,7 @@ fn each_convergence_condition_ends_the_search() {
 fn the_listener_hears_every_better_layout() {
     let mut heard: Vec<(usize, f64)> = Vec::new();
     let instance = mixed();
-    let solution = nest_paper(&instance, &quick(), &Evaluations(200_000), &mut |s: &Solution, _: u64| {
+    let solution = nest_paper(&instance, &quick(), &PaperTestBudget(200_000), &mut |s: &NestingSolution, _: u64| {
         heard.push((s.placements.len(), s.height_mm));
     });
     assert!(heard.windows(2).all(|w| w[1].0 > w[0].0 || w[1].0 == w[0].0 && w[1].1 < w[0].1), "{heard:?}");
@@ -185,7 +185,7 @@ fn the_listener_hears_every_better_layout() {
 }
 
 /// A shared workload, or `None` when `NESTD_DATA` does not say where it is.
-fn workload(name: &str) -> Option<Instance> {
+fn workload(name: &str) -> Option<NestingInstance> {
     let text = |ending: &str| {
         let file = format!("{}/workloads/{name}.{ending}", std::env::var("NESTD_DATA").ok()?);
         Some(std::fs::read_to_string(file).expect("the workload is there"))
@@ -196,8 +196,8 @@ fn workload(name: &str) -> Option<Instance> {
     let csv = text("csv")?;
     let items = csv.lines().skip(1).map(|line| {
         let (file, copies) = line.rsplit_once(',').unwrap();
-        let mesh = meshes.entry(file.into()).or_insert_with(|| from_data(file).expect("the data are there"));
-        Item { name: file.into(), ..item(mesh.clone(), copies.parse().unwrap(), OrientationRule::Free) }
+        let mesh = meshes.entry(file.into()).or_insert_with(|| mesh_from_data(file).expect("the data are there"));
+        NestingItem { name: file.into(), ..item(mesh.clone(), copies.parse().unwrap(), OrientationRule::Free) }
     });
     let items = items.collect();
     Some(instance(size, json["clearance_mm"].as_f64().unwrap(), items))
@@ -212,11 +212,12 @@ fn shared_workloads_are_nested() {
         let Some(instance) = workload(name) else {
             return eprintln!("skipped: NESTD_DATA is not set");
         };
-        let stop = CpuSecs(cpu_secs(), secs.parse().unwrap());
+        let stop = PaperCpuBudget(cpu_secs(), secs.parse().unwrap());
         let mut curve = Vec::new();
-        let solution = nest_paper(&instance, &config(PaperConfig::default()), &stop, &mut |s: &Solution, _: u64| {
-            curve.push(format!("{:.0}s {}: {:.1}", cpu_secs() - stop.0, s.placements.len(), s.height_mm));
-        });
+        let solution =
+            nest_paper(&instance, &config(PaperConfig::default()), &stop, &mut |s: &NestingSolution, _: u64| {
+                curve.push(format!("{:.0}s {}: {:.1}", cpu_secs() - stop.0, s.placements.len(), s.height_mm));
+            });
         eprintln!(
             "{name}: {:.1} mm, {} placed, {} not, {} evaluations; {}",
             solution.height_mm,

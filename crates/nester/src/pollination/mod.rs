@@ -1,6 +1,6 @@
-//! The pure optimiser: flower pollination over vectors of numbers. Has never heard of boxes.
+//! A pure optimiser: flower pollination over vectors of numbers. It knows nothing about geometry.
 
+mod flower_pollination;
 mod levy;
-mod pollination;
 
-pub use pollination::{Edge, Gene, Pollination, Setup};
+pub use flower_pollination::{FlowerPollination, GeneBoundary, GeneRange, PollinationSettings};

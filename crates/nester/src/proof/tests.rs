@@ -1,14 +1,14 @@
-//! The judge judged.
+//! Tests of the independent proof.
 
 use std::f64::consts::FRAC_PI_2;
 
 use proptest::prelude::*;
-use solids::fixtures::{block, bucket, safe, star};
+use solids::fixtures::{block, bucket, hollow_box, star};
 
 use super::*;
 
-fn body(mesh: &Arc<Mesh>, x: f64, y: f64, z: f64) -> Body {
-    Body {
+fn body(mesh: &Arc<Mesh>, x: f64, y: f64, z: f64) -> PlacedSolid {
+    PlacedSolid {
         name: "part".into(),
         mesh: mesh.clone(),
         pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, y, z)),
@@ -21,7 +21,10 @@ const ROOM: DVec3 = DVec3::splat(100.0);
 #[test]
 fn a_clean_layout_is_proved_with_its_least_distance() {
     let brick = block(10.0, 10.0, 10.0);
-    let proof = prove(&[body(&brick, 0.0, 0.0, 0.0), body(&brick, 13.0, 0.0, 0.0), body(&brick, 0.0, 0.0, 14.0)], ROOM);
+    let proof = prove_placed_solids(
+        &[body(&brick, 0.0, 0.0, 0.0), body(&brick, 13.0, 0.0, 0.0), body(&brick, 0.0, 0.0, 14.0)],
+        ROOM,
+    );
     assert!(proof.is_proved(), "{proof:?}");
     assert!((proof.clearance_proved_mm.unwrap() - 3.0).abs() < 1e-12);
     assert!((proof.height_mm - 24.0).abs() < 1e-12);
@@ -30,11 +33,11 @@ fn a_clean_layout_is_proved_with_its_least_distance() {
 #[test]
 fn nothing_near_means_no_distance() {
     let brick = block(10.0, 10.0, 10.0);
-    assert_eq!(prove(&[], ROOM).clearance_proved_mm, None);
-    assert_eq!(prove(&[body(&brick, 0.0, 0.0, 0.0)], ROOM).clearance_proved_mm, None);
-    let apart = prove(&[body(&brick, 0.0, 0.0, 0.0), body(&brick, 17.0, 0.0, 0.0)], ROOM);
+    assert_eq!(prove_placed_solids(&[], ROOM).clearance_proved_mm, None);
+    assert_eq!(prove_placed_solids(&[body(&brick, 0.0, 0.0, 0.0)], ROOM).clearance_proved_mm, None);
+    let apart = prove_placed_solids(&[body(&brick, 0.0, 0.0, 0.0), body(&brick, 17.0, 0.0, 0.0)], ROOM);
     assert!(apart.is_proved() && apart.clearance_proved_mm.is_none());
-    let nearer = prove(&[body(&brick, 0.0, 0.0, 0.0), body(&brick, 16.5, 0.0, 0.0)], ROOM);
+    let nearer = prove_placed_solids(&[body(&brick, 0.0, 0.0, 0.0), body(&brick, 16.5, 0.0, 0.0)], ROOM);
     assert!((nearer.clearance_proved_mm.unwrap() - 6.5).abs() < 1e-12);
 }
 
@@ -42,7 +45,7 @@ fn nothing_near_means_no_distance() {
 fn a_pair_that_is_too_close_is_named_with_its_distance() {
     let brick = block(10.0, 10.0, 10.0);
     let bodies = [body(&brick, 0.0, 0.0, 0.0), body(&brick, 50.0, 0.0, 0.0), body(&brick, 0.0, 12.5, 0.0)];
-    let proof = prove(&bodies, ROOM);
+    let proof = prove_placed_solids(&bodies, ROOM);
     let [pair] = proof.too_close[..] else { panic!("{proof:?}") };
     assert_eq!((pair.first, pair.second, pair.wanted_mm), (0, 2, 3.0));
     assert!((pair.distance_mm - 2.5).abs() < 1e-12 && !proof.is_proved());
@@ -51,17 +54,17 @@ fn a_pair_that_is_too_close_is_named_with_its_distance() {
 #[test]
 fn the_tolerance_is_a_millionth_and_no_more() {
     let brick = block(10.0, 10.0, 10.0);
-    let at = |x: f64| prove(&[body(&brick, 0.0, 0.0, 0.0), body(&brick, x, 0.0, 0.0)], ROOM).is_proved();
+    let at = |x: f64| prove_placed_solids(&[body(&brick, 0.0, 0.0, 0.0), body(&brick, x, 0.0, 0.0)], ROOM).is_proved();
     assert!(at(13.0 - 5e-7) && !at(13.0 - 2e-6));
-    let wall = |x: f64| prove(&[body(&brick, x, 0.0, 0.0)], ROOM).is_proved();
+    let wall = |x: f64| prove_placed_solids(&[body(&brick, x, 0.0, 0.0)], ROOM).is_proved();
     assert!(wall(-5e-7) && !wall(-2e-6) && wall(90.0 + 5e-7) && !wall(90.0 + 2e-6));
 }
 
 #[test]
 fn the_greater_clearance_of_two_bodies_holds() {
     let brick = block(10.0, 10.0, 10.0);
-    let wide = Body { clearance_mm: 5.0, ..body(&brick, 14.0, 0.0, 0.0) };
-    let proof = prove(&[body(&brick, 0.0, 0.0, 0.0), wide], ROOM);
+    let wide = PlacedSolid { clearance_mm: 5.0, ..body(&brick, 14.0, 0.0, 0.0) };
+    let proof = prove_placed_solids(&[body(&brick, 0.0, 0.0, 0.0), wide], ROOM);
     assert_eq!(proof.too_close.len(), 1);
     assert_eq!(proof.too_close[0].wanted_mm, 5.0);
 }
@@ -70,8 +73,8 @@ fn the_greater_clearance_of_two_bodies_holds() {
 fn surfaces_that_meet_are_refused_at_clearance_zero_too() {
     let brick = block(10.0, 10.0, 10.0);
     let with = |x: f64| {
-        let bodies = [0.0, x].map(|x| Body { clearance_mm: 0.0, ..body(&brick, x, 0.0, 0.0) });
-        prove(&bodies, ROOM)
+        let bodies = [0.0, x].map(|x| PlacedSolid { clearance_mm: 0.0, ..body(&brick, x, 0.0, 0.0) });
+        prove_placed_solids(&bodies, ROOM)
     };
     assert!(!with(9.0).is_proved() && !with(10.0).is_proved() && !with(0.0).is_proved());
     let near = with(10.001);
@@ -81,7 +84,7 @@ fn surfaces_that_meet_are_refused_at_clearance_zero_too() {
 #[test]
 fn what_stands_out_is_told_by_how_much() {
     let brick = block(10.0, 10.0, 10.0);
-    let proof = prove(&[body(&brick, -2.0, 0.0, 91.5), body(&brick, 50.0, 50.0, 50.0)], ROOM);
+    let proof = prove_placed_solids(&[body(&brick, -2.0, 0.0, 91.5), body(&brick, 50.0, 50.0, 50.0)], ROOM);
     let [(0, excess)] = proof.outside[..] else { panic!("{proof:?}") };
     assert!((excess - 2.0).abs() < 1e-12);
 }
@@ -89,9 +92,11 @@ fn what_stands_out_is_told_by_how_much() {
 #[test]
 fn a_pose_of_no_numbers_is_outside() {
     let brick = block(10.0, 10.0, 10.0);
-    let lost =
-        Body { pose: Pose { translation: DVec3::splat(f64::NAN), ..Pose::IDENTITY }, ..body(&brick, 0.0, 0.0, 0.0) };
-    let proof = prove(&[lost, body(&brick, 0.0, 0.0, 0.0)], ROOM);
+    let lost = PlacedSolid {
+        pose: Pose { translation: DVec3::splat(f64::NAN), ..Pose::IDENTITY },
+        ..body(&brick, 0.0, 0.0, 0.0)
+    };
+    let proof = prove_placed_solids(&[lost, body(&brick, 0.0, 0.0, 0.0)], ROOM);
     assert!(proof.outside.iter().any(|&(body, excess)| body == 0 && excess.is_infinite()), "{proof:?}");
 }
 
@@ -103,12 +108,12 @@ fn a_body_inside_a_solid_or_a_sealed_cavity_is_told_and_one_in_a_bucket_is_not()
         if flip {
             bodies.reverse();
         }
-        prove(&bodies, ROOM)
+        prove_placed_solids(&bodies, ROOM)
     };
     for flip in [false, true] {
         let told = if flip { (1, 0) } else { (0, 1) };
         assert_eq!(inside(block(30.0, 30.0, 30.0), flip).inside, [told]);
-        assert_eq!(inside(safe(30.0, 4.0), flip).inside, [told]);
+        assert_eq!(inside(hollow_box(30.0, 4.0), flip).inside, [told]);
         assert!(inside(bucket(30.0, 4.0), flip).is_proved());
     }
 }
@@ -120,7 +125,7 @@ fn a_rotation_obeys_its_rule_or_not() {
     let spin = DQuat::from_rotation_z(1.234);
     let obeyed = |pose: &Pose| {
         use OrientationRule::{Axis, Fixed, Free, Upright};
-        [Free, Upright, Axis, Fixed].map(|rule| rotation_obeys(&rule.into(), pose))
+        [Free, Upright, Axis, Fixed].map(|rule| obeys_orientation(&rule.into(), pose))
     };
     assert_eq!(obeyed(&of(DQuat::IDENTITY)), [true; 4]);
     assert_eq!(obeyed(&of(-DQuat::IDENTITY)), [true; 4], "a quaternion and its opposite are one rotation");
@@ -137,14 +142,14 @@ proptest! {
     #[test]
     fn the_sweep_forgets_no_pair(places in proptest::collection::vec(proptest::array::uniform3(0.0..80.0f64), 2..20)) {
         let ball = star(1, |_| 5.0);
-        let bodies: Vec<Body> = places.iter().map(|p| body(&ball, 10.0 + p[0], 10.0 + p[1], 10.0 + p[2])).collect();
-        let proof = prove(&bodies, ROOM);
+        let bodies: Vec<PlacedSolid> = places.iter().map(|p| body(&ball, 10.0 + p[0], 10.0 + p[1], 10.0 + p[2])).collect();
+        let proof = prove_placed_solids(&bodies, ROOM);
         let tree = ClearanceTree::new(ball);
         let mut pairs = Vec::new();
         let mut least = f64::INFINITY;
         for i in 0..bodies.len() {
             for j in i + 1..bodies.len() {
-                let distance = tree.distance_capped_mm(&tree, &bodies[i].pose.seen(&bodies[j].pose), 1e3);
+                let distance = tree.distance_capped_mm(&tree, &bodies[i].pose.relative_pose_of(&bodies[j].pose), 1e3);
                 least = least.min(distance);
                 if distance < 3.0 {
                     pairs.push((i, j));

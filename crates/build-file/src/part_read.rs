@@ -1,0 +1,72 @@
+//! The entry point for dropped files: detects the format, then calls its reader.
+
+use std::{
+    fs::File,
+    io::Read,
+    path::{Path, PathBuf},
+};
+
+use glam::DVec3;
+
+use super::{
+    FileReadError, LengthUnit, PartFileContents, ReadLimits,
+    sniff::{FileFormat, ForeignFormat, HEAD_BYTES, detect_format},
+    solid,
+    stl_read::{StlTriangleSoup, read_ascii, read_binary},
+    threemf_read,
+};
+
+/// Reads a dropped file. `name` is the name under which it was dropped (the store may use another name). The content
+/// determines the format first, the name's extension second. `unit` comes from the ticket and overrides the unit of a
+/// 3MF; `default_unit` is used for formats without a unit. Parts are never rescaled otherwise.
+pub fn read_part_file(
+    file: &Path,
+    name: &str,
+    unit: Option<LengthUnit>,
+    default_unit: LengthUnit,
+    limits: &ReadLimits,
+) -> Result<PartFileContents, FileReadError> {
+    let mut opened = File::open(file)?;
+    let len = opened.metadata()?.len();
+    if len > limits.max_bytes {
+        return Err(FileReadError::TooLarge {
+            what: format!("it is {len} bytes long"),
+            limit: limits.max_bytes,
+            key: "max_bytes",
+        });
+    }
+    let mut head = Vec::new();
+    (&mut opened).take(HEAD_BYTES).read_to_end(&mut head)?;
+    let stem = PathBuf::from(name).file_stem().map_or_else(|| name.to_owned(), |s| s.to_string_lossy().into_owned());
+    let stl_unit = unit.unwrap_or(default_unit);
+    let contents = match detect_format(&head, len, name) {
+        FileFormat::Package => threemf_read::read_threemf_parts(file, &stem, unit, limits),
+        FileFormat::TextStl => stl_contents(read_ascii(File::open(file)?, limits)?, stem, stl_unit),
+        FileFormat::BinaryStl => stl_contents(read_binary(opened, &head, len, limits)?, stem, stl_unit),
+        FileFormat::Other(ForeignFormat { what, remedy }) => Err(FileReadError::Unknown { what, remedy }),
+    }?;
+    for solid in &contents.solids {
+        let shells = solid.mesh.shell_count() as u64;
+        if shells > limits.max_shells {
+            let what = format!("{} consists of {shells} separate pieces", solid.name);
+            return Err(FileReadError::TooLarge { what, limit: limits.max_shells, key: "max_shells" });
+        }
+    }
+    Ok(contents)
+}
+
+/// A whole STL file is one part, even with several `solid` blocks.
+fn stl_contents(soup: StlTriangleSoup, name: String, unit: LengthUnit) -> Result<PartFileContents, FileReadError> {
+    let StlTriangleSoup { mut corners, warnings } = soup;
+    if let Some(vertex) = corners.iter().position(|c| !c.is_finite()) {
+        return Err(FileReadError::invalid_stl(format!(
+            "triangle {} has a coordinate that is not a finite number",
+            vertex / 3 + 1
+        )));
+    }
+    let scale = unit.mm_per_unit();
+    corners.iter_mut().for_each(|c: &mut DVec3| *c *= scale);
+    let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let solid = solid::check_solid(name, corners, triangles, 1, unit)?;
+    Ok(PartFileContents { solids: vec![solid], warnings })
+}

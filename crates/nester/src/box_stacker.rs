@@ -1,0 +1,154 @@
+//! Stacks bounding boxes: the very first layout, and the place for copies that fit nowhere else. It needs only a part's
+//! extents, so it can run before any mesh is prepared.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::{DQuat, DVec3};
+use solids::{Bounds, Pose};
+
+use super::{
+    first_rotations::first_rotations,
+    fit_check::WALL_SPARE_MM,
+    layers::{FilledLayers, PartLayerAreas},
+    outline::{OutlinedInstance, OutlinedItem},
+    prepared_instance::{CLEARANCE_SPARE_MM, PlacedItem, raised_bounds},
+    skyline::SkylineGrid,
+};
+
+/// Cells of the base for few copies and for many. With many copies, most are small, and each of them tests all cells.
+const CELLS: [f64; 2] = [20_000.0, 8_000.0];
+/// From this number of copies on, the copies count as many.
+const MANY_COPIES: usize = 200;
+/// Number of orientations tried for an item.
+const MAX_ORIENTATIONS: usize = 6;
+
+/// One orientation of an item: a rotation, and the resulting bounds around its center.
+#[derive(Debug, Clone)]
+struct BoxOrientation {
+    rotation: DQuat,
+    bounds: Bounds,
+}
+
+/// Stacks boxes and knows the orientations of every item.
+#[derive(Debug, Clone)]
+pub(crate) struct BoxStacker<'a> {
+    outlined: &'a OutlinedInstance,
+    orientations: BTreeMap<usize, Vec<BoxOrientation>>,
+}
+
+impl<'a> BoxStacker<'a> {
+    /// Creates a stacker for the items of an instance.
+    pub(crate) fn new(lineup: &'a OutlinedInstance) -> Self {
+        Self { outlined: lineup, orientations: BTreeMap::new() }
+    }
+
+    /// A base with the pieces that are already placed.
+    pub(crate) fn build_skyline(&self, standing: &[PlacedItem]) -> SkylineGrid {
+        let mut skyline =
+            SkylineGrid::new(self.outlined.room, CELLS[usize::from(self.outlined.copies.len() > MANY_COPIES)]);
+        self.outlined.zones.iter().for_each(|zone| skyline.add_keep_out(&zone.bounds));
+        standing.iter().for_each(|piece| skyline.add_box(&raised_bounds(&piece.bounds, self.outlined.z_extra_mm)));
+        skyline
+    }
+
+    /// Returns the placed pieces and the copies stacked as boxes, in the given order. Copies that do not fit are left
+    /// out.
+    pub(crate) fn stack_copies(&mut self, standing: &[PlacedItem], copies: &[(usize, u32)]) -> Vec<PlacedItem> {
+        let mut skyline = self.build_skyline(standing);
+        let mut filled = FilledLayers::new(self.outlined.layer_cap);
+        let mut full: BTreeSet<usize> = BTreeSet::new();
+        let mut pieces = standing.to_vec();
+        standing.iter().for_each(|piece| self.add_layer_areas(&mut filled, piece));
+        for &copy in copies {
+            // An item that did not fit will not fit on higher boxes either.
+            if full.contains(&copy.0) {
+                continue;
+            }
+            match self.place_on_top(copy, &mut skyline, &filled) {
+                Some(piece) => {
+                    self.add_layer_areas(&mut filled, &piece);
+                    pieces.push(piece);
+                }
+                None => drop(full.insert(copy.0)),
+            }
+        }
+        pieces
+    }
+
+    /// Adds a piece to the layer areas if layers have a cap.
+    fn add_layer_areas(&self, filled: &mut FilledLayers, piece: &PlacedItem) {
+        if filled.is_capped() {
+            let mesh = &self.outlined.outlined_item(piece.item).mesh;
+            filled.add_part(&PartLayerAreas::from_mesh(mesh, &piece.pose, self.outlined.layer_cap.layer_mm));
+        }
+    }
+
+    /// Places a copy on top of the boxes below it, higher where its layers are full.
+    pub(crate) fn place_on_top(
+        &mut self,
+        copy: (usize, u32),
+        skyline: &mut SkylineGrid,
+        filled: &FilledLayers,
+    ) -> Option<PlacedItem> {
+        let lineup = self.outlined;
+        let candidate = lineup.outlined_item(copy.0);
+        let ways = self.orientations.entry(copy.0).or_insert_with(|| distinct_orientations(candidate, lineup.room));
+        let mut best: Option<(f64, DVec3, &BoxOrientation)> = None;
+        for way in ways.iter() {
+            let size = way.bounds.size();
+            let Some(corner) = skyline.lowest_position(size, lineup.max_clearance_mm + CLEARANCE_SPARE_MM) else {
+                continue;
+            };
+            let top = corner.z + size.z;
+            if best.is_none_or(|(least, ..)| top < least - 1e-9) {
+                best = Some((top, corner, way));
+            }
+        }
+        let (_, corner, way) = best?;
+        let place = corner - way.bounds.min;
+        let bounds = Bounds { min: corner, max: way.bounds.max + place };
+        let turn = way.rotation;
+        let pose = Pose::new(turn, place - turn * candidate.outline.obb.pose.translation);
+        let mut piece = PlacedItem { item: copy.0, copy: copy.1, rotation: turn, center: place, pose, bounds };
+        if filled.is_capped() {
+            // The space above the box is free.
+            piece = piece.moved_by(DVec3::Z * filled.raise_mm(&candidate.mesh, &pose)?);
+            if piece.bounds.max.z > lineup.room.z - WALL_SPARE_MM {
+                return None;
+            }
+        }
+        skyline.add_box(&raised_bounds(&piece.bounds, lineup.z_extra_mm));
+        Some(piece)
+    }
+}
+
+/// Rotations that give an item different extents, lowest first.
+fn distinct_orientations(candidate: &OutlinedItem, room: DVec3) -> Vec<BoxOrientation> {
+    let center = candidate.outline.obb.pose.translation;
+    let mut ways: Vec<BoxOrientation> = Vec::new();
+    for turn in rotations_to_try(candidate, room, usize::MAX) {
+        let rough = Bounds::from_points(candidate.outline.extremes.iter().map(|&p| turn * p)).size();
+        let is_like = |way: &BoxOrientation| (way.bounds.size() - rough).abs().max_element() < 0.05;
+        if ways.iter().any(is_like) {
+            continue;
+        }
+        let turn = turn.normalize();
+        let bounds = candidate.mesh.bounds_at(&Pose::new(turn, -(turn * center)));
+        ways.push(BoxOrientation { rotation: turn, bounds });
+        if ways.len() == MAX_ORIENTATIONS {
+            break;
+        }
+    }
+    ways
+}
+
+/// Rotations to try for an item; never empty.
+pub(crate) fn rotations_to_try(candidate: &OutlinedItem, room: DVec3, most: usize) -> Vec<DQuat> {
+    let outline = &candidate.outline;
+    let room = room - 2.0 * WALL_SPARE_MM;
+    let mut turns = first_rotations(&candidate.orientation, outline.obb.pose.rotation, &outline.extremes, room, most);
+    if turns.is_empty() {
+        turns.push(candidate.fitting_rotation);
+    }
+    turns
+}

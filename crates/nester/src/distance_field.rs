@@ -1,0 +1,263 @@
+//! A signed distance grid: the distance of a point to a solid and the direction outwards, in nanoseconds. It guides the
+//! search only; validity is decided by the exact box tree.
+
+use glam::{DVec3, Vec3};
+use solids::{Mesh, closest_point};
+
+use super::byte_codec::{ByteReader, ByteWriter};
+
+/// Triangles between two checks of the clock; each triangle may fill the whole grid.
+const TRIANGLES_PER_CHECK: usize = 64;
+
+/// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame relative to
+/// `center`.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct DistanceField {
+    origin: Vec3,
+    step: f32,
+    inverse_step: f32,
+    dims: [usize; 3],
+    scale: f32,
+    nodes: Vec<i16>,
+}
+
+/// The lattice while the grid is filled.
+struct GridGeometry {
+    origin: DVec3,
+    step: f64,
+    dims: [usize; 3],
+}
+
+impl GridGeometry {
+    fn node_index(&self, [x, y, z]: [usize; 3]) -> usize {
+        (z * self.dims[1] + y) * self.dims[0] + x
+    }
+
+    fn node_position(&self, node: [usize; 3]) -> DVec3 {
+        self.origin + DVec3::new(node[0] as f64, node[1] as f64, node[2] as f64) * self.step
+    }
+
+    fn node_count(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    /// Ranges of the nodes in a box, clamped to the lattice, inclusive.
+    fn node_ranges(&self, min: DVec3, max: DVec3) -> [(usize, usize); 3] {
+        let (low, high) = (((min - self.origin) / self.step).to_array(), ((max - self.origin) / self.step).to_array());
+        [0, 1, 2].map(|axis| {
+            let last = self.dims[axis] - 1;
+            let clamp = |v: f64| v.clamp(0.0, last as f64) as usize;
+            (clamp(low[axis].ceil()), clamp(high[axis].floor()))
+        })
+    }
+}
+
+impl DistanceField {
+    /// Fills a grid of about `most_nodes` nodes that reaches `reach_mm` beyond the mesh; `None` when the time runs out
+    /// first.
+    pub(crate) fn new(
+        mesh: &Mesh,
+        center: DVec3,
+        reach_mm: f64,
+        most_nodes: usize,
+        is_over: &dyn Fn() -> bool,
+    ) -> Option<Self> {
+        let lattice = lattice_around(mesh, center, reach_mm, most_nodes);
+        let corners = |t: usize| mesh.corners(t).map(|c| c - center);
+        let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(corners).collect();
+        let distances = node_distances(&lattice, &triangles, is_over)?;
+        let inside = super::solid_nodes::solid_nodes(lattice.dims, lattice.origin, lattice.step, &triangles);
+        let greatest = distances.iter().fold(0.0_f32, |most, &d| most.max(d));
+        let scale = greatest.max(1e-6) / 32_000.0;
+        let node = |(d, inside): (&f32, &bool)| (if *inside { -d } else { *d } / scale).round() as i16;
+        Some(Self {
+            origin: lattice.origin.as_vec3(),
+            step: lattice.step as f32,
+            inverse_step: 1.0 / lattice.step as f32,
+            dims: lattice.dims,
+            scale,
+            nodes: distances.iter().zip(&inside).map(node).collect(),
+        })
+    }
+
+    /// Writes the grid as bytes.
+    pub(super) fn write_to(&self, to: &mut ByteWriter) {
+        to.write_f32s(&self.origin.to_array());
+        to.write_f32s(&[self.step, self.scale]);
+        self.dims.iter().for_each(|&n| to.write_u32(n as u32));
+        self.nodes.iter().for_each(|node| to.0.extend(node.to_le_bytes()));
+    }
+
+    /// Reads the grid from bytes.
+    pub(super) fn read_from(from: &mut ByteReader<'_>) -> Option<Self> {
+        let origin = Vec3::from_array(from.read_f32s()?);
+        let [step, scale] = from.read_f32s()?;
+        let dims = [from.read_u32()? as usize, from.read_u32()? as usize, from.read_u32()? as usize];
+        let count = dims[0].checked_mul(dims[1])?.checked_mul(dims[2])?;
+        let nodes: Vec<i16> = (from.read_bytes(count.checked_mul(2)?)?.chunks_exact(2))
+            .map(|pair| i16::from_le_bytes([pair[0], pair[1]]))
+            .collect();
+        let is_sound = step > 0.0 && scale > 0.0 && dims.iter().all(|&n| n >= 2);
+        is_sound.then_some(Self { origin, step, inverse_step: 1.0 / step, dims, scale, nodes })
+    }
+
+    /// Signed distance at a point, mm. Outside the grid, the distance to the grid is added.
+    #[inline(always)]
+    pub(crate) fn distance(&self, point: Vec3) -> f32 {
+        let (at, part, beyond) = self.locate_cell(point);
+        let [c000, c100, c010, c110, c001, c101, c011, c111] = self.cell_corners(at);
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let low = mix(mix(c000, c100, part.x), mix(c010, c110, part.x), part.y);
+        let high = mix(mix(c001, c101, part.x), mix(c011, c111, part.x), part.y);
+        mix(low, high, part.z) * self.scale + beyond
+    }
+
+    /// Signed distance, mm, and the unit direction in which it grows.
+    #[inline(always)]
+    pub(crate) fn distance_and_gradient(&self, point: Vec3) -> (f32, Vec3) {
+        let (at, part, beyond) = self.locate_cell(point);
+        let [c000, c100, c010, c110, c001, c101, c011, c111] = self.cell_corners(at);
+        let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+        let (x00, x10) = (mix(c000, c100, part.x), mix(c010, c110, part.x));
+        let (x01, x11) = (mix(c001, c101, part.x), mix(c011, c111, part.x));
+        let (low, high) = (mix(x00, x10, part.y), mix(x01, x11, part.y));
+        let along_x = mix(mix(c100 - c000, c110 - c010, part.y), mix(c101 - c001, c111 - c011, part.y), part.z);
+        let along_y = mix(x10 - x00, x11 - x01, part.z);
+        let way = Vec3::new(along_x, along_y, high - low).normalize_or(Vec3::Z);
+        (mix(low, high, part.z) * self.scale + beyond, way)
+    }
+
+    /// First node of the cell that contains a point, the point's position in the cell, and its distance to the grid.
+    #[inline(always)]
+    fn locate_cell(&self, point: Vec3) -> (usize, Vec3, f32) {
+        let raw = (point - self.origin) * self.inverse_step;
+        let most = Vec3::new(self.dims[0] as f32, self.dims[1] as f32, self.dims[2] as f32) - 1.001;
+        let inner = raw.clamp(Vec3::ZERO, most);
+        let beyond = if inner == raw { 0.0 } else { (raw - inner).length() * self.step };
+        let (x, y, z) = (inner.x as usize, inner.y as usize, inner.z as usize);
+        let part = inner - Vec3::new(x as f32, y as f32, z as f32);
+        ((z * self.dims[1] + y) * self.dims[0] + x, part, beyond)
+    }
+
+    #[inline(always)]
+    fn cell_corners(&self, at: usize) -> [f32; 8] {
+        let (row, layer) = (self.dims[0], self.dims[0] * self.dims[1]);
+        let n = &self.nodes[at..at + layer + row + 2];
+        [n[0], n[1], n[row], n[row + 1], n[layer], n[layer + 1], n[layer + row], n[layer + row + 1]].map(f32::from)
+    }
+}
+
+fn lattice_around(mesh: &Mesh, center: DVec3, reach_mm: f64, most_nodes: usize) -> GridGeometry {
+    let bounds = mesh.bounds();
+    let step_for = |pad: f64| ((bounds.size() + 2.0 * pad).element_product() / most_nodes as f64).cbrt().max(0.2);
+    let step = step_for(reach_mm + step_for(reach_mm));
+    let pad = reach_mm + 1.5 * step;
+    let size = bounds.size() + 2.0 * pad;
+    // Nodes are placed off round coordinates, where faces and edges often lie.
+    let off = DVec3::new(0.0131, 0.0173, 0.0117) * step;
+    let dims = (size / step).ceil().to_array().map(|n| n as usize + 2);
+    GridGeometry { origin: bounds.min - center - pad + off, step, dims }
+}
+
+/// Distance of every node to the surface, mm: exact near the surface, propagated outwards by closest points.
+fn node_distances(lattice: &GridGeometry, triangles: &[[DVec3; 3]], is_over: &dyn Fn() -> bool) -> Option<Vec<f32>> {
+    let mut nearest = vec![(Vec3::ZERO, f32::INFINITY); lattice.node_count()];
+    let band = 1.2 * lattice.step;
+    for (at, triangle) in triangles.iter().enumerate() {
+        if at % TRIANGLES_PER_CHECK == 0 && is_over() {
+            return None;
+        }
+        let min = triangle[0].min(triangle[1]).min(triangle[2]) - band;
+        let max = triangle[0].max(triangle[1]).max(triangle[2]) + band;
+        let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or(DVec3::ZERO);
+        // Of many small triangles in a cell, most are farther away than one that was already tested.
+        let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+        let radius = triangle.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
+        let [xs, ys, zs] = lattice.node_ranges(min, max);
+        for z in zs.0..=zs.1 {
+            for y in ys.0..=ys.1 {
+                for x in xs.0..=xs.1 {
+                    let place = lattice.node_position([x, y, z]);
+                    let known = f64::from(nearest[lattice.node_index([x, y, z])].1);
+                    if normal.dot(place - triangle[0]).abs() > band || place.distance(middle) - radius > known + 1e-6 {
+                        continue;
+                    }
+                    let closest = closest_point(place, triangle);
+                    let distance = closest.distance(place) as f32;
+                    let node = &mut nearest[lattice.node_index([x, y, z])];
+                    if distance < node.1 {
+                        *node = (closest.as_vec3(), distance);
+                    }
+                }
+            }
+        }
+    }
+    for backwards in [[false, false, false], [true, true, true], [true, false, true], [false, true, false]] {
+        propagate_nearest(lattice, &mut nearest, backwards);
+    }
+    for backwards in [[false, false, true], [true, true, false], [true, false, false], [false, true, true]] {
+        propagate_nearest(lattice, &mut nearest, backwards);
+    }
+    Some(nearest.into_iter().map(|(_, distance)| distance).collect())
+}
+
+/// One pass in which every node tries the closest points of the three nodes before it.
+fn propagate_nearest(lattice: &GridGeometry, nearest: &mut [(Vec3, f32)], backwards: [bool; 3]) {
+    let [nx, ny, nz] = lattice.dims;
+    let strides = [1, nx, nx * ny];
+    let turn = |at: usize, n: usize, back: bool| if back { n - 1 - at } else { at };
+    let (origin, step) = (lattice.origin.as_vec3(), lattice.step as f32);
+    for z in 0..nz {
+        for y in 0..ny {
+            for x in 0..nx {
+                let node = [turn(x, nx, backwards[0]), turn(y, ny, backwards[1]), turn(z, nz, backwards[2])];
+                let at = lattice.node_index(node);
+                let place = origin + Vec3::new(node[0] as f32, node[1] as f32, node[2] as f32) * step;
+                for axis in 0..3 {
+                    if [x, y, z][axis] == 0 {
+                        continue;
+                    }
+                    let before = if backwards[axis] { at + strides[axis] } else { at - strides[axis] };
+                    let (closest, known) = nearest[before];
+                    if known.is_finite() {
+                        let distance = closest.distance(place);
+                        if distance < nearest[at].1 {
+                            nearest[at] = (closest, distance);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{block, hollow};
+
+    #[test]
+    fn a_box_knows_its_distances_inside_and_outside() {
+        let size = DVec3::new(20.0, 10.0, 30.0);
+        let field = DistanceField::new(&block(size), size * 0.5, 4.0, 60_000, &|| false).unwrap();
+        for (point, wanted) in [
+            (Vec3::ZERO, -5.0),
+            (Vec3::new(12.0, 0.0, 0.0), 2.0),
+            (Vec3::new(0.0, 4.0, 10.0), -1.0),
+            (Vec3::new(0.0, 0.0, 18.0), 3.0),
+        ] {
+            let found = field.distance(point);
+            assert!((found - wanted).abs() < 0.1, "{point} {found} {wanted}");
+        }
+        let (_, way) = field.distance_and_gradient(Vec3::new(0.0, 4.0, 10.0));
+        assert!(way.dot(Vec3::Y) > 0.99, "{way}");
+        assert!(field.distance(Vec3::new(100.0, 0.0, 0.0)) > 60.0);
+    }
+
+    #[test]
+    fn a_sealed_cavity_is_solid() {
+        let field = DistanceField::new(&hollow(30.0, 1.0), DVec3::splat(15.0), 2.0, 20_000, &|| false).unwrap();
+        assert!(field.distance(Vec3::ZERO) < 0.0);
+        assert!(field.distance(Vec3::new(16.5, 0.0, 0.0)) > 0.0);
+    }
+}

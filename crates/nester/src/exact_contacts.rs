@@ -1,0 +1,118 @@
+//! Exact contacts between two parts. Where the proxies say that two parts are clear but their triangles say that they
+//! are not, the nearest points of the triangles are used instead of the proxies. A contact acts as a plane that the
+//! other part must not pass.
+
+use glam::Vec3;
+
+use super::{
+    prepared_instance::{PlacedItem, PreparedInstance},
+    separation_step::{CollisionProxy, SeparationStep},
+};
+
+/// A contact that slid further sideways than this is no longer valid, mm.
+const MAX_SLIDE_MM: f32 = 1.5;
+/// A contact that is deeper than this belongs to another place, mm.
+const MAX_SUNK_MM: f32 = 1.5;
+/// Greatest number of contacts kept per pair.
+const MAX_CONTACTS: usize = 24;
+
+/// Two points, one on each part, that come too near each other.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ExactContact {
+    /// Point of the first part in its own frame, mm.
+    arm1: Vec3,
+    /// Point of the second part in its own frame, mm.
+    arm2: Vec3,
+    /// Unit direction from the second part to the first, in the second's frame.
+    direction2: Vec3,
+}
+
+/// A contact at the present poses of its parts.
+struct ActiveContact {
+    point1: Vec3,
+    point2: Vec3,
+    direction: Vec3,
+    depth: f32,
+}
+
+impl ExactContact {
+    fn active_contact(&self, first: &CollisionProxy, second: &CollisionProxy, wanted: f32) -> Option<ActiveContact> {
+        let point1 = first.rotation * self.arm1 + first.center;
+        let point2 = second.rotation * self.arm2 + second.center;
+        let way = second.rotation * self.direction2;
+        let apart = point1 - point2;
+        let along = apart.dot(way);
+        let depth = wanted - along;
+        let holds =
+            depth > 0.0 && along > -MAX_SUNK_MM && (apart - way * along).length_squared() < MAX_SLIDE_MM * MAX_SLIDE_MM;
+        holds.then_some(ActiveContact { point1, point2, direction: way, depth })
+    }
+}
+
+/// Surface area that one contact represents, mm2.
+fn contact_area(first: &CollisionProxy, second: &CollisionProxy) -> f32 {
+    4.0 * first.shape.fine_points.point_area.max(second.shape.fine_points.point_area)
+}
+
+/// How far the contacts of a pair fall short of `wanted`: surface area times depth, mm3.
+pub(crate) fn contact_energy(
+    touches: &[ExactContact],
+    first: &CollisionProxy,
+    second: &CollisionProxy,
+    wanted: f32,
+) -> f32 {
+    let depth: f32 = touches.iter().filter_map(|t| t.active_contact(first, second, wanted)).map(|p| p.depth).sum();
+    depth * contact_area(first, second)
+}
+
+/// Adds to `push` the contacts that move one of the two parts (the first or the second) away from the other.
+pub(crate) fn add_contacts(
+    touches: &[ExactContact],
+    (first, second): (&CollisionProxy, &CollisionProxy),
+    moves_first: bool,
+    (wanted, weight): (f32, f32),
+    push: &mut SeparationStep,
+) {
+    let share = weight * contact_area(first, second);
+    for pressed in touches.iter().filter_map(|t| t.active_contact(first, second, wanted)) {
+        if moves_first {
+            push.add_contact(pressed.point1 - first.center, pressed.direction, pressed.depth, share);
+        } else {
+            push.add_contact(pressed.point2 - second.center, -pressed.direction, pressed.depth, share);
+        }
+    }
+}
+
+/// Finds the contacts of two pieces that are nearer than `limit_mm` and puts them before the known ones: the nearest
+/// contact of every neighbourhood.
+pub(crate) fn find_contacts(
+    prepared: &PreparedInstance,
+    first: &PlacedItem,
+    second: &PlacedItem,
+    limit_mm: f64,
+    touches: &mut Vec<ExactContact>,
+) {
+    let (shape1, shape2) = (&prepared.prepared_item(first.item).shape, &prepared.prepared_item(second.item).shape);
+    let pose12 = first.pose.relative_pose_of(&second.pose);
+    let pose21 = pose12.inverse();
+    let cell_mm = 0.3 * shape1.radius_mm.min(shape2.radius_mm);
+    let mut found: Vec<(glam::IVec3, f64, ExactContact)> = Vec::new();
+    shape1.tree.visit_contacts(&shape2.tree, &pose12, limit_mm, &mut |contact| {
+        let distance = contact.distance_mm();
+        let cell = (contact.point1 / cell_mm).floor().as_ivec3();
+        let way = pose21.transform_direction(contact.point1 - contact.point2) / distance;
+        let touch = ExactContact {
+            arm1: (contact.point1 - shape1.center).as_vec3(),
+            arm2: (pose21.transform_point(contact.point2) - shape2.center).as_vec3(),
+            direction2: way.as_vec3(),
+        };
+        match found.iter_mut().find(|known| known.0 == cell) {
+            Some(known) if known.1 > distance => *known = (cell, distance, touch),
+            Some(_) => {}
+            None => found.push((cell, distance, touch)),
+        }
+    });
+    found.sort_by(|a, b| a.1.total_cmp(&b.1));
+    touches.splice(0..0, found.into_iter().map(|(_, _, touch)| touch));
+    touches.truncate(MAX_CONTACTS);
+}

@@ -1,0 +1,65 @@
+//! Handling of interlocked parts during the search: an interlocked pair keeps its hulls apart for a while, its smaller
+//! part is moved elsewhere, and separation continues as after any other failed check.
+
+use rand_chacha::ChaCha8Rng;
+
+use super::{
+    disassembly::{items_blocking_disassembly, locked_pairs, plan_disassembly},
+    prepared_instance::{PlacedItem, PreparedInstance},
+    relocation::{OverlapDepthGrid, RelocationEffort, move_elsewhere},
+    working_layout::WorkingLayout,
+};
+
+/// Number of sweep tests that cost about as much as one evaluation of the search.
+const SWEEPS_PER_EVALUATION: u64 = 2;
+
+/// Search effort for another place of a locked part.
+const EFFORT: RelocationEffort = RelocationEffort { grid_queries: 800, coarse_checks: 24, separated: 3 };
+
+/// Returns whether the layout that was just confirmed can be taken apart, or need not be. Otherwise remembers the
+/// locked pairs and moves parts, so that separation continues from a different layout.
+pub(crate) fn resolve_interlocks(
+    layout: &mut WorkingLayout<'_>,
+    pieces: &[PlacedItem],
+    grid: &mut OverlapDepthGrid,
+    rng: &mut ChaCha8Rng,
+) -> bool {
+    if !layout.prepared.must_be_separable {
+        return true;
+    }
+    let known = std::mem::take(&mut layout.interlock_memory.last_removals);
+    let found = plan_disassembly(layout.prepared, pieces, &known);
+    layout.interlock_memory.last_removals = found.removals;
+    layout.evaluations += found.sweeps / SWEEPS_PER_EVALUATION + 1;
+    if found.locked.is_empty() {
+        return true;
+    }
+    let pairs = locked_pairs(layout.prepared, pieces, &found.locked);
+    layout.evaluations += (found.locked.len() * found.locked.len()) as u64;
+    let mut leaving: Vec<usize> = Vec::new();
+    let volume = |part: usize| layout.proxies[part].shape.tree.mesh().volume_mm3();
+    let smaller = |parts: &[usize]| parts.iter().copied().min_by(|&a, &b| volume(a).total_cmp(&volume(b)));
+    for &(one, other) in &pairs {
+        leaving.extend(smaller(&[one, other]).filter(|part| !leaving.contains(part)));
+    }
+    let smallest = smaller(&found.locked);
+    let fresh = pairs.iter().filter(|&&(one, other)| layout.keep_hulls_apart(one, other)).count();
+    if fresh == 0 {
+        // A group in which no single pair is locked, or a pair that is locked although it was remembered before.
+        leaving.extend(smallest.filter(|part| !leaving.contains(part)));
+    }
+    for part in leaving {
+        move_elsewhere(layout, grid, part, EFFORT, rng);
+    }
+    false
+}
+
+/// Splits a layout into pieces that can be taken apart and the smallest pieces that prevent it.
+pub(crate) fn split_separable(
+    prepared: &PreparedInstance,
+    mut pieces: Vec<PlacedItem>,
+) -> (Vec<PlacedItem>, Vec<PlacedItem>) {
+    let dropped = items_blocking_disassembly(prepared, &pieces);
+    let dropped = dropped.into_iter().rev().map(|at| pieces.remove(at)).collect();
+    (pieces, dropped)
+}

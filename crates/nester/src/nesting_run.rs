@@ -1,0 +1,106 @@
+//! One run of our own search: its input, the best layout so far, and the evaluations made.
+
+use std::sync::Arc;
+
+use super::{
+    InterlockRule, NestingConfig, NestingInstance, PreparedMeshes, ProgressListener, StopCondition,
+    layout_builder::LayoutBuilder,
+    outline::OutlinedInstance,
+    preparation::MeshPreparation,
+    prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
+    recipe::PlacementRecipe,
+};
+
+/// Share of the budget after which no more meshes are prepared; boxes are stacked instead. It is more than the whole
+/// budget, so that a layout to continue from is not given up while its meshes are nearly prepared.
+const PREPARING_SHARE: f64 = 2.0;
+/// Number of placement tests that cost about as much as one evaluation of the search.
+pub(super) const TESTS_PER_EVALUATION: u64 = 64;
+/// Nodes of a distance grid for the first layouts.
+pub(super) const COARSE_NODES: usize = 30_000;
+/// Surface points for the first layouts.
+pub(super) const COARSE_POINTS: usize = 400;
+/// Greatest ratio of a first layout's height to the lowest one at which it is kept.
+pub(super) const MAX_HEIGHT_RATIO: f64 = 1.15;
+
+/// One run of our own search.
+pub(super) struct NestingRun<'a> {
+    pub(super) instance: &'a NestingInstance,
+    pub(super) config: &'a NestingConfig,
+    pub(super) preparation: MeshPreparation<'a>,
+    pub(super) stop: &'a dyn StopCondition,
+    listener: &'a mut dyn ProgressListener,
+    pub(super) best_items: Vec<PlacedItem>,
+    /// First layouts, the lowest first.
+    pub(super) first_layouts: Vec<Vec<PlacedItem>>,
+    pub(super) evaluations: u64,
+}
+
+impl<'a> NestingRun<'a> {
+    pub(super) fn new(
+        instance: &'a NestingInstance,
+        config: &'a NestingConfig,
+        prepared: &'a PreparedMeshes,
+        stop: &'a dyn StopCondition,
+        listener: &'a mut dyn ProgressListener,
+    ) -> Self {
+        let mut workshop = MeshPreparation::new(prepared, config.threads);
+        if instance.pinned().is_empty() {
+            workshop = workshop.with_deadline(stop, PREPARING_SHARE);
+        }
+        Self {
+            instance,
+            config,
+            preparation: workshop,
+            stop,
+            listener,
+            best_items: Vec::new(),
+            first_layouts: Vec::new(),
+            evaluations: 0,
+        }
+    }
+
+    /// Prepares the outlines of all items.
+    pub(super) fn outline_instance(&self) -> OutlinedInstance {
+        OutlinedInstance::new(self.instance, |meshes| self.preparation.prepare_outlines(meshes))
+    }
+
+    /// Prepares the instance coarsely; `None` when the time runs out first.
+    pub(super) fn prepare_instance(&self, outlined: Arc<OutlinedInstance>) -> Option<PreparedInstance> {
+        let pins = self.instance.reserved_space().pinned_copies();
+        let (organs, workshop) = (self.config.components, &self.preparation);
+        let mut task = PreparedInstance::new(outlined, pins, workshop, organs, COARSE_NODES, COARSE_POINTS)?;
+        task.must_be_separable = self.config.effective_interlock() == InterlockRule::Forbid;
+        Some(task)
+    }
+
+    /// Accepts a layout if it places more copies or is lower, and reports it to the listener.
+    pub(super) fn offer_layout(&mut self, pieces: Vec<PlacedItem>) {
+        let rank = |pieces: &[PlacedItem]| (std::cmp::Reverse(pieces.len()), height_mm(pieces));
+        if !pieces.is_empty() && rank(&pieces) < rank(&self.best_items) {
+            self.best_items = pieces;
+            self.listener
+                .on_improved(&solution_from_items(self.instance, &self.best_items, self.evaluations), self.evaluations);
+        }
+    }
+
+    /// Runs the builder once. The run ends when the layout gets higher than the best complete layout or at a share of
+    /// the budget.
+    pub(super) fn build_layout(
+        &mut self,
+        builder: &mut LayoutBuilder<'_>,
+        recipe: &PlacementRecipe,
+        order: &[(usize, u32)],
+        standing: &[PlacedItem],
+        limit: f64,
+    ) -> Option<Vec<PlacedItem>> {
+        let whole = self.best_items.len() == standing.len() + order.len();
+        let worst_mm = if whole { MAX_HEIGHT_RATIO * height_mm(&self.best_items) } else { f64::INFINITY };
+        let (stop, before) = (self.stop, self.evaluations);
+        let enough = |tests| stop.spent_share_at(before + tests / TESTS_PER_EVALUATION) >= limit;
+        let built = builder.build_separable(recipe, order, standing, worst_mm, enough);
+        self.evaluations += builder.tests / TESTS_PER_EVALUATION;
+        builder.tests %= TESTS_PER_EVALUATION;
+        built
+    }
+}

@@ -1,0 +1,151 @@
+//! The independent proof of separability: can the bodies of a finished layout be removed one after the other? It tests
+//! every relevant pair itself and relies on no result of the search.
+
+use std::{ops::Range, sync::Arc};
+
+use glam::{DVec3, IVec3};
+use solids::{Bounds, ClearanceTree};
+
+use super::{PlacedSolid, build_trees};
+use crate::disassembly::removal_gap_mm;
+
+/// The order in which a layout comes apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Disassembly {
+    /// Bodies in the order in which they can be removed, each with its direction: a unit vector in the build's frame.
+    /// During removal a body keeps [`removal_gap_mm`] from all bodies that come later. A direction points downwards
+    /// only if none of the remaining bodies can be removed upwards or sideways.
+    pub order: Vec<(usize, DVec3)>,
+    /// Interlocked bodies, in rising order.
+    pub locked: Vec<usize>,
+}
+
+/// Removes bodies along straight lines in the 26 directions of a cube's faces, edges and corners; walls are no
+/// obstacle. For bodies whose surfaces meet, or which are nearer to each other than their drawing gap, the result is
+/// undefined: such a layout does not pass the proof anyway. A body inside another one is locked.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::{DQuat, DVec3};
+/// use nester::{Body, take_apart};
+/// use solids::Pose;
+///
+/// let body = |mesh, x: f64| Body {
+///     name: String::new(),
+///     mesh: Arc::new(mesh),
+///     pose: Pose::new(DQuat::IDENTITY, DVec3::X * x),
+///     clearance_mm: 2.0,
+/// };
+/// let apart = take_apart(&[body(sample_parts::ring(30.0, 20.0, 6.0), 0.0), body(sample_parts::ring(30.0, 20.0, 6.0), 40.0)]);
+/// assert!(apart.locked.is_empty());
+/// assert_eq!(apart.order[0], (0, DVec3::Z)); // drawn straight up
+/// ```
+pub fn find_removal_order(bodies: &[PlacedSolid]) -> Disassembly {
+    let mut judge = DisassemblyProver::new(bodies);
+    let mut order = Vec::new();
+    while let Some((at, way)) = judge.next_removal() {
+        let body = judge.remaining.remove(at);
+        order.push((body, judge.directions[way]));
+    }
+    let mut locked = judge.remaining;
+    locked.sort_unstable();
+    Disassembly { order, locked }
+}
+
+/// The first of [`all_ways`] that points downwards.
+const FIRST_FALLING: usize = 17;
+
+/// All directions: upward ones first, straight up before all others, then horizontal ones, then downward ones; simple
+/// directions before slanted ones.
+fn removal_directions() -> Vec<DVec3> {
+    let range = || -1..=1;
+    let all = range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| IVec3::new(x, y, z))));
+    let mut ways: Vec<IVec3> = all.filter(|&way| way != IVec3::ZERO).collect();
+    ways.sort_by_key(|way| (-way.z, way.length_squared()));
+    ways.into_iter().map(|way| way.as_dvec3().normalize()).collect()
+}
+
+struct DisassemblyProver<'a> {
+    bodies: &'a [PlacedSolid],
+    trees: Vec<Arc<ClearanceTree>>,
+    bounds: Vec<Bounds>,
+    directions: Vec<DVec3>,
+    /// Bodies that remain, from the highest top to the lowest.
+    remaining: Vec<usize>,
+    /// For every body and direction, the bodies known to block it and those known not to.
+    known: Vec<Vec<KnownObstacles>>,
+}
+
+#[derive(Debug, Clone, Default)]
+struct KnownObstacles {
+    blocked_by: Option<usize>,
+    /// Sorted.
+    harmless: Vec<usize>,
+}
+
+impl<'a> DisassemblyProver<'a> {
+    fn new(bodies: &'a [PlacedSolid]) -> Self {
+        let bounds: Vec<Bounds> = bodies.iter().map(|body| body.mesh.bounds_at(&body.pose)).collect();
+        let mut left: Vec<usize> = (0..bodies.len()).collect();
+        left.sort_by(|&a, &b| bounds[b].max.z.total_cmp(&bounds[a].max.z));
+        let ways = removal_directions();
+        let known = vec![vec![KnownObstacles::default(); ways.len()]; bodies.len()];
+        Self { bodies, trees: build_trees(bodies), bounds, directions: ways, remaining: left, known }
+    }
+
+    /// The next body that can be removed, as its index among the remaining bodies, and its direction.
+    fn next_removal(&mut self) -> Option<(usize, usize)> {
+        // Prefer straight up; otherwise the highest body that has a direction which is not downwards. The cake lies on
+        // a floor: bodies that can only move down wait until the cake is lifted.
+        [0..1, 1..FIRST_FALLING, FIRST_FALLING..self.directions.len()]
+            .into_iter()
+            .find_map(|ways| self.next_removal_along(ways))
+    }
+
+    fn next_removal_along(&mut self, ways: Range<usize>) -> Option<(usize, usize)> {
+        let mut tries = (0..self.remaining.len()).flat_map(|at| ways.clone().map(move |way| (at, way)));
+        tries.find(|&(at, way)| !self.is_blocked(self.remaining[at], way))
+    }
+
+    /// Whether any remaining body blocks the removal of a body.
+    fn is_blocked(&mut self, body: usize, way: usize) -> bool {
+        let mut known = std::mem::take(&mut self.known[body][way]);
+        if known.blocked_by.is_none_or(|by| !self.remaining.contains(&by)) {
+            known.blocked_by = None;
+            for &other in &self.remaining {
+                let place = known.harmless.binary_search(&other);
+                if let (Err(place), true) = (place, other != body) {
+                    if self.blocks_removal(other, body, self.directions[way]) {
+                        known.blocked_by = Some(other);
+                        break;
+                    }
+                    known.harmless.insert(place, other);
+                }
+            }
+        }
+        let barred = known.blocked_by.is_some();
+        self.known[body][way] = known;
+        barred
+    }
+
+    fn blocks_removal(&self, standing: usize, moving: usize, way: DVec3) -> bool {
+        let (one, other) = (&self.bodies[moving], &self.bodies[standing]);
+        let gap_mm = removal_gap_mm(one.clearance_mm.max(other.clearance_mm));
+        if self.contains_body(standing, moving) || self.contains_body(moving, standing) {
+            return true;
+        }
+        let way1 = one.pose.rotation.conjugate() * way;
+        !self.trees[moving].is_free_along(&self.trees[standing], &one.pose.relative_pose_of(&other.pose), way1, gap_mm)
+    }
+
+    /// Whether one body lies inside the other's solid or in a sealed cavity of it.
+    fn contains_body(&self, outer: usize, inner: usize) -> bool {
+        let pose12 = || self.bodies[outer].pose.relative_pose_of(&self.bodies[inner].pose);
+        self.bounds[outer].contains_bounds(&self.bounds[inner], 0.0)
+            && self.trees[outer].contains_part(&self.trees[inner], &pose12())
+    }
+}
+
+#[cfg(test)]
+#[path = "disassembly_tests.rs"]
+mod tests;

@@ -1,0 +1,289 @@
+//! Finds another place for a part. Flower pollination searches the whole volume in three steps of rising cost: many
+//! lookups in an occupancy grid, the overlap of the best candidates, and separation steps for the very best.
+
+use glam::{DQuat, DVec3, Vec3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::{
+    OrientationLimits, OrientationRule,
+    first_rotations::first_rotations,
+    separation_step::CollisionProxy,
+    working_layout::{CenterPose, WorkingLayout},
+};
+use crate::pollination::{FlowerPollination, GeneBoundary, GeneRange, PollinationSettings};
+
+/// Approximate number of cells of the occupancy grid.
+const CELLS: f32 = 40_000.0;
+/// Number of flowers of a part that are kept for its next relocation.
+const KEPT_FLOWERS: usize = 16;
+/// Depths are summed in fixed point, so that removing a part restores the grid exactly.
+const DEPTH_UNIT: f32 = 64.0;
+
+/// For every cell, the depth of its centre inside the parts (grown by their clearance), summed over all parts.
+pub(crate) struct OverlapDepthGrid {
+    pitch: f32,
+    cells: [usize; 3],
+    depths: Vec<i32>,
+    drawn: Vec<Option<CollisionProxy>>,
+    reach: f32,
+}
+
+impl OverlapDepthGrid {
+    /// An empty grid for a layout.
+    pub(crate) fn new(layout: &WorkingLayout<'_>) -> Self {
+        let room = layout.prepared.room.with_z(layout.height_limit_mm).as_vec3();
+        let pitch = (room.element_product() / CELLS).cbrt().max(0.5);
+        let cells = (room / pitch).ceil().max(Vec3::ONE).to_array().map(|n| n as usize);
+        let depths = vec![0; cells.iter().product()];
+        Self {
+            pitch,
+            cells,
+            depths,
+            drawn: vec![None; layout.part_count()],
+            reach: layout.prepared.max_clearance_mm as f32,
+        }
+    }
+
+    /// Updates the grid to the present pose of every part, except `left_out`, which is removed from it.
+    pub(crate) fn update_parts(&mut self, layout: &WorkingLayout<'_>, left_out: usize) {
+        for part in 0..layout.part_count() {
+            let now = &layout.proxies[part];
+            let tolerance = 0.3 * self.pitch;
+            let stays = self.drawn[part].as_ref().is_some_and(|drawn| {
+                part != left_out
+                    && (drawn.min - now.min).abs().max_element() < tolerance
+                    && (drawn.max - now.max).abs().max_element() < tolerance
+            });
+            if stays {
+                continue;
+            }
+            if let Some(drawn) = self.drawn[part].take() {
+                self.add_part_depth(&drawn, -1);
+            }
+            if part != left_out {
+                self.add_part_depth(now, 1);
+                self.drawn[part] = Some(now.clone());
+            }
+        }
+    }
+
+    fn add_part_depth(&mut self, proxy: &CollisionProxy, sign: i32) {
+        let low = ((proxy.min - self.reach) / self.pitch).max(Vec3::ZERO).to_array().map(|n| n as usize);
+        let high = ((proxy.max + self.reach) / self.pitch + 1.0).max(Vec3::ZERO).to_array().map(|n| n as usize);
+        let back = proxy.rotation.transpose();
+        for z in low[2]..high[2].min(self.cells[2]) {
+            for y in low[1]..high[1].min(self.cells[1]) {
+                for x in low[0]..high[0].min(self.cells[0]) {
+                    let middle = (Vec3::new(x as f32, y as f32, z as f32) + 0.5) * self.pitch;
+                    let depth = self.reach - proxy.shape.distance_field.distance(back * (middle - proxy.center));
+                    if depth > 0.0 {
+                        let cell = (z * self.cells[1] + y) * self.cells[0] + x;
+                        self.depths[cell] += sign * (depth * DEPTH_UNIT) as i32;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Mean depth of a proxy's points.
+    fn mean_depth(&self, proxy: &CollisionProxy) -> f64 {
+        let scale = 1.0 / self.pitch;
+        let most = Vec3::new(self.cells[0] as f32, self.cells[1] as f32, self.cells[2] as f32) - 1.0;
+        let points = proxy.shape.coarse_points.points();
+        let sum: i64 = (points.iter())
+            .map(|&p| {
+                let at = ((proxy.rotation * p + proxy.center) * scale).clamp(Vec3::ZERO, most);
+                let cell = (at.z as usize * self.cells[1] + at.y as usize) * self.cells[0] + at.x as usize;
+                i64::from(self.depths[cell])
+            })
+            .sum();
+        sum as f64 / points.len() as f64
+    }
+}
+
+/// Decodes the rotation of a part from a genome.
+struct RotationDecoder<'t> {
+    orientation: &'t OrientationLimits,
+    bases: Vec<DQuat>,
+}
+
+impl<'t> RotationDecoder<'t> {
+    fn new(layout: &WorkingLayout<'t>, part: usize) -> Self {
+        let kind = layout.prepared.prepared_item(layout.copies[part].0);
+        let room = layout.prepared.room.with_z(layout.height_limit_mm);
+        let mut bases = match kind.orientation.rule {
+            OrientationRule::Fixed => vec![DQuat::IDENTITY],
+            _ => first_rotations(&kind.orientation, kind.shape.frame, &kind.shape.extremes, room, 24),
+        };
+        bases.push(layout.poses[part].rotation);
+        Self { orientation: &kind.orientation, bases }
+    }
+
+    fn gene_ranges(&self) -> Vec<GeneRange> {
+        let gene = |upper: f64, edge: GeneBoundary| GeneRange { lower: 0.0, upper, edge };
+        let turning = [
+            gene(2.0, GeneBoundary::Wrap),
+            gene(1.0, GeneBoundary::Reflect),
+            gene(1.0, GeneBoundary::Wrap),
+            gene(1.0, GeneBoundary::Wrap),
+        ];
+        turning.into_iter().chain([gene(1.0, GeneBoundary::Reflect); 3]).collect()
+    }
+
+    /// A first gene below 1 selects one of the base rotations. Above 1, the next three genes define a rotation, within
+    /// the rule.
+    fn decode_rotation(&self, genome: &[f64]) -> DQuat {
+        let base = |share: f64| self.bases[((share * self.bases.len() as f64) as usize).min(self.bases.len() - 1)];
+        match self.orientation.rule {
+            _ if genome[0] < 1.0 => base(genome[0]),
+            OrientationRule::Free => {
+                let genes = [genome[1], genome[2], genome[3]];
+                self.orientation.rotation_from_genes(genes).unwrap_or_else(|| base(genome[0] - 1.0))
+            }
+            OrientationRule::Upright => DQuat::from_rotation_z(genome[2] * std::f64::consts::TAU),
+            OrientationRule::Axis | OrientationRule::Fixed => base(genome[0] - 1.0),
+        }
+    }
+}
+
+/// Returns a random pose of a part in the room, at a random rotation that its rule allows. Returns the present pose if
+/// that rotation does not fit.
+pub(crate) fn random_pose(layout: &WorkingLayout<'_>, part: usize, rng: &mut ChaCha8Rng) -> CenterPose {
+    let turning = RotationDecoder::new(layout, part);
+    let genome: Vec<f64> = turning.gene_ranges().iter().map(|gene| rng.random_range(gene.lower..gene.upper)).collect();
+    let turn = turning.decode_rotation(&genome);
+    let mut proxy = layout.proxies[part].clone();
+    proxy.set_pose(turn, DVec3::ZERO);
+    let (min, max) = (proxy.min.as_dvec3(), proxy.max.as_dvec3());
+    let free = layout.prepared.room.with_z(layout.height_limit_mm) - (max - min);
+    if free.min_element() < 0.0 {
+        return layout.poses[part];
+    }
+    CenterPose { rotation: turn, center: DVec3::new(genome[4], genome[5], genome[6]) * free - min }
+}
+
+/// Limits on the work of one relocation.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RelocationEffort {
+    /// Number of queries to the occupancy grid.
+    pub(crate) grid_queries: usize,
+    /// Number of candidates compared by coarse overlap.
+    pub(crate) coarse_checks: usize,
+    /// Number of candidates improved by separation steps.
+    pub(crate) separated: usize,
+}
+
+/// Moves a part to a better place if there is one: a place with less weighted overlap than the present one.
+pub(crate) fn relocate_part(
+    layout: &mut WorkingLayout<'_>,
+    grid: &mut OverlapDepthGrid,
+    part: usize,
+    effort: RelocationEffort,
+    rng: &mut ChaCha8Rng,
+) -> bool {
+    let here = layout.energy_at(part, &layout.proxies[part], false, f32::INFINITY);
+    relocate_below(layout, grid, part, effort, here, rng)
+}
+
+/// Moves a part to the best other place found, even if it is no better.
+pub(crate) fn move_elsewhere(
+    layout: &mut WorkingLayout<'_>,
+    grid: &mut OverlapDepthGrid,
+    part: usize,
+    effort: RelocationEffort,
+    rng: &mut ChaCha8Rng,
+) {
+    relocate_below(layout, grid, part, effort, f32::INFINITY, rng);
+}
+
+/// Moves a part to the best place found that has less weighted overlap than `energy`.
+fn relocate_below(
+    layout: &mut WorkingLayout<'_>,
+    grid: &mut OverlapDepthGrid,
+    part: usize,
+    effort: RelocationEffort,
+    energy: f32,
+    rng: &mut ChaCha8Rng,
+) -> bool {
+    grid.update_parts(layout, part);
+    let turning = RotationDecoder::new(layout, part);
+    let mut proxy = layout.proxies[part].clone();
+    let candidates = propose_poses(layout, part, grid, &turning, &mut proxy, effort, rng);
+    layout.evaluations += (effort.grid_queries / 40) as u64;
+    let mut ranked: Vec<(f32, CenterPose)> = Vec::with_capacity(candidates.len());
+    for pose in candidates {
+        let least = if ranked.len() < effort.separated { f32::INFINITY } else { ranked[effort.separated - 1].0 };
+        let pose = layout.clamp_to_room(&mut proxy, pose);
+        layout.evaluations += 1;
+        let energy = layout.energy_at(part, &proxy, true, least);
+        if energy < least {
+            let at = ranked.partition_point(|(known, _)| *known <= energy);
+            ranked.insert(at, (energy, pose));
+            ranked.truncate(effort.separated);
+        }
+    }
+    let here = layout.poses[part];
+    let mut best = (energy, here);
+    for (_, pose) in ranked {
+        layout.move_part(part, pose);
+        for _ in 0..5 {
+            if layout.take_separation_step(part) <= 0.0 {
+                break;
+            }
+        }
+        let energy = layout.energy_at(part, &layout.proxies[part], false, best.0);
+        if energy < best.0 {
+            best = (energy, layout.poses[part]);
+            if energy <= 0.0 {
+                break;
+            }
+        }
+    }
+    layout.move_part(part, best.1);
+    best.1.center != here.center
+}
+
+/// Returns the best poses that flower pollination found, by depth in the occupancy grid.
+fn propose_poses(
+    layout: &mut WorkingLayout<'_>,
+    part: usize,
+    grid: &OverlapDepthGrid,
+    turning: &RotationDecoder<'_>,
+    proxy: &mut CollisionProxy,
+    effort: RelocationEffort,
+    rng: &mut ChaCha8Rng,
+) -> Vec<CenterPose> {
+    let even = !layout.prepared.components.flowers_in_relocation;
+    let setup = PollinationSettings { population: 40, switch_probability: 0.4, even, ..PollinationSettings::default() };
+    // The layout changes little between two relocations of a part, so the search continues from its best flowers.
+    let before = if even { Vec::new() } else { std::mem::take(&mut layout.flowers[part]) };
+    let mut flowers = FlowerPollination::new(setup, turning.gene_ranges(), rng.random()).starting_at(before);
+    let room = layout.prepared.room.with_z(layout.height_limit_mm);
+    let mut best: Vec<(f64, CenterPose)> = Vec::with_capacity(effort.coarse_checks + 1);
+    for _ in 0..effort.grid_queries {
+        let genome = flowers.ask();
+        let turn = turning.decode_rotation(genome);
+        let share = DVec3::new(genome[4], genome[5], genome[6]);
+        proxy.set_pose(turn, DVec3::ZERO);
+        let (min, max) = (proxy.min.as_dvec3(), proxy.max.as_dvec3());
+        let free = room - (max - min);
+        if free.min_element() < 0.0 {
+            flowers.tell(1e9 - free.min_element());
+            continue;
+        }
+        let place = share * free - min;
+        proxy.center = place.as_vec3();
+        let depth = grid.mean_depth(proxy);
+        flowers.tell(depth);
+        if best.len() < effort.coarse_checks || best.last().is_some_and(|(worst, _)| depth < *worst) {
+            let at = best.partition_point(|(known, _)| *known <= depth);
+            best.insert(at, (depth, CenterPose { rotation: turn, center: place }));
+            best.truncate(effort.coarse_checks);
+        }
+    }
+    if !even {
+        layout.flowers[part] = flowers.ranked_genomes().into_iter().take(KEPT_FLOWERS).map(<[f64]>::to_vec).collect();
+    }
+    best.into_iter().map(|(_, pose)| pose).collect()
+}

@@ -1,0 +1,187 @@
+//! A smooth measure of the overlap of two parts, and the small motion of one of them that ends it (Gauss-Newton on all
+//! contacts).
+
+use std::sync::Arc;
+
+use glam::{DMat3, DQuat, DVec3, Mat3, Vec3};
+use solids::Bounds;
+
+use super::{OrientationRule, shape::PreparedShape, sphere_tree::SphereTree};
+
+/// A part as the approximate collision test sees it.
+#[derive(Debug, Clone)]
+pub(crate) struct CollisionProxy {
+    pub(crate) shape: Arc<PreparedShape>,
+    pub(crate) rotation: Mat3,
+    pub(crate) center: Vec3,
+    /// Bounds by the extreme points, mm.
+    pub(crate) min: Vec3,
+    pub(crate) max: Vec3,
+}
+
+impl CollisionProxy {
+    /// A part at a pose.
+    pub(crate) fn new(shape: Arc<PreparedShape>, turn: DQuat, place: DVec3) -> Self {
+        let mut proxy = Self { shape, rotation: Mat3::IDENTITY, center: Vec3::ZERO, min: Vec3::ZERO, max: Vec3::ZERO };
+        proxy.set_pose(turn, place);
+        proxy
+    }
+
+    /// Moves the proxy to a pose.
+    pub(crate) fn set_pose(&mut self, turn: DQuat, place: DVec3) {
+        self.rotation = DMat3::from_quat(turn).as_mat3();
+        self.center = place.as_vec3();
+        let turned = self.shape.extremes_f32.iter().map(|&p| self.rotation * p);
+        let (min, max) = turned.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        self.min = self.center + min;
+        self.max = self.center + max;
+    }
+
+    /// The same proxy raised by `lift` mm.
+    pub(crate) fn raised_by(&self, lift: f32) -> Self {
+        let up = Vec3::Z * lift;
+        Self { center: self.center + up, min: self.min + up, max: self.max + up, ..self.clone() }
+    }
+
+    /// Its bounds, mm.
+    pub(crate) fn bounds(&self) -> Bounds {
+        Bounds { min: self.min.as_dvec3(), max: self.max.as_dvec3() }
+    }
+
+    /// Whether the bounds of two parts are nearer than `reach`.
+    #[inline]
+    pub(crate) fn is_near(&self, other: &Self, reach: f32) -> bool {
+        let gap = (other.min - self.max).max(self.min - other.max).max(Vec3::ZERO);
+        gap.length_squared() < reach * reach
+    }
+
+    /// One direction of the overlap: the points of `body`, which belong to this part, in the other part's distance
+    /// grid. mm3.
+    fn one_sided_energy(&self, body: &SphereTree, other: &Self, reach: f32) -> f32 {
+        let back = other.rotation.transpose();
+        let (turn, shift) = (back * self.rotation, back * (self.center - other.center));
+        let field = &other.shape.distance_field;
+        let mut sum = 0.0;
+        body.visit_points(
+            |center, radius| field.distance(turn * center + shift) < reach + radius,
+            |point| {
+                let depth = reach - field.distance(turn * point + shift);
+                if depth > 0.0 {
+                    sum += depth;
+                }
+            },
+        );
+        sum * body.point_area
+    }
+
+    /// How much two parts are nearer than `reach`: surface area times depth, mm3; 0 when they are clear.
+    pub(crate) fn overlap_energy(&self, other: &Self, reach: f32) -> f32 {
+        0.5 * (self.one_sided_energy(&self.shape.fine_points, other, reach)
+            + other.one_sided_energy(&other.shape.fine_points, self, reach))
+    }
+
+    /// The same with few points: cheaper, for comparing candidates.
+    pub(crate) fn coarse_overlap_energy(&self, other: &Self, reach: f32) -> f32 {
+        0.5 * (self.one_sided_energy(&self.shape.coarse_points, other, reach)
+            + other.one_sided_energy(&other.shape.coarse_points, self, reach))
+    }
+
+    /// Adds to `push` the contacts that would move this part out of `other`.
+    pub(crate) fn add_overlap_contacts(&self, other: &Self, reach: f32, weight: f32, push: &mut SeparationStep) {
+        let back = other.rotation.transpose();
+        let (turn, shift) = (back * self.rotation, back * (self.center - other.center));
+        let field = &other.shape.distance_field;
+        let body = &self.shape.fine_points;
+        let share = 0.5 * weight * body.point_area;
+        body.visit_points(
+            |center, radius| field.distance(turn * center + shift) < reach + radius,
+            |point| {
+                let there = turn * point + shift;
+                if field.distance(there) < reach {
+                    let (distance, way) = field.distance_and_gradient(there);
+                    push.add_contact(self.rotation * point, other.rotation * way, reach - distance, share);
+                }
+            },
+        );
+        let (turn, shift) = (turn.transpose(), self.rotation.transpose() * (other.center - self.center));
+        let field = &self.shape.distance_field;
+        let body = &other.shape.fine_points;
+        let share = 0.5 * weight * body.point_area;
+        body.visit_points(
+            |center, radius| field.distance(turn * center + shift) < reach + radius,
+            |point| {
+                let there = turn * point + shift;
+                if field.distance(there) < reach {
+                    let (distance, way) = field.distance_and_gradient(there);
+                    push.add_contact(self.rotation * there, self.rotation * -way, reach - distance, share);
+                }
+            },
+        );
+    }
+}
+
+/// Normal equations of the motion (translation, then rotation about the center, scaled by `radius`) that resolves the
+/// contacts.
+#[derive(Debug, Clone)]
+pub(crate) struct SeparationStep {
+    matrix: [[f32; 6]; 6],
+    right_side: [f32; 6],
+    radius: f32,
+    /// Weighted overlap: sum of weight x depth squared.
+    pub(crate) energy: f32,
+}
+
+impl SeparationStep {
+    /// Equations without contacts.
+    pub(crate) fn new(radius: f32) -> Self {
+        Self { matrix: [[0.0; 6]; 6], right_side: [0.0; 6], radius: radius.max(1e-3), energy: 0.0 }
+    }
+
+    /// Adds a contact: a point at `arm` from the center is to move by `depth` along `way`.
+    #[inline]
+    pub(crate) fn add_contact(&mut self, arm: Vec3, way: Vec3, depth: f32, weight: f32) {
+        let spin = arm.cross(way) / self.radius;
+        let row = [way.x, way.y, way.z, spin.x, spin.y, spin.z];
+        for i in 0..6 {
+            let scaled = weight * row[i];
+            self.right_side[i] += scaled * depth;
+            for (sum, &value) in self.matrix[i][..=i].iter_mut().zip(&row) {
+                *sum += scaled * value;
+            }
+        }
+        self.energy += weight * depth * depth;
+    }
+
+    /// Solves for the motion: translation in mm and rotation vector in radians, damped, restricted to what the rule
+    /// allows.
+    pub(crate) fn solve_motion(&self, rule: OrientationRule) -> (Vec3, Vec3) {
+        let free = match rule {
+            OrientationRule::Free => [true; 6],
+            OrientationRule::Upright => [true, true, true, false, false, true],
+            OrientationRule::Axis | OrientationRule::Fixed => [true, true, true, false, false, false],
+        };
+        let trace: f32 = (0..6).map(|i| self.matrix[i][i]).sum();
+        let damping = 0.003 * trace + 1e-9;
+        let mut lower = [[0.0_f32; 6]; 6];
+        let mut solved = [0.0_f32; 6];
+        // Cholesky decomposition. A coordinate that is not free has 1 on the diagonal and 0 on the right side.
+        for i in 0..6 {
+            for j in 0..=i {
+                let known = if free[i] && free[j] { self.matrix[i][j] } else { 0.0 };
+                let known = if i == j { if free[i] { known + damping } else { 1.0 } } else { known };
+                let sum = known - (0..j).map(|k| lower[i][k] * lower[j][k]).sum::<f32>();
+                lower[i][j] = if i == j { sum.max(1e-12).sqrt() } else { sum / lower[j][j] };
+            }
+        }
+        for i in 0..6 {
+            let side = if free[i] { self.right_side[i] } else { 0.0 };
+            solved[i] = (side - (0..i).map(|k| lower[i][k] * solved[k]).sum::<f32>()) / lower[i][i];
+        }
+        for i in (0..6).rev() {
+            solved[i] = (solved[i] - (i + 1..6).map(|k| lower[k][i] * solved[k]).sum::<f32>()) / lower[i][i];
+        }
+        let step = Vec3::new(solved[0], solved[1], solved[2]);
+        let spin = Vec3::new(solved[3], solved[4], solved[5]) / self.radius;
+        (step.clamp_length_max(0.5 * self.radius + 1.0), spin.clamp_length_max(0.35))
+    }
+}

@@ -1,0 +1,210 @@
+//! Points spread over a part's surface, in a tree of bounding spheres. They are looked up in another part's distance
+//! grid.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+use rand::RngExt;
+use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
+use solids::Mesh;
+
+use super::byte_codec::{ByteReader, ByteWriter};
+
+/// Greatest number of points in a leaf.
+const MAX_LEAF_POINTS: usize = 6;
+
+/// A sphere around some of the points. Nodes are stored in depth-first order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BoundingSphere {
+    pub(crate) center: Vec3,
+    pub(crate) radius: f32,
+    /// The next node to visit when this subtree is skipped.
+    pub(crate) next_sibling: u32,
+    first: u32,
+    count: u32,
+}
+
+/// Surface points of a part in its frame, relative to its center, and the spheres around them.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SphereTree {
+    points: Vec<Vec3>,
+    spheres: Vec<BoundingSphere>,
+    /// Surface area that each point represents, mm2.
+    pub(crate) point_area: f32,
+}
+
+impl SphereTree {
+    /// Samples about `wanted` points: first along sharp edges, where parts meet, then over the faces.
+    pub(crate) fn new(mesh: &Mesh, center: DVec3, wanted: usize) -> Self {
+        let area = surface_area(mesh);
+        let sharp = sharp_edges(mesh);
+        let mut spacing = (area / (0.7 * wanted as f64)).sqrt().max(1e-3);
+        let mut points = sample_surface(mesh, &sharp, spacing);
+        for _ in 0..8 {
+            if points.len() <= wanted + wanted / 2 {
+                break;
+            }
+            spacing *= 1.3;
+            points = sample_surface(mesh, &sharp, spacing);
+        }
+        let mut points: Vec<Vec3> = points.into_iter().map(|p| (p - center).as_vec3()).collect();
+        let mut spheres = Vec::with_capacity(points.len());
+        let count = points.len();
+        build_spheres(&mut points, 0, count, &mut spheres);
+        Self { point_area: (area / points.len() as f64) as f32, points, spheres }
+    }
+
+    /// Writes the tree as bytes.
+    pub(super) fn write_to(&self, to: &mut ByteWriter) {
+        to.write_f32s(&[self.point_area]);
+        to.write_u32(self.points.len() as u32);
+        self.points.iter().for_each(|p| to.write_f32s(&p.to_array()));
+        to.write_u32(self.spheres.len() as u32);
+        for sphere in &self.spheres {
+            to.write_f32s(&sphere.center.to_array());
+            to.write_f32s(&[sphere.radius]);
+            [sphere.next_sibling, sphere.first, sphere.count].into_iter().for_each(|n| to.write_u32(n));
+        }
+    }
+
+    /// Reads the tree from bytes; `None` if a traversal would not end or would leave the points.
+    pub(super) fn read_from(from: &mut ByteReader<'_>) -> Option<Self> {
+        let [point_area] = from.read_f32s()?;
+        let count = from.read_u32()?;
+        let points: Vec<Vec3> = (0..count).map(|_| from.read_f32s().map(Vec3::from_array)).collect::<Option<_>>()?;
+        let count = from.read_u32()?;
+        let sphere = |at: u32, from: &mut ByteReader<'_>| {
+            let (center, [radius]) = (Vec3::from_array(from.read_f32s()?), from.read_f32s()?);
+            let [skip, first, own] = [from.read_u32()?, from.read_u32()?, from.read_u32()?];
+            let is_sound = skip > at && skip <= count && first.checked_add(own)? as usize <= points.len();
+            is_sound.then_some(BoundingSphere { center, radius, next_sibling: skip, first, count: own })
+        };
+        let spheres = (0..count).map(|at| sphere(at, from)).collect::<Option<Vec<BoundingSphere>>>()?;
+        (!points.is_empty()).then_some(Self { points, spheres, point_area })
+    }
+
+    /// All points.
+    pub(crate) fn points(&self) -> &[Vec3] {
+        &self.points
+    }
+
+    /// Calls `visit` with every point in the spheres that `wanted` accepts.
+    #[inline]
+    pub(crate) fn visit_points(&self, mut wanted: impl FnMut(Vec3, f32) -> bool, mut visit: impl FnMut(Vec3)) {
+        let mut at = 0;
+        while let Some(sphere) = self.spheres.get(at) {
+            if !wanted(sphere.center, sphere.radius) {
+                at = sphere.next_sibling as usize;
+                continue;
+            }
+            let first = sphere.first as usize;
+            self.points[first..first + sphere.count as usize].iter().for_each(|&p| visit(p));
+            at += 1;
+        }
+    }
+}
+
+fn surface_area(mesh: &Mesh) -> f64 {
+    (0..mesh.triangles().len()).map(|t| triangle_area(mesh.corners(t))).sum()
+}
+
+fn triangle_area([a, b, c]: [DVec3; 3]) -> f64 {
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// Edges whose two faces meet at more than about 30 degrees.
+fn sharp_edges(mesh: &Mesh) -> Vec<[DVec3; 2]> {
+    let mut edges: Vec<(u32, u32, usize)> = (mesh.triangles().iter().enumerate())
+        .flat_map(|(t, &[a, b, c])| [(a, b), (b, c), (c, a)].map(|(a, b)| (a.min(b), a.max(b), t)))
+        .collect();
+    edges.sort_unstable();
+    let normal = |t: usize| {
+        let [a, b, c] = mesh.corners(t);
+        (b - a).cross(c - a).normalize_or(DVec3::ZERO)
+    };
+    let place = |v: u32| mesh.vertices()[v as usize];
+    (edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)))
+        .filter(|edge| edge.len() != 2 || normal(edge[0].2).dot(normal(edge[1].2)) < 0.86)
+        .map(|edge| [place(edge[0].0), place(edge[0].1)])
+        .collect()
+}
+
+/// Samples points that are no closer to each other than `spacing` (Poisson disk sampling by dart throwing): edges
+/// first, faces after.
+fn sample_surface(mesh: &Mesh, sharp: &[[DVec3; 2]], spacing: f64) -> Vec<DVec3> {
+    let mut darts = PoissonDiskSampler { spacing, cells: HashMap::new(), points: Vec::new() };
+    for &[a, b] in sharp {
+        darts.add_if_spaced(a);
+        darts.add_if_spaced(b);
+    }
+    for &[a, b] in sharp {
+        let steps = (a.distance(b) / spacing).floor() as usize;
+        (1..steps).for_each(|k| darts.add_if_spaced(a.lerp(b, k as f64 / steps as f64)));
+    }
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut owed = 0.0;
+    for t in 0..mesh.triangles().len() {
+        let corners = mesh.corners(t);
+        owed += 5.0 * triangle_area(corners) / (spacing * spacing);
+        while owed > 0.0 {
+            owed -= 1.0;
+            let (mut u, mut v): (f64, f64) = (rng.random(), rng.random());
+            if u + v > 1.0 {
+                (u, v) = (1.0 - u, 1.0 - v);
+            }
+            darts.add_if_spaced(corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v);
+        }
+    }
+    darts.points
+}
+
+struct PoissonDiskSampler {
+    spacing: f64,
+    cells: HashMap<[i32; 3], Vec<u32>>,
+    points: Vec<DVec3>,
+}
+
+impl PoissonDiskSampler {
+    fn add_if_spaced(&mut self, point: DVec3) {
+        let [x, y, z] = (point / self.spacing).floor().to_array().map(|v| v as i32);
+        for dx in -1..=1 {
+            for dy in -1..=1 {
+                for dz in -1..=1 {
+                    let near = self.cells.get(&[x + dx, y + dy, z + dz]).map_or(&[][..], Vec::as_slice);
+                    if near.iter().any(|&p| self.points[p as usize].distance(point) < self.spacing) {
+                        return;
+                    }
+                }
+            }
+        }
+        self.cells.entry([x, y, z]).or_default().push(self.points.len() as u32);
+        self.points.push(point);
+    }
+}
+
+/// Sorts a range of points into spheres, depth first, and appends them to `spheres`.
+fn build_spheres(points: &mut [Vec3], first: usize, count: usize, spheres: &mut Vec<BoundingSphere>) {
+    let range = &mut points[first..first + count];
+    let (min, max) = range.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));
+    let center = (min + max) * 0.5;
+    let radius = range.iter().map(|p| p.distance(center)).fold(0.0, f32::max);
+    let at = spheres.len();
+    let leaf = count <= MAX_LEAF_POINTS;
+    let own = if leaf { count as u32 } else { 0 };
+    spheres.push(BoundingSphere { center, radius, next_sibling: 0, first: first as u32, count: own });
+    if !leaf {
+        let size = max - min;
+        let axis = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let half = count / 2;
+        range.select_nth_unstable_by(half, |a, b| a[axis].total_cmp(&b[axis]));
+        build_spheres(points, first, half, spheres);
+        build_spheres(points, first + half, count - half, spheres);
+    }
+    spheres[at].next_sibling = spheres.len() as u32;
+}

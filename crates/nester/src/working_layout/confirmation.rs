@@ -1,0 +1,69 @@
+//! The exact test of a working layout: are all pairs clear on the triangles?
+
+use super::{
+    super::{
+        exact_contacts,
+        prepared_instance::{CLEARANCE_SPARE_MM, PlacedItem, raised_bounds},
+    },
+    MAX_MARGIN_MM, WorkingLayout,
+};
+
+/// For a pair that fails the exact test, contacts are collected up to this distance beyond the clearance, mm.
+const CONTACT_LIMIT_MM: f64 = 0.1;
+
+impl WorkingLayout<'_> {
+    /// Returns the pieces if each of them is exactly inside and clear of all others. Otherwise increases the margins
+    /// where it is not.
+    pub(crate) fn confirm_clear(&mut self) -> Option<Vec<PlacedItem>> {
+        let prepared = self.prepared;
+        let pieces: Vec<PlacedItem> = (self.copies.iter().zip(&self.poses))
+            .map(|(&copy, s)| prepared.place_item(copy, s.rotation, s.center))
+            .collect();
+        let inside =
+            pieces[..self.item_count].iter().all(|piece| prepared.is_inside(piece, self.height_limit_mm + 1e-9));
+        let clear = self.check_pairs(&pieces);
+        (inside && clear).then(|| pieces[..self.item_count].to_vec())
+    }
+
+    /// Whether all pairs are clear on the triangles. For a pair that is not, stores its contacts or increases its
+    /// margin.
+    fn check_pairs(&mut self, pieces: &[PlacedItem]) -> bool {
+        let prepared = self.prepared;
+        let mut clear = true;
+        for (one, other) in self.nearby_pairs() {
+            let wanted = prepared.clearance_mm(pieces[one].item, pieces[other].item) + CLEARANCE_SPARE_MM;
+            let near = raised_bounds(&pieces[one].bounds, prepared.z_extra_mm);
+            if near.distance(&raised_bounds(&pieces[other].bounds, prepared.z_extra_mm)) >= wanted {
+                continue;
+            }
+            let now = (self.move_counts[one], self.move_counts[other]);
+            if self.pair_records.get_pair(one, other).is_some_and(|note| note.clear_at == Some(now)) {
+                continue;
+            }
+            self.evaluations += 1;
+            let gap = prepared.gap_mm(&pieces[one], &pieces[other]);
+            let deceived = gap >= wanted && self.pair_energy(one, other) > 0.0;
+            let note = self.pair_records.pair_or_insert(one, other);
+            note.known_overlap = None;
+            if gap >= wanted {
+                note.clear_at = Some(now);
+                // The proxies report an overlap that does not exist.
+                note.margin = if deceived { (note.margin - 0.1).max(-MAX_MARGIN_MM) } else { note.margin };
+                continue;
+            }
+            clear = false;
+            if gap > 0.0 {
+                exact_contacts::find_contacts(
+                    prepared,
+                    &pieces[one],
+                    &pieces[other],
+                    wanted + CONTACT_LIMIT_MM,
+                    &mut note.contacts,
+                );
+            } else {
+                note.margin = (note.margin + 0.4).min(MAX_MARGIN_MM);
+            }
+        }
+        clear
+    }
+}

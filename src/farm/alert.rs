@@ -1,0 +1,269 @@
+//! Alerts: everything that a person must act on. There are no other errors: what recovers without help is a warning at
+//! most.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+/// A kind of alert. Each is shown with its remedy in `nestd status`, in `STATUS.txt` and in the journal;
+/// `docs/operations.md` lists them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AlertKind {
+    /// The ledger's file is corrupt.
+    LedgerDamaged,
+    /// The folders hold builds that the ledger does not know.
+    LedgerBehind,
+    /// The ledger is missing, although its farm has worked before.
+    LedgerLost,
+    /// The ledger's file was removed or replaced while the daemon had it open.
+    LedgerReplaced,
+    /// A changed configuration was rejected.
+    ConfigurationWrong,
+    /// A hot folder cannot be read.
+    HotFolderAway,
+    /// A queue folder cannot be used.
+    QueueAway,
+    /// An archive cannot be used.
+    ArchiveAway,
+    /// An error folder cannot be used.
+    ErrorFolderAway,
+    /// Claims of another farm lie in a hot folder.
+    ForeignClaims,
+    /// A machine's folders cannot be made.
+    FoldersMissing,
+    /// Files cannot be taken out of a hot folder.
+    TakingFails,
+    /// A claimed file cannot be read.
+    ReadingFails,
+    /// A stored file differs from the file that was dropped.
+    FileDamaged,
+    /// A refused or claimed file cannot be moved to its place.
+    EndingFails,
+    /// A build cannot be started.
+    NestingFails,
+    /// A build was given up, and its profile is paused.
+    BuildFailed,
+    /// A proved build cannot be published.
+    PublishingFails,
+    /// A proved build was staged in a queue folder that is no longer there.
+    QueueReplaced,
+    /// Parts wait for a machine that is not configured.
+    MachineGone,
+    /// Parts and order lists do not match, and wait.
+    Incomplete,
+    /// Refused files lie in an error folder.
+    Refused,
+    /// Files lie beside the hot folders, where no machine takes them.
+    Stray,
+    /// The dashboard is not served.
+    DashboardDown,
+    /// Messages cannot be delivered to a receiver.
+    MessagesFail,
+    /// Some other step keeps failing.
+    StepFails,
+}
+
+/// What to do about a damaged stored file.
+const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once more: it is taken in place of the damaged one, not as another \
+     order. Without it, `nestd cancel PART` ends the part. Check the disk of the state folder; what was damaged lies in \
+     its folder damaged/.";
+/// What to do about a missing ledger.
+const PUT_BACK: &str = "Put the newest backup back with `nestd restore FILE`; without one, \
+     `nestd restore --empty` creates a new ledger from the folders.";
+
+impl AlertKind {
+    /// Every kind.
+    pub const ALL: [Self; 26] = [
+        Self::LedgerDamaged,
+        Self::LedgerBehind,
+        Self::LedgerLost,
+        Self::LedgerReplaced,
+        Self::ConfigurationWrong,
+        Self::HotFolderAway,
+        Self::QueueAway,
+        Self::ArchiveAway,
+        Self::ErrorFolderAway,
+        Self::ForeignClaims,
+        Self::FoldersMissing,
+        Self::TakingFails,
+        Self::ReadingFails,
+        Self::FileDamaged,
+        Self::EndingFails,
+        Self::NestingFails,
+        Self::BuildFailed,
+        Self::PublishingFails,
+        Self::QueueReplaced,
+        Self::MachineGone,
+        Self::Incomplete,
+        Self::Refused,
+        Self::Stray,
+        Self::DashboardDown,
+        Self::MessagesFail,
+        Self::StepFails,
+    ];
+
+    /// What is wrong in general; the detail of the alert follows it.
+    pub fn headline(self) -> &'static str {
+        match self {
+            Self::LedgerDamaged => "The ledger is damaged: nestd takes and publishes nothing",
+            Self::LedgerBehind => {
+                "The ledger is older than the folders: nestd takes and prints nothing, so that no part is printed twice"
+            }
+            Self::LedgerLost => "The ledger is gone: nestd does not start, for it would forget all that it has taken",
+            Self::LedgerReplaced => {
+                "The ledger's file was removed or replaced while nestd ran: nestd takes and publishes nothing"
+            }
+            Self::ConfigurationWrong => "The changed configuration was rejected; the previous one stays in force",
+            Self::HotFolderAway => "The hot folder is unavailable",
+            Self::QueueAway => "The queue folder cannot be used",
+            Self::ArchiveAway => "The archive cannot be used",
+            Self::ErrorFolderAway => "The error folder cannot be used",
+            Self::ForeignClaims => "Another nestd has claimed files in the hot folder, and they are left to it",
+            Self::FoldersMissing => "The folders cannot be made",
+            Self::TakingFails => "Files cannot be taken out of the hot folder",
+            Self::ReadingFails => "A file that was taken cannot be read",
+            Self::FileDamaged => "A stored file differs from the file that was dropped, and is not printed",
+            Self::EndingFails => "A file that was taken cannot be put where it belongs",
+            Self::NestingFails => "A build cannot be made now",
+            Self::BuildFailed => "A build failed, and its profile is paused",
+            Self::PublishingFails => "A proved build cannot be published",
+            Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
+            Self::MachineGone => "Parts wait for a machine that is not configured",
+            Self::Incomplete => "Files and order lists do not fit together, and wait",
+            Self::Refused => "Refused files lie in the error folder",
+            Self::Stray => "Files lie beside the hot folders, where nobody prints them",
+            Self::DashboardDown => "The dashboard is not served; the farm works without it",
+            Self::MessagesFail => "Messages cannot be delivered; the farm works without them",
+            Self::StepFails => "A step keeps failing",
+        }
+    }
+
+    /// What to do about it.
+    pub fn remedy(self) -> &'static str {
+        match self {
+            Self::LedgerDamaged => {
+                "Stop nestd, keep the ledger's files, check the disk, and put the newest backup back with `nestd restore FILE`."
+            }
+            Self::LedgerBehind => {
+                "Stop nestd, run `nestd check --deep --repair`, which records in the ledger what the folders \
+                 hold, act on what it reports, and start nestd."
+            }
+            Self::LedgerLost => PUT_BACK,
+            Self::LedgerReplaced => {
+                "Stop nestd. Put the copy back that nestd saved, with `nestd restore FILE`, and start nestd; another ledger that \
+                 is there now is kept aside."
+            }
+            Self::ConfigurationWrong => "Run `nestd check`, mend what it names, and reload nestd.",
+            Self::HotFolderAway => {
+                "Mount it again, and let nestd's user read, write and enter it; `nestd check` says more. If it was replaced on \
+                 purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::QueueAway => {
+                "Mount it again, and let nestd's user write into it; `nestd check` says more. Builds wait until then. If it was \
+                 replaced on purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::ArchiveAway => {
+                "Mount it again, and let nestd's user write into it. No build is made or published until then. If it was replaced \
+                 on purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::ErrorFolderAway => {
+                "Mount it again, and let nestd's user write into it. What is refused stays where it is until then. If it was \
+                 replaced on purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::ForeignClaims => {
+                "If that nestd is still in use, start it: it takes them itself. If it is gone for good, or another one \
+                 takes its place, take them over with `nestd adopt PROFILE`."
+            }
+            Self::FoldersMissing => "Mount or make the folder above them, and let nestd's user write there.",
+            Self::TakingFails => {
+                "Free some room where the disk is full, and let nestd's user write into hot folder and state folder. The files \
+                 stay where they are until then."
+            }
+            Self::ReadingFails => "Check the disk of the state folder, and free some room where it is full.",
+            Self::FileDamaged => DROP_AGAIN,
+            Self::EndingFails => {
+                "Free some room where the disk is full, and let nestd's user write into the error folder."
+            }
+            _ => self.remedy_for_builds_and_receivers(),
+        }
+    }
+
+    /// [`AlertKind::remedy`] of alerts on builds and on receivers of messages.
+    fn remedy_for_builds_and_receivers(self) -> &'static str {
+        match self {
+            Self::NestingFails => "Free some room where the disk is full; `nestd check` says more.",
+            Self::BuildFailed => {
+                "See the reason, mend it, then `nestd resume PROFILE`: the parts wait. A part that is the reason goes with \
+                 `nestd cancel PART`."
+            }
+            Self::PublishingFails => {
+                "Free some room where the disk is full, and let nestd's user write into the queue folder."
+            }
+            Self::QueueReplaced => {
+                "Mount or configure the folder that it was staged in again. Where that is lost for good, docs/operations.md says \
+                 how to settle the build."
+            }
+            Self::MachineGone => {
+                "Put the machine's file back into profiles/ and reload nestd, or cancel the parts: `nestd status --parts` names \
+                 them."
+            }
+            Self::Incomplete => {
+                "Add the rows or files that are missing; after `incomplete_secs` the rest is refused, each with its reason."
+            }
+            Self::Refused => {
+                "Read the .reason.txt beside each; mend the file and drop it again, or take it back with `nestd retry PART`. Then \
+                 remove both from there, or run `nestd dismiss PROFILE`: they stay there, without an alert."
+            }
+            Self::Stray => "Move them into the folder of the machine that they are for.",
+            Self::DashboardDown => "Mend what the reason names (`[web]` in the configuration), and restart nestd.",
+            Self::MessagesFail => {
+                "Mend what the reason names (`[notify]` in the configuration); `nestd notify --test` tries it. \
+                 Messages not older than `keep_secs` are delivered then."
+            }
+            _ => "See the reason; `nestd check` looks for its cause.",
+        }
+    }
+
+    /// Whether it concerns everybody, not only the users of one machine.
+    fn is_farm_wide(self) -> bool {
+        let own = [
+            Self::Incomplete,
+            Self::Refused,
+            Self::BuildFailed,
+            Self::ReadingFails,
+            Self::FileDamaged,
+            Self::EndingFails,
+            Self::NestingFails,
+        ];
+        !own.contains(&self)
+    }
+}
+
+/// An active alert: a person must act.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FarmAlert {
+    /// Kind of alert.
+    pub kind: AlertKind,
+    /// Machine profile, "" = the farm.
+    pub profile: String,
+    /// What was found, without a full stop; "" = the headline says everything.
+    pub detail: String,
+    /// Since when.
+    pub since: Timestamp,
+}
+
+impl FarmAlert {
+    /// What is wrong, as a sentence.
+    pub fn alert_text(&self) -> String {
+        let of = if self.profile.is_empty() { String::new() } else { format!("{}: ", self.profile) };
+        match self.detail.trim_end_matches('.') {
+            "" => format!("{of}{}.", self.kind.headline()),
+            detail => format!("{of}{}: {detail}.", self.kind.headline()),
+        }
+    }
+
+    /// Whether it is shown in the hot folder of a profile.
+    pub fn is_shown_in(&self, profile: &str) -> bool {
+        self.profile == profile || self.kind.is_farm_wide()
+    }
+}

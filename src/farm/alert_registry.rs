@@ -1,0 +1,330 @@
+//! The active alerts. They are logged as errors when they are raised, stored in a file of the state folder for `nestd
+//! status`, and shown in the hot folders. The file does not need the ledger, which may itself be the cause.
+
+use std::{
+    collections::BTreeMap,
+    fs, io,
+    io::Write,
+    path::Path,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use tokio::sync::watch;
+use tracing::{debug, error, info, warn};
+
+use super::{
+    alert::{AlertKind, FarmAlert},
+    time_source::TimeSource,
+};
+use crate::intake;
+
+/// Name of the file in the state folder.
+const FILE: &str = "attention.json";
+/// A failure that ends within this time needs no person.
+const ALERT_AFTER: Duration = Duration::from_secs(10);
+/// The same failure is logged again after this time.
+const LOG_REPEAT_INTERVAL: Duration = Duration::from_secs(600);
+/// Maximum number of different failures remembered.
+const MAX_FAILURES: usize = 1000;
+/// If a farm has more alerts than this, `STATUS.txt` gives only the number of the others.
+const MAX_LISTED_ALERTS: usize = 8;
+
+/// Connects the farm with the other services of the daemon; usable from any thread.
+#[derive(Debug, Clone, Default)]
+pub struct ServiceBridge {
+    reports: Arc<Mutex<BTreeMap<(AlertKind, String), String>>>,
+    is_open: watch::Sender<bool>,
+}
+
+impl ServiceBridge {
+    /// Reports that the dashboard is not served, and why.
+    pub fn report_dashboard_failure(&self, why: &str) {
+        self.store_report(AlertKind::DashboardDown, "", Some(why.to_owned()));
+    }
+
+    /// Reports why messages cannot be delivered to a receiver; `None` = they can.
+    pub fn report_receiver(&self, name: &str, why: Option<String>) {
+        self.store_report(AlertKind::MessagesFail, name, why);
+    }
+
+    /// Runs work that uses the ledger: starts it once the farm has found the ledger intact, and stops it when the farm
+    /// begins to close the ledger.
+    pub async fn run_while_open(&self, work: impl Future<Output = ()>) {
+        let (mut opens, mut closes) = (self.is_open.subscribe(), self.is_open.subscribe());
+        if opens.wait_for(|is_open| *is_open).await.is_ok() {
+            tokio::select! {
+                () = work => {}
+                _ = closes.wait_for(|is_open| !is_open) => {}
+            }
+        }
+    }
+
+    /// Sets whether the farm is open.
+    pub fn set_open(&self, is_open: bool) {
+        self.is_open.send_replace(is_open);
+    }
+
+    fn store_report(&self, kind: AlertKind, about: &str, why: Option<String>) {
+        let mut told = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        // A success is stored too, so that an earlier alert is cleared.
+        told.insert((kind, about.to_owned()), why.unwrap_or_default());
+    }
+
+    /// What each service has reported; "" = it works.
+    pub fn service_reports(&self) -> BTreeMap<(AlertKind, String), String> {
+        self.reports.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// The key of an alert: kind, profile, and subject.
+type AlertKey = (AlertKind, String, String);
+
+/// A changed detail of the same alert is logged at this interval at most.
+const DETAIL_LOG_INTERVAL: Duration = Duration::from_secs(60);
+
+/// A failure that is retried.
+#[derive(Debug)]
+struct RepeatedFailure {
+    detail: String,
+    first: Instant,
+    last: Instant,
+    logged: Instant,
+}
+
+/// All alerts, and the failures that may become alerts.
+#[derive(Debug, Default)]
+pub struct AlertRegistry {
+    active: BTreeMap<AlertKey, (FarmAlert, Instant)>,
+    failures: BTreeMap<AlertKey, RepeatedFailure>,
+    last_written: Option<Vec<FarmAlert>>,
+    time: TimeSource,
+}
+
+impl AlertRegistry {
+    /// Notices whose ages these clocks measure.
+    pub fn by(time: TimeSource) -> Self {
+        Self { time, ..Self::default() }
+    }
+
+    /// Raises an alert, which stays until it is cleared.
+    pub fn raise(&mut self, kind: AlertKind, profile: &str, about: &str, detail: &str) {
+        // Names may contain control sequences for a terminal.
+        let detail = &intake::display_name(detail.as_ref()).replace("\\\\", "\\");
+        let key = (kind, profile.to_owned(), about.to_owned());
+        let known = self.active.get(&key);
+        if known.is_some_and(|(known, _)| known.detail == *detail) {
+            return;
+        }
+        let since = known.map_or_else(|| self.time.date(), |(known, _)| known.since);
+        let notice = FarmAlert { kind, profile: profile.to_owned(), detail: detail.clone(), since };
+        let logged = match known {
+            Some((_, logged)) if self.time.passed_since(*logged) < DETAIL_LOG_INTERVAL => *logged,
+            _ => {
+                error!(profile, "{} {}", notice.alert_text(), kind.remedy());
+                self.time.instant()
+            }
+        };
+        self.active.insert(key, (notice, logged));
+    }
+
+    /// Clears an alert.
+    pub fn clear(&mut self, kind: AlertKind, profile: &str, about: &str) {
+        let key = (kind, profile.to_owned(), about.to_owned());
+        self.failures.remove(&key);
+        if let Some((notice, _)) = self.active.remove(&key) {
+            info!(profile, "Resolved: {}", notice.alert_text());
+        }
+    }
+
+    /// Clears the alerts of a kind whose profile is not in the list.
+    pub fn retain_profiles(&mut self, kind: AlertKind, profiles: &[String]) {
+        let gone = |(of, profile, _): &&AlertKey| *of == kind && !profiles.contains(profile);
+        let gone: Vec<AlertKey> = self.active.keys().filter(gone).cloned().collect();
+        gone.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
+    }
+
+    /// Removes everything about a machine that is no longer served.
+    pub fn forget_machine(&mut self, profile: &str) {
+        self.failures.retain(|(_, of, _), _| of != profile);
+        self.active.retain(|(_, of, _), _| of != profile);
+    }
+
+    /// Reports a failure that is retried: a warning first, and an alert once it lasts.
+    pub fn report_failure(&mut self, kind: AlertKind, profile: &str, about: &str, detail: &str) {
+        let now = self.time.instant();
+        let key = (kind, profile.to_owned(), about.to_owned());
+        if self.failures.len() >= MAX_FAILURES && !self.failures.contains_key(&key) {
+            self.failures.clear();
+        }
+        let fresh = RepeatedFailure { detail: String::new(), first: now, last: now, logged: now };
+        let trouble = self.failures.entry(key).or_insert(fresh);
+        let is_news = trouble.detail != detail || now.duration_since(trouble.logged) >= LOG_REPEAT_INTERVAL;
+        let lasts = now.duration_since(trouble.first) >= ALERT_AFTER;
+        trouble.last = now;
+        if is_news {
+            (trouble.detail, trouble.logged) = (detail.to_owned(), now);
+        }
+        match lasts {
+            true => self.raise(kind, profile, about, detail),
+            false if is_news => warn!(profile, "{}: {detail}. It is tried again.", kind.headline()),
+            false => {}
+        }
+    }
+
+    /// Clears failures that did not occur again for this long: the retry succeeded.
+    pub fn clear_expired_failures(&mut self, after: Duration) {
+        let is_over = |trouble: &RepeatedFailure| self.time.passed_since(trouble.last) > after;
+        let over: Vec<AlertKey> =
+            self.failures.iter().filter(|(_, t)| is_over(t)).map(|(key, _)| key.clone()).collect();
+        over.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
+    }
+
+    /// The active alerts without duplicates: steps that fail for the same reason share one alert that names them.
+    pub fn active_alerts(&self) -> impl Iterator<Item = FarmAlert> {
+        let mut told: Vec<(FarmAlert, String, Vec<&str>)> = Vec::new();
+        for ((_, _, about), (notice, _)) in &self.active {
+            let why = notice.detail.strip_prefix(&format!("{about}: ")).unwrap_or(&notice.detail);
+            let is_same = |(known, reason, _): &&mut (FarmAlert, String, Vec<&str>)| {
+                (known.kind, known.profile.as_str(), reason.as_str()) == (notice.kind, notice.profile.as_str(), why)
+            };
+            match told.iter_mut().find(is_same) {
+                Some((known, _, others)) => {
+                    known.since = known.since.min(notice.since);
+                    others.push(about);
+                }
+                None => told.push((notice.clone(), why.to_owned(), vec![about])),
+            }
+        }
+        told.into_iter().map(|(notice, why, about)| match about.as_slice() {
+            several if several.len() > 1 && notice.detail != why => {
+                FarmAlert { detail: format!("{}: {why}", several.join(", ")), ..notice }
+            }
+            _ => notice,
+        })
+    }
+
+    /// The lines for the hot folder of a profile.
+    pub fn status_text_for(&self, profile: &str) -> String {
+        let told: Vec<FarmAlert> = self.active_alerts().filter(|notice| notice.is_shown_in(profile)).collect();
+        let mut text = String::new();
+        for notice in told.iter().take(MAX_LISTED_ALERTS) {
+            text += &format!("ATTENTION: {}\n    {}\n", notice.alert_text(), notice.kind.remedy());
+        }
+        if told.len() > MAX_LISTED_ALERTS {
+            text += &format!("ATTENTION: and {} more; `nestd status` tells all.\n", told.len() - MAX_LISTED_ALERTS);
+        }
+        text
+    }
+
+    /// The same, as JSON.
+    pub fn status_json_for(&self, profile: &str) -> serde_json::Value {
+        self.active_alerts().filter(|notice| notice.is_shown_in(profile)).map(|notice| alert_to_json(&notice)).collect()
+    }
+
+    /// Stores the alerts for `nestd status`, if they have changed.
+    pub fn write_if_changed(&mut self, state_dir: &Path) {
+        let now: Vec<FarmAlert> = self.active_alerts().collect();
+        if self.last_written.as_ref() == Some(&now) {
+            return;
+        }
+        match write_alerts(state_dir, &now) {
+            Ok(()) => self.last_written = Some(now),
+            // The journal and the hot folders still show them.
+            Err(error) => debug!("The alerts could not be stored for `nestd status`: {error}."),
+        }
+    }
+}
+
+fn write_alerts(state_dir: &Path, notices: &[FarmAlert]) -> io::Result<()> {
+    let mut file = tempfile::Builder::new().prefix(".attention-").tempfile_in(state_dir)?;
+    file.write_all(serde_json::to_string_pretty(notices)?.as_bytes())?;
+    file.persist(state_dir.join(FILE))?;
+    Ok(())
+}
+
+/// An alert as JSON, with its texts.
+fn alert_to_json(notice: &FarmAlert) -> serde_json::Value {
+    serde_json::json!({
+        "kind": notice.kind,
+        "profile": notice.profile,
+        "sentence": notice.alert_text(),
+        "remedy": notice.kind.remedy(),
+        "since": notice.since.to_string(),
+    })
+}
+
+/// The alerts that the daemon stored last; empty if there are none or they cannot be read.
+pub fn read_stored_alerts(state_dir: &Path) -> Vec<FarmAlert> {
+    let text = fs::read_to_string(state_dir.join(FILE)).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_mends_itself_needs_nobody_and_what_lasts_does() {
+        let mut notices = AlertRegistry::default();
+        notices.report_failure(AlertKind::TakingFails, "p", "store", "no space");
+        assert_eq!(notices.active_alerts().count(), 0);
+        let key = (AlertKind::TakingFails, "p".to_owned(), "store".to_owned());
+        notices.failures.get_mut(&key).expect("is remembered").first -= ALERT_AFTER;
+        notices.report_failure(AlertKind::TakingFails, "p", "store", "no space");
+        assert_eq!(notices.active_alerts().count(), 1);
+        notices.clear_expired_failures(Duration::from_secs(60));
+        assert_eq!(notices.active_alerts().count(), 1);
+        notices.clear_expired_failures(Duration::ZERO);
+        assert_eq!(notices.active_alerts().count(), 0);
+    }
+
+    #[test]
+    fn a_hot_folder_tells_what_concerns_its_machine_and_the_farm() {
+        let mut notices = AlertRegistry::default();
+        notices.raise(AlertKind::Refused, "a", "", "2 files in /error/a");
+        notices.raise(AlertKind::QueueAway, "b", "", "not mounted");
+        notices.raise(AlertKind::Stray, "", "", "x.stl");
+        let (a, b) = (notices.status_text_for("a"), notices.status_text_for("b"));
+        assert!(a.contains("Refused files") && a.contains("not mounted") && a.contains("x.stl"), "{a}");
+        assert!(!b.contains("Refused files") && b.contains("not mounted"), "{b}");
+        assert!(
+            a.lines().count() == 6
+                && a.contains("ATTENTION: a: Refused files lie in the error folder: 2 files in /error/a.\n")
+        );
+        notices.clear(AlertKind::QueueAway, "b", "");
+        assert!(!notices.status_text_for("b").contains("not mounted"));
+        notices.retain_profiles(AlertKind::Refused, &["c".to_owned()]);
+        assert_eq!(notices.active_alerts().count(), 1);
+    }
+
+    #[test]
+    fn one_thing_is_told_once() {
+        let mut notices = AlertRegistry::default();
+        for step in ["reading", "nesting", "status"] {
+            notices.raise(AlertKind::StepFails, "", step, &format!("{step}: the disk is full"));
+        }
+        notices.raise(AlertKind::StepFails, "", "tidying", "tidying: permission denied");
+        for about in ["one", "two"] {
+            notices.raise(AlertKind::QueueAway, "p", about, "not mounted");
+        }
+        let told: Vec<String> = notices.active_alerts().map(|notice| notice.detail).collect();
+        assert_eq!(told, ["not mounted", "nesting, reading, status: the disk is full", "tidying: permission denied"]);
+        assert_eq!(notices.status_text_for("p").matches("not mounted").count(), 1);
+    }
+
+    #[test]
+    fn what_is_kept_is_read_again() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let mut notices = AlertRegistry::default();
+        assert_eq!(read_stored_alerts(dir.path()), []);
+        for kind in AlertKind::ALL {
+            notices.raise(kind, "p", "x", "detail");
+        }
+        notices.write_if_changed(dir.path());
+        assert_eq!(read_stored_alerts(dir.path()), notices.active_alerts().collect::<Vec<_>>());
+        assert_eq!(read_stored_alerts(dir.path()).len(), AlertKind::ALL.len());
+        fs::write(dir.path().join(FILE), "{").expect("can be written");
+        assert_eq!(read_stored_alerts(dir.path()), []);
+    }
+}

@@ -1,0 +1,348 @@
+//! Completes claims: refused files are moved into the error folder, and the originals of files that were read are
+//! released. All file operations run on job threads: a folder may be slow or a network share, and the event loop must
+//! not wait for it.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use tracing::{debug, info, warn};
+
+use super::{
+    alert::AlertKind,
+    error_folder::{find_refused_files, reason_text},
+    failure::LostFileError,
+    farm::Farm,
+    folder_leases::FolderLeases,
+    forgettable::Forgettable,
+    jobs::BackgroundJob,
+    mesh_source::MeshSource,
+    standing_claim::StandingClaim,
+    state::DeferredRefusal,
+};
+use crate::{
+    intake::{self, ClaimedPart, ReleaseOutcome, StoredFile},
+    ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, RefusalCause},
+};
+
+/// A refused part whose file must be moved into the error folder.
+struct RefusedPart {
+    part: PartRow,
+    text: String,
+    inbox: PathBuf,
+    error_dir: PathBuf,
+    meshes: MeshSource,
+    holds: FolderLeases,
+    claim: Option<StandingClaim>,
+}
+
+/// Result of completing a claim.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum ClaimOutcome {
+    /// This farm released its original.
+    OriginalReleased,
+    /// Nothing is left to do.
+    Done,
+    /// Its file is back in the hot folder; what was stored of it under this hash may not be needed.
+    GivenBack(String),
+    /// The claim is in the hot folder, but the scan that lists it was not taken in yet: it is completed after that.
+    NotListedYet,
+}
+
+impl RefusedPart {
+    fn move_to_error_folder(&self) -> Result<ClaimOutcome> {
+        self.holds.check_error_folder()?;
+        if let Some(claim) = &self.claim {
+            // For who takes it back.
+            claim.ensure_stored(&self.meshes.store, &self.part.file.content_hash)?;
+            intake::refuse_claim(&claim.claim, &self.error_dir, &self.text)?;
+            return Ok(ClaimOutcome::Done);
+        }
+        // A claim that is not listed yet brings its original itself.
+        if intake::claim_dir(&self.inbox, &self.part.file.claim).exists() {
+            return Ok(ClaimOutcome::NotListedYet);
+        }
+        // The part was taken back and is refused again.
+        self.copy_to_error_folder().map(|()| ClaimOutcome::Done)
+    }
+
+    /// The original was released when the part began to wait: copies the stored file into the error folder. Repeating
+    /// this changes nothing.
+    fn copy_to_error_folder(&self) -> Result<()> {
+        self.holds.check_error_folder()?;
+        let (row, error_dir, text) = (&self.part, &self.error_dir, &self.text);
+        let folder = format!("part-{}", row.id);
+        match find_refused_files(error_dir, row)?.first() {
+            Some((_, known)) => intake::rewrite_reason(known, text),
+            None => match self.meshes.verified_file(row) {
+                Ok(stored) => intake::copy_to_error_folder(Some(&stored), error_dir, &folder, &row.name, text),
+                Err(failure) if LostFileError::find_in_chain(&failure).is_some() => {
+                    let text = format!(
+                        "{text}\nThe file is not here, for nestd does not have it whole any more: {failure:#}.\n"
+                    );
+                    intake::copy_to_error_folder(None, error_dir, &folder, &row.name, &text)
+                }
+                Err(failure) => return Err(failure),
+            },
+        }
+        .with_context(|| format!("copying {} into the error folder", row.name))
+    }
+}
+
+/// Puts a claimed file where it belongs.
+#[derive(Clone)]
+pub(super) struct ClaimCompletionJob {
+    claim: String,
+    profile: String,
+    name: String,
+}
+
+impl BackgroundJob<Farm> for ClaimCompletionJob {
+    const KIND: &'static str = "End";
+    type Outcome = Result<ClaimOutcome>;
+
+    fn subject(&self) -> String {
+        self.claim.clone()
+    }
+
+    async fn on_done(self, farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
+        farm.on_claim_completed(&self, ended).await
+    }
+}
+
+impl ClaimCompletionJob {
+    fn of(part: &PartRow) -> Self {
+        Self { claim: part.file.claim.clone(), profile: part.profile.clone(), name: part.name.clone() }
+    }
+
+    fn of_claim(profile: &str, claim: &ClaimedPart) -> Self {
+        Self { claim: claim.id.clone(), profile: profile.to_owned(), name: claim.display_name() }
+    }
+}
+
+/// Copies the original of a waiting part that is refused.
+#[derive(Clone)]
+pub(super) struct RefusedCopyJob {
+    part: PartId,
+}
+
+impl BackgroundJob<Farm> for RefusedCopyJob {
+    const KIND: &'static str = "Copy";
+    type Outcome = Result<()>;
+
+    fn subject(&self) -> String {
+        self.part.to_string()
+    }
+
+    async fn on_done(self, farm: &mut Farm, copied: Self::Outcome) -> Result<()> {
+        farm.on_refused_copied(self.part, copied).await
+    }
+
+    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
+        farm.on_refused_copied(self.part, Err(anyhow::anyhow!("panicked: {message}"))).await
+    }
+
+    fn on_not_started(self, farm: &mut Farm, why: &str) {
+        farm.on_copy_failed(self.part, &anyhow::anyhow!("{why}"));
+    }
+}
+
+impl Farm {
+    /// claimed -> rejected, then the file is moved into the error folder. After a crash in between, `record` finishes
+    /// this.
+    pub(super) async fn refuse_part(&mut self, part: &PartRow, cause: RefusalCause, reason: &str) -> Result<()> {
+        warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
+        self.ledger.reject_claim(part.id, cause, reason).await?;
+        self.update_decision_count(part).await;
+        self.move_to_error_folder(part, Some(cause), reason);
+        Ok(())
+    }
+
+    /// Completes the claims of parts that were read or refused, and retries what failed earlier (for example because
+    /// the error folder was not writable).
+    pub(super) async fn complete_claims(&mut self) -> Result<()> {
+        for claim in self.completion.claims.keys().cloned().collect::<Vec<_>>() {
+            let parts = self.ledger.parts_of_claim(&claim).await?;
+            parts.first().into_iter().for_each(|part| self.complete_claim(part));
+        }
+        Ok(())
+    }
+
+    pub(super) fn complete_claim(&mut self, part: &PartRow) {
+        match part.state {
+            PartState::Claimed => {}
+            PartState::Rejected => self.move_to_error_folder(part, part.refusal, &part.reason),
+            // The part was read: only its original is left to release.
+            _ => self.release_claim(part),
+        }
+    }
+
+    /// Whether a job still puts a part's file where it belongs, or takes it out of the store.
+    pub(super) fn is_completing(&self, part: &PartRow) -> bool {
+        self.jobs.is_running::<ClaimCompletionJob>(&part.file.claim)
+            || self.completion.deferred_refusals.contains_key(&part.id)
+            || self.completion.forgetting.is_under_way(&part.file.content_hash)
+    }
+
+    fn refused_part(&self, part: &PartRow, cause: Option<RefusalCause>, reason: &str) -> Option<RefusedPart> {
+        let station = self.machines.get(&part.profile)?;
+        let folders = &station.profile.folders;
+        Some(RefusedPart {
+            part: part.clone(),
+            text: reason_text(part, cause, reason),
+            inbox: folders.inbox.clone(),
+            error_dir: folders.error.clone(),
+            meshes: self.meshes.clone(),
+            holds: station.leases.clone(),
+            claim: self.completion.claims.get(&part.file.claim).cloned(),
+        })
+    }
+
+    fn move_to_error_folder(&mut self, part: &PartRow, cause: Option<RefusalCause>, reason: &str) {
+        self.reading.backoff.record_success(&part.id);
+        let Some(refused) = self.refused_part(part, cause, reason) else { return };
+        self.start_completion(ClaimCompletionJob::of(part), move || refused.move_to_error_folder());
+    }
+
+    /// Another farm has the file: copies it into the error folder if the store has it and the folder is ours.
+    pub(super) fn copy_given_up_part(&mut self, part: &PartRow, reason: &str) {
+        let Some(refused) = self.refused_part(part, Some(RefusalCause::Cancelled), reason) else { return };
+        let id = part.id;
+        self.start_completion(ClaimCompletionJob::of(part), move || {
+            if let Err(failure) = refused.copy_to_error_folder() {
+                debug!(part.id = %id, "No copy of a part that was given up is in the error folder: {failure:#}.");
+            }
+            Ok(ClaimOutcome::Done)
+        });
+    }
+
+    /// Releases the claimed original: the store has the file, and its row is committed.
+    pub(super) fn release_claim(&mut self, part: &PartRow) {
+        self.reading.backoff.record_success(&part.id);
+        let Some(StandingClaim { claim, .. }) = self.completion.claims.get(&part.file.claim).cloned() else { return };
+        let content_hash = part.file.content_hash.clone();
+        self.start_completion(ClaimCompletionJob::of(part), move || {
+            match intake::release_claim(&claim, &content_hash)? {
+                ReleaseOutcome::GivenBack(path) => {
+                    let file = path.display();
+                    warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
+                }
+                // The part is given up at the next lease renewal, and no build takes it before.
+                ReleaseOutcome::TakenOver => return Ok(ClaimOutcome::Done),
+                ReleaseOutcome::Removed => {}
+            }
+            Ok(ClaimOutcome::OriginalReleased)
+        });
+    }
+
+    /// Puts a claimed file back into the hot folder: it was written to after its row was committed, and then nestd crashed, so
+    /// that it is a new revision.
+    pub(super) fn give_back(&mut self, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
+        let (end, store) = (ClaimCompletionJob::of_claim(profile, claim), self.meshes.store.clone());
+        let (claim, hash) = (claim.clone(), stored.hash.clone());
+        self.start_completion(end, move || {
+            intake::give_back_claim(&claim)?;
+            store.delete_note(&hash, &claim.id)?;
+            Ok(ClaimOutcome::GivenBack(hash))
+        });
+    }
+
+    /// Lets a claim go that brought a damaged file again, and is no order of its own.
+    pub(super) fn let_replacement_go(&mut self, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
+        let (claim, hash) = (claim.clone(), stored.hash.clone());
+        self.start_completion(ClaimCompletionJob::of_claim(profile, &claim), move || {
+            intake::release_claim(&claim, &hash)?;
+            Ok(ClaimOutcome::Done)
+        });
+    }
+
+    fn start_completion(
+        &mut self,
+        end: ClaimCompletionJob,
+        work: impl FnOnce() -> Result<ClaimOutcome> + Send + 'static,
+    ) {
+        self.jobs.start(end, work);
+    }
+
+    /// Takes in a completed claim. A claim that failed, or was listed while it was being completed, is retried.
+    async fn on_claim_completed(&mut self, of: &ClaimCompletionJob, ended: Result<ClaimOutcome>) -> Result<()> {
+        match ended {
+            Ok(ClaimOutcome::NotListedYet) => {}
+            Ok(end) => {
+                self.completion.claims.remove(&of.claim);
+                match end {
+                    ClaimOutcome::OriginalReleased => drop(self.completion.released.insert(of.claim.clone())),
+                    ClaimOutcome::GivenBack(hash) => self.forget([Forgettable::StoredFile(hash)]).await?,
+                    _ => {}
+                }
+            }
+            Err(failure) => {
+                self.report_failure(AlertKind::EndingFails, &of.profile, &of.name, &failure);
+                if let (false, Some(station)) =
+                    (self.completion.claims.contains_key(&of.claim), self.machines.get_mut(&of.profile))
+                {
+                    // Nobody remembers it but its folder: the next look finds it there.
+                    station.inbox.relist = true;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// waiting -> rejected, once a copy of the original is in the error folder. After a crash in between, the command
+    /// or the search asks again.
+    pub(super) fn start_refusal(
+        &mut self,
+        part: PartRow,
+        cause: RefusalCause,
+        reason: &str,
+        command: Option<&CommandRow>,
+    ) {
+        let Some(refused) = self.refused_part(&part, Some(cause), reason) else { return };
+        let id = part.id;
+        self.completion
+            .deferred_refusals
+            .insert(id, DeferredRefusal { part, cause, reason: reason.to_owned(), command: command.cloned() });
+        self.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_to_error_folder());
+    }
+
+    /// The original of a waiting part was copied into the error folder, or the copy failed.
+    async fn on_refused_copied(&mut self, id: PartId, copied: Result<()>) -> Result<()> {
+        if let Err(failure) = copied {
+            self.on_copy_failed(id, &failure);
+            return Ok(());
+        }
+        let Some(DeferredRefusal { part, cause, reason, command }) = self.completion.deferred_refusals.remove(&id)
+        else {
+            return Ok(());
+        };
+        let left = self.ledger.cancel_part(id, cause, &reason).await;
+        if left.is_ok() {
+            self.update_decision_count(&part).await;
+        }
+        let Some(command) = command else { return Ok(left?) };
+        match left {
+            Ok(()) => {
+                let done = format!("part {id} is cancelled");
+                info!(part.id = %id, asked_by = %command.asked_by, "A command was carried out: {done}.");
+                self.ledger.answer_command(command.id, true, &done).await?;
+            }
+            Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
+            Err(refused) => self.ledger.answer_command(command.id, false, &refused.to_string()).await?,
+        }
+        Ok(())
+    }
+
+    /// The command stays open, or a search tries the part once more.
+    fn on_copy_failed(&mut self, id: PartId, failure: &anyhow::Error) {
+        let Some(DeferredRefusal { part, command, .. }) = self.completion.deferred_refusals.remove(&id) else { return };
+        if let Some(command) = command {
+            let about = format!("order {}", command.id);
+            self.report_failure(AlertKind::StepFails, &command.profile, &about, failure);
+            return self.schedule.step_backoff.record_failure(about);
+        }
+        self.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
+        if let Some(station) = self.machines.get_mut(&part.profile) {
+            station.open.retry_tried_later(self.schedule.time.instant());
+        }
+    }
+}

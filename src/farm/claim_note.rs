@@ -1,0 +1,241 @@
+//! The note of a claim beside its stored file: what was asked for. A restored ledger learns from it what it has
+//! forgotten.
+
+use std::{
+    collections::{BTreeMap, HashMap},
+    fs,
+    path::Path,
+};
+
+use anyhow::{Context, Result};
+use jiff::tz::TimeZone;
+use nester::OrientationLimits;
+use serde::{Deserialize, Serialize};
+
+use crate::{
+    intake::{self, ClaimedPart, ContentStore, PartSpec, SpecSource, StoredContent, StoredFile, TicketError},
+    ledger::{Ledger, NewPartRow, NewTerms, NewTicketRow, RequiredTilts, TicketSource},
+    settings::{MachineProfile, Settings},
+};
+
+/// A note in the store.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ClaimNote {
+    /// Id of the farm that claimed the file.
+    pub farm: String,
+    /// The row to record.
+    pub part: NewPartRow,
+    /// Why the number of copies is not known; `None` = it is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unclear: Option<String>,
+}
+
+impl ClaimNote {
+    /// The note of a claim; `unclear` = why the number of copies is not known.
+    pub fn new(farm: &str, part: NewPartRow, unclear: Option<&TicketError>) -> Self {
+        Self { farm: farm.to_owned(), part, unclear: unclear.map(ToString::to_string) }
+    }
+
+    /// The text of the file in the store.
+    pub fn to_text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// A stored file, or a claim of one, that the ledger does not know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForgottenFile {
+    /// BLAKE3 of the file.
+    pub hash: String,
+    /// The claim; `None` = there is no note of it.
+    pub claim: Option<String>,
+    /// Its note; `None` = there is none, or it cannot be read.
+    pub note: Option<ClaimNote>,
+    /// Whether the stored file is there.
+    pub is_stored: bool,
+    /// How often it was refused, cancelled or taken back, as counted in its note.
+    pub decisions: u32,
+}
+
+impl ForgottenFile {
+    /// The name that people know.
+    pub fn display_name(&self) -> String {
+        match &self.note {
+            Some(ClaimNote { part, .. }) if part.terms.order_name.is_empty() => part.name.clone(),
+            Some(ClaimNote { part, .. }) => format!("{}/{}", part.terms.order_name, part.name),
+            None => format!("the file with the BLAKE3 {}", self.hash),
+        }
+    }
+}
+
+/// Everything in the store, by hash. Call this before querying the ledger, which may then know more, but never less.
+///
+/// # Errors
+/// The store cannot be read.
+pub fn list_stored_files(settings: &Settings) -> Result<BTreeMap<String, StoredContent>> {
+    let dir = settings.state_dir.join("store");
+    ContentStore::from_dir(dir.clone()).list_contents().with_context(|| format!("listing {}", dir.display()))
+}
+
+/// The stored files and claims that have no row and are not just being claimed.
+///
+/// # Errors
+/// A note, a hot folder or the ledger cannot be read.
+pub async fn find_forgotten_files(
+    settings: &Settings,
+    ledger: &Ledger,
+    kept: &BTreeMap<String, StoredContent>,
+) -> Result<Vec<ForgottenFile>> {
+    let store = ContentStore::from_dir(settings.state_dir.join("store"));
+    let (mut by_claim, mut contents) = (HashMap::new(), Vec::new());
+    for (hash, kept) in kept {
+        for (claim, decisions) in &kept.claims {
+            by_claim.insert(claim.clone(), (hash.clone(), kept.is_stored, *decisions));
+        }
+        if kept.claims.is_empty() {
+            contents.push(hash.clone());
+        }
+    }
+    let claims: Vec<String> = by_claim.keys().cloned().collect();
+    let mut unknown = ledger.unknown_claims(&claims).await?;
+    let mut nameless = ledger.unknown_contents(&contents).await?;
+    if unknown.is_empty() && nameless.is_empty() {
+        return Ok(Vec::new());
+    }
+    let (in_work, hashes) = claims_in_work(settings, !nameless.is_empty())?;
+    // A claim that was released between the two queries has its row by now.
+    unknown = ledger.unknown_claims(&unknown).await?;
+    nameless = ledger.unknown_contents(&nameless).await?;
+    unknown.retain(|claim| !in_work.contains(claim));
+    nameless.retain(|hash| !hashes.contains(hash));
+    unknown.sort();
+    let mut found = Vec::new();
+    for claim in unknown {
+        let Some((hash, is_stored, decisions)) = by_claim.remove(&claim) else { continue };
+        let text = match fs::read_to_string(store.note_path(&hash, &claim)?) {
+            // Its content was built or forgotten meanwhile.
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
+            other => other.with_context(|| format!("reading the note of the claim {claim}"))?,
+        };
+        // A note that a power cut left empty says nothing, and is reported.
+        let taken = serde_json::from_str::<ClaimNote>(&text).ok();
+        let taken = taken.filter(|taken| taken.part.claim == claim && taken.part.content_hash == hash);
+        found.push(ForgottenFile { hash, claim: Some(claim), note: taken, is_stored, decisions });
+    }
+    let without_note = |hash| ForgottenFile { hash, claim: None, note: None, is_stored: true, decisions: 0 };
+    found.extend(nameless.into_iter().map(without_note));
+    Ok(found)
+}
+
+/// The claims in the hot folders and, if asked for, the BLAKE3 of their files.
+fn claims_in_work(settings: &Settings, with_hashes: bool) -> Result<(Vec<String>, Vec<String>)> {
+    let (mut claims, mut hashes) = (Vec::new(), Vec::new());
+    for profile in settings.profiles.values() {
+        let inbox = &profile.folders.inbox;
+        let work =
+            intake::list_claims(inbox).with_context(|| format!("listing {}", inbox.join(".claimed").display()))?;
+        for claim in work.claims {
+            if with_hashes {
+                hashes.extend(intake::hash_file(&claim.part).ok());
+            }
+            claims.push(claim.id);
+        }
+        claims.extend(work.unfinished.iter().filter_map(|dir| claim_id(dir)));
+    }
+    // The other farm has them in its ledger.
+    claims.extend(claims_taken_over(settings)?);
+    Ok((claims, hashes))
+}
+
+/// The claims of this farm that another farm has taken over.
+fn claims_taken_over(settings: &Settings) -> Result<Vec<String>> {
+    let farm = fs::read_to_string(settings.state_dir.join(super::folder_lease::FARM_ID_FILE)).unwrap_or_default();
+    let mut claims = Vec::new();
+    for profile in settings.profiles.values().filter(|_| !farm.trim().is_empty()) {
+        let inbox = &profile.folders.inbox;
+        let found = intake::taken_over_claims(inbox, farm.trim());
+        claims.extend(found.with_context(|| format!("listing {}", inbox.join(".claimed").display()))?);
+    }
+    Ok(claims)
+}
+
+/// Removes the stored files and notes of claims that another farm has taken over before they had a row here.
+///
+/// # Errors
+/// The store, a hot folder or the ledger cannot be read, or the store cannot be changed.
+pub async fn drop_taken_over_claims(settings: &Settings, ledger: &Ledger, store: &ContentStore) -> Result<()> {
+    let unknown = ledger.unknown_claims(&claims_taken_over(settings)?).await?;
+    if unknown.is_empty() {
+        return Ok(());
+    }
+    for (hash, kept) in store.list_contents()? {
+        let gone: Vec<&String> = kept.claims.keys().filter(|claim| unknown.contains(claim)).collect();
+        if gone.is_empty() {
+            continue;
+        }
+        for claim in &gone {
+            store.delete_note(&hash, claim)?;
+        }
+        if gone.len() == kept.claims.len() && !ledger.unknown_contents(std::slice::from_ref(&hash)).await?.is_empty() {
+            store.remove_content(&hash)?;
+        }
+    }
+    Ok(())
+}
+
+/// The id of a claim that is being created or removed.
+fn claim_id(dir: &Path) -> Option<String> {
+    Some(intake::claim_id(dir.file_name()?.to_str()?).to_owned())
+}
+
+/// The row of a claimed part.
+pub(super) fn new_part_row(
+    profile: &MachineProfile,
+    claim: &ClaimedPart,
+    stored: &StoredFile,
+    given: Option<&PartSpec>,
+) -> NewPartRow {
+    let ticket = given.map(|g| g.ticket.clone()).unwrap_or_default();
+    let mut warnings = given.map(|g| g.warnings.clone()).unwrap_or_default();
+    let due_at = ticket.due.and_then(|due| match due.to_timestamp(&TimeZone::system()) {
+        Ok(at) => Some(at),
+        Err(error) => {
+            warnings.push(format!("Its due date is no date here: {error}."));
+            None
+        }
+    });
+    let source = given.and_then(|g| g.sources.first()).map(|s| NewTicketRow {
+        source: match s.source {
+            SpecSource::Name => TicketSource::Name,
+            SpecSource::Sidecar => TicketSource::Sidecar,
+            SpecSource::OrderList => TicketSource::OrderList,
+        },
+        file_name: s.file_name.clone(),
+        text: s.text.clone(),
+    });
+    let orientation = OrientationLimits::new(
+        ticket.orientation.unwrap_or(profile.turning.orientation),
+        ticket.keep_up.as_deref().unwrap_or(&profile.turning.keep_up),
+        ticket.not_down.as_deref().unwrap_or(&profile.turning.not_down),
+    );
+    NewPartRow {
+        claim: claim.id.clone(),
+        profile: profile.name.clone(),
+        name: claim.display_name(),
+        content_hash: stored.hash.clone(),
+        bytes: stored.bytes,
+        copies: ticket.copies.unwrap_or(1),
+        terms: NewTerms {
+            order_name: ticket.order.unwrap_or_else(|| claim.order.clone()),
+            priority: ticket.priority.unwrap_or(50),
+            due_at,
+            orientation: orientation.rule,
+            tilts: RequiredTilts(orientation.tilts),
+            clearance_mm: ticket.clearance_mm,
+            unit: ticket.unit,
+            note: ticket.note.unwrap_or_default(),
+        },
+        warnings,
+        ticket: source,
+    }
+}

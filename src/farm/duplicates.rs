@@ -1,0 +1,66 @@
+//! The same file dropped again: more copies, or another size because of another unit.
+
+use anyhow::Result;
+
+use super::farm::Farm;
+use crate::{
+    ledger::{PartRow, SolidFacts},
+    settings::DuplicatePolicy,
+};
+
+/// What follows from an earlier part of the same bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum TwinVerdict {
+    /// Nothing.
+    None,
+    /// It is taken, and people are told.
+    Warn(String),
+    /// It is refused, in whole sentences.
+    Refuse(String),
+}
+
+impl TwinVerdict {
+    /// What follows for a part that was read, by what its profile says of files that come twice.
+    fn of(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow, duplicates: DuplicatePolicy) -> Self {
+        if is_in_another_unit(part, solids, earlier) {
+            return Self::Warn(format!(
+                "The same file as part {}, but in another unit: it is a part of another size.",
+                earlier.id
+            ));
+        }
+        match duplicates {
+            DuplicatePolicy::Accept => Self::None,
+            DuplicatePolicy::Warn => Self::Warn(format!("The same file as part {}: taken as more copies.", earlier.id)),
+            DuplicatePolicy::Reject => Self::Refuse(format!(
+                "It is the same file as part {}, and this profile takes no file twice. Where more copies are meant, set \
+                 duplicates = \"warn\" in the profile {}, reload nestd and take it back.",
+                earlier.id, part.profile
+            )),
+        }
+    }
+}
+
+impl Farm {
+    /// What follows from an earlier part of the same bytes, if there is one.
+    pub(super) async fn verdict_on_twins(&self, part: &PartRow, solids: &[SolidFacts]) -> Result<TwinVerdict> {
+        let Some(station) = self.machines.get(&part.profile) else { return Ok(TwinVerdict::None) };
+        let Some(earlier) = self.ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await?
+        else {
+            return Ok(TwinVerdict::None);
+        };
+        let earlier = self.ledger.find_part(earlier).await?;
+        Ok(earlier.map_or(TwinVerdict::None, |earlier| {
+            TwinVerdict::of(part, solids, &earlier, station.profile.intake.duplicates)
+        }))
+    }
+}
+
+/// Whether the same bytes give another size than they gave before, for the unit that a ticket or the profile says.
+fn is_in_another_unit(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow) -> bool {
+    let now = solids.iter().find(|solid| solid.object_index == earlier.solid.object_index).map(|solid| solid.size_mm);
+    match (earlier.size_mm(), now) {
+        (Some(then), Some(now)) => then.iter().zip(now).any(|(then, now)| (then - now).abs() > 1e-6 * now),
+        // Not read yet: what the tickets say is all that is known.
+        _ => earlier.terms.unit != part.terms.unit,
+    }
+}

@@ -1,0 +1,113 @@
+//! The leases on the folders of a machine, acquired and renewed together.
+
+use super::{
+    folder_lease::{FolderLease, LeaseError, LeaseHolder},
+    lease_clock::LeaseTimestamp,
+};
+use crate::{
+    intake,
+    settings::{MachineFolders, MachineProfile},
+};
+
+/// The leases on the folders of a profile.
+#[derive(Debug, Clone)]
+pub struct FolderLeases {
+    /// Lease on the hot folder.
+    pub inbox: FolderLease,
+    /// Lease on the queue folder.
+    pub queue: FolderLease,
+    /// Lease on the archive.
+    pub archive: FolderLease,
+    /// Lease on the error folder.
+    pub error: FolderLease,
+    /// The error of each lease, in plain words.
+    pub errors: [Option<String>; 4],
+    /// When the leases were last renewed; `None` = never.
+    renewed_at: Option<LeaseTimestamp>,
+    /// Claims of this farm that another farm has taken over.
+    pub taken_over: Vec<String>,
+    /// Number of claims of other farms in the hot folder.
+    pub foreign_claims: usize,
+}
+
+impl FolderLeases {
+    /// Leases that are not acquired yet.
+    pub fn new(owner: &LeaseHolder, profile: &MachineProfile) -> Self {
+        let hold = |folder| FolderLease::new(owner.clone(), folder);
+        let MachineFolders { inbox, queue, error, archive } = &profile.folders;
+        Self {
+            inbox: hold(inbox),
+            queue: hold(queue),
+            archive: hold(archive),
+            error: hold(error),
+            errors: Default::default(),
+            renewed_at: None,
+            taken_over: Vec::new(),
+            foreign_claims: 0,
+        }
+    }
+
+    /// All four leases.
+    pub fn all_leases(&mut self) -> [&mut FolderLease; 4] {
+        [&mut self.inbox, &mut self.queue, &mut self.archive, &mut self.error]
+    }
+
+    /// Whether the leases were renewed recently, so that no other daemon can have taken them since.
+    pub fn are_fresh(&self) -> bool {
+        self.renewed_at.is_some_and(LeaseTimestamp::is_valid)
+    }
+
+    /// Renews all leases, and checks what other farms have done in the hot folder.
+    pub fn renew_all(&mut self) {
+        self.renewed_at = Some(LeaseTimestamp::now());
+        self.errors = self.all_leases().map(|hold| hold.renew().err().map(|error| error.to_string()));
+        if let Ok(taken_over) = intake::taken_over_claims(self.inbox.folder_path(), self.inbox.farm_id()) {
+            self.taken_over = taken_over;
+        }
+        if let Ok(foreign) = intake::foreign_claims(self.inbox.folder_path(), self.inbox.farm_id()) {
+            self.foreign_claims = foreign.len();
+        }
+    }
+
+    /// Acquires the leases that are still missing. Returns `false` if it is not clear yet whether another daemon holds
+    /// one.
+    pub fn acquire_missing(&mut self) -> Result<bool, LeaseError> {
+        let (mut wrong, mut is_clear) = (self.errors.clone(), true);
+        for (hold, wrong) in
+            self.all_leases().into_iter().zip(&mut wrong).filter(|(hold, _)| hold.held_identity().is_none())
+        {
+            *wrong = match hold.renew() {
+                Ok(()) => None,
+                Err(refused @ LeaseError::HeldByOther { .. }) => return Err(refused),
+                Err(error) => {
+                    is_clear &= !matches!(error, LeaseError::HolderUnclear { .. });
+                    Some(error.to_string())
+                }
+            };
+        }
+        self.errors = wrong;
+        Ok(is_clear)
+    }
+
+    /// Whether nothing was wrong with queue and archive when they were last looked at.
+    pub fn can_publish(&self) -> bool {
+        let [_, queue, archive, _] = &self.errors;
+        queue.is_none() && archive.is_none()
+    }
+
+    /// Checks that this farm still holds queue and archive: a build is published into both.
+    pub fn check_publish_folders(&self) -> Result<(), LeaseError> {
+        self.archive.check_held()?;
+        self.queue.check_held()
+    }
+
+    /// Whether files may be claimed from the hot folder at this moment.
+    pub fn may_take_files(&self) -> bool {
+        self.are_fresh() || self.inbox.check_held().is_ok()
+    }
+
+    /// Checks that the error folder may be read and written.
+    pub fn check_error_folder(&self) -> Result<(), LeaseError> {
+        self.error.clone().check_usable()
+    }
+}

@@ -1,0 +1,400 @@
+//! The steps "dropped" and "claimed": settled files in a hot folder are claimed and copied into the store. Only the
+//! scan decides; a file-system event just triggers one. The row in the ledger follows in the event loop.
+
+use std::{
+    collections::HashMap,
+    io,
+    path::Path,
+    time::{Duration, Instant},
+};
+
+use super::{
+    claim_note::{ClaimNote, new_part_row},
+    failure::error_chain,
+    folder_lease::FolderLease,
+    folder_leases::FolderLeases,
+    refused_files::RefusedFiles,
+    time_source::TimeSource,
+};
+use crate::{
+    intake::{
+        self, ClaimedPart, ContentStore, EmptiedFolders, EntryKind, InboxEntry, InboxFolder, ListOutcome,
+        OrderListRules, OrderListTracker, PartSpec, ScanLimits, SettleRules, SettleTracker, SettledEntry, StoreError,
+        StoredFile, TakeDecision, TicketError,
+    },
+    ledger::{NewPartRow, RefusalCause},
+    settings::MachineProfile,
+};
+
+/// Maximum number of parts claimed in one scan: a fixed number, or a share of the files present, whichever is larger.
+/// So the first of very many files are read while the rest is claimed, and the scans do not cost more than the files.
+const CLAIMS_PER_LOOK: usize = 100;
+const SHARE_PER_LOOK: usize = 20;
+/// Rows of an order list without a file are reported when the list has not changed for this many settle times.
+const REPORT_AFTER_SETTLES: f64 = 2.0;
+/// A file that nestd may not read is refused after this time.
+const DENIED_GRACE: Duration = Duration::from_secs(5);
+
+/// Interval of counting the refused files.
+const RECOUNT_INTERVAL: Duration = Duration::from_secs(2);
+
+/// Scans a hot folder, and remembers what it needs between two scans.
+#[derive(Debug)]
+pub struct HotFolderScanner {
+    inbox: InboxFolder,
+    settler: SettleTracker,
+    lists: OrderListTracker,
+    time: TimeSource,
+    started_at: Instant,
+    /// Order folders whose files were claimed; they are removed if they stay empty.
+    emptied_folders: EmptiedFolders,
+    /// Claims that are not in the store yet. `None` = the claims in `.claimed/` must be listed again: at the start,
+    /// after the hot folder was unavailable, and after an error there.
+    pending: Option<Vec<ClaimedPart>>,
+    /// The refused files that somebody must handle.
+    refused: RefusedFiles,
+    /// When they were counted last.
+    counted_at: Option<Instant>,
+    /// Device and inode of the hot folder at the last scan.
+    inbox_identity: Option<(u64, u64)>,
+    /// Claims with a file that may not be read, and since when.
+    unreadable_since: HashMap<String, Instant>,
+    /// Id of the farm that claims.
+    farm_id: String,
+}
+
+/// A claimed part whose file is in the store.
+#[derive(Debug)]
+pub struct ClaimedDrop {
+    /// The claim.
+    pub claim: ClaimedPart,
+    /// Its copy in the store.
+    pub stored: StoredFile,
+    /// What the ticket or list says about it.
+    pub part_spec: Result<PartSpec, TicketError>,
+    /// The row to record, which is already in the note beside the stored file.
+    pub row: NewPartRow,
+}
+
+/// Result of one scan.
+#[derive(Debug, Default)]
+pub struct HotFolderScan {
+    /// Claimed parts whose files are in the store.
+    pub drops: Vec<ClaimedDrop>,
+    /// Why the hot folder cannot be scanned.
+    pub unavailable_reason: Option<String>,
+    /// Seconds until the next useful scan, if something is settling.
+    pub next_secs: Option<f64>,
+    /// Files that were refused without becoming a part: display name, kind and reason.
+    pub refused: Vec<(String, RefusalCause, String)>,
+    /// What waits because it does not match an order list, as parts of sentences.
+    pub waiting_reasons: Vec<String>,
+    /// Whether more is ready than one scan takes: `held` is incomplete.
+    pub is_truncated: bool,
+    /// Failures that will be retried.
+    pub warnings: Vec<String>,
+    /// Refused files that somebody must handle; `None` = not counted this time.
+    pub refused_file_count: Option<usize>,
+    /// Whether error folder and archive may be written.
+    may_refuse: bool,
+    /// A part may be in a claim that is not listed: claims are listed again, and no order list is completed because all
+    /// of its rows seem to be served.
+    may_have_unknown_claims: bool,
+}
+
+impl HotFolderScanner {
+    /// A scanner without memory.
+    pub fn new(profile: &MachineProfile, orphan_secs: f64, time: TimeSource) -> Self {
+        Self {
+            inbox: InboxFolder::new(&profile.folders.inbox, ScanLimits::default()),
+            settler: SettleTracker::new(settle_rules(profile, orphan_secs)),
+            lists: OrderListTracker::default(),
+            started_at: time.instant(),
+            time,
+            emptied_folders: EmptiedFolders::default(),
+            pending: None,
+            refused: RefusedFiles::default(),
+            counted_at: None,
+            inbox_identity: None,
+            unreadable_since: HashMap::new(),
+            farm_id: String::new(),
+        }
+    }
+
+    /// Whether this is still the scanner of this profile's hot folder.
+    pub fn is_for_profile(&self, profile: &MachineProfile) -> bool {
+        self.inbox.path() == profile.folders.inbox
+    }
+
+    /// The next scan lists the claims in `.claimed/` again.
+    pub fn relist_claims(&mut self) {
+        self.pending = None;
+    }
+
+    /// A claim that could not be recorded is returned by the next scan again.
+    pub fn retry_claim(&mut self, claim: ClaimedPart) {
+        self.keep_pending(claim);
+    }
+
+    /// One scan: claims settled files and copies them into the store.
+    pub fn scan_and_claim(
+        &mut self,
+        profile: &MachineProfile,
+        holds: &mut FolderLeases,
+        store: &ContentStore,
+        orphan_secs: f64,
+    ) -> HotFolderScan {
+        let mut received = HotFolderScan::default();
+        let hold = &mut holds.inbox;
+        if let Err(error) = hold.check_usable() {
+            received.unavailable_reason = Some(error.to_string());
+            self.pending = None;
+            return received;
+        }
+        if self.inbox_identity.is_some() && self.inbox_identity != hold.held_identity() {
+            // The folder was unavailable and is back, or was replaced on purpose.
+            self.inbox = InboxFolder::new(self.inbox.path(), ScanLimits::default());
+            self.pending = None;
+        }
+        self.inbox_identity = hold.held_identity();
+        received.may_refuse = holds.error.check_usable().is_ok() && holds.archive.check_usable().is_ok();
+        hold.farm_id().clone_into(&mut self.farm_id);
+        self.settler.set_rules(settle_rules(profile, orphan_secs));
+        let mut claims = self.pending_claims(holds.inbox.farm_id(), &mut received);
+        match self.inbox.scan() {
+            Ok(listing) => {
+                received
+                    .warnings
+                    .extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));
+                self.claim_ready_files(profile, holds, &listing.entries, &mut claims, &mut received);
+            }
+            Err(error) => received.unavailable_reason = Some(error.to_string()),
+        }
+        // After an error there may be a claim that is not listed: the next scan lists all of them.
+        self.pending = (!received.may_have_unknown_claims).then(Vec::new);
+        for claim in claims {
+            // The loop has completed this claim while it was being listed.
+            if matches!(claim.dir.try_exists(), Ok(false)) {
+                continue;
+            }
+            self.emptied_folders.add_order_folder(&claim);
+            self.store_claim(profile, claim, store, &mut received);
+        }
+        self.emptied_folders.remove_empty_folders(self.inbox.path(), EmptiedFolders::MIN_AGE);
+        if self.counted_at.is_none_or(|at| self.time.passed_since(at) >= RECOUNT_INTERVAL)
+            || !received.refused.is_empty()
+        {
+            self.counted_at = Some(self.time.instant());
+            received.refused_file_count =
+                received.may_refuse.then(|| self.refused.count_unresolved(&profile.folders.error));
+        }
+        received
+    }
+
+    /// Claims files that have settled and match their order list.
+    fn claim_ready_files(
+        &mut self,
+        profile: &MachineProfile,
+        holds: &FolderLeases,
+        seen: &[InboxEntry],
+        claims: &mut Vec<ClaimedPart>,
+        received: &mut HotFolderScan,
+    ) {
+        let now_secs = self.time.passed_since(self.started_at).as_secs_f64();
+        let most = CLAIMS_PER_LOOK.max(seen.len() / SHARE_PER_LOOK);
+        let inbox = self.inbox.path();
+        let list_rules =
+            OrderListRules { incomplete_secs: profile.intake.incomplete_secs, unlisted: profile.intake.unlisted };
+        let has_end = |file: &Path, name: &str| build_file::has_end(&mut intake::open_dropped_file(inbox, file)?, name);
+        self.lists.observe_scan(seen);
+        for ready in self.settler.settled_entries(seen, now_secs, has_end) {
+            if claims.len() >= most || !holds.may_take_files() {
+                received.is_truncated = true;
+                break;
+            }
+            let may_be_part = |file: &Path| {
+                build_file::may_be_part(&mut intake::open_dropped_file(inbox, file)?, &file_display_name(file))
+            };
+            match self.lists.check_against_list(inbox, ready, list_rules, may_be_part) {
+                TakeDecision::Take(ready) => {
+                    claims.extend(process_ready(&holds.inbox, profile, &ready, &mut self.lists, received))
+                }
+                TakeDecision::Wait(why) => received.waiting_reasons.push(why),
+            }
+        }
+        received.next_secs = if received.is_truncated { Some(0.0) } else { self.settler.next_scan_secs(now_secs) };
+    }
+
+    /// Copies a claimed part into the store. After a failure it stays claimed, and the next scan retries it.
+    fn store_claim(
+        &mut self,
+        profile: &MachineProfile,
+        claim: ClaimedPart,
+        store: &ContentStore,
+        received: &mut HotFolderScan,
+    ) {
+        match store.store_claimed(&claim) {
+            Ok(stored) => match claim.read_part_spec() {
+                Err(error @ TicketError::Unreadable { errno, .. })
+                    if !self.is_persistently_unreadable(&claim, &io::Error::from_raw_os_error(errno)) =>
+                {
+                    received.warnings.push(error.to_string());
+                    self.keep_pending(claim);
+                }
+                given => {
+                    self.unreadable_since.remove(&claim.id);
+                    let row = new_part_row(profile, &claim, &stored, given.as_ref().ok());
+                    let note = ClaimNote::new(&self.farm_id, row, given.as_ref().err());
+                    match store.write_note(&stored.hash, &claim.id, &note.to_text()) {
+                        Ok(()) => received.drops.push(ClaimedDrop { claim, stored, part_spec: given, row: note.part }),
+                        Err(error) => {
+                            received.warnings.push(error_chain(&error));
+                            self.keep_pending(claim);
+                        }
+                    }
+                }
+            },
+            // Somebody still writes to the file: it is given back and settles again.
+            Err(StoreError::Changed(_)) => match intake::give_back_claim(&claim) {
+                Ok(_) => received.next_secs = Some(0.0),
+                Err(error) => {
+                    received.warnings.push(error_chain(&error));
+                    self.keep_pending(claim);
+                }
+            },
+            Err(StoreError::Unreadable { source, .. }) if self.is_persistently_unreadable(&claim, &source) => {
+                if !refuse_unreadable(profile, &claim, &source, received) {
+                    self.keep_pending(claim);
+                }
+            }
+            Err(error) => {
+                received.warnings.push(error_chain(&error));
+                self.keep_pending(claim);
+            }
+        }
+    }
+
+    fn keep_pending(&mut self, claim: ClaimedPart) {
+        if let Some(pending) = &mut self.pending {
+            pending.push(claim);
+        }
+    }
+
+    /// Whether a file cannot be read for longer than a moment: shares sometimes say "permission denied" in passing.
+    fn is_persistently_unreadable(&mut self, claim: &ClaimedPart, why: &io::Error) -> bool {
+        if why.kind() != io::ErrorKind::PermissionDenied {
+            return why.raw_os_error().is_none_or(|code| code == rustix::io::Errno::LOOP.raw_os_error());
+        }
+        let since = *self.unreadable_since.entry(claim.id.clone()).or_insert_with(|| self.time.instant());
+        self.time.passed_since(since) >= DENIED_GRACE
+    }
+
+    /// Claims that wait for the store; at the first scan, those that an earlier run left.
+    fn pending_claims(&mut self, farm: &str, received: &mut HotFolderScan) -> Vec<ClaimedPart> {
+        if let Some(pending) = self.pending.take() {
+            return pending;
+        }
+        match intake::recover_claims(self.inbox.path(), farm) {
+            Ok((claims, troubles)) => {
+                received.may_have_unknown_claims = !troubles.is_empty();
+                received.warnings.extend(troubles);
+                claims
+            }
+            Err(error) => {
+                received.may_have_unknown_claims = true;
+                received.warnings.push(error_chain(&error));
+                Vec::new()
+            }
+        }
+    }
+}
+
+/// Handles one ready file or list; a part becomes a claim.
+fn process_ready(
+    hold: &FolderLease,
+    profile: &MachineProfile,
+    ready: &SettledEntry,
+    lists: &mut OrderListTracker,
+    received: &mut HotFolderScan,
+) -> Option<ClaimedPart> {
+    let inbox = hold.folder_path();
+    match ready {
+        SettledEntry::Part { .. } => match intake::claim_for_farm(inbox, ready, hold.farm_id()) {
+            Ok(claim) => {
+                lists.mark_row_served(ready);
+                return Some(claim);
+            }
+            // It is still being written to, or was taken away: the next scan decides.
+            Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
+            Err(error) => {
+                received.may_have_unknown_claims = true;
+                received.warnings.push(error_chain(&error));
+            }
+        },
+        // It stays where it is until these folders are back; an alert reports them.
+        SettledEntry::List { .. } | SettledEntry::Refuse { .. } if !received.may_refuse => {}
+        SettledEntry::List { .. } if received.may_have_unknown_claims => {}
+        SettledEntry::List { list, quiet_secs } => {
+            let (folders, incomplete_secs) = (&profile.folders, profile.intake.incomplete_secs);
+            match intake::finish_order_list(inbox, lists, ready, incomplete_secs, &folders.archive, &folders.error) {
+                Ok(ListOutcome::Refused(reason)) => {
+                    received.refused.push((file_display_name(&list.path), RefusalCause::Ticket, reason));
+                }
+                // It may be only the first of its order to be copied.
+                Ok(ListOutcome::Awaited) if *quiet_secs < REPORT_AFTER_SETTLES * profile.intake.settle_secs => {}
+                Ok(ListOutcome::Awaited) => received.waiting_reasons.extend(lists.list_wait_reason(list)),
+                Ok(ListOutcome::Archived(_)) => {}
+                Err(error) => received.warnings.push(error_chain(&error)),
+            }
+        }
+        SettledEntry::Refuse { seen, reason } => {
+            match intake::refuse_entry(inbox, seen, &profile.folders.error, reason) {
+                Ok(_) => received.refused.push((file_display_name(&seen.path), refusal_kind(ready), reason.clone())),
+                Err(error) => received.warnings.push(error_chain(&error)),
+            }
+        }
+    }
+    None
+}
+
+/// The kind of refusal of a file that is refused without being read: it describes parts, or nestd cannot read it.
+fn refusal_kind(ready: &SettledEntry) -> RefusalCause {
+    match ready {
+        SettledEntry::Refuse { seen, .. } if seen.kind == EntryKind::File && !seen.is_private_link => {
+            RefusalCause::Ticket
+        }
+        _ => RefusalCause::Unreadable,
+    }
+}
+
+/// A file that nestd may not read has no hash and so no row: it goes directly into the error folder. Returns whether
+/// that worked.
+fn refuse_unreadable(
+    profile: &MachineProfile,
+    claim: &ClaimedPart,
+    why: &std::io::Error,
+    received: &mut HotFolderScan,
+) -> bool {
+    if !received.may_refuse {
+        return false;
+    }
+    let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
+    let refused = intake::refuse_claim(claim, &profile.folders.error, &reason);
+    match &refused {
+        Ok(_) => received.refused.push((claim.display_name(), RefusalCause::Unreadable, reason)),
+        Err(error) => received.warnings.push(error_chain(error)),
+    }
+    refused.is_ok()
+}
+
+fn settle_rules(profile: &MachineProfile, orphan_secs: f64) -> SettleRules {
+    SettleRules {
+        settle_secs: profile.intake.settle_secs,
+        unfinished_secs: profile.intake.unfinished_secs,
+        orphan_secs,
+    }
+}
+
+fn file_display_name(path: &std::path::Path) -> String {
+    path.file_name().map(intake::display_name).unwrap_or_default()
+}

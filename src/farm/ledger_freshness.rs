@@ -1,0 +1,184 @@
+//! Checks that the ledger knows everything in the folders: at the start, at every reload and when a folder comes back.
+//! An outdated ledger would cause parts to be printed twice, or never.
+
+use std::{
+    collections::{HashMap, HashSet},
+    os::unix::fs::MetadataExt,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use anyhow::{Context, Result};
+
+use super::{
+    alert::AlertKind,
+    claim_note,
+    folder_builds::{FolderExpectations, FolderUnavailableError},
+    newer_decisions,
+    reconcile::find_unknown_builds,
+};
+use crate::{
+    intake,
+    ledger::Ledger,
+    settings::{MachineProfile, Settings},
+};
+
+/// The ledger is older than the folders.
+#[derive(Debug, thiserror::Error)]
+#[error("the ledger is older than the folders: {detail}. {}", AlertKind::LedgerBehind.remedy())]
+pub struct LedgerBehindError {
+    /// What it does not know.
+    pub detail: String,
+}
+
+/// Descriptions of what the folders hold and the ledger does not know, and the folders that cannot be read.
+///
+/// # Errors
+/// The ledger or the store cannot be read.
+pub async fn find_unknown_to_ledger(
+    settings: &Settings,
+    ledger: &Ledger,
+) -> Result<(Vec<String>, Vec<FolderUnavailableError>)> {
+    let (mut told, mut away) = (Vec::new(), Vec::new());
+    for profile in settings.profiles.values() {
+        match find_unknown_build_names(settings, ledger, profile).await {
+            Ok(names) => told.extend(names),
+            Err(error) => away.push(error.downcast::<FolderUnavailableError>()?),
+        }
+    }
+    let kept = claim_note::list_stored_files(settings)?;
+    let mut files = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
+    // A file that is just being claimed is in a hot folder; an unavailable hot folder hides it.
+    files.retain(|file| {
+        let profile = file.note.as_ref().and_then(|taken| settings.profiles.get(&taken.part.profile));
+        profile.is_none_or(|profile| profile.folders.inbox.join(".claimed").is_dir())
+    });
+    told.extend(files.iter().map(|file| match &file.note {
+        Some(taken) => format!("{} ({} copies for {})", file.display_name(), taken.part.copies, taken.part.profile),
+        None => file.display_name(),
+    }));
+    told.extend(
+        newer_decisions::find_newer_decisions(settings, ledger, &kept)
+            .await?
+            .iter()
+            .map(newer_decisions::describe_decision),
+    );
+    Ok((told, away))
+}
+
+/// The builds of a machine that the ledger does not know.
+///
+/// # Errors
+/// [`Away`] if a folder cannot be read, or an error of the ledger.
+pub async fn find_unknown_build_names(
+    settings: &Settings,
+    ledger: &Ledger,
+    profile: &MachineProfile,
+) -> Result<Vec<String>> {
+    // Folders of a new machine that were never created hold nothing.
+    let folders = &profile.folders;
+    let mut new_folders = vec![folders.archive.clone(), folders.queue.clone()];
+    new_folders.retain(|folder| !super::known_folders::is_known_folder(&settings.state_dir, folder));
+    let known = FolderExpectations { state_dir: settings.state_dir.clone(), new_folders };
+    let builds = find_unknown_builds(settings, ledger, profile, &known, &mut HashSet::new()).await?;
+    Ok(builds.into_iter().map(|build| build.name).collect())
+}
+
+/// A claim is created, recorded and released within seconds; an older one was abandoned.
+const ABANDONED_AFTER: Duration = Duration::from_secs(300);
+
+/// Claims that the ledger does not know, and half-made claims, which no daemon completes before its next start.
+///
+/// # Errors
+/// A hot folder or the ledger cannot be read.
+pub async fn find_abandoned_claims(settings: &Settings, ledger: &Ledger) -> Result<Vec<PathBuf>> {
+    let (mut claims, mut left) = (HashMap::new(), Vec::new());
+    for profile in settings.profiles.values() {
+        let inbox = &profile.folders.inbox;
+        let work = intake::list_claims(inbox).with_context(|| format!("listing the claims in {}", inbox.display()))?;
+        claims.extend(work.claims.into_iter().map(|claim| (claim.id.clone(), intake::claim_dir(inbox, &claim.id))));
+        left.extend(work.unfinished);
+    }
+    let ids: Vec<String> = claims.keys().cloned().collect();
+    left.extend(ledger.unknown_claims(&ids).await?.iter().filter_map(|id| claims.remove(id)));
+    let is_old = |dir: &PathBuf| {
+        let age = std::fs::metadata(dir).and_then(|meta| meta.modified()).map(|at| at.elapsed());
+        // A modification time in the future says nothing about the age.
+        age.is_ok_and(|age| age.map_or(true, |age| age >= ABANDONED_AFTER))
+    };
+    left.retain(is_old);
+    left.sort();
+    Ok(left)
+}
+
+/// Fails if the ledger of a farm is older than its folders.
+///
+/// # Errors
+/// [`LedgerBehindError`], or the ledger cannot be read.
+pub async fn check_ledger_current(settings: &Settings, ledger: &Ledger) -> Result<()> {
+    match summarize_unknown(&find_unknown_to_ledger(settings, ledger).await?.0) {
+        Some(detail) => Err(LedgerBehindError { detail }.into()),
+        None => Ok(()),
+    }
+}
+
+/// The first item that the ledger does not know, and the number of others; `None` = it knows all.
+pub fn summarize_unknown(unknown: &[String]) -> Option<String> {
+    let first = unknown.first()?;
+    let more = if unknown.len() > 1 { format!(" and {} more", unknown.len() - 1) } else { String::new() };
+    Some(format!("it does not know {first}{more}"))
+}
+
+/// Device and inode of a machine's archive and queue when they were last compared with the ledger.
+pub type FolderIdentities = [(u64, u64); 2];
+
+/// Result of comparing a machine's folders with the ledger.
+#[derive(Debug)]
+pub enum FolderComparison {
+    /// The folders are still those that agreed with the ledger.
+    Unchanged,
+    /// The ledger knows everything in them.
+    LedgerCurrent(FolderIdentities),
+    /// They hold something that the ledger does not know.
+    LedgerBehind(String),
+    /// They cannot be read.
+    Unavailable(String),
+}
+
+/// Compares a machine's folders with the ledger, unless they are still those that agreed.
+pub(super) async fn compare_machine_folders(
+    settings: &Settings,
+    ledger: &Ledger,
+    profile: &MachineProfile,
+    before: Option<FolderIdentities>,
+) -> FolderComparison {
+    let identity = |folder: &Path| {
+        let meta = std::fs::metadata(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+        Ok::<_, String>((meta.dev(), meta.ino()))
+    };
+    let seen = identity(&profile.folders.archive).and_then(|a| Ok([a, identity(&profile.folders.queue)?]));
+    let seen = match seen {
+        Ok(seen) if before == Some(seen) => return FolderComparison::Unchanged,
+        Ok(seen) => seen,
+        Err(why) => return FolderComparison::Unavailable(why),
+    };
+    let told = async {
+        let mut told = find_unknown_build_names(settings, ledger, profile).await?;
+        let kept = claim_note::list_stored_files(settings)?;
+        let files = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
+        let is_of =
+            |file: &claim_note::ForgottenFile| file.note.as_ref().is_some_and(|t| t.part.profile == profile.name);
+        told.extend(files.iter().filter(|file| is_of(file)).map(claim_note::ForgottenFile::display_name));
+        let decided = newer_decisions::find_newer_decisions(settings, ledger, &kept).await?;
+        told.extend(
+            decided.iter().filter(|claim| claim.profile == profile.name).map(newer_decisions::describe_decision),
+        );
+        anyhow::Ok(told)
+    };
+    match told.await {
+        Ok(told) => {
+            summarize_unknown(&told).map_or(FolderComparison::LedgerCurrent(seen), FolderComparison::LedgerBehind)
+        }
+        Err(error) => FolderComparison::Unavailable(format!("{error:#}")),
+    }
+}

@@ -1,0 +1,311 @@
+//! A machine profile at work: its scanner, its printer queue, and its open build, whose layout is updated as parts
+//! arrive.
+
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, PoisonError},
+    time::{Duration, Instant},
+};
+
+use nester::SearchBudget;
+
+use super::{
+    alert_registry::AlertRegistry,
+    folder_lease::LeaseHolder,
+    folder_leases::FolderLeases,
+    hot_folder_scanner::HotFolderScanner,
+    layout::{BatchLayout, CopyId, LayoutPlacement, placed_from_json},
+    ledger_freshness::FolderIdentities,
+    nesting_search::SharedBestLayout,
+    time_source::TimeSource,
+    time_text::written_stamp,
+    trigger::{FireTrigger, TriggerFacts},
+};
+use crate::{
+    ledger::{BuildRow, CommandId, UtcTimestamp, WaitingPart},
+    queue::QueueFolder,
+    settings::MachineProfile,
+};
+
+/// Wait after a failed search or scan.
+const RETRY_AFTER: Duration = Duration::from_secs(15);
+/// Arrivals within this time share one search, so that a folder of parts dropped at once is nested at once.
+const ARRIVALS_SETTLE: Duration = Duration::from_millis(700);
+
+/// The hot folder of a profile at work.
+#[derive(Debug)]
+pub struct InboxState {
+    /// Its memory; away while a job looks through it.
+    pub gate: Option<Box<HotFolderScanner>>,
+    /// When the next scan is due.
+    pub look_at: Instant,
+    /// When it was last looked through in this run.
+    pub scanned_at: Option<UtcTimestamp>,
+    /// Refused files that lie in the error folder.
+    pub refused_kept: usize,
+    /// What lies in `.claimed/` is to be listed anew: claims were adopted, or one could not be ended.
+    pub relist: bool,
+}
+
+/// The printer queue folder of a profile at work.
+#[derive(Debug)]
+pub struct MachineQueue {
+    /// Once it could be opened.
+    pub opened: Option<QueueFolder>,
+    /// One that could not be opened is not tried again before this.
+    pub open_at: Instant,
+}
+
+/// The state of a machine profile at work.
+#[derive(Debug)]
+pub struct MachineState {
+    /// The machine.
+    pub profile: Arc<MachineProfile>,
+    /// Its hot folder.
+    pub inbox: InboxState,
+    /// The leases on its folders.
+    pub leases: FolderLeases,
+    /// Its archive and queue when the ledger last agreed with them; `None` = nothing is printed.
+    pub agreed_folders: Option<FolderIdentities>,
+    /// Whether files are claimed and read: only after its folders were compared with the ledger, and not while they
+    /// hold something that the ledger does not know. Unavailable folders only hold up printing.
+    pub may_take: bool,
+    /// Its printer queue folder.
+    pub queue: MachineQueue,
+    /// The build that collects waiting parts.
+    pub open: OpenBuildState,
+    /// Flush commands that have not been carried out.
+    pub pending_flushes: Vec<CommandId>,
+    /// Whether all waiting copies are nested as well as they will be: only changes of the ledger or the time bring new
+    /// work.
+    pub is_idle: bool,
+    /// Not batched again before this time.
+    pub next_batch_at: Instant,
+    /// Whether an operator has paused it.
+    pub paused: bool,
+    /// Contents of `STATUS.txt` and `status.json`.
+    pub status: (String, serde_json::Value),
+}
+
+/// A running search for the open build.
+#[derive(Debug)]
+pub struct RunningSearch {
+    /// Its number; results of older searches are ignored.
+    pub round: u64,
+    /// Its time budget.
+    pub budget: SearchBudget,
+    /// Its best layout so far.
+    pub best: SharedBestLayout,
+    /// The copies to nest.
+    pub copies: BTreeSet<CopyId>,
+}
+
+/// The layout of the waiting copies that were tried so far.
+#[derive(Debug, Default)]
+pub struct OpenBuildState {
+    /// The best layout of `tried`.
+    pub layout: BatchLayout,
+    /// The copies of the last completed search.
+    pub tried: BTreeSet<CopyId>,
+    /// The running search.
+    pub search: Option<RunningSearch>,
+    /// Number of searches started.
+    pub rounds: u64,
+    /// The waiting copies at their last change, and the time of that change.
+    waiting_since: Option<(BTreeSet<CopyId>, Instant)>,
+    /// Maximum number of copies tried together, after a search of more of them placed nothing; `None` = no limit.
+    max_copies: Option<usize>,
+    /// No search starts before this time, after one failed.
+    retry_at: Option<Instant>,
+}
+
+impl MachineState {
+    /// A machine that has scanned nothing yet. `row` is its open build; the search continues from its layout.
+    pub fn new(
+        profile: Arc<MachineProfile>,
+        orphan_secs: f64,
+        owner: &LeaseHolder,
+        row: &BuildRow,
+        time: &TimeSource,
+    ) -> Self {
+        let placed = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
+        let now = time.instant();
+        Self {
+            inbox: InboxState {
+                gate: Some(Box::new(HotFolderScanner::new(&profile, orphan_secs, time.clone()))),
+                look_at: now,
+                scanned_at: None,
+                refused_kept: 0,
+                relist: false,
+            },
+            leases: FolderLeases::new(owner, &profile),
+            profile,
+            agreed_folders: None,
+            may_take: false,
+            queue: MachineQueue { opened: None, open_at: now },
+            open: OpenBuildState {
+                layout: BatchLayout { placed, ..BatchLayout::default() },
+                ..OpenBuildState::default()
+            },
+            pending_flushes: Vec::new(),
+            is_idle: false,
+            next_batch_at: now,
+            paused: false,
+            status: Default::default(),
+        }
+    }
+}
+
+impl MachineState {
+    /// The files for its hot folder, including alerts; empty until the ledger was queried.
+    pub fn status_files(&self, notices: &AlertRegistry, scan_secs: f64) -> (String, String) {
+        let (text, json) = &self.status;
+        if json.is_null() {
+            return Default::default();
+        }
+        let mut json = json.clone();
+        let (stamp, written_at, renewed_within_secs) = written_stamp(scan_secs);
+        json["attention"] = notices.status_json_for(&self.profile.name);
+        json["running"] = true.into();
+        json["written_at"] = written_at.to_string().into();
+        json["renewed_within_secs"] = renewed_within_secs.into();
+        (notices.status_text_for(&self.profile.name) + text + &stamp, format!("{json:#}\n"))
+    }
+}
+
+impl MachineState {
+    /// What a trigger looks at: the parts that wait, the copies of them that are tried together, and the open build.
+    pub fn trigger_facts(
+        &self,
+        waiting: &[WaitingPart],
+        wanted: &BTreeSet<CopyId>,
+        flush: bool,
+        knows_the_date: bool,
+    ) -> TriggerFacts {
+        let (copies, layout) = (waiting.iter().map(|w| w.copies.len()).sum(), &self.open.layout);
+        let has_more = wanted.len() < copies || !layout.unplaced.is_empty();
+        TriggerFacts {
+            copies,
+            oldest: waiting.iter().map(|w| w.part.times.claimed_at.0).min().unwrap_or_default(),
+            due: waiting.iter().filter_map(|w| w.part.terms.due_at.map(|d| d.0)).min(),
+            height_mm: layout.height_mm,
+            density: layout.part_volume_mm3 / self.profile.build_volume().size_mm.element_product(),
+            full: self.open.covers_copies(wanted) && !layout.placed.is_empty() && has_more,
+            flush,
+            is_date_trusted: knows_the_date,
+        }
+    }
+}
+
+impl OpenBuildState {
+    /// The copies that a build takes, and the layout that its final search goes on from. A full build takes what was tried and
+    /// stands; any other takes all that waits, and what finds no place after the final search goes back to the head of the line.
+    pub fn taken_by(&self, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> (Vec<CopyId>, BatchLayout) {
+        let copies: Vec<CopyId> = match by {
+            FireTrigger::Full => self.layout.placed.iter().map(|p| p.copy).collect(),
+            _ => wanted.iter().copied().collect(),
+        };
+        let mut layout = BatchLayout { placed: self.best_placements(), ..self.layout.clone() };
+        layout.placed.retain(|p| copies.contains(&p.copy));
+        (copies, layout)
+    }
+
+    /// Whether the layout is a completed search for exactly these copies.
+    pub fn covers_copies(&self, wanted: &BTreeSet<CopyId>) -> bool {
+        self.search.is_none() && self.tried == *wanted
+    }
+
+    /// Whether a search for exactly these copies should start now: they are not covered, have not changed for a moment,
+    /// and no search runs. Cancels a search for other copies.
+    pub fn wants_search(&mut self, wanted: &BTreeSet<CopyId>, now: Instant) -> bool {
+        let since = match &self.waiting_since {
+            Some((seen, since)) if seen == wanted => *since,
+            _ => {
+                self.waiting_since = Some((wanted.clone(), now));
+                now
+            }
+        };
+        if let Some(search) = &self.search {
+            if search.copies != *wanted {
+                search.budget.cancel();
+            }
+            return false;
+        }
+        let rested = self.retry_at.is_none_or(|at| now >= at);
+        self.tried != *wanted && rested && now.duration_since(since) >= ARRIVALS_SETTLE
+    }
+
+    /// Searches the same copies once more, after a while.
+    pub fn retry_tried_later(&mut self, now: Instant) {
+        self.tried.clear();
+        self.retry_at = Some(now + RETRY_AFTER);
+    }
+
+    /// Takes in the result of a search.
+    pub fn take_search_result(&mut self, round: u64, layout: Option<BatchLayout>, now: Instant) {
+        if self.search.as_ref().is_none_or(|s| s.round != round) {
+            return;
+        }
+        let Some(search) = self.search.take() else { return };
+        match layout {
+            Some(layout) => {
+                self.layout = layout;
+                self.tried = search.copies;
+                self.retry_at = None;
+            }
+            None => self.retry_at = Some(now + RETRY_AFTER),
+        }
+    }
+
+    /// The placements to continue from: those of the running search if it has found some, otherwise those of the last
+    /// layout.
+    pub fn best_placements(&self) -> Vec<LayoutPlacement> {
+        let running = self.search.as_ref().and_then(|search| {
+            search.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|l| l.placed.clone())
+        });
+        running.unwrap_or_else(|| self.layout.placed.clone())
+    }
+
+    /// The head of the queue that is tried together.
+    pub fn truncate_queue(&self, waiting: &[WaitingPart], profile: &MachineProfile) -> Vec<WaitingPart> {
+        truncate_to_volume(waiting, profile, self.max_copies.unwrap_or(usize::MAX))
+    }
+
+    /// A search of `copies` placed nothing: half of them are tried next. `true` = it was one copy alone, which fits
+    /// nowhere.
+    pub fn halve_after_empty_search(&mut self, copies: usize) -> bool {
+        self.max_copies = (copies > 1).then_some(copies / 2);
+        copies == 1
+    }
+
+    /// Resets everything: its copies are in a build now, or nothing waits any more.
+    pub fn reset(&mut self) {
+        if let Some(search) = &self.search {
+            search.budget.cancel();
+        }
+        *self = Self { rounds: self.rounds, ..Self::default() };
+    }
+}
+
+/// The head of the queue that is tried together: as many copies as could fill the volume without gaps. More cannot fit.
+/// At most `most` copies, and always at least one.
+fn truncate_to_volume(waiting: &[WaitingPart], profile: &MachineProfile, mut most: usize) -> Vec<WaitingPart> {
+    let size = profile.build_volume().size_mm;
+    let mut room_mm3 = size.x * size.y * size.z;
+    let mut cut: Vec<WaitingPart> = Vec::new();
+    for part in waiting {
+        let each = part.part.measures.volume_mm3.unwrap_or(0.0).max(1e-9);
+        let fit = ((room_mm3 / each).floor().max(0.0) as usize).min(part.copies.len()).min(most);
+        let fit = if cut.is_empty() { fit.max(1) } else { fit };
+        if fit == 0 {
+            break;
+        }
+        room_mm3 -= fit as f64 * each;
+        most -= fit.min(most);
+        cut.push(WaitingPart { part: part.part.clone(), copies: part.copies[..fit].to_vec() });
+        if fit < part.copies.len() {
+            break;
+        }
+    }
+    cut
+}

@@ -1,0 +1,110 @@
+//! Source of the meshes of parts: memory, or else the content-addressed store.
+
+use std::{
+    collections::HashMap,
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+    time::{Duration, Instant},
+};
+
+use anyhow::{Context, Result};
+use build_file::{LengthUnit, PartFileContents, ReadLimits};
+use nester::PreparedMeshes;
+use solids::Mesh;
+
+use super::{
+    disk_cache::DiskPreparationCache,
+    failure::{LostFileError, PartReadError},
+    isolated_read::PartReadRequest,
+    mesh_cache::{MeshCache, MeshCacheKey},
+};
+use crate::{
+    intake::{ContentStore, StoreError},
+    ledger::PartRow,
+    settings::MachineProfile,
+};
+
+/// A file is read this many times inside the daemon; further attempts use a separate process.
+pub const READS_IN_THE_DAEMON: u32 = 2;
+
+/// Source of meshes.
+#[derive(Debug, Clone)]
+pub struct MeshSource {
+    /// Meshes in memory.
+    pub mesh_cache: MeshCache,
+    /// The content-addressed store.
+    pub store: ContentStore,
+    /// Limits of the readers.
+    pub limits: ReadLimits,
+    /// Work on meshes: in memory as long as they are on the shelf, and on disk where there is room for it.
+    pub prepared: PreparedMeshes,
+    /// The disk cache that `prepared` uses.
+    pub preparation_cache: Option<Arc<DiskPreparationCache>>,
+    /// Since when stored files have not been readable, by content.
+    pub unreadable_since: Arc<Mutex<HashMap<String, Instant>>>,
+}
+
+/// A stored file that cannot be read for this long counts as damaged; cables and shares fail for shorter times.
+const UNREADABLE_FOR: Duration = Duration::from_secs(60);
+
+impl MeshSource {
+    /// The path of a part's stored file, after comparing it with what was dropped. A damaged file is set aside.
+    pub fn verified_file(&self, part: &PartRow) -> Result<PathBuf> {
+        let hash = &part.file.content_hash;
+        let verified = self.store.verify_hash(hash);
+        let is_unreadable = verified.as_ref().is_err_and(StoreError::is_unreadable);
+        let is_lasting = self.is_persistently_unreadable(hash, is_unreadable);
+        match verified {
+            Ok(()) => Ok(self.store.file_path(hash)?),
+            Err(error) if error.is_lost() || is_lasting => {
+                let aside = self.store.move_damaged_aside(hash)?;
+                Err(LostFileError { name: part.name.clone(), content_hash: hash.clone(), aside }.into())
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Whether a stored file has not been readable for a long time.
+    fn is_persistently_unreadable(&self, hash: &str, is_unreadable: bool) -> bool {
+        let mut unreadable = self.unreadable_since.lock().unwrap_or_else(PoisonError::into_inner);
+        if !is_unreadable {
+            unreadable.remove(hash);
+            return false;
+        }
+        unreadable.entry(hash.to_owned()).or_insert_with(Instant::now).elapsed() >= UNREADABLE_FOR
+    }
+
+    /// The contents of a part's file. If reading it has ended the process before, it is read in a separate process.
+    pub fn read_contents(
+        &self,
+        file: PathBuf,
+        part: &PartRow,
+        default_unit: LengthUnit,
+    ) -> Result<PartFileContents, PartReadError> {
+        let (name, unit, limits) = (part.name.clone(), part.terms.unit, self.limits.clone());
+        let errand = PartReadRequest { file, name, unit, default_unit, limits };
+        if part.file.reads > READS_IN_THE_DAEMON { errand.read_isolated() } else { errand.read_in_process() }
+    }
+
+    /// The mesh of a part, from memory or from the store.
+    pub fn load_mesh(&self, profile: &MachineProfile, part: &PartRow) -> Result<Arc<Mesh>> {
+        let key = |object_index| MeshCacheKey {
+            content_hash: part.file.content_hash.clone(),
+            object_index,
+            default_unit: profile.intake.unit,
+            unit: part.terms.unit,
+        };
+        if let Some(mesh) = self.mesh_cache.get(&key(part.solid.object_index)) {
+            return Ok(mesh);
+        }
+        let file = self.verified_file(part)?;
+        let contents = (self.read_contents(file, part, profile.intake.unit))
+            .with_context(|| format!("reading part {} ({}) again", part.id.0, part.name))?;
+        for (index, solid) in contents.solids.into_iter().enumerate() {
+            self.mesh_cache.insert(key(index as u32), solid.mesh);
+        }
+        self.mesh_cache
+            .get(&key(part.solid.object_index))
+            .with_context(|| format!("part {} ({}) has no solid {}", part.id.0, part.name, part.solid.object_index))
+    }
+}

@@ -1,0 +1,91 @@
+//! A search turns a batch of parts into a layout. Runs on a job's thread.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::Result;
+use nester::{NestingSolution, SearchBudget};
+
+use super::{
+    layout::{BatchLayout, LayoutPlacement, NestingBatch, NestingPart},
+    mesh_source::MeshSource,
+};
+use crate::{ledger::PartRow, settings::MachineProfile};
+
+/// The best layout of a running search; other threads read it, and take it when the search is cancelled.
+pub type SharedBestLayout = Arc<Mutex<Option<BatchLayout>>>;
+
+/// A request to nest parts.
+#[derive(Debug)]
+pub struct NestingRequest {
+    /// The machine.
+    pub profile: Arc<MachineProfile>,
+    /// Parts with their wanted copies, in order of precedence.
+    pub wanted: Vec<(PartRow, Vec<u32>)>,
+    /// An earlier layout to continue from.
+    pub start_placements: Vec<LayoutPlacement>,
+    /// The time budget.
+    pub budget: SearchBudget,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Receives every better layout.
+    pub best_layout: SharedBestLayout,
+}
+
+/// The result of a search.
+#[derive(Debug)]
+pub struct NestingResult {
+    /// Parts with their meshes.
+    pub batch: NestingBatch,
+    /// The layout.
+    pub layout: BatchLayout,
+    /// Lower bound on the height of any layout of the placed copies, mm.
+    pub lower_bound_mm: f64,
+    /// CPU seconds of the search.
+    pub cpu_secs: f64,
+    /// Wall seconds of the search.
+    pub wall_secs: f64,
+    /// (wall seconds, build height in mm) of every improvement.
+    pub curve: Vec<(f64, f64)>,
+}
+
+impl NestingRequest {
+    /// Runs the search; returns when the budget is spent or cancelled.
+    pub fn run_search(&self, meshes: &MeshSource) -> Result<NestingResult> {
+        let batch = self.load_batch(meshes)?;
+        let instance = batch.create_instance(&self.profile)?;
+        let mut config = self.profile.search.nest.clone();
+        config.seed = self.seed;
+        let start = batch.matching_placements(&self.start_placements);
+        let cpu = cpu_secs(config.threads);
+        let mut curve = Vec::new();
+        let mut listener = |solution: &NestingSolution, _evaluations: u64| {
+            curve.push((self.budget.elapsed_secs(), solution.height_mm));
+            *self.best_layout.lock().unwrap_or_else(PoisonError::into_inner) =
+                Some(batch.layout_from_solution(&instance, solution));
+        };
+        let solution =
+            nester::nest_with_cache(&instance, &config, &start, &meshes.prepared, &self.budget, &mut listener);
+        let layout = batch.layout_from_solution(&instance, &solution);
+        *self.best_layout.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
+        let lower_bound_mm =
+            nester::lower_bound_mm(&batch.placed_only(&layout).create_instance(&self.profile).unwrap_or(instance));
+        let wall_secs = self.budget.elapsed_secs();
+        Ok(NestingResult { batch, layout, lower_bound_mm, cpu_secs: cpu_secs(config.threads) - cpu, wall_secs, curve })
+    }
+
+    fn load_batch(&self, meshes: &MeshSource) -> Result<NestingBatch> {
+        let part = |(part, copies): &(PartRow, Vec<u32>)| -> Result<NestingPart> {
+            let mesh = meshes.load_mesh(&self.profile, part)?;
+            Ok(NestingPart { part: part.clone(), mesh, copies: copies.clone() })
+        };
+        Ok(NestingBatch { parts: self.wanted.iter().map(part).collect::<Result<_>>()? })
+    }
+}
+
+/// CPU seconds used so far: by this thread if it searches alone, otherwise by the process, since no other search runs
+/// then.
+fn cpu_secs(threads: usize) -> f64 {
+    use rustix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(if threads == 1 { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime });
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}

@@ -1,0 +1,46 @@
+//! One entry of the hot folder, as a scan found it.
+
+use std::path::PathBuf;
+
+/// Type of an entry in the hot folder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum EntryKind {
+    /// A regular file: a part, a ticket or an order list.
+    File,
+    /// A symbolic link; never followed.
+    Symlink,
+    /// A folder that cannot be an order, because it has the name of a part file or is nested too deep.
+    Directory,
+    /// A socket.
+    Socket,
+    /// A named pipe.
+    Fifo,
+    /// A block or character device.
+    Device,
+}
+
+/// One entry of the hot folder, as a scan found it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InboxEntry {
+    /// Full path.
+    pub path: PathBuf,
+    /// Sub-folders between the hot folder and this entry, escaped for display and joined by `/`. Empty = none.
+    pub order: String,
+    /// Type of the entry.
+    pub kind: EntryKind,
+    /// Size, bytes.
+    pub size: u64,
+    /// Bytes allocated on the disk. Fewer than `size` means that the file has a hole, perhaps because a copy is in
+    /// progress.
+    pub allocated: u64,
+    /// Last change of contents or attributes, nanoseconds since 1970.
+    pub ctime_ns: i128,
+    /// Modification time as set by the copying program, nanoseconds since 1970.
+    pub mtime_ns: i128,
+    /// Inode number.
+    pub inode: u64,
+    /// Device number of the file system.
+    pub dev: u64,
+    /// Whether this is one of several hard links to a file that is not readable by everyone.
+    pub is_private_link: bool,
+}

@@ -1,0 +1,166 @@
+//! Parses the cells of an order list as spreadsheets write them: numbers with a decimal comma or followed by a word,
+//! dates in the formats of several countries, units by name.
+
+use build_file::LengthUnit;
+use jiff::civil;
+use unicode_normalization::UnicodeNormalization;
+
+use super::ticket::parse_due;
+use crate::intake::DueDate;
+
+/// Words that may follow a number of copies.
+const PIECE_WORDS: [&str; 22] = [
+    "x", "×", "pcs", "pc", "pce", "pieces", "ea", "off", "stk", "stck", "stück", "st", "pz", "uds", "ud", "szt", "ks",
+    "шт", "個", "本", "枚", "件",
+];
+
+/// Converts a cell to lower case and replaces the full-width digits and signs of East Asian keyboards by the common
+/// ones.
+fn normalize_cell(cell: &str) -> String {
+    cell.nfkc().collect::<String>().trim().to_lowercase()
+}
+
+/// Parses a whole number: `10`, `10 Stk.`, `x10`, `10,00`.
+pub(super) fn parse_whole_number(word: &str, cell: &str) -> Result<i64, String> {
+    let text = normalize_cell(cell);
+    let bare = text.trim_end_matches('.').trim_start_matches(['x', '×']).trim();
+    let bare =
+        PIECE_WORDS.iter().filter_map(|piece| bare.strip_suffix(piece)).min_by_key(|rest| rest.len()).unwrap_or(bare);
+    // Spreadsheets write 10.0 and 10,00. Three zeros would mean thousands.
+    let is_noughts = |tail: &str| (1..=2).contains(&tail.len()) && tail.bytes().all(|b| b == b'0');
+    let bare = bare.trim();
+    let bare = bare.rsplit_once(['.', ',']).filter(|(_, tail)| is_noughts(tail)).map_or(bare, |(head, _)| head);
+    bare.parse::<i64>().map_err(|_| format!("{word} = {cell:?} is no whole number"))
+}
+
+/// Parses a number with a decimal point or comma, optionally followed by mm.
+pub(super) fn parse_decimal(word: &str, cell: &str) -> Result<f64, String> {
+    let text = normalize_cell(cell);
+    let bare = text.strip_suffix("mm").unwrap_or(&text).trim();
+    let number = bare.replacen(',', ".", 1).parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| format!("{word} = {cell:?} is no number"))
+}
+
+/// Parses the unit of a file. A word for pieces, such as `pcs`, is not a length unit and gives `None`.
+pub(super) fn parse_unit(cell: &str) -> Result<Option<LengthUnit>, String> {
+    let text = normalize_cell(cell);
+    let text = text.trim_end_matches('.');
+    if PIECE_WORDS.contains(&text) {
+        return Ok(None);
+    }
+    Ok(Some(match text {
+        "µm" | "μm" | "um" | "micron" | "microns" | "micrometer" => LengthUnit::Micron,
+        "mm" | "millimeter" | "millimetre" | "millimeters" | "millimetres" | "millimètre" | "milímetro"
+        | "millimetro" | "ミリ" => LengthUnit::Millimeter,
+        "cm" | "centimeter" | "centimetre" | "zentimeter" | "centimètre" | "centímetro" | "centimetro" => {
+            LengthUnit::Centimeter
+        }
+        "in" | "inch" | "inches" | "\"" | "zoll" | "pouce" | "pouces" | "pulgada" | "pulgadas" | "pollice"
+        | "pollici" | "インチ" => LengthUnit::Inch,
+        "ft" | "foot" | "feet" | "fuß" | "fuss" => LengthUnit::Foot,
+        "m" | "meter" | "metre" | "mètre" | "metro" => LengthUnit::Meter,
+        _ => return Err(format!("unit = {cell:?}; it must be micron, mm, cm, inch, foot or m")),
+    }))
+}
+
+/// Parses a due date in the format of tickets, or as day, month, year, as most countries write it, optionally with a
+/// time.
+pub(super) fn parse_due_cell(cell: &str) -> Result<DueDate, String> {
+    let text = normalize_cell(cell).replace(['年', '月'], "-").replace('日', "").replace(". ", ".");
+    let as_ticket = parse_due(&text.to_uppercase());
+    if as_ticket.is_ok() {
+        return as_ticket;
+    }
+    let (day, time) = text.split_once([' ', 't']).unwrap_or((&text, ""));
+    let day = parse_civil_date(day.trim_end_matches('.')).map_err(|why| format!("due = {cell:?}{why}"))?;
+    match time.trim() {
+        "" => parse_due(&day.to_string()),
+        time => parse_due(&format!("{day}T{time:0>5}")),
+    }
+    .map_err(|_| format!("due = {cell:?}{NO_DATE}"))
+}
+
+const NO_DATE: &str = "; it must be a date such as 2026-11-25 or 25.11.2026, perhaps with a time such as 17:00";
+
+fn parse_civil_date(text: &str) -> Result<civil::Date, String> {
+    let parts: Vec<&str> = text.split(['.', '/', '-']).map(str::trim).collect();
+    let numbers: Vec<i16> = parts.iter().filter_map(|part| part.parse().ok()).collect();
+    let [first, second, third] = numbers[..] else { return Err(NO_DATE.to_owned()) };
+    if parts.len() != 3 {
+        return Err(NO_DATE.to_owned());
+    }
+    let date = |year: i16, month: i16, day: i16| {
+        let of = |number: i16| i8::try_from(number).ok();
+        of(month).zip(of(day)).and_then(|(month, day)| civil::Date::new(year, month, day).ok())
+    };
+    let found = if parts[0].len() == 4 {
+        date(first, second, third)
+    } else {
+        let year = if parts[2].len() == 2 { 2000 + third } else { third };
+        match text.contains('/') {
+            true if first <= 12 && second <= 12 && first != second => {
+                return Err(", which may be two dates; write it as 2026-11-25".to_owned());
+            }
+            true if second > 12 => date(year, first, second),
+            _ => date(year, second, first),
+        }
+    };
+    found.ok_or_else(|| NO_DATE.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_as_spreadsheets_and_people_write_them() {
+        for cell in
+            ["10", " 10 ", "10.0", "10,00", "10 Stk.", "10x", "x10", "× 10", "10 pcs", "１０", "10個", "10 Stück"]
+        {
+            assert_eq!(parse_whole_number("copies", cell), Ok(10), "{cell}");
+        }
+        for cell in ["1.000", "1,5", "ten", "", "10 boxes", "1e1"] {
+            assert!(parse_whole_number("copies", cell).unwrap_err().contains("no whole number"), "{cell}");
+        }
+        assert_eq!(parse_decimal("clearance", "2,5"), Ok(2.5));
+        assert_eq!(parse_decimal("clearance", "2.5 mm"), Ok(2.5));
+        assert!(parse_decimal("clearance", "wide").is_err());
+    }
+
+    #[test]
+    fn dates_are_read_in_the_order_of_their_country_and_never_guessed() {
+        for cell in [
+            "2026-11-25",
+            "25.11.2026",
+            "25.11.26",
+            "25. 11. 2026",
+            "25/11/2026",
+            "11/25/2026",
+            "25-11-2026",
+            "2026/11/25",
+            "2026年11月25日",
+            "2026.11.25.",
+        ] {
+            assert_eq!(parse_due_cell(cell), parse_due("2026-11-25"), "{cell}");
+        }
+        assert_eq!(parse_due_cell("25.11.2026 17:00"), parse_due("2026-11-25T17:00"));
+        assert_eq!(parse_due_cell("25.11.2026 9:30"), parse_due("2026-11-25T09:30"));
+        assert_eq!(parse_due_cell("2026-11-25T17:00:00Z"), parse_due("2026-11-25T17:00:00Z"));
+        assert!(parse_due_cell("05/06/2026").unwrap_err().contains("two dates"));
+        for cell in ["soon", "32.11.2026", "25.11", "2026-13-01", "25.11.2026.1"] {
+            assert!(
+                parse_due_cell(cell).unwrap_err().contains("such as 25")
+                    || parse_due_cell(cell).unwrap_err().contains("25.11.2026"),
+                "{cell}"
+            );
+        }
+    }
+
+    #[test]
+    fn units_are_known_by_their_names() {
+        assert_eq!(parse_unit("Zoll"), Ok(Some(LengthUnit::Inch)));
+        assert_eq!(parse_unit("mm"), Ok(Some(LengthUnit::Millimeter)));
+        assert_eq!(parse_unit("Stk."), Ok(None));
+        assert!(parse_unit("ell").unwrap_err().contains("ell"));
+    }
+}

@@ -1,0 +1,41 @@
+//! What an order list says about one part, as stored in the claim of the part.
+
+use std::{
+    io::{self, Write},
+    path::Path,
+};
+
+use serde::{Deserialize, Serialize};
+
+use super::{disk, order_list::MAX_LIST_BYTES};
+
+/// What an order list says about one part. It is stored in the claim of the part.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ListLookup {
+    /// The header of the list and the row of the part: a valid list with only this row.
+    pub row: Option<String>,
+    /// File name as written in the row.
+    pub file: Option<String>,
+    /// Why the number of copies is unknown.
+    pub problem: Option<String>,
+    /// Whether the reason is that the list does not name the part.
+    #[serde(default)]
+    pub is_unlisted: bool,
+    /// Warnings for the technician, in whole sentences.
+    pub warnings: Vec<String>,
+}
+
+impl ListLookup {
+    /// Writes it into a claim.
+    pub(super) fn save_to(&self, path: &Path) -> io::Result<()> {
+        let mut file = disk::create_fresh_file(path)?;
+        file.write_all(&serde_json::to_vec(self)?)?;
+        file.sync_all()
+    }
+
+    /// Reads it from a claim. `None` = there is none, or a crash truncated it.
+    pub(super) fn load_from(path: &Path) -> io::Result<Option<Self>> {
+        let bytes = disk::read_start(path, 4 * MAX_LIST_BYTES)?;
+        Ok(bytes.and_then(|bytes| serde_json::from_slice(&bytes).ok()))
+    }
+}

@@ -1,0 +1,176 @@
+//! The instructions for a claimed part, merged from all sources: its sidecar ticket, the order list of its folder, its
+//! file name.
+
+use std::{
+    io::{self, Read},
+    path::Path,
+};
+
+use super::{
+    ClaimedPart, ListLookup, Ticket, TicketError,
+    code_page::decode_candidates,
+    copies::{MAX_COPIES, unclear_copies},
+    copies_in_name, disk, display_name,
+    order_list::{MAX_LIST_BYTES, OrderList},
+    sidecars::{LIST_LOOKUP_NAME, LIST_NAME},
+    ticket::broken_ticket,
+};
+
+/// A longer file is not accepted as a ticket.
+const MAX_TICKET_BYTES: u64 = 64 << 10;
+
+/// The source of an instruction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpecSource {
+    /// The file's name.
+    Name,
+    /// A sidecar ticket.
+    Sidecar,
+    /// An `order.csv`.
+    OrderList,
+}
+
+impl SpecSource {
+    /// The word that the ledger stores.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Name => "name",
+            Self::Sidecar => "sidecar",
+            Self::OrderList => "order_list",
+        }
+    }
+}
+
+/// A ticket as it was received.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ReceivedTicket {
+    /// The kind of source.
+    pub source: SpecSource,
+    /// Name of the file that contained it (or of the part itself), escaped.
+    pub file_name: String,
+    /// Text as received: the content of the sidecar, the header and row of the list, or the file name.
+    pub text: String,
+}
+
+/// The merged instructions of all sources. For each field, the sidecar takes precedence over the list, and the list
+/// over the name.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PartSpec {
+    /// The merged ticket. Its `order` comes from tickets only; the sub-folder is in [`ClaimedPart::order`].
+    pub ticket: Ticket,
+    /// Its sources, in order of precedence.
+    pub sources: Vec<ReceivedTicket>,
+    /// Warnings for the technician about probable mistakes, in whole sentences.
+    pub warnings: Vec<String>,
+}
+
+impl ClaimedPart {
+    /// Merges the ticket, the order list and the file name. An error is addressed to the technician: the part must be
+    /// refused with it, because its number of copies is unknown.
+    pub fn read_part_spec(&self) -> Result<PartSpec, TicketError> {
+        let mut given = PartSpec::default();
+        if let [first, second, ..] = &self.tickets[..] {
+            return Err(TicketError::Duplicate { first: display_file_name(first), second: display_file_name(second) });
+        }
+        for path in &self.tickets {
+            let text = read_ticket_text(path).map_err(|error| unreadable_ticket(path, error))?;
+            given.merge_ticket(SpecSource::Sidecar, display_file_name(path), parse_ticket_text(path, &text)?, text);
+        }
+        if let Some(path) = &self.list {
+            self.add_list_row(path, &mut given)?;
+        }
+        let name = self.display_name();
+        if let Some(copies) = copies_in_name(&name) {
+            given.merge_ticket(
+                SpecSource::Name,
+                name.clone(),
+                Ticket { copies: Some(copies), ..Ticket::default() },
+                name,
+            );
+        } else if let (None, Some(word)) = (given.ticket.copies, unclear_copies(&name)) {
+            given.warnings.push(format!(
+                "Its name ends in \"{word}\", which is no clear number of copies from 1 to {MAX_COPIES}: taken as 1 copy."
+            ));
+        }
+        if given.ticket.copies.is_none() && given.sources.iter().any(|source| source.source == SpecSource::OrderList) {
+            given.warnings.push(format!("Its row in {LIST_NAME} names no number of copies: taken as 1 copy."));
+        }
+        Ok(given)
+    }
+
+    fn add_list_row(&self, path: &Path, given: &mut PartSpec) -> Result<(), TicketError> {
+        let said = match path.file_name() == Some(LIST_LOOKUP_NAME.as_ref()) {
+            true => ListLookup::load_from(path).map_err(|error| unreadable_ticket(path, error))?.unwrap_or_default(),
+            false => self.look_up_whole_list(path)?,
+        };
+        given.warnings.extend(said.warnings);
+        match said.problem {
+            Some(why) if said.is_unlisted => return Err(TicketError::Unlisted(why)),
+            Some(why) => return Err(broken_ticket(LIST_NAME, why)),
+            None => {}
+        }
+        if let Some(text) = said.row {
+            let ticket = OrderList::parse_single_row(&text).map_err(|why| broken_ticket(LIST_NAME, why))?;
+            given.merge_ticket(SpecSource::OrderList, LIST_NAME.to_owned(), ticket, text);
+        }
+        Ok(())
+    }
+
+    /// Finds the row of the part. A claim of an older nestd holds a copy of the whole list.
+    fn look_up_whole_list(&self, path: &Path) -> Result<ListLookup, TicketError> {
+        let bytes = read_bytes_up_to(path, MAX_LIST_BYTES).map_err(|error| unreadable_ticket(path, error))?;
+        let list = OrderList::parse_for_files(&bytes, &[&self.name]);
+        let row = list.row_for_file(&self.name).map_err(|why| broken_ticket(&display_file_name(path), why))?;
+        Ok(ListLookup { row: row.map(|row| row.text.clone()), ..ListLookup::default() })
+    }
+}
+
+/// Reads a sidecar ticket.
+pub(super) fn read_ticket_file(path: &Path) -> Result<Ticket, TicketError> {
+    let text = read_ticket_text(path).map_err(|error| unreadable_ticket(path, error))?;
+    parse_ticket_text(path, &text)
+}
+
+impl PartSpec {
+    fn merge_ticket(&mut self, source: SpecSource, file_name: String, weaker: Ticket, text: String) {
+        self.ticket = std::mem::take(&mut self.ticket).merge_weaker(weaker);
+        self.sources.push(ReceivedTicket { source, file_name, text });
+    }
+}
+
+/// Distinguishes an error of the operating system, which may be temporary, from a fault of the file, which is
+/// permanent.
+fn unreadable_ticket(path: &Path, error: io::Error) -> TicketError {
+    match error.raw_os_error() {
+        Some(errno) => TicketError::Unreadable { file: display_file_name(path), errno },
+        None => broken_ticket(&display_file_name(path), error.to_string()),
+    }
+}
+
+fn display_file_name(path: &Path) -> String {
+    display_name(path.file_name().unwrap_or_default())
+}
+
+fn parse_ticket_text(path: &Path, text: &str) -> Result<Ticket, TicketError> {
+    match path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        true => Ticket::from_json(text, &display_file_name(path)),
+        false => Ticket::from_toml(text, &display_file_name(path)),
+    }
+}
+
+/// Reads a text whose encoding is certain: UTF-8, or UTF-16 as some editors write it.
+fn read_ticket_text(path: &Path) -> io::Result<String> {
+    match &mut decode_candidates(&read_bytes_up_to(path, MAX_TICKET_BYTES)?)[..] {
+        [text] => Ok(std::mem::take(text)),
+        _ => Err(io::Error::other("it is not UTF-8 text")),
+    }
+}
+
+fn read_bytes_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    disk::open_regular_file(path)?.take(most + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > most {
+        true => Err(io::Error::other(format!("it is longer than {most} bytes"))),
+        false => Ok(bytes),
+    }
+}

@@ -1,0 +1,41 @@
+//! Entries of the hot folder that have settled and may be taken or refused.
+
+use super::{InboxEntry, ListLookup};
+
+/// An entry that has settled. It is reported again at every scan while it is in the hot folder.
+#[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "nearly all are parts, and each is used up at once")]
+pub enum SettledEntry {
+    /// A part, to be claimed together with its tickets.
+    Part {
+        /// The part.
+        part: InboxEntry,
+        /// Its sidecar tickets: `part.stl.toml`, or `part.toml` if no other part has that short name, or the same with
+        /// `.json`. None or one; two are refused when they are read.
+        tickets: Vec<InboxEntry>,
+        /// The `order.csv` of its folder.
+        list: Option<InboxEntry>,
+        /// What that list says about the part; set by [`OrderListTracker::judge`](super::OrderListTracker::check_against_list).
+        lookup: Option<ListLookup>,
+        /// Time that the part and its list have been unchanged, seconds.
+        still_secs: f64,
+        /// Whether its end is missing and it was unchanged for
+        /// [`SettleRules::unfinished_secs`](super::SettleRules::unfinished_secs): the file is probably truncated.
+        unfinished: bool,
+    },
+    /// An `order.csv` that has settled, for [`end_list`](super::finish_order_list).
+    List {
+        /// The list.
+        list: InboxEntry,
+        /// Time that the list has been unchanged, seconds; in an order folder, time that the whole folder has been
+        /// unchanged.
+        quiet_secs: f64,
+    },
+    /// Not a part: to be moved to the error folder by [`refuse_path`](super::refuse_entry).
+    Refuse {
+        /// The entry.
+        seen: InboxEntry,
+        /// The reason and the remedy, in plain words.
+        reason: String,
+    },
+}

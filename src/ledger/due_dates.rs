@@ -1,0 +1,50 @@
+//! Due dates at risk. One event is written for all parts of an order that are due at the same time.
+
+use jiff::Timestamp;
+use sqlx::FromRow;
+
+use super::{Ledger, PartId, UtcTimestamp, error::Result};
+
+/// An unpublished part with a due date that was not reported as at risk yet.
+#[derive(Debug, Clone, PartialEq, FromRow)]
+pub struct DuePartRow {
+    /// Number of the part.
+    pub id: PartId,
+    /// Machine profile.
+    pub profile: String,
+    /// File name as dropped.
+    pub name: String,
+    /// Order, "" = none.
+    pub order_name: String,
+    /// When it is due.
+    pub due_at: UtcTimestamp,
+    /// Height of the build that holds the part, mm, if known.
+    pub height_mm: Option<f64>,
+}
+
+impl Ledger {
+    /// The parts that are due until a time, by due date.
+    pub async fn due_parts(&self, until: Timestamp) -> Result<Vec<DuePartRow>> {
+        let query = sqlx::query_as(
+            "SELECT p.id, p.profile, p.name, p.order_name, p.due_at, \
+             (SELECT max(b.height_mm) FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = p.id AND b.published_at IS NULL) AS height_mm \
+             FROM part p WHERE p.due_at IS NOT NULL AND p.at_risk_at IS NULL \
+             AND p.state IN ('claimed', 'waiting', 'batched') AND p.due_at <= ? ORDER BY p.due_at, p.id",
+        );
+        Ok(query.bind(UtcTimestamp(until)).fetch_all(self.reader()?).await?)
+    }
+
+    /// Records that the due date of these parts of one order is at risk. Writes one event, which refers to the first
+    /// part.
+    pub async fn record_at_risk(&self, profile: &str, parts: &[PartId], detail: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let now = change.now;
+        for part in parts {
+            let told = sqlx::query("UPDATE part SET at_risk_at = ? WHERE id = ?").bind(now).bind(part);
+            told.execute(change.db()).await?;
+        }
+        change.write_event("at_risk", profile, parts.first().copied(), None, detail).await?;
+        change.commit().await
+    }
+}

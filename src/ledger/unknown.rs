@@ -1,0 +1,39 @@
+//! Finds the entries of a long list that the ledger does not know. Each start runs these queries, so they check a few
+//! thousand entries at a time.
+
+use super::{Ledger, error::Result};
+
+/// Entries per query.
+const CHUNK_LEN: usize = 5_000;
+
+impl Ledger {
+    /// File names that no build has.
+    pub async fn unknown_build_files(&self, names: &[String]) -> Result<Vec<String>> {
+        self.find_unknown("build WHERE file_name = value", names).await
+    }
+
+    /// Claims that belong to no part and did not replace a damaged file.
+    pub async fn unknown_claims(&self, claims: &[String]) -> Result<Vec<String>> {
+        self.find_unknown(
+            "(SELECT claim FROM part UNION ALL SELECT claim FROM replacement) WHERE claim = value",
+            claims,
+        )
+        .await
+    }
+
+    /// Content hashes (BLAKE3) that no part has.
+    pub async fn unknown_contents(&self, hashes: &[String]) -> Result<Vec<String>> {
+        self.find_unknown("part WHERE content_hash = value", hashes).await
+    }
+
+    async fn find_unknown(&self, rows: &str, asked: &[String]) -> Result<Vec<String>> {
+        let query = format!("SELECT value FROM json_each(?) WHERE NOT EXISTS (SELECT 1 FROM {rows})");
+        let mut unknown = Vec::new();
+        for some in asked.chunks(CHUNK_LEN) {
+            let list = serde_json::Value::from(some).to_string();
+            let found = sqlx::query_scalar::<_, String>(sqlx::AssertSqlSafe(query.clone())).bind(list);
+            unknown.extend(found.fetch_all(self.reader()?).await?);
+        }
+        Ok(unknown)
+    }
+}

@@ -1,0 +1,164 @@
+//! Gauges: what waits, what is in work, and whether machines, folders and the daemon work.
+
+use anyhow::Result;
+use prometheus_client::{
+    metrics::{family::Family, gauge::Gauge},
+    registry::Registry,
+};
+use std::sync::atomic::AtomicU64;
+
+use crate::{
+    ledger::{DaemonRow, Ledger, MachineRow, ProfileStatus, UtcTimestamp},
+    settings::Settings,
+};
+
+/// A gauge of floating-point values.
+pub(super) type FloatGauge = Gauge<f64, AtomicU64>;
+/// Label names and values.
+pub(super) type LabelPairs = Vec<(&'static str, String)>;
+
+/// The data for the gauges of one farm at one moment.
+struct GaugeSnapshot<'a> {
+    registry: &'a mut Registry,
+    profiles: Vec<String>,
+    status: Vec<ProfileStatus>,
+    stations: Vec<MachineRow>,
+}
+
+/// Registers all gauges.
+pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, settings: &Settings) -> Result<()> {
+    let daemon = ledger.last_daemon().await?;
+    let is_up = daemon.as_ref().is_some_and(|daemon| daemon.alive);
+    // What a stopped daemon last saw of the machines says nothing about them now.
+    let stations = if is_up { ledger.list_machines().await? } else { Vec::new() };
+    let profiles = settings.profiles.keys().cloned().collect();
+    let mut standing = GaugeSnapshot { registry, profiles, status: ledger.profile_statuses().await?, stations };
+    standing.register_waiting();
+    standing.register_in_work();
+    standing.register_machines();
+    register_daemon(registry, daemon.as_ref(), is_up);
+    register_disk_space(registry, settings);
+    Ok(())
+}
+
+impl GaugeSnapshot<'_> {
+    /// Registers a gauge with a value for each profile that has one.
+    fn register_profile_gauge(
+        &mut self,
+        name: &str,
+        help: &str,
+        value: impl Fn(Option<&ProfileStatus>, &str) -> Option<f64>,
+    ) {
+        let family = Family::<LabelPairs, FloatGauge>::default();
+        for profile in &self.profiles {
+            let status = self.status.iter().find(|s| s.profile == *profile);
+            if let Some(value) = value(status, profile) {
+                family.get_or_create(&vec![("profile", profile.clone())]).set(value);
+            }
+        }
+        self.registry.register(name, help, family);
+    }
+
+    /// Registers a gauge with a value for each machine that the daemon observes.
+    fn register_machine_gauge(&mut self, name: &str, help: &str, value: impl Fn(&MachineRow) -> Option<f64>) {
+        let family = Family::<LabelPairs, FloatGauge>::default();
+        for station in self.stations.iter().filter(|s| self.profiles.contains(&s.profile)) {
+            if let Some(value) = value(station) {
+                family.get_or_create(&vec![("profile", station.profile.clone())]).set(value);
+            }
+        }
+        self.registry.register(name, help, family);
+    }
+
+    fn register_waiting(&mut self) {
+        let count = |value: u32| Some(f64::from(value));
+        self.register_profile_gauge("parts_waiting", "Parts with a copy in no build", |s, _| {
+            count(s.map_or(0, |s| s.waiting_parts))
+        });
+        self.register_profile_gauge("copies_waiting", "Copies in no build", |s, _| {
+            count(s.map_or(0, |s| s.waiting_copies))
+        });
+        self.register_profile_gauge("parts_being_read", "Parts that are taken and not read yet", |s, _| {
+            count(s.map_or(0, |s| s.claimed_parts))
+        });
+        self.register_profile_gauge(
+            "oldest_waiting_timestamp_seconds",
+            "When the oldest waiting part was taken",
+            |s, _| Some(unix_seconds(s?.oldest_at?)),
+        );
+        self.register_profile_gauge("next_due_timestamp_seconds", "The nearest due date of what waits", |s, _| {
+            Some(unix_seconds(s?.due_at?))
+        });
+    }
+
+    fn register_in_work(&mut self) {
+        self.register_profile_gauge("builds_in_work", "Builds that have fired and are not in the queue yet", |s, _| {
+            Some(s.map_or(0, |s| s.nesting.len()) as f64)
+        });
+        self.register_profile_gauge("open_build_height_meters", "Height of the open build's layout so far", |s, _| {
+            Some(s?.open.as_ref()?.height_mm? / 1000.0)
+        });
+        self.register_profile_gauge(
+            "open_build_density_ratio",
+            "Part volume over box volume of the open build's layout so far",
+            |s, _| s?.open.as_ref()?.density,
+        );
+        self.register_profile_gauge("paused", "1 while nothing is fired", |s, _| {
+            Some(gauge_from_bool(s.is_some_and(|s| s.paused.is_some())))
+        });
+    }
+
+    fn register_machines(&mut self) {
+        self.register_machine_gauge("available", "1 while parts are taken and builds can be put into the queue", |s| {
+            Some(gauge_from_bool(s.trouble.is_empty()))
+        });
+        self.register_machine_gauge("inbox_available", "1 while the hot folder can be used", |s| {
+            Some(gauge_from_bool(s.is_inbox_there))
+        });
+        self.register_machine_gauge("queue_writable", "1 while the queue folder can be written to", |s| {
+            Some(gauge_from_bool(s.is_queue_writable))
+        });
+        self.register_machine_gauge(
+            "last_scan_timestamp_seconds",
+            "When the hot folder was last looked through",
+            |s| Some(unix_seconds(s.scanned_at?)),
+        );
+    }
+}
+
+fn register_daemon(registry: &mut Registry, daemon: Option<&DaemonRow>, is_up: bool) {
+    let version = Family::<LabelPairs, FloatGauge>::default();
+    version.get_or_create(&vec![("version", env!("CARGO_PKG_VERSION").to_owned())]).set(1.0);
+    registry.register("version_info", "Version of nestd that gives these metrics", version);
+    register_value(registry, "daemon_up", "1 while the daemon writes heartbeats", gauge_from_bool(is_up));
+    if let Some(daemon) = daemon {
+        register_value(
+            registry,
+            "last_beat_timestamp_seconds",
+            "Last heartbeat of the daemon",
+            unix_seconds(daemon.beat_at),
+        );
+    }
+}
+
+fn register_disk_space(registry: &mut Registry, settings: &Settings) {
+    let Ok(stat) = rustix::fs::statvfs(&settings.state_dir) else { return };
+    let bytes = |blocks: u64| blocks as f64 * stat.f_frsize as f64;
+    register_value(registry, "disk_free_bytes", "Free space of the disk with ledger and store", bytes(stat.f_bavail));
+    register_value(registry, "disk_size_bytes", "Size of the disk with ledger and store", bytes(stat.f_blocks));
+}
+
+/// Registers a gauge without labels.
+fn register_value(registry: &mut Registry, name: &str, help: &str, value: f64) {
+    let number = FloatGauge::default();
+    number.set(value);
+    registry.register(name, help, number);
+}
+
+fn gauge_from_bool(is: bool) -> f64 {
+    if is { 1.0 } else { 0.0 }
+}
+
+fn unix_seconds(at: UtcTimestamp) -> f64 {
+    at.0.as_millisecond() as f64 / 1000.0
+}

@@ -1,0 +1,236 @@
+//! Delivery: one task for each receiver processes the events in order. It retries an event until the receiver accepts
+//! it, waits longer after each failure, and drops events that are older than the settings allow.
+
+use std::{
+    sync::{Arc, PoisonError},
+    time::{Duration, Instant},
+};
+
+use anyhow::{Context, Result};
+use jiff::{SignedDuration, Timestamp};
+use tracing::{info, warn};
+
+use super::{
+    EventMessage,
+    message::event_kinds,
+    send::{configured_receivers, send_message},
+};
+use crate::{
+    ledger::{EventRow, Ledger, ReceiverKind},
+    settings::{Settings, SharedSettings},
+};
+
+/// Interval of the checks for new events.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Wait after the first failure, and maximum wait.
+const FIRST_WAIT: Duration = Duration::from_secs(1);
+const LONGEST_WAIT: Duration = Duration::from_secs(300);
+/// A receiver that fails for longer than this needs a person.
+const ALERT_AFTER: SignedDuration = SignedDuration::from_mins(5);
+/// Minimum interval between two writes of a receiver's position when the events since then were not for it.
+const POSITION_WRITE_INTERVAL: Duration = Duration::from_secs(60);
+/// Time allowed beyond the timeout; a sending thread that takes longer is abandoned.
+const SEND_GRACE: Duration = Duration::from_secs(5);
+
+/// Delivers events to the configured receivers until the future is dropped. Calls `trouble` with a message when a
+/// receiver fails for long, and with `None` when it works.
+pub async fn deliver_events(settings: SharedSettings, trouble: impl Fn(ReceiverKind, Option<String>)) {
+    let tell = |receiver| ReceiverDelivery::new(settings.clone(), receiver).run(&trouble);
+    tokio::join!(tell(ReceiverKind::Webhook), tell(ReceiverKind::Command));
+}
+
+/// Deletes the positions of receivers that are not configured. For a process that delivers nothing.
+///
+/// # Errors
+/// The ledger cannot be read or changed.
+pub async fn forget_unconfigured_receivers(settings: &SharedSettings) -> Result<()> {
+    let settings = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
+    let known = configured_receivers(&settings.notify);
+    let others: Vec<ReceiverKind> = [ReceiverKind::Webhook, ReceiverKind::Command]
+        .into_iter()
+        .filter(|receiver| !known.contains(receiver))
+        .collect();
+    forget_receivers(&settings, &others).await
+}
+
+async fn forget_receivers(settings: &Settings, receivers: &[ReceiverKind]) -> Result<()> {
+    let ledger = Ledger::open_existing(&settings.ledger).await?;
+    let mut forgotten = Ok(());
+    for receiver in receivers {
+        forgotten = forgotten.and(ledger.forget_receiver(*receiver).await);
+    }
+    ledger.close().await;
+    Ok(forgotten?)
+}
+
+/// Result of one step.
+enum DeliveryStep {
+    /// No event to deliver, or the receiver is not configured.
+    Idle,
+    /// One event was delivered.
+    Delivered,
+    /// Delivery failed; with a message if a person must act.
+    Failed(Option<String>),
+}
+
+/// Delivery to one receiver.
+struct ReceiverDelivery {
+    settings: SharedSettings,
+    receiver: ReceiverKind,
+    ledger: Option<Ledger>,
+    /// Id of the last event that was delivered or skipped; `None` = not read from the ledger yet.
+    position: Option<i64>,
+    /// The position stored in the ledger, and when it was stored.
+    recorded_position: (i64, Instant),
+    /// Whether the ledger records that the receiver is not configured.
+    is_forgotten: bool,
+    /// Why the last delivery failed; "" = it did not.
+    last_error: String,
+}
+
+impl ReceiverDelivery {
+    fn new(settings: SharedSettings, receiver: ReceiverKind) -> Self {
+        let (ledger, at, failing) = (None, None, String::new());
+        Self {
+            settings,
+            receiver,
+            ledger,
+            position: at,
+            recorded_position: (0, Instant::now()),
+            is_forgotten: false,
+            last_error: failing,
+        }
+    }
+
+    fn current_settings(&self) -> Arc<Settings> {
+        self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    async fn run(mut self, trouble: &impl Fn(ReceiverKind, Option<String>)) {
+        let mut wait = FIRST_WAIT;
+        loop {
+            let settings = self.current_settings();
+            match self.deliver_next(&settings).await {
+                // No event is due, or the receiver was removed from the configuration.
+                Ok(DeliveryStep::Idle) => {
+                    trouble(self.receiver, None);
+                    tokio::time::sleep(LOOK_EVERY).await;
+                }
+                Ok(DeliveryStep::Delivered) => {
+                    trouble(self.receiver, None);
+                    wait = FIRST_WAIT;
+                }
+                Ok(DeliveryStep::Failed(needs_person)) => {
+                    trouble(self.receiver, needs_person);
+                    self.wait_before_retry(wait, &settings).await;
+                    wait = (2 * wait).min(LONGEST_WAIT);
+                }
+                Err(failure) => {
+                    // The ledger does not exist yet or is damaged; the farm reports that.
+                    tracing::debug!("Nothing can be delivered to the {} now: {failure:#}.", self.receiver);
+                    self.position = None;
+                    self.wait_before_retry(wait, &settings).await;
+                    wait = (2 * wait).min(LONGEST_WAIT);
+                }
+            }
+        }
+    }
+
+    /// Waits, but ends early when the settings change.
+    async fn wait_before_retry(&self, wait: Duration, before: &Arc<Settings>) {
+        let until = tokio::time::Instant::now() + wait;
+        while tokio::time::Instant::now() < until && Arc::ptr_eq(before, &self.current_settings()) {
+            tokio::time::sleep(LOOK_EVERY.min(wait)).await;
+        }
+    }
+
+    async fn deliver_next(&mut self, settings: &Settings) -> Result<DeliveryStep> {
+        if !configured_receivers(&settings.notify).contains(&self.receiver) {
+            return self.forget_receiver(settings).await;
+        }
+        self.is_forgotten = false;
+        let ledger = match &self.ledger {
+            Some(ledger) => ledger.clone(),
+            None => self.ledger.insert(Ledger::open_existing(&settings.ledger).await?).clone(),
+        };
+        let at = match self.position {
+            Some(at) => at,
+            None => {
+                let row = ledger.find_or_add_receiver(self.receiver).await?;
+                (self.position, self.recorded_position) = (Some(row.told_id), (row.told_id, Instant::now()));
+                row.told_id
+            }
+        };
+        let last = ledger.last_event_id().await?;
+        if last > at
+            && let Some(event) = ledger.next_event(at, &event_kinds(&settings.notify.events)).await?
+        {
+            return self.deliver_event(settings, &ledger, &event).await;
+        }
+        self.position = Some(last.max(at));
+        if last > self.recorded_position.0 && self.recorded_position.1.elapsed() >= POSITION_WRITE_INTERVAL {
+            ledger.mark_delivered(self.receiver, last).await?;
+            self.recorded_position = (last, Instant::now());
+        }
+        Ok(DeliveryStep::Idle)
+    }
+
+    /// The receiver is not configured. If it is configured again, it gets only events from then on.
+    async fn forget_receiver(&mut self, settings: &Settings) -> Result<DeliveryStep> {
+        if !self.is_forgotten {
+            forget_receivers(settings, &[self.receiver]).await?;
+            (self.is_forgotten, self.position, self.ledger) = (true, None, None);
+        }
+        Ok(DeliveryStep::Idle)
+    }
+
+    async fn deliver_event(&mut self, settings: &Settings, ledger: &Ledger, event: &EventRow) -> Result<DeliveryStep> {
+        let message = EventMessage::from_event(event, ledger).await?;
+        let (notify, receiver) = (settings.notify.clone(), self.receiver);
+        let within = Duration::from_secs_f64(notify.timeout_secs) + SEND_GRACE;
+        let sending = tokio::task::spawn_blocking(move || send_message(&notify, receiver, &message));
+        let sent = match tokio::time::timeout(within, sending).await {
+            Ok(ended) => ended.context("sending").and_then(|sent| sent),
+            Err(_) => Err(anyhow::anyhow!("it did not answer in time")),
+        };
+        match sent {
+            Ok(()) => {
+                ledger.mark_delivered(receiver, event.id).await?;
+                (self.position, self.recorded_position) = (Some(event.id), (event.id, Instant::now()));
+                if !std::mem::take(&mut self.last_error).is_empty() {
+                    info!("The {receiver} accepts messages again.");
+                }
+                Ok(DeliveryStep::Delivered)
+            }
+            Err(failure) => self.record_failure(settings, ledger, event, format!("{failure:#}")).await,
+        }
+    }
+
+    async fn record_failure(
+        &mut self,
+        settings: &Settings,
+        ledger: &Ledger,
+        event: &EventRow,
+        why: String,
+    ) -> Result<DeliveryStep> {
+        let receiver = self.receiver;
+        if why != self.last_error {
+            warn!("Event {} could not be delivered to the {receiver}; it is retried: {why}.", event.id);
+        }
+        ledger.record_delivery_failure(receiver, &why).await?;
+        let now = Timestamp::now();
+        let keep = SignedDuration::try_from_secs_f64(settings.notify.keep_secs).unwrap_or(SignedDuration::MAX);
+        let mut told = format!("the {receiver}: {why}");
+        if now.duration_since(event.at.0) > keep {
+            let before = now.checked_sub(keep).unwrap_or(Timestamp::UNIX_EPOCH);
+            let dropped = ledger.drop_undelivered(receiver, before, &event_kinds(&settings.notify.events)).await?;
+            warn!("{dropped} messages to the {receiver} were dropped: they are older than notify.keep_secs.");
+            told += &format!("; {dropped} messages were dropped");
+            self.position = None;
+        }
+        let row = ledger.find_or_add_receiver(receiver).await?;
+        let is_long = row.failing_at.is_some_and(|since| now.duration_since(since.0) >= ALERT_AFTER);
+        self.last_error = why;
+        Ok(DeliveryStep::Failed(is_long.then_some(told)))
+    }
+}

@@ -1,0 +1,78 @@
+//! File names in the queue: a build and its sidecars share a stem. Files with dot-names are not published yet.
+
+use super::QueueError;
+
+/// Suffix of a build file.
+pub(super) const BUILD: &str = ".build.3mf";
+/// Suffixes of the sidecars.
+pub(super) const SIDECARS: [&str; 4] = [".report.json", ".parts.csv", ".png", ".stl"];
+/// End of the dot-name of a file that is complete and fsynced.
+pub(super) const STAGED: &str = ".part";
+/// End of the dot-name of a file that is still being written.
+pub(super) const HALF: &str = ".half";
+/// Printers and their file systems need short names.
+const MAX_NAME_BYTES: usize = 100;
+
+/// The stem of the name of a build or sidecar: `<utc>_<profile>_<build-id>`, ASCII, no spaces. `None` = not such a
+/// name.
+pub(super) fn queue_file_stem(name: &str) -> Option<&str> {
+    let stem = name.strip_suffix(BUILD).or_else(|| SIDECARS.iter().find_map(|s| name.strip_suffix(s)))?;
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+    let is_name = !stem.is_empty() && !stem.starts_with('.') && stem.chars().all(is_plain);
+    (is_name && name.len() <= MAX_NAME_BYTES).then_some(stem)
+}
+
+/// The stem of a build's name.
+pub(super) fn build_stem(name: &str) -> Result<&str, QueueError> {
+    queue_file_stem(name).filter(|_| name.ends_with(BUILD)).ok_or_else(|| QueueError::InvalidName(name.to_owned()))
+}
+
+/// The stem of a dot-name that nestd gave. `None` = a file of another program, which nestd must not remove.
+pub(super) fn staged_file_stem(name: &str) -> Option<&str> {
+    let inner = name.strip_prefix('.')?;
+    let inner = inner.strip_suffix(STAGED).or_else(|| inner.strip_suffix(HALF))?;
+    let stem = queue_file_stem(inner)?;
+    let (time, rest) = stem.split_once('_')?;
+    let (profile, id) = rest.rsplit_once('_')?;
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let (day, clock) = time.strip_suffix('Z')?.split_once('T')?;
+    let is_ours = is_number(day) && is_number(clock) && is_number(id) && !profile.is_empty();
+    is_ours.then_some(stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BUILD_NAME: &str = "20261120T044900Z_mjf-5200_000042.build.3mf";
+
+    #[test]
+    fn a_build_and_its_sidecars_share_a_stem() {
+        let expected = Some("20261120T044900Z_mjf-5200_000042");
+        assert_eq!(queue_file_stem(BUILD_NAME), expected);
+        for suffix in SIDECARS {
+            assert_eq!(queue_file_stem(&BUILD_NAME.replace(BUILD, suffix)), expected);
+        }
+    }
+
+    #[test]
+    fn paths_dot_names_and_long_names_are_no_names() {
+        let long = format!("{}.build.3mf", "x".repeat(91));
+        for name in ["", ".build.3mf", "a.3mf", "../a.build.3mf", ".a.build.3mf", "a b.build.3mf", "ä.build.3mf", &long]
+        {
+            assert_eq!(queue_file_stem(name), None, "{name}");
+        }
+        assert!(build_stem("a.png").is_err());
+    }
+
+    #[test]
+    fn only_our_own_dot_names_are_known() {
+        assert!(staged_file_stem(&format!(".{BUILD_NAME}.part")).is_some());
+        assert!(staged_file_stem(".20261120T044900Z_fuse_1_000042.png.half").is_some());
+        for name in
+            [BUILD_NAME, ".nestd-queue", ".DS_Store", ".x.build.3mf.part", ".20261120T044900Z_p_x.build.3mf.part"]
+        {
+            assert_eq!(staged_file_stem(name), None, "{name}");
+        }
+    }
+}

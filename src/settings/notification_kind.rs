@@ -1,0 +1,17 @@
+//! Kinds of events that are sent to receivers.
+
+use serde::{Deserialize, Serialize};
+
+/// A kind of event that can be sent to receivers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NotificationKind {
+    /// A build is in the queue.
+    Published,
+    /// A part or a file was refused.
+    Refused,
+    /// A machine is unavailable, or available again.
+    Unavailable,
+    /// A due date will not be met, or is near and its machine is unavailable or paused.
+    AtRisk,
+}

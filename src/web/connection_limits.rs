@@ -1,0 +1,251 @@
+//! Limits the number of connections to the dashboard and the time that a connection may be silent. The farm needs the
+//! daemon's open files first: a client that connects and sends nothing holds one of them for a few seconds only.
+//! Clients beyond the limit wait in the kernel's backlog.
+
+use std::{
+    io,
+    pin::Pin,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    task::{Context, Poll, ready},
+    time::Duration,
+};
+
+use axum::{
+    body::{Body, to_bytes},
+    extract::{ConnectInfo, Request, connect_info::Connected},
+    http::{Method, StatusCode},
+    middleware::Next,
+    response::{IntoResponse, Response},
+    serve::{IncomingStream, Listener},
+};
+use rustix::process::{Resource, getrlimit};
+use tokio::{
+    io::{AsyncRead, AsyncWrite, ReadBuf},
+    sync::{OwnedSemaphorePermit, Semaphore},
+    time::{Instant, Sleep, sleep},
+};
+
+use super::error::HandlerError;
+
+/// Largest request body, bytes.
+pub(super) const MAX_BODY_BYTES: usize = 4096;
+
+/// Most connections at once, unless the limit of open files allows fewer.
+const MAX_CONNECTIONS: u64 = 128;
+/// Connections take at most one in four of the daemon's open files.
+const OPEN_FILES_DIVISOR: u64 = 4;
+/// Connections that are always allowed: one browser opens up to six at once.
+const MIN_CONNECTIONS: u64 = 8;
+
+/// How long a connection stays open without progress. When all places are taken, a third of these times.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ConnectionTimeouts {
+    /// From the first byte of a request to its last; for the first request, from the connect.
+    pub(super) request: Duration,
+    /// From one piece of a response to the next piece or the next request. The change stream sends something every 15
+    /// s.
+    pub(super) idle: Duration,
+}
+
+impl ConnectionTimeouts {
+    pub(super) const DEFAULT: Self = Self { request: Duration::from_secs(10), idle: Duration::from_secs(60) };
+}
+
+/// A listener that accepts a limited number of connections at once.
+#[derive(Debug)]
+pub(super) struct LimitedListener<L> {
+    listener: L,
+    permits: Arc<Semaphore>,
+    timeouts: ConnectionTimeouts,
+}
+
+impl<L> LimitedListener<L> {
+    /// Allows as many connections as the limit of open files permits.
+    pub(super) fn with_default_limits(listener: L) -> Self {
+        let files = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);
+        Self::new(
+            listener,
+            (files / OPEN_FILES_DIVISOR).clamp(MIN_CONNECTIONS, MAX_CONNECTIONS) as usize,
+            ConnectionTimeouts::DEFAULT,
+        )
+    }
+
+    pub(super) fn new(listener: L, most: usize, patience: ConnectionTimeouts) -> Self {
+        Self { listener, permits: Arc::new(Semaphore::new(most)), timeouts: patience }
+    }
+}
+
+impl<L: Listener> Listener for LimitedListener<L> {
+    type Io = LimitedConnection<L::Io>;
+    type Addr = L::Addr;
+
+    async fn accept(&mut self) -> (Self::Io, Self::Addr) {
+        let place = self.permits.clone().acquire_owned().await.expect("the semaphore is never closed");
+        let (stream, address) = self.listener.accept().await;
+        let mut visit = LimitedConnection {
+            stream,
+            deadline: Box::pin(sleep(self.timeouts.request)),
+            timeouts: self.timeouts,
+            is_receiving: true,
+            in_progress: RequestInProgress::default(),
+            permits: self.permits.clone(),
+            _permit: place,
+        };
+        visit.restart_timeout(self.timeouts.request);
+        (visit, address)
+    }
+
+    fn local_addr(&self) -> io::Result<Self::Addr> {
+        self.listener.local_addr()
+    }
+}
+
+/// Whether a complete request of a connection is being answered. Until the response is ready the connection does not
+/// time out: the client waits for us.
+#[derive(Debug, Clone, Default)]
+pub(super) struct RequestInProgress(Arc<AtomicBool>);
+
+impl<L: Listener> Connected<IncomingStream<'_, LimitedListener<L>>> for RequestInProgress {
+    fn connect_info(stream: IncomingStream<'_, LimitedListener<L>>) -> Self {
+        stream.io().in_progress.clone()
+    }
+}
+
+/// Marks a request as in progress until the guard is dropped.
+struct InProgressGuard(RequestInProgress);
+
+impl InProgressGuard {
+    fn new(answering: RequestInProgress) -> Self {
+        answering.0.store(true, Ordering::Relaxed);
+        Self(answering)
+    }
+}
+
+impl Drop for InProgressGuard {
+    fn drop(&mut self) {
+        self.0.0.store(false, Ordering::Relaxed);
+    }
+}
+
+/// Receives the whole request while the timeout of its connection runs, then answers it without that timeout.
+pub(super) async fn buffer_then_answer(mut request: Request, next: Next) -> Response {
+    if !matches!(*request.method(), Method::GET | Method::HEAD) {
+        let (head, body) = request.into_parts();
+        let Ok(body) = to_bytes(body, MAX_BODY_BYTES).await else {
+            let text = "the form is too long, or did not arrive as a whole".to_owned();
+            return HandlerError::Refused(StatusCode::PAYLOAD_TOO_LARGE, text).into_response();
+        };
+        request = Request::from_parts(head, Body::from(body));
+    }
+    let answering = request.extensions().get::<ConnectInfo<RequestInProgress>>().map(|info| info.0.clone());
+    let _at_work = answering.map(InProgressGuard::new);
+    next.run(request).await
+}
+
+/// A connection that holds a place, and fails with `TimedOut` when it makes no progress for too long.
+#[derive(Debug)]
+pub(super) struct LimitedConnection<S> {
+    stream: S,
+    deadline: Pin<Box<Sleep>>,
+    timeouts: ConnectionTimeouts,
+    /// A request has begun and no response byte was sent since. Further request bytes do not restart the timeout, so
+    /// that a client cannot send a request byte by byte.
+    is_receiving: bool,
+    in_progress: RequestInProgress,
+    permits: Arc<Semaphore>,
+    _permit: OwnedSemaphorePermit,
+}
+
+impl<S> LimitedConnection<S> {
+    fn restart_timeout(&mut self, patience: Duration) {
+        let is_full = self.permits.available_permits() == 0;
+        let patience = if is_full { patience / 3 } else { patience };
+        self.deadline.as_mut().reset(Instant::now() + patience);
+    }
+
+    fn note_read(&mut self) {
+        if !self.is_receiving {
+            self.is_receiving = true;
+            self.restart_timeout(self.timeouts.request);
+        }
+    }
+
+    fn note_written(&mut self) {
+        self.is_receiving = false;
+        self.restart_timeout(self.timeouts.idle);
+    }
+
+    /// Ready when the connection made no progress for too long.
+    fn poll_timeout(&mut self, context: &mut Context<'_>) -> Poll<io::Error> {
+        loop {
+            ready!(self.deadline.as_mut().poll(context));
+            if !self.in_progress.0.load(Ordering::Relaxed) {
+                return Poll::Ready(io::ErrorKind::TimedOut.into());
+            }
+            self.restart_timeout(self.timeouts.request);
+        }
+    }
+}
+
+impl<S: AsyncRead + Unpin> AsyncRead for LimitedConnection<S> {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        match Pin::new(&mut self.stream).poll_read(context, buffer) {
+            Poll::Ready(read) => {
+                self.note_read();
+                Poll::Ready(read)
+            }
+            Poll::Pending => self.poll_timeout(context).map(Err),
+        }
+    }
+}
+
+impl<S: AsyncWrite + Unpin> LimitedConnection<S> {
+    fn finish_write<T>(&mut self, written: Poll<io::Result<T>>, context: &mut Context<'_>) -> Poll<io::Result<T>> {
+        match written {
+            Poll::Ready(written) => {
+                self.note_written();
+                Poll::Ready(written)
+            }
+            Poll::Pending => self.poll_timeout(context).map(Err),
+        }
+    }
+}
+
+impl<S: AsyncWrite + Unpin> AsyncWrite for LimitedConnection<S> {
+    fn poll_write(mut self: Pin<&mut Self>, context: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write(context, bytes);
+        self.finish_write(written, context)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        slices: &[io::IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
+        let written = Pin::new(&mut self.stream).poll_write_vectored(context, slices);
+        self.finish_write(written, context)
+    }
+
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(context)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(context)
+    }
+}
+
+#[cfg(test)]
+#[path = "connection_limits_tests.rs"]
+mod tests;

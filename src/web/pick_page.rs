@@ -1,0 +1,73 @@
+//! The pick map of a build as a page, and as a list for programs.
+
+use std::sync::Arc;
+
+use axum::{
+    Json,
+    extract::{Path, State},
+};
+use maud::{Markup, html};
+
+use super::{
+    cached_render::{CacheLocation, find_build, layout_version, render_cached},
+    error::HandlerResult,
+    format::{count, format_time_utc},
+    page::html_page,
+    pick_map::{CachedPickMap, PICTURE_ALT_TEXT},
+    state::DashboardState,
+};
+use crate::{
+    farm::CakeContents,
+    ledger::{BuildRow, BuildState},
+    settings::MachineProfile,
+    tables::{PickList, fields},
+};
+
+/// Maps in the cache; about 100 kB each.
+pub(super) const CACHED_MAPS: usize = 8;
+
+/// The page of the pick map.
+pub(super) async fn show_pick_map(
+    State(web): State<Arc<DashboardState>>,
+    Path(number_of_build): Path<i64>,
+) -> HandlerResult<Markup> {
+    let (build, profile) = find_build(&web, number_of_build).await?;
+    let title = format!("Pick map of build {}", build.id);
+    let CachedPickMap { copies, sheets, .. } = cached_map(&web, &build, &profile).await?;
+    let content = html! {
+        h1 { (title) }
+        p { (build.profile) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
+            @if let Some(at) = build.times.published_at { " " (format_time_utc(at)) }
+            @if let Some(file) = &build.staged.file_name { ": " (file) } "." }
+        @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
+            p.warn { "A forecast: what stands where changes until the build is published. Not for breaking out." }
+        }
+        @if copies > 0 {
+            img.cake alt=(PICTURE_ALT_TEXT) width="640" height="480" src=(format!("/builds/{}/picture", build.id));
+        }
+        (sheets)
+    };
+    Ok(html_page(&title, "", None, &content))
+}
+
+/// The copies in removal order, for programs.
+pub(super) async fn get_pick_list(
+    State(web): State<Arc<DashboardState>>,
+    Path(number_of_build): Path<i64>,
+) -> HandlerResult<Json<Arc<PickList>>> {
+    let (build, profile) = find_build(&web, number_of_build).await?;
+    Ok(Json(cached_map(&web, &build, &profile).await?.list))
+}
+
+async fn cached_map(
+    web: &Arc<DashboardState>,
+    build: &BuildRow,
+    profile: &MachineProfile,
+) -> HandlerResult<CachedPickMap> {
+    let kept = CacheLocation { cache: |web| &web.caches.picks, key: layout_version(build) };
+    let number_of_build = build.id.0;
+    render_cached(web, build, profile, kept, move |cake: &CakeContents| {
+        Ok(CachedPickMap::from_cake(cake, number_of_build))
+    })
+    .await
+}

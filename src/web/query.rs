@@ -1,0 +1,23 @@
+//! Query strings of addresses: writing and reading them.
+
+use axum::http::StatusCode;
+use serde::{Serialize, de::DeserializeOwned};
+
+use super::error::{HandlerError, HandlerResult};
+
+/// Writes the query string of an address.
+pub(super) fn query_string(asked: &impl Serialize) -> HandlerResult<String> {
+    Ok(serde_urlencoded::to_string(asked).map_err(anyhow::Error::from)?)
+}
+
+/// Parses a field of a query; `None` when the field is empty. `what` says in the error what was expected.
+pub(super) fn parse_field<T: DeserializeOwned>(text: &str, what: &str) -> HandlerResult<Option<T>> {
+    let value = || text.parse::<i64>().map_or_else(|_| text.into(), serde_json::Value::from);
+    match text {
+        "" => Ok(None),
+        _ => match serde_json::from_value(value()) {
+            Ok(value) => Ok(Some(value)),
+            Err(_) => Err(HandlerError::Refused(StatusCode::BAD_REQUEST, format!("'{text}' is not {what}"))),
+        },
+    }
+}

@@ -1,5 +1,5 @@
-//! Aligned text tables, and the functions that print to the terminal. Without colours, so that a pipe gets what a
-//! person sees.
+//! Aligned text tables, and the functions that print to the terminal. The output has no colours, so that a pipe
+//! receives the same text as a person.
 
 use std::{
     fmt,
@@ -11,7 +11,7 @@ use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
 use crate::tables::{FieldDefinition, TableColumn, for_people};
 
-/// A table; numbers stand to the right.
+/// A text table. Numbers are aligned to the right.
 #[derive(Debug, Clone)]
 pub struct TextTable {
     headings: Vec<TableHead>,
@@ -32,7 +32,7 @@ impl TableHead {
 }
 
 impl TextTable {
-    /// Rows in the columns that people see.
+    /// Creates a table of rows with the columns that people see.
     pub fn of<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> Self {
         let cell = |column: &TableColumn<Row>, row: &Row| {
             escape_invisible(&column.field.cell_text(&(column.value)(row)).unwrap_or_else(|| "-".to_owned()))
@@ -43,12 +43,12 @@ impl TextTable {
         }
     }
 
-    /// Whether there is no row.
+    /// Whether the table has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
 
-    /// The table if it fits `columns` terminal columns; else each row as a list of its headings and cells.
+    /// The table if it fits into `columns` terminal columns; otherwise each row as a list of its headings and cells.
     pub fn fit_columns(&self, columns: usize) -> String {
         let table = self.to_string();
         if self.is_empty() || table.lines().all(|line| line.chars().count() <= columns) {
@@ -57,7 +57,8 @@ impl TextTable {
         self.rows.iter().map(|row| self.row_as_list(row, columns)).collect()
     }
 
-    /// A row as "PART: 3  PROFILE: mjf": as many pairs in a line as fit, the lines after the first indented.
+    /// A row as "PART: 3  PROFILE: mjf". Each line contains as many pairs as fit; all lines but the first are
+    /// indented.
     fn row_as_list(&self, row: &[String], columns: usize) -> String {
         let mut lines: Vec<String> = Vec::new();
         for (head, cell) in self.headings.iter().zip(row) {
@@ -109,12 +110,12 @@ pub fn print_text(text: &str) -> Result<()> {
     }
 }
 
-/// Prints as JSON.
+/// Prints a value as JSON.
 pub fn print_json(value: &impl serde::Serialize) -> Result<()> {
     print_text(&escaped_json(&serde_json::to_string_pretty(value)?))
 }
 
-/// Prints to standard error.
+/// Prints a line to standard error.
 pub fn print_to_stderr(text: &str) {
     eprintln!("nestd: {}", escape_invisible_lines(text));
 }
@@ -140,7 +141,7 @@ mod tests {
     use super::*;
     use crate::tables::fields;
 
-    /// (name, waiting copies, what is next, what it does now)
+    /// (name, waiting copies, next build, current activity)
     type Sample = (&'static str, u32, &'static str, &'static str);
 
     const COLUMNS: &[TableColumn<Sample>] = &[

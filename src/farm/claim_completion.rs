@@ -42,9 +42,9 @@ pub(super) enum ClaimOutcome {
     OriginalReleased,
     /// Nothing is left to do.
     Done,
-    /// Its file is back in the hot folder; what was stored of it under this hash may not be needed.
+    /// Its file is back in the hot folder. The stored file with this hash may not be needed any more.
     GivenBack(String),
-    /// The claim is in the hot folder, but the scan that lists it was not taken in yet: it is completed after that.
+    /// The claim is in the hot folder, but the scan that lists it was not processed yet. It is completed after that.
     NotListedYet,
 }
 
@@ -52,12 +52,12 @@ impl RefusedPart {
     fn move_to_error_folder(&self) -> Result<ClaimOutcome> {
         self.holds.check_error_folder()?;
         if let Some(claim) = &self.claim {
-            // For who takes it back.
+            // The stored file is needed if somebody takes the part back.
             claim.ensure_stored(&self.meshes.store, &self.part.file.content_hash)?;
             intake::refuse_claim(&claim.claim, &self.error_dir, &self.text)?;
             return Ok(ClaimOutcome::Done);
         }
-        // A claim that is not listed yet brings its original itself.
+        // The original of a claim that is not listed yet is moved once the claim is listed.
         if intake::claim_dir(&self.inbox, &self.part.file.claim).exists() {
             return Ok(ClaimOutcome::NotListedYet);
         }
@@ -65,8 +65,8 @@ impl RefusedPart {
         self.copy_to_error_folder().map(|()| ClaimOutcome::Done)
     }
 
-    /// The original was released when the part began to wait: copies the stored file into the error folder. Repeating
-    /// this changes nothing.
+    /// Copies the stored file into the error folder, because the original was released when the part began to wait.
+    /// Repeating this changes nothing.
     fn copy_to_error_folder(&self) -> Result<()> {
         self.holds.check_error_folder()?;
         let (row, error_dir, text) = (&self.part, &self.error_dir, &self.text);
@@ -88,7 +88,7 @@ impl RefusedPart {
     }
 }
 
-/// Puts a claimed file where it belongs.
+/// Completes a claim: moves or releases its file.
 #[derive(Clone)]
 pub(super) struct ClaimCompletionJob {
     claim: String,
@@ -119,7 +119,7 @@ impl ClaimCompletionJob {
     }
 }
 
-/// Copies the original of a waiting part that is refused.
+/// Copies the stored file of a waiting part that is refused into the error folder.
 #[derive(Clone)]
 pub(super) struct RefusedCopyJob {
     part: PartId,
@@ -147,8 +147,8 @@ impl BackgroundJob<Farm> for RefusedCopyJob {
 }
 
 impl Farm {
-    /// claimed -> rejected, then the file is moved into the error folder. After a crash in between, `record` finishes
-    /// this.
+    /// Changes a part from claimed to rejected, then moves the file into the error folder. After a crash in between,
+    /// `record_claimed_file` finishes this.
     pub(super) async fn refuse_part(&mut self, part: &PartRow, cause: RefusalCause, reason: &str) -> Result<()> {
         warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
         self.ledger.reject_claim(part.id, cause, reason).await?;
@@ -171,12 +171,12 @@ impl Farm {
         match part.state {
             PartState::Claimed => {}
             PartState::Rejected => self.move_to_error_folder(part, part.refusal, &part.reason),
-            // The part was read: only its original is left to release.
+            // The part was read: only its original must still be released.
             _ => self.release_claim(part),
         }
     }
 
-    /// Whether a job still puts a part's file where it belongs, or takes it out of the store.
+    /// Whether a job still completes the claim of a part, copies its refused file, or removes its stored file.
     pub(super) fn is_completing(&self, part: &PartRow) -> bool {
         self.jobs.is_running::<ClaimCompletionJob>(&part.file.claim)
             || self.completion.deferred_refusals.contains_key(&part.id)
@@ -203,7 +203,8 @@ impl Farm {
         self.start_completion(ClaimCompletionJob::of(part), move || refused.move_to_error_folder());
     }
 
-    /// Another farm has the file: copies it into the error folder if the store has it and the folder is ours.
+    /// Another farm has the file: copies it into the error folder if the store has it and this farm has the folder's
+    /// lease.
     pub(super) fn copy_given_up_part(&mut self, part: &PartRow, reason: &str) {
         let Some(refused) = self.refused_part(part, Some(RefusalCause::Cancelled), reason) else { return };
         let id = part.id;
@@ -226,7 +227,7 @@ impl Farm {
                     let file = path.display();
                     warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
                 }
-                // The part is given up at the next lease renewal, and no build takes it before.
+                // The part is given up at the next lease renewal. No build takes it before that.
                 ReleaseOutcome::TakenOver => return Ok(ClaimOutcome::Done),
                 ReleaseOutcome::Removed => {}
             }
@@ -234,8 +235,8 @@ impl Farm {
         });
     }
 
-    /// Puts a claimed file back into the hot folder: it was written to after its row was committed, and then nestd crashed, so
-    /// that it is a new revision.
+    /// Puts a claimed file back into the hot folder. Somebody wrote to it after its row was committed, and then nestd
+    /// crashed: the file is a new revision.
     pub(super) fn give_back(&mut self, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
         let (end, store) = (ClaimCompletionJob::of_claim(profile, claim), self.meshes.store.clone());
         let (claim, hash) = (claim.clone(), stored.hash.clone());
@@ -246,7 +247,7 @@ impl Farm {
         });
     }
 
-    /// Lets a claim go that brought a damaged file again, and is no order of its own.
+    /// Releases a claim that replaced a damaged stored file. Such a claim does not order new copies.
     pub(super) fn let_replacement_go(&mut self, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
         let (claim, hash) = (claim.clone(), stored.hash.clone());
         self.start_completion(ClaimCompletionJob::of_claim(profile, &claim), move || {
@@ -263,7 +264,8 @@ impl Farm {
         self.jobs.start(end, work);
     }
 
-    /// Takes in a completed claim. A claim that failed, or was listed while it was being completed, is retried.
+    /// Processes the outcome of a claim completion. A completion that failed, or whose claim was not listed yet, is
+    /// retried.
     async fn on_claim_completed(&mut self, of: &ClaimCompletionJob, ended: Result<ClaimOutcome>) -> Result<()> {
         match ended {
             Ok(ClaimOutcome::NotListedYet) => {}
@@ -280,7 +282,7 @@ impl Farm {
                 if let (false, Some(station)) =
                     (self.completion.claims.contains_key(&of.claim), self.machines.get_mut(&of.profile))
                 {
-                    // Nobody remembers it but its folder: the next look finds it there.
+                    // The claim is known only by its folder: the next scan lists it.
                     station.inbox.relist = true;
                 }
             }
@@ -288,8 +290,8 @@ impl Farm {
         Ok(())
     }
 
-    /// waiting -> rejected, once a copy of the original is in the error folder. After a crash in between, the command
-    /// or the search asks again.
+    /// Changes a part from waiting to rejected once a copy of the original is in the error folder. After a crash in
+    /// between, the command or the search requests this again.
     pub(super) fn start_refusal(
         &mut self,
         part: PartRow,
@@ -305,7 +307,7 @@ impl Farm {
         self.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_to_error_folder());
     }
 
-    /// The original of a waiting part was copied into the error folder, or the copy failed.
+    /// Processes the outcome of copying the original of a waiting part into the error folder.
     async fn on_refused_copied(&mut self, id: PartId, copied: Result<()>) -> Result<()> {
         if let Err(failure) = copied {
             self.on_copy_failed(id, &failure);
@@ -332,7 +334,7 @@ impl Farm {
         Ok(())
     }
 
-    /// The command stays open, or a search tries the part once more.
+    /// Keeps the command open. If no command asked for the refusal, a search tries the part once more.
     fn on_copy_failed(&mut self, id: PartId, failure: &anyhow::Error) {
         let Some(DeferredRefusal { part, command, .. }) = self.completion.deferred_refusals.remove(&id) else { return };
         if let Some(command) = command {

@@ -1,4 +1,4 @@
-//! The same file dropped again: more copies, or another size because of another unit.
+//! Checks files that were dropped before. Such a file orders more copies, or has another size because of another unit.
 
 use anyhow::Result;
 
@@ -8,19 +8,19 @@ use crate::{
     settings::DuplicatePolicy,
 };
 
-/// What follows from an earlier part of the same bytes.
+/// The consequence of an earlier part with the same bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum TwinVerdict {
-    /// Nothing.
+    /// No consequence.
     None,
-    /// It is taken, and people are told.
+    /// The part is accepted with this warning.
     Warn(String),
-    /// It is refused, in whole sentences.
+    /// The part is refused. The reason is in whole sentences.
     Refuse(String),
 }
 
 impl TwinVerdict {
-    /// What follows for a part that was read, by what its profile says of files that come twice.
+    /// The consequence for a part that was read, according to the duplicate policy of its profile.
     fn of(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow, duplicates: DuplicatePolicy) -> Self {
         if is_in_another_unit(part, solids, earlier) {
             return Self::Warn(format!(
@@ -41,7 +41,7 @@ impl TwinVerdict {
 }
 
 impl Farm {
-    /// What follows from an earlier part of the same bytes, if there is one.
+    /// The consequence of an earlier part with the same bytes, if there is one.
     pub(super) async fn verdict_on_twins(&self, part: &PartRow, solids: &[SolidFacts]) -> Result<TwinVerdict> {
         let Some(station) = self.machines.get(&part.profile) else { return Ok(TwinVerdict::None) };
         let Some(earlier) = self.ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await?
@@ -55,12 +55,12 @@ impl Farm {
     }
 }
 
-/// Whether the same bytes give another size than they gave before, for the unit that a ticket or the profile says.
+/// Whether the same bytes now have another size, because the ticket or the profile specifies another unit.
 fn is_in_another_unit(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow) -> bool {
     let now = solids.iter().find(|solid| solid.object_index == earlier.solid.object_index).map(|solid| solid.size_mm);
     match (earlier.size_mm(), now) {
         (Some(then), Some(now)) => then.iter().zip(now).any(|(then, now)| (then - now).abs() > 1e-6 * now),
-        // Not read yet: what the tickets say is all that is known.
+        // The size is not known yet: compare the units of the tickets.
         _ => earlier.terms.unit != part.terms.unit,
     }
 }

@@ -1,6 +1,6 @@
-//! What the store forgets: files that no part needs any more, and notes of claims that are printed. A job removes them, for a
-//! stored file may be large and a disk slow. Whether a file is needed is asked right before it starts, and until it has ended no
-//! part with the same bytes is recorded or taken back.
+//! Removes data from the store: files that no part needs any more, and claim notes of printed claims. A job removes
+//! them, because a stored file may be large and a disk slow. Right before the job starts, the farm checks whether each
+//! file is needed. Until the job has ended, no part with the same bytes is recorded or taken back.
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::intake::StoreError;
 
-/// Removing what the store does not need.
+/// Removes the files and claim notes that the store does not need.
 #[derive(Clone)]
 pub(super) struct ForgetJob;
 
@@ -34,14 +34,14 @@ impl BackgroundJob<Farm> for ForgetJob {
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        // The next tidying finds them again.
+        // The next cleanup finds them again.
         farm.completion.forgetting.end();
     }
 }
 
 impl Farm {
-    /// Removes these from the store where nobody needs them, with what was wanted before; what cannot be removed is found again
-    /// by a later tidying.
+    /// Removes these from the store if no part needs them, together with earlier requests. A later cleanup finds those
+    /// again that cannot be removed now.
     pub(super) async fn forget(&mut self, unneeded: impl IntoIterator<Item = Forgettable>) -> Result<()> {
         self.completion.forgetting.want(unneeded);
         if self.jobs.is_running::<ForgetJob>("") {
@@ -64,7 +64,7 @@ impl Farm {
         self.meshes.mesh_cache.retain(|key| !forgetting.is_under_way(&key.content_hash));
         let store = self.meshes.store.clone();
         self.jobs.start(ForgetJob, move || {
-            // One that cannot be removed keeps no other.
+            // If one cannot be removed, the others are still removed.
             let removed = work.iter().map(|one| one.remove_from(&store)).collect::<Vec<_>>();
             Ok(removed.into_iter().collect::<Result<(), StoreError>>()?)
         });
@@ -80,7 +80,7 @@ impl Farm {
         self.forget([]).await
     }
 
-    /// Whether a stored file is needed: by a live part, or by a refused one that may still be taken back.
+    /// Whether a stored file is needed by a live part, or by a refused part that may still be taken back.
     pub(super) async fn is_content_needed(&self, content_hash: &str) -> Result<bool> {
         let since = self.date().checked_sub(SignedDuration::from_secs_f64(KEEP_REFUSED_SECS));
         Ok(self.ledger.is_hash_in_use(content_hash, since.unwrap_or(Timestamp::UNIX_EPOCH)).await?)

@@ -1,4 +1,4 @@
-//! What the store does not need any more, and what of it is being removed now.
+//! Data that the store does not need any more, and the files that are being removed now.
 
 use std::collections::BTreeSet;
 
@@ -13,22 +13,22 @@ pub(super) const KEEP_REFUSED_SECS: f64 = RETRY_PERIOD.as_secs() as f64;
 /// Something in the store that is not needed any more.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Forgettable {
-    /// A stored file with the notes beside it, by its hash.
+    /// A stored file, given by its hash, with the claim notes beside it.
     StoredFile(String),
-    /// The note of a claim beside a file that is kept for another one.
+    /// A claim note beside a stored file that another claim still needs.
     ClaimNote {
         /// Hash of the file.
         hash: String,
-        /// Whose note.
+        /// Name of the claim.
         claim: String,
     },
 }
 
 impl Forgettable {
-    /// Removes it; that it is not there is no error.
+    /// Removes it. It is no error if it does not exist.
     ///
     /// # Errors
-    /// The disk does not let it.
+    /// The file system reports an error.
     pub(super) fn remove_from(&self, store: &ContentStore) -> Result<(), StoreError> {
         match self {
             Self::StoredFile(hash) => store.remove_content(hash),
@@ -37,7 +37,7 @@ impl Forgettable {
     }
 }
 
-/// What is to be removed from the store, and what a job removes now.
+/// The data to remove from the store, and the files that a job removes now.
 #[derive(Debug, Default)]
 pub(super) struct ForgettingState {
     wanted: BTreeSet<Forgettable>,
@@ -50,24 +50,24 @@ impl ForgettingState {
         self.under_way.contains(hash)
     }
 
-    /// Adds to what is to be removed.
+    /// Adds data to be removed.
     pub(super) fn want(&mut self, unneeded: impl IntoIterator<Item = Forgettable>) {
         self.wanted.extend(unneeded);
     }
 
-    /// All that is to be removed.
+    /// Takes all data to be removed.
     pub(super) fn take_wanted(&mut self) -> BTreeSet<Forgettable> {
         std::mem::take(&mut self.wanted)
     }
 
-    /// It is being removed now.
+    /// Records that a job removes it now.
     pub(super) fn begin(&mut self, one: &Forgettable) {
         if let Forgettable::StoredFile(hash) = one {
             self.under_way.insert(hash.clone());
         }
     }
 
-    /// Nothing is being removed any more.
+    /// Records that no job removes anything any more.
     pub(super) fn end(&mut self) {
         self.under_way.clear();
     }

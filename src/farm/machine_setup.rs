@@ -1,4 +1,4 @@
-//! Machines and settings: which machines are at work, and what changes when the configuration is read again.
+//! Sets up the machines from the settings, and applies changes when the configuration is read again.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::{alert::AlertKind, disk_cache::DiskPreparationCache, farm::Farm, mach
 use crate::settings::Settings;
 
 impl Farm {
-    /// Makes stations agree with the settings.
+    /// Creates, replaces and removes machine states to match the settings.
     pub(super) async fn set_up_machines(&mut self) -> Result<()> {
         self.meshes.limits = self.settings.limits.clone();
         if !self.meshes.preparation_cache.as_ref().is_some_and(|cache| cache.is_of(&self.settings)) {
@@ -34,7 +34,8 @@ impl Farm {
                     (station.agreed_folders, station.may_take) = (None, false)
                 }
                 Some(station) => {
-                    // Another volume or clearance makes the layout useless; another hot folder needs another scanner.
+                    // A new volume or clearance makes the layout invalid. A new hot folder needs a new hot folder
+                    // scanner.
                     let row = self.ledger.open_build(&name).await?;
                     let mut fresh = MachineState::new(
                         Arc::new(profile),

@@ -1,5 +1,5 @@
-//! A machine profile at work: its scanner, its printer queue, and its open build, whose layout is updated as parts
-//! arrive.
+//! The state of an active machine profile: its hot folder scanner, its printer queue, and its open build. The layout of
+//! the open build is updated as parts arrive.
 
 use std::{
     collections::BTreeSet,
@@ -29,34 +29,34 @@ use crate::{
 
 /// Wait after a failed search or scan.
 const RETRY_AFTER: Duration = Duration::from_secs(15);
-/// Arrivals within this time share one search, so that a folder of parts dropped at once is nested at once.
+/// Arrivals within this time share one search, so that parts dropped together are nested together.
 const ARRIVALS_SETTLE: Duration = Duration::from_millis(700);
 
-/// The hot folder of a profile at work.
+/// The hot folder of an active profile.
 #[derive(Debug)]
 pub struct InboxState {
-    /// Its memory; away while a job looks through it.
+    /// The hot folder scanner; `None` while a job scans the folder with it.
     pub gate: Option<Box<HotFolderScanner>>,
     /// When the next scan is due.
     pub look_at: Instant,
-    /// When it was last looked through in this run.
+    /// When this run last scanned it.
     pub scanned_at: Option<UtcTimestamp>,
-    /// Refused files that lie in the error folder.
+    /// Number of refused files in the error folder.
     pub refused_kept: usize,
-    /// What lies in `.claimed/` is to be listed anew: claims were adopted, or one could not be ended.
+    /// `.claimed/` must be listed again: claims were adopted, or a claim could not be completed.
     pub relist: bool,
 }
 
-/// The printer queue folder of a profile at work.
+/// The printer queue folder of an active profile.
 #[derive(Debug)]
 pub struct MachineQueue {
-    /// Once it could be opened.
+    /// The open folder; `None` until it could be opened.
     pub opened: Option<QueueFolder>,
-    /// One that could not be opened is not tried again before this.
+    /// A folder that could not be opened is not tried again before this time.
     pub open_at: Instant,
 }
 
-/// The state of a machine profile at work.
+/// The state of an active machine profile.
 #[derive(Debug)]
 pub struct MachineState {
     /// The machine.
@@ -65,10 +65,10 @@ pub struct MachineState {
     pub inbox: InboxState,
     /// The leases on its folders.
     pub leases: FolderLeases,
-    /// Its archive and queue when the ledger last agreed with them; `None` = nothing is printed.
+    /// Identities of its archive and queue when they last agreed with the ledger; `None` = nothing is printed.
     pub agreed_folders: Option<FolderIdentities>,
-    /// Whether files are claimed and read: only after its folders were compared with the ledger, and not while they
-    /// hold something that the ledger does not know. Unavailable folders only hold up printing.
+    /// Whether files are claimed and read. This starts after its folders were compared with the ledger, and stops while
+    /// they contain something that the ledger does not know. Unavailable folders delay only printing.
     pub may_take: bool,
     /// Its printer queue folder.
     pub queue: MachineQueue,
@@ -76,12 +76,12 @@ pub struct MachineState {
     pub open: OpenBuildState,
     /// Flush commands that have not been carried out.
     pub pending_flushes: Vec<CommandId>,
-    /// Whether all waiting copies are nested as well as they will be: only changes of the ledger or the time bring new
+    /// Whether the search for all waiting copies is done: only a change of the ledger or the passing of time brings new
     /// work.
     pub is_idle: bool,
-    /// Not batched again before this time.
+    /// No batch starts before this time.
     pub next_batch_at: Instant,
-    /// Whether an operator has paused it.
+    /// Whether an operator has paused the machine.
     pub paused: bool,
     /// Contents of `STATUS.txt` and `status.json`.
     pub status: (String, serde_json::Value),
@@ -113,9 +113,9 @@ pub struct OpenBuildState {
     pub rounds: u64,
     /// The waiting copies at their last change, and the time of that change.
     waiting_since: Option<(BTreeSet<CopyId>, Instant)>,
-    /// Maximum number of copies tried together, after a search of more of them placed nothing; `None` = no limit.
+    /// Maximum number of copies tried together, after a search with more copies placed nothing; `None` = no limit.
     max_copies: Option<usize>,
-    /// No search starts before this time, after one failed.
+    /// After a failed search, no search starts before this time.
     retry_at: Option<Instant>,
 }
 
@@ -157,7 +157,7 @@ impl MachineState {
 }
 
 impl MachineState {
-    /// The files for its hot folder, including alerts; empty until the ledger was queried.
+    /// The status files for its hot folder, including alerts; empty until the ledger was queried.
     pub fn status_files(&self, notices: &AlertRegistry, scan_secs: f64) -> (String, String) {
         let (text, json) = &self.status;
         if json.is_null() {
@@ -174,7 +174,7 @@ impl MachineState {
 }
 
 impl MachineState {
-    /// What a trigger looks at: the parts that wait, the copies of them that are tried together, and the open build.
+    /// The facts for the triggers, from the waiting parts, the copies that are tried together, and the open build.
     pub fn trigger_facts(
         &self,
         waiting: &[WaitingPart],
@@ -198,8 +198,9 @@ impl MachineState {
 }
 
 impl OpenBuildState {
-    /// The copies that a build takes, and the layout that its final search goes on from. A full build takes what was tried and
-    /// stands; any other takes all that waits, and what finds no place after the final search goes back to the head of the line.
+    /// The copies that a build takes, and the layout that its final search continues from. A full build takes the
+    /// copies that the layout has placed. Any other build takes all copies in `wanted`. Copies without a place after
+    /// the final search return to the head of the queue.
     pub fn taken_by(&self, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> (Vec<CopyId>, BatchLayout) {
         let copies: Vec<CopyId> = match by {
             FireTrigger::Full => self.layout.placed.iter().map(|p| p.copy).collect(),
@@ -215,8 +216,8 @@ impl OpenBuildState {
         self.search.is_none() && self.tried == *wanted
     }
 
-    /// Whether a search for exactly these copies should start now: they are not covered, have not changed for a moment,
-    /// and no search runs. Cancels a search for other copies.
+    /// Whether a search for exactly these copies should start now: they are not covered, the set has not changed for a
+    /// moment, and no search runs. Cancels a search for other copies.
     pub fn wants_search(&mut self, wanted: &BTreeSet<CopyId>, now: Instant) -> bool {
         let since = match &self.waiting_since {
             Some((seen, since)) if seen == wanted => *since,
@@ -241,7 +242,7 @@ impl OpenBuildState {
         self.retry_at = Some(now + RETRY_AFTER);
     }
 
-    /// Takes in the result of a search.
+    /// Records the result of a search.
     pub fn take_search_result(&mut self, round: u64, layout: Option<BatchLayout>, now: Instant) {
         if self.search.as_ref().is_none_or(|s| s.round != round) {
             return;
@@ -257,8 +258,8 @@ impl OpenBuildState {
         }
     }
 
-    /// The placements to continue from: those of the running search if it has found some, otherwise those of the last
-    /// layout.
+    /// The placements to continue from: those of the running search if it has found a layout, otherwise those of the
+    /// last layout.
     pub fn best_placements(&self) -> Vec<LayoutPlacement> {
         let running = self.search.as_ref().and_then(|search| {
             search.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|l| l.placed.clone())
@@ -266,19 +267,19 @@ impl OpenBuildState {
         running.unwrap_or_else(|| self.layout.placed.clone())
     }
 
-    /// The head of the queue that is tried together.
+    /// The parts at the head of the queue that are tried together.
     pub fn truncate_queue(&self, waiting: &[WaitingPart], profile: &MachineProfile) -> Vec<WaitingPart> {
         truncate_to_volume(waiting, profile, self.max_copies.unwrap_or(usize::MAX))
     }
 
-    /// A search of `copies` placed nothing: half of them are tried next. `true` = it was one copy alone, which fits
-    /// nowhere.
+    /// A search of this number of copies placed nothing: half of them are tried next. `true` = it was a single copy,
+    /// which does not fit at all.
     pub fn halve_after_empty_search(&mut self, copies: usize) -> bool {
         self.max_copies = (copies > 1).then_some(copies / 2);
         copies == 1
     }
 
-    /// Resets everything: its copies are in a build now, or nothing waits any more.
+    /// Resets everything: the copies are in a build now, or no part waits any more.
     pub fn reset(&mut self) {
         if let Some(search) = &self.search {
             search.budget.cancel();
@@ -287,8 +288,8 @@ impl OpenBuildState {
     }
 }
 
-/// The head of the queue that is tried together: as many copies as could fill the volume without gaps. More cannot fit.
-/// At most `most` copies, and always at least one.
+/// The parts at the head of the queue that are tried together: as many copies as would fill the volume without gaps,
+/// because more cannot fit. At most `most` copies, and always at least one.
 fn truncate_to_volume(waiting: &[WaitingPart], profile: &MachineProfile, mut most: usize) -> Vec<WaitingPart> {
     let size = profile.build_volume().size_mm;
     let mut room_mm3 = size.x * size.y * size.z;

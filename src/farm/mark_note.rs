@@ -1,5 +1,5 @@
-//! The note beside a stored file says how often was decided of the parts of its claim (refused, cancelled, taken back), after the
-//! ledger does. It is never ahead of the ledger; that it stays behind harms nothing.
+//! The claim note beside a stored file shows how many decisions were made about the parts of the claim (refused,
+//! cancelled, taken back). It is updated after the ledger and never ahead of it. A note that is behind does no harm.
 
 use anyhow::Result;
 use tracing::warn;
@@ -7,7 +7,7 @@ use tracing::warn;
 use super::{farm::Farm, jobs::BackgroundJob};
 use crate::ledger::PartRow;
 
-/// Marking the note of a claim with so many decisions.
+/// Writes the number of decisions into the claim note.
 #[derive(Clone)]
 struct MarkJob {
     part: PartRow,
@@ -26,7 +26,7 @@ impl BackgroundJob<Farm> for MarkJob {
         if let Err(failure) = marked {
             tell_failure(&self.part, &failure);
         }
-        // What was decided meanwhile found this job running.
+        // No second job starts while this one runs: decisions made meanwhile are written now.
         if farm.ledger.decision_count(&self.part.file.claim).await? > self.decisions {
             farm.update_decision_count(&self.part).await;
         }
@@ -35,7 +35,8 @@ impl BackgroundJob<Farm> for MarkJob {
 }
 
 impl Farm {
-    /// Something was decided of a part, and the ledger says so: the note beside its stored file is made to say it too.
+    /// Updates the claim note beside the stored file of a part, after a decision about the part was recorded in the
+    /// ledger.
     pub(super) async fn update_decision_count(&mut self, part: &PartRow) {
         match self.ledger.decision_count(&part.file.claim).await {
             Ok(decisions) => {

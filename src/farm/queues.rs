@@ -1,5 +1,6 @@
-//! The printer queue folders: opened anew when one was away, swept of what a crash left half written, and rid of the files of a
-//! build that is given up. All on threads, for a queue folder may be a share that hangs.
+//! The printer queue folders. A folder that was unavailable is opened again. Half-written files left by a crash and the
+//! files of builds that are given up are removed. All of this runs on threads, because a queue folder may be a network
+//! share that hangs.
 
 use std::time::Duration;
 
@@ -15,10 +16,10 @@ use crate::{
     queue::{QueueError, QueueFolder, StagedState},
 };
 
-/// A queue folder that cannot be opened is tried again after so long.
+/// Wait before a queue folder that could not be opened is tried again.
 const OPEN_AGAIN: Duration = Duration::from_secs(1);
 
-/// Opening a profile's queue folder.
+/// Opens a profile's queue folder.
 #[derive(Clone)]
 pub(super) struct OpenQueueJob {
     profile: String,
@@ -26,7 +27,7 @@ pub(super) struct OpenQueueJob {
 
 impl BackgroundJob<Farm> for OpenQueueJob {
     const KIND: &'static str = "Queue";
-    /// The folder, or why it cannot be used.
+    /// The folder, or the reason why it cannot be used.
     type Outcome = Result<QueueFolder, String>;
 
     fn subject(&self) -> String {
@@ -39,7 +40,7 @@ impl BackgroundJob<Farm> for OpenQueueJob {
     }
 }
 
-/// Removing what is staged of a build that is given up.
+/// Removes the staged files of a build that is given up.
 #[derive(Clone)]
 struct DiscardJob {
     build: BuildId,
@@ -54,7 +55,7 @@ impl BackgroundJob<Farm> for DiscardJob {
     }
 
     async fn on_done(self, _farm: &mut Farm, discarded: Self::Outcome) -> Result<()> {
-        // What cannot be removed now is swept when the folder is opened next.
+        // Files that cannot be removed now are removed when the folder is opened next.
         if let Err(failure) = discarded {
             warn!(build.id = %self.build, "The build's dot-file could not be removed: {failure}.");
         }
@@ -63,7 +64,7 @@ impl BackgroundJob<Farm> for DiscardJob {
 }
 
 impl Farm {
-    /// Starts to open the queue folders that are not open.
+    /// Starts jobs that open the queue folders that are not open.
     pub(super) async fn open_queues(&mut self) -> Result<()> {
         let now = self.now();
         let is_due = |station: &super::machine_state::MachineState| {
@@ -73,7 +74,7 @@ impl Farm {
             return Ok(());
         }
         let mut staged = Vec::new();
-        // A build that is being nested may have been staged already: only files that no build names are removed.
+        // A build that is being nested may already be staged: only files that belong to no build are removed.
         for state in [BuildState::Nesting, BuildState::Verified] {
             for build in self.ledger.builds_in_state(state).await? {
                 staged.push(build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.profile, &build)));
@@ -96,7 +97,7 @@ impl Farm {
     fn on_queue_opened(&mut self, name: &str, opened: Result<QueueFolder, String>) {
         let Some(station) = self.machines.get_mut(name) else { return };
         match opened {
-            // After a reload the folder may be another.
+            // After a reload, the profile may have another queue folder.
             Ok(queue) if queue.folder_path() != station.profile.folders.queue => {}
             Ok(queue) => {
                 station.queue.opened = Some(queue);
@@ -106,14 +107,15 @@ impl Farm {
         }
     }
 
-    /// Whether builds can be written into the queue folder of a profile, as it was when it was last looked at. One that is away
-    /// costs no attempt.
+    /// Whether builds could be written into the queue folder of a profile when the folder was last checked. An
+    /// unavailable folder does not use up an attempt of a build.
     pub(super) fn has_usable_queue(&self, profile: &str) -> bool {
         let Some(station) = self.machines.get(profile) else { return false };
         station.agreed_folders.is_some() && station.queue.opened.is_some() && station.leases.are_fresh()
     }
 
-    /// A written build is taken into the ledger only where its queue folder is the one that is configured now.
+    /// Checks that a build was written into the queue folder that is configured now. Otherwise it is not recorded in
+    /// the ledger.
     pub(super) async fn demand_same_queue(&self, build: BuildId, verified: &Verified) -> Result<()> {
         let profile = self.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
         let queue = self.machines.get(&profile).and_then(|s| s.queue.opened.as_ref());
@@ -125,7 +127,7 @@ impl Farm {
         Ok(())
     }
 
-    /// Starts to remove what is staged of a build that is given up.
+    /// Starts a job that removes the staged files of a build that is given up.
     pub(super) fn discard_staged(&mut self, build: &BuildRow) {
         let Some(queue) = self.machines.get(&build.profile).and_then(|s| s.queue.opened.clone()) else { return };
         let name = queue_file_name(&build.profile, build);
@@ -133,22 +135,22 @@ impl Farm {
     }
 }
 
-/// What opening a queue folder needs.
+/// The data for opening a queue folder.
 struct QueueOpening {
     profile: String,
     hold: FolderLease,
-    /// The builds that may be staged.
+    /// File names of the builds that may be staged. Their files are kept.
     staged: Vec<String>,
     ledger: Ledger,
 }
 
 impl QueueOpening {
-    /// Opens the folder and sweeps what a crash left half written in it.
+    /// Opens the folder and removes the half-written files that a crash left in it.
     async fn open_and_sweep(mut self) -> Result<QueueFolder, String> {
-        // An empty mount point is not marked as a queue.
+        // This check comes first, so that an empty mount point is not marked as a queue.
         self.hold.check_usable().map_err(|error| error.to_string())?;
         let queue = QueueFolder::open(self.hold.folder_path()).map_err(|error| error_chain(&error))?;
-        // What this farm has not fired is staged by another one, and left alone.
+        // Another farm staged the builds that this farm has not fired. Their files are kept.
         for file in queue.staged_build_names().unwrap_or_default() {
             if !is_own_build(&self.ledger, &self.profile, &file).await.map_err(|error| format!("{error:#}"))? {
                 self.staged.push(file);
@@ -162,18 +164,18 @@ impl QueueOpening {
     }
 }
 
-/// Whether this farm has fired the build of a build file. An open build has no file yet: a file with the name that it
-/// would get belongs to another farm.
+/// Whether this farm has fired the build of a build file. An open build has no file yet: if a file with its future name
+/// exists, the file belongs to another farm.
 async fn is_own_build(ledger: &Ledger, profile: &str, file: &str) -> Result<bool> {
     let Some((_, number)) = build_record::parse_build_file_name(file) else { return Ok(false) };
     let build = ledger.find_build(BuildId(number)).await?;
     Ok(build.is_some_and(|build| build.state != BuildState::Open && queue_file_name(profile, &build) == file))
 }
 
-/// A build that was written lies under its dot-name in the queue, or something took it away at once.
+/// Checks that a written build is in the queue folder under its dot-name, and that nothing has removed it.
 ///
 /// # Errors
-/// The queue folder cannot be looked at, or the file is not there.
+/// The queue folder cannot be read, or the file is missing.
 pub(super) fn demand_staged(queue: &QueueFolder, name: &str) -> Result<()> {
     ensure!(queue.staged_state(name)? == StagedState::Staged, "the written build is gone from the queue folder");
     Ok(())

@@ -1,30 +1,31 @@
-//! Whether it is a claimed part's turn to be read: a pure function of what is known of it and of what is being read.
+//! Decides whether a claimed part is read now. This is a pure function of the facts about the part and the running
+//! reads.
 
 use super::mesh_source::READS_IN_THE_DAEMON;
 
 /// Maximum number of files read at once.
 pub const READERS: usize = 2;
 
-/// What decides whether a claimed part is read now.
+/// The facts that decide whether a claimed part is read now.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ReadTurn {
-    /// How often its reading was begun.
+    /// Number of reads of the part that were started.
     pub reads: u32,
-    /// The disk hindered its reading a moment ago.
+    /// A disk failure stopped its last read a moment ago, and the part waits for a retry.
     pub is_resting: bool,
-    /// A job still puts its file where it belongs.
+    /// A job still completes its claim or removes its stored file.
     pub is_ending: bool,
-    /// It is being read.
+    /// The part is being read.
     pub is_being_read: bool,
-    /// Files that are being read.
+    /// Number of files that are being read.
     pub readers: usize,
-    /// Whether what is being read has ended the process before.
+    /// Whether the file being read now has ended the process before.
     pub is_reader_alone: bool,
 }
 
 impl ReadTurn {
-    /// Whether it is read now. What has ended the process before is read when nothing else is, so that only it can be the
-    /// reason.
+    /// Whether the part is read now. A file that has ended the process before is read alone, so that no other file can
+    /// be the cause if the process ends again.
     pub fn has_come(&self) -> bool {
         let most = if self.reads >= READS_IN_THE_DAEMON { 1 } else { READERS };
         let is_hindered = self.is_resting || self.is_ending || self.is_being_read;

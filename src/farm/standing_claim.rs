@@ -1,22 +1,22 @@
-//! A claim whose original still lies in the hot folder's `.claimed`, with what is noted of it beside its stored file.
+//! A claim whose original is still in the hot folder's `.claimed`, with its claim note.
 
 use crate::intake::{ClaimedPart, ContentStore, StoreError};
 
-/// A recorded claim that has not been let go.
+/// A recorded claim that has not been released.
 #[derive(Debug, Clone)]
 pub(super) struct StandingClaim {
     /// The claim.
     pub claim: ClaimedPart,
-    /// What is noted of it beside its stored file.
+    /// Text of the claim note beside its stored file.
     pub note: String,
 }
 
 impl StandingClaim {
-    /// Copies the original into the store again where it is not there: between the first copy and the row, the end of an earlier
-    /// part of the same content may have taken it away.
+    /// Copies the original into the store again if it is missing there. An earlier part with the same content may have
+    /// ended after the first copy and before the row was recorded, and its stored file was removed.
     ///
     /// # Errors
-    /// The disk does not let it.
+    /// The file system reports an error.
     pub(super) fn ensure_stored(&self, store: &ContentStore, hash: &str) -> Result<(), StoreError> {
         let stored = store.file_path(hash)?;
         match stored.try_exists() {

@@ -1,5 +1,5 @@
-//! What each step remembers between two ticks. All of it may be lost: after a restart the steps find their work in the
-//! ledger and on the disk.
+//! The data that each step keeps between two ticks. All of it may be lost: after a restart, the steps find their work
+//! in the ledger and on the disk.
 
 use std::{
     collections::{HashMap, HashSet},
@@ -43,7 +43,7 @@ pub(super) struct CompletionState {
     pub(super) deferred_refusals: HashMap<PartId, DeferredRefusal>,
     /// Claims that this process has released.
     pub(super) released: HashSet<String>,
-    /// What the store does not need any more.
+    /// Data that the store does not need any more.
     pub(super) forgetting: ForgettingState,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct CompletionState {
 pub(super) struct ReadingState {
     /// Parts that could not be read because the disk failed.
     pub(super) backoff: RetryBackoff<PartId>,
-    /// Parts whose first read was counted when they were recorded, and has not started yet.
+    /// Parts whose first read was counted when they were recorded but has not started yet.
     pub(super) counted_reads: HashSet<PartId>,
     /// Number of times that the step looked for parts to read.
     pub(super) rounds: usize,
@@ -69,7 +69,7 @@ pub(super) struct NestingState {
     pub(super) just_fired: HashSet<BuildId>,
     /// Running final searches.
     pub(super) final_searches: HashMap<BuildId, (SearchBudget, SharedBestLayout)>,
-    /// How often making a build has failed in this run, and the last reason.
+    /// Number of failed attempts to make each build in this run, and the last reason.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
     /// Builds that failed and wait for a retry.
     pub(super) backoff: RetryBackoff<BuildId>,
@@ -78,14 +78,15 @@ pub(super) struct NestingState {
 }
 
 impl ReadingState {
-    /// Nothing is read yet; these clocks measure how long what failed rests.
+    /// The state before the first read. The clocks of `time` measure the wait before a failed read is retried.
     pub(super) fn by(time: TimeSource) -> Self {
         Self { backoff: RetryBackoff::by(time), ..Self::default() }
     }
 }
 
 impl NestingState {
-    /// Nothing is nested yet; these clocks measure how long what failed rests.
+    /// The state before the first build is nested. The clocks of `time` measure the wait before a failed build is
+    /// retried.
     pub(super) fn by(time: TimeSource) -> Self {
         Self { slots: 1, backoff: RetryBackoff::by(time), ..Self::default() }
     }
@@ -109,13 +110,13 @@ pub(super) struct WatchedInboxes {
     pub(super) inboxes: Vec<PathBuf>,
 }
 
-/// When the loop runs which step.
+/// The times at which the loop runs its steps.
 pub(super) struct LoopSchedule {
     pub(super) time: TimeSource,
     pub(super) clock: WallClockMonitor,
     pub(super) ledger_changes: LedgerChangeDetector,
     pub(super) watched: Option<WatchedInboxes>,
-    /// That hot folders tell nothing was told.
+    /// The warning that the hot folders send no file-system events was logged.
     pub(super) is_unwatched: bool,
     /// Steps that failed and wait for a retry, by name.
     pub(super) step_backoff: RetryBackoff<String>,
@@ -126,7 +127,7 @@ pub(super) struct LoopSchedule {
 }
 
 impl LoopSchedule {
-    /// The schedule of a farm that opens now.
+    /// The schedule of a farm that starts now.
     pub(super) fn starting_now(first_tidy_after: Duration, time: TimeSource) -> Self {
         let now = time.instant();
         Self {
@@ -151,10 +152,10 @@ pub type Load = Box<dyn Fn() -> Result<Settings, SettingsError> + Send>;
 pub(super) struct DaemonLifecycle {
     /// Reads the configuration.
     pub(super) load: Load,
-    /// This daemon, as named in the markers of its folders.
+    /// This daemon, as named in the leases of its folders.
     pub(super) owner: LeaseHolder,
     pub(super) started_at: Timestamp,
-    /// The daemon was told to stop.
+    /// The daemon was asked to stop.
     pub(super) is_stopping: bool,
     /// The ledger is damaged: the farm does nothing but report that.
     pub(super) is_halted: bool,

@@ -1,4 +1,4 @@
-//! Where the farm's time comes from: the clocks of this machine, or hands that a test turns.
+//! The source of the farm's time: the clocks of this machine, or clocks that a test controls.
 
 use std::{
     fmt,
@@ -8,18 +8,18 @@ use std::{
 
 use jiff::Timestamp;
 
-/// One moment, as all clocks show it.
+/// The readings of all clocks at one moment.
 #[derive(Debug, Clone, Copy)]
 pub struct ClockReading {
-    /// The wall clock, which people set.
+    /// The wall clock. People can set it.
     pub date: Timestamp,
-    /// The monotonic clock, which only passes.
+    /// The monotonic clock. It never goes back.
     pub instant: Instant,
-    /// Since the machine started, suspended time included.
+    /// Time since the machine started, including suspended time.
     pub since_boot: Duration,
 }
 
-/// Reads the clocks. Cloning is cheap and reads the same ones.
+/// Reads the clocks. A clone is cheap and reads the same clocks.
 #[derive(Clone)]
 pub struct TimeSource(Arc<dyn Fn() -> ClockReading + Send + Sync>);
 
@@ -45,7 +45,7 @@ impl TimeSource {
         }))
     }
 
-    /// All clocks at once.
+    /// Reads all clocks at once.
     pub fn read_clocks(&self) -> ClockReading {
         (self.0)()
     }
@@ -60,27 +60,27 @@ impl TimeSource {
         self.read_clocks().instant
     }
 
-    /// How much has passed since a moment.
+    /// The time that has passed since a moment.
     pub fn passed_since(&self, moment: Instant) -> Duration {
         self.instant().saturating_duration_since(moment)
     }
 }
 
-/// Clocks that stand still until a test turns them.
+/// Clocks that move only when a test advances them.
 #[cfg(test)]
 #[derive(Debug, Clone)]
 pub struct ClockHands(Arc<std::sync::Mutex<ClockReading>>);
 
 #[cfg(test)]
 impl ClockHands {
-    /// Clocks that show the time at which they were made, and what reads them.
+    /// Returns clocks that show the time of their creation, and the time source that reads them.
     pub fn make() -> (Self, TimeSource) {
         let hands = Self(Arc::new(std::sync::Mutex::new(TimeSource::of_this_machine().read_clocks())));
         let read = hands.clone();
         (hands, TimeSource(Arc::new(move || *read.0.lock().expect("nobody panics while he holds it"))))
     }
 
-    /// Time passes.
+    /// Advances all clocks.
     pub fn pass(&self, time: Duration) {
         let mut now = self.0.lock().expect("nobody panics while he holds it");
         now.instant += time;
@@ -88,7 +88,7 @@ impl ClockHands {
         now.date += time;
     }
 
-    /// Somebody sets the wall clock.
+    /// Changes only the wall clock, as if somebody set it.
     pub fn set_wall_clock_by(&self, jump: jiff::SignedDuration) {
         self.0.lock().expect("nobody panics while he holds it").date += jump;
     }

@@ -1,5 +1,5 @@
-//! The folders of machines are made where they are missing, and file-system events of the hot folders are asked for. Both look
-//! into folders that may be shares, and so run on threads.
+//! Creates missing folders of machines, and subscribes to file-system events of the hot folders. Both run on threads,
+//! because the folders may be network shares.
 
 use std::{path::PathBuf, sync::Arc};
 
@@ -19,7 +19,7 @@ use crate::{
     settings::MachineProfile,
 };
 
-/// Asking for file-system events, anew where hot folders were made or changed.
+/// Subscribes to file-system events, again if hot folders were created or changed.
 #[derive(Clone)]
 struct WatchJob;
 
@@ -37,7 +37,7 @@ impl BackgroundJob<Farm> for WatchJob {
     }
 }
 
-/// Making the folders of a profile; gives what could not be made.
+/// Creates the folders of a profile. Returns those that could not be created.
 #[derive(Clone)]
 struct FoldersJob {
     profile: String,
@@ -58,7 +58,8 @@ impl BackgroundJob<Farm> for FoldersJob {
 }
 
 impl Farm {
-    /// Watches the hot folders, also those that were made or made anew; where that cannot be, the periodic scan serves.
+    /// Watches the hot folders, including those that were created or replaced. If a folder cannot be watched, the
+    /// periodic scan finds its files.
     pub(super) fn start_watcher(&mut self) {
         if self.jobs.is_running::<WatchJob>("") {
             return;
@@ -103,7 +104,7 @@ impl Farm {
         }
     }
 
-    /// Makes the folders of all machines, before anything else is done with them.
+    /// Creates the folders of all machines, before anything else is done with them.
     pub(super) fn make_folders_at_start(&mut self) {
         let stations: Vec<(Arc<MachineProfile>, FolderLeases)> =
             self.machines.values().map(|station| (station.profile.clone(), station.leases.clone())).collect();
@@ -113,7 +114,7 @@ impl Farm {
         }
     }
 
-    /// Folders that could not be made, or belong to a machine that is new, are made when they can be.
+    /// Starts jobs that create the folders of new machines, and those that could not be created before.
     pub(super) fn create_missing_folders(&mut self) {
         for (name, station) in &mut self.machines {
             if station.leases.all_leases().iter().all(|hold| hold.held_identity().is_some()) {
@@ -124,7 +125,7 @@ impl Farm {
         }
     }
 
-    /// What stands in the folders is looked at as soon as they are there.
+    /// Scans the folders of a machine as soon as they exist.
     fn on_folders_made(&mut self, name: &str, failed: &[String]) {
         self.tell_of_folders(name, failed);
         let now = self.now();
@@ -144,8 +145,9 @@ impl Farm {
     }
 }
 
-/// A share that is away must not keep the other machines from working. What was served once is not made again: an empty directory
-/// in its place would hinder whoever puts it back. Returns what could not be made.
+/// Creates the folders of a profile. An unavailable share must not stop the other machines. A folder that was served
+/// before is not created again: an empty directory in its place would be in the way of whoever mounts it again. Returns
+/// the folders that could not be created.
 fn make_folders(profile: &MachineProfile, holds: &FolderLeases) -> Vec<String> {
     let folders = &profile.folders;
     let wanted = [
@@ -155,7 +157,7 @@ fn make_folders(profile: &MachineProfile, holds: &FolderLeases) -> Vec<String> {
         (&folders.archive, &holds.archive),
     ];
     let mut failed = Vec::new();
-    // One that cannot be made does not hinder the others.
+    // A folder that cannot be created does not prevent the creation of the others.
     for (folder, _) in wanted.into_iter().filter(|(_, hold)| hold.was_never_served()) {
         if let Err(error) = access::create_folders(folder) {
             failed.push(format!("creating {}: {error}", folder.display()));

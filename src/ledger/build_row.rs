@@ -1,4 +1,4 @@
-//! A build as its row says, and what is recorded of one that is proved.
+//! The row of a build, and the data recorded for a verified build.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -16,17 +16,17 @@ pub struct BuildRow {
     pub id: BuildId,
     /// Machine profile.
     pub profile: String,
-    /// Where it stands.
+    /// Current state.
     pub state: BuildState,
-    /// Why it failed, or the outcome's note.
+    /// Why it failed, or the note of its outcome.
     pub reason: String,
     /// Trigger: full, fill, copies, max_wait, due, at, flush.
     pub fired_by: String,
-    /// How often nesting was begun.
+    /// Number of times that nesting was started.
     pub attempts: u32,
     /// Number of searches started since the last one that finished.
     pub searches: u32,
-    /// When it was where in its life.
+    /// Times of its states.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub times: BuildTimes,
@@ -34,36 +34,36 @@ pub struct BuildRow {
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub staged: StagedFile,
-    /// What was measured of it.
+    /// Its measurements.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub measures: BuildMeasures,
-    /// What the search for it took.
+    /// Cost and parameters of its search.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub search: SearchEffort,
-    /// What is kept of it as JSON.
+    /// Its data stored as JSON.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub kept: BuildDocuments,
 }
 
-/// When a build was where in its life.
+/// Times at which a build entered its states.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
 pub struct BuildTimes {
     /// When it was opened.
     pub opened_at: UtcTimestamp,
     /// When it fired.
     pub nesting_at: Option<UtcTimestamp>,
-    /// When its file was proved.
+    /// When its file was verified.
     pub verified_at: Option<UtcTimestamp>,
     /// When its file was put into the queue.
     pub published_at: Option<UtcTimestamp>,
-    /// When its state was entered.
+    /// When it entered its current state.
     pub state_at: UtcTimestamp,
 }
 
-/// The file of a build, where it was staged, and how far its publishing went.
+/// The file of a build, the queue folder where it was staged, and the start of its publishing.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
 pub struct StagedFile {
     /// Name of the build file in the queue folder.
@@ -78,7 +78,7 @@ pub struct StagedFile {
     pub publishing_at: Option<UtcTimestamp>,
 }
 
-/// What was measured of a build.
+/// Measurements of a build.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
 pub struct BuildMeasures {
     /// Build height, mm.
@@ -95,11 +95,11 @@ pub struct BuildMeasures {
     pub copies: Option<u32>,
     /// Required clearance, mm.
     pub clearance_mm: Option<f64>,
-    /// Least distance measured on the triangles of the written file, mm.
+    /// Smallest distance measured between the triangles of the written file, mm.
     pub clearance_proved_mm: Option<f64>,
 }
 
-/// What the search for a build took, and what it is repeated with.
+/// Cost of the search for a build, and the parameters to repeat it.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
 pub struct SearchEffort {
     /// CPU seconds of all nesting for it.
@@ -108,26 +108,26 @@ pub struct SearchEffort {
     pub wall_secs: Option<f64>,
     /// Evaluations of the final nesting.
     pub evaluations: Option<u64>,
-    /// Seed of the final nesting, its bits as a signed number.
+    /// Seed of the final nesting, with its bits stored as a signed number.
     pub seed: Option<i64>,
-    /// nestd or paper.
+    /// Search method: nestd or paper.
     pub method: Option<String>,
     /// Version of nestd.
     pub version: Option<String>,
 }
 
-/// What is kept of a build as JSON; faces leave out what is too long for a person.
+/// Data of a build stored as JSON. User interfaces omit the fields that are too long to read.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
 pub struct BuildDocuments {
     /// The best layout so far while open or nesting.
     #[serde(skip)]
     pub layout: Option<String>,
-    /// The profile as it was.
+    /// The profile at the time of the build.
     pub profile_snapshot: Option<String>,
-    /// How the height fell: see [`BuildRow::curve`].
+    /// Height over time: see [`BuildRow::height_curve`].
     #[serde(skip)]
     curve: Option<String>,
-    /// What is staged beside the build file: see [`BuildRow::sidecars`].
+    /// Files staged beside the build file: see [`BuildRow::sidecar_hashes`].
     #[serde(skip)]
     sidecars: Option<String>,
 }
@@ -160,20 +160,20 @@ pub struct OpenLayout {
     pub part_volume_mm3: f64,
 }
 
-/// The data of a build whose file was written and proved.
+/// The data of a build whose file was written and verified.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verified {
     /// Its file.
     pub file: ProvedFile,
-    /// What was measured of it.
+    /// Its measurements.
     pub measures: ProvedMeasures,
-    /// What the search for it took.
+    /// Cost and parameters of its search.
     pub search: FinalSearch,
     /// JSON, the profile at the time of the build.
     pub profile_snapshot: String,
 }
 
-/// A build file that is proved and staged.
+/// A build file that is verified and staged.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProvedFile {
     /// Name of the build file in the queue folder.
@@ -188,7 +188,7 @@ pub struct ProvedFile {
     pub sidecars: Vec<(String, String)>,
 }
 
-/// What was measured of a build that is proved.
+/// Measurements of a verified build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProvedMeasures {
     /// Build height, mm.
@@ -205,7 +205,8 @@ pub struct ProvedMeasures {
     pub copies: u32,
     /// Required clearance, mm.
     pub clearance_mm: f64,
-    /// Least distance measured on the triangles of the written file, mm; `None` = a single copy has no neighbour.
+    /// Smallest distance measured between the triangles of the written file, mm; `None` = a single copy has no
+    /// neighbour.
     pub clearance_proved_mm: Option<f64>,
 }
 
@@ -220,7 +221,7 @@ pub struct FinalSearch {
     pub evaluations: u64,
     /// Seed.
     pub seed: u64,
-    /// nestd or paper.
+    /// Search method: nestd or paper.
     pub method: String,
     /// Version of nestd.
     pub version: String,

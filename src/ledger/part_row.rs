@@ -27,7 +27,7 @@ pub struct NewPartRow {
     pub bytes: u64,
     /// Ordered copies, at least 1.
     pub copies: u32,
-    /// What was asked beside the copies.
+    /// Requested terms other than the copies.
     #[serde(flatten)]
     pub terms: NewTerms,
     /// Warnings, one sentence each.
@@ -36,7 +36,7 @@ pub struct NewPartRow {
     pub ticket: Option<NewTicketRow>,
 }
 
-/// What was asked of a claimed file, beside the copies.
+/// Requested terms for a claimed file, other than the copies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NewTerms {
     /// Order or kit, "" = none.
@@ -114,7 +114,7 @@ pub struct RecordedPart {
 /// Data of one solid of a file, found by reading the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolidFacts {
-    /// Which solid of the file, from 0; 0 is the claimed row itself.
+    /// Index of the solid in the file, from 0. Solid 0 uses the row of the claim itself.
     pub object_index: u32,
     /// Name of the solid inside a 3MF, "" otherwise.
     pub object_name: String,
@@ -152,21 +152,21 @@ pub struct PartRow {
     pub state: PartState,
     /// Why it was rejected, "" otherwise.
     pub reason: String,
-    /// Why it is refused; `None` = it is not, or was before words for it were kept.
+    /// Why it is refused; `None` = it is not refused, or it was refused before causes were recorded.
     pub refusal: Option<RefusalCause>,
     /// Warnings, one per line.
     pub warnings: String,
     /// Total number of copies.
     pub copies: u32,
-    /// What was asked beside the copies.
+    /// Requested terms other than the copies.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub terms: PartTerms,
-    /// What was measured of it.
+    /// Its measurements.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub measures: PartMeasures,
-    /// When it was where in its life.
+    /// Times of its states.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub times: PartTimes,
@@ -175,7 +175,7 @@ pub struct PartRow {
 /// Which solid of a file a part is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema, FromRow)]
 pub struct SolidOfFile {
-    /// Which solid of the file, from 0.
+    /// Index of the solid in the file, from 0.
     pub object_index: u32,
     /// Name of the solid inside a 3MF.
     pub object_name: String,
@@ -190,11 +190,11 @@ pub struct ClaimedFile {
     pub content_hash: String,
     /// Size of the file.
     pub bytes: u64,
-    /// How often reading it was begun.
+    /// Number of times that reading it was started.
     pub reads: u32,
 }
 
-/// What was asked of a part, beside the copies.
+/// Requested terms for a part, other than the copies.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
 pub struct PartTerms {
     /// Order or kit, "" = none.
@@ -218,7 +218,7 @@ pub struct PartTerms {
     pub note: String,
 }
 
-/// What was measured of a part; `None` until read.
+/// Measurements of a part; `None` until read.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
 pub struct PartMeasures {
     /// Triangles.
@@ -233,7 +233,7 @@ pub struct PartMeasures {
     pub size_z_mm: Option<f64>,
 }
 
-/// When a part was where in its life.
+/// Times of the states of a part.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
 pub struct PartTimes {
     /// When it was claimed. Determines its age among the waiting parts.
@@ -245,7 +245,7 @@ pub struct PartTimes {
 }
 
 impl PartRow {
-    /// Whether nobody knows how many copies were meant: it is printed only when it is dropped again.
+    /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
     pub fn has_unknown_copies(&self) -> bool {
         self.refusal == Some(RefusalCause::Ticket)
     }

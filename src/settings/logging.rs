@@ -1,4 +1,4 @@
-//! Content and format of the log.
+//! Settings for the content and format of the log.
 
 use serde::{Deserialize, Serialize};
 use tracing_subscriber::filter::Targets;
@@ -7,28 +7,28 @@ use tracing_subscriber::filter::Targets;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LogFormat {
-    /// The journal if systemd started the daemon, or else text.
+    /// The systemd journal if systemd started the daemon, otherwise text.
     #[default]
     Auto,
-    /// One line for people, on standard error.
+    /// One line of text per event, on standard error.
     Text,
-    /// One JSON object a line, on standard error.
+    /// One JSON object per line, on standard error.
     Json,
 }
 
 /// Settings of the log.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LogSettings {
-    /// Levels by module, as `tracing` spells them: "info", "info,nestd::intake=debug".
+    /// Levels by module, in the syntax of `tracing`: "info", "info,nestd::intake=debug".
     pub filter: String,
     /// Format of a line.
     pub format: LogFormat,
 }
 
-/// Levels by module, as in "info,nestd::intake=debug"; a module without a level is told in full.
+/// Parses levels by module, such as "info,nestd::intake=debug". A module without a level is logged at all levels.
 ///
 /// # Errors
-/// In words, when it is no filter.
+/// A sentence for people, if the text is not a valid filter.
 pub fn parse_log_filter(text: &str) -> Result<Targets, String> {
     let is_of_name = |c: char| c.is_alphanumeric() || "_-:=".contains(c);
     let levels: Vec<&str> = text.split(',').map(str::trim).filter(|level| !level.is_empty()).collect();

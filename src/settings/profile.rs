@@ -1,4 +1,4 @@
-//! One machine profile: its folders, its volume, its rules, and when its batches are started.
+//! One machine profile: its folders, its volume, its rules, and the triggers that fire its batches.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::{build::MachineSpec, intake::UnlistedPolicy};
 /// The folders of a machine profile.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct MachineFolders {
-    /// Hot folder, where parts are dropped.
+    /// The hot folder, where parts are dropped.
     pub inbox: PathBuf,
     /// Finished build files, for the printer to take.
     pub queue: PathBuf,
@@ -22,27 +22,27 @@ pub struct MachineFolders {
     pub archive: PathBuf,
 }
 
-/// Policy for an identical file that is dropped again.
+/// What happens when an identical file is dropped again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DuplicatePolicy {
-    /// Accepted as additional copies.
+    /// The file is accepted as additional copies.
     Accept,
-    /// Accepted as additional copies, with a warning on the part.
+    /// The file is accepted as additional copies, with a warning on the part.
     #[default]
     Warn,
-    /// Refused.
+    /// The file is refused.
     Reject,
 }
 
-/// Policy for a mesh that is not closed.
+/// What happens to a mesh that is not closed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MeshErrorPolicy {
-    /// Refused.
+    /// The file is refused.
     #[default]
     Reject,
-    /// Taken, with a warning on the part.
+    /// The file is accepted, with a warning on the part.
     Warn,
 }
 
@@ -69,28 +69,28 @@ pub struct TriggerRules {
 pub struct MachineProfile {
     /// Name; its folders have the same name.
     pub name: String,
-    /// Where its files live.
+    /// Its folders.
     pub folders: MachineFolders,
-    /// The space that it builds in.
+    /// Its build space, and the distances between parts there.
     #[serde(flatten)]
     pub space: BuildSpace,
-    /// How parts may be turned.
+    /// The orientation rules of its parts.
     #[serde(flatten)]
     pub turning: TurningRules,
-    /// When files are taken.
+    /// The rules for taking files from the hot folder.
     #[serde(flatten)]
     pub intake: IntakeRules,
     /// When a batch is started.
     pub trigger: TriggerRules,
-    /// How long is searched.
+    /// The method and duration of the search.
     #[serde(flatten)]
     pub search: SearchRules,
-    /// What is written.
+    /// The rules for output files.
     #[serde(flatten)]
     pub output: OutputRules,
 }
 
-/// The space that a machine builds in, and what holds between parts there.
+/// The space that a machine builds in, with the rules for distances and layers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BuildSpace {
     /// Printable box of the machine, mm.
@@ -99,11 +99,11 @@ pub struct BuildSpace {
     pub wall_margin_mm: f64,
     /// Margin kept free above the floor, mm.
     pub floor_margin_mm: f64,
-    /// Margin kept free below the lid, mm.
+    /// Margin kept free below the top of the printable box, mm.
     pub lid_margin_mm: f64,
     /// Boxes in which no part may be placed, in the machine's frame.
     pub keep_out: Vec<KeepOutZone>,
-    /// Least distance between two parts, mm.
+    /// Minimum distance between two parts, mm.
     pub clearance_mm: f64,
     /// The clearance also holds if either of two parts is raised by up to this distance, mm.
     pub clearance_z_extra_mm: f64,
@@ -115,7 +115,7 @@ pub struct BuildSpace {
     pub print_hours_per_mm: f64,
 }
 
-/// How parts whose tickets say nothing may be turned.
+/// Orientation rules of parts whose tickets do not contain any.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TurningRules {
     /// Orientation rule of parts without a ticket.
@@ -126,19 +126,20 @@ pub struct TurningRules {
     pub not_down: Vec<nester::FaceNotDown>,
 }
 
-/// When files are taken, and what becomes of odd ones.
+/// When files are taken from the hot folder, and what happens to files with problems.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IntakeRules {
     /// Unit of files that do not state one.
     pub unit: LengthUnit,
     /// Time that a file must be unchanged before it is taken, seconds.
     pub settle_secs: f64,
-    /// Time after which an unchanged file without its end (a stalled copy, an interrupted upload) is taken and refused
-    /// with a reason, seconds.
+    /// Time after which an unchanged file that is incomplete (a stalled copy, an interrupted upload) is taken and
+    /// refused with a reason, seconds.
     pub unfinished_secs: f64,
-    /// Waiting time of a part that the order list in its folder does not name, and of a row without its file, seconds.
+    /// Waiting time of a part that is not in the order list of its folder, and of an order list row without its file,
+    /// seconds.
     pub incomplete_secs: f64,
-    /// What happens to such a part afterwards.
+    /// What happens to a part that is still not in the order list after that time.
     pub unlisted: UnlistedPolicy,
     /// Policy for identical files.
     pub duplicates: DuplicatePolicy,
@@ -146,10 +147,10 @@ pub struct IntakeRules {
     pub mesh_errors: MeshErrorPolicy,
 }
 
-/// How long and how often is searched.
+/// How the search works, how long it runs and how often it is tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SearchRules {
-    /// Search parameters.
+    /// Parameters of the nester.
     pub nest: nester::NestingConfig,
     /// Search time when a batch fires (the final budget), seconds.
     pub final_secs: f64,
@@ -159,14 +160,14 @@ pub struct SearchRules {
     pub max_attempts: u32,
 }
 
-/// What is written of a build, and how long it is kept.
+/// Which files are written for a build, and how long the originals are kept.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutputRules {
-    /// Whether all copies of a mesh share one object or have one each.
+    /// Whether all copies of a mesh share one object, or each copy has its own.
     pub instances: build_file::InstanceSharing,
-    /// Whether copies are build items or components of one object.
+    /// Whether copies are separate build items or components of one object.
     pub arrangement: build_file::Arrangement,
-    /// Also write the whole build as one binary STL.
+    /// Whether to write the whole build also as one binary STL.
     pub stl_output: bool,
     /// Days that originals of published builds are kept; 0 = forever.
     pub archive_days: u32,

@@ -1,4 +1,4 @@
-//! What is known of a build, line by line, with what was told of it and what happened to it.
+//! The facts of a build, line by line, with its recorded outcomes and its events.
 
 use jiff::Timestamp;
 
@@ -13,7 +13,7 @@ use crate::{
     settings::MachineProfile,
 };
 
-/// What was told of a build.
+/// The recorded outcomes of a build.
 pub const OUTCOME_COLUMNS: &[Column<OutcomeRow>] = &[
     Column::new("told_at", fields::TOLD, |told| told.told_at.into()),
     Column::new("outcome", fields::OUTCOME, |told| told.outcome.into()),
@@ -21,7 +21,7 @@ pub const OUTCOME_COLUMNS: &[Column<OutcomeRow>] = &[
     Column::new("note", fields::NOTE, |told| (&told.note).into()),
 ];
 
-/// What happened to a build or a part.
+/// The events of a build or a part.
 pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
     Column::new("at", fields::EVENT, |event| event.at.into()),
     Column::new("kind", fields::KIND, |event| (&event.kind).into()),
@@ -29,8 +29,8 @@ pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
     Column::new("detail", fields::DETAIL, |event| CellValue::Prose(event.detail.clone())),
 ];
 
-/// What is known of a build, with its machine as it was then; of an open one less. `copies` says how many are in it, and `file` where
-/// its file is.
+/// The facts of a build. `machine` is its machine profile at the time of the build. An open build has fewer facts.
+/// `copies` is the text with its number of copies, `file` the path of its file.
 pub fn build_facts(
     row: &BuildRow,
     machine: Option<&MachineProfile>,
@@ -104,7 +104,7 @@ pub(super) fn content(bytes: u64, hash: &str) -> String {
     format!("{bytes} bytes, BLAKE3 {hash}")
 }
 
-/// What is known of several things, in one line.
+/// Joins the pieces that are known into one line.
 pub(super) fn joined<const N: usize>(pieces: [Option<String>; N], between: &str) -> String {
     pieces.into_iter().flatten().collect::<Vec<_>>().join(between)
 }

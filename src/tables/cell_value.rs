@@ -1,32 +1,33 @@
-//! A value in a table, before anybody has decided how it looks: files write it in full, faces print it as its field says.
+//! A value in a table, not formatted yet. Files contain it in full; terminals and pages print it as its field
+//! defines.
 
 use serde::Serialize;
 
 use crate::ledger::{BuildId, BuildState, PartId, PartState, PrintOutcome, UtcTimestamp};
 
-/// A value in a table.
+/// A value in a table, not formatted yet.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum CellValue {
-    /// Not known.
+    /// The value is not known.
     Missing,
-    /// A text; "" = there is none.
+    /// A text; "" = none.
     Text(String),
-    /// A text in which commands and options stand between backticks.
+    /// A text in which commands and options are between backticks.
     Prose(String),
     /// A whole number.
     Whole(i64),
-    /// A number in the unit of its field; a share is 0..1.
+    /// A number in the unit of its field; a share is between 0 and 1.
     Real(f64),
     /// A point in time.
     Time(UtcTimestamp),
-    /// A build by its number.
+    /// A build, shown by its number.
     Build(BuildId),
-    /// A build in which a part is looked for.
+    /// A build, shown by its number, with the part to find in it.
     BuildWithPart(BuildId, #[serde(skip)] PartId),
-    /// A part by its number.
+    /// A part, shown by its number.
     Part(PartId),
-    /// A part by its name.
+    /// A part, shown by its name.
     NamedPart(#[serde(skip)] PartId, String),
 }
 

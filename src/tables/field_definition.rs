@@ -1,39 +1,39 @@
-//! A field that people see: its label, its unit and how its values print. A heading names the unit, so that the cells below it
-//! are plain numbers; elsewhere the unit stands behind the value.
+//! A field that people see: its label, its unit and its number format. In a table the heading contains the unit, so
+//! that the cells are plain numbers. Elsewhere the unit follows the value.
 
 use super::cell_value::CellValue;
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FieldDefinition {
-    /// What it is called, as at the beginning of a sentence.
+    /// Its name, with a capital first letter.
     pub label: &'static str,
     kind: FieldKind,
 }
 
-/// What kind of values a field has.
+/// The kind of a field's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FieldKind {
     /// Texts.
     Text,
     /// Whole numbers.
     Whole,
-    /// Numbers with so many decimals.
+    /// Numbers with a fixed number of decimals.
     Real { unit: &'static str, decimals: usize },
-    /// Numbers that somebody wrote, with as many decimals as they have.
+    /// Numbers that a person entered. They print with all their decimals.
     Exact { unit: &'static str },
-    /// Shares 0..1, which people read in percent.
+    /// Shares between 0 and 1, printed in percent.
     Share,
     /// Points in time, UTC.
     Time,
 }
 
-/// A line of a sheet: a label and what is known.
+/// A line of a fact sheet: a label and a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SheetFact {
     /// The label of its field.
     pub label: &'static str,
-    /// What is known, with units.
+    /// The value, with its unit.
     pub text: String,
 }
 
@@ -48,17 +48,17 @@ impl FieldDefinition {
         Self { label, kind: FieldKind::Whole }
     }
 
-    /// A field of numbers in a unit, with so many decimals.
+    /// A field of numbers with a unit and a fixed number of decimals.
     pub const fn real(label: &'static str, unit: &'static str, decimals: usize) -> Self {
         Self { label, kind: FieldKind::Real { unit, decimals } }
     }
 
-    /// A field of numbers in a unit that print as somebody wrote them.
+    /// A field of numbers with a unit that print with all their decimals.
     pub const fn exact(label: &'static str, unit: &'static str) -> Self {
         Self { label, kind: FieldKind::Exact { unit } }
     }
 
-    /// A field of shares, in percent.
+    /// A field of shares, printed in percent.
     pub const fn share(label: &'static str) -> Self {
         Self { label, kind: FieldKind::Share }
     }
@@ -68,7 +68,7 @@ impl FieldDefinition {
         Self { label, kind: FieldKind::Time }
     }
 
-    /// The unit of its values, "" = they have none.
+    /// The unit of its values; "" = none.
     pub fn unit(&self) -> &'static str {
         match self.kind {
             FieldKind::Text | FieldKind::Whole => "",
@@ -78,7 +78,7 @@ impl FieldDefinition {
         }
     }
 
-    /// Whether its cells stand to the right.
+    /// Whether its values are numbers; their cells are aligned to the right.
     pub fn is_number(&self) -> bool {
         !matches!(self.kind, FieldKind::Text | FieldKind::Time)
     }
@@ -102,7 +102,7 @@ impl FieldDefinition {
         }
     }
 
-    /// A value below its heading, without the unit; `None` when there is none.
+    /// The text of a value in a table cell, without the unit; `None` if there is no value.
     pub fn cell_text(&self, value: &CellValue) -> Option<String> {
         Some(match value {
             CellValue::Missing => return None,
@@ -116,7 +116,7 @@ impl FieldDefinition {
         })
     }
 
-    /// A value with its unit: `87.50 mm`; `None` when there is none.
+    /// A value with its unit: `87.50 mm`; `None` if there is no value.
     pub fn with_unit(&self, value: impl Into<CellValue>) -> Option<String> {
         let text = self.cell_text(&value.into())?;
         Some(match self.unit() {
@@ -125,12 +125,12 @@ impl FieldDefinition {
         })
     }
 
-    /// A line of a sheet with a value of this field; `None` when there is none.
+    /// A line of a fact sheet with a value of this field; `None` if there is no value.
     pub fn fact(&self, value: impl Into<CellValue>) -> Option<SheetFact> {
         Some(self.fact_of(self.with_unit(value)?))
     }
 
-    /// A line of a sheet with a text of its own.
+    /// A line of a fact sheet with this field's label and any text.
     pub fn fact_of(&self, text: String) -> SheetFact {
         SheetFact { label: self.label, text }
     }
@@ -142,7 +142,7 @@ impl FieldDefinition {
             _ => return number.to_string(),
         };
         let text = format!("{number:.decimals$}");
-        // A value that rounds to zero has no sign.
+        // A value that rounds to zero prints without a sign.
         match text.strip_prefix('-') {
             Some(nothing) if nothing.bytes().all(|b| b == b'0' || b == b'.') => nothing.to_owned(),
             _ => text,

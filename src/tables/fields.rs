@@ -1,162 +1,162 @@
-//! The fields that people see: each one's label, unit and decimals, once. A field that stands in several tables and sheets is one
-//! constant here.
+//! The fields that people see, each with its label, unit and decimals. A field that several tables and fact sheets
+//! use is one constant here.
 
-use super::field_definition::FieldDefinition as DistanceFunction;
+use super::field_definition::FieldDefinition;
 
 /// Number of a build.
-pub const BUILD: DistanceFunction = DistanceFunction::whole("Build");
+pub const BUILD: FieldDefinition = FieldDefinition::whole("Build");
 /// Number of a part.
-pub const PART: DistanceFunction = DistanceFunction::whole("Part");
+pub const PART: FieldDefinition = FieldDefinition::whole("Part");
 /// Machine profile.
-pub const PROFILE: DistanceFunction = DistanceFunction::text("Profile");
-/// Where a part or a build stands.
-pub const STATE: DistanceFunction = DistanceFunction::text("State");
-/// When a build was published, else when it entered its state.
-pub const TIME: DistanceFunction = DistanceFunction::time("Time");
+pub const PROFILE: FieldDefinition = FieldDefinition::text("Profile");
+/// State of a part or a build.
+pub const STATE: FieldDefinition = FieldDefinition::text("State");
+/// When a build was published; before that, when it entered its state.
+pub const TIME: FieldDefinition = FieldDefinition::time("Time");
 /// Why something failed or was refused.
-pub const REASON: DistanceFunction = DistanceFunction::text("Reason");
-/// Why a part was refused, else what was odd about it.
-pub const REASON_OR_WARNING: DistanceFunction = DistanceFunction::text("Reason or warning");
-/// What somebody wrote beside it.
-pub const NOTE: DistanceFunction = DistanceFunction::text("Note");
+pub const REASON: FieldDefinition = FieldDefinition::text("Reason");
+/// Why a part was refused; otherwise its warnings.
+pub const REASON_OR_WARNING: FieldDefinition = FieldDefinition::text("Reason or warning");
+/// Note that a person wrote.
+pub const NOTE: FieldDefinition = FieldDefinition::text("Note");
 
 /// Build height.
-pub const HEIGHT: DistanceFunction = DistanceFunction::real("Height", "mm", 2);
+pub const HEIGHT: FieldDefinition = FieldDefinition::real("Height", "mm", 2);
 /// Height of the machine's volume.
-pub const VOLUME_Z: DistanceFunction = DistanceFunction::real("Machine height", "mm", 0);
-/// No build of these parts can be lower.
-pub const LOWER_BOUND: DistanceFunction = DistanceFunction::real("Bound", "mm", 2);
-/// Part volume / (base area x height).
-pub const DENSITY: DistanceFunction = DistanceFunction::share("Density");
+pub const VOLUME_Z: FieldDefinition = FieldDefinition::real("Machine height", "mm", 0);
+/// Lower bound: no build of these parts can be lower.
+pub const LOWER_BOUND: FieldDefinition = FieldDefinition::real("Bound", "mm", 2);
+/// Density of a build: part volume / (base area x height).
+pub const DENSITY: FieldDefinition = FieldDefinition::share("Density");
 /// Mean of several densities.
-pub const MEAN_DENSITY: DistanceFunction = DistanceFunction::share("Mean density");
+pub const MEAN_DENSITY: FieldDefinition = FieldDefinition::share("Mean density");
 /// Share of the height of the machine's volume that a build uses.
-pub const USED: DistanceFunction = DistanceFunction::share("Used");
-/// Layers to print.
-pub const LAYERS: DistanceFunction = DistanceFunction::whole("Layers");
+pub const USED: FieldDefinition = FieldDefinition::share("Used");
+/// Number of layers of a build.
+pub const LAYERS: FieldDefinition = FieldDefinition::whole("Layers");
 /// Thickness of a layer.
-pub const LAYER_THICKNESS: DistanceFunction = DistanceFunction::exact("Layer", "mm");
-/// Distinct parts.
-pub const PARTS: DistanceFunction = DistanceFunction::whole("Parts");
-/// Copies of parts.
-pub const COPIES: DistanceFunction = DistanceFunction::whole("Copies");
-/// Copies of a part that are in the build that is looked at.
-pub const COPIES_HERE: DistanceFunction = DistanceFunction::whole("Copies here");
-/// Copies of a part that wait.
-pub const COPIES_WAITING: DistanceFunction = DistanceFunction::whole("Copies waiting");
-/// Copies of a part in all.
-pub const COPIES_OF: DistanceFunction = DistanceFunction::whole("Of");
+pub const LAYER_THICKNESS: FieldDefinition = FieldDefinition::exact("Layer", "mm");
+/// Number of distinct parts.
+pub const PARTS: FieldDefinition = FieldDefinition::whole("Parts");
+/// Number of copies.
+pub const COPIES: FieldDefinition = FieldDefinition::whole("Copies");
+/// Copies of a part that are in the shown build.
+pub const COPIES_HERE: FieldDefinition = FieldDefinition::whole("Copies here");
+/// Copies of a part that are waiting.
+pub const COPIES_WAITING: FieldDefinition = FieldDefinition::whole("Copies waiting");
+/// All copies of a part.
+pub const COPIES_OF: FieldDefinition = FieldDefinition::whole("Of");
 /// Copies of a part that are in published builds.
-pub const COPIES_PUBLISHED: DistanceFunction = DistanceFunction::whole("Published");
-/// Builds.
-pub const BUILDS: DistanceFunction = DistanceFunction::whole("Builds");
+pub const COPIES_PUBLISHED: FieldDefinition = FieldDefinition::whole("Published");
+/// Number of builds.
+pub const BUILDS: FieldDefinition = FieldDefinition::whole("Builds");
 /// Volume of parts.
-pub const PART_VOLUME: DistanceFunction = DistanceFunction::real("Volume", "cm3", 2);
-/// Volume of parts as programs see it.
-pub const PART_VOLUME_MM3: DistanceFunction = DistanceFunction::real("Volume", "mm3", 0);
-/// Clearance asked.
-pub const CLEARANCE: DistanceFunction = DistanceFunction::real("Clearance", "mm", 2);
-/// Least distance found on the triangles of the written file.
-pub const CLEARANCE_PROVED: DistanceFunction = DistanceFunction::real("Proved", "mm", 3);
+pub const PART_VOLUME: FieldDefinition = FieldDefinition::real("Volume", "cm3", 2);
+/// Volume of parts for programs, in mm3.
+pub const PART_VOLUME_MM3: FieldDefinition = FieldDefinition::real("Volume", "mm3", 0);
+/// Required clearance.
+pub const CLEARANCE: FieldDefinition = FieldDefinition::real("Clearance", "mm", 2);
+/// Smallest distance between two copies, measured on the triangles of the written file.
+pub const CLEARANCE_PROVED: FieldDefinition = FieldDefinition::real("Proved", "mm", 3);
 /// CPU time of a search.
-pub const CPU: DistanceFunction = DistanceFunction::real("CPU", "s", 1);
-/// Time of a search on the clock.
-pub const WALL: DistanceFunction = DistanceFunction::real("Wall time", "s", 1);
+pub const CPU: FieldDefinition = FieldDefinition::real("CPU", "s", 1);
+/// Wall time of a search.
+pub const WALL: FieldDefinition = FieldDefinition::real("Wall time", "s", 1);
 /// Evaluations of a search.
-pub const EVALUATIONS: DistanceFunction = DistanceFunction::whole("Evaluations");
+pub const EVALUATIONS: FieldDefinition = FieldDefinition::whole("Evaluations");
 /// Seed of a search.
-pub const SEED: DistanceFunction = DistanceFunction::whole("Seed");
-/// nestd or paper.
-pub const METHOD: DistanceFunction = DistanceFunction::text("Method");
-/// How a build was searched for.
-pub const SEARCH: DistanceFunction = DistanceFunction::text("Search");
+pub const SEED: FieldDefinition = FieldDefinition::whole("Seed");
+/// Search method: nestd or paper.
+pub const METHOD: FieldDefinition = FieldDefinition::text("Method");
+/// Method and effort of the search.
+pub const SEARCH: FieldDefinition = FieldDefinition::text("Search");
 /// Version of nestd.
-pub const VERSION: DistanceFunction = DistanceFunction::text("Version");
-/// Trigger.
-pub const FIRED_BY: DistanceFunction = DistanceFunction::text("Fired by");
+pub const VERSION: FieldDefinition = FieldDefinition::text("Version");
+/// Trigger that fired a build.
+pub const FIRED_BY: FieldDefinition = FieldDefinition::text("Fired by");
 /// When a build was opened.
-pub const OPENED: DistanceFunction = DistanceFunction::time("Opened");
-/// When it fired.
-pub const NESTING: DistanceFunction = DistanceFunction::time("Nesting");
-/// When its file was proved.
-pub const VERIFIED: DistanceFunction = DistanceFunction::time("Verified");
-/// When it came into the queue.
-pub const PUBLISHED: DistanceFunction = DistanceFunction::time("Published");
+pub const OPENED: FieldDefinition = FieldDefinition::time("Opened");
+/// When a build fired.
+pub const NESTING: FieldDefinition = FieldDefinition::time("Nesting");
+/// When the file of a build was proved.
+pub const VERIFIED: FieldDefinition = FieldDefinition::time("Verified");
+/// When a build file was placed in the queue.
+pub const PUBLISHED: FieldDefinition = FieldDefinition::time("Published");
 /// Name of a build file.
-pub const FILE: DistanceFunction = DistanceFunction::text("File");
-/// Name of a build file, else why there is none.
-pub const FILE_OR_REASON: DistanceFunction = DistanceFunction::text("File or reason");
+pub const FILE: FieldDefinition = FieldDefinition::text("File");
+/// Name of a build file, or the reason why there is none.
+pub const FILE_OR_REASON: FieldDefinition = FieldDefinition::text("File or reason");
 /// Size and hash of a file.
-pub const CONTENT: DistanceFunction = DistanceFunction::text("Content");
-/// Machine that a file says it is for.
-pub const MACHINE: DistanceFunction = DistanceFunction::text("Machine");
-/// When a file says it was made.
-pub const MADE: DistanceFunction = DistanceFunction::text("Made");
+pub const CONTENT: FieldDefinition = FieldDefinition::text("Content");
+/// Machine named in a build file.
+pub const MACHINE: FieldDefinition = FieldDefinition::text("Machine");
+/// Creation time written in a build file.
+pub const MADE: FieldDefinition = FieldDefinition::text("Made");
 
 /// File name of a part, with the name of its solid.
-pub const NAME: DistanceFunction = DistanceFunction::text("Name");
+pub const NAME: FieldDefinition = FieldDefinition::text("Name");
 /// Order or kit.
-pub const ORDER: DistanceFunction = DistanceFunction::text("Order");
-/// 0 to 100.
-pub const PRIORITY: DistanceFunction = DistanceFunction::whole("Priority");
+pub const ORDER: FieldDefinition = FieldDefinition::text("Order");
+/// Priority, 0 to 100.
+pub const PRIORITY: FieldDefinition = FieldDefinition::whole("Priority");
 /// When a part is due.
-pub const DUE: DistanceFunction = DistanceFunction::time("Due");
+pub const DUE: FieldDefinition = FieldDefinition::time("Due");
 /// When a part was claimed.
-pub const CLAIMED: DistanceFunction = DistanceFunction::time("Claimed");
-/// How a part may be turned.
-pub const ORIENTATION: DistanceFunction = DistanceFunction::text("Orientation");
-/// Bounds of a part as dropped.
-pub const SIZE: DistanceFunction = DistanceFunction::real("Size", "mm", 2);
-/// What was odd about a part.
-pub const WARNING: DistanceFunction = DistanceFunction::text("Warning");
-/// Which builds a part's copies are in.
-pub const WHERE: DistanceFunction = DistanceFunction::text("Where");
-/// A copy of a part, from 1.
-pub const COPY: DistanceFunction = DistanceFunction::whole("Copy");
-/// Where the origin of a mesh is in the cake.
-pub const ORIGIN: DistanceFunction = DistanceFunction::real("Origin of its mesh in the cake", "mm", 1);
+pub const CLAIMED: FieldDefinition = FieldDefinition::time("Claimed");
+/// Allowed orientations of a part.
+pub const ORIENTATION: FieldDefinition = FieldDefinition::text("Orientation");
+/// Size of a part in the orientation of the dropped file.
+pub const SIZE: FieldDefinition = FieldDefinition::real("Size", "mm", 2);
+/// Warnings about a part.
+pub const WARNING: FieldDefinition = FieldDefinition::text("Warning");
+/// The builds that contain copies of a part.
+pub const WHERE: FieldDefinition = FieldDefinition::text("Where");
+/// Number of a copy of a part, from 1.
+pub const COPY: FieldDefinition = FieldDefinition::whole("Copy");
+/// Position of the mesh's origin in the cake.
+pub const ORIGIN: FieldDefinition = FieldDefinition::real("Origin of its mesh in the cake", "mm", 1);
 
 /// When something happened.
-pub const EVENT: DistanceFunction = DistanceFunction::time("Event");
+pub const EVENT: FieldDefinition = FieldDefinition::time("Event");
 /// What happened.
-pub const KIND: DistanceFunction = DistanceFunction::text("Kind");
-/// More about it.
-pub const DETAIL: DistanceFunction = DistanceFunction::text("Detail");
-/// When an outcome was told.
-pub const TOLD: DistanceFunction = DistanceFunction::time("Told");
-/// What became of a build.
-pub const OUTCOME: DistanceFunction = DistanceFunction::text("Outcome");
-/// Who told it.
-pub const TOLD_BY: DistanceFunction = DistanceFunction::text("By");
+pub const KIND: FieldDefinition = FieldDefinition::text("Kind");
+/// Details of an event.
+pub const DETAIL: FieldDefinition = FieldDefinition::text("Detail");
+/// When an outcome was recorded.
+pub const TOLD: FieldDefinition = FieldDefinition::time("Told");
+/// Outcome of a build's print.
+pub const OUTCOME: FieldDefinition = FieldDefinition::text("Outcome");
+/// Who recorded the outcome.
+pub const TOLD_BY: FieldDefinition = FieldDefinition::text("By");
 
-/// Parts that wait.
-pub const WAITING: DistanceFunction = DistanceFunction::whole("Waiting");
-/// How long the oldest part has waited.
-pub const OLDEST: DistanceFunction = DistanceFunction::text("Oldest");
+/// Number of waiting parts.
+pub const WAITING: FieldDefinition = FieldDefinition::whole("Waiting");
+/// Waiting time of the oldest part.
+pub const OLDEST: FieldDefinition = FieldDefinition::text("Oldest");
 /// The forecast of the next build.
-pub const NEXT_BUILD: DistanceFunction = DistanceFunction::text("Next build");
+pub const NEXT_BUILD: FieldDefinition = FieldDefinition::text("Next build");
 /// When the next build fires.
-pub const FIRES: DistanceFunction = DistanceFunction::text("Fires");
-/// What a machine does.
-pub const NOW: DistanceFunction = DistanceFunction::text("Now");
-/// Files that are being read.
-pub const BEING_READ: DistanceFunction = DistanceFunction::whole("Being read");
-/// Parts that were refused.
-pub const REJECTED: DistanceFunction = DistanceFunction::whole("Rejected");
-/// The build that was published last.
-pub const LAST_PUBLISHED: DistanceFunction = DistanceFunction::time("Last published");
+pub const FIRES: FieldDefinition = FieldDefinition::text("Fires");
+/// Current activity of a machine.
+pub const NOW: FieldDefinition = FieldDefinition::text("Now");
+/// Number of files that are being read.
+pub const BEING_READ: FieldDefinition = FieldDefinition::whole("Being read");
+/// Number of refused parts.
+pub const REJECTED: FieldDefinition = FieldDefinition::whole("Rejected");
+/// The last published build.
+pub const LAST_PUBLISHED: FieldDefinition = FieldDefinition::time("Last published");
 
-/// Place in a pick list.
-pub const PICK_NUMBER: DistanceFunction = DistanceFunction::whole("No.");
+/// Position in a pick list.
+pub const PICK_NUMBER: FieldDefinition = FieldDefinition::whole("No.");
 /// Highest point of a copy.
-pub const TOP: DistanceFunction = DistanceFunction::real("Top", "mm", 1);
+pub const TOP: FieldDefinition = FieldDefinition::real("Top", "mm", 1);
 /// Lowest point of a copy.
-pub const BOTTOM: DistanceFunction = DistanceFunction::real("Bottom", "mm", 1);
-/// Middle of a copy from the left.
-pub const CENTER_X: DistanceFunction = DistanceFunction::real("x", "mm", 0);
-/// Middle of a copy from the front.
-pub const CENTER_Y: DistanceFunction = DistanceFunction::real("y", "mm", 0);
-/// A part by its name.
-pub const PART_NAME: DistanceFunction = DistanceFunction::text("Part");
-/// Whereto a copy is drawn.
-pub const WAY: DistanceFunction = DistanceFunction::text("Way");
+pub const BOTTOM: FieldDefinition = FieldDefinition::real("Bottom", "mm", 1);
+/// Distance of a copy's center from the left side.
+pub const CENTER_X: FieldDefinition = FieldDefinition::real("x", "mm", 0);
+/// Distance of a copy's center from the front.
+pub const CENTER_Y: FieldDefinition = FieldDefinition::real("y", "mm", 0);
+/// Name of a part.
+pub const PART_NAME: FieldDefinition = FieldDefinition::text("Part");
+/// Direction in which a copy is removed.
+pub const WAY: FieldDefinition = FieldDefinition::text("Way");

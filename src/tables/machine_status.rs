@@ -1,62 +1,62 @@
-//! A machine as it stands: what waits, what it does, when its next build fires.
+//! The current state of a machine: waiting parts, current activity, and when its next build fires.
 
 use build_file::format_count;
 use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{build_sheet::joined, cell_value::CellValue, fields, table_column::TableColumn as Column};
+use super::{build_sheet::joined, cell_value::CellValue, fields, table_column::TableColumn};
 use crate::{
     farm::{FireTrigger, forecast_fire},
     ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp},
     settings::MachineProfile,
 };
 
-/// A machine as it stands, with the forecast of its next build.
+/// The current state of a machine, with the forecast of its next build.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct MachineForecast {
-    /// What the ledger knows of it.
+    /// Its state in the ledger.
     #[serde(flatten)]
     pub status: ProfileStatus,
-    /// When its next build fires, unless it is full before.
+    /// When its next build fires at the latest. It fires earlier if it is full.
     #[schemars(with = "Option<UtcTimestamp>")]
     pub fires_at_latest: Option<Timestamp>,
-    /// The trigger that fires it then.
+    /// The trigger that fires the build at that time.
     pub fires_by: Option<FireTrigger>,
 }
 
-/// A machine as it is shown at a moment.
+/// The state of a machine at one point in time, for display.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineNow {
-    /// The machine.
+    /// The state of the machine, with the forecast of its next build.
     pub forecast: MachineForecast,
-    /// Whether the configuration knows it (still).
+    /// Whether the machine is (still) in the configuration.
     pub is_configured: bool,
-    /// The moment.
+    /// The point in time.
     pub now: Timestamp,
 }
 
 /// The machines of a farm.
-pub const MACHINE_COLUMNS: &[Column<MachineNow>] = &[
-    Column::new("profile", fields::PROFILE, |row| (&row.forecast.status.profile).into()),
-    Column::new("waiting_parts", fields::WAITING, |row| row.forecast.status.waiting_parts.into()),
-    Column::new("waiting_copies", fields::COPIES, |row| row.forecast.status.waiting_copies.into()),
-    Column::for_people("oldest", fields::OLDEST, |row| row.forecast.oldest(row.now).into()),
-    Column::new("due_at", fields::DUE, |row| row.forecast.status.due_at.into()),
-    Column::for_people("next_build", fields::NEXT_BUILD, |row| row.forecast.next_build().into()),
-    Column::for_people("now", fields::NOW, |row| row.doing().into()),
-    Column::new("rejected_parts", fields::REJECTED, |row| row.forecast.status.rejected_parts.into()),
-    Column::for_people("last_published", fields::LAST_PUBLISHED, |row| row.forecast.last_published().into()),
+pub const MACHINE_COLUMNS: &[TableColumn<MachineNow>] = &[
+    TableColumn::new("profile", fields::PROFILE, |row| (&row.forecast.status.profile).into()),
+    TableColumn::new("waiting_parts", fields::WAITING, |row| row.forecast.status.waiting_parts.into()),
+    TableColumn::new("waiting_copies", fields::COPIES, |row| row.forecast.status.waiting_copies.into()),
+    TableColumn::for_people("oldest", fields::OLDEST, |row| row.forecast.oldest(row.now).into()),
+    TableColumn::new("due_at", fields::DUE, |row| row.forecast.status.due_at.into()),
+    TableColumn::for_people("next_build", fields::NEXT_BUILD, |row| row.forecast.next_build().into()),
+    TableColumn::for_people("now", fields::NOW, |row| row.doing().into()),
+    TableColumn::new("rejected_parts", fields::REJECTED, |row| row.forecast.status.rejected_parts.into()),
+    TableColumn::for_people("last_published", fields::LAST_PUBLISHED, |row| row.forecast.last_published().into()),
 ];
 
 impl MachineForecast {
-    /// What is known of a machine; `profile` is its configuration where there is one.
+    /// Creates the forecast. `profile` is the machine's configuration, if it has one.
     pub fn new(status: ProfileStatus, profile: Option<&MachineProfile>) -> Self {
         let fires = profile.and_then(|profile| forecast_fire(profile, &status));
         Self { fires_at_latest: fires.map(|fires| fires.at), fires_by: fires.map(|fires| fires.by), status }
     }
 
-    /// The open build, where a copy stands in its layout.
+    /// The open build, if its layout contains a copy.
     pub fn forecast_build(&self) -> Option<&OpenBuildForecast> {
         self.status.open.as_ref().filter(|open| open.copies.unwrap_or(0) > 0)
     }

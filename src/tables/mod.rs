@@ -1,5 +1,6 @@
-//! What people and programs see of the farm, said once: of each field its label, its unit and how it prints, of each table its
-//! columns with their keys in JSON and CSV. The command line, the pages and the files are made from these lists.
+//! What people and programs see of the farm, defined in one place: the label, unit and format of each field, and the
+//! columns of each table with their keys in JSON and CSV. The command line, the pages and the files are made from
+//! these lists.
 
 mod build_sheet;
 mod cell_value;

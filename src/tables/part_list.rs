@@ -1,10 +1,10 @@
-//! Lists of parts and of their copies: of a state or a name, of a build, of an order, in line.
+//! Lists of parts and of their copies: by state or name, by build, by order, and waiting parts.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn as Column};
+use super::{cell_value::CellValue, fields, table_column::TableColumn};
 use crate::{
     farm::CakePart,
     ledger::{BuildId, PartRow, PlacementRow},
@@ -15,7 +15,7 @@ use crate::{
 pub struct CountedPart {
     /// The part.
     pub part: PartRow,
-    /// Those of its copies that the list is about.
+    /// The number of its copies that the list counts.
     pub copies: u32,
 }
 
@@ -24,73 +24,73 @@ pub struct CountedPart {
 pub struct OrderedPart {
     /// The part.
     pub part: PartRow,
-    /// Its copies that are in builds.
+    /// The placements of its copies in builds.
     pub placements: Vec<PlacementRow>,
 }
 
-/// Parts of a state or a name.
-pub const PART_COLUMNS: &[Column<PartRow>] = &[
-    Column::new("part", fields::PART, |part| part.id.into()),
-    Column::new("profile", fields::PROFILE, |part| (&part.profile).into()),
-    Column::new("state", fields::STATE, |part| part.state.into()),
-    Column::new("copies", fields::COPIES, |part| part.copies.into()),
-    Column::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
-    Column::new("due_at", fields::DUE, |part| part.terms.due_at.into()),
-    Column::new("order", fields::ORDER, |part| (&part.terms.order_name).into()),
-    Column::new("name", fields::NAME, |part| part.full_name().into()),
-    Column::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
+/// Parts with a given state or name.
+pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
+    TableColumn::new("part", fields::PART, |part| part.id.into()),
+    TableColumn::new("profile", fields::PROFILE, |part| (&part.profile).into()),
+    TableColumn::new("state", fields::STATE, |part| part.state.into()),
+    TableColumn::new("copies", fields::COPIES, |part| part.copies.into()),
+    TableColumn::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
+    TableColumn::new("due_at", fields::DUE, |part| part.terms.due_at.into()),
+    TableColumn::new("order", fields::ORDER, |part| (&part.terms.order_name).into()),
+    TableColumn::new("name", fields::NAME, |part| part.full_name().into()),
+    TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
 ];
 
 /// Parts of a build.
-pub const BUILD_PART_COLUMNS: &[Column<CountedPart>] = &[
-    Column::new("part", fields::PART, |row| row.part.id.into()),
-    Column::new("name", fields::NAME, |row| row.part.full_name().into()),
-    Column::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
-    Column::new("state", fields::STATE, |row| row.part.state.into()),
-    Column::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
-    Column::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
-    Column::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
-    Column::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
+pub const BUILD_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
+    TableColumn::new("part", fields::PART, |row| row.part.id.into()),
+    TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
+    TableColumn::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
+    TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
+    TableColumn::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
+    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
+    TableColumn::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
+    TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
 ];
 
-/// Parts that an open build is made for, in their order in line.
-pub const WAITING_PART_COLUMNS: &[Column<CountedPart>] = &[
-    Column::new("part", fields::PART, |row| row.part.id.into()),
-    Column::new("name", fields::NAME, |row| row.part.full_name().into()),
-    Column::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
-    Column::for_people("copies_waiting", fields::COPIES_WAITING, |row| row.copies.into()),
-    Column::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
+/// Parts that an open build is made for, in waiting order.
+pub const WAITING_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
+    TableColumn::new("part", fields::PART, |row| row.part.id.into()),
+    TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
+    TableColumn::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
+    TableColumn::for_people("copies_waiting", fields::COPIES_WAITING, |row| row.copies.into()),
+    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
 ];
 
-/// Parts of an order or of a file name, with where they are.
-pub const ORDERED_PART_COLUMNS: &[Column<OrderedPart>] = &[
-    Column::new("part", fields::PART, |row| row.part.id.into()),
-    Column::new("name", fields::NAME, |row| row.part.full_name().into()),
-    Column::new("profile", fields::PROFILE, |row| (&row.part.profile).into()),
-    Column::new("state", fields::STATE, |row| row.part.state.into()),
-    Column::new("copies", fields::COPIES, |row| row.part.copies.into()),
-    Column::for_people("copies_published", fields::COPIES_PUBLISHED, copies_published),
-    Column::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
-    Column::for_people("where", fields::WHERE, where_or_why),
+/// Parts of an order or a file name, with the builds that contain them.
+pub const ORDERED_PART_COLUMNS: &[TableColumn<OrderedPart>] = &[
+    TableColumn::new("part", fields::PART, |row| row.part.id.into()),
+    TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
+    TableColumn::new("profile", fields::PROFILE, |row| (&row.part.profile).into()),
+    TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
+    TableColumn::new("copies", fields::COPIES, |row| row.part.copies.into()),
+    TableColumn::for_people("copies_published", fields::COPIES_PUBLISHED, copies_published),
+    TableColumn::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
+    TableColumn::for_people("where", fields::WHERE, where_or_why),
 ];
 
-/// Parts of a build of which only its file may be known.
-pub const CAKE_PART_COLUMNS: &[Column<CakePart>] = &[
-    Column::new("name", fields::NAME, |part| (&part.name).into()),
-    Column::new("order", fields::ORDER, |part| (&part.order).into()),
-    Column::for_people("copies_here", fields::COPIES_HERE, |part| part.copies.len().into()),
+/// Parts of a build that may be known only from its file.
+pub const CAKE_PART_COLUMNS: &[TableColumn<CakePart>] = &[
+    TableColumn::new("name", fields::NAME, |part| (&part.name).into()),
+    TableColumn::new("order", fields::ORDER, |part| (&part.order).into()),
+    TableColumn::for_people("copies_here", fields::COPIES_HERE, |part| part.copies.len().into()),
 ];
 
 /// Copies of a part that are in builds.
-pub const PLACEMENT_COLUMNS: &[Column<PlacementRow>] = &[
-    Column::new("copy", fields::COPY, |placed| (placed.copy + 1).into()),
-    Column::new("build", fields::BUILD, |placed| CellValue::BuildWithPart(placed.build_id, placed.part_id)),
-    Column::new("build_state", fields::STATE, |placed| placed.build_state.into()),
-    Column::new("published_at", fields::PUBLISHED, |placed| placed.published_at.into()),
-    Column::for_people("origin_mm", fields::ORIGIN, origin),
+pub const PLACEMENT_COLUMNS: &[TableColumn<PlacementRow>] = &[
+    TableColumn::new("copy", fields::COPY, |placed| (placed.copy + 1).into()),
+    TableColumn::new("build", fields::BUILD, |placed| CellValue::BuildWithPart(placed.build_id, placed.part_id)),
+    TableColumn::new("build_state", fields::STATE, |placed| placed.build_state.into()),
+    TableColumn::new("published_at", fields::PUBLISHED, |placed| placed.published_at.into()),
+    TableColumn::for_people("origin_mm", fields::ORIGIN, origin),
 ];
 
-/// Why a part was refused, else what was odd about it.
+/// Why a part was refused; otherwise its warnings.
 fn reason_or_warning(part: &PartRow) -> CellValue {
     let why = if part.reason.is_empty() { &part.warnings } else { &part.reason };
     CellValue::Prose(why.replace('\n', "; "))

@@ -1,4 +1,4 @@
-//! What is known of a part, line by line.
+//! The facts of a part, line by line.
 
 use super::{
     build_sheet::{content, joined},
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::ledger::PartRow;
 
-/// What is known of a part. `copies` says how many there are and where.
+/// The facts of a part. `copies` is the text that says how many copies there are and where they are.
 pub fn part_facts(row: &PartRow, copies: String) -> Vec<SheetFact> {
     let state = joined([Some(row.state.to_string()), fields::TIME.with_unit(row.times.state_at)], " since ");
     let size = row.size_mm().map(|size_mm| joined(size_mm.map(|mm| fields::SIZE.cell_text(&mm.into())), " x ") + " mm");

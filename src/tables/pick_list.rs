@@ -1,66 +1,66 @@
-//! The copies of a build in the order in which they come out of the cake.
+//! The copies of a build in the order in which they are removed from the cake.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn as Column};
+use super::{cell_value::CellValue, fields, table_column::TableColumn};
 use crate::ledger::PartId;
 
-/// A removal direction is a unit vector; components smaller than this are not put into words.
+/// A removal direction is a unit vector. Components smaller than this are not mentioned in its text.
 const SLIGHT: f64 = 0.2;
 
-/// The copies of a build in the order in which they come out of the cake.
+/// The copies of a build in the order in which they are removed from the cake.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PickList {
-    /// The build.
+    /// Number of the build.
     pub build: i64,
-    /// Whether it is proved on the triangles that each copy comes out on a straight line past all that are listed after it; else
-    /// they are listed from the top down.
+    /// Whether the order is proved on the triangles: each copy can be removed along a straight line without touching
+    /// the copies after it in the list. If not, the copies are listed from top to bottom.
     pub is_proved: bool,
-    /// The copies.
+    /// The copies, in the order of removal.
     pub copies: Vec<PickedCopy>,
 }
 
-/// A copy to take out of the cake.
+/// A copy to remove from the cake.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 #[schemars(rename = "Picked")]
 pub struct PickedCopy {
-    /// Its place in the list, from 1, as on the printed map.
+    /// Its position in the list, from 1, as on the printed map.
     pub number: usize,
-    /// The part.
+    /// Number of the part.
     pub part: i64,
     /// Its file name as dropped, with the name of its solid.
     pub name: String,
-    /// Order or kit, empty = none.
+    /// Name of the order or kit; empty = none.
     pub order: String,
-    /// Its copy, from 1.
+    /// Number of the copy, from 1.
     pub copy: u32,
-    /// Its highest point above the floor, mm; null when its original is no longer kept.
+    /// Its highest point above the floor, mm; null if its original file is no longer kept.
     pub top_mm: Option<f64>,
     /// Its lowest point above the floor, mm.
     pub bottom_mm: Option<f64>,
-    /// Middle of its bounds from the left, mm.
+    /// Distance of the center of its bounds from the left side, mm.
     pub center_x_mm: Option<f64>,
-    /// Middle of its bounds from the front, mm.
+    /// Distance of the center of its bounds from the front, mm.
     pub center_y_mm: Option<f64>,
-    /// Whereto it is drawn: a unit vector in the machine's frame; null where the order is not proved.
+    /// Direction in which it is removed: a unit vector in the machine's frame; null if the order is not proved.
     pub way: Option<[f64; 3]>,
 }
 
-/// The list of a build; without a proved order nobody knows the way.
-pub const PICK_COLUMNS: &[Column<PickedCopy>] = &[
-    Column::new("number", fields::PICK_NUMBER, |copy| copy.number.into()),
-    Column::new("top_mm", fields::TOP, |copy| copy.top_mm.into()),
-    Column::new("bottom_mm", fields::BOTTOM, |copy| copy.bottom_mm.into()),
-    Column::new("center_x_mm", fields::CENTER_X, |copy| copy.center_x_mm.into()),
-    Column::new("center_y_mm", fields::CENTER_Y, |copy| copy.center_y_mm.into()),
-    Column::new("way", fields::WAY, |copy| copy.way.map(way_in_words).into()),
-    Column::new("name", fields::PART_NAME, |copy| CellValue::NamedPart(PartId(copy.part), copy.name.clone())),
-    Column::new("order", fields::ORDER, |copy| (&copy.order).into()),
-    Column::new("copy", fields::COPY, |copy| copy.copy.into()),
+/// The columns of a pick list. Without a proved order the removal direction is empty.
+pub const PICK_COLUMNS: &[TableColumn<PickedCopy>] = &[
+    TableColumn::new("number", fields::PICK_NUMBER, |copy| copy.number.into()),
+    TableColumn::new("top_mm", fields::TOP, |copy| copy.top_mm.into()),
+    TableColumn::new("bottom_mm", fields::BOTTOM, |copy| copy.bottom_mm.into()),
+    TableColumn::new("center_x_mm", fields::CENTER_X, |copy| copy.center_x_mm.into()),
+    TableColumn::new("center_y_mm", fields::CENTER_Y, |copy| copy.center_y_mm.into()),
+    TableColumn::new("way", fields::WAY, |copy| copy.way.map(way_in_words).into()),
+    TableColumn::new("name", fields::PART_NAME, |copy| CellValue::NamedPart(PartId(copy.part), copy.name.clone())),
+    TableColumn::new("order", fields::ORDER, |copy| (&copy.order).into()),
+    TableColumn::new("copy", fields::COPY, |copy| copy.copy.into()),
 ];
 
-/// Whether a way goes down, through the floor of the cake.
+/// Whether a removal direction points down, through the floor of the cake.
 pub fn goes_down(way: [f64; 3]) -> bool {
     way[2] < -SLIGHT
 }

@@ -1,4 +1,4 @@
-//! A column of a table: its key in JSON and CSV, its field, and the value that it takes from a row.
+//! A column of a table: its key in JSON and CSV, its field, and its value in a row.
 
 use std::fmt;
 
@@ -10,9 +10,9 @@ use super::{cell_value::CellValue, field_definition::FieldDefinition};
 pub struct TableColumn<Row> {
     /// Its name in JSON and CSV.
     pub key: &'static str,
-    /// Label, unit and how its values print.
+    /// Its label, unit and number format.
     pub field: FieldDefinition,
-    /// What it shows of a row.
+    /// Returns its value in a row.
     pub value: fn(&Row) -> CellValue,
     /// Who sees it.
     pub audience: ColumnAudience,
@@ -21,11 +21,11 @@ pub struct TableColumn<Row> {
 /// Who sees a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColumnAudience {
-    /// People and programs.
+    /// Both people and programs.
     Everyone,
-    /// People, in terminals and on pages; programs see the fields that it is made of.
+    /// People only, in terminals and on pages. Programs see the fields that the column is computed from.
     People,
-    /// Programs, in JSON and CSV.
+    /// Programs only, in JSON and CSV.
     Programs,
 }
 
@@ -35,12 +35,12 @@ impl<Row> TableColumn<Row> {
         Self { key, field, value, audience: ColumnAudience::Everyone }
     }
 
-    /// A column that people see; programs see the fields that it is made of.
+    /// A column that only people see. Programs see the fields that it is computed from.
     pub const fn for_people(key: &'static str, field: FieldDefinition, value: fn(&Row) -> CellValue) -> Self {
         Self { key, field, value, audience: ColumnAudience::People }
     }
 
-    /// A column that stands in JSON and CSV alone.
+    /// A column that only programs see, in JSON and CSV.
     pub const fn for_programs(key: &'static str, field: FieldDefinition, value: fn(&Row) -> CellValue) -> Self {
         Self { key, field, value, audience: ColumnAudience::Programs }
     }
@@ -57,10 +57,11 @@ pub fn for_people<Row>(columns: &[TableColumn<Row>]) -> impl Iterator<Item = &Ta
     columns.iter().filter(|column| column.audience != ColumnAudience::Programs)
 }
 
-/// Rows as CSV for spreadsheets, every column that programs see, with a heading. Texts are no formulas; numbers stay numbers.
+/// Writes rows as CSV for spreadsheets, with a heading and every column that programs see. Texts are escaped so that
+/// a spreadsheet does not run them as formulas. Numbers stay numbers.
 ///
 /// # Errors
-/// When a value cannot be written as a cell, which none of them is.
+/// If a value cannot be written as a cell. No `CellValue` causes this error.
 pub fn csv_of<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> Result<String, csv::Error> {
     let columns: Vec<_> = columns.iter().filter(|column| column.audience != ColumnAudience::People).collect();
     let mut writer = csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
@@ -73,7 +74,7 @@ pub fn csv_of<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> Result<String,
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// A value that no spreadsheet takes for a formula.
+/// Escapes a value so that a spreadsheet does not interpret it as a formula.
 fn harmless(value: CellValue) -> CellValue {
     match value {
         CellValue::Text(text) => CellValue::Text(csv_cell(&text)),

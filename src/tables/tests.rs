@@ -1,4 +1,4 @@
-//! Labels, units and keys agree with each other, and each field of the JSON is a column.
+//! Tests that labels, units and keys agree with each other, and that each field of the JSON is a column.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::ledger::{HistoryQuery, HistoryRow, fixtures::*};
 
-/// Label, unit and key of the columns of a table that are said to programs as they are said to people.
+/// Key and field of the columns of a table that programs see.
 fn said<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {
     let both = columns.iter().filter(|column| column.audience != ColumnAudience::People);
     both.map(|column| (column.key, column.field)).collect()

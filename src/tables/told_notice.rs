@@ -1,4 +1,4 @@
-//! What a person must see to, as programs are told.
+//! An alert that needs a person, in the form that programs read.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,19 +8,19 @@ use crate::{
     ledger::UtcTimestamp,
 };
 
-/// Something that a person must see to, with what to do.
+/// An alert that needs a person, with its remedy.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ToldNotice {
-    /// Kind of the notice.
+    /// Kind of the alert.
     #[schemars(with = "String")]
     kind: AlertKind,
-    /// Machine profile; empty = the farm.
+    /// Machine profile; empty = the whole farm.
     profile: String,
     /// What is wrong.
     sentence: String,
     /// What to do.
     remedy: &'static str,
-    /// Since when.
+    /// When the alert began.
     #[schemars(with = "UtcTimestamp")]
     since: String,
 }

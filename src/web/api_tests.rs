@@ -1,4 +1,4 @@
-//! The JSON interface: every answer is as its description says, and tells what the pages tell.
+//! Tests of the JSON interface: every response matches its description and contains the same data as the pages.
 
 use super::*;
 use crate::{
@@ -7,7 +7,7 @@ use crate::{
     web::openapi::described,
 };
 
-/// Whether a value is as a schema of the description says; what is not, by its path.
+/// Checks a value against a schema of the description, and adds each mismatch with its path to `faults`.
 fn unlike(
     schema: &serde_json::Value,
     value: &serde_json::Value,

@@ -1,5 +1,5 @@
-//! Builds, parts and placements in the JSON interface: every field names its unit, and the daemon's internal fields are
-//! left out.
+//! Builds, parts and placements in the JSON interface. The name of a field ends in its unit. The daemon's internal
+//! fields are left out.
 
 use build_file::LengthUnit;
 use nester::OrientationRule;
@@ -17,29 +17,29 @@ use crate::{
     settings::MachineProfile,
 };
 
-/// A build with all that belongs to it.
+/// A build with its parts, placements and outcomes.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct BuildResponse {
     /// The build itself.
     pub(super) build: BuildResource,
     /// The parts that have copies in it.
     pub(super) parts: Vec<PartResource>,
-    /// Where their copies are in it.
+    /// The poses of their copies in it.
     pub(super) placements: Vec<PlacementResource>,
-    /// What was told of it.
+    /// The outcomes recorded for it.
     pub(super) outcomes: Vec<OutcomeResource>,
 }
 
-/// A part with all that belongs to it.
+/// A part with its placements and events.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct PartResponse {
     /// The part itself.
     pub(super) part: PartResource,
-    /// Where its copies are.
+    /// The builds and poses of its copies.
     pub(super) placements: Vec<PlacementResource>,
-    /// What happened to it.
+    /// The events of the part.
     pub(super) events: Vec<EventResource>,
-    /// Numbers of parts of the same content at other times.
+    /// Numbers of other parts with the same file content.
     pub(super) same_content: Vec<PartId>,
 }
 
@@ -50,13 +50,13 @@ pub(super) struct BuildResource {
     build: BuildId,
     /// Machine profile.
     profile: String,
-    /// Where it stands.
+    /// Its state.
     state: BuildState,
-    /// Why it failed, or the outcome's note.
+    /// Why it failed, or the note of its outcome.
     reason: String,
-    /// Trigger: full, fill, copies, max_wait, due, at, flush.
+    /// Trigger that fired it: full, fill, copies, max_wait, due, at, flush.
     fired_by: String,
-    /// How often nesting was begun.
+    /// How often its nesting was started.
     attempts: u32,
     #[serde(flatten)]
     times: BuildTimes,
@@ -66,7 +66,7 @@ pub(super) struct BuildResource {
     measures: BuildMeasures,
     #[serde(flatten)]
     search: SearchEffort,
-    /// How the height fell in the final search; empty until its file was proved.
+    /// Build height over time in the final search; empty until the build file is proved.
     curve: Vec<CurvePoint>,
     #[serde(flatten)]
     machine: MachineThen,
@@ -83,22 +83,22 @@ struct ToldFile {
     file_bytes: Option<u64>,
 }
 
-/// The machine of a build as it was when the build was made.
+/// The settings of the machine when the build was made.
 #[derive(Serialize, JsonSchema)]
 struct MachineThen {
-    /// Volume of the machine as it was when the build was made, mm.
+    /// Volume of the machine when the build was made, mm.
     volume_mm: [f64; 3],
-    /// Its layer, mm.
+    /// Layer thickness of the machine when the build was made, mm.
     layer_mm: f64,
 }
 
-/// A point of the curve along which the height fell.
+/// A point of the curve of build height over time.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "CurvePoint")]
 struct CurvePoint {
-    /// Wall seconds since the search began.
+    /// Wall time since the search began, seconds.
     wall_secs: f64,
-    /// Build height then, mm.
+    /// Build height at that time, mm.
     height_mm: f64,
 }
 
@@ -113,110 +113,113 @@ pub(super) struct PartResource {
     name: String,
     #[serde(flatten)]
     solid: SolidOfFile,
-    /// Where it stands.
+    /// Its state.
     state: PartState,
-    /// Why it was rejected, "" otherwise.
+    /// Why it was rejected; "" = not rejected.
     reason: String,
-    /// What was odd, a sentence each.
+    /// Warnings, one sentence each.
     warnings: Vec<String>,
-    /// Copies in all.
+    /// Total number of copies.
     copies: u32,
     #[serde(flatten)]
     terms: ToldTerms,
     #[serde(flatten)]
     content: ToldContent,
-    /// When it was claimed: its age in line.
+    /// When it was claimed. Its waiting time is counted from here.
     claimed_at: UtcTimestamp,
-    /// When its state was entered.
+    /// When it entered its state.
     state_at: UtcTimestamp,
 }
 
-/// What was asked of a part, beside the copies.
+/// The requirements for a part, apart from the number of copies.
 #[derive(Serialize, JsonSchema)]
 struct ToldTerms {
-    /// Order or kit, "" = none.
+    /// Name of the order or kit; "" = none.
     order: String,
-    /// 0 to 100.
+    /// Priority, 0 to 100.
     priority: u8,
     /// When it is due.
     due_at: Option<UtcTimestamp>,
-    /// How it may be turned.
+    /// Rule for its allowed orientations.
     #[schemars(with = "String", extend("enum" = words_of::<OrientationRule>()))]
     orientation: OrientationRule,
-    /// Directions of its mesh that must stand within an angle of straight up: 'x,y,z:degrees' with ';' between them; empty = none.
+    /// Directions of its mesh that must stay within an angle of straight up: 'x,y,z:degrees', separated by ';'; empty
+    /// = none.
     tilts: String,
-    /// Its own clearance, mm; `None` = the profile's.
+    /// Its own clearance, mm; `None` = the clearance of the profile.
     clearance_mm: Option<f64>,
-    /// Unit that the ticket said.
+    /// Length unit given in the ticket; `None` = not given.
     #[schemars(with = "Option<String>", extend("enum" = words_or_null::<LengthUnit>()))]
     unit: Option<LengthUnit>,
     /// Free text of the ticket.
     note: String,
 }
 
-/// The file of a part, and what was measured of its solid.
+/// The file of a part, and the measurements of its solid.
 #[derive(Serialize, JsonSchema)]
 struct ToldContent {
     /// BLAKE3 of the file, 64 hex digits.
     blake3: String,
     /// Size of the file.
     file_bytes: u64,
-    /// Triangles; `None` until read.
+    /// Number of triangles; `None` until the file is read.
     triangles: Option<u64>,
-    /// Volume, mm3; `None` until read.
+    /// Volume, mm3; `None` until the file is read.
     volume_mm3: Option<f64>,
-    /// Width, depth and height as dropped, mm; `None` until read.
+    /// Width, depth and height in the orientation of the dropped file, mm; `None` until the file is read.
     size_mm: Option<[f64; 3]>,
 }
 
 /// A copy that is in a build.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct PlacementResource {
-    /// The part.
+    /// Number of the part.
     part: PartId,
-    /// Its copy, from 1.
+    /// Number of the copy, from 1.
     copy: u32,
-    /// The build.
+    /// Number of the build.
     build: BuildId,
-    /// Where the build stands.
+    /// State of the build.
     build_state: BuildState,
-    /// When the build came into the queue.
+    /// When the build file was placed in the queue.
     published_at: Option<UtcTimestamp>,
     /// Rotation from the mesh's frame to the machine's, a unit quaternion; `None` until the build is verified.
     rotation_xyzw: Option<[f64; 4]>,
     /// Translation after the rotation, machine frame, mm; `None` until the build is verified.
     translation_mm: Option<[f64; 3]>,
-    /// As which copy it is drawn out of the cake, from 1, as it was proved; `None` = not proved.
+    /// Position of the copy in the proved removal order, from 1; `None` = no order is proved.
     drawn_place: Option<u32>,
-    /// The straight line that it takes: a unit vector in the machine's frame.
+    /// Direction of the straight line along which the copy is removed: a unit vector in the machine's frame; `None` =
+    /// no order is proved.
     drawn_way: Option<[f64; 3]>,
 }
 
 /// An outcome that a person recorded for a build.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct OutcomeResource {
-    /// What became of it.
+    /// Outcome of the print.
     outcome: PrintOutcome,
-    /// Free text.
+    /// Note of the person, free text.
     note: String,
-    /// user@host.
+    /// Who recorded it, as user@host.
     told_by: String,
-    /// When.
+    /// When the outcome was recorded.
     told_at: UtcTimestamp,
 }
 
 /// Something that happened to a part.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct EventResource {
-    /// When.
+    /// When the event happened.
     at: UtcTimestamp,
-    /// What: a state that was entered, or a word of its own.
+    /// Kind of the event: the state that was entered, or another word.
     kind: String,
-    /// The build that it is about.
+    /// Number of the build that the event is about.
     build: Option<BuildId>,
-    /// More about it.
+    /// Details of the event.
     detail: String,
-    /// Of a refusal, its kind as one word (format, not-closed, too-large, limit, ticket, duplicate, unreadable, failure, cancelled, other); empty otherwise.
+    /// For a refusal, its cause as one word (format, not-closed, too-large, limit, ticket, duplicate, unreadable,
+    /// failure, cancelled, other); empty otherwise.
     cause: String,
 }
 
@@ -233,7 +236,7 @@ impl From<EventRow> for EventResource {
 }
 
 impl BuildResource {
-    /// A build with the machine that it was made for.
+    /// Creates the resource from a ledger row and the machine profile of the build.
     pub(super) fn new(row: BuildRow, profile: &MachineProfile) -> Self {
         let curve =
             row.height_curve().into_iter().map(|(wall_secs, height_mm)| CurvePoint { wall_secs, height_mm }).collect();
@@ -295,7 +298,7 @@ impl From<PartRow> for PartResource {
 }
 
 impl PlacementResource {
-    /// A copy in the current layout of a build that is not proved yet.
+    /// Creates the resource for a copy in the current layout of a build that is not proved yet.
     pub(super) fn from_open_layout(build: &BuildRow, part: PartId, standing: &CakeCopy) -> Self {
         Self {
             part,

@@ -1,5 +1,5 @@
-//! The words of an enum that another crate defines, for the description of the JSON interface: asked of its serde form, so that no
-//! second list of them can be out of date.
+//! The words of an enum that another crate defines, for the description of the JSON interface. They are read from its
+//! serde implementation, so that there is no second list that can become outdated.
 
 use std::fmt;
 
@@ -10,29 +10,29 @@ use serde::{
 };
 use serde_json::Value;
 
-/// The words that an enum is written as, in their order.
+/// The words that serde writes for the variants of an enum, in order.
 pub(super) fn words_of<T: Serialize + DeserializeOwned>() -> Vec<Value> {
     let mut read = Vec::new();
-    // It is asked for its words and given none of them.
+    // The deserializer only collects the words. It never provides a value, so the result is always an error.
     let _ = T::deserialize(WordsAsked(&mut read)).is_ok();
     let value = |word: &str| serde_json::from_value::<T>(word.into()).and_then(serde_json::to_value).ok();
     let mut written: Vec<Value> = read.into_iter().filter_map(value).collect();
-    // Several words may be read as the same.
+    // Several words may stand for the same variant.
     written.dedup();
     written
 }
 
-/// The words that an enum is written as, and null where there is none.
+/// The same words, and null for a missing value.
 pub(super) fn words_or_null<T: Serialize + DeserializeOwned>() -> Vec<Value> {
     let mut words = words_of::<T>();
     words.push(Value::Null);
     words
 }
 
-/// Notes which words an enum knows.
+/// A deserializer that collects the words of an enum.
 struct WordsAsked<'w>(&'w mut Vec<&'static str>);
 
-/// That the words are known is all that is wanted.
+/// The error with which the deserializer ends once it has the words.
 #[derive(Debug)]
 struct NoValue;
 

@@ -1,4 +1,5 @@
-//! The history: builds with their heights, filtered and sorted, as a page; and the shown rows as CSV or JSON.
+//! The history page: builds with their heights, filtered and sorted. The shown rows are also available as CSV and
+//! JSON.
 
 use std::sync::Arc;
 
@@ -26,7 +27,7 @@ use crate::{
     tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, csv_of, fields},
 };
 
-/// Builds on a page.
+/// Greatest number of builds on a page.
 const MAX_ROWS: u32 = 500;
 
 /// The filter of a request; empty fields do not filter.
@@ -34,35 +35,35 @@ const MAX_ROWS: u32 = 500;
 #[serde(default)]
 #[schemars(inline)]
 pub(super) struct HistoryFilter {
-    /// Of one machine profile.
+    /// Only builds of this machine profile.
     #[serde(skip_serializing_if = "String::is_empty")]
     profile: String,
-    /// In one state.
+    /// Only builds in this state.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(with = "BuildState")]
     state: String,
-    /// That hold a part of this file name or order.
+    /// Only builds that contain a part with this file name or order.
     #[serde(skip_serializing_if = "String::is_empty")]
     part: String,
-    /// From this day on, UTC.
+    /// Only builds from this day (UTC) on.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(extend("format" = "date"))]
     since: String,
-    /// Up to this day, UTC.
+    /// Only builds up to and including this day (UTC).
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(extend("format" = "date"))]
     until: String,
-    /// By this column; the newest first where it is not said.
+    /// Sort by this column; newest first if empty.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(extend("enum" = SORT_COLUMNS.map(|(word, ..)| word)))]
     sort: String,
-    /// Those that come after this build in that order: the last one of the page before.
+    /// Only builds after this build in the sort order: the last build of the previous page.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(with = "i64")]
     after: String,
 }
 
-/// What a page can be sorted by beside the newest, with the field that it is sorted by.
+/// The possible sort columns, besides newest first, each with its field.
 const SORT_COLUMNS: [(&str, HistorySort, FieldDefinition); 4] = [
     ("height", HistorySort::Height, fields::HEIGHT),
     ("density", HistorySort::Density, fields::DENSITY),

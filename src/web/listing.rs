@@ -1,11 +1,11 @@
-//! Tables and sheets as pages show them, made from the columns and facts of `tables`.
+//! Tables and fact sheets for pages, made from the columns and facts of `tables`.
 
 use maud::{Markup, html};
 
 use super::format::{DASH, prose_with_code};
 use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, for_people};
 
-/// A table of rows in the columns that people see; `name` is what it is called to who cannot see it.
+/// A table of rows with the columns that people see. `name` is its label for screen readers.
 pub(super) fn table_of<Row>(name: &str, caption: Option<String>, columns: &[TableColumn<Row>], rows: &[Row]) -> Markup {
     html! {
         div.wide tabindex="0" role="region" aria-label=(name) {
@@ -25,12 +25,12 @@ pub(super) fn heading(field: &FieldDefinition) -> Markup {
     html! { th class=[class_of(field)] scope="col" { (field.page_heading()) } }
 }
 
-/// Numbers stand to the right.
+/// The CSS class that aligns numbers to the right.
 fn class_of(field: &FieldDefinition) -> Option<&'static str> {
     field.is_number().then_some("n")
 }
 
-/// A cell; parts and builds are links to their pages where there are pages.
+/// A table cell. If `has_pages`, parts and builds are links to their pages.
 pub(super) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup {
     html! { td class=[class_of(field)] { (shown(field, value, has_pages)) } }
 }
@@ -51,7 +51,7 @@ fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup 
     }
 }
 
-/// What is known as a list of terms.
+/// The facts as a description list.
 pub(super) fn fact_list(known: &[SheetFact]) -> Markup {
     html! {
         dl.facts { @for fact in known { div { dt { (fact.label) } dd { (fact.text) } } } }

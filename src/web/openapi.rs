@@ -1,5 +1,5 @@
-//! The JSON interface's addresses, each once: the server answers them, and `openapi.json` is derived from them, from the types of
-//! their answers and from what their queries ask for.
+//! The addresses of the JSON interface, in one list. The server serves them, and `openapi.json` is derived from the
+//! list, from the response types and from the query types.
 
 use std::sync::{Arc, LazyLock};
 
@@ -27,13 +27,13 @@ use crate::{
 const ABOUT: &str = "What the pages of the dashboard show. Lengths end in _mm, volumes in _mm3, durations in _secs, sizes of files in \
     _bytes; density is a share, 0 to 1; rotations and directions have no unit; times are UTC, RFC 3339.";
 
-/// Where the document keeps its schemas.
+/// Path of the schemas in the document.
 const SCHEMAS: &str = "/components/schemas";
 
-/// Makes the schema of a type.
+/// Creates the schema of a type.
 type SchemaMaker = fn(&mut SchemaGenerator) -> Schema;
 
-/// Makes what answers at an address.
+/// Creates the handler of an address.
 type HandlerMaker = fn() -> MethodRouter<Arc<DashboardState>>;
 
 /// An address of the interface.
@@ -42,9 +42,9 @@ struct ApiRoute {
     name: &'static str,
     summary: &'static str,
     answer: SchemaMaker,
-    /// What its query may ask for.
+    /// Schema of its query parameters; `None` = no query.
     query: Option<SchemaMaker>,
-    /// What of it makes no sense here.
+    /// Fields of that schema that do not apply to this address.
     without: &'static [&'static str],
     handler: HandlerMaker,
 }
@@ -126,14 +126,14 @@ async fn document() -> Response {
     ([(header::CONTENT_TYPE, "application/json")], DOCUMENT.as_str()).into_response()
 }
 
-/// The description, which is the same for as long as the program runs.
+/// The document as text. It does not change while the program runs.
 static DOCUMENT: LazyLock<String> = LazyLock::new(|| format!("{:#}", described()));
 
 fn schema_of<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
     generator.subschema_for::<T>()
 }
 
-/// The whole document.
+/// Creates the whole document.
 pub(super) fn described() -> Value {
     let mut settings = SchemaSettings::draft2020_12().for_serialize();
     settings.definitions_path = SCHEMAS.into();
@@ -197,7 +197,7 @@ fn operation(route: &ApiRoute, error: &Schema, generator: &mut SchemaGenerator) 
     operation
 }
 
-/// The fields of a query as parameters of its address.
+/// The fields of a query type as parameters of an address.
 fn query_parameters(schema: &Schema, without: &[&str]) -> Vec<Value> {
     let fields = schema.get("properties").and_then(Value::as_object).cloned().unwrap_or_default();
     let shown = fields.into_iter().filter(|(name, _)| !without.contains(&name.as_str()));
@@ -208,7 +208,7 @@ fn query_parameters(schema: &Schema, without: &[&str]) -> Vec<Value> {
     shown.map(parameter).collect()
 }
 
-/// What is `None` to us is null to those who read JSON.
+/// Replaces Rust terms in descriptions: `None` becomes null, and links become plain names.
 fn speak_json(value: &mut Value) {
     match value {
         Value::String(text) => *text = text.replace("`None`", "null").replace("[`", "`").replace("`]", "`"),

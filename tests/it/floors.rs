@@ -1,5 +1,5 @@
-//! Checks the layering: crates and modules use only lower floors, and no files of a crate or module import each other
-//! in a circle.
+//! Checks the layering: crates and modules use only lower floors, and the files of a crate or module do not import
+//! each other in a circle.
 
 use std::{
     fs,
@@ -10,10 +10,11 @@ use toml::Table;
 
 mod imports;
 
-/// Crates of the workspace and their floors, as in `ARCHITECTURE.md`. The rooms of `nestd` stand above all of them.
+/// Crates of the workspace and their floors, as in `ARCHITECTURE.md`. The rooms (modules) of `nestd` are above all of
+/// them.
 const CRATES: [(&str, u32); 4] = [("solids", 0), ("sample-parts", 1), ("nester", 2), ("build-file", 2)];
 
-/// Rooms and their floors, as in `ARCHITECTURE.md`.
+/// Rooms (modules of `nestd`) and their floors, as in `ARCHITECTURE.md`.
 const FLOORS: [(&str, u32); 12] = [
     ("access", 2),
     ("build", 3),
@@ -47,7 +48,7 @@ fn floor(room: &str) -> Option<u32> {
     FLOORS.iter().find(|(name, _)| *name == room).map(|&(_, floor)| floor)
 }
 
-/// The modules that a source text names after `crate::`, also inside braces.
+/// The modules that a source text mentions after `crate::`, also inside braces.
 fn rooms_named(text: &str) -> Vec<String> {
     let mut rooms = Vec::new();
     for (at, _) in text.match_indices("crate::") {
@@ -58,7 +59,7 @@ fn rooms_named(text: &str) -> Vec<String> {
         };
         for name in names {
             let name: String = name.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            // After the last comma of a list over several lines there is no name.
+            // A multi-line list has no name after its last comma.
             if !name.is_empty() {
                 rooms.push(name);
             }
@@ -67,7 +68,7 @@ fn rooms_named(text: &str) -> Vec<String> {
     rooms
 }
 
-/// The top-level names of a list `{a::b, c::{d, e}}`, given the text after the first brace.
+/// The top-level names of a list `{a::b, c::{d, e}}`. `list` is the text after the first brace.
 fn top_level_names(list: &str) -> Vec<&str> {
     let (mut depth, mut start, mut names) = (1, 0, Vec::new());
     for (at, c) in list.char_indices() {

@@ -100,7 +100,7 @@ impl ExpectedFile {
             ("suspicious size", &["suspicious size"]),
             ("trailing bytes", &["ignored"]),
             ("missing endsolid", &["endsolid"]),
-            ("slice stack", &["slices"]),
+            ("slice stack", &["slice stack"]),
             ("object types", &["supports"]),
         ];
         let is_missed = |(word, told): &&(&str, &[&str])| {

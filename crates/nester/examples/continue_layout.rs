@@ -1,4 +1,4 @@
-//! Goes on from a layout: an order comes in late, and what is promised already must stay where it is.
+//! Continues from an existing layout: a late order is added, and copies that are already promised must not move.
 //!
 //! `cargo run --release -p nester --example continue_layout`
 #![allow(clippy::print_stdout)] // an example tells what it does
@@ -19,21 +19,22 @@ fn main() -> Result<(), Box<dyn Error>> {
         let items = vec![NestingItem::new("knob", knob.clone(), knobs), NestingItem::new("rail", rail.clone(), rails)];
         NestingInstance::new(machine, 2.0, items)
     };
-    // Meshes are prepared once for all that follows.
+    // The meshes are prepared once for all searches below.
     let (config, prepared) = (NestingConfig::default(), PreparedMeshes::default());
 
     let monday = asked(8, 4)?;
     let first = nest_with_cache(&monday, &config, &[], &prepared, &SearchBudget::of_evaluations(60_000), &mut ());
     println!("Monday: {}", told(&monday, &first));
 
-    // Three knobs more: into gaps where there are any, the others make room, and nobody starts over.
+    // Three more knobs: they are placed into gaps, and other parts move to make room. The search does not start
+    // again.
     let tuesday = asked(11, 4)?;
     let budget = SearchBudget::of_evaluations(20_000);
     let inserted = insert_copies(&tuesday, &config, &first.placements, &prepared, &budget, &mut ());
     println!("Tuesday, three knobs more: {}", told(&tuesday, &inserted));
     println!("  {} of the parts moved", moved(&first.placements, &inserted.placements));
 
-    // The knobs of Monday are promised to a customer as they stand; everything else may still move.
+    // Monday's knobs are promised to a customer and keep their poses; all other parts may still move.
     let promised: Vec<ItemPlacement> = first.placements.iter().filter(|p| p.item == 0).copied().collect();
     let reserved = asked(11, 6)?.with_pinned(promised.clone());
     let budget = SearchBudget::of_evaluations(60_000);
@@ -48,7 +49,7 @@ fn told(instance: &NestingInstance, solution: &NestingSolution) -> String {
     format!("{placed} of {copies} parts, {:.1} mm high", solution.height_mm)
 }
 
-/// How many copies of an earlier layout stand elsewhere in a later one.
+/// Number of copies of an earlier layout that have another pose in a later one.
 fn moved(before: &[ItemPlacement], after: &[ItemPlacement]) -> usize {
     before.iter().filter(|placement| !after.contains(placement)).count()
 }

@@ -1,5 +1,5 @@
-//! Forbids directions: some parts keep a side up, some faces must not look down, and no part may be locked into others. Then
-//! tells in which order the finished parts are drawn out of the powder.
+//! Forbids orientations: some parts keep a side up, some faces must not face down, and no part may be locked into
+//! others. Then prints the order in which the finished parts can be removed from the powder.
 //!
 //! `cargo run --release -p nester --example forbid_directions`
 #![allow(clippy::print_stdout)] // an example tells what it does
@@ -13,17 +13,17 @@ use nester::{
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // A tray must not be printed upside down, or it holds powder: within 60 degrees of how it stands.
+    // A tray must not be printed upside down, because it would hold powder: its z axis stays within 60 degrees of up.
     let tray = OrientationLimits::new(OrientationRule::Free, &[TiltLimit::new(DVec3::Z, 60.0)?], &[]);
-    // The upper face of a pulley is seen: it must not look down, where layers show as steps.
+    // The upper face of a pulley is visible in use. It must not face down, because layers are visible as steps there.
     let pulley = OrientationLimits::new(OrientationRule::Free, &[], &[FaceNotDown::new(DVec3::Z, 45.0)?]);
     let items = vec![
         NestingItem::new("tray", Arc::new(sample_parts::tray([2, 1], 22.0, 18.0, 2.0)), 3).with_orientation(tray),
         NestingItem::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 3).with_orientation(pulley),
-        // A lampshade stands as it was drawn, and only turns about z.
+        // A lampshade stays upright and only turns about z.
         NestingItem::new("lampshade", Arc::new(sample_parts::lampshade(50.0, 30.0, 36.0, 2.0)), 3)
             .with_orientation(OrientationRule::Upright),
-        // Rings may be turned in any way, but a chain would not do.
+        // Rings may have any orientation, but they must not form a chain.
         NestingItem::new("ring", Arc::new(sample_parts::ring(36.0, 26.0, 5.0)), 8),
     ];
     let machine = BuildVolume { size_mm: DVec3::new(110.0, 110.0, 160.0) };

@@ -1,4 +1,4 @@
-//! Packs a list of parts, and tells how the build got lower and what stands in it.
+//! Packs a list of parts, and prints how the build height falls and what the build contains.
 //!
 //! `cargo run --release -p nester --example pack_list`
 #![allow(clippy::print_stdout)] // an example tells what it does
@@ -12,7 +12,7 @@ use nester::{
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // What is to be printed: a name, a mesh in mm, how many copies.
+    // The parts to print: name, mesh in mm, number of copies.
     let list = [
         ("bracket", sample_parts::bracket(60.0, 24.0, 4.0, 5.0), 6),
         ("clip", sample_parts::clip(22.0, 2.4, 14.0), 12),

@@ -14,10 +14,10 @@ pub struct BuildVolume {
 ///
 /// ```
 /// use glam::DVec3;
-/// use nester::Margins;
+/// use nester::VolumeMargins;
 ///
-/// let margins = Margins { wall_mm: 5.0, floor_mm: 3.0, lid_mm: 1.0 };
-/// assert_eq!(margins.room(DVec3::splat(100.0)).size_mm, DVec3::new(90.0, 90.0, 96.0));
+/// let margins = VolumeMargins { wall_mm: 5.0, floor_mm: 3.0, lid_mm: 1.0 };
+/// assert_eq!(margins.usable_volume(DVec3::splat(100.0)).size_mm, DVec3::new(90.0, 90.0, 96.0));
 /// assert_eq!(margins.origin_mm(), DVec3::new(5.0, 5.0, 3.0));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

@@ -16,16 +16,16 @@ use super::{
 ///
 /// ```
 /// use std::{collections::HashMap, sync::{Arc, Mutex}};
-/// use nester::{Cache, PreparedMeshes};
+/// use nester::{PreparedMeshCache, PreparedMeshes};
 ///
 /// #[derive(Default)]
 /// struct MemoryCache(Mutex<HashMap<String, Vec<u8>>>);
 ///
-/// impl Cache for MemoryCache {
-///     fn fetch(&self, key: &str) -> Option<Vec<u8>> {
+/// impl PreparedMeshCache for MemoryCache {
+///     fn fetch_bytes(&self, key: &str) -> Option<Vec<u8>> {
 ///         self.0.lock().ok()?.get(key).cloned()
 ///     }
-///     fn keep(&self, key: &str, bytes: &[u8]) {
+///     fn store_bytes(&self, key: &str, bytes: &[u8]) {
 ///         if let Ok(mut kept) = self.0.lock() {
 ///             kept.insert(key.to_owned(), bytes.to_vec());
 ///         }

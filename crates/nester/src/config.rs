@@ -49,10 +49,10 @@ impl InterlockRule {
 /// All search parameters except the instance and the budget.
 ///
 /// ```
-/// use nester::{Config, Interlock};
+/// use nester::{NestingConfig, InterlockRule};
 ///
-/// let config = Config { seed: 7, threads: 2, interlock: Interlock::Warn, ..Config::default() };
-/// assert_eq!(config.interlock().word(), "warn");
+/// let config = NestingConfig { seed: 7, threads: 2, interlock: InterlockRule::Warn, ..NestingConfig::default() };
+/// assert_eq!(config.effective_interlock().as_str(), "warn");
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -39,7 +39,7 @@ pub(crate) fn removal_directions() -> [DVec3; DIRECTION_COUNT] {
 /// Distance that two parts keep while one of them is removed, mm: half of their clearance, at most half a millimetre.
 ///
 /// ```
-/// assert_eq!((nester::drawing_gap_mm(0.6), nester::drawing_gap_mm(3.0)), (0.3, 0.5));
+/// assert_eq!((nester::removal_gap_mm(0.6), nester::removal_gap_mm(3.0)), (0.3, 0.5));
 /// ```
 pub fn removal_gap_mm(clearance_mm: f64) -> f64 {
     (0.5 * clearance_mm).clamp(MIN_GAP_MM, MAX_GAP_MM)

@@ -45,13 +45,13 @@ impl FitFailure {
 ///
 /// ```
 /// use glam::DVec3;
-/// use nester::{BuildVolume, OrientationRule, fits};
+/// use nester::{BuildVolume, OrientationRule, find_fitting_rotation};
 ///
 /// let rail = sample_parts::cuboid(DVec3::new(320.0, 8.0, 8.0));
 /// let cube = BuildVolume { size_mm: DVec3::splat(200.0) };
-/// assert!(fits(&rail, &OrientationRule::Free.into(), &cube).is_ok()); // along the diagonal
+/// assert!(find_fitting_rotation(&rail, &OrientationRule::Free.into(), &cube).is_ok()); // along the diagonal
 ///
-/// let misfit = fits(&rail, &OrientationRule::Axis.into(), &cube).unwrap_err();
+/// let misfit = find_fitting_rotation(&rail, &OrientationRule::Axis.into(), &cube).unwrap_err();
 /// assert_eq!(
 ///     misfit.reason(&cube),
 ///     "needs 320.0 x 8.0 x 8.0 mm in its best allowed orientation, there are 200 x 200 x 200 mm"

@@ -23,11 +23,11 @@ const MAX_DIRECTIONS: usize = 20_000;
 /// ```
 /// use std::sync::Arc;
 /// use glam::DVec3;
-/// use nester::{BuildVolume, Instance, Item, lower_bound_mm};
+/// use nester::{BuildVolume, NestingInstance, NestingItem, lower_bound_mm};
 ///
 /// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
 /// let volume = BuildVolume { size_mm: DVec3::new(100.0, 50.0, 400.0) };
-/// let instance = Instance::new(volume, 1.0, vec![Item::new("cube", cube, 500)])?;
+/// let instance = NestingInstance::new(volume, 1.0, vec![NestingItem::new("cube", cube, 500)])?;
 /// assert!((lower_bound_mm(&instance) - 100.0).abs() < 1e-9); // 500 cm3 on 50 cm2
 /// # Ok::<(), nester::InstanceError>(())
 /// ```

@@ -39,19 +39,19 @@ const SAME_MM: f64 = 1e-6;
 /// ```
 /// use std::sync::Arc;
 /// use glam::DVec3;
-/// use nester::{BuildVolume, Config, Instance, Item, PreparedMeshes, SearchBudget, insert, nest_with};
+/// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, PreparedMeshes, SearchBudget, insert_copies, nest_with_cache};
 ///
 /// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
 /// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
-/// let asked = |copies| Instance::new(volume, 1.5, vec![Item::new("clip", clip.clone(), copies)]);
-/// let (config, prepared) = (Config::default(), PreparedMeshes::default());
+/// let asked = |copies| NestingInstance::new(volume, 1.5, vec![NestingItem::new("clip", clip.clone(), copies)]);
+/// let (config, prepared) = (NestingConfig::default(), PreparedMeshes::default());
 /// let budget = || SearchBudget::of_evaluations(1000);
 ///
-/// let five = nest_with(&asked(5)?, &config, &[], &prepared, &budget(), &mut ());
-/// let seven = insert(&asked(7)?, &config, &five.placements, &prepared, &budget(), &mut ());
+/// let five = nest_with_cache(&asked(5)?, &config, &[], &prepared, &budget(), &mut ());
+/// let seven = insert_copies(&asked(7)?, &config, &five.placements, &prepared, &budget(), &mut ());
 /// assert_eq!((five.placements.len(), seven.placements.len()), (5, 7));
 ///
-/// let three = insert(&asked(3)?, &config, &seven.placements, &prepared, &budget(), &mut ());
+/// let three = insert_copies(&asked(3)?, &config, &seven.placements, &prepared, &budget(), &mut ());
 /// assert_eq!(three.placements, seven.placements[..3]); // nobody moved
 /// # Ok::<(), nester::InstanceError>(())
 /// ```

@@ -11,7 +11,7 @@ use super::{
     reserved::{ReservedSpace, ReservedZone, box_mesh},
 };
 
-/// A zone whose part inside the volume is thinner than this is ignored, mm.
+/// A zone is ignored if its part inside the volume is thinner than this, mm.
 const THINNEST_MM: f64 = 1e-6;
 
 /// A part to nest.
@@ -30,18 +30,18 @@ pub struct NestingItem {
 }
 
 impl NestingItem {
-    /// So many copies of a mesh, turned in any way, at the instance's clearance.
+    /// Creates an item with this number of copies, any orientation, and the clearance of the instance.
     pub fn new(name: impl Into<String>, mesh: Arc<Mesh>, copies: u32) -> Self {
         Self { name: name.into(), mesh, copies, orientation: OrientationLimits::default(), clearance_mm: None }
     }
 
-    /// The same, turned only as a rule allows.
+    /// The same item with limits on its orientation.
     #[must_use]
     pub fn with_orientation(self, orientation: impl Into<OrientationLimits>) -> Self {
         Self { orientation: orientation.into(), ..self }
     }
 
-    /// The same with a clearance of its own, mm.
+    /// The same item with its own clearance, mm.
     #[must_use]
     pub fn with_clearance(self, clearance_mm: f64) -> Self {
         Self { clearance_mm: Some(clearance_mm), ..self }
@@ -63,39 +63,40 @@ pub enum InstanceError {
     /// The layer thickness or the area cap is not positive.
     #[error("{0} mm2 is not a valid area cap for layers of {1} mm")]
     BadLayers(f64, f64),
-    /// There is nothing to nest.
+    /// No item has any copies.
     #[error("there is nothing to nest")]
     Empty,
-    /// A written item names a mesh that was not written.
+    /// A serialized item refers to a mesh that does not exist.
     #[error("item {item} names mesh {mesh}, but there are only {meshes}")]
     NoMesh {
         /// Index of the item.
         item: usize,
-        /// The mesh's index that it names.
+        /// The mesh index in the item.
         mesh: usize,
-        /// How many meshes there are.
+        /// Number of meshes.
         meshes: usize,
     },
 }
 
-/// The nesting problem. Items are in order of precedence: when not all copies fit, earlier items are placed first.
+/// The nesting problem. Items are in order of precedence: if not all copies fit, earlier items are placed first.
 ///
 /// ```
 /// use std::sync::Arc;
 /// use glam::DVec3;
-/// use nester::{BuildVolume, Instance, InstanceError, Item, OrientationRule};
+/// use nester::{BuildVolume, NestingInstance, InstanceError, NestingItem, OrientationRule};
 ///
 /// let volume = BuildVolume { size_mm: DVec3::new(200.0, 200.0, 300.0) };
-/// let pulley = Item::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 6);
-/// let knob = Item::new("knob", Arc::new(sample_parts::knob(42.0, 20.0, 6)), 4).with_orientation(OrientationRule::Upright);
-/// let instance = Instance::new(volume, 3.0, vec![pulley, knob.with_clearance(5.0)])?;
-/// assert_eq!((instance.copies(), instance.clearance_between_mm(0, 1)), (10, 5.0));
+/// let pulley = NestingItem::new("pulley", Arc::new(sample_parts::pulley(44.0, 12.0, 8.0)), 6);
+/// let knob = NestingItem::new("knob", Arc::new(sample_parts::knob(42.0, 20.0, 6)), 4).with_orientation(OrientationRule::Upright);
+/// let instance = NestingInstance::new(volume, 3.0, vec![pulley, knob.with_clearance(5.0)])?;
+/// assert_eq!((instance.copy_count(), instance.clearance_between_mm(0, 1)), (10, 5.0));
 ///
-/// assert_eq!(Instance::new(volume, 3.0, Vec::new()).unwrap_err(), InstanceError::Empty);
+/// assert_eq!(NestingInstance::new(volume, 3.0, Vec::new()).unwrap_err(), InstanceError::Empty);
 /// # Ok::<(), InstanceError>(())
 /// ```
 ///
-/// Written with serde, every distinct mesh (`Arc`) is written once; what is read is checked as here.
+/// serde writes every distinct mesh (`Arc`) once. An instance that is read passes the same checks as in
+/// [`NestingInstance::new`].
 #[derive(Debug, Clone)]
 pub struct NestingInstance {
     volume: BuildVolume,
@@ -135,11 +136,11 @@ impl NestingInstance {
     /// ```
     /// # use std::sync::Arc;
     /// use glam::DVec3;
-    /// use nester::{BuildVolume, Instance, Item};
+    /// use nester::{BuildVolume, NestingInstance, NestingItem};
     /// use solids::Bounds;
     ///
     /// # let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
-    /// # let instance = Instance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![Item::new("cube", cube, 3)])?;
+    /// # let instance = NestingInstance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![NestingItem::new("cube", cube, 3)])?;
     /// let sensor = Bounds { min: DVec3::new(-9.0, 0.0, 0.0), max: DVec3::new(8.0, 8.0, 50.0) };
     /// let instance = instance.with_keep_out(&[sensor])?;
     /// assert_eq!(instance.keep_out()[0].min.x, 0.0);
@@ -162,20 +163,20 @@ impl NestingInstance {
         Ok(self)
     }
 
-    /// Fixes copies at given poses: they are part of every layout and never move. If a pose breaks a rule, or comes too
-    /// near to an earlier fixed copy, that copy stays unplaced.
+    /// Fixes copies at given poses: they are part of every layout and never move. If a pose breaks a rule, or is too
+    /// close to an earlier fixed copy, that copy remains unplaced.
     ///
     /// ```
     /// # use std::sync::Arc;
     /// use glam::{DQuat, DVec3};
-    /// use nester::{BuildVolume, Config, Instance, Item, Placement, SearchBudget, nest};
+    /// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, ItemPlacement, SearchBudget, nest};
     /// use solids::Pose;
     ///
     /// # let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
-    /// # let instance = Instance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![Item::new("cube", cube, 3)])?;
-    /// let labelled = Placement { item: 0, copy: 1, pose: Pose::new(DQuat::IDENTITY, DVec3::new(20.0, 20.0, 5.0)) };
+    /// # let instance = NestingInstance::new(BuildVolume { size_mm: DVec3::splat(50.0) }, 1.0, vec![NestingItem::new("cube", cube, 3)])?;
+    /// let labelled = ItemPlacement { item: 0, copy: 1, pose: Pose::new(DQuat::IDENTITY, DVec3::new(20.0, 20.0, 5.0)) };
     /// let instance = instance.with_pinned(vec![labelled]);
-    /// let solution = nest(&instance, &Config::default(), &[], &SearchBudget::of_evaluations(300), &mut ());
+    /// let solution = nest(&instance, &NestingConfig::default(), &[], &SearchBudget::of_evaluations(300), &mut ());
     /// assert_eq!(solution.placements[1], labelled);
     /// # Ok::<(), nester::InstanceError>(())
     /// ```
@@ -195,8 +196,8 @@ impl NestingInstance {
         &self.reserved.pinned
     }
 
-    /// Requires more clearance along z: between any two parts the clearance must also hold when either of them is
-    /// raised by anything from 0 to `extra_mm`.
+    /// Requires more clearance along z: the clearance between any two parts must also hold if either of them is
+    /// raised by any distance from 0 to `extra_mm`.
     pub fn with_clearance_z_extra(self, extra_mm: f64) -> Result<Self, InstanceError> {
         if !(extra_mm.is_finite() && extra_mm >= 0.0) {
             return Err(InstanceError::BadClearance(extra_mm));
@@ -204,17 +205,17 @@ impl NestingInstance {
         Ok(Self { clearance_z_extra_mm: extra_mm, ..self })
     }
 
-    /// The box to fill.
+    /// The build volume.
     pub fn volume(&self) -> BuildVolume {
         self.volume
     }
 
-    /// Least distance between the surfaces of two placements, mm.
+    /// Minimum distance between the surfaces of two placements, mm.
     pub fn clearance_mm(&self) -> f64 {
         self.clearance_mm
     }
 
-    /// Sets the layer thickness and the greatest area that a layer may fill.
+    /// Sets the layer thickness and the maximum filled area of a layer.
     pub fn with_layer_cap(self, layer_cap: LayerAreaCap) -> Result<Self, InstanceError> {
         if !(layer_cap.layer_mm.is_finite() && layer_cap.layer_mm > 0.0 && layer_cap.area_mm2 > 0.0) {
             return Err(InstanceError::BadLayers(layer_cap.area_mm2, layer_cap.layer_mm));
@@ -222,7 +223,7 @@ impl NestingInstance {
         Ok(Self { layer_cap, ..self })
     }
 
-    /// The layer thickness and the greatest area that a layer may fill.
+    /// The layer thickness and the maximum filled area of a layer.
     pub fn layer_cap(&self) -> LayerAreaCap {
         self.layer_cap
     }

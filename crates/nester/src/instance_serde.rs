@@ -1,5 +1,5 @@
-//! An instance as a file: every distinct mesh once, items name theirs by its index. What is read goes through the same checks as
-//! an instance that is put together by code.
+//! Serialization of an instance. Every distinct mesh is written once, and items refer to their mesh by its index. An
+//! instance that is read passes the same checks as one that is constructed in code.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -8,7 +8,7 @@ use solids::{Bounds, Mesh};
 
 use super::{BuildVolume, InstanceError, ItemPlacement, LayerAreaCap, NestingInstance, NestingItem, OrientationLimits};
 
-/// An instance as it is written, with `M` a borrowed mesh, and read, with `M` a mesh.
+/// The serialized form of an instance. `M` is a borrowed mesh for writing, and an owned mesh for reading.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Instance", deny_unknown_fields)]
 struct WrittenInstance<M> {
@@ -26,7 +26,7 @@ struct WrittenInstance<M> {
     meshes: Vec<M>,
 }
 
-/// An item as it is written and read; its mesh by index.
+/// The serialized form of an item. `mesh` is the index of its mesh.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Item", deny_unknown_fields)]
 struct WrittenItem {

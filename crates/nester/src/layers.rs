@@ -15,12 +15,12 @@ const CAP_TOLERANCE: f64 = 1e-6;
 ///
 /// ```
 /// use glam::DVec3;
-/// use nester::{LayerAreas, LayerCap};
+/// use nester::{LayerAreas, LayerAreaCap};
 /// use solids::Pose;
 ///
 /// let cube = sample_parts::cuboid(DVec3::splat(10.0));
-/// let cap = LayerCap { layer_mm: 0.5, area_mm2: 90.0 };
-/// let areas = LayerAreas::of([(&cube, Pose::IDENTITY)], cap);
+/// let cap = LayerAreaCap { layer_mm: 0.5, area_mm2: 90.0 };
+/// let areas = LayerAreas::from_meshes([(&cube, Pose::IDENTITY)], cap);
 /// assert!((areas.largest_area_mm2 - 100.0).abs() < 1e-9 && !areas.keeps_cap());
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
-// The packing search: solids x pollination. What is asked is an `NestingInstance`, what is found is a `NestingSolution`. No file, no log and no
-// process-wide memory in here: time comes in through `Stop`, progress goes out through `Listener`.
+// The packing search. Its input is a `NestingInstance`, its output a `NestingSolution`. The crate uses no files, no
+// log and no global state. A `StopCondition` ends the search, and a `ProgressListener` receives its progress.
 
 mod box_stacker;
 mod build_volume;

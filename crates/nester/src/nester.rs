@@ -1,4 +1,4 @@
-//! The entry point of the search: Instance -> Solution.
+//! The entry point of the search: `NestingInstance` -> `NestingSolution`.
 
 use std::sync::{Arc, mpsc};
 
@@ -25,29 +25,30 @@ use super::{
 use crate::paper::nest_paper;
 use crate::pollination::{FlowerPollination, PollinationSettings};
 
-/// Nests an instance. `start` is an earlier layout of the same instance, or of a part of it, to continue from; missing
+/// Nests an instance. `start` is an earlier layout to continue from, of the same instance or of a part of it; missing
 /// copies are inserted. The returned layout is always valid: every placement is inside the volume and keeps its
-/// clearance, checked on the triangles. Copies that could not be placed are in `unplaced`. There are no errors: an instance that was made can be nested.
+/// clearance, checked on the triangles. Copies that could not be placed are in `unplaced`. Nesting cannot fail,
+/// because an instance is checked when it is constructed.
 ///
 /// ```
 /// use std::sync::Arc;
 /// use glam::DVec3;
-/// use nester::{BuildVolume, Config, Instance, Item, SearchBudget, Solution, nest, prove_layout};
+/// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, SearchBudget, NestingSolution, nest, prove_layout};
 ///
 /// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
 /// let volume = BuildVolume { size_mm: DVec3::new(60.0, 60.0, 120.0) };
-/// let instance = Instance::new(volume, 1.5, vec![Item::new("clip", clip, 6)])?;
+/// let instance = NestingInstance::new(volume, 1.5, vec![NestingItem::new("clip", clip, 6)])?;
 /// let budget = SearchBudget::of_evaluations(1500);
 ///
 /// let mut heights_mm = Vec::new();
-/// let mut listener = |better: &Solution, _evaluations: u64| heights_mm.push(better.height_mm);
-/// let solution = nest(&instance, &Config::default(), &[], &budget, &mut listener);
+/// let mut listener = |better: &NestingSolution, _evaluations: u64| heights_mm.push(better.height_mm);
+/// let solution = nest(&instance, &NestingConfig::default(), &[], &budget, &mut listener);
 ///
 /// assert!(solution.unplaced.is_empty() && prove_layout(&instance, &solution.placements).is_proved());
 /// assert_eq!(heights_mm.last(), Some(&solution.height_mm));
 ///
 /// // The same seed, threads and evaluations: the same placements.
-/// let again = nest(&instance, &Config::default(), &[], &SearchBudget::of_evaluations(1500), &mut ());
+/// let again = nest(&instance, &NestingConfig::default(), &[], &SearchBudget::of_evaluations(1500), &mut ());
 /// assert_eq!(again.placements, solution.placements);
 /// # Ok::<(), nester::InstanceError>(())
 /// ```
@@ -61,7 +62,8 @@ pub fn nest(
     nest_with_cache(instance, config, start, &PreparedMeshes::default(), stop, listener)
 }
 
-/// The same, with meshes that were prepared for an earlier search: see [`PreparedMeshes`]. What comes out does not depend on it.
+/// Like [`nest`], but reuses meshes prepared for an earlier search: see [`PreparedMeshes`]. If the search is limited
+/// by evaluations, `prepared` does not change the result.
 pub fn nest_with_cache(
     instance: &NestingInstance,
     config: &NestingConfig,
@@ -105,7 +107,7 @@ impl NestingRun<'_> {
         }
         let begun = self.stop.spent_share_at(0);
         let Some(task) = self.prepare_instance(outlined.clone()) else {
-            // An existing layout cannot be checked without prepared meshes; stacking boxes does not need them.
+            // An existing layout cannot be checked without prepared meshes. Stacking boxes does not need them.
             if self.best_items.is_empty() {
                 self.stack_boxes(&outlined);
             }
@@ -153,8 +155,8 @@ impl NestingRun<'_> {
         for first in (0..task.prepared_items.len()).step_by(FINER_BATCH) {
             let last = (first + FINER_BATCH).min(task.prepared_items.len());
             task.refine_shapes(first..last, &self.preparation, nodes, points);
-            // Coarse data may have come cheaply from the cache while fine data is expensive: the remaining meshes then
-            // stay coarse.
+            // The coarse data may come quickly from the cache, while the fine data is expensive. In that case the
+            // remaining meshes stay coarse.
             if self.stop.spent_share_at(self.evaluations) > begun + FINER_SHARE {
                 break;
             }
@@ -162,7 +164,7 @@ impl NestingRun<'_> {
         task
     }
 
-    /// Offers a first layout, and keeps it as a starting point unless one of the same height is known.
+    /// Offers a first layout, and keeps it as a starting point unless a first layout of the same height exists.
     fn offer_first_layout(&mut self, pieces: Vec<PlacedItem>) {
         let height = height_mm(&pieces);
         if self.first_layouts.iter().all(|known| height_mm(known) != height) {
@@ -173,7 +175,7 @@ impl NestingRun<'_> {
         self.offer_layout(pieces);
     }
 
-    /// Builds the first layouts: retained placements, stacked boxes, and voxel placement by several recipes.
+    /// Builds the first layouts: retained placements, stacked boxes, and voxel placement with several recipes.
     fn build_first_layouts(&mut self, task: &PreparedInstance, start: &[ItemPlacement]) {
         let mut rng = ChaCha8Rng::seed_from_u64(self.config.seed);
         let standing = retained_items(task, self.instance, start);
@@ -210,7 +212,8 @@ impl NestingRun<'_> {
         }
     }
 
-    /// Tries more recipes by flower pollination: order, preference for low tops, pull, and random disorder.
+    /// Tries more recipes, chosen by flower pollination: order, weight of the part's height, direction of the pull,
+    /// and random variation.
     fn vary_recipes(
         &mut self,
         task: &PreparedInstance,
@@ -239,7 +242,7 @@ impl NestingRun<'_> {
         }
     }
 
-    /// Lowers the height limit on the best layouts until a share of the budget is used up.
+    /// Lowers the height limit of the best layouts until the share `until` of the budget is used up.
     fn compress_layouts(&mut self, task: &PreparedInstance, until: f64) {
         if self.best_items.is_empty()
             || !self.config.components.separation
@@ -273,7 +276,7 @@ impl NestingRun<'_> {
             let mut last = None;
             let made = lower(thread, &mut |pieces, made| {
                 last = Some(pieces.clone());
-                // The receiver lives as long as the scope: sending cannot fail.
+                // The receiver lives as long as the scope, so sending cannot fail.
                 let _ = send.send((pieces, made));
             });
             (last, made)
@@ -296,8 +299,8 @@ impl NestingRun<'_> {
         }
     }
 
-    /// Returns the starting layouts of the search: the best one, and others with as many copies that are not much
-    /// higher.
+    /// Returns the starting layouts of the search: the best layout, and other layouts with the same number of copies
+    /// that are not much higher.
     fn starting_layouts(&self) -> Vec<Vec<PlacedItem>> {
         let height = height_mm(&self.best_items);
         let is_other = |other: &&Vec<PlacedItem>| {
@@ -307,7 +310,8 @@ impl NestingRun<'_> {
         std::iter::once(&self.best_items).chain(self.first_layouts.iter().filter(is_other)).cloned().collect()
     }
 
-    /// Improves the criteria that count after the height: a denser packed box, nearer to the origin, more even layers.
+    /// Improves the criteria that count after the height: a denser packed box, a position nearer to the origin, more
+    /// even layers.
     fn improve_tie_breaks(&mut self, task: &PreparedInstance) {
         if self.best_items.is_empty()
             || !self.config.components.tie_breaks
@@ -324,7 +328,7 @@ impl NestingRun<'_> {
         }
     }
 
-    /// Tries to insert the copies that could not be placed into the best layout, in order of precedence.
+    /// Tries to insert the unplaced copies into the best layout, in order of precedence.
     fn retry_unplaced(&mut self, task: &PreparedInstance) {
         let standing = self.best_items.clone();
         let missing = missing_copies(task, &standing);

@@ -14,16 +14,16 @@ use super::{
 ///
 /// ```
 /// use glam::DVec3;
-/// use nester::{NotDown, Orientation, OrientationRule, Tilt};
+/// use nester::{FaceNotDown, OrientationLimits, OrientationRule, TiltLimit};
 ///
 /// // About z only.
-/// let upright = Orientation::from(OrientationRule::Upright);
+/// let upright = OrientationLimits::from(OrientationRule::Upright);
 /// // In any way that keeps the mesh's x within 30 degrees of up, and its face towards +y from looking down.
-/// let leaning = Tilt::new(DVec3::X, 30.0)?;
-/// let face = NotDown::new(DVec3::Y, 45.0)?;
-/// let tilted = Orientation::new(OrientationRule::Free, &[leaning], &[face]);
+/// let leaning = TiltLimit::new(DVec3::X, 30.0)?;
+/// let face = FaceNotDown::new(DVec3::Y, 45.0)?;
+/// let tilted = OrientationLimits::new(OrientationRule::Free, &[leaning], &[face]);
 /// assert_eq!((upright.tilts.len(), tilted.tilts.len()), (0, 2));
-/// # Ok::<(), nester::TiltError>(())
+/// # Ok::<(), nester::TiltLimitError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -1,5 +1,5 @@
-//! Work on meshes that outlives one search: an open build asks for the same meshes again and again. It belongs to whoever
-//! searches; nothing is remembered for the whole process.
+//! Prepared data of meshes, kept for more than one search: an open build uses the same meshes again and again. The
+//! caller of the search owns this data; there is no global state.
 
 use std::{
     fmt,
@@ -14,28 +14,29 @@ use super::{
     shape::{PreparedShape, ShapeDetail},
 };
 
-/// Greatest number of shapes kept in memory per mesh: a coarse one, a fine one, and one more for a change of clearance.
+/// Greatest number of shapes kept in memory per mesh: a coarse one, a fine one, and one for a changed clearance.
 const MOST_SHAPES: usize = 3;
 
-/// Prepared meshes: their smallest boxes, distance trees and distance grids. Give the same one to several searches, and meshes
-/// that they share (the same `Arc`) are prepared once. Clones share what is in memory; several threads may search with it at the
-/// same time. With counted evaluations a search finds the same with and without; with a limit on time, less of it goes into
-/// preparing.
+/// Prepared meshes: their smallest boxes, distance trees and distance grids. Pass the same value to several searches,
+/// and each mesh that they share (the same `Arc`) is prepared only once. Clones share the data in memory, and several
+/// threads may use it at the same time. A search limited by evaluations gives the same result with and without it. A
+/// search limited by time spends less of its time on preparation.
 ///
-/// A mesh is forgotten once nobody else holds it any more. With a [`PreparedMeshCache`] the work also outlives the process.
+/// The data of a mesh is dropped when no one else holds the mesh any more. With a [`PreparedMeshCache`] the data also
+/// survives the end of the process.
 ///
 /// ```
 /// use std::sync::Arc;
-/// use nester::{BuildVolume, Config, Instance, Item, OrientationRule, PreparedMeshes, SearchBudget, nest_with};
+/// use nester::{BuildVolume, NestingConfig, NestingInstance, NestingItem, OrientationRule, PreparedMeshes, SearchBudget, nest_with_cache};
 ///
 /// let ring = Arc::new(sample_parts::ring(30.0, 20.0, 6.0));
 /// let volume = BuildVolume { size_mm: glam::DVec3::splat(80.0) };
 /// let prepared = PreparedMeshes::default();
 /// for copies in [2, 4] {
-///     let item = Item::new("ring", ring.clone(), copies).with_orientation(OrientationRule::Upright);
-///     let instance = Instance::new(volume, 2.0, vec![item])?;
+///     let item = NestingItem::new("ring", ring.clone(), copies).with_orientation(OrientationRule::Upright);
+///     let instance = NestingInstance::new(volume, 2.0, vec![item])?;
 ///     let budget = SearchBudget::of_evaluations(200);
-///     let solution = nest_with(&instance, &Config::default(), &[], &prepared, &budget, &mut ());
+///     let solution = nest_with_cache(&instance, &NestingConfig::default(), &[], &prepared, &budget, &mut ());
 ///     assert_eq!(solution.placements.len(), copies as usize);
 /// }
 /// # Ok::<(), nester::InstanceError>(())
@@ -50,7 +51,7 @@ pub struct PreparedMeshes {
 #[derive(Default)]
 struct PreparationMemo {
     mesh: Weak<Mesh>,
-    /// The mesh's content hash, once it was needed.
+    /// The mesh's content hash, computed on first use.
     name: Option<Arc<str>>,
     outline: Option<Arc<MeshOutline>>,
     tree: Option<Arc<ClearanceTree>>,
@@ -58,23 +59,24 @@ struct PreparationMemo {
 }
 
 impl PreparedMeshes {
-    /// The same meshes in memory; from now on work is also kept in this cache, and taken from it. `None` = in none.
+    /// The same prepared meshes in memory. From now on the data is also stored in this cache and read from it. `None`
+    /// = no cache.
     #[must_use]
     pub fn with_cache(self, cache: Option<Arc<dyn PreparedMeshCache + Send>>) -> Self {
         Self { cache, ..self }
     }
 
-    /// How many meshes are in memory.
+    /// Number of meshes in memory.
     pub fn len(&self) -> usize {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// Whether nothing is in memory.
+    /// Whether no mesh is in memory.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// A mesh from outside.
+    /// The outline of a mesh: taken from memory, read from the cache, or computed.
     pub(crate) fn outline(&self, mesh: &Arc<Mesh>) -> Arc<MeshOutline> {
         if let Some(known) = self.at_bench(mesh, |bench| bench.outline.clone()) {
             return known;
@@ -89,7 +91,7 @@ impl PreparedMeshes {
         self.at_bench(mesh, |bench| bench.outline.get_or_insert(outline).clone())
     }
 
-    /// A mesh at a detail; `None` when it is not known and the time is over before it is prepared.
+    /// The shape of a mesh at a level of detail; `None` if it is not known and the search ends before it is prepared.
     pub(crate) fn shape(
         &self,
         mesh: &Arc<Mesh>,

@@ -1,6 +1,6 @@
-//! The independent proof of a finished layout: clearance and containment on the triangles, walls on the vertices. It
-//! shares only the distance kernel with the search: it finds the neighbouring pairs itself and relies on no result of
-//! the search.
+//! The independent proof of a finished layout. It checks clearance and containment on the triangles, and walls on the
+//! vertices. It shares only the distance computation with the search: it finds the neighbouring pairs itself and does
+//! not rely on any result of the search.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -37,7 +37,7 @@ pub struct PlacedSolid {
 }
 
 impl PlacedSolid {
-    /// The placed copies of an instance, in their order, named `part #1`, `part #2`, ..
+    /// The placed copies of an instance, in the order of the placements, named `part #1`, `part #2`, ..
     pub fn of_layout(instance: &NestingInstance, placements: &[ItemPlacement]) -> Vec<Self> {
         let body = |placement: &ItemPlacement| {
             let item = &instance.items()[placement.item];
@@ -55,11 +55,11 @@ impl PlacedSolid {
 /// Two bodies that are too close to each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClearanceViolation {
-    /// Index of the one body.
+    /// Index of the first body.
     pub first: usize,
-    /// Index of the other body, greater than `first`.
+    /// Index of the second body, greater than `first`.
     pub second: usize,
-    /// Distance between their surfaces, mm, over all allowed raises of either body; 0 when they meet.
+    /// Smallest distance between their surfaces over all required raises of either body, mm; 0 if they touch.
     pub distance_mm: f64,
     /// Required distance, mm.
     pub wanted_mm: f64,
@@ -70,16 +70,17 @@ pub struct ClearanceViolation {
 pub struct LayoutProof {
     /// Top of the highest body above z = 0, mm; 0 without bodies.
     pub height_mm: f64,
-    /// The least distance between any two bodies, mm, exact. Pairs are measured up to twice the greatest clearance plus
-    /// 1 mm; `None` when no pair is nearer than that (or there are fewer than two bodies).
+    /// The exact smallest distance between any two bodies, mm. Pairs are measured up to twice the greatest clearance
+    /// plus 1 mm; `None` if no pair is closer than that (or there are fewer than two bodies).
     pub clearance_proved_mm: Option<f64>,
-    /// Pairs nearer than their clearance, or whose surfaces meet. Surfaces must not meet even at clearance 0.
+    /// Pairs that are closer than their clearance, or whose surfaces touch. Surfaces must not touch even if the
+    /// clearance is 0.
     pub too_close: Vec<ClearanceViolation>,
-    /// Bodies that stand out of the volume, with the greatest excess over any wall, mm.
+    /// Bodies that extend outside the volume, with their greatest excess over any wall, mm.
     pub outside: Vec<(usize, f64)>,
     /// (outer, inner): the inner body lies inside the outer solid or inside a sealed cavity of it.
     pub inside: Vec<(usize, usize)>,
-    /// (body, zone): the body reaches into the keep-out zone.
+    /// (body, zone): the body extends into the keep-out zone.
     pub intruding: Vec<(usize, usize)>,
 }
 
@@ -90,19 +91,19 @@ impl LayoutProof {
     }
 }
 
-/// Judges a layout by all that an instance asks but its orientation rules ([`obeys_orientation`]) and its cap on layers
-/// ([`LayerAreas`](crate::LayerAreas)).
+/// Checks a layout against all requirements of an instance, except its orientation rules ([`obeys_orientation`]) and
+/// its layer area cap ([`LayerAreas`](crate::LayerAreas)).
 ///
 /// ```
 /// use std::sync::Arc;
 /// use glam::{DQuat, DVec3};
-/// use nester::{BuildVolume, Instance, Item, Placement, prove_layout};
+/// use nester::{BuildVolume, NestingInstance, NestingItem, ItemPlacement, prove_layout};
 /// use solids::Pose;
 ///
 /// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
 /// let volume = BuildVolume { size_mm: DVec3::splat(40.0) };
-/// let instance = Instance::new(volume, 2.0, vec![Item::new("cube", cube, 2)])?;
-/// let at = |copy, x| Placement { item: 0, copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)) };
+/// let instance = NestingInstance::new(volume, 2.0, vec![NestingItem::new("cube", cube, 2)])?;
+/// let at = |copy, x| ItemPlacement { item: 0, copy, pose: Pose::new(DQuat::IDENTITY, DVec3::new(x, 0.0, 0.0)) };
 ///
 /// let proof = prove_layout(&instance, &[at(0, 0.0), at(1, 12.5)]);
 /// assert!(proof.is_proved() && proof.clearance_proved_mm == Some(2.5));
@@ -116,19 +117,19 @@ pub fn prove_layout(instance: &NestingInstance, placements: &[ItemPlacement]) ->
     prove_with_keep_out(&bodies, instance.volume().size_mm, instance.clearance_z_extra_mm(), &instance.keep_out())
 }
 
-/// Checks bodies in a box from the origin to `volume_mm`. The tolerance is 1e-6 mm on clearance and on walls. A pose
-/// with numbers that are not finite counts as infinitely far outside.
+/// Checks bodies in a box from the origin to `volume_mm`. The tolerance is 1e-6 mm for clearances and for walls. A
+/// body whose pose contains NaN or infinite numbers counts as infinitely far outside.
 pub fn prove_placed_solids(bodies: &[PlacedSolid], volume_mm: DVec3) -> LayoutProof {
     prove_with_z_extra(bodies, volume_mm, 0.0)
 }
 
-/// Like [`prove_placed_solids`], but between any two bodies the clearance must also hold when either is raised by anything from 0 to
-/// `extra_mm`.
+/// Like [`prove_placed_solids`], but the clearance between any two bodies must also hold if either is raised by any
+/// distance from 0 to `extra_mm`.
 pub fn prove_with_z_extra(bodies: &[PlacedSolid], volume_mm: DVec3, extra_mm: f64) -> LayoutProof {
     prove_with_keep_out(bodies, volume_mm, extra_mm, &[])
 }
 
-/// Like [`prove_with_z_extra`], with keep-out boxes. A body may reach into a box by 1e-6 mm.
+/// Like [`prove_with_z_extra`], with keep-out boxes. A body may extend into a box by up to 1e-6 mm.
 pub fn prove_with_keep_out(
     bodies: &[PlacedSolid],
     volume_mm: DVec3,
@@ -158,23 +159,24 @@ pub fn prove_with_keep_out(
     proof
 }
 
-/// Whether a pose rotates a part only as its rule allows (within 1e-6 radian).
+/// Whether the rotation of a pose obeys the orientation limits of a part (within 1e-6 radian).
 ///
 /// ```
 /// use glam::{DQuat, DVec3};
-/// use nester::{Orientation, OrientationRule, rotation_obeys};
+/// use nester::{OrientationLimits, OrientationRule, obeys_orientation};
 /// use solids::Pose;
 ///
-/// let upright = Orientation::from(OrientationRule::Upright);
-/// assert!(rotation_obeys(&upright, &Pose::new(DQuat::from_rotation_z(1.0), DVec3::ZERO)));
-/// assert!(!rotation_obeys(&upright, &Pose::new(DQuat::from_rotation_x(1.0), DVec3::ZERO)));
+/// let upright = OrientationLimits::from(OrientationRule::Upright);
+/// assert!(obeys_orientation(&upright, &Pose::new(DQuat::from_rotation_z(1.0), DVec3::ZERO)));
+/// assert!(!obeys_orientation(&upright, &Pose::new(DQuat::from_rotation_x(1.0), DVec3::ZERO)));
 /// ```
 pub fn obeys_orientation(orientation: &OrientationLimits, pose: &Pose) -> bool {
     let poses = |tilt: &TiltLimit| {
         let (poses, up) = (pose.transform_direction(tilt.direction()), DVec3::Z);
         poses.cross(up).length().atan2(poses.dot(up)) <= tilt.within_deg().to_radians() + ANGLE_TOLERANCE
     };
-    // |sin| of half the angle between two rotations is the length of their quotient's vector part.
+    // For two unit quaternions, the length of the vector part of their quotient is |sin| of half the angle between
+    // them.
     let is_near = |to: DQuat| {
         let apart = (to.conjugate() * pose.rotation.normalize()).xyz().length();
         2.0 * apart.min(1.0).asin() <= ANGLE_TOLERANCE
@@ -191,7 +193,7 @@ pub fn obeys_orientation(orientation: &OrientationLimits, pose: &Pose) -> bool {
     obeys && orientation.tilts.iter().all(poses)
 }
 
-/// Bodies that reach into a zone, with the number of the zone.
+/// Bodies that extend into a zone, each with the index of the zone.
 fn find_intrusions(
     bodies: &[PlacedSolid],
     trees: &[Arc<ClearanceTree>],
@@ -215,7 +217,7 @@ fn find_intrusions(
     found
 }
 
-/// One tree per distinct mesh, in the order of the bodies.
+/// The trees of the bodies, in their order. Bodies with the same mesh share one tree.
 fn build_trees(bodies: &[PlacedSolid]) -> Vec<Arc<ClearanceTree>> {
     let mut known: HashMap<*const Mesh, Arc<ClearanceTree>> = HashMap::new();
     let tree = |mesh: &Arc<Mesh>| Arc::new(ClearanceTree::new(mesh.clone()));
@@ -230,14 +232,14 @@ fn excess_mm(bounds: &Bounds, volume_mm: DVec3) -> f64 {
     (-bounds.min).max(bounds.max - volume_mm).max_element()
 }
 
-/// Pairs whose bounds are nearer than `cap_mm`, by a sweep along x.
+/// Pairs whose bounds are closer than `cap_mm`, found by a sweep along x.
 fn nearby_pairs(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
     let mut order: Vec<usize> = (0..bounds.len()).collect();
     order.sort_by(|&i, &j| bounds[i].min.x.total_cmp(&bounds[j].min.x));
     let mut open: Vec<usize> = Vec::new();
     let mut pairs = Vec::new();
     for i in order {
-        // NaN keeps a body in the list; it is reported as outside anyway.
+        // A body with NaN bounds stays in the list. It is reported as outside anyway.
         open.retain(|&j| bounds[j].max.x.is_nan() || bounds[j].max.x + cap_mm > bounds[i].min.x);
         let near = open.iter().filter(|&&j| bounds[j].distance(&bounds[i]) < cap_mm);
         pairs.extend(near.map(|&j| (i.min(j), i.max(j))));

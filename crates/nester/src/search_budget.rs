@@ -1,5 +1,6 @@
-//! A ready-made rule for when a search ends: after a time, after a number of evaluations, or when it is cancelled. This is the
-//! only clock in the crate, and only a caller who asks for a time limit is ended by it; the search itself never looks at one.
+//! A ready-made stop condition: it ends a search after a time, after a number of evaluations, or on cancellation. It
+//! contains the only clock in the crate, which ends a search only if the caller sets a time limit. The search itself
+//! never reads a clock.
 
 use std::{
     sync::{
@@ -11,21 +12,22 @@ use std::{
 
 use super::StopCondition;
 
-/// What a search may cost: wall time, evaluations, or whichever of both ends first; counted from its construction. Clones share
-/// one budget: another thread can cancel the search with one, or ask how far it is.
+/// The limits of a search: wall time, evaluations, or both (the first one reached ends the search). Time counts from
+/// the construction of the budget. Clones share one budget: another thread can use a clone to cancel the search or to
+/// read its progress.
 ///
-/// A limit on evaluations gives the same placements on every run; a limit on time does not.
+/// A limit on evaluations gives the same placements on every run. A limit on time does not.
 ///
 /// ```
-/// use nester::{SearchBudget, Stop};
+/// use nester::{SearchBudget, StopCondition};
 ///
 /// let budget = SearchBudget::of_evaluations(2000).with_secs(3600.0);
-/// assert_eq!(budget.spent(500), 0.25);
+/// assert_eq!(budget.spent_share_at(500), 0.25);
 /// assert_eq!(budget.spent_share(), 0.25);
 ///
 /// let from_elsewhere = budget.clone();
 /// from_elsewhere.cancel();
-/// assert_eq!(budget.spent(500), f64::INFINITY);
+/// assert_eq!(budget.spent_share_at(500), f64::INFINITY);
 /// ```
 #[derive(Debug, Clone)]
 pub struct SearchBudget {
@@ -35,67 +37,68 @@ pub struct SearchBudget {
     shared: Arc<SharedProgress>,
 }
 
-/// What all clones of a budget know.
+/// The state that all clones of a budget share.
 #[derive(Debug, Default)]
 struct SharedProgress {
     is_cancelled: AtomicBool,
-    /// The most evaluations that were told.
+    /// The greatest number of evaluations reported so far.
     evaluations: AtomicU64,
 }
 
 impl SearchBudget {
-    /// No limit: ends when it is cancelled, or when the search knows that nothing can be lower.
+    /// No limit: the search ends when it is cancelled, or when it knows that no lower layout exists.
     pub fn until_cancelled() -> Self {
         Self { began: Instant::now(), time_limit: None, evaluation_limit: None, shared: Arc::default() }
     }
 
-    /// Ends after so many wall seconds from now; what is no positive number ends at once.
+    /// Ends `limit_secs` wall seconds from now. A limit that is not a positive number ends the search at once.
     pub fn of_secs(limit_secs: f64) -> Self {
         Self::until_cancelled().with_secs(limit_secs)
     }
 
-    /// Ends after so many evaluations: looks at one part among its neighbours. How many of them a second holds depends on the
-    /// meshes; a listener is told how many were made.
+    /// Ends after this number of evaluations. One evaluation checks one part against its neighbours. The number per
+    /// second depends on the meshes. A progress listener receives the number made so far.
     pub fn of_evaluations(limit: u64) -> Self {
         Self::until_cancelled().with_evaluations(limit)
     }
 
-    /// The same, which also ends so many wall seconds after it was made.
+    /// The same budget, which also ends `limit_secs` wall seconds after its construction.
     #[must_use]
     pub fn with_secs(self, limit_secs: f64) -> Self {
         let limit = Duration::try_from_secs_f64(limit_secs);
-        // More seconds than a clock counts are no limit; fewer than none, and what is no number, are none.
+        // More seconds than a `Duration` can hold mean no limit. A negative number or NaN means a limit of zero.
         let limit = limit.unwrap_or(if limit_secs > 0.0 { Duration::MAX } else { Duration::ZERO });
         Self { time_limit: Some(limit), ..self }
     }
 
-    /// The same, which also ends after so many evaluations.
+    /// The same budget, which also ends after this number of evaluations.
     #[must_use]
     pub fn with_evaluations(self, limit: u64) -> Self {
         Self { evaluation_limit: Some(limit), ..self }
     }
 
-    /// Ends the search soon; what it has found so far is kept.
+    /// Ends the search soon. The search still returns its best layout so far.
     pub fn cancel(&self) {
         self.shared.is_cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Wall seconds since it was made.
+    /// Wall seconds since the construction of the budget.
     pub fn elapsed_secs(&self) -> f64 {
         self.began.elapsed().as_secs_f64()
     }
 
-    /// Wall seconds until the time limit; 0 once it is passed, `None` without one.
+    /// Wall seconds until the time limit; 0 after the limit, `None` without a limit.
     pub fn secs_left(&self) -> Option<f64> {
         self.time_limit.map(|limit| limit.saturating_sub(self.began.elapsed()).as_secs_f64())
     }
 
-    /// Wall seconds by which the time limit is passed; 0 before it and without one.
+    /// Wall seconds since the time limit; 0 before the limit or without one.
     pub fn secs_over(&self) -> f64 {
         self.time_limit.map_or(0.0, |limit| self.began.elapsed().saturating_sub(limit).as_secs_f64())
     }
 
-    /// The share that is spent, 0 to 1, as far as the search has told of its evaluations.
+    /// The used share of the budget, 0 to 1. For evaluations, this is the greatest number that the search has
+    /// reported so far.
     pub fn spent_share(&self) -> f64 {
         self.share_at(self.shared.evaluations.load(Ordering::Relaxed)).min(1.0)
     }
@@ -110,7 +113,7 @@ impl SearchBudget {
     }
 }
 
-/// A limit of nothing is spent from the beginning.
+/// The used share of a limit. A limit of 0 is used up from the beginning.
 fn share(used: f64, limit: f64) -> f64 {
     if limit > 0.0 { used / limit } else { 1.0 }
 }

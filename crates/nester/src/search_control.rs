@@ -1,44 +1,47 @@
-//! The interface between the caller and a running search: when to stop, and which solutions were found.
+//! The interface between the caller and a running search: when to stop, and which solutions are found.
 
 use super::NestingSolution;
 
-/// A budget. Implementations look at a clock, at an evaluation count, at a cancellation, or at all of them; [`SearchBudget`] is
-/// one that is ready made.
+/// Decides when a search ends. Implementations may use a clock, an evaluation count, a cancellation flag, or all of
+/// them. [`SearchBudget`] is a ready-made implementation.
 ///
 /// ```
 /// use std::sync::atomic::{AtomicU64, Ordering};
-/// use nester::Stop;
+/// use nester::StopCondition;
 ///
 /// /// Ends after so many evaluations; the limit may be changed while the search runs.
 /// struct Adjustable(AtomicU64);
 ///
-/// impl Stop for Adjustable {
-///     fn spent(&self, evaluations: u64) -> f64 {
+/// impl StopCondition for Adjustable {
+///     fn spent_share_at(&self, evaluations: u64) -> f64 {
 ///         evaluations as f64 / self.0.load(Ordering::Relaxed).max(1) as f64
 ///     }
 /// }
-/// # assert_eq!(Adjustable(AtomicU64::new(50_000)).spent(50_000), 1.0);
+/// # assert_eq!(Adjustable(AtomicU64::new(50_000)).spent_share_at(50_000), 1.0);
 /// ```
 ///
 /// [`SearchBudget`]: crate::SearchBudget
 pub trait StopCondition: Sync {
-    /// Returns the share of the budget that is used up after `evaluations` evaluations. The search ends at 1 or above.
-    /// A cancelled search returns `f64::INFINITY`. This must be cheap: it is called every few hundred microseconds.
+    /// Returns the share of the budget that is used up after `evaluations` evaluations. The search ends at 1 or
+    /// above. Return `f64::INFINITY` to cancel the search. This must be fast: it is called every few hundred
+    /// microseconds.
     fn spent_share_at(&self, evaluations: u64) -> f64;
 }
 
-/// Is called for every better layout, with the number of evaluations made so far. A closure is one, and so is `()`, which hears nothing.
+/// Receives every better layout, with the number of evaluations made so far. Closures implement this trait. `()`
+/// implements it too and ignores all calls.
 ///
 /// ```
-/// use nester::{Listener, Solution};
+/// use nester::{ProgressListener, NestingSolution};
 ///
 /// let mut heights_mm = Vec::new();
-/// let mut listener = |better: &Solution, _evaluations: u64| heights_mm.push(better.height_mm);
-/// let _: &mut dyn Listener = &mut listener;
-/// let _: &mut dyn Listener = &mut ();
+/// let mut listener = |better: &NestingSolution, _evaluations: u64| heights_mm.push(better.height_mm);
+/// let _: &mut dyn ProgressListener = &mut listener;
+/// let _: &mut dyn ProgressListener = &mut ();
 /// ```
 pub trait ProgressListener {
-    /// `solution` places all copies, or places more copies than before, or places the same copies at a lower height.
+    /// Called for every better layout: `solution` places all copies, or more copies than before, or the same copies
+    /// at a lower height.
     fn on_improved(&mut self, solution: &NestingSolution, evaluations: u64);
 }
 

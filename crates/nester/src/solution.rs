@@ -7,10 +7,10 @@ use super::{ItemPlacement, NestingInstance};
 /// A layout in which every placement keeps its clearance, and the copies that found no place.
 ///
 /// ```
-/// use nester::Solution;
+/// use nester::NestingSolution;
 ///
 /// let text = r#"{"placements": [], "unplaced": [[0, 0], [0, 1]], "height_mm": 0.0, "evaluations": 12}"#;
-/// let nothing_placed: Solution = serde_json::from_str(text)?;
+/// let nothing_placed: NestingSolution = serde_json::from_str(text)?;
 /// assert_eq!(nothing_placed.unplaced, [(0, 0), (0, 1)]);
 /// # Ok::<(), serde_json::Error>(())
 /// ```

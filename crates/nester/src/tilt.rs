@@ -99,12 +99,12 @@ impl From<FaceNotDown> for TiltLimit {
 /// Tilts as a line of text: `x,y,z:degrees`, with `;` between them.
 ///
 /// ```
-/// use nester::{Tilt, write_tilts};
+/// use nester::{TiltLimit, write_tilts};
 ///
-/// let tilts = Tilt::parse_list("0,0,1:30; 1,0,0:90")?;
+/// let tilts = TiltLimit::parse_list("0,0,1:30; 1,0,0:90")?;
 /// assert_eq!(tilts[0].in_words(), "(0, 0, 1) within 30 degrees of up");
 /// assert_eq!(write_tilts(&tilts), "0,0,1:30;1,0,0:90");
-/// # Ok::<(), nester::TiltError>(())
+/// # Ok::<(), nester::TiltLimitError>(())
 /// ```
 pub fn write_tilts(tilts: &[TiltLimit]) -> String {
     tilts.iter().map(ToString::to_string).collect::<Vec<_>>().join(";")

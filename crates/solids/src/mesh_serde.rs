@@ -1,5 +1,6 @@
-//! A mesh as numbers in a file: its vertices and triangles, `{ vertices = [[x, y, z], ..], triangles = [[a, b, c], ..] }`. What
-//! is read is checked as at a mesh's construction; what was written comes back with the same vertices in the same order.
+//! Serialization of a mesh as vertices and triangles: `{ vertices = [[x, y, z], ..], triangles = [[a, b, c], ..] }`.
+//! A mesh that is read passes the same checks as in `Mesh::new`. A written mesh is read back with the same vertices
+//! in the same order.
 
 use glam::DVec3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -43,7 +44,8 @@ mod tests {
 
     #[test]
     fn a_mesh_comes_back_with_its_vertices_in_their_order() {
-        // Inside out: the order of the triangles' corners is not the one that its vertices were numbered by.
+        // The second mesh is inside out. Its construction flips the triangles, so that their corners no longer have
+        // the order in which the vertices were numbered.
         let corners = [DVec3::ZERO, DVec3::X / 3.0, DVec3::Y * 70.0, DVec3::Z * 1e-3].to_vec();
         for triangles in [[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], [[2, 0, 1], [1, 0, 3], [3, 0, 2], [2, 1, 3]]] {
             let mesh = Mesh::new(corners.clone(), triangles.to_vec()).expect("is a solid");

@@ -1,4 +1,4 @@
-//! Rigid poses: rotation, then translation.
+//! Rigid poses: a rotation, then a translation.
 
 use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -14,10 +14,10 @@ pub struct Pose {
     pub translation: DVec3,
 }
 
-/// Why numbers are no pose.
+/// Why numbers do not form a valid pose.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PoseError {
-    /// The quaternion's length is given.
+    /// The quaternion is not a unit quaternion. Contains its length.
     #[error("the rotation is a quaternion (x, y, z, w) of length {0}, a length of 1 is wanted")]
     NoRotation(f64),
     /// A coordinate is NaN or infinite.
@@ -26,10 +26,10 @@ pub enum PoseError {
 }
 
 impl Pose {
-    /// The pose that moves nothing.
+    /// The pose that leaves every point in place.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, translation: DVec3::ZERO };
 
-    /// Rotation (normalised here), then translation in mm.
+    /// Creates a pose from a rotation, which is normalised here, and a translation in mm.
     pub fn new(rotation: DQuat, translation: DVec3) -> Self {
         Self { rotation: rotation.normalize(), translation }
     }
@@ -39,23 +39,23 @@ impl Pose {
         self.rotation * point + self.translation
     }
 
-    /// Turns a direction.
+    /// Rotates a direction.
     pub fn transform_direction(&self, direction: DVec3) -> DVec3 {
         self.rotation * direction
     }
 
-    /// The pose that undoes this one.
+    /// The inverse pose.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation: rotation * -self.translation }
     }
 
-    /// First `inner`, then `self`: `pose13 = pose12.after(pose23)`.
+    /// First `inner`, then `self`: `pose13 = pose12.compose_with(pose23)`.
     pub fn compose_with(&self, inner: &Self) -> Self {
         Self::new(self.rotation * inner.rotation, self.rotation * inner.translation + self.translation)
     }
 
-    /// Frame `other` seen from this frame: `pose12 = pose01.inverse().after(pose02)`.
+    /// Frame `other` seen from this frame: `pose12 = pose01.inverse().compose_with(pose02)`.
     pub fn relative_pose_of(&self, other: &Self) -> Self {
         self.inverse().compose_with(other)
     }
@@ -78,7 +78,7 @@ impl Pose {
     }
 }
 
-/// Numbers as files hold them.
+/// A pose as files contain it, not checked yet.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawPose {
@@ -89,7 +89,8 @@ struct RawPose {
 impl TryFrom<RawPose> for Pose {
     type Error = PoseError;
 
-    /// What is a rotation to the last digit stays as it is; one that was rounded is normalised.
+    /// A unit quaternion (up to arithmetic rounding) stays unchanged. One that was rounded when it was written is
+    /// normalised.
     fn try_from(raw: RawPose) -> Result<Self, PoseError> {
         let RawPose { rotation, translation } = raw;
         let off = (rotation.length() - 1.0).abs();
@@ -102,9 +103,9 @@ impl TryFrom<RawPose> for Pose {
     }
 }
 
-/// A quaternion's length may be off by so much: rounding of its own arithmetic,
+/// Allowed deviation of a quaternion's length from 1 due to its own arithmetic.
 const EXACT: f64 = 1e-12;
-/// and rounding of numbers that were written with few digits.
+/// Allowed deviation of a quaternion's length from 1 if its numbers were written with few digits.
 const ROUNDED: f64 = 1e-3;
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ pub struct NestArgs {
     pub(super) files: OutputFiles,
 }
 
-// Groups of options; a doc comment on one would be taken for the description of the command.
+// Groups of options. They have no doc comments, because clap would print those as the description of the command.
 #[derive(Debug, clap::Args)]
 pub(super) struct PartSource {
     /// Parts (STL or 3MF), each with a number of copies after `=` [default: 1]

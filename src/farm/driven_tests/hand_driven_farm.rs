@@ -1,5 +1,5 @@
-//! A farm that a test drives by hand: real folders, a real ledger and real threads for jobs, but no process, no event loop and no
-//! waiting. Its clocks stand still until the test lets time pass.
+//! A farm that a test controls step by step: it has real folders, a real ledger and real job threads, but no separate
+//! process, no event loop and no waiting. Its clocks move only when the test advances them.
 
 use std::{
     collections::BTreeMap,
@@ -25,14 +25,14 @@ use crate::{
 
 /// The machine of these tests.
 pub const PROFILE: &str = "test";
-/// What a profile says when a test does not say otherwise: small volume, quick settling, short searches.
+/// The default profile of the tests: small volume, quick settling, short searches.
 pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.3\nunfinished_secs = 2\nfinal_secs = 0.05\n\
                          arrival_secs = 0.05\nmax_attempts = 50\n";
-/// Between two beats; as much time passes.
+/// Time by which the clocks advance between two ticks.
 const STEP: Duration = Duration::from_millis(250);
-/// What is waited for comes within so many beats, or never.
+/// Maximum number of ticks to wait for a condition.
 const MOST_BEATS: usize = 480;
-/// Real time in which jobs end; none takes a second.
+/// Maximum real time to wait for jobs. No job takes as long as a second.
 const JOBS_END_WITHIN: Duration = Duration::from_secs(120);
 
 /// A farm with one machine, `test`.
@@ -45,11 +45,11 @@ pub struct HandDrivenFarm {
 }
 
 impl HandDrivenFarm {
-    /// A farm whose machine's file is `profile`; it is not open yet.
+    /// A farm that is not open yet. `profile` is the text of its machine's profile file.
     pub fn closed(profile: &str) -> Self {
         let dir = TempDir::new().unwrap();
         fs::create_dir_all(dir.path().join("config/profiles")).unwrap();
-        // Other tests of this process go on with the usual umask, which a farm sets for its whole process.
+        // A farm sets the umask of its whole process. This mode keeps the usual umask for the other tests.
         let config = "scan_secs = 0.5\norphan_ticket_secs = 3\n[files]\nmode = \"0644\"\n";
         fs::write(dir.path().join("config/nestd.toml"), config).unwrap();
         let (hands, time) = ClockHands::make();
@@ -77,7 +77,7 @@ impl HandDrivenFarm {
         self.beat();
     }
 
-    /// Closes it in order.
+    /// Closes it in an orderly way.
     pub fn stop(&mut self) {
         let mut farm = self.farm.take().unwrap();
         self.runtime.block_on(farm.shut_down());
@@ -89,7 +89,7 @@ impl HandDrivenFarm {
         self.beat();
     }
 
-    /// One beat, and the ends of all jobs that it starts.
+    /// Runs one tick, and waits until all jobs have ended.
     pub fn beat(&mut self) {
         let farm = self.farm.as_mut().unwrap();
         self.runtime.block_on(async {
@@ -99,7 +99,7 @@ impl HandDrivenFarm {
         assert!(farm.jobs.is_idle(), "a job does not end");
     }
 
-    /// Time passes, with beats in it; over a long time they come less often.
+    /// Advances the clocks and runs ticks meanwhile. Over a long time, the ticks are less frequent.
     pub fn pass_secs(&mut self, secs: f64) {
         let step = if secs < 10.0 { STEP } else { 4 * STEP };
         for _ in 0..(secs / step.as_secs_f64()).ceil() as usize {
@@ -108,7 +108,7 @@ impl HandDrivenFarm {
         }
     }
 
-    /// Time passes until something holds, or a minute or two have passed.
+    /// Advances the clocks until a condition holds. Panics after two minutes of test time.
     pub fn pass_until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
         for _ in 0..MOST_BEATS {
             if holds(self) {
@@ -122,7 +122,7 @@ impl HandDrivenFarm {
         panic!("it does not come to pass that {what}; alerts: {alerts:#?}, failures of builds: {failures:#?}");
     }
 
-    /// Whether a person is asked to see to something of this kind.
+    /// Whether an alert of this kind is active.
     pub fn tells_of(&self, kind: AlertKind) -> bool {
         self.farm.as_ref().unwrap().alerts.active_alerts().any(|alert| alert.kind == kind)
     }
@@ -139,7 +139,8 @@ impl HandDrivenFarm {
         fs::write(self.root().join(format!("config/profiles/{name}.toml")), text).unwrap();
     }
 
-    /// Drops a file as a careful sender does: written elsewhere on the same file system, then renamed in.
+    /// Drops a file as a careful sender does: writes it elsewhere on the same file system, then renames it into the
+    /// folder.
     pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
         let target = self.folder("inbox").join(name);
         fs::create_dir_all(target.parent().unwrap()).unwrap();
@@ -152,14 +153,14 @@ impl HandDrivenFarm {
         self.drop_bytes(name, &stl(mesh));
     }
 
-    /// Gives an order by hand.
+    /// Gives the daemon a command.
     pub fn order(&self, kind: CommandKind, part: Option<PartId>) -> CommandId {
         let profile = if part.is_some() { String::new() } else { PROFILE.to_owned() };
         let command = NewCommand { kind, profile, part, asked_by: "a@test".to_owned() };
         self.ask(async |ledger| ledger.submit_command(&command).await.unwrap())
     }
 
-    /// Gives an order and lets time pass until it is answered.
+    /// Gives the daemon a command and advances the clocks until it is answered.
     pub fn order_and_wait(&mut self, kind: CommandKind, part: Option<PartId>) -> CommandRow {
         let id = self.order(kind, part);
         let answer = |farm: &Self| farm.ask(async |ledger| ledger.find_command(id).await.unwrap().unwrap());
@@ -167,7 +168,7 @@ impl HandDrivenFarm {
         answer(self)
     }
 
-    /// Asks the ledger.
+    /// Runs a query on the ledger.
     pub fn ask<T>(&self, question: impl AsyncFnOnce(&Ledger) -> T) -> T {
         self.runtime.block_on(question(&self.farm.as_ref().unwrap().ledger))
     }
@@ -181,7 +182,7 @@ impl HandDrivenFarm {
         self.parts(state)
     }
 
-    /// The published build files that lie in the queue.
+    /// The published build files in the queue.
     pub fn queued(&self) -> Vec<PathBuf> {
         let Ok(entries) = fs::read_dir(self.folder("queue")) else { return Vec::new() };
         let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
@@ -198,7 +199,8 @@ impl HandDrivenFarm {
         self.queued()
     }
 
-    /// Asserts that the ledger agrees with itself and with the folders, and that each published copy is in exactly one build file.
+    /// Asserts that the ledger is consistent and agrees with the folders, and that each published copy is in exactly
+    /// one build file.
     pub fn assert_nothing_lost_or_doubled(&self) {
         let faults = self.ask(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");

@@ -1,4 +1,4 @@
-//! A part's life: dropped, claimed, read, waiting, batched, nested, verified, published, history.
+//! The life of a part: dropped, claimed, read, waiting, batched, nested, verified, published, history.
 
 use std::{fs, io::Write};
 
@@ -91,7 +91,7 @@ fn a_build_that_is_given_up_pauses_its_profile_and_is_told_until_that_is_resumed
     let mut farm = HandDrivenFarm::open(&profile);
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    // Room for nothing is left where the build is to be written.
+    // The new build volume is too small for the part.
     let parts = farm.parts(PartState::Waiting);
     let copies: Vec<_> = parts.iter().flat_map(|part| (0..part.copies).map(|copy| (part.id, copy))).collect();
     farm.write_profile(PROFILE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));

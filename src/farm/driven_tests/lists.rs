@@ -1,14 +1,14 @@
-//! Order lists as people make them.
+//! Order lists in the formats that people use.
 
 use super::{HandDrivenFarm, QUICK, block, stl};
 use crate::ledger::PartState;
 
-/// A farm that waits so long for what does not fit together.
+/// A farm that waits this many seconds if an order list and its files do not match.
 fn farm(incomplete_secs: f64) -> HandDrivenFarm {
     HandDrivenFarm::open(&format!("{QUICK}incomplete_secs = {incomplete_secs}\n[trigger]\nmax_wait_secs = \"24h\"\n"))
 }
 
-/// Names and copies of what waits, sorted.
+/// Names and copies of the waiting parts, sorted.
 fn copies(farm: &mut HandDrivenFarm, count: usize) -> Vec<(String, u32)> {
     let mut parts: Vec<_> =
         farm.wait_for_parts(PartState::Waiting, count).into_iter().map(|part| (part.name, part.copies)).collect();

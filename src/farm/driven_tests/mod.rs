@@ -1,4 +1,5 @@
-//! What the farm does, driven by hand: tests of its logic that need no process. The real daemon has its own in `tests/it/farm`.
+//! Tests of the farm's logic that control a farm step by step and need no separate process. The tests of the real
+//! daemon are in `tests/it/farm`.
 
 mod hand_driven_farm;
 mod life;

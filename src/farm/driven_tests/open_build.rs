@@ -1,4 +1,4 @@
-//! The open build takes parts in and lets them go.
+//! Parts enter and leave the open build.
 
 use super::{HandDrivenFarm, QUICK, block};
 use crate::ledger::{CommandKind, PartState};

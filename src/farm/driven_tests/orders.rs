@@ -1,4 +1,4 @@
-//! Orders by hand.
+//! Commands that people give to the daemon.
 
 use super::{HandDrivenFarm, QUICK, block};
 use crate::ledger::{CommandKind, CommandState, PartState};

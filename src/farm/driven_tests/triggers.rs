@@ -1,4 +1,4 @@
-//! When a batch fires.
+//! The triggers that fire a batch.
 
 use super::{HandDrivenFarm, QUICK, block};
 use crate::ledger::PartState;

@@ -1,4 +1,5 @@
-//! Tests with ledgers damaged on purpose: the damage is noticed, the ledger is refused, its files are kept.
+//! Tests with ledgers that are damaged on purpose: the damage is detected, the ledger is refused, and its files are
+//! kept.
 
 use std::{fs, path::PathBuf};
 
@@ -22,8 +23,8 @@ async fn closed() -> (TempDir, PathBuf) {
     (folder, path)
 }
 
-/// The ledger's files as a kill leaves them: the last changes are only in the write-ahead log. They are in a separate
-/// folder.
+/// The ledger's files as they are after the process is killed: the last changes are only in the write-ahead log. The
+/// files are in a separate folder.
 async fn killed() -> (TempDir, PathBuf) {
     let (from, path) = closed().await;
     let ledger = Ledger::open(&path).await.unwrap();

@@ -1,4 +1,4 @@
-//! Rows print flat, whatever they are grouped into: their keys in JSON are read by scripts.
+//! Rows are flat in JSON, although their fields are grouped into structs. Scripts read these keys.
 
 use serde::Serialize;
 
@@ -9,7 +9,7 @@ fn keys(row: &impl Serialize) -> Vec<String> {
     json.as_object().unwrap().keys().cloned().collect()
 }
 
-/// What is known of a row must be in it; more may be.
+/// Asserts that a row has all known keys and no nested objects. It may have more keys.
 fn demand_keys(row: &impl Serialize, known: &str) {
     let keys = keys(row);
     let missing: Vec<&str> = known.split_whitespace().filter(|known| !keys.iter().any(|key| key == known)).collect();

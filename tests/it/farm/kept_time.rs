@@ -1,5 +1,5 @@
-//! The clock is kept: a part that is awkward to nest, to picture, to prove and to write takes no longer than its size explains,
-//! whatever its budget is, and holds up no other machine.
+//! Time limits: a part that is difficult to nest, render, verify and write takes no longer than its size explains,
+//! whatever its time budget is. It does not delay other machines.
 
 use std::{
     fs,
@@ -14,12 +14,13 @@ use super::{
 };
 
 const SECOND: &str = "second";
-/// Shells in one place: they touch everywhere, so that whatever looks at pairs of them never ends.
+/// Number of shells in the same place. They touch everywhere, so that an algorithm that compares pairs of them never
+/// ends.
 const COMPONENTS: usize = 99_000;
-/// Nesting, picturing, proving and writing a part may take so many times what reading it takes, for each goes through its
-/// triangles; both are measured on the same machine at the same time.
+/// Maximum time to nest, render, verify and write a part, as a multiple of the time to read it. Each of these steps
+/// processes all triangles of the part. Both times are measured on the same machine in the same test.
 const TIMES_READING: f64 = 8.0;
-/// What any build takes, and what a busy machine adds to it, seconds.
+/// Time that any build takes, plus the delay on a busy machine, in seconds.
 const ANY_BUILD_SECS: f64 = 8.0;
 
 #[test]
@@ -36,7 +37,7 @@ fn the_build_of_an_awkward_part_keeps_its_clock_and_holds_up_no_other_machine() 
     let read_secs = dropped.elapsed().as_secs_f64();
     let fired = Instant::now();
     farm.flush();
-    // Beside it, another machine takes and prints a part.
+    // Meanwhile, another machine accepts and prints a part.
     let outside = farm.root().join("sending");
     fs::write(&outside, stl(&block(10.0, 12.0, 14.0))).unwrap();
     let other = Instant::now();

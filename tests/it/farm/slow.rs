@@ -1,5 +1,6 @@
-//! Folders that answer late: a share, a failing disk, 2 GiB to be copied. The event loop feeds the watchdog and serves all
-//! machines, so it never touches the files of one; threads do, and only they wait.
+//! Folders that respond slowly, for example a network share, a failing disk, or a copy of 2 GiB. The event loop feeds
+//! the watchdog and serves all machines, so it never accesses the files of a machine. Only job threads do this, and
+//! only they wait.
 
 use std::{
     collections::HashSet,
@@ -22,12 +23,13 @@ use super::support::{
 };
 
 const SECOND: &str = "second";
-/// A slow call takes so long.
+/// Duration of a slow call.
 const SLOW: Duration = Duration::from_secs(6);
-/// The loop says that it is alive every 0.5 s; so long may pass on a busy machine, whose disk lets the ledger wait.
+/// Maximum time between two signs of life. The loop sends one every 0.5 s, but on a busy machine the ledger may wait
+/// for the disk.
 const LONGEST_SILENCE: Duration = Duration::from_secs(5);
 
-/// What was seen of a daemon's calls.
+/// The observed system calls of a daemon.
 #[derive(Clone, Default)]
 struct SeenCalls {
     is_watched: Arc<AtomicBool>,
@@ -35,16 +37,17 @@ struct SeenCalls {
     slowed: Arc<Mutex<Vec<String>>>,
 }
 
-/// Slows the first call of each kind that changes names or copies in some folders, and notes what the event loop does in any.
+/// Delays the first rename, unlink and copy call in each of the `slow` folders. Records the calls of the event loop in
+/// all folders of machines.
 struct SlowFolders {
     root: PathBuf,
     slow: &'static [&'static str],
-    /// Calls that were slow, each with its folder.
+    /// Calls that were delayed, each with its folder.
     known: HashSet<(&'static str, &'static str)>,
     seen: SeenCalls,
 }
 
-/// Where the files of machines are: what may be a share, or grow.
+/// Folders with files of machines. They may be network shares, or contain large files.
 const FOLDERS: [&str; 6] = ["inbox", "queue", "error", "archive", "state/store", "state/damaged"];
 
 impl CallWatcher for SlowFolders {
@@ -74,7 +77,7 @@ impl CallWatcher for SlowFolders {
     }
 }
 
-/// A farm with two machines whose daemon is traced, and what it tells the service manager.
+/// A farm with two machines whose daemon is traced, and the messages of the daemon to the service manager.
 struct TracedFarm {
     farm: TestFarm,
     seen: SeenCalls,
@@ -83,7 +86,7 @@ struct TracedFarm {
 }
 
 impl TracedFarm {
-    /// `None` where processes may not be traced; says so.
+    /// `None` if processes may not be traced here. Then it prints a message.
     fn new() -> Option<Self> {
         if !is_allowed() {
             eprintln!("SKIPPED: processes may not be traced here");
@@ -94,7 +97,7 @@ impl TracedFarm {
         Some(Self { farm, seen: SeenCalls::default(), daemon: None, alive: Arc::default() })
     }
 
-    /// Starts the daemon and waits until its loop runs; from then on its calls are watched.
+    /// Starts the daemon and waits until its loop runs. From then on, its calls are observed.
     fn start(&mut self, slow: &'static [&'static str]) {
         let socket = self.farm.root().join("notify");
         let _ = fs::remove_file(&socket);
@@ -179,7 +182,8 @@ fn the_event_loop_touches_no_file_of_a_machine_whatever_becomes_of_a_part() {
     traced.wait_for("it is reloaded", || farm.log().contains("The configuration was read again"));
     let kept = traced.part(PartState::Waiting, "kept.stl").unwrap();
     traced.stop();
-    // Of a crash: a claimed original that was written to after its row was committed. And its stored file rots.
+    // The state after a crash: somebody wrote to a claimed original after its row was committed. The stored file is
+    // also damaged.
     let claim = traced.farm.folder("inbox").join(".claimed").join(&kept.file.claim);
     fs::create_dir_all(&claim).unwrap();
     fs::write(claim.join("kept.stl"), stl(&block(8.0, 9.0, 11.0))).unwrap();
@@ -216,7 +220,7 @@ fn a_slow_folder_holds_up_neither_the_watchdog_nor_another_machine() {
     let cancelled = traced.part(PartState::Waiting, "cancelled.stl").unwrap();
     let mut cancel = farm.command(&["cancel", &cancelled.id.to_string()]).spawn().unwrap();
     traced.wait_for("its original is copied", || is_slowed(&traced, Path::new("error/test/part-")));
-    // Beside that, the other machine takes and prints its own.
+    // Meanwhile, the other machine accepts and prints its own part.
     traced.drop_at_second("other.stl", &stl(&block(20.0, 12.0, 14.0)));
     let queue = farm.root().join("queue").join(SECOND);
     traced.wait_for("the other one waits", || traced.part(PartState::Waiting, "other.stl").is_some());
@@ -242,7 +246,7 @@ fn is_slowed(traced: &TracedFarm, begins: &Path) -> bool {
     traced.seen.slowed.lock().unwrap().iter().any(|told| told.contains(&*begins.to_string_lossy()))
 }
 
-/// Whether the stored files of all that is built are gone.
+/// Whether the stored files of all built parts were removed.
 fn forgotten(traced: &TracedFarm) -> bool {
     traced.farm.parts(PartState::Built).iter().all(|part| !traced.stored(part).exists())
 }

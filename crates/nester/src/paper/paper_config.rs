@@ -1,9 +1,9 @@
-//! Parameters of the published method, each with its default; settings read them from TOML.
+//! Parameters of the published method, each with its default. The settings read them from TOML.
 
 use serde::{Deserialize, Serialize};
 
-/// Parameters of the published method: "Nesting of 3D irregular shaped objects applied to powder-based additive manufacturing"
-/// (Springer, 2021), its sections 2.1, 2.3 and 3.1. Sections and equations are numbered as there.
+/// Parameters of the published method: "Nesting of 3D irregular shaped objects applied to powder-based additive
+/// manufacturing" (Springer, 2021), sections 2.1, 2.3 and 3.1. Section and equation numbers are those of the paper.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PaperConfig {
@@ -17,7 +17,7 @@ pub struct PaperConfig {
     pub scale: f64,
     /// Exponent lambda of the Levy flight, equation (2).
     pub levy_exponent: f64,
-    /// Whether leaves stop subdividing at the clearance (section 2.2.4).
+    /// Whether the tree stops subdividing boxes at the size of the clearance (section 2.2.4).
     pub reduce_tree: bool,
     /// Stop when the print height is at most this, mm; 0 = off.
     pub target_height_mm: f64,

@@ -27,16 +27,16 @@ pub struct Disassembly {
 /// ```
 /// use std::sync::Arc;
 /// use glam::{DQuat, DVec3};
-/// use nester::{Body, take_apart};
+/// use nester::{PlacedSolid, find_removal_order};
 /// use solids::Pose;
 ///
-/// let body = |mesh, x: f64| Body {
+/// let body = |mesh, x: f64| PlacedSolid {
 ///     name: String::new(),
 ///     mesh: Arc::new(mesh),
 ///     pose: Pose::new(DQuat::IDENTITY, DVec3::X * x),
 ///     clearance_mm: 2.0,
 /// };
-/// let apart = take_apart(&[body(sample_parts::ring(30.0, 20.0, 6.0), 0.0), body(sample_parts::ring(30.0, 20.0, 6.0), 40.0)]);
+/// let apart = find_removal_order(&[body(sample_parts::ring(30.0, 20.0, 6.0), 0.0), body(sample_parts::ring(30.0, 20.0, 6.0), 40.0)]);
 /// assert!(apart.locked.is_empty());
 /// assert_eq!(apart.order[0], (0, DVec3::Z)); // drawn straight up
 /// ```

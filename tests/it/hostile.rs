@@ -192,7 +192,7 @@ fn every_refusal_of_a_foreign_file_says_what_to_do() {
         (&zip("a.stl"), "a.zip", "ZIP archive", "Unpack it"),
         (&zip("parts/a.STL"), "a.3mf", "ZIP archive", "Unpack it"),
         (&b"\x01\x02"[..], "a.sldprt", "CAD program", "as STL or 3MF"),
-        (&b"hello"[..], "readme.txt", "words", "no shape to print"),
+        (&b"hello"[..], "readme.txt", "text", "no shape to print"),
     ] {
         let error = scratch.read(bytes, name).unwrap_err();
         assert!(

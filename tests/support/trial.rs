@@ -1,5 +1,5 @@
 //! Tests that need something on the machine: a folder of parts, a browser, a server. Without it they are reported as
-//! ignored, with the reason. The attribute `#[ignore]` cannot do this, because it is decided at compile time.
+//! ignored, with the reason. An attribute of the test cannot do this, because it is decided at compile time.
 
 use libtest_mimic::{Completion, Trial};
 

@@ -118,7 +118,7 @@ fn refused_above_the_limits(row: &mut SectionResult) {
     let cases = [
         ("max_triangles = 11", "a.stl", "it has 12 triangles; at most 11 are allowed"),
         ("max_bytes = 600", "a.stl", "it is 684 bytes long; at most 600 are allowed"),
-        ("max_shells = 1", "two.stl", "2 pieces"),
+        ("max_shells = 1", "two.stl", "2 separate pieces"),
         ("max_copies = 4", "a_x5.stl", "5 copies"),
     ];
     for (limit, name, said) in cases {

@@ -8,8 +8,12 @@ use tracing::warn;
 
 use super::{
     alert::AlertKind,
+    alert_registry::AlertRegistry,
+    claim_completion,
     farm::Farm,
     folder_lease::{FolderLease, LeaseError, LeaseHolder},
+    machine_state::MachineStates,
+    mark_note,
 };
 use crate::{
     intake,
@@ -55,39 +59,43 @@ pub fn check_claims_released(profile: &MachineProfile, farm: &str, claims: &Hash
     }
 }
 
-impl Farm {
-    /// Gives up the parts of claims that another farm has taken over, before anything else is done with them.
-    pub(super) async fn give_up_taken_over_claims(&mut self, profile: &str, claims: &[String]) -> Result<()> {
-        const REASON: &str = "Another nestd has taken over this file while this one did not answer, and prints it.";
-        if claims.is_empty() {
-            return Ok(());
-        }
-        for build in self.ledger.nesting_builds_of_claims(claims).await? {
-            if let Some((budget, _)) = self.nesting.final_searches.get(&build) {
-                budget.cancel();
-            }
-            self.nesting.just_fired.remove(&build);
-            self.ledger.fail_build(build, REASON).await?;
-        }
-        for part in self.ledger.give_up_claims(claims, REASON).await? {
-            warn!(part.id = %part.id, profile, "Part {} ({}) is given up: {REASON}", part.id, part.name);
-            self.update_decision_count(&part).await;
-            self.copy_given_up_part(&part, REASON);
-        }
-        claims.iter().for_each(|claim| drop(self.completion.claims.remove(claim)));
-        Ok(())
+/// Gives up the parts of claims that another farm has taken over, before anything else is done with them.
+pub(super) async fn give_up_taken_over_claims(farm: &mut Farm, profile: &str, claims: &[String]) -> Result<()> {
+    const REASON: &str = "Another nestd has taken over this file while this one did not answer, and prints it.";
+    if claims.is_empty() {
+        return Ok(());
     }
+    for build in farm.ledger.nesting_builds_of_claims(claims).await? {
+        if let Some((budget, _)) = farm.nesting.final_searches.get(&build) {
+            budget.cancel();
+        }
+        farm.nesting.just_fired.remove(&build);
+        farm.ledger.fail_build(build, REASON).await?;
+    }
+    for part in farm.ledger.give_up_claims(claims, REASON).await? {
+        warn!(part.id = %part.id, profile, "Part {} ({}) is given up: {REASON}", part.id, part.name);
+        mark_note::update_decision_count(farm, &part).await;
+        claim_completion::copy_given_up_part(farm, &part, REASON);
+    }
+    claims.iter().for_each(|claim| drop(farm.completion.claims.remove(claim)));
+    Ok(())
+}
 
-    /// Raises or clears the alert on claims of other farms; picks up claims that a person has adopted.
-    pub(super) fn update_foreign_claims_alert(&mut self, name: &str, before: usize, now: usize) {
-        match now {
-            0 => self.alerts.clear(AlertKind::ForeignClaims, name, ""),
-            _ => self.alerts.raise(AlertKind::ForeignClaims, name, "", &format!("{now} in its .claimed folder")),
-        }
-        if now < before
-            && let Some(station) = self.machines.get_mut(name)
-        {
-            station.inbox.relist = true;
-        }
+/// Raises or clears the alert on claims of other farms; picks up claims that a person has adopted.
+pub(super) fn update_foreign_claims_alert(
+    machines: &mut MachineStates,
+    alerts: &mut AlertRegistry,
+    name: &str,
+    before: usize,
+    now: usize,
+) {
+    match now {
+        0 => alerts.clear(AlertKind::ForeignClaims, name, ""),
+        _ => alerts.raise(AlertKind::ForeignClaims, name, "", &format!("{now} in its .claimed folder")),
+    }
+    if now < before
+        && let Some(station) = machines.get_mut(name)
+    {
+        station.inbox.relist = true;
     }
 }

@@ -8,15 +8,18 @@ use nester::SearchBudget;
 use tracing::{info, warn};
 
 use super::{
+    claim_completion, commands, crash_guard, damaged_files,
     failure::LostFileError,
     farm::Farm,
     jobs::BackgroundJob,
     layout::{BatchLayout, CopyId, waiting_copy_ids},
     machine_state::RunningSearch,
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
+    state::ReadingState,
     thread_priority::lower_thread_priority,
     trigger::{FireTrigger, find_trigger},
 };
+use crate::ledger::Ledger;
 use crate::ledger::{BuildId, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
 
 /// Minimum time of a search for each copy, seconds: long enough to try all of them.
@@ -45,13 +48,13 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
     }
 
     async fn on_done(self, farm: &mut Farm, nested: Self::Outcome) -> Result<()> {
-        farm.on_layout_improved(&self.profile, self.round, nested).await
+        on_layout_improved(farm, &self.profile, self.round, nested).await
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
         let build = farm.ledger.open_build(&self.profile).await?;
-        farm.record_search_end(&build).await?;
-        farm.on_search_panicked(&self.profile, message).await
+        crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
+        on_search_panicked(farm, &self.profile, message).await
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
@@ -61,206 +64,210 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
     }
 }
 
-impl Farm {
-    /// Same as [`Farm::batch`], but skipped while the rest after a slow run is not over.
-    pub(super) async fn batch_if_rested(&mut self, name: &str) -> Result<()> {
-        let (began, now) = (Instant::now(), self.now());
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        if now < station.next_batch_at || station.agreed_folders.is_none() {
-            station.is_idle = false;
-            return Ok(());
-        }
-        let result = self.update_open_build(name).await;
-        if let Some(station) = self.machines.get_mut(name) {
-            station.next_batch_at = self.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
-        }
-        result
+/// Same as [`update_open_build`], but skipped while the rest after a slow run is not over.
+pub(super) async fn batch_if_rested(farm: &mut Farm, name: &str) -> Result<()> {
+    let (began, now) = (Instant::now(), farm.now());
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    if now < station.next_batch_at || station.agreed_folders.is_none() {
+        station.is_idle = false;
+        return Ok(());
     }
-
-    /// Keeps a profile's open build up to date and fires it when a trigger holds.
-    pub(super) async fn update_open_build(&mut self, name: &str) -> Result<()> {
-        if self.machines.get(name).is_some_and(|station| !station.leases.are_fresh()) {
-            return Ok(());
-        }
-        let mut waiting = self.ledger.waiting_copies(name).await?;
-        waiting.retain(|waiting| !self.completion.deferred_refusals.contains_key(&waiting.part.id));
-        let flush = self.machines.get(name).is_some_and(|s| !s.pending_flushes.is_empty());
-        let being_read = flush && self.has_unread_claims(name).await?;
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        station.is_idle = waiting.is_empty();
-        if waiting.is_empty() {
-            station.open.reset();
-            if !being_read {
-                let flush = std::mem::take(&mut station.pending_flushes);
-                self.answer_commands(&flush, &format!("nothing waits in {name}")).await?;
-            }
-            return Ok(());
-        }
-        let cut = station.open.truncate_queue(&waiting, &station.profile);
-        let wanted: BTreeSet<CopyId> = waiting_copy_ids(&cut).into_iter().collect();
-        station.is_idle = station.open.covers_copies(&wanted);
-        if !station.paused {
-            let flush = !station.pending_flushes.is_empty() && !being_read;
-            let facts = station.trigger_facts(&waiting, &wanted, flush, self.schedule.clock.is_date_trusted());
-            if let Some(by) = find_trigger(&station.profile, &facts, self.schedule.time.date()) {
-                return self.fire_build(name, by, &wanted).await;
-            }
-        }
-        self.start_layout_search(name, cut, wanted).await
+    let result = update_open_build(farm, name).await;
+    if let Some(station) = farm.machines.get_mut(name) {
+        station.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
     }
+    result
+}
 
-    /// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those
-    /// that the disk keeps from being read.
-    async fn has_unread_claims(&self, name: &str) -> Result<bool> {
-        let claimed = self.ledger.claimed_parts(name, self.reading.backoff.len() + 1).await?;
-        Ok(claimed.iter().any(|part| !self.reading.backoff.is_failing(&part.id)))
+/// Keeps a profile's open build up to date and fires it when a trigger holds.
+pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()> {
+    if farm.machines.get(name).is_some_and(|station| !station.leases.are_fresh()) {
+        return Ok(());
     }
-
-    /// Starts a search for the open build if one is needed and a slot is free.
-    async fn start_layout_search(&mut self, name: &str, cut: Vec<WaitingPart>, wanted: BTreeSet<CopyId>) -> Result<()> {
-        if !self.has_free_slot() {
-            return Ok(());
-        }
-        let meshes = self.meshes.clone();
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        if !station.open.wants_search(&wanted, self.schedule.time.instant())
-            || self.jobs.is_running::<ImproveLayoutJob>(name)
-        {
-            return Ok(());
-        }
-        let build = self.ledger.open_build(name).await?;
-        let parts: Vec<&PartRow> = cut.iter().map(|waiting| &waiting.part).collect();
-        if self.must_wait_after_crashes(&build, build.searches, &parts) {
-            return Ok(());
-        }
-        self.ledger.begin_search(build.id).await?;
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        let open = &mut station.open;
-        open.rounds += 1;
-        let (round, best) = (open.rounds, SharedBestLayout::default());
-        let secs = station.profile.search.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
-        let budget = SearchBudget::of_secs(secs);
-        let order = NestingRequest {
-            profile: station.profile.clone(),
-            wanted: cut.into_iter().map(|w| (w.part, w.copies)).collect(),
-            start_placements: open.layout.placed.clone(),
-            budget: budget.clone(),
-            seed: station.profile.search.nest.seed.wrapping_add(round),
-            best_layout: best.clone(),
-        };
-        open.search = Some(RunningSearch { round, budget, best, copies: wanted });
-        let profile = name.to_owned();
-        self.jobs.start(ImproveLayoutJob { profile, round }, move || {
-            lower_thread_priority();
-            order.run_search(&meshes)
-        });
-        Ok(())
-    }
-
-    /// Takes in the result of a search for an open build.
-    async fn on_layout_improved(&mut self, name: &str, round: u64, nested: Result<NestingResult>) -> Result<()> {
-        let build = self.ledger.open_build(name).await?;
-        self.record_search_end(&build).await?;
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        if station.open.search.as_ref().is_none_or(|search| search.round != round) {
-            return Ok(());
-        }
-        let nested = match nested {
-            Ok(nested) => nested,
-            Err(failure) => {
-                station.open.take_search_result(round, None, self.schedule.time.instant());
-                if let Some(lost) = LostFileError::find_in_chain(&failure) {
-                    return self.request_file_again(lost).await;
-                }
-                warn!(profile = %name, "The open build could not be nested: {failure:#}.");
-                return Ok(());
-            }
-        };
-        station.open.take_search_result(round, Some(nested.layout.clone()), self.schedule.time.instant());
-        self.save_layout(build.id, &nested.layout).await?;
-        self.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
-        self.refuse_unplaceable_part(name, &nested.layout).await
-    }
-
-    /// A part that finds no place in an empty volume would wait for ever: it is refused once it was tried alone.
-    async fn refuse_unplaceable_part(&mut self, name: &str, layout: &BatchLayout) -> Result<()> {
-        let (true, Some(&(part, _))) = (layout.placed.is_empty(), layout.unplaced.first()) else { return Ok(()) };
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        if !station.open.halve_after_empty_search(layout.unplaced.len()) {
-            return Ok(());
-        }
-        let reason = format!(
-            "It was tried and found no place in the empty build volume of {name}. Drop it for a larger machine, or with a freer \
-             orientation or a smaller clearance_mm in its ticket."
-        );
-        warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
-        self.refuse_waiting_part(part, RefusalCause::TooLarge, &reason).await
-    }
-
-    /// A part that makes the search panic must not block the others: half of the queue is tried next, and a part that
-    /// panics alone is refused.
-    async fn on_search_panicked(&mut self, name: &str, message: &str) -> Result<()> {
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        let copies = station.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
-        station.open.take_search_result(station.open.rounds, None, self.schedule.time.instant());
-        let (true, Some(&(part, _))) = (station.open.halve_after_empty_search(copies.len()), copies.first()) else {
-            return Ok(());
-        };
-        let reason = format!(
-            "The search failed on it: {message}. Take it back to try once more; where that fails too, export it again."
-        );
-        self.refuse_waiting_part(part, RefusalCause::Failure, &reason).await
-    }
-
-    /// waiting -> rejected, with a copy of the original in the error folder.
-    async fn refuse_waiting_part(&mut self, part: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
-        let row = self.ledger.find_part(part).await?.context("a part that waits has no row")?;
-        self.start_refusal(row, cause, reason, None);
-        Ok(())
-    }
-
-    /// Stores a layout in the ledger, so that the search continues from it after a restart.
-    pub(super) async fn save_layout(&self, build: BuildId, layout: &BatchLayout) -> Result<()> {
-        let row = OpenLayout {
-            layout: layout.to_json(),
-            height_mm: layout.height_mm,
-            density: layout.density,
-            copies: layout.placed.len() as u32,
-            part_volume_mm3: layout.part_volume_mm3,
-        };
-        Ok(self.ledger.save_layout(build, &row).await?)
-    }
-
-    /// Turns the open build into a batch: its copies are taken, and the next open build starts with the rest.
-    async fn fire_build(&mut self, name: &str, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> Result<()> {
-        let Some(station) = self.machines.get_mut(name) else { return Ok(()) };
-        let (copies, layout) = station.open.taken_by(by, wanted);
-        if copies.is_empty() {
-            return Ok(());
-        }
-        let build = self.ledger.open_build(name).await?.id;
-        self.ledger.begin_nesting(build, &by.to_string(), &copies).await?;
-        self.nesting.just_fired.insert(build);
+    let mut waiting = farm.ledger.waiting_copies(name).await?;
+    waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
+    let flush = farm.machines.get(name).is_some_and(|s| !s.pending_flushes.is_empty());
+    let being_read = flush && has_unread_claims(&farm.ledger, &farm.reading, name).await?;
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    station.is_idle = waiting.is_empty();
+    if waiting.is_empty() {
         station.open.reset();
-        let flush = std::mem::take(&mut station.pending_flushes);
-        info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
-        self.save_layout(build, &layout).await?;
-        self.answer_commands(
-            &flush,
-            &format!("build {build} is being nested with {}", format_count(copies.len(), "copy", "copies")),
-        )
-        .await
+        if !being_read {
+            let flush = std::mem::take(&mut station.pending_flushes);
+            commands::answer_commands(&farm.ledger, &flush, &format!("nothing waits in {name}")).await?;
+        }
+        return Ok(());
     }
+    let cut = station.open.truncate_queue(&waiting, &station.profile);
+    let wanted: BTreeSet<CopyId> = waiting_copy_ids(&cut).into_iter().collect();
+    station.is_idle = station.open.covers_copies(&wanted);
+    if !station.paused {
+        let flush = !station.pending_flushes.is_empty() && !being_read;
+        let facts = station.trigger_facts(&waiting, &wanted, flush, farm.schedule.clock.is_date_trusted());
+        if let Some(by) = find_trigger(&station.profile, &facts, farm.schedule.time.date()) {
+            return fire_build(farm, name, by, &wanted).await;
+        }
+    }
+    start_layout_search(farm, name, cut, wanted).await
+}
 
-    /// Whether another search may run beside the running ones. An overdue search does not count: a build that takes
-    /// long to prove or prepare must not block other machines.
-    pub(super) fn has_free_slot(&self) -> bool {
-        let is_due = |budget: Option<&SearchBudget>| budget.is_none_or(|budget| budget.secs_over() <= OVERDUE_SECS);
-        let improving = self.jobs.running_subjects::<ImproveLayoutJob>().filter(|name| {
-            is_due(self.machines.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
-        });
-        let finals = self.nesting.final_searches.values().filter(|(budget, _)| is_due(Some(budget)));
-        let searches = improving.count() + finals.count();
-        searches < self.nesting.slots
+/// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those
+/// that the disk keeps from being read.
+async fn has_unread_claims(ledger: &Ledger, reading: &ReadingState, name: &str) -> Result<bool> {
+    let claimed = ledger.claimed_parts(name, reading.backoff.len() + 1).await?;
+    Ok(claimed.iter().any(|part| !reading.backoff.is_failing(&part.id)))
+}
+
+/// Starts a search for the open build if one is needed and a slot is free.
+async fn start_layout_search(
+    farm: &mut Farm,
+    name: &str,
+    cut: Vec<WaitingPart>,
+    wanted: BTreeSet<CopyId>,
+) -> Result<()> {
+    if !has_free_slot(farm) {
+        return Ok(());
     }
+    let meshes = farm.meshes.clone();
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    if !station.open.wants_search(&wanted, farm.schedule.time.instant())
+        || farm.jobs.is_running::<ImproveLayoutJob>(name)
+    {
+        return Ok(());
+    }
+    let build = farm.ledger.open_build(name).await?;
+    let parts: Vec<&PartRow> = cut.iter().map(|waiting| &waiting.part).collect();
+    if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts) {
+        return Ok(());
+    }
+    farm.ledger.begin_search(build.id).await?;
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    let open = &mut station.open;
+    open.rounds += 1;
+    let (round, best) = (open.rounds, SharedBestLayout::default());
+    let secs = station.profile.search.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
+    let budget = SearchBudget::of_secs(secs);
+    let order = NestingRequest {
+        profile: station.profile.clone(),
+        wanted: cut.into_iter().map(|w| (w.part, w.copies)).collect(),
+        start_placements: open.layout.placed.clone(),
+        budget: budget.clone(),
+        seed: station.profile.search.nest.seed.wrapping_add(round),
+        best_layout: best.clone(),
+    };
+    open.search = Some(RunningSearch { round, budget, best, copies: wanted });
+    let profile = name.to_owned();
+    farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
+        lower_thread_priority();
+        order.run_search(&meshes)
+    });
+    Ok(())
+}
+
+/// Takes in the result of a search for an open build.
+async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Result<NestingResult>) -> Result<()> {
+    let build = farm.ledger.open_build(name).await?;
+    crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    if station.open.search.as_ref().is_none_or(|search| search.round != round) {
+        return Ok(());
+    }
+    let nested = match nested {
+        Ok(nested) => nested,
+        Err(failure) => {
+            station.open.take_search_result(round, None, farm.schedule.time.instant());
+            if let Some(lost) = LostFileError::find_in_chain(&failure) {
+                return damaged_files::request_file_again(farm, lost).await;
+            }
+            warn!(profile = %name, "The open build could not be nested: {failure:#}.");
+            return Ok(());
+        }
+    };
+    station.open.take_search_result(round, Some(nested.layout.clone()), farm.schedule.time.instant());
+    save_layout(&farm.ledger, build.id, &nested.layout).await?;
+    farm.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
+    refuse_unplaceable_part(farm, name, &nested.layout).await
+}
+
+/// A part that finds no place in an empty volume would wait for ever: it is refused once it was tried alone.
+async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayout) -> Result<()> {
+    let (true, Some(&(part, _))) = (layout.placed.is_empty(), layout.unplaced.first()) else { return Ok(()) };
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    if !station.open.halve_after_empty_search(layout.unplaced.len()) {
+        return Ok(());
+    }
+    let reason = format!(
+        "It was tried and found no place in the empty build volume of {name}. Drop it for a larger machine, or with a freer \
+         orientation or a smaller clearance_mm in its ticket."
+    );
+    warn!(part.id = %part, profile = %name, "Refused part {part}. {reason}");
+    refuse_waiting_part(farm, part, RefusalCause::TooLarge, &reason).await
+}
+
+/// A part that makes the search panic must not block the others: half of the queue is tried next, and a part that
+/// panics alone is refused.
+async fn on_search_panicked(farm: &mut Farm, name: &str, message: &str) -> Result<()> {
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    let copies = station.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
+    station.open.take_search_result(station.open.rounds, None, farm.schedule.time.instant());
+    let (true, Some(&(part, _))) = (station.open.halve_after_empty_search(copies.len()), copies.first()) else {
+        return Ok(());
+    };
+    let reason = format!(
+        "The search failed on it: {message}. Take it back to try once more; where that fails too, export it again."
+    );
+    refuse_waiting_part(farm, part, RefusalCause::Failure, &reason).await
+}
+
+/// waiting -> rejected, with a copy of the original in the error folder.
+async fn refuse_waiting_part(farm: &mut Farm, part: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
+    let row = farm.ledger.find_part(part).await?.context("a part that waits has no row")?;
+    claim_completion::start_refusal(farm, row, cause, reason, None);
+    Ok(())
+}
+
+/// Stores a layout in the ledger, so that the search continues from it after a restart.
+pub(super) async fn save_layout(ledger: &Ledger, build: BuildId, layout: &BatchLayout) -> Result<()> {
+    let row = OpenLayout {
+        layout: layout.to_json(),
+        height_mm: layout.height_mm,
+        density: layout.density,
+        copies: layout.placed.len() as u32,
+        part_volume_mm3: layout.part_volume_mm3,
+    };
+    Ok(ledger.save_layout(build, &row).await?)
+}
+
+/// Turns the open build into a batch: its copies are taken, and the next open build starts with the rest.
+async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> Result<()> {
+    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
+    let (copies, layout) = station.open.taken_by(by, wanted);
+    if copies.is_empty() {
+        return Ok(());
+    }
+    let build = farm.ledger.open_build(name).await?.id;
+    farm.ledger.begin_nesting(build, &by.to_string(), &copies).await?;
+    farm.nesting.just_fired.insert(build);
+    station.open.reset();
+    let flush = std::mem::take(&mut station.pending_flushes);
+    info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
+    save_layout(&farm.ledger, build, &layout).await?;
+    commands::answer_commands(
+        &farm.ledger,
+        &flush,
+        &format!("build {build} is being nested with {}", format_count(copies.len(), "copy", "copies")),
+    )
+    .await
+}
+
+/// Whether another search may run beside the running ones. An overdue search does not count: a build that takes
+/// long to prove or prepare must not block other machines.
+pub(super) fn has_free_slot(farm: &Farm) -> bool {
+    let is_due = |budget: Option<&SearchBudget>| budget.is_none_or(|budget| budget.secs_over() <= OVERDUE_SECS);
+    let improving = farm.jobs.running_subjects::<ImproveLayoutJob>().filter(|name| {
+        is_due(farm.machines.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
+    });
+    let finals = farm.nesting.final_searches.values().filter(|(budget, _)| is_due(Some(budget)));
+    let searches = improving.count() + finals.count();
+    searches < farm.nesting.slots
 }

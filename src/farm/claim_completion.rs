@@ -13,10 +13,14 @@ use super::{
     failure::LostFileError,
     farm::Farm,
     folder_leases::FolderLeases,
+    forget,
     forgettable::Forgettable,
     jobs::BackgroundJob,
+    jobs::JobRunner,
+    mark_note,
     mesh_source::MeshSource,
     standing_claim::StandingClaim,
+    state::CompletionState,
     state::DeferredRefusal,
 };
 use crate::{
@@ -105,7 +109,7 @@ impl BackgroundJob<Farm> for ClaimCompletionJob {
     }
 
     async fn on_done(self, farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
-        farm.on_claim_completed(&self, ended).await
+        on_claim_completed(farm, &self, ended).await
     }
 }
 
@@ -134,217 +138,211 @@ impl BackgroundJob<Farm> for RefusedCopyJob {
     }
 
     async fn on_done(self, farm: &mut Farm, copied: Self::Outcome) -> Result<()> {
-        farm.on_refused_copied(self.part, copied).await
+        on_refused_copied(farm, self.part, copied).await
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        farm.on_refused_copied(self.part, Err(anyhow::anyhow!("panicked: {message}"))).await
+        on_refused_copied(farm, self.part, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 
     fn on_not_started(self, farm: &mut Farm, why: &str) {
-        farm.on_copy_failed(self.part, &anyhow::anyhow!("{why}"));
+        on_copy_failed(farm, self.part, &anyhow::anyhow!("{why}"));
     }
 }
 
-impl Farm {
-    /// Changes a part from claimed to rejected, then moves the file into the error folder. After a crash in between,
-    /// `record_claimed_file` finishes this.
-    pub(super) async fn refuse_part(&mut self, part: &PartRow, cause: RefusalCause, reason: &str) -> Result<()> {
-        warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
-        self.ledger.reject_claim(part.id, cause, reason).await?;
-        self.update_decision_count(part).await;
-        self.move_to_error_folder(part, Some(cause), reason);
-        Ok(())
-    }
+/// Changes a part from claimed to rejected, then moves the file into the error folder. After a crash in between,
+/// `record_claimed_file` finishes this.
+pub(super) async fn refuse_part(farm: &mut Farm, part: &PartRow, cause: RefusalCause, reason: &str) -> Result<()> {
+    warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
+    farm.ledger.reject_claim(part.id, cause, reason).await?;
+    mark_note::update_decision_count(farm, part).await;
+    move_to_error_folder(farm, part, Some(cause), reason);
+    Ok(())
+}
 
-    /// Completes the claims of parts that were read or refused, and retries what failed earlier (for example because
-    /// the error folder was not writable).
-    pub(super) async fn complete_claims(&mut self) -> Result<()> {
-        for claim in self.completion.claims.keys().cloned().collect::<Vec<_>>() {
-            let parts = self.ledger.parts_of_claim(&claim).await?;
-            parts.first().into_iter().for_each(|part| self.complete_claim(part));
+/// Completes the claims of parts that were read or refused, and retries what failed earlier (for example because
+/// the error folder was not writable).
+pub(super) async fn complete_claims(farm: &mut Farm) -> Result<()> {
+    for claim in farm.completion.claims.keys().cloned().collect::<Vec<_>>() {
+        let parts = farm.ledger.parts_of_claim(&claim).await?;
+        parts.first().into_iter().for_each(|part| complete_claim(farm, part));
+    }
+    Ok(())
+}
+
+pub(super) fn complete_claim(farm: &mut Farm, part: &PartRow) {
+    match part.state {
+        PartState::Claimed => {}
+        PartState::Rejected => move_to_error_folder(farm, part, part.refusal, &part.reason),
+        // The part was read: only its original must still be released.
+        _ => release_claim(farm, part),
+    }
+}
+
+/// Whether a job still completes the claim of a part, copies its refused file, or removes its stored file.
+pub(super) fn is_completing(completion: &CompletionState, jobs: &JobRunner<Farm>, part: &PartRow) -> bool {
+    jobs.is_running::<ClaimCompletionJob>(&part.file.claim)
+        || completion.deferred_refusals.contains_key(&part.id)
+        || completion.forgetting.is_under_way(&part.file.content_hash)
+}
+
+fn describe_refused_part(
+    farm: &Farm,
+    part: &PartRow,
+    cause: Option<RefusalCause>,
+    reason: &str,
+) -> Option<RefusedPart> {
+    let station = farm.machines.get(&part.profile)?;
+    let folders = &station.profile.folders;
+    Some(RefusedPart {
+        part: part.clone(),
+        text: reason_text(part, cause, reason),
+        inbox: folders.inbox.clone(),
+        error_dir: folders.error.clone(),
+        meshes: farm.meshes.clone(),
+        holds: station.leases.clone(),
+        claim: farm.completion.claims.get(&part.file.claim).cloned(),
+    })
+}
+
+fn move_to_error_folder(farm: &mut Farm, part: &PartRow, cause: Option<RefusalCause>, reason: &str) {
+    farm.reading.backoff.record_success(&part.id);
+    let Some(refused) = describe_refused_part(farm, part, cause, reason) else { return };
+    farm.jobs.start(ClaimCompletionJob::of(part), move || refused.move_to_error_folder());
+}
+
+/// Another farm has the file: copies it into the error folder if the store has it and this farm has the folder's
+/// lease.
+pub(super) fn copy_given_up_part(farm: &mut Farm, part: &PartRow, reason: &str) {
+    let Some(refused) = describe_refused_part(farm, part, Some(RefusalCause::Cancelled), reason) else { return };
+    let id = part.id;
+    farm.jobs.start(ClaimCompletionJob::of(part), move || {
+        if let Err(failure) = refused.copy_to_error_folder() {
+            debug!(part.id = %id, "No copy of a part that was given up is in the error folder: {failure:#}.");
         }
-        Ok(())
-    }
+        Ok(ClaimOutcome::Done)
+    });
+}
 
-    pub(super) fn complete_claim(&mut self, part: &PartRow) {
-        match part.state {
-            PartState::Claimed => {}
-            PartState::Rejected => self.move_to_error_folder(part, part.refusal, &part.reason),
-            // The part was read: only its original must still be released.
-            _ => self.release_claim(part),
+/// Releases the claimed original: the store has the file, and its row is committed.
+pub(super) fn release_claim(farm: &mut Farm, part: &PartRow) {
+    farm.reading.backoff.record_success(&part.id);
+    let Some(StandingClaim { claim, .. }) = farm.completion.claims.get(&part.file.claim).cloned() else { return };
+    let content_hash = part.file.content_hash.clone();
+    farm.jobs.start(ClaimCompletionJob::of(part), move || {
+        match intake::release_claim(&claim, &content_hash)? {
+            ReleaseOutcome::GivenBack(path) => {
+                let file = path.display();
+                warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
+            }
+            // The part is given up at the next lease renewal. No build takes it before that.
+            ReleaseOutcome::TakenOver => return Ok(ClaimOutcome::Done),
+            ReleaseOutcome::Removed => {}
         }
-    }
+        Ok(ClaimOutcome::OriginalReleased)
+    });
+}
 
-    /// Whether a job still completes the claim of a part, copies its refused file, or removes its stored file.
-    pub(super) fn is_completing(&self, part: &PartRow) -> bool {
-        self.jobs.is_running::<ClaimCompletionJob>(&part.file.claim)
-            || self.completion.deferred_refusals.contains_key(&part.id)
-            || self.completion.forgetting.is_under_way(&part.file.content_hash)
-    }
+/// Puts a claimed file back into the hot folder. Somebody wrote to it after its row was committed, and then nestd
+/// crashed: the file is a new revision.
+pub(super) fn give_back_claim(farm: &mut Farm, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
+    let (end, store) = (ClaimCompletionJob::of_claim(profile, claim), farm.meshes.store.clone());
+    let (claim, hash) = (claim.clone(), stored.hash.clone());
+    farm.jobs.start(end, move || {
+        intake::give_back_claim(&claim)?;
+        store.delete_note(&hash, &claim.id)?;
+        Ok(ClaimOutcome::GivenBack(hash))
+    });
+}
 
-    fn refused_part(&self, part: &PartRow, cause: Option<RefusalCause>, reason: &str) -> Option<RefusedPart> {
-        let station = self.machines.get(&part.profile)?;
-        let folders = &station.profile.folders;
-        Some(RefusedPart {
-            part: part.clone(),
-            text: reason_text(part, cause, reason),
-            inbox: folders.inbox.clone(),
-            error_dir: folders.error.clone(),
-            meshes: self.meshes.clone(),
-            holds: station.leases.clone(),
-            claim: self.completion.claims.get(&part.file.claim).cloned(),
-        })
-    }
+/// Releases a claim that replaced a damaged stored file. Such a claim does not order new copies.
+pub(super) fn release_replacement(farm: &mut Farm, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
+    let (claim, hash) = (claim.clone(), stored.hash.clone());
+    farm.jobs.start(ClaimCompletionJob::of_claim(profile, &claim), move || {
+        intake::release_claim(&claim, &hash)?;
+        Ok(ClaimOutcome::Done)
+    });
+}
 
-    fn move_to_error_folder(&mut self, part: &PartRow, cause: Option<RefusalCause>, reason: &str) {
-        self.reading.backoff.record_success(&part.id);
-        let Some(refused) = self.refused_part(part, cause, reason) else { return };
-        self.start_completion(ClaimCompletionJob::of(part), move || refused.move_to_error_folder());
-    }
-
-    /// Another farm has the file: copies it into the error folder if the store has it and this farm has the folder's
-    /// lease.
-    pub(super) fn copy_given_up_part(&mut self, part: &PartRow, reason: &str) {
-        let Some(refused) = self.refused_part(part, Some(RefusalCause::Cancelled), reason) else { return };
-        let id = part.id;
-        self.start_completion(ClaimCompletionJob::of(part), move || {
-            if let Err(failure) = refused.copy_to_error_folder() {
-                debug!(part.id = %id, "No copy of a part that was given up is in the error folder: {failure:#}.");
-            }
-            Ok(ClaimOutcome::Done)
-        });
-    }
-
-    /// Releases the claimed original: the store has the file, and its row is committed.
-    pub(super) fn release_claim(&mut self, part: &PartRow) {
-        self.reading.backoff.record_success(&part.id);
-        let Some(StandingClaim { claim, .. }) = self.completion.claims.get(&part.file.claim).cloned() else { return };
-        let content_hash = part.file.content_hash.clone();
-        self.start_completion(ClaimCompletionJob::of(part), move || {
-            match intake::release_claim(&claim, &content_hash)? {
-                ReleaseOutcome::GivenBack(path) => {
-                    let file = path.display();
-                    warn!("{file} was written to after it was claimed; it is taken again as a new revision.");
-                }
-                // The part is given up at the next lease renewal. No build takes it before that.
-                ReleaseOutcome::TakenOver => return Ok(ClaimOutcome::Done),
-                ReleaseOutcome::Removed => {}
-            }
-            Ok(ClaimOutcome::OriginalReleased)
-        });
-    }
-
-    /// Puts a claimed file back into the hot folder. Somebody wrote to it after its row was committed, and then nestd
-    /// crashed: the file is a new revision.
-    pub(super) fn give_back(&mut self, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
-        let (end, store) = (ClaimCompletionJob::of_claim(profile, claim), self.meshes.store.clone());
-        let (claim, hash) = (claim.clone(), stored.hash.clone());
-        self.start_completion(end, move || {
-            intake::give_back_claim(&claim)?;
-            store.delete_note(&hash, &claim.id)?;
-            Ok(ClaimOutcome::GivenBack(hash))
-        });
-    }
-
-    /// Releases a claim that replaced a damaged stored file. Such a claim does not order new copies.
-    pub(super) fn let_replacement_go(&mut self, profile: &str, claim: &ClaimedPart, stored: &StoredFile) {
-        let (claim, hash) = (claim.clone(), stored.hash.clone());
-        self.start_completion(ClaimCompletionJob::of_claim(profile, &claim), move || {
-            intake::release_claim(&claim, &hash)?;
-            Ok(ClaimOutcome::Done)
-        });
-    }
-
-    fn start_completion(
-        &mut self,
-        end: ClaimCompletionJob,
-        work: impl FnOnce() -> Result<ClaimOutcome> + Send + 'static,
-    ) {
-        self.jobs.start(end, work);
-    }
-
-    /// Processes the outcome of a claim completion. A completion that failed, or whose claim was not listed yet, is
-    /// retried.
-    async fn on_claim_completed(&mut self, of: &ClaimCompletionJob, ended: Result<ClaimOutcome>) -> Result<()> {
-        match ended {
-            Ok(ClaimOutcome::NotListedYet) => {}
-            Ok(end) => {
-                self.completion.claims.remove(&of.claim);
-                match end {
-                    ClaimOutcome::OriginalReleased => drop(self.completion.released.insert(of.claim.clone())),
-                    ClaimOutcome::GivenBack(hash) => self.forget([Forgettable::StoredFile(hash)]).await?,
-                    _ => {}
-                }
-            }
-            Err(failure) => {
-                self.report_failure(AlertKind::EndingFails, &of.profile, &of.name, &failure);
-                if let (false, Some(station)) =
-                    (self.completion.claims.contains_key(&of.claim), self.machines.get_mut(&of.profile))
-                {
-                    // The claim is known only by its folder: the next scan lists it.
-                    station.inbox.relist = true;
-                }
+/// Processes the outcome of a claim completion. A completion that failed, or whose claim was not listed yet, is
+/// retried.
+async fn on_claim_completed(farm: &mut Farm, of: &ClaimCompletionJob, ended: Result<ClaimOutcome>) -> Result<()> {
+    match ended {
+        Ok(ClaimOutcome::NotListedYet) => {}
+        Ok(end) => {
+            farm.completion.claims.remove(&of.claim);
+            match end {
+                ClaimOutcome::OriginalReleased => drop(farm.completion.released.insert(of.claim.clone())),
+                ClaimOutcome::GivenBack(hash) => forget::forget_data(farm, [Forgettable::StoredFile(hash)]).await?,
+                _ => {}
             }
         }
-        Ok(())
-    }
-
-    /// Changes a part from waiting to rejected once a copy of the original is in the error folder. After a crash in
-    /// between, the command or the search requests this again.
-    pub(super) fn start_refusal(
-        &mut self,
-        part: PartRow,
-        cause: RefusalCause,
-        reason: &str,
-        command: Option<&CommandRow>,
-    ) {
-        let Some(refused) = self.refused_part(&part, Some(cause), reason) else { return };
-        let id = part.id;
-        self.completion
-            .deferred_refusals
-            .insert(id, DeferredRefusal { part, cause, reason: reason.to_owned(), command: command.cloned() });
-        self.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_to_error_folder());
-    }
-
-    /// Processes the outcome of copying the original of a waiting part into the error folder.
-    async fn on_refused_copied(&mut self, id: PartId, copied: Result<()>) -> Result<()> {
-        if let Err(failure) = copied {
-            self.on_copy_failed(id, &failure);
-            return Ok(());
-        }
-        let Some(DeferredRefusal { part, cause, reason, command }) = self.completion.deferred_refusals.remove(&id)
-        else {
-            return Ok(());
-        };
-        let left = self.ledger.cancel_part(id, cause, &reason).await;
-        if left.is_ok() {
-            self.update_decision_count(&part).await;
-        }
-        let Some(command) = command else { return Ok(left?) };
-        match left {
-            Ok(()) => {
-                let done = format!("part {id} is cancelled");
-                info!(part.id = %id, asked_by = %command.asked_by, "A command was carried out: {done}.");
-                self.ledger.answer_command(command.id, true, &done).await?;
+        Err(failure) => {
+            farm.report_failure(AlertKind::EndingFails, &of.profile, &of.name, &failure);
+            if let (false, Some(station)) =
+                (farm.completion.claims.contains_key(&of.claim), farm.machines.get_mut(&of.profile))
+            {
+                // The claim is known only by its folder: the next scan lists it.
+                station.inbox.relist = true;
             }
-            Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
-            Err(refused) => self.ledger.answer_command(command.id, false, &refused.to_string()).await?,
         }
-        Ok(())
     }
+    Ok(())
+}
 
-    /// Keeps the command open. If no command asked for the refusal, a search tries the part once more.
-    fn on_copy_failed(&mut self, id: PartId, failure: &anyhow::Error) {
-        let Some(DeferredRefusal { part, command, .. }) = self.completion.deferred_refusals.remove(&id) else { return };
-        if let Some(command) = command {
-            let about = format!("order {}", command.id);
-            self.report_failure(AlertKind::StepFails, &command.profile, &about, failure);
-            return self.schedule.step_backoff.record_failure(about);
+/// Changes a part from waiting to rejected once a copy of the original is in the error folder. After a crash in
+/// between, the command or the search requests this again.
+pub(super) fn start_refusal(
+    farm: &mut Farm,
+    part: PartRow,
+    cause: RefusalCause,
+    reason: &str,
+    command: Option<&CommandRow>,
+) {
+    let Some(refused) = describe_refused_part(farm, &part, Some(cause), reason) else { return };
+    let id = part.id;
+    farm.completion
+        .deferred_refusals
+        .insert(id, DeferredRefusal { part, cause, reason: reason.to_owned(), command: command.cloned() });
+    farm.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_to_error_folder());
+}
+
+/// Processes the outcome of copying the original of a waiting part into the error folder.
+async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> Result<()> {
+    if let Err(failure) = copied {
+        on_copy_failed(farm, id, &failure);
+        return Ok(());
+    }
+    let Some(DeferredRefusal { part, cause, reason, command }) = farm.completion.deferred_refusals.remove(&id) else {
+        return Ok(());
+    };
+    let left = farm.ledger.cancel_part(id, cause, &reason).await;
+    if left.is_ok() {
+        mark_note::update_decision_count(farm, &part).await;
+    }
+    let Some(command) = command else { return Ok(left?) };
+    match left {
+        Ok(()) => {
+            let done = format!("part {id} is cancelled");
+            info!(part.id = %id, asked_by = %command.asked_by, "A command was carried out: {done}.");
+            farm.ledger.answer_command(command.id, true, &done).await?;
         }
-        self.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
-        if let Some(station) = self.machines.get_mut(&part.profile) {
-            station.open.retry_tried_later(self.schedule.time.instant());
-        }
+        Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
+        Err(refused) => farm.ledger.answer_command(command.id, false, &refused.to_string()).await?,
+    }
+    Ok(())
+}
+
+/// Keeps the command open. If no command asked for the refusal, a search tries the part once more.
+fn on_copy_failed(farm: &mut Farm, id: PartId, failure: &anyhow::Error) {
+    let Some(DeferredRefusal { part, command, .. }) = farm.completion.deferred_refusals.remove(&id) else { return };
+    if let Some(command) = command {
+        let about = format!("order {}", command.id);
+        farm.report_failure(AlertKind::StepFails, &command.profile, &about, failure);
+        return farm.schedule.step_backoff.record_failure(about);
+    }
+    farm.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
+    if let Some(station) = farm.machines.get_mut(&part.profile) {
+        station.open.retry_tried_later(farm.schedule.time.instant());
     }
 }

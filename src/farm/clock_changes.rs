@@ -5,37 +5,36 @@ use jiff::SignedDuration;
 use tracing::warn;
 
 use super::{farm::Farm, wall_clock::CLOCK_JUMP};
+use crate::ledger::Ledger;
 
 /// If the last event in the ledger is older than this at the start, the farm did not run for long or the clock is
 /// wrong.
 const STALE_LEDGER_AGE: SignedDuration = SignedDuration::from_hours(48);
 
-impl Farm {
-    /// Adjusts the ages of parts if the clock was set.
-    pub(super) async fn handle_clock_change(&mut self) -> Result<()> {
-        match self.schedule.clock.detect_jump() {
-            Some(jump) => self.keep_part_ages(jump).await,
-            None => Ok(()),
-        }
+/// Adjusts the ages of parts if the clock was set.
+pub(super) async fn handle_clock_change(farm: &mut Farm) -> Result<()> {
+    match farm.schedule.clock.detect_jump() {
+        Some(jump) => keep_part_ages(&farm.ledger, jump).await,
+        None => Ok(()),
     }
+}
 
-    /// At the start: a last event in the future means that the clock was set back meanwhile. If the last event is old,
-    /// the farm did not run for long or the clock is wrong.
-    pub(super) async fn compare_clock_with_ledger(&mut self) -> Result<()> {
-        let Some(last) = self.ledger.last_event_at().await? else { return Ok(()) };
-        let since = self.date().duration_since(last.0);
-        if since > STALE_LEDGER_AGE {
-            self.schedule.clock.mark_untrusted();
-        }
-        if since < -CLOCK_JUMP {
-            self.schedule.clock.mark_untrusted();
-            return self.keep_part_ages(since).await;
-        }
-        Ok(())
+/// At the start: a last event in the future means that the clock was set back meanwhile. If the last event is old,
+/// the farm did not run for long or the clock is wrong.
+pub(super) async fn compare_clock_with_ledger(farm: &mut Farm) -> Result<()> {
+    let Some(last) = farm.ledger.last_event_at().await? else { return Ok(()) };
+    let since = farm.date().duration_since(last.0);
+    if since > STALE_LEDGER_AGE {
+        farm.schedule.clock.mark_untrusted();
     }
+    if since < -CLOCK_JUMP {
+        farm.schedule.clock.mark_untrusted();
+        return keep_part_ages(&farm.ledger, since).await;
+    }
+    Ok(())
+}
 
-    async fn keep_part_ages(&mut self, jump: SignedDuration) -> Result<()> {
-        warn!("The clock was set by {jump:#}; how long parts have waited is kept, dates wait for five minutes.");
-        Ok(self.ledger.shift_claim_times(jump).await?)
-    }
+async fn keep_part_ages(ledger: &Ledger, jump: SignedDuration) -> Result<()> {
+    warn!("The clock was set by {jump:#}; how long parts have waited is kept, dates wait for five minutes.");
+    Ok(ledger.shift_claim_times(jump).await?)
 }

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use anyhow::Result;
 
-use super::{alert::AlertKind, farm::Farm};
+use super::{alert::AlertKind, alert_registry::AlertRegistry, farm::Farm};
+use crate::ledger::Ledger;
 use crate::ledger::{BuildRow, PartRow};
 
 /// This many searches without an end are taken for accidents: kills, power cuts.
@@ -24,34 +25,32 @@ fn wait_after_crashes(begun: u32) -> Duration {
     }
 }
 
-impl Farm {
-    /// Whether a build must wait because too many of its searches had no end; an alert names its parts.
-    pub(super) fn must_wait_after_crashes(&mut self, build: &BuildRow, begun: u32, parts: &[&PartRow]) -> bool {
-        let wait = wait_after_crashes(begun);
-        if wait.is_zero() {
-            return false;
-        }
-        let names: Vec<String> = parts.iter().take(10).map(|part| format!("{} ({})", part.id, part.name)).collect();
-        let more =
-            if parts.len() > names.len() { format!(" and {} more", parts.len() - names.len()) } else { String::new() };
-        let detail = format!(
-            "nestd ended {begun} times during a search for build {}: the next search begins {} s after a start. \
-             Its parts are {}{more}; \
-             `nestd cancel PART` takes one out",
-            build.id,
-            wait.as_secs(),
-            names.join(", ")
-        );
-        self.alerts.raise(AlertKind::NestingFails, &build.profile, &format!("ended at build {}", build.id), &detail);
-        let running = self.date().duration_since(self.lifecycle.started_at);
-        Duration::try_from(running).is_ok_and(|running| running < wait)
+/// Whether a build must wait because too many of its searches had no end; an alert names its parts.
+pub(super) fn must_wait_after_crashes(farm: &mut Farm, build: &BuildRow, begun: u32, parts: &[&PartRow]) -> bool {
+    let wait = wait_after_crashes(begun);
+    if wait.is_zero() {
+        return false;
     }
+    let names: Vec<String> = parts.iter().take(10).map(|part| format!("{} ({})", part.id, part.name)).collect();
+    let more =
+        if parts.len() > names.len() { format!(" and {} more", parts.len() - names.len()) } else { String::new() };
+    let detail = format!(
+        "nestd ended {begun} times during a search for build {}: the next search begins {} s after a start. \
+         Its parts are {}{more}; \
+         `nestd cancel PART` takes one out",
+        build.id,
+        wait.as_secs(),
+        names.join(", ")
+    );
+    farm.alerts.raise(AlertKind::NestingFails, &build.profile, &format!("ended at build {}", build.id), &detail);
+    let running = farm.date().duration_since(farm.lifecycle.started_at);
+    Duration::try_from(running).is_ok_and(|running| running < wait)
+}
 
-    /// A search for a build has ended, with whatever result, and nestd is still running.
-    pub(super) async fn record_search_end(&mut self, build: &BuildRow) -> Result<()> {
-        self.alerts.clear(AlertKind::NestingFails, &build.profile, &format!("ended at build {}", build.id));
-        Ok(self.ledger.end_search(build.id).await?)
-    }
+/// A search for a build has ended, with whatever result, and nestd is still running.
+pub(super) async fn record_search_end(ledger: &Ledger, alerts: &mut AlertRegistry, build: &BuildRow) -> Result<()> {
+    alerts.clear(AlertKind::NestingFails, &build.profile, &format!("ended at build {}", build.id));
+    Ok(ledger.end_search(build.id).await?)
 }
 
 #[cfg(test)]

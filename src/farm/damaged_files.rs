@@ -6,9 +6,13 @@ use std::collections::BTreeMap;
 use anyhow::Result;
 use tracing::{info, warn};
 
-use super::{alert::AlertKind, failure::LostFileError, farm::Farm, jobs::BackgroundJob};
+use super::{
+    alert::AlertKind, alert_registry::AlertRegistry, claim_completion, failure::LostFileError, farm::Farm,
+    jobs::BackgroundJob, machine_state::MachineStates,
+};
 use crate::{
     intake::{ClaimedPart, StoredFile},
+    ledger::Ledger,
     ledger::{BuildId, PartId},
 };
 
@@ -25,96 +29,94 @@ impl BackgroundJob<Farm> for DamagedFilesJob {
     }
 
     async fn on_done(self, farm: &mut Farm, hashes: Self::Outcome) -> Result<()> {
-        farm.on_files_repaired(&hashes).await
+        on_files_repaired(farm, &hashes).await
     }
 }
 
-impl Farm {
-    /// From now on the parts of a lost file wait until it is dropped again.
-    pub(super) async fn request_file_again(&mut self, lost: &LostFileError) -> Result<()> {
-        warn!("{lost}; the same file must be dropped again.");
-        self.meshes.mesh_cache.retain(|key| key.content_hash != lost.content_hash);
-        self.ledger.mark_damaged(&lost.content_hash, &lost.to_string()).await?;
-        self.update_damaged_alerts().await
-    }
+/// From now on the parts of a lost file wait until it is dropped again.
+pub(super) async fn request_file_again(farm: &mut Farm, lost: &LostFileError) -> Result<()> {
+    warn!("{lost}; the same file must be dropped again.");
+    farm.meshes.mesh_cache.retain(|key| key.content_hash != lost.content_hash);
+    farm.ledger.mark_damaged(&lost.content_hash, &lost.to_string()).await?;
+    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await
+}
 
-    /// Continues a build without the parts of a lost file. If no other part is in it, the build fails and its copies
-    /// wait.
-    pub(super) async fn continue_without_lost_file(&mut self, build: BuildId, failure: &anyhow::Error) -> Result<()> {
-        let Some(lost) = LostFileError::find_in_chain(failure) else { return Ok(()) };
-        let parts: Vec<PartId> = (self.ledger.parts_of_build(build).await?.into_iter())
-            .filter_map(|part| (part.file.content_hash == lost.content_hash).then_some(part.id))
-            .collect();
-        let all = self.ledger.copies_of_build(build).await?;
-        let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();
-        match gone.len() < all.len() {
-            true => {
-                self.ledger.release_copies(build, &gone).await?;
-                // Not a fault of the build: it does not count as an attempt.
-                self.nesting.just_fired.insert(build);
-            }
-            false => self.ledger.fail_build(build, &lost.to_string()).await?,
+/// Continues a build without the parts of a lost file. If no other part is in it, the build fails and its copies
+/// wait.
+pub(super) async fn continue_without_lost_file(farm: &mut Farm, build: BuildId, failure: &anyhow::Error) -> Result<()> {
+    let Some(lost) = LostFileError::find_in_chain(failure) else { return Ok(()) };
+    let parts: Vec<PartId> = (farm.ledger.parts_of_build(build).await?.into_iter())
+        .filter_map(|part| (part.file.content_hash == lost.content_hash).then_some(part.id))
+        .collect();
+    let all = farm.ledger.copies_of_build(build).await?;
+    let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();
+    match gone.len() < all.len() {
+        true => {
+            farm.ledger.release_copies(build, &gone).await?;
+            // Not a fault of the build: it does not count as an attempt.
+            farm.nesting.just_fired.insert(build);
         }
-        self.request_file_again(lost).await
+        false => farm.ledger.fail_build(build, &lost.to_string()).await?,
     }
+    request_file_again(farm, lost).await
+}
 
-    /// Whether a claimed file replaces a damaged one. If so, it is taken as the replacement and is not a new order.
-    pub(super) async fn take_as_replacement(
-        &mut self,
-        profile: &str,
-        claim: &ClaimedPart,
-        stored: &StoredFile,
-    ) -> Result<bool> {
-        let Some(part) = self.ledger.take_replacement(&claim.id, profile, &stored.hash).await? else {
-            return Ok(false);
-        };
-        let name = claim.display_name();
-        info!(part.id = %part, profile, "{name} was dropped again: part {part} goes on with it; it is not another order.");
-        self.let_replacement_go(profile, claim, stored);
-        self.update_damaged_alerts().await?;
-        Ok(true)
+/// Whether a claimed file replaces a damaged one. If so, it is taken as the replacement and is not a new order.
+pub(super) async fn take_as_replacement(
+    farm: &mut Farm,
+    profile: &str,
+    claim: &ClaimedPart,
+    stored: &StoredFile,
+) -> Result<bool> {
+    let Some(part) = farm.ledger.take_replacement(&claim.id, profile, &stored.hash).await? else {
+        return Ok(false);
+    };
+    let name = claim.display_name();
+    info!(part.id = %part, profile, "{name} was dropped again: part {part} goes on with it; it is not another order.");
+    claim_completion::release_replacement(farm, profile, claim, stored);
+    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await?;
+    Ok(true)
+}
+
+/// Checks whether somebody has put a damaged file back.
+pub(super) async fn check_damaged_files(farm: &mut Farm) -> Result<()> {
+    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await?;
+    let mut hashes: Vec<String> =
+        farm.ledger.damaged_parts().await?.into_iter().map(|part| part.file.content_hash).collect();
+    hashes.dedup();
+    if hashes.is_empty() {
+        return Ok(());
     }
+    let store = farm.meshes.store.clone();
+    farm.jobs.start(DamagedFilesJob, move || {
+        hashes.retain(|hash| store.verify_hash(hash).is_ok());
+        hashes
+    });
+    Ok(())
+}
 
-    /// Checks whether somebody has put a damaged file back.
-    pub(super) async fn check_damaged_files(&mut self) -> Result<()> {
-        self.update_damaged_alerts().await?;
-        let mut hashes: Vec<String> =
-            self.ledger.damaged_parts().await?.into_iter().map(|part| part.file.content_hash).collect();
-        hashes.dedup();
-        if hashes.is_empty() {
-            return Ok(());
-        }
-        let store = self.meshes.store.clone();
-        self.jobs.start(DamagedFilesJob, move || {
-            hashes.retain(|hash| store.verify_hash(hash).is_ok());
-            hashes
-        });
-        Ok(())
+async fn on_files_repaired(farm: &mut Farm, hashes: &[String]) -> Result<()> {
+    for hash in hashes {
+        farm.ledger.mark_whole(hash).await?;
     }
+    update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await
+}
 
-    async fn on_files_repaired(&mut self, hashes: &[String]) -> Result<()> {
-        for hash in hashes {
-            self.ledger.mark_whole(hash).await?;
-        }
-        self.update_damaged_alerts().await
+/// One alert for each machine, with its parts.
+async fn update_damaged_alerts(ledger: &Ledger, machines: &MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
+    let mut told: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for part in ledger.damaged_parts().await? {
+        told.entry(part.profile).or_default().push(format!("part {} ({})", part.id, part.name));
     }
-
-    /// One alert for each machine, with its parts.
-    async fn update_damaged_alerts(&mut self) -> Result<()> {
-        let mut told: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for part in self.ledger.damaged_parts().await? {
-            told.entry(part.profile).or_default().push(format!("part {} ({})", part.id, part.name));
-        }
-        for name in self.machines.keys() {
-            match told.get(name) {
-                None => self.alerts.clear(AlertKind::FileDamaged, name, ""),
-                Some(parts) => {
-                    let more = if parts.len() > 3 { format!(" and {} more", parts.len() - 3) } else { String::new() };
-                    let detail = parts[..parts.len().min(3)].join(", ") + &more;
-                    self.alerts.raise(AlertKind::FileDamaged, name, "", &detail);
-                }
+    for name in machines.keys() {
+        match told.get(name) {
+            None => alerts.clear(AlertKind::FileDamaged, name, ""),
+            Some(parts) => {
+                let more = if parts.len() > 3 { format!(" and {} more", parts.len() - 3) } else { String::new() };
+                let detail = parts[..parts.len().min(3)].join(", ") + &more;
+                alerts.raise(AlertKind::FileDamaged, name, "", &detail);
             }
         }
-        Ok(())
     }
+    Ok(())
 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 use tracing::warn;
 
-use super::{farm::Farm, trigger::secs_between};
+use super::{farm::Farm, machine_availability, trigger::secs_between};
 use crate::ledger::{DuePartRow, PartId, UtcTimestamp};
 
 /// Maximum number of part names in a warning.
@@ -37,53 +37,50 @@ impl DueDateOutlook {
     }
 }
 
-impl Farm {
-    /// Warns of due dates that are at risk, each once.
-    pub(super) async fn check_due_dates(&mut self) -> Result<()> {
-        if !self.schedule.clock.is_date_trusted() {
-            return Ok(());
-        }
-        let now = self.date();
-        let longest = self.machines.values().map(|station| {
-            let profile = &station.profile;
-            profile.space.volume_mm.z * profile.space.print_hours_per_mm * 3600.0
-                + profile.trigger.due_margin_secs.unwrap_or(0.0)
-        });
-        let ahead = SignedDuration::try_from_secs_f64(longest.fold(0.0, f64::max)).unwrap_or_default();
-        let parts = self.ledger.due_parts(now.checked_add(ahead).unwrap_or(now)).await?;
-        let mut orders: BTreeMap<(String, String, UtcTimestamp), Vec<DuePartRow>> = BTreeMap::new();
-        for part in parts {
-            orders.entry((part.profile.clone(), part.order_name.clone(), part.due_at)).or_default().push(part);
-        }
-        for ((profile, order, due), parts) in orders {
-            let height_mm = parts.iter().filter_map(|part| part.height_mm).fold(0.0, f64::max);
-            let Some(why) = self.due_date_outlook(&profile, height_mm).risk_reason(due.0, now) else { continue };
-            let detail =
-                format!("{} due {}: {why}.", describe_parts(&order, &parts), due.0.strftime("%Y-%m-%d %H:%M UTC"));
-            warn!(profile, "A due date is at risk: {detail}");
-            let ids: Vec<PartId> = parts.iter().map(|part| part.id).collect();
-            self.ledger.record_at_risk(&profile, &ids, &detail).await?;
-        }
-        Ok(())
+/// Warns of due dates that are at risk, each once.
+pub(super) async fn check_due_dates(farm: &mut Farm) -> Result<()> {
+    if !farm.schedule.clock.is_date_trusted() {
+        return Ok(());
     }
+    let now = farm.date();
+    let longest = farm.machines.values().map(|station| {
+        let profile = &station.profile;
+        profile.space.volume_mm.z * profile.space.print_hours_per_mm * 3600.0
+            + profile.trigger.due_margin_secs.unwrap_or(0.0)
+    });
+    let ahead = SignedDuration::try_from_secs_f64(longest.fold(0.0, f64::max)).unwrap_or_default();
+    let parts = farm.ledger.due_parts(now.checked_add(ahead).unwrap_or(now)).await?;
+    let mut orders: BTreeMap<(String, String, UtcTimestamp), Vec<DuePartRow>> = BTreeMap::new();
+    for part in parts {
+        orders.entry((part.profile.clone(), part.order_name.clone(), part.due_at)).or_default().push(part);
+    }
+    for ((profile, order, due), parts) in orders {
+        let height_mm = parts.iter().filter_map(|part| part.height_mm).fold(0.0, f64::max);
+        let Some(why) = due_date_outlook(farm, &profile, height_mm).risk_reason(due.0, now) else { continue };
+        let detail = format!("{} due {}: {why}.", describe_parts(&order, &parts), due.0.strftime("%Y-%m-%d %H:%M UTC"));
+        warn!(profile, "A due date is at risk: {detail}");
+        let ids: Vec<PartId> = parts.iter().map(|part| part.id).collect();
+        farm.ledger.record_at_risk(&profile, &ids, &detail).await?;
+    }
+    Ok(())
+}
 
-    /// The outlook for the next build of a machine, or for a build of this height that has started.
-    fn due_date_outlook(&self, profile: &str, height_mm: f64) -> DueDateOutlook {
-        let Some(station) = self.machines.get(profile) else {
-            let hindered = Some("its machine is not configured");
-            return DueDateOutlook { print_secs: 0.0, margin_secs: f64::INFINITY, hindered };
-        };
-        let height_mm = if height_mm > 0.0 { height_mm } else { station.open.layout.height_mm };
-        let is_away = self.is_unavailable(profile);
-        DueDateOutlook {
-            print_secs: height_mm * station.profile.space.print_hours_per_mm * 3600.0,
-            margin_secs: station.profile.trigger.due_margin_secs.unwrap_or(0.0),
-            hindered: match (station.paused, is_away) {
-                (true, _) => Some("its machine is paused"),
-                (false, true) => Some("its machine is unavailable"),
-                (false, false) => None,
-            },
-        }
+/// The outlook for the next build of a machine, or for a build of this height that has started.
+fn due_date_outlook(farm: &Farm, profile: &str, height_mm: f64) -> DueDateOutlook {
+    let Some(station) = farm.machines.get(profile) else {
+        let hindered = Some("its machine is not configured");
+        return DueDateOutlook { print_secs: 0.0, margin_secs: f64::INFINITY, hindered };
+    };
+    let height_mm = if height_mm > 0.0 { height_mm } else { station.open.layout.height_mm };
+    let is_away = machine_availability::is_unavailable(&farm.alerts, profile);
+    DueDateOutlook {
+        print_secs: height_mm * station.profile.space.print_hours_per_mm * 3600.0,
+        margin_secs: station.profile.trigger.due_margin_secs.unwrap_or(0.0),
+        hindered: match (station.paused, is_away) {
+            (true, _) => Some("its machine is paused"),
+            (false, true) => Some("its machine is unavailable"),
+            (false, false) => None,
+        },
     }
 }
 

@@ -2,8 +2,9 @@
 
 use anyhow::Result;
 
-use super::farm::Farm;
+use super::machine_state::MachineStates;
 use crate::{
+    ledger::Ledger,
     ledger::{PartRow, SolidFacts},
     settings::DuplicatePolicy,
 };
@@ -40,19 +41,21 @@ impl TwinVerdict {
     }
 }
 
-impl Farm {
-    /// The consequence of an earlier part with the same bytes, if there is one.
-    pub(super) async fn verdict_on_twins(&self, part: &PartRow, solids: &[SolidFacts]) -> Result<TwinVerdict> {
-        let Some(station) = self.machines.get(&part.profile) else { return Ok(TwinVerdict::None) };
-        let Some(earlier) = self.ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await?
-        else {
-            return Ok(TwinVerdict::None);
-        };
-        let earlier = self.ledger.find_part(earlier).await?;
-        Ok(earlier.map_or(TwinVerdict::None, |earlier| {
-            TwinVerdict::of(part, solids, &earlier, station.profile.intake.duplicates)
-        }))
-    }
+/// The consequence of an earlier part with the same bytes, if there is one.
+pub(super) async fn compare_with_twins(
+    ledger: &Ledger,
+    machines: &MachineStates,
+    part: &PartRow,
+    solids: &[SolidFacts],
+) -> Result<TwinVerdict> {
+    let Some(station) = machines.get(&part.profile) else { return Ok(TwinVerdict::None) };
+    let Some(earlier) = ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await? else {
+        return Ok(TwinVerdict::None);
+    };
+    let earlier = ledger.find_part(earlier).await?;
+    Ok(earlier.map_or(TwinVerdict::None, |earlier| {
+        TwinVerdict::of(part, solids, &earlier, station.profile.intake.duplicates)
+    }))
 }
 
 /// Whether the same bytes now have another size, because the ticket or the profile specifies another unit.

@@ -1,9 +1,6 @@
 //! The farm: its state, and what all steps share. It depends on no step.
 
-use std::{
-    collections::BTreeMap,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use jiff::Timestamp;
@@ -13,21 +10,25 @@ use super::{
     alert_registry::AlertRegistry,
     jobs::JobRunner,
     lost_ledger::ledger_alert,
-    machine_state::MachineState,
+    machine_state::MachineStates,
     mesh_source::MeshSource,
     state::{CompletionState, DaemonLifecycle, DisplayState, LoopSchedule, NestingState, ReadingState},
+    systemd,
 };
 use crate::{ledger::Ledger, settings::Settings};
 
 /// Interval of the ticks when nothing happens.
 pub(super) const TICK_INTERVAL: Duration = Duration::from_millis(500);
 
+/// Start of the status line of a halted farm.
+pub const HALTED: &str = "halted";
+
 /// The running farm.
 pub struct Farm {
     pub(super) settings: Settings,
     pub(super) ledger: Ledger,
     pub(super) meshes: MeshSource,
-    pub(super) machines: BTreeMap<String, MachineState>,
+    pub(super) machines: MachineStates,
     pub(super) jobs: JobRunner<Farm>,
     pub(super) completion: CompletionState,
     pub(super) reading: ReadingState,
@@ -74,6 +75,21 @@ impl Farm {
             Some((AlertKind::LedgerReplaced, _)) => {}
             Some((kind, detail)) => self.halt_farm(kind, &detail),
             None => self.alerts.report_failure(kind, profile, about, &format!("{about}: {failure:#}")),
+        }
+    }
+
+    /// Halts the farm, since the ledger cannot be relied on: files could be claimed and builds published without being
+    /// recorded.
+    pub(super) fn halt_farm(&mut self, kind: AlertKind, why: &str) {
+        if !self.lifecycle.is_halted {
+            self.lifecycle.is_halted = true;
+            self.lifecycle.services.set_open(false);
+            self.nesting.final_searches.values().for_each(|(budget, _)| budget.cancel());
+            self.machines.values_mut().for_each(|station| station.open.reset());
+            self.alerts.raise(kind, "", "", why);
+            let what = if kind == AlertKind::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
+            self.display.status_line = format!("{HALTED}: the ledger {what}");
+            systemd::notify_status(&self.display.status_line);
         }
     }
 }

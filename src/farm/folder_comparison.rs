@@ -24,46 +24,44 @@ impl BackgroundJob<Farm> for FolderComparisonJob {
     }
 
     async fn on_done(self, farm: &mut Farm, compared: Self::Outcome) -> Result<()> {
-        farm.on_folders_compared(&self.profile, compared);
+        on_folders_compared(farm, &self.profile, compared);
         Ok(())
     }
 }
 
-impl Farm {
-    /// Starts to compare the folders of every machine with the ledger. Until they agree, nothing is printed; if they
-    /// disagree, nothing is claimed.
-    pub(super) fn start_folder_comparison(&mut self) {
-        for (name, station) in &self.machines {
-            let (settings, ledger, profile) = (self.settings.clone(), self.ledger.clone(), station.profile.clone());
-            let (before, runtime) = (station.agreed_folders, tokio::runtime::Handle::current());
-            self.jobs.start(FolderComparisonJob { profile: name.clone() }, move || {
-                runtime.block_on(compare_machine_folders(&settings, &ledger, &profile, before))
-            });
-        }
+/// Starts to compare the folders of every machine with the ledger. Until they agree, nothing is printed; if they
+/// disagree, nothing is claimed.
+pub(super) fn start_folder_comparison(farm: &mut Farm) {
+    for (name, station) in &farm.machines {
+        let (settings, ledger, profile) = (farm.settings.clone(), farm.ledger.clone(), station.profile.clone());
+        let (before, runtime) = (station.agreed_folders, tokio::runtime::Handle::current());
+        farm.jobs.start(FolderComparisonJob { profile: name.clone() }, move || {
+            runtime.block_on(compare_machine_folders(&settings, &ledger, &profile, before))
+        });
     }
+}
 
-    /// Takes in the result.
-    fn on_folders_compared(&mut self, name: &str, compared: FolderComparison) {
-        let Some(station) = self.machines.get_mut(name) else { return };
-        let (behind, away) = match compared {
-            FolderComparison::Unchanged => return,
-            FolderComparison::LedgerCurrent(seen) => {
-                station.agreed_folders = Some(seen);
-                station.next_batch_at = self.schedule.time.instant();
-                (None, None)
-            }
-            FolderComparison::LedgerBehind(detail) => (Some(detail), None),
-            FolderComparison::Unavailable(why) => (None, Some(why)),
-        };
-        station.may_take = behind.is_none();
-        if behind.is_some() || away.is_some() {
-            station.agreed_folders = None;
+/// Takes in the result.
+fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) {
+    let Some(station) = farm.machines.get_mut(name) else { return };
+    let (behind, away) = match compared {
+        FolderComparison::Unchanged => return,
+        FolderComparison::LedgerCurrent(seen) => {
+            station.agreed_folders = Some(seen);
+            station.next_batch_at = farm.schedule.time.instant();
+            (None, None)
         }
-        for (kind, detail) in [(AlertKind::LedgerBehind, behind), (AlertKind::FoldersMissing, away)] {
-            match detail {
-                Some(detail) => self.alerts.raise(kind, name, "told", &detail),
-                None => self.alerts.clear(kind, name, "told"),
-            }
+        FolderComparison::LedgerBehind(detail) => (Some(detail), None),
+        FolderComparison::Unavailable(why) => (None, Some(why)),
+    };
+    station.may_take = behind.is_none();
+    if behind.is_some() || away.is_some() {
+        station.agreed_folders = None;
+    }
+    for (kind, detail) in [(AlertKind::LedgerBehind, behind), (AlertKind::FoldersMissing, away)] {
+        match detail {
+            Some(detail) => farm.alerts.raise(kind, name, "told", &detail),
+            None => farm.alerts.clear(kind, name, "told"),
         }
     }
 }

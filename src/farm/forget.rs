@@ -11,7 +11,7 @@ use super::{
     forgettable::{Forgettable, KEEP_REFUSED_SECS},
     jobs::BackgroundJob,
 };
-use crate::intake::StoreError;
+use crate::{intake::StoreError, ledger::Ledger};
 
 /// Removes the files and claim notes that the store does not need.
 #[derive(Clone)]
@@ -26,11 +26,11 @@ impl BackgroundJob<Farm> for ForgetJob {
     }
 
     async fn on_done(self, farm: &mut Farm, removed: Self::Outcome) -> Result<()> {
-        farm.on_forgotten(removed).await
+        on_forgotten(farm, removed).await
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        farm.on_forgotten(Err(anyhow::anyhow!("panicked: {message}"))).await
+        on_forgotten(farm, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
@@ -39,50 +39,48 @@ impl BackgroundJob<Farm> for ForgetJob {
     }
 }
 
-impl Farm {
-    /// Removes these from the store if no part needs them, together with earlier requests. A later cleanup finds those
-    /// again that cannot be removed now.
-    pub(super) async fn forget(&mut self, unneeded: impl IntoIterator<Item = Forgettable>) -> Result<()> {
-        self.completion.forgetting.want(unneeded);
-        if self.jobs.is_running::<ForgetJob>("") {
-            return Ok(());
-        }
-        let mut work = Vec::new();
-        for wanted in self.completion.forgetting.take_wanted() {
-            if let Forgettable::StoredFile(hash) = &wanted
-                && self.is_content_needed(hash).await?
-            {
-                continue;
-            }
-            self.completion.forgetting.begin(&wanted);
-            work.push(wanted);
-        }
-        if work.is_empty() {
-            return Ok(());
-        }
-        let forgetting = &self.completion.forgetting;
-        self.meshes.mesh_cache.retain(|key| !forgetting.is_under_way(&key.content_hash));
-        let store = self.meshes.store.clone();
-        self.jobs.start(ForgetJob, move || {
-            // If one cannot be removed, the others are still removed.
-            let removed = work.iter().map(|one| one.remove_from(&store)).collect::<Vec<_>>();
-            Ok(removed.into_iter().collect::<Result<(), StoreError>>()?)
-        });
-        Ok(())
+/// Removes these from the store if no part needs them, together with earlier requests. A later cleanup finds those
+/// again that cannot be removed now.
+pub(super) async fn forget_data(farm: &mut Farm, unneeded: impl IntoIterator<Item = Forgettable>) -> Result<()> {
+    farm.completion.forgetting.want(unneeded);
+    if farm.jobs.is_running::<ForgetJob>("") {
+        return Ok(());
     }
+    let mut work = Vec::new();
+    for wanted in farm.completion.forgetting.take_wanted() {
+        if let Forgettable::StoredFile(hash) = &wanted
+            && is_content_needed(&farm.ledger, farm.date(), hash).await?
+        {
+            continue;
+        }
+        farm.completion.forgetting.begin(&wanted);
+        work.push(wanted);
+    }
+    if work.is_empty() {
+        return Ok(());
+    }
+    let forgetting = &farm.completion.forgetting;
+    farm.meshes.mesh_cache.retain(|key| !forgetting.is_under_way(&key.content_hash));
+    let store = farm.meshes.store.clone();
+    farm.jobs.start(ForgetJob, move || {
+        // If one cannot be removed, the others are still removed.
+        let removed = work.iter().map(|one| one.remove_from(&store)).collect::<Vec<_>>();
+        Ok(removed.into_iter().collect::<Result<(), StoreError>>()?)
+    });
+    Ok(())
+}
 
-    async fn on_forgotten(&mut self, removed: Result<()>) -> Result<()> {
-        self.completion.forgetting.end();
-        match &removed {
-            Ok(()) => self.alerts.clear(AlertKind::StepFails, "", "forgetting"),
-            Err(failure) => self.report_failure(AlertKind::StepFails, "", "forgetting", failure),
-        }
-        self.forget([]).await
+async fn on_forgotten(farm: &mut Farm, removed: Result<()>) -> Result<()> {
+    farm.completion.forgetting.end();
+    match &removed {
+        Ok(()) => farm.alerts.clear(AlertKind::StepFails, "", "forgetting"),
+        Err(failure) => farm.report_failure(AlertKind::StepFails, "", "forgetting", failure),
     }
+    forget_data(farm, []).await
+}
 
-    /// Whether a stored file is needed by a live part, or by a refused part that may still be taken back.
-    pub(super) async fn is_content_needed(&self, content_hash: &str) -> Result<bool> {
-        let since = self.date().checked_sub(SignedDuration::from_secs_f64(KEEP_REFUSED_SECS));
-        Ok(self.ledger.is_hash_in_use(content_hash, since.unwrap_or(Timestamp::UNIX_EPOCH)).await?)
-    }
+/// Whether a stored file is needed by a live part, or by a refused part that may still be taken back.
+async fn is_content_needed(ledger: &Ledger, now: Timestamp, content_hash: &str) -> Result<bool> {
+    let since = now.checked_sub(SignedDuration::from_secs_f64(KEEP_REFUSED_SECS));
+    Ok(ledger.is_hash_in_use(content_hash, since.unwrap_or(Timestamp::UNIX_EPOCH)).await?)
 }

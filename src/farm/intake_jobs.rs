@@ -8,8 +8,10 @@ use tracing::{debug, info, warn};
 
 use super::{
     alert::AlertKind,
+    claim_completion,
     claim_note::ClaimNote,
-    duplicates::TwinVerdict,
+    damaged_files,
+    duplicates::{self, TwinVerdict},
     error_folder::{self, COPIES_UNKNOWN},
     farm::Farm,
     folder_leases::FolderLeases,
@@ -44,16 +46,16 @@ impl BackgroundJob<Farm> for HotFolderScanJob {
     }
 
     async fn on_done(self, farm: &mut Farm, (gate, received): Self::Outcome) -> Result<()> {
-        farm.on_scan_done(&self.profile, gate, received).await
+        on_scan_done(farm, &self.profile, gate, received).await
     }
 
     async fn on_panic(self, farm: &mut Farm, _message: &str) -> Result<()> {
-        farm.reset_scanner(&self.profile);
+        reset_scanner(farm, &self.profile);
         Ok(())
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        farm.reset_scanner(&self.profile);
+        reset_scanner(farm, &self.profile);
     }
 }
 
@@ -72,14 +74,14 @@ impl BackgroundJob<Farm> for PartReadJob {
     }
 
     async fn on_done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
-        farm.on_part_read(self.part, outcome).await
+        on_part_read(farm, self.part, outcome).await
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
         let reason = format!(
             "The reader failed on it: {message}. Export it again, as STL or 3MF; where that fails too, send it to nestd's makers."
         );
-        farm.on_part_read(self.part, PartReadOutcome::Refused(RefusalCause::Failure, reason)).await
+        on_part_read(farm, self.part, PartReadOutcome::Refused(RefusalCause::Failure, reason)).await
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
@@ -87,273 +89,268 @@ impl BackgroundJob<Farm> for PartReadJob {
     }
 }
 
-impl Farm {
-    /// Something changed: schedules a scan soon.
-    pub(super) fn schedule_scan(&mut self) {
-        let soon = self.now() + SCAN_DELAY_AFTER_EVENT;
-        self.machines.values_mut().for_each(|s| s.inbox.look_at = s.inbox.look_at.min(soon));
-    }
+/// Something changed: schedules a scan soon.
+pub(super) fn schedule_scan(farm: &mut Farm) {
+    let soon = farm.now() + SCAN_DELAY_AFTER_EVENT;
+    farm.machines.values_mut().for_each(|s| s.inbox.look_at = s.inbox.look_at.min(soon));
+}
 
-    /// Starts a scan of every hot folder that is due.
-    pub(super) fn start_scans(&mut self) {
-        let (now, orphan_secs) = (self.now(), self.settings.orphan_ticket_secs);
-        for (name, station) in &mut self.machines {
-            if !station.may_take
-                || !station.leases.are_fresh()
-                || now < station.inbox.look_at
-                || self.jobs.is_running::<HotFolderScanJob>(name)
-            {
-                continue;
+/// Starts a scan of every hot folder that is due.
+pub(super) fn start_scans(farm: &mut Farm) {
+    let (now, orphan_secs) = (farm.now(), farm.settings.orphan_ticket_secs);
+    for (name, station) in &mut farm.machines {
+        if !station.may_take
+            || !station.leases.are_fresh()
+            || now < station.inbox.look_at
+            || farm.jobs.is_running::<HotFolderScanJob>(name)
+        {
+            continue;
+        }
+        let Some(mut gate) = station.inbox.gate.take() else { continue };
+        if std::mem::take(&mut station.inbox.relist) {
+            gate.relist_claims();
+        }
+        let (profile, store) = (station.profile.clone(), farm.meshes.store.clone());
+        let mut holds = station.leases.clone();
+        let (name, status) = (name.clone(), station.status_files(&farm.alerts, farm.settings.scan_secs));
+        farm.jobs.start(HotFolderScanJob { profile: name }, move || {
+            let mut received = gate.scan_and_claim(&profile, &mut holds, &store, orphan_secs);
+            // The status is not written into an empty mount point that has replaced the folder meanwhile.
+            if status.1.is_empty() || received.unavailable_reason.is_some() || holds.inbox.check_usable().is_err() {
+                return (gate, received);
             }
-            let Some(mut gate) = station.inbox.gate.take() else { continue };
-            if std::mem::take(&mut station.inbox.relist) {
-                gate.relist_claims();
+            if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
+                received.warnings.push(format!("writing STATUS.txt: {failure}"));
             }
-            let (profile, store) = (station.profile.clone(), self.meshes.store.clone());
-            let mut holds = station.leases.clone();
-            let (name, status) = (name.clone(), station.status_files(&self.alerts, self.settings.scan_secs));
-            self.jobs.start(HotFolderScanJob { profile: name }, move || {
-                let mut received = gate.scan_and_claim(&profile, &mut holds, &store, orphan_secs);
-                // The status is not written into an empty mount point that has replaced the folder meanwhile.
-                if status.1.is_empty() || received.unavailable_reason.is_some() || holds.inbox.check_usable().is_err() {
-                    return (gate, received);
-                }
-                if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
-                    received.warnings.push(format!("writing STATUS.txt: {failure}"));
-                }
-                (gate, received)
-            });
-        }
-    }
-
-    /// Gives a hot folder a new scanner without memory.
-    fn reset_scanner(&mut self, name: &str) {
-        let (now, scan_secs) = (self.now(), self.settings.scan_secs);
-        if let Some(station) = self.machines.get_mut(name) {
-            station.inbox.gate = Some(Box::new(HotFolderScanner::new(
-                &station.profile,
-                self.settings.orphan_ticket_secs,
-                self.schedule.time.clone(),
-            )));
-            station.inbox.look_at = now + Duration::from_secs_f64(scan_secs);
-        }
-    }
-
-    /// Takes in a scan: each claimed file gets its row, and is read later. A file that cannot be recorded now is
-    /// retried at the next scan.
-    async fn on_scan_done(
-        &mut self,
-        name: &str,
-        mut gate: Box<HotFolderScanner>,
-        mut received: HotFolderScan,
-    ) -> Result<()> {
-        let (early, drops): (Vec<ClaimedDrop>, Vec<ClaimedDrop>) = std::mem::take(&mut received.drops)
-            .into_iter()
-            .partition(|drop| self.completion.forgetting.is_under_way(&drop.stored.hash));
-        for drop in early {
-            // Its stored copy is being removed, for it was an earlier part's: the next look copies it in again.
-            gate.retry_claim(drop.claim);
-            received.next_secs = Some(0.0);
-        }
-        let rows: Vec<&NewPartRow> = drops.iter().map(|drop| &drop.row).collect();
-        // One transaction for all rows costs as much as one row. If it fails, each row is written by itself below, and
-        // failures are reported.
-        let mut recorded = Vec::new();
-        if rows.len() > 1 && self.machines.contains_key(name) {
-            match self.ledger.record_claims(&rows).await {
-                Ok(all) => recorded = all,
-                Err(failure) => debug!("The rows of a scan are written one by one: {failure}."),
-            }
-        }
-        for (at, drop) in drops.into_iter().enumerate() {
-            if let Err(failure) = self.record_claimed_file(name, &drop, recorded.get(at).copied()).await {
-                self.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
-                gate.retry_claim(drop.claim);
-            }
-        }
-        let (now, scan_secs) = (self.now(), self.settings.scan_secs);
-        if let Some(station) = self.machines.get_mut(name) {
-            if gate.is_for_profile(&station.profile) {
-                station.inbox.gate = Some(gate);
-            }
-            let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
-            station.inbox.look_at = now + Duration::from_secs_f64(next_secs);
-            station.inbox.refused_kept = received.refused_file_count.unwrap_or(station.inbox.refused_kept);
-            let error_dir = station.profile.folders.error.display();
-            match received.is_truncated || received.unavailable_reason.is_some() {
-                true => {}
-                false if received.waiting_reasons.is_empty() => self.alerts.clear(AlertKind::Incomplete, name, ""),
-                false => self.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&received.waiting_reasons)),
-            }
-            match station.inbox.refused_kept {
-                0 => self.alerts.clear(AlertKind::Refused, name, ""),
-                files => {
-                    let detail = format!("{} in {error_dir}", format_count(files, "file", "files"));
-                    self.alerts.raise(AlertKind::Refused, name, "", &detail);
-                }
-            }
-        }
-        match &received.unavailable_reason {
-            Some(why) => self.alerts.raise(AlertKind::HotFolderAway, name, "", why),
-            None => self.mark_scanned(name),
-        }
-        if let Some(trouble) = received.warnings.first() {
-            let more = received.warnings.len() - 1;
-            let more = if more > 0 { format!(", and {more} more") } else { String::new() };
-            self.alerts.report_failure(AlertKind::TakingFails, name, "", &format!("{trouble}{more}"));
-        }
-        for (file, cause, reason) in &received.refused {
-            warn!(profile = %name, "Refused {file} in {name}: {reason}");
-            self.ledger.record_file_refusal(name, *cause, &format!("{file}: {reason}")).await?;
-        }
-        Ok(())
-    }
-
-    /// A hot folder is available and was scanned.
-    fn mark_scanned(&mut self, name: &str) {
-        self.alerts.clear(AlertKind::HotFolderAway, name, "");
-        let date = self.date();
-        if let Some(station) = self.machines.get_mut(name) {
-            station.inbox.scanned_at = Some(UtcTimestamp(date));
-        }
-    }
-
-    /// Writes the row of a claimed file; an earlier run or the transaction for the whole scan may have written it
-    /// already.
-    async fn record_claimed_file(
-        &mut self,
-        name: &str,
-        drop: &ClaimedDrop,
-        recorded: Option<RecordedPart>,
-    ) -> Result<()> {
-        if !self.machines.contains_key(name) {
-            return Ok(());
-        }
-        let ClaimedDrop { claim, stored, part_spec: given, row } = drop;
-        if given.is_ok() && self.take_as_replacement(name, claim, stored).await? {
-            return Ok(());
-        }
-        let recorded = match recorded {
-            Some(recorded) => recorded,
-            None => self.ledger.record_claim(row).await?,
-        };
-        if recorded.is_new {
-            self.reading.counted_reads.insert(recorded.id);
-        }
-        let part = self.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
-        if part.file.content_hash != stored.hash {
-            self.give_back(name, claim, stored);
-            return Ok(());
-        }
-        let note = ClaimNote::new(self.lifecycle.owner.farm_id(), row.clone(), given.as_ref().err()).to_text();
-        self.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
-        match (part.state, given) {
-            (PartState::Claimed, Err(error)) => {
-                let remedy = match error {
-                    TicketError::Unlisted(_) => {
-                        "drop it again together with a list that has a row for it, or with a ticket of its own"
-                    }
-                    _ => "mend the ticket and drop both again",
-                };
-                let reason = format!("{error}. {COPIES_UNKNOWN}: {remedy}.");
-                self.refuse_part(&part, RefusalCause::Ticket, &reason).await
-            }
-            _ => {
-                self.complete_claim(&part);
-                Ok(())
-            }
-        }
-    }
-
-    /// Starts to read claimed parts.
-    pub(super) async fn start_reading(&mut self) -> Result<()> {
-        let profiles: Vec<Arc<MachineProfile>> = (self.machines.values())
-            .filter(|s| s.may_take && s.leases.are_fresh())
-            .map(|s| s.profile.clone())
-            .collect();
-        // Another machine comes first each time, so that none waits until another one's queue is empty.
-        self.reading.rounds = self.reading.rounds.wrapping_add(1);
-        for at in 0..profiles.len() {
-            let profile = &profiles[(self.reading.rounds + at) % profiles.len()];
-            let reading = self.jobs.running_subjects::<PartReadJob>().count();
-            if reading >= READERS {
-                break;
-            }
-            let parts =
-                self.ledger.claimed_parts(&profile.name, READERS + reading + self.reading.backoff.len()).await?;
-            for part in parts {
-                self.start_part_read(part, profile).await?;
-            }
-        }
-        Ok(())
-    }
-
-    async fn start_part_read(&mut self, mut part: PartRow, profile: &Arc<MachineProfile>) -> Result<()> {
-        let turn = ReadTurn {
-            reads: part.file.reads,
-            is_resting: self.reading.backoff.is_waiting(&part.id),
-            is_ending: self.is_completing(&part),
-            is_being_read: self.jobs.is_running::<PartReadJob>(part.id),
-            readers: self.jobs.running_subjects::<PartReadJob>().count(),
-            is_reader_alone: self.reading.reads_alone,
-        };
-        if !turn.has_come() {
-            return Ok(());
-        }
-        let was_rejected = self.ledger.was_rejected(part.id).await?;
-        if !self.reading.counted_reads.remove(&part.id) {
-            part.file.reads = self.ledger.begin_read(part.id).await?;
-        }
-        self.reading.reads_alone = part.file.reads > READS_IN_THE_DAEMON;
-        let (profile, meshes) = (profile.clone(), self.meshes.clone());
-        let claim = self.completion.claims.get(&part.file.claim).cloned();
-        let holds = self.machines.get(&profile.name).map(|station| station.leases.clone());
-        // After a retry the refused file and its reason must leave the error folder.
-        let refused_before = holds.filter(|_| was_rejected);
-        self.jobs.start(PartReadJob { part: part.id }, move || {
-            let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
-            // Removed before the part becomes waiting: a crash later must not leave its file in two places.
-            if let (Some(holds), PartReadOutcome::Solids(_)) = (refused_before, &outcome)
-                && let Err(failure) = remove_refused(&holds, &profile, &part)
-            {
-                outcome = PartReadOutcome::TryLater(format!("removing what was refused of it: {failure:#}"));
-            }
-            outcome
+            (gate, received)
         });
-        Ok(())
     }
+}
 
-    /// Takes in the result of reading a part.
-    async fn on_part_read(&mut self, id: PartId, outcome: PartReadOutcome) -> Result<()> {
-        let part = self.ledger.find_part(id).await?.context("a part that was read has no row")?;
-        if part.state != PartState::Claimed {
-            return Ok(());
+/// Gives a hot folder a new scanner without memory.
+fn reset_scanner(farm: &mut Farm, name: &str) {
+    let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
+    if let Some(station) = farm.machines.get_mut(name) {
+        station.inbox.gate = Some(Box::new(HotFolderScanner::new(
+            &station.profile,
+            farm.settings.orphan_ticket_secs,
+            farm.schedule.time.clone(),
+        )));
+        station.inbox.look_at = now + Duration::from_secs_f64(scan_secs);
+    }
+}
+
+/// Takes in a scan: each claimed file gets its row, and is read later. A file that cannot be recorded now is
+/// retried at the next scan.
+async fn on_scan_done(
+    farm: &mut Farm,
+    name: &str,
+    mut gate: Box<HotFolderScanner>,
+    mut received: HotFolderScan,
+) -> Result<()> {
+    let (early, drops): (Vec<ClaimedDrop>, Vec<ClaimedDrop>) = std::mem::take(&mut received.drops)
+        .into_iter()
+        .partition(|drop| farm.completion.forgetting.is_under_way(&drop.stored.hash));
+    for drop in early {
+        // Its stored copy is being removed, for it was an earlier part's: the next look copies it in again.
+        gate.retry_claim(drop.claim);
+        received.next_secs = Some(0.0);
+    }
+    let rows: Vec<&NewPartRow> = drops.iter().map(|drop| &drop.row).collect();
+    // One transaction for all rows costs as much as one row. If it fails, each row is written by itself below, and
+    // failures are reported.
+    let mut recorded = Vec::new();
+    if rows.len() > 1 && farm.machines.contains_key(name) {
+        match farm.ledger.record_claims(&rows).await {
+            Ok(all) => recorded = all,
+            Err(failure) => debug!("The rows of a scan are written one by one: {failure}."),
         }
-        match outcome {
-            PartReadOutcome::Solids(mut solids) => {
-                match self.verdict_on_twins(&part, &solids).await? {
-                    TwinVerdict::None => {}
-                    TwinVerdict::Warn(warning) => solids[0].warnings.push(warning),
-                    TwinVerdict::Refuse(reason) => {
-                        return self.refuse_part(&part, RefusalCause::Duplicate, &reason).await;
-                    }
+    }
+    for (at, drop) in drops.into_iter().enumerate() {
+        if let Err(failure) = record_claimed_file(farm, name, &drop, recorded.get(at).copied()).await {
+            farm.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
+            gate.retry_claim(drop.claim);
+        }
+    }
+    let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
+    if let Some(station) = farm.machines.get_mut(name) {
+        if gate.is_for_profile(&station.profile) {
+            station.inbox.gate = Some(gate);
+        }
+        let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
+        station.inbox.look_at = now + Duration::from_secs_f64(next_secs);
+        station.inbox.refused_kept = received.refused_file_count.unwrap_or(station.inbox.refused_kept);
+        let error_dir = station.profile.folders.error.display();
+        match received.is_truncated || received.unavailable_reason.is_some() {
+            true => {}
+            false if received.waiting_reasons.is_empty() => farm.alerts.clear(AlertKind::Incomplete, name, ""),
+            false => farm.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&received.waiting_reasons)),
+        }
+        match station.inbox.refused_kept {
+            0 => farm.alerts.clear(AlertKind::Refused, name, ""),
+            files => {
+                let detail = format!("{} in {error_dir}", format_count(files, "file", "files"));
+                farm.alerts.raise(AlertKind::Refused, name, "", &detail);
+            }
+        }
+    }
+    match &received.unavailable_reason {
+        Some(why) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", why),
+        None => mark_scanned(farm, name),
+    }
+    if let Some(trouble) = received.warnings.first() {
+        let more = received.warnings.len() - 1;
+        let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+        farm.alerts.report_failure(AlertKind::TakingFails, name, "", &format!("{trouble}{more}"));
+    }
+    for (file, cause, reason) in &received.refused {
+        warn!(profile = %name, "Refused {file} in {name}: {reason}");
+        farm.ledger.record_file_refusal(name, *cause, &format!("{file}: {reason}")).await?;
+    }
+    Ok(())
+}
+
+/// A hot folder is available and was scanned.
+fn mark_scanned(farm: &mut Farm, name: &str) {
+    farm.alerts.clear(AlertKind::HotFolderAway, name, "");
+    let date = farm.date();
+    if let Some(station) = farm.machines.get_mut(name) {
+        station.inbox.scanned_at = Some(UtcTimestamp(date));
+    }
+}
+
+/// Writes the row of a claimed file; an earlier run or the transaction for the whole scan may have written it
+/// already.
+async fn record_claimed_file(
+    farm: &mut Farm,
+    name: &str,
+    drop: &ClaimedDrop,
+    recorded: Option<RecordedPart>,
+) -> Result<()> {
+    if !farm.machines.contains_key(name) {
+        return Ok(());
+    }
+    let ClaimedDrop { claim, stored, part_spec: given, row } = drop;
+    if given.is_ok() && damaged_files::take_as_replacement(farm, name, claim, stored).await? {
+        return Ok(());
+    }
+    let recorded = match recorded {
+        Some(recorded) => recorded,
+        None => farm.ledger.record_claim(row).await?,
+    };
+    if recorded.is_new {
+        farm.reading.counted_reads.insert(recorded.id);
+    }
+    let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
+    if part.file.content_hash != stored.hash {
+        claim_completion::give_back_claim(farm, name, claim, stored);
+        return Ok(());
+    }
+    let note = ClaimNote::new(farm.lifecycle.owner.farm_id(), row.clone(), given.as_ref().err()).to_text();
+    farm.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
+    match (part.state, given) {
+        (PartState::Claimed, Err(error)) => {
+            let remedy = match error {
+                TicketError::Unlisted(_) => {
+                    "drop it again together with a list that has a row for it, or with a ticket of its own"
                 }
-                let ids = self.ledger.accept_solids(id, &solids).await?;
-                let copies = format_count(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");
-                let parts = format_count(ids.len(), "part", "parts");
-                info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts}, {copies}.", part.name, part.profile);
-                self.release_claim(&part);
-                Ok(())
+                _ => "mend the ticket and drop both again",
+            };
+            let reason = format!("{error}. {COPIES_UNKNOWN}: {remedy}.");
+            claim_completion::refuse_part(farm, &part, RefusalCause::Ticket, &reason).await
+        }
+        _ => {
+            claim_completion::complete_claim(farm, &part);
+            Ok(())
+        }
+    }
+}
+
+/// Starts to read claimed parts.
+pub(super) async fn start_reading(farm: &mut Farm) -> Result<()> {
+    let profiles: Vec<Arc<MachineProfile>> =
+        (farm.machines.values()).filter(|s| s.may_take && s.leases.are_fresh()).map(|s| s.profile.clone()).collect();
+    // Another machine comes first each time, so that none waits until another one's queue is empty.
+    farm.reading.rounds = farm.reading.rounds.wrapping_add(1);
+    for at in 0..profiles.len() {
+        let profile = &profiles[(farm.reading.rounds + at) % profiles.len()];
+        let reading = farm.jobs.running_subjects::<PartReadJob>().count();
+        if reading >= READERS {
+            break;
+        }
+        let parts = farm.ledger.claimed_parts(&profile.name, READERS + reading + farm.reading.backoff.len()).await?;
+        for part in parts {
+            start_part_read(farm, part, profile).await?;
+        }
+    }
+    Ok(())
+}
+
+async fn start_part_read(farm: &mut Farm, mut part: PartRow, profile: &Arc<MachineProfile>) -> Result<()> {
+    let turn = ReadTurn {
+        reads: part.file.reads,
+        is_resting: farm.reading.backoff.is_waiting(&part.id),
+        is_ending: claim_completion::is_completing(&farm.completion, &farm.jobs, &part),
+        is_being_read: farm.jobs.is_running::<PartReadJob>(part.id),
+        readers: farm.jobs.running_subjects::<PartReadJob>().count(),
+        is_reader_alone: farm.reading.reads_alone,
+    };
+    if !turn.has_come() {
+        return Ok(());
+    }
+    let was_rejected = farm.ledger.was_rejected(part.id).await?;
+    if !farm.reading.counted_reads.remove(&part.id) {
+        part.file.reads = farm.ledger.begin_read(part.id).await?;
+    }
+    farm.reading.reads_alone = part.file.reads > READS_IN_THE_DAEMON;
+    let (profile, meshes) = (profile.clone(), farm.meshes.clone());
+    let claim = farm.completion.claims.get(&part.file.claim).cloned();
+    let holds = farm.machines.get(&profile.name).map(|station| station.leases.clone());
+    // After a retry the refused file and its reason must leave the error folder.
+    let refused_before = holds.filter(|_| was_rejected);
+    farm.jobs.start(PartReadJob { part: part.id }, move || {
+        let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
+        // Removed before the part becomes waiting: a crash later must not leave its file in two places.
+        if let (Some(holds), PartReadOutcome::Solids(_)) = (refused_before, &outcome)
+            && let Err(failure) = remove_refused(&holds, &profile, &part)
+        {
+            outcome = PartReadOutcome::TryLater(format!("removing what was refused of it: {failure:#}"));
+        }
+        outcome
+    });
+    Ok(())
+}
+
+/// Takes in the result of reading a part.
+async fn on_part_read(farm: &mut Farm, id: PartId, outcome: PartReadOutcome) -> Result<()> {
+    let part = farm.ledger.find_part(id).await?.context("a part that was read has no row")?;
+    if part.state != PartState::Claimed {
+        return Ok(());
+    }
+    match outcome {
+        PartReadOutcome::Solids(mut solids) => {
+            match duplicates::compare_with_twins(&farm.ledger, &farm.machines, &part, &solids).await? {
+                TwinVerdict::None => {}
+                TwinVerdict::Warn(warning) => solids[0].warnings.push(warning),
+                TwinVerdict::Refuse(reason) => {
+                    return claim_completion::refuse_part(farm, &part, RefusalCause::Duplicate, &reason).await;
+                }
             }
-            PartReadOutcome::Refused(cause, reason) => self.refuse_part(&part, cause, &reason).await,
-            PartReadOutcome::LostFile(lost) => self.request_file_again(&lost).await,
-            PartReadOutcome::TryLater(why) => {
-                self.reading.backoff.record_failure(id);
-                self.ledger.uncount_read(id).await?;
-                let about = format!("part {id} ({})", part.name);
-                self.alerts.report_failure(AlertKind::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
-                Ok(())
-            }
+            let ids = farm.ledger.accept_solids(id, &solids).await?;
+            let copies = format_count(solids.iter().map(|s| s.copies).sum::<u32>(), "copy", "copies");
+            let parts = format_count(ids.len(), "part", "parts");
+            info!(part.id = %id, profile = %part.profile, "{} waits in {}: {parts}, {copies}.", part.name, part.profile);
+            claim_completion::release_claim(farm, &part);
+            Ok(())
+        }
+        PartReadOutcome::Refused(cause, reason) => claim_completion::refuse_part(farm, &part, cause, &reason).await,
+        PartReadOutcome::LostFile(lost) => damaged_files::request_file_again(farm, &lost).await,
+        PartReadOutcome::TryLater(why) => {
+            farm.reading.backoff.record_failure(id);
+            farm.ledger.uncount_read(id).await?;
+            let about = format!("part {id} ({})", part.name);
+            farm.alerts.report_failure(AlertKind::ReadingFails, &part.profile, &about, &format!("{about}: {why}"));
+            Ok(())
         }
     }
 }

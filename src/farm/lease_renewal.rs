@@ -6,8 +6,8 @@ use anyhow::Result;
 use tracing::info;
 
 use super::{
-    alert::AlertKind, alert_registry::AlertRegistry, farm::Farm, folder_lease::FolderLease,
-    folder_leases::FolderLeases, jobs::BackgroundJob, lease_clock,
+    adopt, alert::AlertKind, alert_registry::AlertRegistry, farm::Farm, folder_lease::FolderLease,
+    folder_leases::FolderLeases, jobs::BackgroundJob, lease_clock, machine_state::MachineStates,
 };
 
 /// The alert for each folder, in the order of [`FolderLeases::all`].
@@ -30,79 +30,77 @@ impl BackgroundJob<Farm> for LeaseRenewalJob {
     }
 
     async fn on_done(self, farm: &mut Farm, (holds, is_same_queue): Self::Outcome) -> Result<()> {
-        farm.on_leases_renewed(&self.profile, *holds, is_same_queue).await
+        on_leases_renewed(farm, &self.profile, *holds, is_same_queue).await
     }
 }
 
-impl Farm {
-    /// Acquires the leases on all folders. A folder that another daemon serves makes the start fail; an unavailable
-    /// folder is retried. Waits until it is clear whether other daemons named in markers are alive.
-    pub(super) fn acquire_leases_at_start(&mut self) -> Result<()> {
-        let mut is_told = false;
-        loop {
-            let mut unclear = None;
-            for station in self.machines.values_mut() {
-                if !station.leases.acquire_missing()? {
-                    unclear = station.leases.errors.iter().flatten().next().cloned();
-                }
+/// Acquires the leases on all folders. A folder that another daemon serves makes the start fail; an unavailable
+/// folder is retried. Waits until it is clear whether other daemons named in markers are alive.
+pub(super) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
+    let mut is_told = false;
+    loop {
+        let mut unclear = None;
+        for station in machines.values_mut() {
+            if !station.leases.acquire_missing()? {
+                unclear = station.leases.errors.iter().flatten().next().cloned();
             }
-            let Some(unclear) = unclear else { break };
-            if !is_told {
-                info!("{unclear}; that takes up to {} s.", lease_clock::takeover_delay().as_secs());
-            }
-            is_told = true;
-            std::thread::sleep(Duration::from_secs(1));
         }
-        for (name, station) in &self.machines {
-            update_lease_alerts(&mut self.alerts, name, &station.leases);
+        let Some(unclear) = unclear else { break };
+        if !is_told {
+            info!("{unclear}; that takes up to {} s.", lease_clock::takeover_delay().as_secs());
         }
-        Ok(())
+        is_told = true;
+        std::thread::sleep(Duration::from_secs(1));
     }
-
-    /// Renews all leases when they are due, and at once those of a machine whose folders were not checked for too long.
-    /// Nothing is done with its parts meanwhile.
-    pub(super) fn renew_leases(&mut self, is_due: bool) {
-        if is_due {
-            self.schedule.last_renewal = self.now();
-        }
-        for (name, station) in self.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
-            let (profile, mut holds) = (name.clone(), Box::new(station.leases.clone()));
-            let queue = station.queue.opened.clone();
-            self.jobs.start(LeaseRenewalJob { profile }, move || {
-                holds.renew_all();
-                let is_same_queue = queue.is_none_or(|queue| queue.check_marker().is_ok());
-                (holds, is_same_queue)
-            });
-        }
+    for (name, station) in machines {
+        update_lease_alerts(alerts, name, &station.leases);
     }
+    Ok(())
+}
 
-    /// Takes in the renewed leases.
-    async fn on_leases_renewed(&mut self, name: &str, holds: FolderLeases, is_same_queue: bool) -> Result<()> {
-        // After a reload the folders may have changed.
-        let Some(station) = self.machines.get_mut(name).filter(|s| s.leases.inbox.is_same_folder(&holds.inbox)) else {
-            return Ok(());
-        };
-        update_lease_alerts(&mut self.alerts, name, &holds);
-        let (before, now) = (station.leases.foreign_claims, holds.foreign_claims);
-        let taken_over = holds.taken_over.clone();
-        self.give_up_taken_over_claims(name, &taken_over).await?;
-        // The folders count as checked only from here on.
-        if let Some(station) = self.machines.get_mut(name) {
-            if !is_same_queue || !holds.can_publish() {
-                // It is opened anew; until then nothing is nested for it.
-                station.queue.opened = None;
-            }
-            station.leases = holds;
-        }
-        self.update_foreign_claims_alert(name, before, now);
-        Ok(())
+/// Renews all leases when they are due, and at once those of a machine whose folders were not checked for too long.
+/// Nothing is done with its parts meanwhile.
+pub(super) fn renew_leases(farm: &mut Farm, is_due: bool) {
+    if is_due {
+        farm.schedule.last_renewal = farm.now();
     }
+    for (name, station) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
+        let (profile, mut holds) = (name.clone(), Box::new(station.leases.clone()));
+        let queue = station.queue.opened.clone();
+        farm.jobs.start(LeaseRenewalJob { profile }, move || {
+            holds.renew_all();
+            let is_same_queue = queue.is_none_or(|queue| queue.check_marker().is_ok());
+            (holds, is_same_queue)
+        });
+    }
+}
 
-    /// Releases all leases.
-    pub(super) fn release_leases(&mut self) {
-        for station in self.machines.values_mut() {
-            station.leases.all_leases().into_iter().for_each(FolderLease::release);
+/// Takes in the renewed leases.
+async fn on_leases_renewed(farm: &mut Farm, name: &str, holds: FolderLeases, is_same_queue: bool) -> Result<()> {
+    // After a reload the folders may have changed.
+    let Some(station) = farm.machines.get_mut(name).filter(|s| s.leases.inbox.is_same_folder(&holds.inbox)) else {
+        return Ok(());
+    };
+    update_lease_alerts(&mut farm.alerts, name, &holds);
+    let (before, now) = (station.leases.foreign_claims, holds.foreign_claims);
+    let taken_over = holds.taken_over.clone();
+    adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
+    // The folders count as checked only from here on.
+    if let Some(station) = farm.machines.get_mut(name) {
+        if !is_same_queue || !holds.can_publish() {
+            // It is opened anew; until then nothing is nested for it.
+            station.queue.opened = None;
         }
+        station.leases = holds;
+    }
+    adopt::update_foreign_claims_alert(&mut farm.machines, &mut farm.alerts, name, before, now);
+    Ok(())
+}
+
+/// Releases all leases.
+pub(super) fn release_leases(machines: &mut MachineStates) {
+    for station in machines.values_mut() {
+        station.leases.all_leases().into_iter().for_each(FolderLease::release);
     }
 }
 

@@ -5,6 +5,7 @@ use jiff::SignedDuration;
 
 use super::{
     alert::{AlertKind, FarmAlert},
+    alert_registry::AlertRegistry,
     farm::Farm,
 };
 use crate::ledger::ObservedMachine;
@@ -23,38 +24,35 @@ const UNAVAILABLE_KINDS: [AlertKind; 7] = [
     AlertKind::BuildFailed,
 ];
 
-impl Farm {
-    /// Whether a machine cannot claim parts or publish builds at this moment.
-    pub(super) fn is_unavailable(&self, profile: &str) -> bool {
-        self.alerts.active_alerts().any(|notice| notice.profile == profile && UNAVAILABLE_KINDS.contains(&notice.kind))
-    }
+/// Whether a machine cannot claim parts or publish builds at this moment.
+pub(super) fn is_unavailable(alerts: &AlertRegistry, profile: &str) -> bool {
+    alerts.active_alerts().any(|notice| notice.profile == profile && UNAVAILABLE_KINDS.contains(&notice.kind))
+}
 
-    /// The current state of every machine.
-    pub(super) fn observed_machines(&self) -> Vec<ObservedMachine> {
-        let now = self.date();
-        let stations = self.machines.iter().map(|(name, station)| {
-            let notices: Vec<FarmAlert> = self
-                .alerts
-                .active_alerts()
-                .filter(|notice| notice.profile == *name && UNAVAILABLE_KINDS.contains(&notice.kind))
-                .collect();
-            let is = |kind: AlertKind| notices.iter().any(|notice| notice.kind == kind);
-            let lasts = notices.iter().find(|notice| now.duration_since(notice.since) >= UNAVAILABLE_AFTER);
-            // After a start nothing is known until everything was checked once.
-            let is_looked_at = station.inbox.scanned_at.is_some()
-                && station.queue.opened.is_some()
-                && self.display.updated_at.is_some();
-            ObservedMachine {
-                profile: name.clone(),
-                scanned_at: station.inbox.scanned_at,
-                is_inbox_there: station.inbox.scanned_at.is_some() && !is(AlertKind::HotFolderAway),
-                is_queue_writable: station.queue.opened.is_some() && !is(AlertKind::QueueAway),
-                trouble: match lasts {
-                    Some(notice) => Some(notice.alert_text()),
-                    None => (is_looked_at && notices.is_empty()).then(String::new),
-                },
-            }
-        });
-        stations.collect()
-    }
+/// The current state of every machine.
+pub(super) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
+    let now = farm.date();
+    let stations = farm.machines.iter().map(|(name, station)| {
+        let notices: Vec<FarmAlert> = farm
+            .alerts
+            .active_alerts()
+            .filter(|notice| notice.profile == *name && UNAVAILABLE_KINDS.contains(&notice.kind))
+            .collect();
+        let is = |kind: AlertKind| notices.iter().any(|notice| notice.kind == kind);
+        let lasts = notices.iter().find(|notice| now.duration_since(notice.since) >= UNAVAILABLE_AFTER);
+        // After a start nothing is known until everything was checked once.
+        let is_looked_at =
+            station.inbox.scanned_at.is_some() && station.queue.opened.is_some() && farm.display.updated_at.is_some();
+        ObservedMachine {
+            profile: name.clone(),
+            scanned_at: station.inbox.scanned_at,
+            is_inbox_there: station.inbox.scanned_at.is_some() && !is(AlertKind::HotFolderAway),
+            is_queue_writable: station.queue.opened.is_some() && !is(AlertKind::QueueAway),
+            trouble: match lasts {
+                Some(notice) => Some(notice.alert_text()),
+                None => (is_looked_at && notices.is_empty()).then(String::new),
+            },
+        }
+    });
+    stations.collect()
 }

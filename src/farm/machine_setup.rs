@@ -6,99 +6,98 @@ use anyhow::Result;
 use nester::PreparedMeshCache;
 use tracing::info;
 
-use super::{alert::AlertKind, disk_cache::DiskPreparationCache, farm::Farm, machine_state::MachineState, systemd};
+use super::{
+    alert::AlertKind, disk_cache::DiskPreparationCache, farm::Farm, folder_comparison, machine_state::MachineState,
+    status, systemd, watching,
+};
 use crate::settings::Settings;
 
-impl Farm {
-    /// Creates, replaces and removes machine states to match the settings.
-    pub(super) async fn set_up_machines(&mut self) -> Result<()> {
-        self.meshes.limits = self.settings.limits.clone();
-        if !self.meshes.preparation_cache.as_ref().is_some_and(|cache| cache.is_of(&self.settings)) {
-            self.meshes.preparation_cache = DiskPreparationCache::for_farm(&self.settings).map(Arc::new);
-            let cache = self.meshes.preparation_cache.clone().map(|cache| cache as Arc<dyn PreparedMeshCache + Send>);
-            self.meshes.prepared = self.meshes.prepared.clone().with_cache(cache);
+/// Creates, replaces and removes machine states to match the settings.
+pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
+    farm.meshes.limits = farm.settings.limits.clone();
+    if !farm.meshes.preparation_cache.as_ref().is_some_and(|cache| cache.is_of(&farm.settings)) {
+        farm.meshes.preparation_cache = DiskPreparationCache::for_farm(&farm.settings).map(Arc::new);
+        let cache = farm.meshes.preparation_cache.clone().map(|cache| cache as Arc<dyn PreparedMeshCache + Send>);
+        farm.meshes.prepared = farm.meshes.prepared.clone().with_cache(cache);
+    }
+    farm.nesting.slots = search_slots(&farm.settings);
+    let gone: Vec<String> =
+        farm.machines.keys().filter(|name| !farm.settings.profiles.contains_key(*name)).cloned().collect();
+    for name in gone {
+        if let Some(mut station) = farm.machines.remove(&name) {
+            station.open.reset();
+            farm.alerts.forget_machine(&name);
+            info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
         }
-        self.nesting.slots = search_slots(&self.settings);
-        let gone: Vec<String> =
-            self.machines.keys().filter(|name| !self.settings.profiles.contains_key(*name)).cloned().collect();
-        for name in gone {
-            if let Some(mut station) = self.machines.remove(&name) {
+    }
+    for (name, profile) in farm.settings.profiles.clone() {
+        match farm.machines.get_mut(&name) {
+            Some(station) if *station.profile == profile => (station.agreed_folders, station.may_take) = (None, false),
+            Some(station) => {
+                // A new volume or clearance makes the layout invalid. A new hot folder needs a new hot folder
+                // scanner.
+                let row = farm.ledger.open_build(&name).await?;
+                let mut fresh = MachineState::new(
+                    Arc::new(profile),
+                    farm.settings.orphan_ticket_secs,
+                    &farm.lifecycle.owner,
+                    &row,
+                    &farm.schedule.time,
+                );
+                fresh.open.layout = Default::default();
                 station.open.reset();
-                self.alerts.forget_machine(&name);
-                info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
+                fresh.paused = station.paused;
+                fresh.pending_flushes = std::mem::take(&mut station.pending_flushes);
+                *station = fresh;
+                info!(profile = %name, "The profile has changed.");
+            }
+            None => {
+                let row = farm.ledger.open_build(&name).await?;
+                let station = MachineState::new(
+                    Arc::new(profile),
+                    farm.settings.orphan_ticket_secs,
+                    &farm.lifecycle.owner,
+                    &row,
+                    &farm.schedule.time,
+                );
+                farm.machines.insert(name, station);
             }
         }
-        for (name, profile) in self.settings.profiles.clone() {
-            match self.machines.get_mut(&name) {
-                Some(station) if *station.profile == profile => {
-                    (station.agreed_folders, station.may_take) = (None, false)
-                }
-                Some(station) => {
-                    // A new volume or clearance makes the layout invalid. A new hot folder needs a new hot folder
-                    // scanner.
-                    let row = self.ledger.open_build(&name).await?;
-                    let mut fresh = MachineState::new(
-                        Arc::new(profile),
-                        self.settings.orphan_ticket_secs,
-                        &self.lifecycle.owner,
-                        &row,
-                        &self.schedule.time,
-                    );
-                    fresh.open.layout = Default::default();
-                    station.open.reset();
-                    fresh.paused = station.paused;
-                    fresh.pending_flushes = std::mem::take(&mut station.pending_flushes);
-                    *station = fresh;
-                    info!(profile = %name, "The profile has changed.");
-                }
-                None => {
-                    let row = self.ledger.open_build(&name).await?;
-                    let station = MachineState::new(
-                        Arc::new(profile),
-                        self.settings.orphan_ticket_secs,
-                        &self.lifecycle.owner,
-                        &row,
-                        &self.schedule.time,
-                    );
-                    self.machines.insert(name, station);
-                }
-            }
-        }
-        Ok(())
     }
+    Ok(())
+}
 
-    pub(super) async fn reload_configuration(&mut self) {
-        systemd::notify_reloading();
-        match self.apply_configuration().await {
-            Ok(()) => {
-                self.alerts.clear(AlertKind::ConfigurationWrong, "", "");
-                info!(profiles = self.machines.len(), "The configuration was read again.");
-            }
-            Err(failure) => {
-                let detail = format!("{failure:#}").replace('\n', " ");
-                self.alerts.clear(AlertKind::ConfigurationWrong, "", "");
-                self.alerts.raise(AlertKind::ConfigurationWrong, "", "", &detail);
-            }
+pub(super) async fn reload_configuration(farm: &mut Farm) {
+    systemd::notify_reloading();
+    match apply_configuration(farm).await {
+        Ok(()) => {
+            farm.alerts.clear(AlertKind::ConfigurationWrong, "", "");
+            info!(profiles = farm.machines.len(), "The configuration was read again.");
         }
-        // Machines may have been added or removed: the status is updated at once.
-        self.display.updated_at = None;
-        self.run_step("status", Self::update_status).await;
-        systemd::notify_ready(&self.display.status_line);
+        Err(failure) => {
+            let detail = format!("{failure:#}").replace('\n', " ");
+            farm.alerts.clear(AlertKind::ConfigurationWrong, "", "");
+            farm.alerts.raise(AlertKind::ConfigurationWrong, "", "", &detail);
+        }
     }
+    // Machines may have been added or removed: the status is updated at once.
+    farm.display.updated_at = None;
+    farm.run_step("status", status::update_status).await;
+    systemd::notify_ready(&farm.display.status_line);
+}
 
-    async fn apply_configuration(&mut self) -> Result<()> {
-        let settings = (self.lifecycle.load)()?;
-        if settings.ledger != self.settings.ledger || settings.state_dir != self.settings.state_dir {
-            anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
-        }
-        settings.files.apply_to_process();
-        self.settings = settings;
-        self.set_up_machines().await?;
-        self.create_missing_folders();
-        self.start_watcher();
-        self.start_folder_comparison();
-        Ok(())
+async fn apply_configuration(farm: &mut Farm) -> Result<()> {
+    let settings = (farm.lifecycle.load)()?;
+    if settings.ledger != farm.settings.ledger || settings.state_dir != farm.settings.state_dir {
+        anyhow::bail!("the state folder and the ledger cannot change while the daemon runs");
     }
+    settings.files.apply_to_process();
+    farm.settings = settings;
+    set_up_machines(farm).await?;
+    watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
+    watching::start_watcher(farm);
+    folder_comparison::start_folder_comparison(farm);
+    Ok(())
 }
 
 /// Maximum number of searches at once: the threads of the farm divided by the largest number that a profile uses.

@@ -2,7 +2,7 @@
 //! the open build is updated as parts arrive.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     sync::{Arc, PoisonError},
     time::{Duration, Instant},
 };
@@ -55,6 +55,9 @@ pub struct MachineQueue {
     /// A folder that could not be opened is not tried again before this time.
     pub open_at: Instant,
 }
+
+/// The machines by the names of their profiles.
+pub type MachineStates = BTreeMap<String, MachineState>;
 
 /// The state of an active machine profile.
 #[derive(Debug)]

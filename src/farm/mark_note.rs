@@ -28,26 +28,24 @@ impl BackgroundJob<Farm> for MarkJob {
         }
         // No second job starts while this one runs: decisions made meanwhile are written now.
         if farm.ledger.decision_count(&self.part.file.claim).await? > self.decisions {
-            farm.update_decision_count(&self.part).await;
+            update_decision_count(farm, &self.part).await;
         }
         Ok(())
     }
 }
 
-impl Farm {
-    /// Updates the claim note beside the stored file of a part, after a decision about the part was recorded in the
-    /// ledger.
-    pub(super) async fn update_decision_count(&mut self, part: &PartRow) {
-        match self.ledger.decision_count(&part.file.claim).await {
-            Ok(decisions) => {
-                let (store, hash, claim) =
-                    (self.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
-                self.jobs.start(MarkJob { part: part.clone(), decisions }, move || {
-                    Ok(store.mark_decisions(&hash, &claim, decisions)?)
-                });
-            }
-            Err(failure) => tell_failure(part, &failure.into()),
+/// Updates the claim note beside the stored file of a part, after a decision about the part was recorded in the
+/// ledger.
+pub(super) async fn update_decision_count(farm: &mut Farm, part: &PartRow) {
+    match farm.ledger.decision_count(&part.file.claim).await {
+        Ok(decisions) => {
+            let (store, hash, claim) =
+                (farm.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
+            farm.jobs.start(MarkJob { part: part.clone(), decisions }, move || {
+                Ok(store.mark_decisions(&hash, &claim, decisions)?)
+            });
         }
+        Err(failure) => tell_failure(part, &failure.into()),
     }
 }
 

@@ -1,8 +1,11 @@
 //! The service: one file per step of a part's life, and one event loop.
 //!
-//! `receive` claims dropped files, `read` checks them, `batch` keeps the open build up to date and fires it, `nest`
-//! searches, `prove` writes and proves, `publish` publishes. `farm` and `state` hold the state, `run` is the loop,
-//! `orders` carries out commands of operators. A step uses the files of the state; only the loop uses all steps.
+//! `farm` and `state` hold what the steps share. A step is a file of functions that take what they need: the ledger, the
+//! settings, the machines, the alerts or the jobs; or the whole farm. What a step decides is a function without a farm
+//! (as in `trigger`), and what it does off the loop is a `BackgroundJob` in the same file. `hot_folder_scanner`
+//! and `intake_jobs` claim and read dropped files, `batch` keeps the open build up to date and fires it, `nest` searches,
+//! writes and proves, `publish` publishes, `commands` carries out commands of operators. Only `event_loop` knows all
+//! steps.
 
 mod adopt;
 mod alert;
@@ -37,6 +40,7 @@ mod hot_folder_scanner;
 mod intake_jobs;
 mod invariants;
 mod isolated_read;
+mod job_events;
 mod jobs;
 mod known_folders;
 mod layout;
@@ -88,6 +92,7 @@ pub use cake::{
 };
 pub use disk_cache::DiskPreparationCache;
 pub use event_loop::run;
+pub use farm::HALTED;
 pub use folder_check::check_readable;
 pub use folder_lease::LeaseError;
 pub use invariants::{Invariant, InvariantExpectations, InvariantReport, InvariantViolation, check_invariants};
@@ -99,5 +104,5 @@ pub use reconcile_report::ReconcileReport;
 pub use refused_files::dismiss_refused;
 pub use restore::{RestoreOutcome, repair_ledger, restore_ledger};
 pub use state::Load;
-pub use status::{FireForecast, HALTED, farm_summary, forecast_fire};
+pub use status::{FireForecast, farm_summary, forecast_fire};
 pub use trigger::FireTrigger;

@@ -10,6 +10,7 @@ use tracing::{info, warn};
 
 use super::{
     alert::AlertKind,
+    batch, crash_guard, damaged_files,
     failure::{LostFileError, is_disk_failure},
     farm::Farm,
     folder_lease::FolderLease,
@@ -17,11 +18,14 @@ use super::{
     layout::{placed_from_json, placed_from_rows},
     mesh_source::MeshSource,
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
-    queues::demand_staged,
+    publish,
+    queues::{self, demand_staged},
+    state::NestingState,
     write_build::{BuildWriteRequest, UnprovedBuildError, WrittenBuild, queue_file_name, write_and_prove},
 };
 use crate::{
     intake,
+    ledger::Ledger,
     ledger::{BuildId, BuildRow, BuildState, PartId, PartRow},
     settings::MachineProfile,
 };
@@ -46,11 +50,11 @@ impl BackgroundJob<Farm> for FinalNestingJob {
     }
 
     async fn on_done(self, farm: &mut Farm, written: Self::Outcome) -> Result<()> {
-        farm.on_written(self.build, written).await
+        on_written(farm, self.build, written).await
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        farm.on_final_panicked(self.build, message).await
+        on_final_panicked(farm, self.build, message).await
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
@@ -60,179 +64,173 @@ impl BackgroundJob<Farm> for FinalNestingJob {
     }
 }
 
-impl Farm {
-    /// Starts the final search of every fired build that has none. A build that cannot be started does not hold up the
-    /// others.
-    pub(super) async fn nest_fired_builds(&mut self) -> Result<()> {
-        let mut builds = self.ledger.builds_in_state(BuildState::Nesting).await?;
-        // A build that ends the daemon each time must not keep the others from their turn.
-        builds.sort_by_key(|build| (build.attempts, build.id));
-        for build in builds {
-            let (id, profile) = (build.id, build.profile.clone());
-            if let Err(failure) = self.nest_build(build).await {
-                self.report_failure(AlertKind::NestingFails, &profile, &format!("build {id}"), &failure);
-            }
+/// Starts the final search of every fired build that has none. A build that cannot be started does not hold up the
+/// others.
+pub(super) async fn nest_fired_builds(farm: &mut Farm) -> Result<()> {
+    let mut builds = farm.ledger.builds_in_state(BuildState::Nesting).await?;
+    // A build that ends the daemon each time must not keep the others from their turn.
+    builds.sort_by_key(|build| (build.attempts, build.id));
+    for build in builds {
+        let (id, profile) = (build.id, build.profile.clone());
+        if let Err(failure) = nest_build(farm, build).await {
+            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {id}"), &failure);
         }
-        Ok(())
     }
+    Ok(())
+}
 
-    async fn nest_build(&mut self, build: BuildRow) -> Result<()> {
-        if self.is_build_resting(build.id)
-            || self.jobs.is_running::<FinalNestingJob>(build.id)
-            || !self.has_free_slot()
-            || !self.has_usable_queue(&build.profile)
-        {
+async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
+    if publish::is_build_resting(&farm.nesting, build.id)
+        || farm.jobs.is_running::<FinalNestingJob>(build.id)
+        || !batch::has_free_slot(farm)
+        || !queues::has_usable_queue(&farm.machines, &build.profile)
+    {
+        return Ok(());
+    }
+    let parts = farm.ledger.parts_of_build(build.id).await?;
+    if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts.iter().collect::<Vec<_>>()) {
+        return Ok(());
+    }
+    farm.ledger.begin_search(build.id).await?;
+    let attempts = match farm.nesting.just_fired.remove(&build.id) {
+        true => build.attempts,
+        false => farm.ledger.begin_attempt(build.id).await?,
+    };
+    let failures = farm.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count);
+    if failures >= farm.machines[&build.profile].profile.search.max_attempts || attempts > MAX_STARTS {
+        return give_up_build(farm, &build, attempts - 1).await;
+    }
+    start_final_search(farm, build, attempts).await
+}
+
+async fn start_final_search(farm: &mut Farm, build: BuildRow, attempts: u32) -> Result<()> {
+    let wanted = parts_with_copies(&farm.ledger, build.id).await?;
+    let station = &farm.machines[&build.profile];
+    let profile = station.profile.clone();
+    let queue = station.queue.opened.clone().context("the queue folder is not open")?;
+    // Each further attempt gets half the time, so that one finishes even if crashes or restarts interrupt attempts.
+    let secs = profile.search.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
+    let budget = SearchBudget::of_secs(secs);
+    let start = match build.kept.layout.as_deref() {
+        Some(layout) => placed_from_json(layout),
+        // The build was proved before, but its file was damaged.
+        None => placed_from_rows(&farm.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
+    };
+    let seed =
+        profile.search.nest.seed.wrapping_add(build.id.0.unsigned_abs()).wrapping_add(u64::from(attempts - 1) << 32);
+    let mut holds = station.leases.clone();
+    let unsure = wanted
+        .iter()
+        .map(|(part, _)| part.file.claim.clone())
+        .filter(|claim| !farm.completion.released.contains(claim))
+        .collect();
+    let order = NestingRequest {
+        profile: profile.clone(),
+        wanted,
+        start_placements: start,
+        budget: budget.clone(),
+        seed,
+        best_layout: SharedBestLayout::default(),
+    };
+    farm.nesting.final_searches.insert(build.id, (budget, order.best_layout.clone()));
+    let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
+    let meshes = farm.meshes.clone();
+    farm.jobs.start(FinalNestingJob { build: write.build.id }, move || {
+        super::adopt::check_claims_released(&order.profile, holds.inbox.farm_id(), &unsure)?;
+        nest_write_and_prove(&order, &write, &mut holds.archive, &meshes).map(Box::new)
+    });
+    Ok(())
+}
+
+/// The parts of a build with their copies in it, in order of precedence.
+async fn parts_with_copies(ledger: &Ledger, build: BuildId) -> Result<Vec<(PartRow, Vec<u32>)>> {
+    let mut copies: HashMap<PartId, Vec<u32>> = HashMap::new();
+    for (part, copy) in ledger.copies_of_build(build).await? {
+        copies.entry(part).or_default().push(copy);
+    }
+    let parts = ledger.parts_of_build(build).await?;
+    Ok((parts.into_iter()).filter_map(|part| copies.remove(&part.id).map(|copies| (part, copies))).collect())
+}
+
+/// Commits a written and proved build; publishing follows in the same tick.
+async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
+    farm.nesting.final_searches.remove(&build);
+    if let Some(build) = farm.ledger.find_build(build).await? {
+        crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
+    }
+    if written.is_ok() {
+        farm.nesting.failures.remove(&build);
+        farm.nesting.backoff.record_success(&build);
+        let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+        farm.alerts.clear(AlertKind::NestingFails, &profile, &format!("build {build}"));
+    }
+    let written = match written {
+        Ok(written) => written,
+        Err(failure) if farm.lifecycle.is_stopping => {
+            info!(build.id = %build, "A build was left for the next start: {failure:#}.");
             return Ok(());
         }
-        let parts = self.ledger.parts_of_build(build.id).await?;
-        if self.must_wait_after_crashes(&build, build.searches, &parts.iter().collect::<Vec<_>>()) {
+        Err(failure) if LostFileError::find_in_chain(&failure).is_some() => {
+            return damaged_files::continue_without_lost_file(farm, build, &failure).await;
+        }
+        Err(failure) if is_disk_failure(&failure) => {
+            // Not a fault of the build: it does not count as an attempt, and the parts stay in it.
+            farm.nesting.just_fired.insert(build);
+            farm.nesting.backoff.record_failure(build);
+            let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), &failure);
             return Ok(());
         }
-        self.ledger.begin_search(build.id).await?;
-        let attempts = match self.nesting.just_fired.remove(&build.id) {
-            true => build.attempts,
-            false => self.ledger.begin_attempt(build.id).await?,
-        };
-        let failures = self.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count);
-        if failures >= self.machines[&build.profile].profile.search.max_attempts || attempts > MAX_STARTS {
-            return self.give_up_build(&build, attempts - 1).await;
-        }
-        self.start_final_search(build, attempts).await
-    }
-
-    async fn start_final_search(&mut self, build: BuildRow, attempts: u32) -> Result<()> {
-        let wanted = self.parts_with_copies(build.id).await?;
-        let station = &self.machines[&build.profile];
-        let profile = station.profile.clone();
-        let queue = station.queue.opened.clone().context("the queue folder is not open")?;
-        // Each further attempt gets half the time, so that one finishes even if crashes or restarts interrupt attempts.
-        let secs = profile.search.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
-        let budget = SearchBudget::of_secs(secs);
-        let start = match build.kept.layout.as_deref() {
-            Some(layout) => placed_from_json(layout),
-            // The build was proved before, but its file was damaged.
-            None => placed_from_rows(&self.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
-        };
-        let seed = profile
-            .search
-            .nest
-            .seed
-            .wrapping_add(build.id.0.unsigned_abs())
-            .wrapping_add(u64::from(attempts - 1) << 32);
-        let mut holds = station.leases.clone();
-        let unsure = wanted
-            .iter()
-            .map(|(part, _)| part.file.claim.clone())
-            .filter(|claim| !self.completion.released.contains(claim))
-            .collect();
-        let order = NestingRequest {
-            profile: profile.clone(),
-            wanted,
-            start_placements: start,
-            budget: budget.clone(),
-            seed,
-            best_layout: SharedBestLayout::default(),
-        };
-        self.nesting.final_searches.insert(build.id, (budget, order.best_layout.clone()));
-        let write = BuildWriteRequest { profile, queue, build, seed, limits: self.meshes.limits.clone() };
-        let meshes = self.meshes.clone();
-        self.jobs.start(FinalNestingJob { build: write.build.id }, move || {
-            super::adopt::check_claims_released(&order.profile, holds.inbox.farm_id(), &unsure)?;
-            nest_write_and_prove(&order, &write, &mut holds.archive, &meshes).map(Box::new)
-        });
-        Ok(())
-    }
-
-    /// The parts of a build with their copies in it, in order of precedence.
-    async fn parts_with_copies(&self, build: BuildId) -> Result<Vec<(PartRow, Vec<u32>)>> {
-        let mut copies: HashMap<PartId, Vec<u32>> = HashMap::new();
-        for (part, copy) in self.ledger.copies_of_build(build).await? {
-            copies.entry(part).or_default().push(copy);
-        }
-        let parts = self.ledger.parts_of_build(build).await?;
-        Ok((parts.into_iter()).filter_map(|part| copies.remove(&part.id).map(|copies| (part, copies))).collect())
-    }
-
-    /// Commits a written and proved build; publishing follows in the same tick.
-    async fn on_written(&mut self, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
-        self.nesting.final_searches.remove(&build);
-        if let Some(build) = self.ledger.find_build(build).await? {
-            self.record_search_end(&build).await?;
-        }
-        if written.is_ok() {
-            self.nesting.failures.remove(&build);
-            self.nesting.backoff.record_success(&build);
-            let profile = self.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-            self.alerts.clear(AlertKind::NestingFails, &profile, &format!("build {build}"));
-        }
-        let written = match written {
-            Ok(written) => written,
-            Err(failure) if self.lifecycle.is_stopping => {
-                info!(build.id = %build, "A build was left for the next start: {failure:#}.");
-                return Ok(());
+        Err(failure) => {
+            warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
+            if failure.is::<UnprovedBuildError>() {
+                let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+                let why = format!("{failure:#}");
+                farm.ledger.write_event("proof_failed", &profile, None, Some(build), &why).await?;
             }
-            Err(failure) if LostFileError::find_in_chain(&failure).is_some() => {
-                return self.continue_without_lost_file(build, &failure).await;
-            }
-            Err(failure) if is_disk_failure(&failure) => {
-                // Not a fault of the build: it does not count as an attempt, and the parts stay in it.
-                self.nesting.just_fired.insert(build);
-                self.nesting.backoff.record_failure(build);
-                let profile = self.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-                self.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), &failure);
-                return Ok(());
-            }
-            Err(failure) => {
-                warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
-                if failure.is::<UnprovedBuildError>() {
-                    let profile = self.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-                    let why = format!("{failure:#}");
-                    self.ledger.write_event("proof_failed", &profile, None, Some(build), &why).await?;
-                }
-                return self.record_attempt_failure(build, &format!("{failure:#}")).await;
-            }
-        };
-        if let Err(why) = self.demand_same_queue(build, &written.verified).await {
-            return self.record_attempt_failure(build, &format!("{why:#}")).await;
+            return record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("{failure:#}")).await;
         }
-        if !written.unplaced.is_empty() {
-            info!(build.id = %build, "{} in build {build}: left for the next.", format_count(written.unplaced.len(), "copy found no place", "copies found no place"));
-            self.ledger.release_copies(build, &written.unplaced).await?;
-        }
-        self.ledger.verify_build(build, &written.verified, &written.placed).await?;
-        if !written.locked.is_empty() {
-            warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
-            let profile = self.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-            self.ledger.write_event("locked", &profile, None, Some(build), &written.locked).await?;
-        }
-        self.publish_verified_builds().await
+    };
+    if let Err(why) = queues::demand_same_queue(&farm.ledger, &farm.machines, build, &written.verified).await {
+        return record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("{why:#}")).await;
     }
+    if !written.unplaced.is_empty() {
+        info!(build.id = %build, "{} in build {build}: left for the next.", format_count(written.unplaced.len(), "copy found no place", "copies found no place"));
+        farm.ledger.release_copies(build, &written.unplaced).await?;
+    }
+    farm.ledger.verify_build(build, &written.verified, &written.placed).await?;
+    if !written.locked.is_empty() {
+        warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
+        let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+        farm.ledger.write_event("locked", &profile, None, Some(build), &written.locked).await?;
+    }
+    publish::publish_verified_builds(farm).await
+}
 
-    /// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.
-    async fn give_up_build(&mut self, build: &BuildRow, attempts: u32) -> Result<()> {
-        let (_, last) = self.nesting.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
-        let reason = format!("gave up after {attempts} attempts: {last}");
-        warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
-        self.discard_staged(build);
-        self.ledger.fail_build(build.id, &reason).await?;
-        self.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD).await?;
-        Ok(())
-    }
+/// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.
+async fn give_up_build(farm: &mut Farm, build: &BuildRow, attempts: u32) -> Result<()> {
+    let (_, last) = farm.nesting.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
+    let reason = format!("gave up after {attempts} attempts: {last}");
+    warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
+    queues::discard_staged(&farm.machines, &mut farm.jobs, build);
+    farm.ledger.fail_build(build.id, &reason).await?;
+    farm.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD).await?;
+    Ok(())
+}
 
-    async fn record_attempt_failure(&mut self, build: BuildId, why: &str) -> Result<()> {
-        let failure = self.nesting.failures.entry(build).or_default();
-        *failure = (failure.0 + 1, why.to_owned());
-        self.nesting.backoff.record_failure(build);
-        let profile = self.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-        Ok(self.ledger.write_event("attempt_failed", &profile, None, Some(build), why).await?)
-    }
+async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, build: BuildId, why: &str) -> Result<()> {
+    let failure = nesting.failures.entry(build).or_default();
+    *failure = (failure.0 + 1, why.to_owned());
+    nesting.backoff.record_failure(build);
+    let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+    Ok(ledger.write_event("attempt_failed", &profile, None, Some(build), why).await?)
+}
 
-    /// A build's job panicked.
-    async fn on_final_panicked(&mut self, build: BuildId, message: &str) -> Result<()> {
-        self.nesting.final_searches.remove(&build);
-        self.ledger.end_search(build).await?;
-        self.record_attempt_failure(build, &format!("panicked: {message}")).await
-    }
+/// A build's job panicked.
+async fn on_final_panicked(farm: &mut Farm, build: BuildId, message: &str) -> Result<()> {
+    farm.nesting.final_searches.remove(&build);
+    farm.ledger.end_search(build).await?;
+    record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("panicked: {message}")).await
 }
 
 /// The whole final job: search, write, prove, and archive the originals.

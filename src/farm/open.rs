@@ -8,12 +8,16 @@ use tracing::warn;
 use super::{
     alert::AlertKind,
     alert_registry::{AlertRegistry, ServiceBridge},
+    clock_changes,
     failure::is_disk_failure,
     farm::{Farm, TICK_INTERVAL},
+    folder_comparison,
     folder_lease::{LeaseError, LeaseHolder},
     jobs::JobRunner,
+    lease_renewal,
     ledger_freshness::check_ledger_current,
     lost_ledger::{LostLedgerError, detect_lost_ledger, ledger_alert},
+    machine_setup,
     mesh_cache::MeshCache,
     mesh_source::MeshSource,
     retry_backoff::RetryBackoff,
@@ -22,6 +26,7 @@ use super::{
     state_lock::StateDirLock,
     systemd,
     time_source::TimeSource,
+    watching,
 };
 use crate::{
     access,
@@ -30,102 +35,100 @@ use crate::{
     settings::Settings,
 };
 
-impl Farm {
-    /// Opens the farm. While the disk of the state folder is full or unavailable, waits instead of ending again and
-    /// again. `None` = the daemon was stopped meanwhile.
-    pub(super) async fn open_with_retry(
-        load: Load,
-        settings: Settings,
-        signals: &mut SignalListener,
-    ) -> Result<Option<Self>> {
-        let (mut load, mut settings, mut waits, mut notices) =
-            (load, settings, RetryBackoff::default(), AlertRegistry::default());
-        loop {
-            let (back, known, failure) = match Self::open(load, settings, TimeSource::of_this_machine()).await {
-                Ok(farm) => return Ok(Some(farm)),
-                Err(kept) => kept,
-            };
-            (load, settings) = (back, known);
-            if let Some((kind, detail)) = ledger_alert(&failure) {
-                report_not_running(&settings, kind, &detail);
+/// Opens the farm. While the disk of the state folder is full or unavailable, waits instead of ending again and
+/// again. `None` = the daemon was stopped meanwhile.
+pub(super) async fn open_with_retry(
+    load: Load,
+    settings: Settings,
+    signals: &mut SignalListener,
+) -> Result<Option<Farm>> {
+    let (mut load, mut settings, mut waits, mut notices) =
+        (load, settings, RetryBackoff::default(), AlertRegistry::default());
+    loop {
+        let (back, known, failure) = match open_farm(load, settings, TimeSource::of_this_machine()).await {
+            Ok(farm) => return Ok(Some(farm)),
+            Err(kept) => kept,
+        };
+        (load, settings) = (back, known);
+        if let Some((kind, detail)) = ledger_alert(&failure) {
+            report_not_running(&settings, kind, &detail);
+        }
+        if !is_transient(&failure) {
+            return Err(failure);
+        }
+        let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
+        notices.report_failure(AlertKind::StepFails, "", "opening", &text);
+        notices.write_if_changed(&settings.state_dir);
+        systemd::notify_start_delayed(&text);
+        waits.record_failure(());
+        while waits.is_waiting(&()) {
+            tokio::select! {
+                signal = signals.next_signal() => if matches!(signal, DaemonSignal::Stop) { return Ok(None) },
+                () = tokio::time::sleep(TICK_INTERVAL) => {}
             }
-            if !is_transient(&failure) {
-                return Err(failure);
-            }
-            let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
-            notices.report_failure(AlertKind::StepFails, "", "opening", &text);
-            notices.write_if_changed(&settings.state_dir);
-            systemd::notify_start_delayed(&text);
-            waits.record_failure(());
-            while waits.is_waiting(&()) {
-                tokio::select! {
-                    signal = signals.next_signal() => if matches!(signal, DaemonSignal::Stop) { return Ok(None) },
-                    () = tokio::time::sleep(TICK_INTERVAL) => {}
+        }
+    }
+}
+
+/// On failure, returns what the next attempt needs.
+pub(super) async fn open_farm(
+    load: Load,
+    settings: Settings,
+    time: TimeSource,
+) -> Result<Farm, (Load, Settings, anyhow::Error)> {
+    match OpenedState::open(&settings, &time).await {
+        Ok(parts) => {
+            let mut farm = build_farm(load, settings, parts, time);
+            match open_machines(&mut farm).await {
+                Ok(()) => Ok(farm),
+                Err(failure) => {
+                    farm.ledger.close().await;
+                    Err((farm.lifecycle.load, farm.settings, failure))
                 }
             }
         }
+        Err(failure) => Err((load, settings, failure)),
     }
+}
 
-    /// On failure, returns what the next attempt needs.
-    pub(super) async fn open(
-        load: Load,
-        settings: Settings,
-        time: TimeSource,
-    ) -> Result<Self, (Load, Settings, anyhow::Error)> {
-        match OpenedState::open(&settings, &time).await {
-            Ok(parts) => {
-                let mut farm = Self::new(load, settings, parts, time);
-                match farm.open_machines().await {
-                    Ok(()) => Ok(farm),
-                    Err(failure) => {
-                        farm.ledger.close().await;
-                        Err((farm.lifecycle.load, farm.settings, failure))
-                    }
-                }
-            }
-            Err(failure) => Err((load, settings, failure)),
-        }
-    }
+async fn open_machines(farm: &mut Farm) -> Result<()> {
+    clock_changes::compare_clock_with_ledger(farm).await?;
+    machine_setup::set_up_machines(farm).await?;
+    watching::make_folders_at_start(farm);
+    watching::start_watcher(farm);
+    folder_comparison::start_folder_comparison(farm);
+    lease_renewal::acquire_leases_at_start(&mut farm.machines, &mut farm.alerts)
+}
 
-    async fn open_machines(&mut self) -> Result<()> {
-        self.compare_clock_with_ledger().await?;
-        self.set_up_machines().await?;
-        self.make_folders_at_start();
-        self.start_watcher();
-        self.start_folder_comparison();
-        self.acquire_leases_at_start()
-    }
-
-    fn new(load: Load, settings: Settings, parts: OpenedState, time: TimeSource) -> Self {
-        Self {
-            ledger: parts.ledger,
-            meshes: MeshSource {
-                mesh_cache: MeshCache::default(),
-                store: parts.store,
-                limits: settings.limits.clone(),
-                prepared: Default::default(),
-                preparation_cache: None,
-                unreadable_since: Default::default(),
-            },
-            machines: BTreeMap::new(),
-            jobs: JobRunner::default(),
-            completion: CompletionState::default(),
-            reading: ReadingState::by(time.clone()),
-            nesting: NestingState::by(time.clone()),
-            display: DisplayState { status_line: "opening".to_owned(), ..DisplayState::default() },
-            lifecycle: DaemonLifecycle {
-                load,
-                owner: parts.owner,
-                started_at: time.date(),
-                is_stopping: false,
-                is_halted: false,
-                services: ServiceBridge::default(),
-                _lock: parts.lock,
-            },
-            alerts: AlertRegistry::by(time.clone()),
-            schedule: LoopSchedule::starting_now(super::tidy::FIRST_TIDY_AFTER, time),
-            settings,
-        }
+fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSource) -> Farm {
+    Farm {
+        ledger: parts.ledger,
+        meshes: MeshSource {
+            mesh_cache: MeshCache::default(),
+            store: parts.store,
+            limits: settings.limits.clone(),
+            prepared: Default::default(),
+            preparation_cache: None,
+            unreadable_since: Default::default(),
+        },
+        machines: BTreeMap::new(),
+        jobs: JobRunner::default(),
+        completion: CompletionState::default(),
+        reading: ReadingState::by(time.clone()),
+        nesting: NestingState::by(time.clone()),
+        display: DisplayState { status_line: "opening".to_owned(), ..DisplayState::default() },
+        lifecycle: DaemonLifecycle {
+            load,
+            owner: parts.owner,
+            started_at: time.date(),
+            is_stopping: false,
+            is_halted: false,
+            services: ServiceBridge::default(),
+            _lock: parts.lock,
+        },
+        alerts: AlertRegistry::by(time.clone()),
+        schedule: LoopSchedule::starting_now(super::tidy::FIRST_TIDY_AFTER, time),
+        settings,
     }
 }
 

@@ -7,9 +7,11 @@ use tracing::{info, warn};
 use super::{
     alert::AlertKind,
     farm::Farm,
+    forget,
     forgettable::Forgettable,
     jobs::BackgroundJob,
     staged_build::{PublishStep, QueueReplacedError, StagedBuild},
+    state::NestingState,
 };
 use crate::{
     ledger::{BuildId, BuildRow, BuildState, PartState},
@@ -31,11 +33,11 @@ impl BackgroundJob<Farm> for PublishBuildJob {
     }
 
     async fn on_done(self, farm: &mut Farm, step: Self::Outcome) -> Result<()> {
-        farm.on_publish_step(self.build, step).await
+        on_publish_step(farm, self.build, step).await
     }
 
     async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        farm.on_publish_step(self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
+        on_publish_step(farm, self.build, Err(anyhow::anyhow!("panicked: {message}"))).await
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
@@ -43,102 +45,99 @@ impl BackgroundJob<Farm> for PublishBuildJob {
     }
 }
 
-impl Farm {
-    /// Whether a build failed recently and waits for a retry.
-    pub(super) fn is_build_resting(&self, build: BuildId) -> bool {
-        self.nesting.backoff.is_waiting(&build)
-    }
+/// Whether a build failed recently and waits for a retry.
+pub(super) fn is_build_resting(nesting: &NestingState, build: BuildId) -> bool {
+    nesting.backoff.is_waiting(&build)
+}
 
-    /// Takes every verified build one step further into the queue: check it, record in the ledger that it will be
-    /// tried, compare it with what was proved, and rename it.
-    pub(super) async fn publish_verified_builds(&mut self) -> Result<()> {
-        for build in self.ledger.builds_in_state(BuildState::Verified).await? {
-            let id = build.id;
-            if self.is_build_resting(id) || self.jobs.is_running::<PublishBuildJob>(id) {
-                continue;
-            }
-            // The alert on a machine that is not configured covers this.
-            let Some(station) = self.machines.get(&build.profile) else { continue };
-            let is_served = station.agreed_folders.is_some() && station.leases.are_fresh();
-            let Some(queue) = station.queue.opened.clone().filter(|_| is_served) else { continue };
-            let (is_tried, archive) = (build.staged.publishing_at.is_some(), station.profile.folders.archive.clone());
-            let (record, is_first) =
-                (self.ledger.export_build_record(id).await?, self.nesting.rename_untried.remove(&id));
-            let staged = StagedBuild { queue, build, archive, leases: station.leases.clone() };
-            self.jobs.start(PublishBuildJob { build: id }, move || match staged.leases.check_publish_folders() {
-                Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
-                Err(away) => Err(away.into()),
-                Ok(()) if is_tried => staged.try_publish(&record, is_first),
-                Ok(()) => staged.check_before_publishing(),
-            });
+/// Takes every verified build one step further into the queue: check it, record in the ledger that it will be
+/// tried, compare it with what was proved, and rename it.
+pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
+    for build in farm.ledger.builds_in_state(BuildState::Verified).await? {
+        let id = build.id;
+        if is_build_resting(&farm.nesting, id) || farm.jobs.is_running::<PublishBuildJob>(id) {
+            continue;
         }
-        Ok(())
+        // The alert on a machine that is not configured covers this.
+        let Some(station) = farm.machines.get(&build.profile) else { continue };
+        let is_served = station.agreed_folders.is_some() && station.leases.are_fresh();
+        let Some(queue) = station.queue.opened.clone().filter(|_| is_served) else { continue };
+        let (is_tried, archive) = (build.staged.publishing_at.is_some(), station.profile.folders.archive.clone());
+        let (record, is_first) = (farm.ledger.export_build_record(id).await?, farm.nesting.rename_untried.remove(&id));
+        let staged = StagedBuild { queue, build, archive, leases: station.leases.clone() };
+        farm.jobs.start(PublishBuildJob { build: id }, move || match staged.leases.check_publish_folders() {
+            Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
+            Err(away) => Err(away.into()),
+            Ok(()) if is_tried => staged.try_publish(&record, is_first),
+            Ok(()) => staged.check_before_publishing(),
+        });
     }
+    Ok(())
+}
 
-    /// Commits the result of a build's step into the queue.
-    async fn on_publish_step(&mut self, id: BuildId, step: Result<PublishStep>) -> Result<()> {
-        match step {
-            Ok(PublishStep::Ready) => {
-                self.ledger.begin_publishing(id).await?;
-                self.nesting.rename_untried.insert(id);
-                self.publish_verified_builds().await
-            }
-            Ok(PublishStep::Done(published)) => self.on_build_published(id, published).await,
-            Ok(PublishStep::StagedFileDamaged(why)) => {
-                warn!(build.id = %id, "Build {id} is made again: {why}.");
-                self.nesting.backoff.record_failure(id);
-                Ok(self.ledger.reopen_verified_build(id, &format!("made again: {why}")).await?)
-            }
-            Ok(PublishStep::NotRenamed(failure)) => {
-                self.ledger.cancel_publishing(id).await?;
-                self.report_publish_failure(id, &failure).await
-            }
-            Err(failure) => self.report_publish_failure(id, &failure).await,
+/// Commits the result of a build's step into the queue.
+async fn on_publish_step(farm: &mut Farm, id: BuildId, step: Result<PublishStep>) -> Result<()> {
+    match step {
+        Ok(PublishStep::Ready) => {
+            farm.ledger.begin_publishing(id).await?;
+            farm.nesting.rename_untried.insert(id);
+            publish_verified_builds(farm).await
         }
+        Ok(PublishStep::Done(published)) => on_build_published(farm, id, published).await,
+        Ok(PublishStep::StagedFileDamaged(why)) => {
+            warn!(build.id = %id, "Build {id} is made again: {why}.");
+            farm.nesting.backoff.record_failure(id);
+            Ok(farm.ledger.reopen_verified_build(id, &format!("made again: {why}")).await?)
+        }
+        Ok(PublishStep::NotRenamed(failure)) => {
+            farm.ledger.cancel_publishing(id).await?;
+            report_publish_failure(farm, id, &failure).await
+        }
+        Err(failure) => report_publish_failure(farm, id, &failure).await,
     }
+}
 
-    async fn report_publish_failure(&mut self, id: BuildId, failure: &anyhow::Error) -> Result<()> {
-        self.nesting.backoff.record_failure(id);
-        let profile = self.ledger.find_build(id).await?.map(|b| b.profile).unwrap_or_default();
-        let about = format!("build {id}");
-        match failure.downcast_ref::<QueueReplacedError>() {
-            Some(replaced) => {
-                self.alerts.raise(AlertKind::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
-            }
-            None => self.report_failure(AlertKind::PublishingFails, &profile, &about, failure),
+async fn report_publish_failure(farm: &mut Farm, id: BuildId, failure: &anyhow::Error) -> Result<()> {
+    farm.nesting.backoff.record_failure(id);
+    let profile = farm.ledger.find_build(id).await?.map(|b| b.profile).unwrap_or_default();
+    let about = format!("build {id}");
+    match failure.downcast_ref::<QueueReplacedError>() {
+        Some(replaced) => {
+            farm.alerts.raise(AlertKind::QueueReplaced, &profile, &about, &format!("{about}: {replaced}"));
         }
-        Ok(())
+        None => farm.report_failure(AlertKind::PublishingFails, &profile, &about, failure),
     }
+    Ok(())
+}
 
-    async fn on_build_published(&mut self, id: BuildId, published: PublishOutcome) -> Result<()> {
-        self.ledger.publish_build(id).await?;
-        self.nesting.backoff.record_success(&id);
-        let Some(build) = self.ledger.find_build(id).await? else { return Ok(()) };
-        for kind in [AlertKind::QueueReplaced, AlertKind::PublishingFails] {
-            self.alerts.clear(kind, &build.profile, &format!("build {id}"));
-        }
-        let height_mm = (build.measures.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
-        match published {
-            PublishOutcome::PublishedNow => {
-                info!(build.id = %id, profile = %build.profile, height_mm, "Published build {id} of {}: {height_mm} mm.", build.profile)
-            }
-            PublishOutcome::AlreadyPublished => {
-                warn!(build.id = %id, "Build {id} had been published before a crash; nothing was done twice.")
-            }
-        }
-        self.remove_built_from_store(&build).await
+async fn on_build_published(farm: &mut Farm, id: BuildId, published: PublishOutcome) -> Result<()> {
+    farm.ledger.publish_build(id).await?;
+    farm.nesting.backoff.record_success(&id);
+    let Some(build) = farm.ledger.find_build(id).await? else { return Ok(()) };
+    for kind in [AlertKind::QueueReplaced, AlertKind::PublishingFails] {
+        farm.alerts.clear(kind, &build.profile, &format!("build {id}"));
     }
+    let height_mm = (build.measures.height_mm.unwrap_or_default() * 1000.0).round() / 1000.0;
+    match published {
+        PublishOutcome::PublishedNow => {
+            info!(build.id = %id, profile = %build.profile, height_mm, "Published build {id} of {}: {height_mm} mm.", build.profile)
+        }
+        PublishOutcome::AlreadyPublished => {
+            warn!(build.id = %id, "Build {id} had been published before a crash; nothing was done twice.")
+        }
+    }
+    remove_built_from_store(farm, &build).await
+}
 
-    /// The store's copies of parts that are built are needed no more: the archive has them.
-    async fn remove_built_from_store(&mut self, build: &BuildRow) -> Result<()> {
-        let mut unneeded = Vec::new();
-        for part in self.ledger.parts_of_build(build.id).await? {
-            unneeded.push(Forgettable::StoredFile(part.file.content_hash.clone()));
-            if self.ledger.parts_of_claim(&part.file.claim).await?.iter().all(|p| p.state == PartState::Built) {
-                // Where the file is kept for another claim, a note of this one would have it printed again.
-                unneeded.push(Forgettable::ClaimNote { hash: part.file.content_hash, claim: part.file.claim });
-            }
+/// The store's copies of parts that are built are needed no more: the archive has them.
+async fn remove_built_from_store(farm: &mut Farm, build: &BuildRow) -> Result<()> {
+    let mut unneeded = Vec::new();
+    for part in farm.ledger.parts_of_build(build.id).await? {
+        unneeded.push(Forgettable::StoredFile(part.file.content_hash.clone()));
+        if farm.ledger.parts_of_claim(&part.file.claim).await?.iter().all(|p| p.state == PartState::Built) {
+            // Where the file is kept for another claim, a note of this one would have it printed again.
+            unneeded.push(Forgettable::ClaimNote { hash: part.file.content_hash, claim: part.file.claim });
         }
-        self.forget(unneeded).await
     }
+    forget::forget_data(farm, unneeded).await
 }

@@ -8,7 +8,8 @@ use anyhow::{Context, Result, ensure};
 use tracing::{info, warn};
 
 use super::{
-    alert::AlertKind, build_record, failure::error_chain, farm::Farm, folder_lease::FolderLease, jobs::BackgroundJob,
+    alert::AlertKind, alert_registry::AlertRegistry, build_record, failure::error_chain, farm::Farm,
+    folder_lease::FolderLease, jobs::BackgroundJob, jobs::JobRunner, machine_state::MachineStates,
     write_build::queue_file_name,
 };
 use crate::{
@@ -35,7 +36,7 @@ impl BackgroundJob<Farm> for OpenQueueJob {
     }
 
     async fn on_done(self, farm: &mut Farm, opened: Self::Outcome) -> Result<()> {
-        farm.on_queue_opened(&self.profile, opened);
+        on_queue_opened(&mut farm.machines, &mut farm.alerts, &self.profile, opened);
         Ok(())
     }
 }
@@ -63,76 +64,80 @@ impl BackgroundJob<Farm> for DiscardJob {
     }
 }
 
-impl Farm {
-    /// Starts jobs that open the queue folders that are not open.
-    pub(super) async fn open_queues(&mut self) -> Result<()> {
-        let now = self.now();
-        let is_due = |station: &super::machine_state::MachineState| {
-            station.queue.opened.is_none() && now >= station.queue.open_at
+/// Starts jobs that open the queue folders that are not open.
+pub(super) async fn open_queues(farm: &mut Farm) -> Result<()> {
+    let now = farm.now();
+    let is_due =
+        |station: &super::machine_state::MachineState| station.queue.opened.is_none() && now >= station.queue.open_at;
+    if !farm.machines.values().any(is_due) {
+        return Ok(());
+    }
+    let mut staged = Vec::new();
+    // A build that is being nested may already be staged: only files that belong to no build are removed.
+    for state in [BuildState::Nesting, BuildState::Verified] {
+        for build in farm.ledger.builds_in_state(state).await? {
+            staged.push(build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.profile, &build)));
+        }
+    }
+    for (name, station) in farm.machines.iter_mut().filter(|(_, station)| is_due(station)) {
+        station.queue.open_at = now + OPEN_AGAIN;
+        let opening = QueueOpening {
+            profile: name.clone(),
+            hold: station.leases.queue.clone(),
+            staged: staged.clone(),
+            ledger: farm.ledger.clone(),
         };
-        if !self.machines.values().any(is_due) {
-            return Ok(());
-        }
-        let mut staged = Vec::new();
-        // A build that is being nested may already be staged: only files that belong to no build are removed.
-        for state in [BuildState::Nesting, BuildState::Verified] {
-            for build in self.ledger.builds_in_state(state).await? {
-                staged.push(build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.profile, &build)));
-            }
-        }
-        for (name, station) in self.machines.iter_mut().filter(|(_, station)| is_due(station)) {
-            station.queue.open_at = now + OPEN_AGAIN;
-            let opening = QueueOpening {
-                profile: name.clone(),
-                hold: station.leases.queue.clone(),
-                staged: staged.clone(),
-                ledger: self.ledger.clone(),
-            };
-            let runtime = tokio::runtime::Handle::current();
-            self.jobs.start(OpenQueueJob { profile: name.clone() }, move || runtime.block_on(opening.open_and_sweep()));
-        }
-        Ok(())
+        let runtime = tokio::runtime::Handle::current();
+        farm.jobs.start(OpenQueueJob { profile: name.clone() }, move || runtime.block_on(opening.open_and_sweep()));
     }
+    Ok(())
+}
 
-    fn on_queue_opened(&mut self, name: &str, opened: Result<QueueFolder, String>) {
-        let Some(station) = self.machines.get_mut(name) else { return };
-        match opened {
-            // After a reload, the profile may have another queue folder.
-            Ok(queue) if queue.folder_path() != station.profile.folders.queue => {}
-            Ok(queue) => {
-                station.queue.opened = Some(queue);
-                self.alerts.clear(AlertKind::QueueAway, name, "");
-            }
-            Err(why) => self.alerts.raise(AlertKind::QueueAway, name, "", &why),
+fn on_queue_opened(
+    machines: &mut MachineStates,
+    alerts: &mut AlertRegistry,
+    name: &str,
+    opened: Result<QueueFolder, String>,
+) {
+    let Some(station) = machines.get_mut(name) else { return };
+    match opened {
+        // After a reload, the profile may have another queue folder.
+        Ok(queue) if queue.folder_path() != station.profile.folders.queue => {}
+        Ok(queue) => {
+            station.queue.opened = Some(queue);
+            alerts.clear(AlertKind::QueueAway, name, "");
         }
+        Err(why) => alerts.raise(AlertKind::QueueAway, name, "", &why),
     }
+}
 
-    /// Whether builds could be written into the queue folder of a profile when the folder was last checked. An
-    /// unavailable folder does not use up an attempt of a build.
-    pub(super) fn has_usable_queue(&self, profile: &str) -> bool {
-        let Some(station) = self.machines.get(profile) else { return false };
-        station.agreed_folders.is_some() && station.queue.opened.is_some() && station.leases.are_fresh()
-    }
+/// Whether builds could be written into the queue folder of a profile when the folder was last checked. An
+/// unavailable folder does not use up an attempt of a build.
+pub(super) fn has_usable_queue(machines: &MachineStates, profile: &str) -> bool {
+    let Some(station) = machines.get(profile) else { return false };
+    station.agreed_folders.is_some() && station.queue.opened.is_some() && station.leases.are_fresh()
+}
 
-    /// Checks that a build was written into the queue folder that is configured now. Otherwise it is not recorded in
-    /// the ledger.
-    pub(super) async fn demand_same_queue(&self, build: BuildId, verified: &Verified) -> Result<()> {
-        let profile = self.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-        let queue = self.machines.get(&profile).and_then(|s| s.queue.opened.as_ref());
-        let queue = queue.context("the queue folder is not available any more")?;
-        ensure!(
-            queue.marker_id() == verified.file.queue_id,
-            "the queue folder has changed since the build was written"
-        );
-        Ok(())
-    }
+/// Checks that a build was written into the queue folder that is configured now. Otherwise it is not recorded in
+/// the ledger.
+pub(super) async fn demand_same_queue(
+    ledger: &Ledger,
+    machines: &MachineStates,
+    build: BuildId,
+    verified: &Verified,
+) -> Result<()> {
+    let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+    let queue = machines.get(&profile).and_then(|s| s.queue.opened.as_ref());
+    let queue = queue.context("the queue folder is not available any more")?;
+    ensure!(queue.marker_id() == verified.file.queue_id, "the queue folder has changed since the build was written");
+    Ok(())
+}
 
-    /// Starts a job that removes the staged files of a build that is given up.
-    pub(super) fn discard_staged(&mut self, build: &BuildRow) {
-        let Some(queue) = self.machines.get(&build.profile).and_then(|s| s.queue.opened.clone()) else { return };
-        let name = queue_file_name(&build.profile, build);
-        self.jobs.start(DiscardJob { build: build.id }, move || queue.discard(&name));
-    }
+/// Starts a job that removes the staged files of a build that is given up.
+pub(super) fn discard_staged(machines: &MachineStates, jobs: &mut JobRunner<Farm>, build: &BuildRow) {
+    let Some(queue) = machines.get(&build.profile).and_then(|s| s.queue.opened.clone()) else { return };
+    let name = queue_file_name(&build.profile, build);
+    jobs.start(DiscardJob { build: build.id }, move || queue.discard(&name));
 }
 
 /// The data for opening a queue folder.

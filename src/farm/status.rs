@@ -10,11 +10,16 @@ use serde_json::json;
 
 use super::{
     alert::AlertKind,
+    alert_registry::AlertRegistry,
+    due_dates,
     farm::{Farm, TICK_INTERVAL},
     intake_jobs::HotFolderScanJob,
+    job_events,
     jobs::BackgroundJob,
     layout::BatchLayout,
+    machine_availability,
     machine_state::MachineState,
+    machine_state::MachineStates,
     nest::PAUSED_BY_NESTD,
     systemd,
     time_text::{floor_to_minute, format_with_zone},
@@ -22,12 +27,11 @@ use super::{
 };
 use crate::{
     intake,
+    ledger::Ledger,
     ledger::{DaemonHeartbeat, LedgerError, ProfileStatus},
     settings::MachineProfile,
 };
 
-/// Start of the status line of a halted farm.
-pub const HALTED: &str = "halted";
 /// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
 const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -55,172 +59,160 @@ impl BackgroundJob<Farm> for WriteStatusJob {
     }
 }
 
-impl Farm {
-    /// Updates the status everywhere.
-    pub(super) async fn update_status(&mut self) -> Result<()> {
-        if self.display.updated_at.is_some_and(|at| self.schedule.time.passed_since(at) < STATUS_INTERVAL) {
-            return Ok(());
-        }
-        self.display.updated_at = Some(self.now());
-        let rows = self.ledger.profile_statuses().await?;
-        for (name, station) in &mut self.machines {
-            if let Some(row) = rows.iter().find(|row| row.profile == *name) {
-                station.status = (status_text(station, row), status_json(station, row));
-            }
-        }
-        self.update_ledger_alerts(&rows).await?;
-        self.check_due_dates().await?;
-        let line = farm_summary(self.machines.len(), rows.iter());
-        if line != self.display.status_line {
-            systemd::notify_status(&line);
-            self.display.status_line = line;
-            // Otherwise the ledger would show the old line until the next heartbeat.
-            self.display.heartbeat_at = None;
-        }
-        Ok(())
+/// Updates the status everywhere.
+pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
+    if farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL) {
+        return Ok(());
     }
+    farm.display.updated_at = Some(farm.now());
+    let rows = farm.ledger.profile_statuses().await?;
+    for (name, station) in &mut farm.machines {
+        if let Some(row) = rows.iter().find(|row| row.profile == *name) {
+            station.status = (status_text(station, row), status_json(station, row));
+        }
+    }
+    update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
+    due_dates::check_due_dates(farm).await?;
+    let line = farm_summary(farm.machines.len(), rows.iter());
+    if line != farm.display.status_line {
+        systemd::notify_status(&line);
+        farm.display.status_line = line;
+        // Otherwise the ledger would show the old line until the next heartbeat.
+        farm.display.heartbeat_at = None;
+    }
+    Ok(())
+}
 
-    /// Raises the alerts that follow from the ledger: so they are known after a restart too.
-    async fn update_ledger_alerts(&mut self, rows: &[ProfileStatus]) -> Result<()> {
-        let names: Vec<String> = self.machines.keys().cloned().collect();
-        for name in &names {
-            let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
-            match paused.filter(|paused| paused.paused_by == PAUSED_BY_NESTD) {
-                Some(_) => {
-                    let why = self.ledger.last_failure(name).await?;
-                    let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
-                    self.alerts.raise(AlertKind::BuildFailed, name, "", &detail);
-                }
-                None => self.alerts.clear(AlertKind::BuildFailed, name, ""),
+/// Raises the alerts that follow from the ledger: so they are known after a restart too.
+async fn update_ledger_alerts(
+    ledger: &Ledger,
+    machines: &MachineStates,
+    alerts: &mut AlertRegistry,
+    rows: &[ProfileStatus],
+) -> Result<()> {
+    let names: Vec<String> = machines.keys().cloned().collect();
+    for name in &names {
+        let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
+        match paused.filter(|paused| paused.paused_by == PAUSED_BY_NESTD) {
+            Some(_) => {
+                let why = ledger.last_failure(name).await?;
+                let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
+                alerts.raise(AlertKind::BuildFailed, name, "", &detail);
             }
+            None => alerts.clear(AlertKind::BuildFailed, name, ""),
         }
-        let mut gone = Vec::new();
-        for row in rows.iter().filter(|row| !self.machines.contains_key(&row.profile)) {
-            let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
-            if parts > 0 || builds > 0 {
-                let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));
-                let detail = format!("{parts} and {builds} in work");
-                self.alerts.raise(AlertKind::MachineGone, &row.profile, "", &detail);
-                gone.push(row.profile.clone());
+    }
+    let mut gone = Vec::new();
+    for row in rows.iter().filter(|row| !machines.contains_key(&row.profile)) {
+        let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
+        if parts > 0 || builds > 0 {
+            let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));
+            let detail = format!("{parts} and {builds} in work");
+            alerts.raise(AlertKind::MachineGone, &row.profile, "", &detail);
+            gone.push(row.profile.clone());
+        }
+    }
+    alerts.retain_profiles(AlertKind::MachineGone, &gone);
+    Ok(())
+}
+
+/// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each
+/// scan does.
+pub(super) fn publish_alerts(farm: &mut Farm) {
+    let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * farm.settings.scan_secs));
+    farm.alerts.clear_expired_failures(over);
+    for ((kind, about), why) in farm.lifecycle.services.service_reports() {
+        match why.as_str() {
+            "" => farm.alerts.clear(kind, "", &about),
+            why => farm.alerts.raise(kind, "", &about, why),
+        }
+    }
+    farm.alerts.write_if_changed(&farm.settings.state_dir);
+    if !farm.lifecycle.is_halted
+        || farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL)
+    {
+        return;
+    }
+    farm.display.updated_at = Some(farm.now());
+    for (name, station) in &farm.machines {
+        let (profile, inbox, (text, json)) = (
+            name.clone(),
+            station.profile.folders.inbox.clone(),
+            station.status_files(&farm.alerts, farm.settings.scan_secs),
+        );
+        farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+            if let Err(error) = intake::write_status(&inbox, &text, &json) {
+                tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
             }
-        }
-        self.alerts.retain_profiles(AlertKind::MachineGone, &gone);
-        Ok(())
+        });
     }
+}
 
-    /// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each
-    /// scan does.
-    pub(super) fn publish_alerts(&mut self) {
-        let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * self.settings.scan_secs));
-        self.alerts.clear_expired_failures(over);
-        for ((kind, about), why) in self.lifecycle.services.service_reports() {
-            match why.as_str() {
-                "" => self.alerts.clear(kind, "", &about),
-                why => self.alerts.raise(kind, "", &about, why),
+/// The ledger's file was removed or replaced: saves what the daemon knows beside it, and halts.
+pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) {
+    let mut file = farm.settings.ledger.clone().into_os_string();
+    file.push(Timestamp::now().strftime(".saved-%Y%m%dT%H%M%SZ").to_string());
+    let (file, ledger) = (std::path::PathBuf::from(file), farm.ledger.clone());
+    let saving = ledger.write_backup(&file);
+    tokio::pin!(saving);
+    let saved = loop {
+        tokio::select! {
+            saved = &mut saving => break saved,
+            () = tokio::time::sleep(TICK_INTERVAL) => systemd::notify_watchdog(),
+        }
+    };
+    let what = match why {
+        LedgerError::Replaced { what, .. } => what.clone(),
+        other => other.to_string(),
+    };
+    let detail = match saved {
+        Ok(_) => format!("{what}; all that nestd knew is saved as {}", file.display()),
+        Err(error) => format!("{what}; it could not be saved ({error}), so put the newest backup back"),
+    };
+    farm.halt_farm(AlertKind::LedgerReplaced, &detail);
+    // On closing, SQLite would remove the write-ahead log of the ledger that is there now.
+    std::mem::forget(farm.ledger.clone());
+}
+
+/// Writes into each hot folder that nestd has stopped: the status there before promised builds.
+pub(super) async fn write_stopped_status(farm: &mut Farm) {
+    let rows = match farm.lifecycle.is_halted {
+        true => Vec::new(),
+        false => farm.ledger.profile_statuses().await.unwrap_or_default(),
+    };
+    for (name, station) in &farm.machines {
+        // A job that did not end hangs in that folder, and this one would hang too.
+        if farm.jobs.is_running::<HotFolderScanJob>(name) {
+            continue;
+        }
+        let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
+        let (text, json) = stopped_status(station, &row);
+        let (profile, inbox) = (name.clone(), station.profile.folders.inbox.clone());
+        let mut hold = station.leases.inbox.clone();
+        farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
+            // Nothing is written into an empty mount point.
+            if hold.held_identity().is_some()
+                && hold.check_usable().is_ok()
+                && let Err(error) = intake::write_status(&inbox, &text, &json)
+            {
+                tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
             }
-        }
-        self.alerts.write_if_changed(&self.settings.state_dir);
-        if !self.lifecycle.is_halted
-            || self.display.updated_at.is_some_and(|at| self.schedule.time.passed_since(at) < STATUS_INTERVAL)
-        {
-            return;
-        }
-        self.display.updated_at = Some(self.now());
-        for (name, station) in &self.machines {
-            let (profile, inbox, (text, json)) = (
-                name.clone(),
-                station.profile.folders.inbox.clone(),
-                station.status_files(&self.alerts, self.settings.scan_secs),
-            );
-            self.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
-                if let Err(error) = intake::write_status(&inbox, &text, &json) {
-                    tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
-                }
-            });
-        }
+        });
     }
+    job_events::wait_for_jobs(farm, Instant::now() + STOPPED_STATUS_TIMEOUT).await;
+}
 
-    /// The ledger's file was removed or replaced: saves what the daemon knows beside it, and halts.
-    pub(super) async fn abandon_replaced_ledger(&mut self, why: &LedgerError) {
-        let mut file = self.settings.ledger.clone().into_os_string();
-        file.push(Timestamp::now().strftime(".saved-%Y%m%dT%H%M%SZ").to_string());
-        let (file, ledger) = (std::path::PathBuf::from(file), self.ledger.clone());
-        let saving = ledger.write_backup(&file);
-        tokio::pin!(saving);
-        let saved = loop {
-            tokio::select! {
-                saved = &mut saving => break saved,
-                () = tokio::time::sleep(TICK_INTERVAL) => systemd::notify_watchdog(),
-            }
-        };
-        let what = match why {
-            LedgerError::Replaced { what, .. } => what.clone(),
-            other => other.to_string(),
-        };
-        let detail = match saved {
-            Ok(_) => format!("{what}; all that nestd knew is saved as {}", file.display()),
-            Err(error) => format!("{what}; it could not be saved ({error}), so put the newest backup back"),
-        };
-        self.halt_farm(AlertKind::LedgerReplaced, &detail);
-        // On closing, SQLite would remove the write-ahead log of the ledger that is there now.
-        std::mem::forget(self.ledger.clone());
-    }
-
-    /// Halts the farm, since the ledger cannot be relied on: files could be claimed and builds published without being
-    /// recorded.
-    pub(super) fn halt_farm(&mut self, kind: AlertKind, why: &str) {
-        if !self.lifecycle.is_halted {
-            self.lifecycle.is_halted = true;
-            self.lifecycle.services.set_open(false);
-            self.nesting.final_searches.values().for_each(|(budget, _)| budget.cancel());
-            self.machines.values_mut().for_each(|station| station.open.reset());
-            self.alerts.raise(kind, "", "", why);
-            let what = if kind == AlertKind::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
-            self.display.status_line = format!("{HALTED}: the ledger {what}");
-            systemd::notify_status(&self.display.status_line);
-        }
-    }
-
-    /// Writes into each hot folder that nestd has stopped: the status there before promised builds.
-    pub(super) async fn write_stopped_status(&mut self) {
-        let rows = match self.lifecycle.is_halted {
-            true => Vec::new(),
-            false => self.ledger.profile_statuses().await.unwrap_or_default(),
-        };
-        for (name, station) in &self.machines {
-            // A job that did not end hangs in that folder, and this one would hang too.
-            if self.jobs.is_running::<HotFolderScanJob>(name) {
-                continue;
-            }
-            let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
-            let (text, json) = stopped_status(station, &row);
-            let (profile, inbox) = (name.clone(), station.profile.folders.inbox.clone());
-            let mut hold = station.leases.inbox.clone();
-            self.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
-                // Nothing is written into an empty mount point.
-                if hold.held_identity().is_some()
-                    && hold.check_usable().is_ok()
-                    && let Err(error) = intake::write_status(&inbox, &text, &json)
-                {
-                    tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
-                }
-            });
-        }
-        self.wait_for_jobs(Instant::now() + STOPPED_STATUS_TIMEOUT).await;
-    }
-
-    /// Writes a heartbeat into the ledger.
-    pub(super) async fn write_heartbeat(&mut self) -> Result<()> {
-        let beat = DaemonHeartbeat {
-            pid: std::process::id(),
-            host: host_name(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            started_at: self.lifecycle.started_at,
-            status: self.display.status_line.clone(),
-            machines: self.observed_machines(),
-        };
-        Ok(self.ledger.write_heartbeat(&beat).await?)
-    }
+/// Writes a heartbeat into the ledger.
+pub(super) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
+    let beat = DaemonHeartbeat {
+        pid: std::process::id(),
+        host: host_name(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        started_at: farm.lifecycle.started_at,
+        status: farm.display.status_line.clone(),
+        machines: machine_availability::observed_machines(farm),
+    };
+    Ok(farm.ledger.write_heartbeat(&beat).await?)
 }
 
 fn host_name() -> String {

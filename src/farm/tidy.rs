@@ -12,13 +12,16 @@ use tracing::{info, warn};
 
 use super::{
     alert::AlertKind,
+    alert_registry::AlertRegistry,
     claim_note,
     farm::Farm,
     folder_lease::FolderLease,
+    forget,
     forgettable::{Forgettable, KEEP_REFUSED_SECS},
     jobs::BackgroundJob,
+    jobs::JobRunner,
 };
-use crate::{intake, ledger::PartState};
+use crate::{intake, ledger::PartState, settings::Settings};
 
 /// Delay of the first housekeeping, so that it does not slow down the start.
 pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
@@ -57,70 +60,68 @@ impl BackgroundJob<Farm> for MisplacedFilesJob {
     }
 
     async fn on_done(self, farm: &mut Farm, found: Self::Outcome) -> Result<()> {
-        farm.on_misplaced_files(&found);
+        on_misplaced_files(&farm.settings, &mut farm.alerts, &found);
         Ok(())
     }
 }
 
-impl Farm {
-    /// Runs the housekeeping; nothing here is urgent, and everything is safe to repeat.
-    pub(super) async fn tidy_up(&mut self) -> Result<()> {
-        // If the clock was just set, everything might seem old.
-        if !self.schedule.clock.is_retention_trusted() {
-            return Ok(());
+/// Runs the housekeeping; nothing here is urgent, and everything is safe to repeat.
+pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
+    // If the clock was just set, everything might seem old.
+    if !farm.schedule.clock.is_retention_trusted() {
+        return Ok(());
+    }
+    let archives: Vec<(FolderLease, PathBuf, u32)> = (farm.machines.values())
+        .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.archive_days))
+        .filter(|(.., days)| *days > 0)
+        .collect();
+    let (settings, ledger, store) = (farm.settings.clone(), farm.ledger.clone(), farm.meshes.store.clone());
+    let runtime = tokio::runtime::Handle::current();
+    farm.jobs.start(ArchivePurgeJob, move || {
+        if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
+            warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
         }
-        let archives: Vec<(FolderLease, PathBuf, u32)> = (self.machines.values())
-            .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.archive_days))
-            .filter(|(.., days)| *days > 0)
-            .collect();
-        let (settings, ledger, store) = (self.settings.clone(), self.ledger.clone(), self.meshes.store.clone());
-        let runtime = tokio::runtime::Handle::current();
-        self.jobs.start(ArchivePurgeJob, move || {
-            if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
-                warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
+        for (mut hold, archive, days) in archives {
+            if hold.check_usable().is_ok() {
+                purge_archive(&archive, days);
             }
-            for (mut hold, archive, days) in archives {
-                if hold.check_usable().is_ok() {
-                    purge_archive(&archive, days);
-                }
-            }
-        });
-        self.sweep_store().await
-    }
-
-    /// Starts to look for files that were dropped beside the hot folders.
-    pub(super) fn start_misplaced_file_search(&mut self) {
-        let (base, folders) = (self.settings.inbox_base.clone(), self.settings.all_folders());
-        self.jobs.start(MisplacedFilesJob, move || {
-            let stray = intake::find_misplaced(&base, &folders).unwrap_or_default();
-            stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect()
-        });
-    }
-
-    /// Raises or clears the alert on files beside the hot folders.
-    fn on_misplaced_files(&mut self, found: &[String]) {
-        let Some(first) = found.first() else { return self.alerts.clear(AlertKind::Stray, "", "") };
-        let more = if found.len() > 1 { format!(" and {} more", found.len() - 1) } else { String::new() };
-        let detail = format!("{first}{more} in {}", self.settings.inbox_base.display());
-        self.alerts.raise(AlertKind::Stray, "", "", &detail);
-    }
-
-    /// Forgets stored files of built and long refused parts that no live part needs.
-    async fn sweep_store(&mut self) -> Result<()> {
-        let now = self.date();
-        let mut unneeded = Vec::new();
-        for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
-            let (from, to) = (time_before(now, keep_secs + SWEEP_WITHIN_SECS), time_before(now, keep_secs));
-            unneeded.extend(self.ledger.hashes_in_state_between(state, from, to).await?);
         }
-        self.forget(unneeded.into_iter().map(Forgettable::StoredFile)).await?;
-        let mut live = HashSet::new();
-        for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
-            live.extend(self.ledger.hashes_in_state_between(state, Timestamp::UNIX_EPOCH, now).await?);
-        }
-        self.meshes.mesh_cache.retain(|key| live.contains(&key.content_hash));
-        Ok(())
+    });
+    sweep_store(farm).await
+}
+
+/// Starts to look for files that were dropped beside the hot folders.
+pub(super) fn start_misplaced_file_search(settings: &Settings, jobs: &mut JobRunner<Farm>) {
+    let (base, folders) = (settings.inbox_base.clone(), settings.all_folders());
+    jobs.start(MisplacedFilesJob, move || {
+        let stray = intake::find_misplaced(&base, &folders).unwrap_or_default();
+        stray.iter().filter_map(|path| path.file_name()).map(intake::display_name).collect()
+    });
+}
+
+/// Raises or clears the alert on files beside the hot folders.
+fn on_misplaced_files(settings: &Settings, alerts: &mut AlertRegistry, found: &[String]) {
+    let Some(first) = found.first() else { return alerts.clear(AlertKind::Stray, "", "") };
+    let more = if found.len() > 1 { format!(" and {} more", found.len() - 1) } else { String::new() };
+    let detail = format!("{first}{more} in {}", settings.inbox_base.display());
+    alerts.raise(AlertKind::Stray, "", "", &detail);
+}
+
+/// Forgets stored files of built and long refused parts that no live part needs.
+async fn sweep_store(farm: &mut Farm) -> Result<()> {
+    let now = farm.date();
+    let mut unneeded = Vec::new();
+    for (state, keep_secs) in [(PartState::Built, 0.0), (PartState::Rejected, KEEP_REFUSED_SECS)] {
+        let (from, to) = (time_before(now, keep_secs + SWEEP_WITHIN_SECS), time_before(now, keep_secs));
+        unneeded.extend(farm.ledger.hashes_in_state_between(state, from, to).await?);
     }
+    forget::forget_data(farm, unneeded.into_iter().map(Forgettable::StoredFile)).await?;
+    let mut live = HashSet::new();
+    for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
+        live.extend(farm.ledger.hashes_in_state_between(state, Timestamp::UNIX_EPOCH, now).await?);
+    }
+    farm.meshes.mesh_cache.retain(|key| live.contains(&key.content_hash));
+    Ok(())
 }
 
 fn time_before(now: Timestamp, secs: f64) -> Timestamp {

@@ -8,9 +8,15 @@ use tracing::{debug, warn};
 
 use super::{
     alert::AlertKind,
+    alert_registry::AlertRegistry,
     farm::Farm,
+    folder_comparison,
     folder_leases::FolderLeases,
+    intake_jobs,
+    jobs::JobRunner,
     jobs::{BackgroundJob, LoopEvent},
+    lease_renewal,
+    machine_state::MachineStates,
     state::WatchedInboxes,
 };
 use crate::{
@@ -32,7 +38,7 @@ impl BackgroundJob<Farm> for WatchJob {
     }
 
     async fn on_done(self, farm: &mut Farm, watched: Self::Outcome) -> Result<()> {
-        farm.on_watched(watched);
+        on_watched(farm, watched);
         Ok(())
     }
 }
@@ -52,96 +58,94 @@ impl BackgroundJob<Farm> for FoldersJob {
     }
 
     async fn on_done(self, farm: &mut Farm, failed: Self::Outcome) -> Result<()> {
-        farm.on_folders_made(&self.profile, &failed);
+        on_folders_made(farm, &self.profile, &failed);
         Ok(())
     }
 }
 
-impl Farm {
-    /// Watches the hot folders, including those that were created or replaced. If a folder cannot be watched, the
-    /// periodic scan finds its files.
-    pub(super) fn start_watcher(&mut self) {
-        if self.jobs.is_running::<WatchJob>("") {
-            return;
+/// Watches the hot folders, including those that were created or replaced. If a folder cannot be watched, the
+/// periodic scan finds its files.
+pub(super) fn start_watcher(farm: &mut Farm) {
+    if farm.jobs.is_running::<WatchJob>("") {
+        return;
+    }
+    let (inboxes, before) = (list_inboxes(&farm.machines), farm.schedule.watched.take());
+    let events = farm.jobs.event_sender();
+    farm.jobs.start(WatchJob, move || match before {
+        Some(mut watched) if watched.inboxes == inboxes => {
+            for (path, why) in watched.watcher.check_roots() {
+                debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
+            }
+            Ok(watched)
         }
-        let (inboxes, before) = (self.inboxes(), self.schedule.watched.take());
-        let events = self.jobs.event_sender();
-        self.jobs.start(WatchJob, move || match before {
-            Some(mut watched) if watched.inboxes == inboxes => {
-                for (path, why) in watched.watcher.check_roots() {
-                    debug!(inbox = %path.display(), "No file-system events from a hot folder: {why}.");
-                }
-                Ok(watched)
-            }
-            _ => {
-                let watcher = InboxWatcher::start(inboxes.clone(), move || {
-                    drop(events.send(LoopEvent::new(Farm::schedule_scan)))
-                })?;
-                Ok(WatchedInboxes { watcher, inboxes })
-            }
-        });
-    }
+        _ => {
+            let watcher = InboxWatcher::start(inboxes.clone(), move || {
+                drop(events.send(LoopEvent::new(intake_jobs::schedule_scan)))
+            })?;
+            Ok(WatchedInboxes { watcher, inboxes })
+        }
+    });
+}
 
-    fn inboxes(&self) -> Vec<PathBuf> {
-        self.machines.values().map(|station| station.profile.folders.inbox.clone()).collect()
-    }
+fn list_inboxes(machines: &MachineStates) -> Vec<PathBuf> {
+    machines.values().map(|station| station.profile.folders.inbox.clone()).collect()
+}
 
-    fn on_watched(&mut self, watched: Result<WatchedInboxes, WatchError>) {
-        match watched {
-            Ok(watched) => {
-                let is_current = watched.inboxes == self.inboxes();
-                self.schedule.watched = Some(watched);
-                self.schedule.is_unwatched = false;
-                if !is_current {
-                    self.start_watcher();
-                }
+fn on_watched(farm: &mut Farm, watched: Result<WatchedInboxes, WatchError>) {
+    match watched {
+        Ok(watched) => {
+            let is_current = watched.inboxes == list_inboxes(&farm.machines);
+            farm.schedule.watched = Some(watched);
+            farm.schedule.is_unwatched = false;
+            if !is_current {
+                start_watcher(farm);
             }
-            Err(failure) => {
-                if !std::mem::replace(&mut self.schedule.is_unwatched, true) {
-                    warn!("No file-system events; the periodic scan goes on without them: {failure}.");
-                }
+        }
+        Err(failure) => {
+            if !std::mem::replace(&mut farm.schedule.is_unwatched, true) {
+                warn!("No file-system events; the periodic scan goes on without them: {failure}.");
             }
         }
     }
+}
 
-    /// Creates the folders of all machines, before anything else is done with them.
-    pub(super) fn make_folders_at_start(&mut self) {
-        let stations: Vec<(Arc<MachineProfile>, FolderLeases)> =
-            self.machines.values().map(|station| (station.profile.clone(), station.leases.clone())).collect();
-        for (profile, holds) in stations {
-            let failed = make_folders(&profile, &holds);
-            self.tell_of_folders(&profile.name, &failed);
-        }
+/// Creates the folders of all machines, before anything else is done with them.
+pub(super) fn make_folders_at_start(farm: &mut Farm) {
+    let stations: Vec<(Arc<MachineProfile>, FolderLeases)> =
+        farm.machines.values().map(|station| (station.profile.clone(), station.leases.clone())).collect();
+    for (profile, holds) in stations {
+        let failed = make_folders(&profile, &holds);
+        update_folder_alert(&mut farm.alerts, &profile.name, &failed);
     }
+}
 
-    /// Starts jobs that create the folders of new machines, and those that could not be created before.
-    pub(super) fn create_missing_folders(&mut self) {
-        for (name, station) in &mut self.machines {
-            if station.leases.all_leases().iter().all(|hold| hold.held_identity().is_some()) {
-                continue;
-            }
-            let (profile, holds) = (station.profile.clone(), station.leases.clone());
-            self.jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &holds));
+/// Starts jobs that create the folders of new machines, and those that could not be created before.
+pub(super) fn create_missing_folders(machines: &mut MachineStates, jobs: &mut JobRunner<Farm>) {
+    for (name, station) in machines {
+        if station.leases.all_leases().iter().all(|hold| hold.held_identity().is_some()) {
+            continue;
         }
+        let (profile, holds) = (station.profile.clone(), station.leases.clone());
+        jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &holds));
     }
+}
 
-    /// Scans the folders of a machine as soon as they exist.
-    fn on_folders_made(&mut self, name: &str, failed: &[String]) {
-        self.tell_of_folders(name, failed);
-        let now = self.now();
-        if let Some(station) = self.machines.get_mut(name).filter(|station| station.inbox.scanned_at.is_none()) {
-            station.inbox.look_at = now;
-            self.renew_leases(true);
-            self.start_watcher();
-            self.start_folder_comparison();
-        }
+/// Scans the folders of a machine as soon as they exist.
+fn on_folders_made(farm: &mut Farm, name: &str, failed: &[String]) {
+    update_folder_alert(&mut farm.alerts, name, failed);
+    let now = farm.now();
+    if let Some(station) = farm.machines.get_mut(name).filter(|station| station.inbox.scanned_at.is_none()) {
+        station.inbox.look_at = now;
+        lease_renewal::renew_leases(farm, true);
+        start_watcher(farm);
+        folder_comparison::start_folder_comparison(farm);
     }
+}
 
-    fn tell_of_folders(&mut self, name: &str, failed: &[String]) {
-        match failed.is_empty() {
-            true => self.alerts.clear(AlertKind::FoldersMissing, name, ""),
-            false => self.alerts.raise(AlertKind::FoldersMissing, name, "", &failed.join("; ")),
-        }
+fn update_folder_alert(alerts: &mut AlertRegistry, name: &str, failed: &[String]) {
+    match failed.is_empty() {
+        true => alerts.clear(AlertKind::FoldersMissing, name, ""),
+        false => alerts.raise(AlertKind::FoldersMissing, name, "", &failed.join("; ")),
     }
 }
 

@@ -13,9 +13,10 @@ use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
 use super::super::{
-    AlertKind, InvariantExpectations,
+    AlertKind, InvariantExpectations, event_loop,
     farm::Farm,
-    invariants,
+    invariants, job_events, machine_setup,
+    open::open_farm,
     time_source::{ClockHands, TimeSource},
 };
 use crate::{
@@ -71,7 +72,7 @@ impl HandDrivenFarm {
         let (config, root) = (self.root().join("config/nestd.toml"), self.root().to_owned());
         let load = Box::new(move || settings::load_settings(Some(&config), Some(&root)));
         let settings = load().unwrap();
-        let opening = Farm::open(load, settings, self.time.clone());
+        let opening = open_farm(load, settings, self.time.clone());
         let opened = self.runtime.block_on(opening).map_err(|(_, _, failure)| format!("{failure:#}"));
         self.farm = Some(opened.unwrap());
         self.beat();
@@ -80,12 +81,12 @@ impl HandDrivenFarm {
     /// Closes it in an orderly way.
     pub fn stop(&mut self) {
         let mut farm = self.farm.take().unwrap();
-        self.runtime.block_on(farm.shut_down());
+        self.runtime.block_on(event_loop::shut_down(&mut farm));
     }
 
     /// Reads the configuration again.
     pub fn reload(&mut self) {
-        self.runtime.block_on(self.farm.as_mut().unwrap().reload_configuration());
+        self.runtime.block_on(machine_setup::reload_configuration(self.farm.as_mut().unwrap()));
         self.beat();
     }
 
@@ -93,8 +94,8 @@ impl HandDrivenFarm {
     pub fn beat(&mut self) {
         let farm = self.farm.as_mut().unwrap();
         self.runtime.block_on(async {
-            farm.run_tick().await;
-            farm.wait_for_jobs(Instant::now() + JOBS_END_WITHIN).await;
+            event_loop::run_tick(farm).await;
+            job_events::wait_for_jobs(farm, Instant::now() + JOBS_END_WITHIN).await;
         });
         assert!(farm.jobs.is_idle(), "a job does not end");
     }

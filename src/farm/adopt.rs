@@ -33,9 +33,9 @@ pub fn adopt_claims(settings: &Settings, profile: &MachineProfile) -> Result<usi
     let me = LeaseHolder::for_this_process(&settings.state_dir, jiff::Timestamp::now())
         .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
     let farm = me.farm_id().to_owned();
-    let mut hold = FolderLease::new(me, inbox);
+    let mut lease = FolderLease::new(me, inbox);
     loop {
-        match hold.check_usable() {
+        match lease.check_usable() {
             Ok(()) => break,
             // The other daemon may be dead: it takes a while to see that its number does not change.
             Err(LeaseError::HolderUnclear { .. }) => std::thread::sleep(std::time::Duration::from_millis(500)),
@@ -94,8 +94,8 @@ pub(super) fn update_foreign_claims_alert(
         _ => alerts.raise(AlertKind::ForeignClaims, name, "", &format!("{now} in its .claimed folder")),
     }
     if now < before
-        && let Some(station) = machines.get_mut(name)
+        && let Some(machine) = machines.get_mut(name)
     {
-        station.inbox.relist = true;
+        machine.inbox.relist = true;
     }
 }

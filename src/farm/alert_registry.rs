@@ -66,9 +66,9 @@ impl ServiceBridge {
     }
 
     fn store_report(&self, kind: AlertKind, about: &str, why: Option<String>) {
-        let mut told = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
         // A success is stored too, so that an earlier alert is cleared.
-        told.insert((kind, about.to_owned()), why.unwrap_or_default());
+        reports.insert((kind, about.to_owned()), why.unwrap_or_default());
     }
 
     /// What each service has reported; "" = it works.
@@ -117,23 +117,23 @@ impl AlertRegistry {
             return;
         }
         let since = known.map_or_else(|| self.time.date(), |(known, _)| known.since);
-        let notice = FarmAlert { kind, profile: profile.to_owned(), detail: detail.clone(), since };
+        let alert = FarmAlert { kind, profile: profile.to_owned(), detail: detail.clone(), since };
         let logged = match known {
             Some((_, logged)) if self.time.passed_since(*logged) < DETAIL_LOG_INTERVAL => *logged,
             _ => {
-                error!(profile, "{} {}", notice.alert_text(), kind.remedy());
+                error!(profile, "{} {}", alert.alert_text(), kind.remedy());
                 self.time.instant()
             }
         };
-        self.active.insert(key, (notice, logged));
+        self.active.insert(key, (alert, logged));
     }
 
     /// Clears an alert.
     pub fn clear(&mut self, kind: AlertKind, profile: &str, about: &str) {
         let key = (kind, profile.to_owned(), about.to_owned());
         self.failures.remove(&key);
-        if let Some((notice, _)) = self.active.remove(&key) {
-            info!(profile, "Resolved: {}", notice.alert_text());
+        if let Some((alert, _)) = self.active.remove(&key) {
+            info!(profile, "Resolved: {}", alert.alert_text());
         }
     }
 
@@ -158,12 +158,12 @@ impl AlertRegistry {
             self.failures.clear();
         }
         let fresh = RepeatedFailure { detail: String::new(), first: now, last: now, logged: now };
-        let trouble = self.failures.entry(key).or_insert(fresh);
-        let is_news = trouble.detail != detail || now.duration_since(trouble.logged) >= LOG_REPEAT_INTERVAL;
-        let lasts = now.duration_since(trouble.first) >= ALERT_AFTER;
-        trouble.last = now;
+        let failure = self.failures.entry(key).or_insert(fresh);
+        let is_news = failure.detail != detail || now.duration_since(failure.logged) >= LOG_REPEAT_INTERVAL;
+        let lasts = now.duration_since(failure.first) >= ALERT_AFTER;
+        failure.last = now;
         if is_news {
-            (trouble.detail, trouble.logged) = (detail.to_owned(), now);
+            (failure.detail, failure.logged) = (detail.to_owned(), now);
         }
         match lasts {
             true => self.raise(kind, profile, about, detail),
@@ -174,7 +174,7 @@ impl AlertRegistry {
 
     /// Clears failures that did not occur again for this long: the retry succeeded.
     pub fn clear_expired_failures(&mut self, after: Duration) {
-        let is_over = |trouble: &RepeatedFailure| self.time.passed_since(trouble.last) > after;
+        let is_over = |failure: &RepeatedFailure| self.time.passed_since(failure.last) > after;
         let over: Vec<AlertKey> =
             self.failures.iter().filter(|(_, t)| is_over(t)).map(|(key, _)| key.clone()).collect();
         over.iter().for_each(|(kind, profile, about)| self.clear(*kind, profile, about));
@@ -182,44 +182,44 @@ impl AlertRegistry {
 
     /// The active alerts without duplicates: steps that fail for the same reason share one alert that names them.
     pub fn active_alerts(&self) -> impl Iterator<Item = FarmAlert> {
-        let mut told: Vec<(FarmAlert, String, Vec<&str>)> = Vec::new();
-        for ((_, _, about), (notice, _)) in &self.active {
-            let why = notice.detail.strip_prefix(&format!("{about}: ")).unwrap_or(&notice.detail);
+        let mut grouped: Vec<(FarmAlert, String, Vec<&str>)> = Vec::new();
+        for ((_, _, about), (alert, _)) in &self.active {
+            let why = alert.detail.strip_prefix(&format!("{about}: ")).unwrap_or(&alert.detail);
             let is_same = |(known, reason, _): &&mut (FarmAlert, String, Vec<&str>)| {
-                (known.kind, known.profile.as_str(), reason.as_str()) == (notice.kind, notice.profile.as_str(), why)
+                (known.kind, known.profile.as_str(), reason.as_str()) == (alert.kind, alert.profile.as_str(), why)
             };
-            match told.iter_mut().find(is_same) {
+            match grouped.iter_mut().find(is_same) {
                 Some((known, _, others)) => {
-                    known.since = known.since.min(notice.since);
+                    known.since = known.since.min(alert.since);
                     others.push(about);
                 }
-                None => told.push((notice.clone(), why.to_owned(), vec![about])),
+                None => grouped.push((alert.clone(), why.to_owned(), vec![about])),
             }
         }
-        told.into_iter().map(|(notice, why, about)| match about.as_slice() {
-            several if several.len() > 1 && notice.detail != why => {
-                FarmAlert { detail: format!("{}: {why}", several.join(", ")), ..notice }
+        grouped.into_iter().map(|(alert, why, about)| match about.as_slice() {
+            several if several.len() > 1 && alert.detail != why => {
+                FarmAlert { detail: format!("{}: {why}", several.join(", ")), ..alert }
             }
-            _ => notice,
+            _ => alert,
         })
     }
 
     /// The lines for the hot folder of a profile.
     pub fn status_text_for(&self, profile: &str) -> String {
-        let told: Vec<FarmAlert> = self.active_alerts().filter(|notice| notice.is_shown_in(profile)).collect();
+        let shown: Vec<FarmAlert> = self.active_alerts().filter(|alert| alert.is_shown_in(profile)).collect();
         let mut text = String::new();
-        for notice in told.iter().take(MAX_LISTED_ALERTS) {
-            text += &format!("ATTENTION: {}\n    {}\n", notice.alert_text(), notice.kind.remedy());
+        for alert in shown.iter().take(MAX_LISTED_ALERTS) {
+            text += &format!("ATTENTION: {}\n    {}\n", alert.alert_text(), alert.kind.remedy());
         }
-        if told.len() > MAX_LISTED_ALERTS {
-            text += &format!("ATTENTION: and {} more; `nestd status` tells all.\n", told.len() - MAX_LISTED_ALERTS);
+        if shown.len() > MAX_LISTED_ALERTS {
+            text += &format!("ATTENTION: and {} more; `nestd status` tells all.\n", shown.len() - MAX_LISTED_ALERTS);
         }
         text
     }
 
     /// The same, as JSON.
     pub fn status_json_for(&self, profile: &str) -> serde_json::Value {
-        self.active_alerts().filter(|notice| notice.is_shown_in(profile)).map(|notice| alert_to_json(&notice)).collect()
+        self.active_alerts().filter(|alert| alert.is_shown_in(profile)).map(|alert| alert_to_json(&alert)).collect()
     }
 
     /// Stores the alerts for `nestd status`, if they have changed.
@@ -236,21 +236,21 @@ impl AlertRegistry {
     }
 }
 
-fn write_alerts(state_dir: &Path, notices: &[FarmAlert]) -> io::Result<()> {
+fn write_alerts(state_dir: &Path, alerts: &[FarmAlert]) -> io::Result<()> {
     let mut file = tempfile::Builder::new().prefix(".attention-").tempfile_in(state_dir)?;
-    file.write_all(serde_json::to_string_pretty(notices)?.as_bytes())?;
+    file.write_all(serde_json::to_string_pretty(alerts)?.as_bytes())?;
     file.persist(state_dir.join(FILE))?;
     Ok(())
 }
 
 /// An alert as JSON, with its texts.
-fn alert_to_json(notice: &FarmAlert) -> serde_json::Value {
+fn alert_to_json(alert: &FarmAlert) -> serde_json::Value {
     serde_json::json!({
-        "kind": notice.kind,
-        "profile": notice.profile,
-        "sentence": notice.alert_text(),
-        "remedy": notice.kind.remedy(),
-        "since": notice.since.to_string(),
+        "kind": alert.kind,
+        "profile": alert.profile,
+        "sentence": alert.alert_text(),
+        "remedy": alert.kind.remedy(),
+        "since": alert.since.to_string(),
     })
 }
 
@@ -266,63 +266,66 @@ mod tests {
 
     #[test]
     fn what_mends_itself_needs_nobody_and_what_lasts_does() {
-        let mut notices = AlertRegistry::default();
-        notices.report_failure(AlertKind::TakingFails, "p", "store", "no space");
-        assert_eq!(notices.active_alerts().count(), 0);
+        let mut alerts = AlertRegistry::default();
+        alerts.report_failure(AlertKind::TakingFails, "p", "store", "no space");
+        assert_eq!(alerts.active_alerts().count(), 0);
         let key = (AlertKind::TakingFails, "p".to_owned(), "store".to_owned());
-        notices.failures.get_mut(&key).expect("is remembered").first -= ALERT_AFTER;
-        notices.report_failure(AlertKind::TakingFails, "p", "store", "no space");
-        assert_eq!(notices.active_alerts().count(), 1);
-        notices.clear_expired_failures(Duration::from_secs(60));
-        assert_eq!(notices.active_alerts().count(), 1);
-        notices.clear_expired_failures(Duration::ZERO);
-        assert_eq!(notices.active_alerts().count(), 0);
+        alerts.failures.get_mut(&key).expect("is remembered").first -= ALERT_AFTER;
+        alerts.report_failure(AlertKind::TakingFails, "p", "store", "no space");
+        assert_eq!(alerts.active_alerts().count(), 1);
+        alerts.clear_expired_failures(Duration::from_secs(60));
+        assert_eq!(alerts.active_alerts().count(), 1);
+        alerts.clear_expired_failures(Duration::ZERO);
+        assert_eq!(alerts.active_alerts().count(), 0);
     }
 
     #[test]
     fn a_hot_folder_tells_what_concerns_its_machine_and_the_farm() {
-        let mut notices = AlertRegistry::default();
-        notices.raise(AlertKind::Refused, "a", "", "2 files in /error/a");
-        notices.raise(AlertKind::QueueAway, "b", "", "not mounted");
-        notices.raise(AlertKind::Stray, "", "", "x.stl");
-        let (a, b) = (notices.status_text_for("a"), notices.status_text_for("b"));
+        let mut alerts = AlertRegistry::default();
+        alerts.raise(AlertKind::Refused, "a", "", "2 files in /error/a");
+        alerts.raise(AlertKind::QueueAway, "b", "", "not mounted");
+        alerts.raise(AlertKind::Stray, "", "", "x.stl");
+        let (a, b) = (alerts.status_text_for("a"), alerts.status_text_for("b"));
         assert!(a.contains("Refused files") && a.contains("not mounted") && a.contains("x.stl"), "{a}");
         assert!(!b.contains("Refused files") && b.contains("not mounted"), "{b}");
         assert!(
             a.lines().count() == 6
                 && a.contains("ATTENTION: a: Refused files lie in the error folder: 2 files in /error/a.\n")
         );
-        notices.clear(AlertKind::QueueAway, "b", "");
-        assert!(!notices.status_text_for("b").contains("not mounted"));
-        notices.retain_profiles(AlertKind::Refused, &["c".to_owned()]);
-        assert_eq!(notices.active_alerts().count(), 1);
+        alerts.clear(AlertKind::QueueAway, "b", "");
+        assert!(!alerts.status_text_for("b").contains("not mounted"));
+        alerts.retain_profiles(AlertKind::Refused, &["c".to_owned()]);
+        assert_eq!(alerts.active_alerts().count(), 1);
     }
 
     #[test]
     fn one_thing_is_told_once() {
-        let mut notices = AlertRegistry::default();
+        let mut alerts = AlertRegistry::default();
         for step in ["reading", "nesting", "status"] {
-            notices.raise(AlertKind::StepFails, "", step, &format!("{step}: the disk is full"));
+            alerts.raise(AlertKind::StepFails, "", step, &format!("{step}: the disk is full"));
         }
-        notices.raise(AlertKind::StepFails, "", "tidying", "tidying: permission denied");
+        alerts.raise(AlertKind::StepFails, "", "tidying", "tidying: permission denied");
         for about in ["one", "two"] {
-            notices.raise(AlertKind::QueueAway, "p", about, "not mounted");
+            alerts.raise(AlertKind::QueueAway, "p", about, "not mounted");
         }
-        let told: Vec<String> = notices.active_alerts().map(|notice| notice.detail).collect();
-        assert_eq!(told, ["not mounted", "nesting, reading, status: the disk is full", "tidying: permission denied"]);
-        assert_eq!(notices.status_text_for("p").matches("not mounted").count(), 1);
+        let details: Vec<String> = alerts.active_alerts().map(|alert| alert.detail).collect();
+        assert_eq!(
+            details,
+            ["not mounted", "nesting, reading, status: the disk is full", "tidying: permission denied"]
+        );
+        assert_eq!(alerts.status_text_for("p").matches("not mounted").count(), 1);
     }
 
     #[test]
     fn what_is_kept_is_read_again() {
         let dir = tempfile::tempdir().expect("a folder");
-        let mut notices = AlertRegistry::default();
+        let mut alerts = AlertRegistry::default();
         assert_eq!(read_stored_alerts(dir.path()), []);
         for kind in AlertKind::ALL {
-            notices.raise(kind, "p", "x", "detail");
+            alerts.raise(kind, "p", "x", "detail");
         }
-        notices.write_if_changed(dir.path());
-        assert_eq!(read_stored_alerts(dir.path()), notices.active_alerts().collect::<Vec<_>>());
+        alerts.write_if_changed(dir.path());
+        assert_eq!(read_stored_alerts(dir.path()), alerts.active_alerts().collect::<Vec<_>>());
         assert_eq!(read_stored_alerts(dir.path()).len(), AlertKind::ALL.len());
         fs::write(dir.path().join(FILE), "{").expect("can be written");
         assert_eq!(read_stored_alerts(dir.path()), []);

@@ -58,8 +58,8 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
     }
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
-        if let Some(station) = farm.machines.get_mut(&self.profile) {
-            station.open.take_search_result(station.open.rounds, None, farm.schedule.time.instant());
+        if let Some(machine) = farm.machines.get_mut(&self.profile) {
+            machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());
         }
     }
 }
@@ -67,48 +67,48 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
 /// Same as [`update_open_build`], but skipped while the rest after a slow run is not over.
 pub(super) async fn batch_if_rested(farm: &mut Farm, name: &str) -> Result<()> {
     let (began, now) = (Instant::now(), farm.now());
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    if now < station.next_batch_at || station.agreed_folders.is_none() {
-        station.is_idle = false;
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    if now < machine.next_batch_at || machine.agreed_folders.is_none() {
+        machine.is_idle = false;
         return Ok(());
     }
     let result = update_open_build(farm, name).await;
-    if let Some(station) = farm.machines.get_mut(name) {
-        station.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
+    if let Some(machine) = farm.machines.get_mut(name) {
+        machine.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
     }
     result
 }
 
 /// Keeps a profile's open build up to date and fires it when a trigger holds.
 pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()> {
-    if farm.machines.get(name).is_some_and(|station| !station.leases.are_fresh()) {
+    if farm.machines.get(name).is_some_and(|machine| !machine.leases.are_fresh()) {
         return Ok(());
     }
     let mut waiting = farm.ledger.waiting_copies(name).await?;
     waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
     let flush = farm.machines.get(name).is_some_and(|s| !s.pending_flushes.is_empty());
     let being_read = flush && has_unread_claims(&farm.ledger, &farm.reading, name).await?;
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    station.is_idle = waiting.is_empty();
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    machine.is_idle = waiting.is_empty();
     if waiting.is_empty() {
-        station.open.reset();
+        machine.open.reset();
         if !being_read {
-            let flush = std::mem::take(&mut station.pending_flushes);
+            let flush = std::mem::take(&mut machine.pending_flushes);
             commands::answer_commands(&farm.ledger, &flush, &format!("nothing waits in {name}")).await?;
         }
         return Ok(());
     }
-    let cut = station.open.truncate_queue(&waiting, &station.profile);
-    let wanted: BTreeSet<CopyId> = waiting_copy_ids(&cut).into_iter().collect();
-    station.is_idle = station.open.covers_copies(&wanted);
-    if !station.paused {
-        let flush = !station.pending_flushes.is_empty() && !being_read;
-        let facts = station.trigger_facts(&waiting, &wanted, flush, farm.schedule.clock.is_date_trusted());
-        if let Some(by) = find_trigger(&station.profile, &facts, farm.schedule.time.date()) {
+    let head = machine.open.truncate_queue(&waiting, &machine.profile);
+    let wanted: BTreeSet<CopyId> = waiting_copy_ids(&head).into_iter().collect();
+    machine.is_idle = machine.open.covers_copies(&wanted);
+    if !machine.paused {
+        let flush = !machine.pending_flushes.is_empty() && !being_read;
+        let facts = machine.trigger_facts(&waiting, &wanted, flush, farm.schedule.clock.is_date_trusted());
+        if let Some(by) = find_trigger(&machine.profile, &facts, farm.schedule.time.date()) {
             return fire_build(farm, name, by, &wanted).await;
         }
     }
-    start_layout_search(farm, name, cut, wanted).await
+    start_layout_search(farm, name, head, wanted).await
 }
 
 /// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those
@@ -122,44 +122,44 @@ async fn has_unread_claims(ledger: &Ledger, reading: &ReadingState, name: &str) 
 async fn start_layout_search(
     farm: &mut Farm,
     name: &str,
-    cut: Vec<WaitingPart>,
+    head: Vec<WaitingPart>,
     wanted: BTreeSet<CopyId>,
 ) -> Result<()> {
     if !has_free_slot(farm) {
         return Ok(());
     }
     let meshes = farm.meshes.clone();
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    if !station.open.wants_search(&wanted, farm.schedule.time.instant())
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    if !machine.open.wants_search(&wanted, farm.schedule.time.instant())
         || farm.jobs.is_running::<ImproveLayoutJob>(name)
     {
         return Ok(());
     }
     let build = farm.ledger.open_build(name).await?;
-    let parts: Vec<&PartRow> = cut.iter().map(|waiting| &waiting.part).collect();
+    let parts: Vec<&PartRow> = head.iter().map(|waiting| &waiting.part).collect();
     if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts) {
         return Ok(());
     }
     farm.ledger.begin_search(build.id).await?;
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    let open = &mut station.open;
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let open = &mut machine.open;
     open.rounds += 1;
     let (round, best) = (open.rounds, SharedBestLayout::default());
-    let secs = station.profile.search.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
+    let secs = machine.profile.search.arrival_secs.max(SECS_PER_COPY * wanted.len() as f64);
     let budget = SearchBudget::of_secs(secs);
-    let order = NestingRequest {
-        profile: station.profile.clone(),
-        wanted: cut.into_iter().map(|w| (w.part, w.copies)).collect(),
+    let request = NestingRequest {
+        profile: machine.profile.clone(),
+        wanted: head.into_iter().map(|w| (w.part, w.copies)).collect(),
         start_placements: open.layout.placed.clone(),
         budget: budget.clone(),
-        seed: station.profile.search.nest.seed.wrapping_add(round),
+        seed: machine.profile.search.nest.seed.wrapping_add(round),
         best_layout: best.clone(),
     };
     open.search = Some(RunningSearch { round, budget, best, copies: wanted });
     let profile = name.to_owned();
     farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
         lower_thread_priority();
-        order.run_search(&meshes)
+        request.run_search(&meshes)
     });
     Ok(())
 }
@@ -168,14 +168,14 @@ async fn start_layout_search(
 async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Result<NestingResult>) -> Result<()> {
     let build = farm.ledger.open_build(name).await?;
     crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    if station.open.search.as_ref().is_none_or(|search| search.round != round) {
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    if machine.open.search.as_ref().is_none_or(|search| search.round != round) {
         return Ok(());
     }
     let nested = match nested {
         Ok(nested) => nested,
         Err(failure) => {
-            station.open.take_search_result(round, None, farm.schedule.time.instant());
+            machine.open.take_search_result(round, None, farm.schedule.time.instant());
             if let Some(lost) = LostFileError::find_in_chain(&failure) {
                 return damaged_files::request_file_again(farm, lost).await;
             }
@@ -183,7 +183,7 @@ async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Res
             return Ok(());
         }
     };
-    station.open.take_search_result(round, Some(nested.layout.clone()), farm.schedule.time.instant());
+    machine.open.take_search_result(round, Some(nested.layout.clone()), farm.schedule.time.instant());
     save_layout(&farm.ledger, build.id, &nested.layout).await?;
     farm.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
     refuse_unplaceable_part(farm, name, &nested.layout).await
@@ -192,8 +192,8 @@ async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Res
 /// A part that finds no place in an empty volume would wait for ever: it is refused once it was tried alone.
 async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayout) -> Result<()> {
     let (true, Some(&(part, _))) = (layout.placed.is_empty(), layout.unplaced.first()) else { return Ok(()) };
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    if !station.open.halve_after_empty_search(layout.unplaced.len()) {
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    if !machine.open.halve_after_empty_search(layout.unplaced.len()) {
         return Ok(());
     }
     let reason = format!(
@@ -207,10 +207,10 @@ async fn refuse_unplaceable_part(farm: &mut Farm, name: &str, layout: &BatchLayo
 /// A part that makes the search panic must not block the others: half of the queue is tried next, and a part that
 /// panics alone is refused.
 async fn on_search_panicked(farm: &mut Farm, name: &str, message: &str) -> Result<()> {
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    let copies = station.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
-    station.open.take_search_result(station.open.rounds, None, farm.schedule.time.instant());
-    let (true, Some(&(part, _))) = (station.open.halve_after_empty_search(copies.len()), copies.first()) else {
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let copies = machine.open.search.as_ref().map(|search| search.copies.clone()).unwrap_or_default();
+    machine.open.take_search_result(machine.open.rounds, None, farm.schedule.time.instant());
+    let (true, Some(&(part, _))) = (machine.open.halve_after_empty_search(copies.len()), copies.first()) else {
         return Ok(());
     };
     let reason = format!(
@@ -240,16 +240,16 @@ pub(super) async fn save_layout(ledger: &Ledger, build: BuildId, layout: &BatchL
 
 /// Turns the open build into a batch: its copies are taken, and the next open build starts with the rest.
 async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTreeSet<CopyId>) -> Result<()> {
-    let Some(station) = farm.machines.get_mut(name) else { return Ok(()) };
-    let (copies, layout) = station.open.taken_by(by, wanted);
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    let (copies, layout) = machine.open.taken_by(by, wanted);
     if copies.is_empty() {
         return Ok(());
     }
     let build = farm.ledger.open_build(name).await?.id;
     farm.ledger.begin_nesting(build, &by.to_string(), &copies).await?;
     farm.nesting.just_fired.insert(build);
-    station.open.reset();
-    let flush = std::mem::take(&mut station.pending_flushes);
+    machine.open.reset();
+    let flush = std::mem::take(&mut machine.pending_flushes);
     info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
     save_layout(&farm.ledger, build, &layout).await?;
     commands::answer_commands(

@@ -35,7 +35,7 @@ struct RefusedPart {
     inbox: PathBuf,
     error_dir: PathBuf,
     meshes: MeshSource,
-    holds: FolderLeases,
+    leases: FolderLeases,
     claim: Option<StandingClaim>,
 }
 
@@ -54,7 +54,7 @@ pub(super) enum ClaimOutcome {
 
 impl RefusedPart {
     fn move_to_error_folder(&self) -> Result<ClaimOutcome> {
-        self.holds.check_error_folder()?;
+        self.leases.check_error_folder()?;
         if let Some(claim) = &self.claim {
             // The stored file is needed if somebody takes the part back.
             claim.ensure_stored(&self.meshes.store, &self.part.file.content_hash)?;
@@ -72,7 +72,7 @@ impl RefusedPart {
     /// Copies the stored file into the error folder, because the original was released when the part began to wait.
     /// Repeating this changes nothing.
     fn copy_to_error_folder(&self) -> Result<()> {
-        self.holds.check_error_folder()?;
+        self.leases.check_error_folder()?;
         let (row, error_dir, text) = (&self.part, &self.error_dir, &self.text);
         let folder = format!("part-{}", row.id);
         match find_refused_files(error_dir, row)?.first() {
@@ -192,15 +192,15 @@ fn describe_refused_part(
     cause: Option<RefusalCause>,
     reason: &str,
 ) -> Option<RefusedPart> {
-    let station = farm.machines.get(&part.profile)?;
-    let folders = &station.profile.folders;
+    let machine = farm.machines.get(&part.profile)?;
+    let folders = &machine.profile.folders;
     Some(RefusedPart {
         part: part.clone(),
         text: reason_text(part, cause, reason),
         inbox: folders.inbox.clone(),
         error_dir: folders.error.clone(),
         meshes: farm.meshes.clone(),
-        holds: station.leases.clone(),
+        leases: machine.leases.clone(),
         claim: farm.completion.claims.get(&part.file.claim).cloned(),
     })
 }
@@ -279,11 +279,11 @@ async fn on_claim_completed(farm: &mut Farm, of: &ClaimCompletionJob, ended: Res
         }
         Err(failure) => {
             farm.report_failure(AlertKind::EndingFails, &of.profile, &of.name, &failure);
-            if let (false, Some(station)) =
+            if let (false, Some(machine)) =
                 (farm.completion.claims.contains_key(&of.claim), farm.machines.get_mut(&of.profile))
             {
                 // The claim is known only by its folder: the next scan lists it.
-                station.inbox.relist = true;
+                machine.inbox.relist = true;
             }
         }
     }
@@ -337,12 +337,12 @@ async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> R
 fn on_copy_failed(farm: &mut Farm, id: PartId, failure: &anyhow::Error) {
     let Some(DeferredRefusal { part, command, .. }) = farm.completion.deferred_refusals.remove(&id) else { return };
     if let Some(command) = command {
-        let about = format!("order {}", command.id);
+        let about = format!("command {}", command.id);
         farm.report_failure(AlertKind::StepFails, &command.profile, &about, failure);
         return farm.schedule.step_backoff.record_failure(about);
     }
     farm.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
-    if let Some(station) = farm.machines.get_mut(&part.profile) {
-        station.open.retry_tried_later(farm.schedule.time.instant());
+    if let Some(machine) = farm.machines.get_mut(&part.profile) {
+        machine.open.retry_tried_later(farm.schedule.time.instant());
     }
 }

@@ -118,9 +118,9 @@ pub async fn find_forgotten_files(
             other => other.with_context(|| format!("reading the note of the claim {claim}"))?,
         };
         // A note that a power cut left empty says nothing, and is reported.
-        let taken = serde_json::from_str::<ClaimNote>(&text).ok();
-        let taken = taken.filter(|taken| taken.part.claim == claim && taken.part.content_hash == hash);
-        found.push(ForgottenFile { hash, claim: Some(claim), note: taken, is_stored, decisions });
+        let note = serde_json::from_str::<ClaimNote>(&text).ok();
+        let note = note.filter(|note| note.part.claim == claim && note.part.content_hash == hash);
+        found.push(ForgottenFile { hash, claim: Some(claim), note, is_stored, decisions });
     }
     let without_note = |hash| ForgottenFile { hash, claim: None, note: None, is_stored: true, decisions: 0 };
     found.extend(nameless.into_iter().map(without_note));
@@ -193,10 +193,10 @@ pub(super) fn new_part_row(
     profile: &MachineProfile,
     claim: &ClaimedPart,
     stored: &StoredFile,
-    given: Option<&PartSpec>,
+    part_spec: Option<&PartSpec>,
 ) -> NewPartRow {
-    let ticket = given.map(|g| g.ticket.clone()).unwrap_or_default();
-    let mut warnings = given.map(|g| g.warnings.clone()).unwrap_or_default();
+    let ticket = part_spec.map(|g| g.ticket.clone()).unwrap_or_default();
+    let mut warnings = part_spec.map(|g| g.warnings.clone()).unwrap_or_default();
     let due_at = ticket.due.and_then(|due| match due.to_timestamp(&TimeZone::system()) {
         Ok(at) => Some(at),
         Err(error) => {
@@ -204,7 +204,7 @@ pub(super) fn new_part_row(
             None
         }
     });
-    let source = given.and_then(|g| g.sources.first()).map(|s| NewTicketRow {
+    let source = part_spec.and_then(|g| g.sources.first()).map(|s| NewTicketRow {
         source: match s.source {
             SpecSource::Name => TicketSource::Name,
             SpecSource::Sidecar => TicketSource::Sidecar,

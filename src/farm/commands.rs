@@ -13,12 +13,12 @@ use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, Par
 /// Carries out commands. A flush command is answered when its build has been fired.
 pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
     let paused = farm.ledger.paused_profiles().await?;
-    for (name, station) in &mut farm.machines {
-        station.paused = paused.contains(name);
+    for (name, machine) in &mut farm.machines {
+        machine.paused = paused.contains(name);
     }
     for command in farm.ledger.pending_commands().await? {
         // A command that the disk prevents stays open and does not hold up the others.
-        let about = format!("order {}", command.id);
+        let about = format!("command {}", command.id);
         if farm.schedule.step_backoff.is_waiting(&about) {
             continue;
         }
@@ -73,13 +73,13 @@ async fn execute_command(farm: &mut Farm, command: &CommandRow) -> Result<Option
 }
 
 fn request_flush(machines: &mut MachineStates, name: &str, id: CommandId) -> Option<Result<String, String>> {
-    let station = machines.get_mut(name)?;
-    if station.paused {
-        station.pending_flushes.retain(|&waits| waits != id);
+    let machine = machines.get_mut(name)?;
+    if machine.paused {
+        machine.pending_flushes.retain(|&waits| waits != id);
         return Some(Err(format!("{name} is paused; resume it first")));
     }
-    if !station.pending_flushes.contains(&id) {
-        station.pending_flushes.push(id);
+    if !machine.pending_flushes.contains(&id) {
+        machine.pending_flushes.push(id);
     }
     None
 }

@@ -104,12 +104,12 @@ async fn on_files_repaired(farm: &mut Farm, hashes: &[String]) -> Result<()> {
 
 /// One alert for each machine, with its parts.
 async fn update_damaged_alerts(ledger: &Ledger, machines: &MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
-    let mut told: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut by_machine: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for part in ledger.damaged_parts().await? {
-        told.entry(part.profile).or_default().push(format!("part {} ({})", part.id, part.name));
+        by_machine.entry(part.profile).or_default().push(format!("part {} ({})", part.id, part.name));
     }
     for name in machines.keys() {
-        match told.get(name) {
+        match by_machine.get(name) {
             None => alerts.clear(AlertKind::FileDamaged, name, ""),
             Some(parts) => {
                 let more = if parts.len() > 3 { format!(" and {} more", parts.len() - 3) } else { String::new() };

@@ -43,8 +43,8 @@ pub(super) async fn check_due_dates(farm: &mut Farm) -> Result<()> {
         return Ok(());
     }
     let now = farm.date();
-    let longest = farm.machines.values().map(|station| {
-        let profile = &station.profile;
+    let longest = farm.machines.values().map(|machine| {
+        let profile = &machine.profile;
         profile.space.volume_mm.z * profile.space.print_hours_per_mm * 3600.0
             + profile.trigger.due_margin_secs.unwrap_or(0.0)
     });
@@ -67,16 +67,16 @@ pub(super) async fn check_due_dates(farm: &mut Farm) -> Result<()> {
 
 /// The outlook for the next build of a machine, or for a build of this height that has started.
 fn due_date_outlook(farm: &Farm, profile: &str, height_mm: f64) -> DueDateOutlook {
-    let Some(station) = farm.machines.get(profile) else {
+    let Some(machine) = farm.machines.get(profile) else {
         let hindered = Some("its machine is not configured");
         return DueDateOutlook { print_secs: 0.0, margin_secs: f64::INFINITY, hindered };
     };
-    let height_mm = if height_mm > 0.0 { height_mm } else { station.open.layout.height_mm };
+    let height_mm = if height_mm > 0.0 { height_mm } else { machine.open.layout.height_mm };
     let is_away = machine_availability::is_unavailable(&farm.alerts, profile);
     DueDateOutlook {
-        print_secs: height_mm * station.profile.space.print_hours_per_mm * 3600.0,
-        margin_secs: station.profile.trigger.due_margin_secs.unwrap_or(0.0),
-        hindered: match (station.paused, is_away) {
+        print_secs: height_mm * machine.profile.space.print_hours_per_mm * 3600.0,
+        margin_secs: machine.profile.trigger.due_margin_secs.unwrap_or(0.0),
+        hindered: match (machine.paused, is_away) {
             (true, _) => Some("its machine is paused"),
             (false, true) => Some("its machine is unavailable"),
             (false, false) => None,

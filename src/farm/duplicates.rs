@@ -48,13 +48,13 @@ pub(super) async fn compare_with_twins(
     part: &PartRow,
     solids: &[SolidFacts],
 ) -> Result<TwinVerdict> {
-    let Some(station) = machines.get(&part.profile) else { return Ok(TwinVerdict::None) };
+    let Some(machine) = machines.get(&part.profile) else { return Ok(TwinVerdict::None) };
     let Some(earlier) = ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await? else {
         return Ok(TwinVerdict::None);
     };
     let earlier = ledger.find_part(earlier).await?;
     Ok(earlier.map_or(TwinVerdict::None, |earlier| {
-        TwinVerdict::of(part, solids, &earlier, station.profile.intake.duplicates)
+        TwinVerdict::of(part, solids, &earlier, machine.profile.intake.duplicates)
     }))
 }
 

@@ -28,13 +28,13 @@ pub fn find_refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathB
     let mut found = Vec::new();
     for reason in files.iter().filter(|file| file.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes())) {
         let text = intake::read_reason(reason).with_context(|| format!("reading {}", reason.display()))?;
-        if !text.is_some_and(|text| text.lines().any(|said| said.starts_with(&line))) {
+        if !text.is_some_and(|text| text.lines().any(|line_of_reason| line_of_reason.starts_with(&line))) {
             continue;
         }
         // The name without the suffix, unless the name was shortened.
         let named = reason.with_extension("").with_extension("");
-        let beside = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
-        for file in [&named].into_iter().chain(beside) {
+        let neighbours = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
+        for file in [&named].into_iter().chain(neighbours) {
             if has_content(file, part)? {
                 found.push((file.clone(), reason.clone()));
                 break;

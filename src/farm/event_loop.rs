@@ -51,8 +51,8 @@ pub async fn run(load: Load, outside: ServiceBridge) -> Result<()> {
 }
 
 async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result<()> {
-    let mut beat = tokio::time::interval(TICK_INTERVAL);
-    beat.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+    let mut ticks = tokio::time::interval(TICK_INTERVAL);
+    ticks.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     let mut worked_at = Instant::now();
     loop {
         let mut only_read = false;
@@ -62,7 +62,7 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result
                 DaemonSignal::Reload => machine_setup::reload_configuration(farm).await,
             },
             Some(event) = farm.jobs.next_event() => only_read = handle_events(farm, event).await,
-            _ = beat.tick() => {}
+            _ = ticks.tick() => {}
         }
         if only_read && !farm.lifecycle.is_halted && worked_at.elapsed() < TICK_INTERVAL_WHILE_READING {
             farm.run_step("reading", intake_jobs::start_reading).await;
@@ -121,7 +121,7 @@ pub(super) async fn run_tick(farm: &mut Farm) {
 /// Runs every step that queries the ledger.
 async fn run_ledger_steps(farm: &mut Farm) {
     let names: Vec<String> = farm.machines.keys().cloned().collect();
-    farm.run_step("orders", commands::process_commands).await;
+    farm.run_step("commands", commands::process_commands).await;
     farm.run_step("reading", intake_jobs::start_reading).await;
     // Fired builds come before open ones, so that they get the free slots first.
     farm.run_step("nesting", nest::nest_fired_builds).await;
@@ -135,7 +135,7 @@ async fn run_ledger_steps(farm: &mut Farm) {
 /// Whether a step may find work: a job runs, a machine is not idle, or the ledger has changed.
 fn may_have_work(farm: &mut Farm) -> bool {
     let is_busy = !farm.jobs.is_idle() || !farm.nesting.just_fired.is_empty();
-    let is_settled = farm.machines.values().all(|station| station.is_idle && station.pending_flushes.is_empty());
+    let is_settled = farm.machines.values().all(|machine| machine.is_idle && machine.pending_flushes.is_empty());
     let now = farm.now();
     let news = farm.schedule.ledger_changes.has_changed(&farm.settings.ledger, now);
     is_busy || !is_settled || news

@@ -85,7 +85,7 @@ impl Farm {
             self.lifecycle.is_halted = true;
             self.lifecycle.services.set_open(false);
             self.nesting.final_searches.values().for_each(|(budget, _)| budget.cancel());
-            self.machines.values_mut().for_each(|station| station.open.reset());
+            self.machines.values_mut().for_each(|machine| machine.open.reset());
             self.alerts.raise(kind, "", "", why);
             let what = if kind == AlertKind::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
             self.display.status_line = format!("{HALTED}: the ledger {what}");

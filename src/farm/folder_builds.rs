@@ -94,20 +94,20 @@ pub fn list_folder_builds(
     known: &FolderExpectations,
 ) -> Result<Vec<FolderBuild>, FolderUnavailableError> {
     let (archive, queue) = (&profile.folders.archive, &profile.folders.queue);
-    let mut told = Vec::new();
+    let mut builds = Vec::new();
     if known.is_available(archive)? {
         let records = build_record::list_records(archive).map_err(|error| unavailable_error(archive, &error))?;
-        told.extend(records.into_iter().map(|(name, record)| FolderBuild { name, record: Some(record) }));
+        builds.extend(records.into_iter().map(|(name, record)| FolderBuild { name, record: Some(record) }));
     }
     if known.is_available(queue)? {
-        let seen: HashSet<String> = told.iter().map(|build| build.name.clone()).collect();
+        let seen: HashSet<String> = builds.iter().map(|build| build.name.clone()).collect();
         let names = list_queue_files(queue).map_err(|error| unavailable_error(queue, &error))?;
-        told.extend(
+        builds.extend(
             names.into_iter().filter(|name| !seen.contains(name)).map(|name| FolderBuild { name, record: None }),
         );
     }
-    told.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(told)
+    builds.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(builds)
 }
 
 fn list_queue_files(queue: &Path) -> io::Result<Vec<String>> {

@@ -20,8 +20,8 @@ pub fn check_readable(state_dir: &Path, folder: &Path) -> Result<(), LeaseError>
         LeaseMarker::NoHolder => Ok(()),
         LeaseMarker::Missing if known_identity(state_dir, folder).is_none_or(|was| was == now) => Ok(()),
         LeaseMarker::Missing => Err(LeaseError::Replaced(folder.to_owned())),
-        LeaseMarker::HeldBy(owner) if owner.belongs_to_state_dir(state_dir) || !owner.may_be_alive() => Ok(()),
-        LeaseMarker::HeldBy(owner) => Err(LeaseError::HeldByOther { folder: folder.to_owned(), owner }),
+        LeaseMarker::HeldBy(holder) if holder.belongs_to_state_dir(state_dir) || !holder.may_be_alive() => Ok(()),
+        LeaseMarker::HeldBy(holder) => Err(LeaseError::HeldByOther { folder: folder.to_owned(), holder }),
     }
 }
 

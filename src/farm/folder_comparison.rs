@@ -32,9 +32,9 @@ impl BackgroundJob<Farm> for FolderComparisonJob {
 /// Starts to compare the folders of every machine with the ledger. Until they agree, nothing is printed; if they
 /// disagree, nothing is claimed.
 pub(super) fn start_folder_comparison(farm: &mut Farm) {
-    for (name, station) in &farm.machines {
-        let (settings, ledger, profile) = (farm.settings.clone(), farm.ledger.clone(), station.profile.clone());
-        let (before, runtime) = (station.agreed_folders, tokio::runtime::Handle::current());
+    for (name, machine) in &farm.machines {
+        let (settings, ledger, profile) = (farm.settings.clone(), farm.ledger.clone(), machine.profile.clone());
+        let (before, runtime) = (machine.agreed_folders, tokio::runtime::Handle::current());
         farm.jobs.start(FolderComparisonJob { profile: name.clone() }, move || {
             runtime.block_on(compare_machine_folders(&settings, &ledger, &profile, before))
         });
@@ -43,25 +43,25 @@ pub(super) fn start_folder_comparison(farm: &mut Farm) {
 
 /// Takes in the result.
 fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) {
-    let Some(station) = farm.machines.get_mut(name) else { return };
+    let Some(machine) = farm.machines.get_mut(name) else { return };
     let (behind, away) = match compared {
         FolderComparison::Unchanged => return,
         FolderComparison::LedgerCurrent(seen) => {
-            station.agreed_folders = Some(seen);
-            station.next_batch_at = farm.schedule.time.instant();
+            machine.agreed_folders = Some(seen);
+            machine.next_batch_at = farm.schedule.time.instant();
             (None, None)
         }
         FolderComparison::LedgerBehind(detail) => (Some(detail), None),
         FolderComparison::Unavailable(why) => (None, Some(why)),
     };
-    station.may_take = behind.is_none();
+    machine.may_take = behind.is_none();
     if behind.is_some() || away.is_some() {
-        station.agreed_folders = None;
+        machine.agreed_folders = None;
     }
     for (kind, detail) in [(AlertKind::LedgerBehind, behind), (AlertKind::FoldersMissing, away)] {
         match detail {
-            Some(detail) => farm.alerts.raise(kind, name, "told", &detail),
-            None => farm.alerts.clear(kind, name, "told"),
+            Some(detail) => farm.alerts.raise(kind, name, "comparison", &detail),
+            None => farm.alerts.clear(kind, name, "comparison"),
         }
     }
 }

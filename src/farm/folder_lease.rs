@@ -59,21 +59,21 @@ pub enum LeaseError {
     #[error(
         "{} is served by another nestd: process {} on {} since {}, with the state folder {}. Stop that one, or give each \
          farm folders of its own",
-        .folder.display(), .owner.pid, .owner.host, .owner.since.strftime("%Y-%m-%d %H:%M:%S UTC"), .owner.state_dir.display()
+        .folder.display(), .holder.pid, .holder.host, .holder.since.strftime("%Y-%m-%d %H:%M:%S UTC"), .holder.state_dir.display()
     )]
     HeldByOther {
         /// The folder.
         folder: PathBuf,
         /// The other daemon.
-        owner: Box<LeaseHolder>,
+        holder: Box<LeaseHolder>,
     },
     /// The marker names another daemon, and it is not clear yet whether that one is alive.
-    #[error("{} is marked by process {} on {}: checking if it is alive", .folder.display(), .owner.pid, .owner.host)]
+    #[error("{} is marked by process {} on {}: checking if it is alive", .folder.display(), .holder.pid, .holder.host)]
     HolderUnclear {
         /// The folder.
         folder: PathBuf,
         /// The other daemon.
-        owner: Box<LeaseHolder>,
+        holder: Box<LeaseHolder>,
     },
     /// It is another directory than before and has no marker: an empty mount point.
     #[error(
@@ -213,8 +213,8 @@ impl FolderLease {
     pub fn check_held(&self) -> Result<(), LeaseError> {
         let folder = self.folder.clone();
         match read_marker(&self.folder).map_err(|source| self.io_error(source))? {
-            LeaseMarker::HeldBy(owner) if self.holder.is_same_farm(&owner) => Ok(()),
-            LeaseMarker::HeldBy(owner) => Err(LeaseError::HeldByOther { folder, owner }),
+            LeaseMarker::HeldBy(holder) if self.holder.is_same_farm(&holder) => Ok(()),
+            LeaseMarker::HeldBy(holder) => Err(LeaseError::HeldByOther { folder, holder }),
             LeaseMarker::Missing | LeaseMarker::NoHolder => Err(LeaseError::Replaced(folder)),
         }
     }
@@ -237,10 +237,10 @@ impl FolderLease {
 
     /// Acquires the lease or renews it. Call this at every renewal interval.
     pub fn renew(&mut self) -> Result<(), LeaseError> {
-        let looked = LeaseTimestamp::now();
+        let checked_at = LeaseTimestamp::now();
         self.check_usable()?;
         self.holder.beat += 1;
-        write_marker(&self.folder, &self.holder, looked).map_err(|source| self.io_error(source))?;
+        write_marker(&self.folder, &self.holder, checked_at).map_err(|source| self.io_error(source))?;
         let now = folder_identity(&self.folder).map_err(|source| self.io_error(source))?;
         if !self.is_remembered || self.held_identity != Some(now) {
             // On a full disk the folder is used anyway; the next renewal tries again.
@@ -253,8 +253,8 @@ impl FolderLease {
     /// Checks that the folder may be used: it is available, it is the same as before, and no other daemon serves it.
     pub fn check_usable(&mut self) -> Result<(), LeaseError> {
         let now = folder_identity(&self.folder).map_err(|source| self.io_error(source))?;
-        let owner = match read_marker(&self.folder).map_err(|source| self.io_error(source))? {
-            LeaseMarker::HeldBy(owner) => *owner,
+        let holder = match read_marker(&self.folder).map_err(|source| self.io_error(source))? {
+            LeaseMarker::HeldBy(holder) => *holder,
             mark => {
                 self.other_holder = None;
                 return match self.is_expected_folder(&mark, now) {
@@ -263,27 +263,27 @@ impl FolderLease {
                 };
             }
         };
-        if owner.stopped || self.holder.is_same_farm(&owner) {
+        if holder.stopped || self.holder.is_same_farm(&holder) {
             self.other_holder = None;
             // A share may have another device number after it was mounted again.
             self.held_identity = self.held_identity.map(|_| now);
             return Ok(());
         }
-        let (folder, boxed) = (self.folder.clone(), Box::new(owner.clone()));
-        match owner.holds_state_lock(&self.holder) {
-            Some(true) => return Err(LeaseError::HeldByOther { folder, owner: boxed }),
+        let (folder, boxed) = (self.folder.clone(), Box::new(holder.clone()));
+        match holder.holds_state_lock(&self.holder) {
+            Some(true) => return Err(LeaseError::HeldByOther { folder, holder: boxed }),
             Some(false) => return Ok(()),
             None => {}
         }
         match &self.other_holder {
-            Some((known, since)) if *known == owner && since.elapsed() >= takeover_delay() => Ok(()),
-            Some((known, _)) if *known == owner => Err(LeaseError::HolderUnclear { folder, owner: boxed }),
+            Some((known, since)) if *known == holder && since.elapsed() >= takeover_delay() => Ok(()),
+            Some((known, _)) if *known == holder => Err(LeaseError::HolderUnclear { folder, holder: boxed }),
             known => {
-                let moved = known.as_ref().is_some_and(|(known, _)| known.beat != owner.beat);
-                self.other_holder = Some((owner, Instant::now()));
+                let moved = known.as_ref().is_some_and(|(known, _)| known.beat != holder.beat);
+                self.other_holder = Some((holder, Instant::now()));
                 Err(match moved {
-                    true => LeaseError::HeldByOther { folder, owner: boxed },
-                    false => LeaseError::HolderUnclear { folder, owner: boxed },
+                    true => LeaseError::HeldByOther { folder, holder: boxed },
+                    false => LeaseError::HolderUnclear { folder, holder: boxed },
                 })
             }
         }
@@ -291,12 +291,12 @@ impl FolderLease {
 
     /// Records that this daemon no longer serves the folder. A folder of another farm is left alone.
     pub fn release(&mut self) {
-        let looked = LeaseTimestamp::now();
-        let is_ours = |mark| matches!(mark, LeaseMarker::HeldBy(owner) if self.holder.is_same_farm(&owner));
+        let checked_at = LeaseTimestamp::now();
+        let is_ours = |mark| matches!(mark, LeaseMarker::HeldBy(holder) if self.holder.is_same_farm(&holder));
         if self.held_identity.is_some() && read_marker(&self.folder).is_ok_and(is_ours) {
             self.holder.stopped = true;
             // Without this entry the daemon looks as if it had been killed.
-            let _ = write_marker(&self.folder, &self.holder, looked);
+            let _ = write_marker(&self.folder, &self.holder, checked_at);
         }
     }
 
@@ -350,13 +350,13 @@ pub(super) fn read_marker(folder: &Path) -> io::Result<LeaseMarker> {
         Err(error) => return Err(error),
     }
     Ok(serde_json::from_str(text.trim_end())
-        .map_or(LeaseMarker::NoHolder, |owner| LeaseMarker::HeldBy(Box::new(owner))))
+        .map_or(LeaseMarker::NoHolder, |holder| LeaseMarker::HeldBy(Box::new(holder))))
 }
 
-/// Writes the marker in place and at full length: a reader sees the old or the new number. Fails if `looked` is too
+/// Writes the marker in place and at full length: a reader sees the old or the new number. Fails if `checked_at` is too
 /// old: after a long pause the daemon would overwrite the name of another one that has taken the folder meanwhile.
-fn write_marker(folder: &Path, owner: &LeaseHolder, looked: LeaseTimestamp) -> io::Result<()> {
-    let mut text = serde_json::to_string(owner).map_err(io::Error::other)?;
+fn write_marker(folder: &Path, holder: &LeaseHolder, checked_at: LeaseTimestamp) -> io::Result<()> {
+    let mut text = serde_json::to_string(holder).map_err(io::Error::other)?;
     text.extend(std::iter::repeat_n(' ', BYTES.saturating_sub(text.len() + 1)));
     text.push('\n');
     let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
@@ -375,7 +375,7 @@ fn write_marker(folder: &Path, owner: &LeaseHolder, looked: LeaseTimestamp) -> i
     if file.metadata()?.len() == 0 {
         crate::access::apply_file_permissions(&file)?;
     }
-    match looked.is_valid() {
+    match checked_at.is_valid() {
         true => file.write_all_at(text.as_bytes(), 0),
         false => Err(io::ErrorKind::TimedOut.into()),
     }

@@ -32,14 +32,14 @@ pub struct FolderLeases {
 
 impl FolderLeases {
     /// Leases that are not acquired yet.
-    pub fn new(owner: &LeaseHolder, profile: &MachineProfile) -> Self {
-        let hold = |folder| FolderLease::new(owner.clone(), folder);
+    pub fn new(holder: &LeaseHolder, profile: &MachineProfile) -> Self {
+        let lease = |folder| FolderLease::new(holder.clone(), folder);
         let MachineFolders { inbox, queue, error, archive } = &profile.folders;
         Self {
-            inbox: hold(inbox),
-            queue: hold(queue),
-            archive: hold(archive),
-            error: hold(error),
+            inbox: lease(inbox),
+            queue: lease(queue),
+            archive: lease(archive),
+            error: lease(error),
             errors: Default::default(),
             renewed_at: None,
             taken_over: Vec::new(),
@@ -60,7 +60,7 @@ impl FolderLeases {
     /// Renews all leases, and checks what other farms have done in the hot folder.
     pub fn renew_all(&mut self) {
         self.renewed_at = Some(LeaseTimestamp::now());
-        self.errors = self.all_leases().map(|hold| hold.renew().err().map(|error| error.to_string()));
+        self.errors = self.all_leases().map(|lease| lease.renew().err().map(|error| error.to_string()));
         if let Ok(taken_over) = intake::taken_over_claims(self.inbox.folder_path(), self.inbox.farm_id()) {
             self.taken_over = taken_over;
         }
@@ -73,10 +73,10 @@ impl FolderLeases {
     /// one.
     pub fn acquire_missing(&mut self) -> Result<bool, LeaseError> {
         let (mut wrong, mut is_clear) = (self.errors.clone(), true);
-        for (hold, wrong) in
-            self.all_leases().into_iter().zip(&mut wrong).filter(|(hold, _)| hold.held_identity().is_none())
+        for (lease, wrong) in
+            self.all_leases().into_iter().zip(&mut wrong).filter(|(lease, _)| lease.held_identity().is_none())
         {
-            *wrong = match hold.renew() {
+            *wrong = match lease.renew() {
                 Ok(()) => None,
                 Err(refused @ LeaseError::HeldByOther { .. }) => return Err(refused),
                 Err(error) => {

@@ -140,65 +140,60 @@ impl HotFolderScanner {
     pub fn scan_and_claim(
         &mut self,
         profile: &MachineProfile,
-        holds: &mut FolderLeases,
+        leases: &mut FolderLeases,
         store: &ContentStore,
         orphan_secs: f64,
     ) -> HotFolderScan {
-        let mut received = HotFolderScan::default();
-        let hold = &mut holds.inbox;
-        if let Err(error) = hold.check_usable() {
-            received.unavailable_reason = Some(error.to_string());
+        let mut scan = HotFolderScan::default();
+        let lease = &mut leases.inbox;
+        if let Err(error) = lease.check_usable() {
+            scan.unavailable_reason = Some(error.to_string());
             self.pending = None;
-            return received;
+            return scan;
         }
-        if self.inbox_identity.is_some() && self.inbox_identity != hold.held_identity() {
+        if self.inbox_identity.is_some() && self.inbox_identity != lease.held_identity() {
             // The folder was unavailable and is back, or was replaced on purpose.
             self.inbox = InboxFolder::new(self.inbox.path(), ScanLimits::default());
             self.pending = None;
         }
-        self.inbox_identity = hold.held_identity();
-        received.may_refuse = holds.error.check_usable().is_ok() && holds.archive.check_usable().is_ok();
-        hold.farm_id().clone_into(&mut self.farm_id);
+        self.inbox_identity = lease.held_identity();
+        scan.may_refuse = leases.error.check_usable().is_ok() && leases.archive.check_usable().is_ok();
+        lease.farm_id().clone_into(&mut self.farm_id);
         self.settler.set_rules(settle_rules(profile, orphan_secs));
-        let mut claims = self.pending_claims(holds.inbox.farm_id(), &mut received);
+        let mut claims = self.pending_claims(leases.inbox.farm_id(), &mut scan);
         match self.inbox.scan() {
             Ok(listing) => {
-                received
-                    .warnings
-                    .extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));
-                self.claim_ready_files(profile, holds, &listing.entries, &mut claims, &mut received);
+                scan.warnings.extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));
+                self.claim_ready_files(profile, leases, &listing.entries, &mut claims, &mut scan);
             }
-            Err(error) => received.unavailable_reason = Some(error.to_string()),
+            Err(error) => scan.unavailable_reason = Some(error.to_string()),
         }
         // After an error there may be a claim that is not listed: the next scan lists all of them.
-        self.pending = (!received.may_have_unknown_claims).then(Vec::new);
+        self.pending = (!scan.may_have_unknown_claims).then(Vec::new);
         for claim in claims {
             // The loop has completed this claim while it was being listed.
             if matches!(claim.dir.try_exists(), Ok(false)) {
                 continue;
             }
             self.emptied_folders.add_order_folder(&claim);
-            self.store_claim(profile, claim, store, &mut received);
+            self.store_claim(profile, claim, store, &mut scan);
         }
         self.emptied_folders.remove_empty_folders(self.inbox.path(), EmptiedFolders::MIN_AGE);
-        if self.counted_at.is_none_or(|at| self.time.passed_since(at) >= RECOUNT_INTERVAL)
-            || !received.refused.is_empty()
-        {
+        if self.counted_at.is_none_or(|at| self.time.passed_since(at) >= RECOUNT_INTERVAL) || !scan.refused.is_empty() {
             self.counted_at = Some(self.time.instant());
-            received.refused_file_count =
-                received.may_refuse.then(|| self.refused.count_unresolved(&profile.folders.error));
+            scan.refused_file_count = scan.may_refuse.then(|| self.refused.count_unresolved(&profile.folders.error));
         }
-        received
+        scan
     }
 
     /// Claims files that have settled and match their order list.
     fn claim_ready_files(
         &mut self,
         profile: &MachineProfile,
-        holds: &FolderLeases,
+        leases: &FolderLeases,
         seen: &[InboxEntry],
         claims: &mut Vec<ClaimedPart>,
-        received: &mut HotFolderScan,
+        scan: &mut HotFolderScan,
     ) {
         let now_secs = self.time.passed_since(self.started_at).as_secs_f64();
         let most = CLAIMS_PER_LOOK.max(seen.len() / SHARE_PER_LOOK);
@@ -208,8 +203,8 @@ impl HotFolderScanner {
         let has_end = |file: &Path, name: &str| build_file::has_end(&mut intake::open_dropped_file(inbox, file)?, name);
         self.lists.observe_scan(seen);
         for ready in self.settler.settled_entries(seen, now_secs, has_end) {
-            if claims.len() >= most || !holds.may_take_files() {
-                received.is_truncated = true;
+            if claims.len() >= most || !leases.may_take_files() {
+                scan.is_truncated = true;
                 break;
             }
             let may_be_part = |file: &Path| {
@@ -217,12 +212,12 @@ impl HotFolderScanner {
             };
             match self.lists.check_against_list(inbox, ready, list_rules, may_be_part) {
                 TakeDecision::Take(ready) => {
-                    claims.extend(process_ready(&holds.inbox, profile, &ready, &mut self.lists, received))
+                    claims.extend(process_ready(&leases.inbox, profile, &ready, &mut self.lists, scan))
                 }
-                TakeDecision::Wait(why) => received.waiting_reasons.push(why),
+                TakeDecision::Wait(why) => scan.waiting_reasons.push(why),
             }
         }
-        received.next_secs = if received.is_truncated { Some(0.0) } else { self.settler.next_scan_secs(now_secs) };
+        scan.next_secs = if scan.is_truncated { Some(0.0) } else { self.settler.next_scan_secs(now_secs) };
     }
 
     /// Copies a claimed part into the store. After a failure it stays claimed, and the next scan retries it.
@@ -231,24 +226,24 @@ impl HotFolderScanner {
         profile: &MachineProfile,
         claim: ClaimedPart,
         store: &ContentStore,
-        received: &mut HotFolderScan,
+        scan: &mut HotFolderScan,
     ) {
         match store.store_claimed(&claim) {
             Ok(stored) => match claim.read_part_spec() {
                 Err(error @ TicketError::Unreadable { errno, .. })
                     if !self.is_persistently_unreadable(&claim, &io::Error::from_raw_os_error(errno)) =>
                 {
-                    received.warnings.push(error.to_string());
+                    scan.warnings.push(error.to_string());
                     self.keep_pending(claim);
                 }
-                given => {
+                part_spec => {
                     self.unreadable_since.remove(&claim.id);
-                    let row = new_part_row(profile, &claim, &stored, given.as_ref().ok());
-                    let note = ClaimNote::new(&self.farm_id, row, given.as_ref().err());
+                    let row = new_part_row(profile, &claim, &stored, part_spec.as_ref().ok());
+                    let note = ClaimNote::new(&self.farm_id, row, part_spec.as_ref().err());
                     match store.write_note(&stored.hash, &claim.id, &note.to_text()) {
-                        Ok(()) => received.drops.push(ClaimedDrop { claim, stored, part_spec: given, row: note.part }),
+                        Ok(()) => scan.drops.push(ClaimedDrop { claim, stored, part_spec: part_spec, row: note.part }),
                         Err(error) => {
-                            received.warnings.push(error_chain(&error));
+                            scan.warnings.push(error_chain(&error));
                             self.keep_pending(claim);
                         }
                     }
@@ -256,19 +251,19 @@ impl HotFolderScanner {
             },
             // Somebody still writes to the file: it is given back and settles again.
             Err(StoreError::Changed(_)) => match intake::give_back_claim(&claim) {
-                Ok(_) => received.next_secs = Some(0.0),
+                Ok(_) => scan.next_secs = Some(0.0),
                 Err(error) => {
-                    received.warnings.push(error_chain(&error));
+                    scan.warnings.push(error_chain(&error));
                     self.keep_pending(claim);
                 }
             },
             Err(StoreError::Unreadable { source, .. }) if self.is_persistently_unreadable(&claim, &source) => {
-                if !refuse_unreadable(profile, &claim, &source, received) {
+                if !refuse_unreadable(profile, &claim, &source, scan) {
                     self.keep_pending(claim);
                 }
             }
             Err(error) => {
-                received.warnings.push(error_chain(&error));
+                scan.warnings.push(error_chain(&error));
                 self.keep_pending(claim);
             }
         }
@@ -290,19 +285,19 @@ impl HotFolderScanner {
     }
 
     /// Claims that wait for the store; at the first scan, those that an earlier run left.
-    fn pending_claims(&mut self, farm: &str, received: &mut HotFolderScan) -> Vec<ClaimedPart> {
+    fn pending_claims(&mut self, farm: &str, scan: &mut HotFolderScan) -> Vec<ClaimedPart> {
         if let Some(pending) = self.pending.take() {
             return pending;
         }
         match intake::recover_claims(self.inbox.path(), farm) {
-            Ok((claims, troubles)) => {
-                received.may_have_unknown_claims = !troubles.is_empty();
-                received.warnings.extend(troubles);
+            Ok((claims, warnings)) => {
+                scan.may_have_unknown_claims = !warnings.is_empty();
+                scan.warnings.extend(warnings);
                 claims
             }
             Err(error) => {
-                received.may_have_unknown_claims = true;
-                received.warnings.push(error_chain(&error));
+                scan.may_have_unknown_claims = true;
+                scan.warnings.push(error_chain(&error));
                 Vec::new()
             }
         }
@@ -311,15 +306,15 @@ impl HotFolderScanner {
 
 /// Handles one ready file or list; a part becomes a claim.
 fn process_ready(
-    hold: &FolderLease,
+    lease: &FolderLease,
     profile: &MachineProfile,
     ready: &SettledEntry,
     lists: &mut OrderListTracker,
-    received: &mut HotFolderScan,
+    scan: &mut HotFolderScan,
 ) -> Option<ClaimedPart> {
-    let inbox = hold.folder_path();
+    let inbox = lease.folder_path();
     match ready {
-        SettledEntry::Part { .. } => match intake::claim_for_farm(inbox, ready, hold.farm_id()) {
+        SettledEntry::Part { .. } => match intake::claim_for_farm(inbox, ready, lease.farm_id()) {
             Ok(claim) => {
                 lists.mark_row_served(ready);
                 return Some(claim);
@@ -327,30 +322,30 @@ fn process_ready(
             // It is still being written to, or was taken away: the next scan decides.
             Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
             Err(error) => {
-                received.may_have_unknown_claims = true;
-                received.warnings.push(error_chain(&error));
+                scan.may_have_unknown_claims = true;
+                scan.warnings.push(error_chain(&error));
             }
         },
         // It stays where it is until these folders are back; an alert reports them.
-        SettledEntry::List { .. } | SettledEntry::Refuse { .. } if !received.may_refuse => {}
-        SettledEntry::List { .. } if received.may_have_unknown_claims => {}
+        SettledEntry::List { .. } | SettledEntry::Refuse { .. } if !scan.may_refuse => {}
+        SettledEntry::List { .. } if scan.may_have_unknown_claims => {}
         SettledEntry::List { list, quiet_secs } => {
             let (folders, incomplete_secs) = (&profile.folders, profile.intake.incomplete_secs);
             match intake::finish_order_list(inbox, lists, ready, incomplete_secs, &folders.archive, &folders.error) {
                 Ok(ListOutcome::Refused(reason)) => {
-                    received.refused.push((file_display_name(&list.path), RefusalCause::Ticket, reason));
+                    scan.refused.push((file_display_name(&list.path), RefusalCause::Ticket, reason));
                 }
                 // It may be only the first of its order to be copied.
                 Ok(ListOutcome::Awaited) if *quiet_secs < REPORT_AFTER_SETTLES * profile.intake.settle_secs => {}
-                Ok(ListOutcome::Awaited) => received.waiting_reasons.extend(lists.list_wait_reason(list)),
+                Ok(ListOutcome::Awaited) => scan.waiting_reasons.extend(lists.list_wait_reason(list)),
                 Ok(ListOutcome::Archived(_)) => {}
-                Err(error) => received.warnings.push(error_chain(&error)),
+                Err(error) => scan.warnings.push(error_chain(&error)),
             }
         }
         SettledEntry::Refuse { seen, reason } => {
             match intake::refuse_entry(inbox, seen, &profile.folders.error, reason) {
-                Ok(_) => received.refused.push((file_display_name(&seen.path), refusal_kind(ready), reason.clone())),
-                Err(error) => received.warnings.push(error_chain(&error)),
+                Ok(_) => scan.refused.push((file_display_name(&seen.path), refusal_kind(ready), reason.clone())),
+                Err(error) => scan.warnings.push(error_chain(&error)),
             }
         }
     }
@@ -373,16 +368,16 @@ fn refuse_unreadable(
     profile: &MachineProfile,
     claim: &ClaimedPart,
     why: &std::io::Error,
-    received: &mut HotFolderScan,
+    scan: &mut HotFolderScan,
 ) -> bool {
-    if !received.may_refuse {
+    if !scan.may_refuse {
         return false;
     }
     let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
     let refused = intake::refuse_claim(claim, &profile.folders.error, &reason);
     match &refused {
-        Ok(_) => received.refused.push((claim.display_name(), RefusalCause::Unreadable, reason)),
-        Err(error) => received.warnings.push(error_chain(error)),
+        Ok(_) => scan.refused.push((claim.display_name(), RefusalCause::Unreadable, reason)),
+        Err(error) => scan.warnings.push(error_chain(error)),
     }
     refused.is_ok()
 }

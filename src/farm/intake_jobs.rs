@@ -45,8 +45,8 @@ impl BackgroundJob<Farm> for HotFolderScanJob {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, (gate, received): Self::Outcome) -> Result<()> {
-        on_scan_done(farm, &self.profile, gate, received).await
+    async fn on_done(self, farm: &mut Farm, (scanner, scan): Self::Outcome) -> Result<()> {
+        on_scan_done(farm, &self.profile, scanner, scan).await
     }
 
     async fn on_panic(self, farm: &mut Farm, _message: &str) -> Result<()> {
@@ -98,31 +98,31 @@ pub(super) fn schedule_scan(farm: &mut Farm) {
 /// Starts a scan of every hot folder that is due.
 pub(super) fn start_scans(farm: &mut Farm) {
     let (now, orphan_secs) = (farm.now(), farm.settings.orphan_ticket_secs);
-    for (name, station) in &mut farm.machines {
-        if !station.may_take
-            || !station.leases.are_fresh()
-            || now < station.inbox.look_at
+    for (name, machine) in &mut farm.machines {
+        if !machine.may_take
+            || !machine.leases.are_fresh()
+            || now < machine.inbox.look_at
             || farm.jobs.is_running::<HotFolderScanJob>(name)
         {
             continue;
         }
-        let Some(mut gate) = station.inbox.gate.take() else { continue };
-        if std::mem::take(&mut station.inbox.relist) {
-            gate.relist_claims();
+        let Some(mut scanner) = machine.inbox.scanner.take() else { continue };
+        if std::mem::take(&mut machine.inbox.relist) {
+            scanner.relist_claims();
         }
-        let (profile, store) = (station.profile.clone(), farm.meshes.store.clone());
-        let mut holds = station.leases.clone();
-        let (name, status) = (name.clone(), station.status_files(&farm.alerts, farm.settings.scan_secs));
+        let (profile, store) = (machine.profile.clone(), farm.meshes.store.clone());
+        let mut leases = machine.leases.clone();
+        let (name, status) = (name.clone(), machine.status_files(&farm.alerts, farm.settings.scan_secs));
         farm.jobs.start(HotFolderScanJob { profile: name }, move || {
-            let mut received = gate.scan_and_claim(&profile, &mut holds, &store, orphan_secs);
+            let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs);
             // The status is not written into an empty mount point that has replaced the folder meanwhile.
-            if status.1.is_empty() || received.unavailable_reason.is_some() || holds.inbox.check_usable().is_err() {
-                return (gate, received);
+            if status.1.is_empty() || scan.unavailable_reason.is_some() || leases.inbox.check_usable().is_err() {
+                return (scanner, scan);
             }
             if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
-                received.warnings.push(format!("writing STATUS.txt: {failure}"));
+                scan.warnings.push(format!("writing STATUS.txt: {failure}"));
             }
-            (gate, received)
+            (scanner, scan)
         });
     }
 }
@@ -130,13 +130,13 @@ pub(super) fn start_scans(farm: &mut Farm) {
 /// Gives a hot folder a new scanner without memory.
 fn reset_scanner(farm: &mut Farm, name: &str) {
     let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
-    if let Some(station) = farm.machines.get_mut(name) {
-        station.inbox.gate = Some(Box::new(HotFolderScanner::new(
-            &station.profile,
+    if let Some(machine) = farm.machines.get_mut(name) {
+        machine.inbox.scanner = Some(Box::new(HotFolderScanner::new(
+            &machine.profile,
             farm.settings.orphan_ticket_secs,
             farm.schedule.time.clone(),
         )));
-        station.inbox.look_at = now + Duration::from_secs_f64(scan_secs);
+        machine.inbox.look_at = now + Duration::from_secs_f64(scan_secs);
     }
 }
 
@@ -145,16 +145,16 @@ fn reset_scanner(farm: &mut Farm, name: &str) {
 async fn on_scan_done(
     farm: &mut Farm,
     name: &str,
-    mut gate: Box<HotFolderScanner>,
-    mut received: HotFolderScan,
+    mut scanner: Box<HotFolderScanner>,
+    mut scan: HotFolderScan,
 ) -> Result<()> {
-    let (early, drops): (Vec<ClaimedDrop>, Vec<ClaimedDrop>) = std::mem::take(&mut received.drops)
+    let (early, drops): (Vec<ClaimedDrop>, Vec<ClaimedDrop>) = std::mem::take(&mut scan.drops)
         .into_iter()
         .partition(|drop| farm.completion.forgetting.is_under_way(&drop.stored.hash));
     for drop in early {
         // Its stored copy is being removed, for it was an earlier part's: the next look copies it in again.
-        gate.retry_claim(drop.claim);
-        received.next_secs = Some(0.0);
+        scanner.retry_claim(drop.claim);
+        scan.next_secs = Some(0.0);
     }
     let rows: Vec<&NewPartRow> = drops.iter().map(|drop| &drop.row).collect();
     // One transaction for all rows costs as much as one row. If it fails, each row is written by itself below, and
@@ -169,24 +169,24 @@ async fn on_scan_done(
     for (at, drop) in drops.into_iter().enumerate() {
         if let Err(failure) = record_claimed_file(farm, name, &drop, recorded.get(at).copied()).await {
             farm.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
-            gate.retry_claim(drop.claim);
+            scanner.retry_claim(drop.claim);
         }
     }
     let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
-    if let Some(station) = farm.machines.get_mut(name) {
-        if gate.is_for_profile(&station.profile) {
-            station.inbox.gate = Some(gate);
+    if let Some(machine) = farm.machines.get_mut(name) {
+        if scanner.is_for_profile(&machine.profile) {
+            machine.inbox.scanner = Some(scanner);
         }
-        let next_secs = received.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
-        station.inbox.look_at = now + Duration::from_secs_f64(next_secs);
-        station.inbox.refused_kept = received.refused_file_count.unwrap_or(station.inbox.refused_kept);
-        let error_dir = station.profile.folders.error.display();
-        match received.is_truncated || received.unavailable_reason.is_some() {
+        let next_secs = scan.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
+        machine.inbox.look_at = now + Duration::from_secs_f64(next_secs);
+        machine.inbox.refused_kept = scan.refused_file_count.unwrap_or(machine.inbox.refused_kept);
+        let error_dir = machine.profile.folders.error.display();
+        match scan.is_truncated || scan.unavailable_reason.is_some() {
             true => {}
-            false if received.waiting_reasons.is_empty() => farm.alerts.clear(AlertKind::Incomplete, name, ""),
-            false => farm.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&received.waiting_reasons)),
+            false if scan.waiting_reasons.is_empty() => farm.alerts.clear(AlertKind::Incomplete, name, ""),
+            false => farm.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&scan.waiting_reasons)),
         }
-        match station.inbox.refused_kept {
+        match machine.inbox.refused_kept {
             0 => farm.alerts.clear(AlertKind::Refused, name, ""),
             files => {
                 let detail = format!("{} in {error_dir}", format_count(files, "file", "files"));
@@ -194,16 +194,16 @@ async fn on_scan_done(
             }
         }
     }
-    match &received.unavailable_reason {
+    match &scan.unavailable_reason {
         Some(why) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", why),
         None => mark_scanned(farm, name),
     }
-    if let Some(trouble) = received.warnings.first() {
-        let more = received.warnings.len() - 1;
+    if let Some(warning) = scan.warnings.first() {
+        let more = scan.warnings.len() - 1;
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
-        farm.alerts.report_failure(AlertKind::TakingFails, name, "", &format!("{trouble}{more}"));
+        farm.alerts.report_failure(AlertKind::TakingFails, name, "", &format!("{warning}{more}"));
     }
-    for (file, cause, reason) in &received.refused {
+    for (file, cause, reason) in &scan.refused {
         warn!(profile = %name, "Refused {file} in {name}: {reason}");
         farm.ledger.record_file_refusal(name, *cause, &format!("{file}: {reason}")).await?;
     }
@@ -214,8 +214,8 @@ async fn on_scan_done(
 fn mark_scanned(farm: &mut Farm, name: &str) {
     farm.alerts.clear(AlertKind::HotFolderAway, name, "");
     let date = farm.date();
-    if let Some(station) = farm.machines.get_mut(name) {
-        station.inbox.scanned_at = Some(UtcTimestamp(date));
+    if let Some(machine) = farm.machines.get_mut(name) {
+        machine.inbox.scanned_at = Some(UtcTimestamp(date));
     }
 }
 
@@ -230,8 +230,8 @@ async fn record_claimed_file(
     if !farm.machines.contains_key(name) {
         return Ok(());
     }
-    let ClaimedDrop { claim, stored, part_spec: given, row } = drop;
-    if given.is_ok() && damaged_files::take_as_replacement(farm, name, claim, stored).await? {
+    let ClaimedDrop { claim, stored, part_spec, row } = drop;
+    if part_spec.is_ok() && damaged_files::take_as_replacement(farm, name, claim, stored).await? {
         return Ok(());
     }
     let recorded = match recorded {
@@ -246,9 +246,9 @@ async fn record_claimed_file(
         claim_completion::give_back_claim(farm, name, claim, stored);
         return Ok(());
     }
-    let note = ClaimNote::new(farm.lifecycle.owner.farm_id(), row.clone(), given.as_ref().err()).to_text();
+    let note = ClaimNote::new(farm.lifecycle.holder.farm_id(), row.clone(), part_spec.as_ref().err()).to_text();
     farm.completion.claims.insert(claim.id.clone(), StandingClaim { claim: claim.clone(), note });
-    match (part.state, given) {
+    match (part.state, part_spec) {
         (PartState::Claimed, Err(error)) => {
             let remedy = match error {
                 TicketError::Unlisted(_) => {
@@ -305,14 +305,14 @@ async fn start_part_read(farm: &mut Farm, mut part: PartRow, profile: &Arc<Machi
     farm.reading.reads_alone = part.file.reads > READS_IN_THE_DAEMON;
     let (profile, meshes) = (profile.clone(), farm.meshes.clone());
     let claim = farm.completion.claims.get(&part.file.claim).cloned();
-    let holds = farm.machines.get(&profile.name).map(|station| station.leases.clone());
+    let leases = farm.machines.get(&profile.name).map(|machine| machine.leases.clone());
     // After a retry the refused file and its reason must leave the error folder.
-    let refused_before = holds.filter(|_| was_rejected);
+    let refused_before = leases.filter(|_| was_rejected);
     farm.jobs.start(PartReadJob { part: part.id }, move || {
         let mut outcome = read_part(&part, claim.as_ref(), &profile, &meshes);
         // Removed before the part becomes waiting: a crash later must not leave its file in two places.
-        if let (Some(holds), PartReadOutcome::Solids(_)) = (refused_before, &outcome)
-            && let Err(failure) = remove_refused(&holds, &profile, &part)
+        if let (Some(leases), PartReadOutcome::Solids(_)) = (refused_before, &outcome)
+            && let Err(failure) = remove_refused(&leases, &profile, &part)
         {
             outcome = PartReadOutcome::TryLater(format!("removing what was refused of it: {failure:#}"));
         }
@@ -364,7 +364,7 @@ fn join_first_few(held: &[String]) -> String {
     }
 }
 
-fn remove_refused(holds: &FolderLeases, profile: &MachineProfile, part: &PartRow) -> Result<()> {
-    holds.check_error_folder()?;
+fn remove_refused(leases: &FolderLeases, profile: &MachineProfile, part: &PartRow) -> Result<()> {
+    leases.check_error_folder()?;
     error_folder::remove_refused_files(&profile.folders.error, part)
 }

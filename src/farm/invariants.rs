@@ -25,31 +25,31 @@ pub async fn check_invariants(
     ledger: &Ledger,
     witness: &InvariantExpectations,
 ) -> Result<InvariantReport> {
-    let mut looked = InvariantReport::default();
+    let mut report = InvariantReport::default();
     for fault in ledger.find_inconsistencies().await.context("asking the ledger whether it holds together")? {
-        looked.add_violation(Invariant::I2, format!("the ledger does not hold together: {fault}"), LEDGER_BROKEN);
+        report.add_violation(Invariant::I2, format!("the ledger does not hold together: {fault}"), LEDGER_BROKEN);
     }
-    let folders = folders::FolderContents::read_all(settings, witness, ledger, &mut looked).await?;
-    files::check_live_and_refused_parts(settings, ledger, &folders, witness, &mut looked).await?;
-    files::check_archived_originals(settings, ledger, &mut looked).await?;
-    files::check_open_claims(ledger, &folders, witness, &mut looked).await?;
-    files::check_dropped_files(ledger, &folders, witness, &mut looked).await?;
-    files::check_foreign_files(witness, &mut looked);
-    builds::check_visible_builds(settings, ledger, witness, &mut looked).await?;
-    check_ledger_knows_folders(settings, ledger, &mut looked).await?;
-    Ok(looked)
+    let folders = folders::FolderContents::read_all(settings, witness, ledger, &mut report).await?;
+    files::check_live_and_refused_parts(settings, ledger, &folders, witness, &mut report).await?;
+    files::check_archived_originals(settings, ledger, &mut report).await?;
+    files::check_open_claims(ledger, &folders, witness, &mut report).await?;
+    files::check_dropped_files(ledger, &folders, witness, &mut report).await?;
+    files::check_foreign_files(witness, &mut report);
+    builds::check_visible_builds(settings, ledger, witness, &mut report).await?;
+    check_ledger_knows_folders(settings, ledger, &mut report).await?;
+    Ok(report)
 }
 
 /// Reports what the folders hold and the ledger does not know.
-async fn check_ledger_knows_folders(settings: &Settings, ledger: &Ledger, looked: &mut InvariantReport) -> Result<()> {
+async fn check_ledger_knows_folders(settings: &Settings, ledger: &Ledger, report: &mut InvariantReport) -> Result<()> {
     let (unknown, away) = super::ledger_freshness::find_unknown_to_ledger(settings, ledger).await?;
     for what in unknown {
         let text = format!("the folders tell of {what}, and the ledger does not know it");
-        looked.add_violation(Invariant::I1, text, super::AlertKind::LedgerBehind.remedy());
+        report.add_violation(Invariant::I1, text, super::AlertKind::LedgerBehind.remedy());
     }
     for away in away {
         let text = format!("{} cannot be looked at ({})", away.folder.display(), away.why);
-        looked.add_violation(Invariant::I1, text, "mount it again, let nestd's user read it, and look once more");
+        report.add_violation(Invariant::I1, text, "mount it again, let nestd's user read it, and look once more");
     }
     Ok(())
 }

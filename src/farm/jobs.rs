@@ -99,17 +99,17 @@ where
 }
 
 fn job_end_event<O: 'static, J: BackgroundJob<O>>(key: JobKey, job: J, end: JobResult<J::Outcome>) -> LoopEvent<O> {
-    let told = key.clone();
+    let name = key.clone();
     let take = box_handler(move |owner: &mut O| {
         Box::pin(async move {
             match end {
                 JobResult::Completed(outcome) => job.on_done(owner, outcome).await,
                 JobResult::Panicked(message) => {
-                    warn!("A job panicked ({told}): {message}.");
+                    warn!("A job panicked ({name}): {message}.");
                     job.on_panic(owner, &message).await
                 }
                 JobResult::NotStarted(why) => {
-                    warn!("A job could not be started ({told}): {why}.");
+                    warn!("A job could not be started ({name}): {why}.");
                     job.on_not_started(owner, &why);
                     Ok(())
                 }

@@ -14,7 +14,7 @@ use super::{
 const LEASE_ALERTS: [AlertKind; 4] =
     [AlertKind::HotFolderAway, AlertKind::QueueAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
 
-/// Showing that a profile's folders are served; gives the holds, with what is wrong with each, and whether its queue folder is
+/// Renews the leases on a profile's folders; returns them with the error of each, and whether its queue folder is still
 /// the one that was opened.
 #[derive(Clone)]
 pub(super) struct LeaseRenewalJob {
@@ -29,31 +29,31 @@ impl BackgroundJob<Farm> for LeaseRenewalJob {
         self.profile.clone()
     }
 
-    async fn on_done(self, farm: &mut Farm, (holds, is_same_queue): Self::Outcome) -> Result<()> {
-        on_leases_renewed(farm, &self.profile, *holds, is_same_queue).await
+    async fn on_done(self, farm: &mut Farm, (leases, is_same_queue): Self::Outcome) -> Result<()> {
+        on_leases_renewed(farm, &self.profile, *leases, is_same_queue).await
     }
 }
 
 /// Acquires the leases on all folders. A folder that another daemon serves makes the start fail; an unavailable
 /// folder is retried. Waits until it is clear whether other daemons named in markers are alive.
 pub(super) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut AlertRegistry) -> Result<()> {
-    let mut is_told = false;
+    let mut is_reported = false;
     loop {
         let mut unclear = None;
-        for station in machines.values_mut() {
-            if !station.leases.acquire_missing()? {
-                unclear = station.leases.errors.iter().flatten().next().cloned();
+        for machine in machines.values_mut() {
+            if !machine.leases.acquire_missing()? {
+                unclear = machine.leases.errors.iter().flatten().next().cloned();
             }
         }
         let Some(unclear) = unclear else { break };
-        if !is_told {
+        if !is_reported {
             info!("{unclear}; that takes up to {} s.", lease_clock::takeover_delay().as_secs());
         }
-        is_told = true;
+        is_reported = true;
         std::thread::sleep(Duration::from_secs(1));
     }
-    for (name, station) in machines {
-        update_lease_alerts(alerts, name, &station.leases);
+    for (name, machine) in machines {
+        update_lease_alerts(alerts, name, &machine.leases);
     }
     Ok(())
 }
@@ -64,34 +64,34 @@ pub(super) fn renew_leases(farm: &mut Farm, is_due: bool) {
     if is_due {
         farm.schedule.last_renewal = farm.now();
     }
-    for (name, station) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
-        let (profile, mut holds) = (name.clone(), Box::new(station.leases.clone()));
-        let queue = station.queue.opened.clone();
+    for (name, machine) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
+        let (profile, mut leases) = (name.clone(), Box::new(machine.leases.clone()));
+        let queue = machine.queue.opened.clone();
         farm.jobs.start(LeaseRenewalJob { profile }, move || {
-            holds.renew_all();
+            leases.renew_all();
             let is_same_queue = queue.is_none_or(|queue| queue.check_marker().is_ok());
-            (holds, is_same_queue)
+            (leases, is_same_queue)
         });
     }
 }
 
 /// Takes in the renewed leases.
-async fn on_leases_renewed(farm: &mut Farm, name: &str, holds: FolderLeases, is_same_queue: bool) -> Result<()> {
+async fn on_leases_renewed(farm: &mut Farm, name: &str, leases: FolderLeases, is_same_queue: bool) -> Result<()> {
     // After a reload the folders may have changed.
-    let Some(station) = farm.machines.get_mut(name).filter(|s| s.leases.inbox.is_same_folder(&holds.inbox)) else {
+    let Some(machine) = farm.machines.get_mut(name).filter(|s| s.leases.inbox.is_same_folder(&leases.inbox)) else {
         return Ok(());
     };
-    update_lease_alerts(&mut farm.alerts, name, &holds);
-    let (before, now) = (station.leases.foreign_claims, holds.foreign_claims);
-    let taken_over = holds.taken_over.clone();
+    update_lease_alerts(&mut farm.alerts, name, &leases);
+    let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
+    let taken_over = leases.taken_over.clone();
     adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
     // The folders count as checked only from here on.
-    if let Some(station) = farm.machines.get_mut(name) {
-        if !is_same_queue || !holds.can_publish() {
+    if let Some(machine) = farm.machines.get_mut(name) {
+        if !is_same_queue || !leases.can_publish() {
             // It is opened anew; until then nothing is nested for it.
-            station.queue.opened = None;
+            machine.queue.opened = None;
         }
-        station.leases = holds;
+        machine.leases = leases;
     }
     adopt::update_foreign_claims_alert(&mut farm.machines, &mut farm.alerts, name, before, now);
     Ok(())
@@ -99,16 +99,16 @@ async fn on_leases_renewed(farm: &mut Farm, name: &str, holds: FolderLeases, is_
 
 /// Releases all leases.
 pub(super) fn release_leases(machines: &mut MachineStates) {
-    for station in machines.values_mut() {
-        station.leases.all_leases().into_iter().for_each(FolderLease::release);
+    for machine in machines.values_mut() {
+        machine.leases.all_leases().into_iter().for_each(FolderLease::release);
     }
 }
 
-fn update_lease_alerts(notices: &mut AlertRegistry, name: &str, holds: &FolderLeases) {
-    for (kind, wrong) in LEASE_ALERTS.into_iter().zip(&holds.errors) {
+fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, leases: &FolderLeases) {
+    for (kind, wrong) in LEASE_ALERTS.into_iter().zip(&leases.errors) {
         match wrong {
-            Some(why) => notices.raise(kind, name, "its owner", why),
-            None => notices.clear(kind, name, "its owner"),
+            Some(why) => alerts.raise(kind, name, "its owner", why),
+            None => alerts.clear(kind, name, "its owner"),
         }
     }
 }

@@ -39,11 +39,11 @@ pub async fn find_unknown_to_ledger(
     settings: &Settings,
     ledger: &Ledger,
 ) -> Result<(Vec<String>, Vec<FolderUnavailableError>)> {
-    let (mut told, mut away) = (Vec::new(), Vec::new());
+    let (mut unknown, mut unavailable) = (Vec::new(), Vec::new());
     for profile in settings.profiles.values() {
         match find_unknown_build_names(settings, ledger, profile).await {
-            Ok(names) => told.extend(names),
-            Err(error) => away.push(error.downcast::<FolderUnavailableError>()?),
+            Ok(names) => unknown.extend(names),
+            Err(error) => unavailable.push(error.downcast::<FolderUnavailableError>()?),
         }
     }
     let kept = claim_note::list_stored_files(settings)?;
@@ -53,17 +53,17 @@ pub async fn find_unknown_to_ledger(
         let profile = file.note.as_ref().and_then(|taken| settings.profiles.get(&taken.part.profile));
         profile.is_none_or(|profile| profile.folders.inbox.join(".claimed").is_dir())
     });
-    told.extend(files.iter().map(|file| match &file.note {
+    unknown.extend(files.iter().map(|file| match &file.note {
         Some(taken) => format!("{} ({} copies for {})", file.display_name(), taken.part.copies, taken.part.profile),
         None => file.display_name(),
     }));
-    told.extend(
+    unknown.extend(
         newer_decisions::find_newer_decisions(settings, ledger, &kept)
             .await?
             .iter()
             .map(newer_decisions::describe_decision),
     );
-    Ok((told, away))
+    Ok((unknown, unavailable))
 }
 
 /// The builds of a machine that the ledger does not know.
@@ -162,22 +162,22 @@ pub(super) async fn compare_machine_folders(
         Ok(seen) => seen,
         Err(why) => return FolderComparison::Unavailable(why),
     };
-    let told = async {
-        let mut told = find_unknown_build_names(settings, ledger, profile).await?;
+    let unknown = async {
+        let mut unknown = find_unknown_build_names(settings, ledger, profile).await?;
         let kept = claim_note::list_stored_files(settings)?;
         let files = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
         let is_of =
             |file: &claim_note::ForgottenFile| file.note.as_ref().is_some_and(|t| t.part.profile == profile.name);
-        told.extend(files.iter().filter(|file| is_of(file)).map(claim_note::ForgottenFile::display_name));
+        unknown.extend(files.iter().filter(|file| is_of(file)).map(claim_note::ForgottenFile::display_name));
         let decided = newer_decisions::find_newer_decisions(settings, ledger, &kept).await?;
-        told.extend(
+        unknown.extend(
             decided.iter().filter(|claim| claim.profile == profile.name).map(newer_decisions::describe_decision),
         );
-        anyhow::Ok(told)
+        anyhow::Ok(unknown)
     };
-    match told.await {
-        Ok(told) => {
-            summarize_unknown(&told).map_or(FolderComparison::LedgerCurrent(seen), FolderComparison::LedgerBehind)
+    match unknown.await {
+        Ok(unknown) => {
+            summarize_unknown(&unknown).map_or(FolderComparison::LedgerCurrent(seen), FolderComparison::LedgerBehind)
         }
         Err(error) => FolderComparison::Unavailable(format!("{error:#}")),
     }

@@ -36,9 +36,9 @@ pub fn detect_lost_ledger(settings: &Settings) -> Option<String> {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return None,
         _ => {}
     }
-    let holds =
+    let is_in_use =
         |folder: &str| intake::files_below(&settings.state_dir.join(folder)).is_ok_and(|files| !files.is_empty());
-    let known_by = if holds("store") {
+    let known_by = if is_in_use("store") {
         "files that were taken are in the store"
     } else if settings.state_dir.join(folder_lease::FARM_ID_FILE).exists() {
         "this farm has worked before"

@@ -26,33 +26,33 @@ const UNAVAILABLE_KINDS: [AlertKind; 7] = [
 
 /// Whether a machine cannot claim parts or publish builds at this moment.
 pub(super) fn is_unavailable(alerts: &AlertRegistry, profile: &str) -> bool {
-    alerts.active_alerts().any(|notice| notice.profile == profile && UNAVAILABLE_KINDS.contains(&notice.kind))
+    alerts.active_alerts().any(|alert| alert.profile == profile && UNAVAILABLE_KINDS.contains(&alert.kind))
 }
 
 /// The current state of every machine.
 pub(super) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
     let now = farm.date();
-    let stations = farm.machines.iter().map(|(name, station)| {
-        let notices: Vec<FarmAlert> = farm
+    let machines = farm.machines.iter().map(|(name, machine)| {
+        let alerts: Vec<FarmAlert> = farm
             .alerts
             .active_alerts()
-            .filter(|notice| notice.profile == *name && UNAVAILABLE_KINDS.contains(&notice.kind))
+            .filter(|alert| alert.profile == *name && UNAVAILABLE_KINDS.contains(&alert.kind))
             .collect();
-        let is = |kind: AlertKind| notices.iter().any(|notice| notice.kind == kind);
-        let lasts = notices.iter().find(|notice| now.duration_since(notice.since) >= UNAVAILABLE_AFTER);
+        let is = |kind: AlertKind| alerts.iter().any(|alert| alert.kind == kind);
+        let lasts = alerts.iter().find(|alert| now.duration_since(alert.since) >= UNAVAILABLE_AFTER);
         // After a start nothing is known until everything was checked once.
         let is_looked_at =
-            station.inbox.scanned_at.is_some() && station.queue.opened.is_some() && farm.display.updated_at.is_some();
+            machine.inbox.scanned_at.is_some() && machine.queue.opened.is_some() && farm.display.updated_at.is_some();
         ObservedMachine {
             profile: name.clone(),
-            scanned_at: station.inbox.scanned_at,
-            is_inbox_there: station.inbox.scanned_at.is_some() && !is(AlertKind::HotFolderAway),
-            is_queue_writable: station.queue.opened.is_some() && !is(AlertKind::QueueAway),
+            scanned_at: machine.inbox.scanned_at,
+            is_inbox_there: machine.inbox.scanned_at.is_some() && !is(AlertKind::HotFolderAway),
+            is_queue_writable: machine.queue.opened.is_some() && !is(AlertKind::QueueAway),
             trouble: match lasts {
-                Some(notice) => Some(notice.alert_text()),
-                None => (is_looked_at && notices.is_empty()).then(String::new),
+                Some(alert) => Some(alert.alert_text()),
+                None => (is_looked_at && alerts.is_empty()).then(String::new),
             },
         }
     });
-    stations.collect()
+    machines.collect()
 }

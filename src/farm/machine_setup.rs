@@ -24,43 +24,43 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
     let gone: Vec<String> =
         farm.machines.keys().filter(|name| !farm.settings.profiles.contains_key(*name)).cloned().collect();
     for name in gone {
-        if let Some(mut station) = farm.machines.remove(&name) {
-            station.open.reset();
+        if let Some(mut machine) = farm.machines.remove(&name) {
+            machine.open.reset();
             farm.alerts.forget_machine(&name);
             info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
         }
     }
     for (name, profile) in farm.settings.profiles.clone() {
         match farm.machines.get_mut(&name) {
-            Some(station) if *station.profile == profile => (station.agreed_folders, station.may_take) = (None, false),
-            Some(station) => {
+            Some(machine) if *machine.profile == profile => (machine.agreed_folders, machine.may_take) = (None, false),
+            Some(machine) => {
                 // A new volume or clearance makes the layout invalid. A new hot folder needs a new hot folder
                 // scanner.
                 let row = farm.ledger.open_build(&name).await?;
                 let mut fresh = MachineState::new(
                     Arc::new(profile),
                     farm.settings.orphan_ticket_secs,
-                    &farm.lifecycle.owner,
+                    &farm.lifecycle.holder,
                     &row,
                     &farm.schedule.time,
                 );
                 fresh.open.layout = Default::default();
-                station.open.reset();
-                fresh.paused = station.paused;
-                fresh.pending_flushes = std::mem::take(&mut station.pending_flushes);
-                *station = fresh;
+                machine.open.reset();
+                fresh.paused = machine.paused;
+                fresh.pending_flushes = std::mem::take(&mut machine.pending_flushes);
+                *machine = fresh;
                 info!(profile = %name, "The profile has changed.");
             }
             None => {
                 let row = farm.ledger.open_build(&name).await?;
-                let station = MachineState::new(
+                let machine = MachineState::new(
                     Arc::new(profile),
                     farm.settings.orphan_ticket_secs,
-                    &farm.lifecycle.owner,
+                    &farm.lifecycle.holder,
                     &row,
                     &farm.schedule.time,
                 );
-                farm.machines.insert(name, station);
+                farm.machines.insert(name, machine);
             }
         }
     }

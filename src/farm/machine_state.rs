@@ -36,7 +36,7 @@ const ARRIVALS_SETTLE: Duration = Duration::from_millis(700);
 #[derive(Debug)]
 pub struct InboxState {
     /// The hot folder scanner; `None` while a job scans the folder with it.
-    pub gate: Option<Box<HotFolderScanner>>,
+    pub scanner: Option<Box<HotFolderScanner>>,
     /// When the next scan is due.
     pub look_at: Instant,
     /// When this run last scanned it.
@@ -127,7 +127,7 @@ impl MachineState {
     pub fn new(
         profile: Arc<MachineProfile>,
         orphan_secs: f64,
-        owner: &LeaseHolder,
+        holder: &LeaseHolder,
         row: &BuildRow,
         time: &TimeSource,
     ) -> Self {
@@ -135,13 +135,13 @@ impl MachineState {
         let now = time.instant();
         Self {
             inbox: InboxState {
-                gate: Some(Box::new(HotFolderScanner::new(&profile, orphan_secs, time.clone()))),
+                scanner: Some(Box::new(HotFolderScanner::new(&profile, orphan_secs, time.clone()))),
                 look_at: now,
                 scanned_at: None,
                 refused_kept: 0,
                 relist: false,
             },
-            leases: FolderLeases::new(owner, &profile),
+            leases: FolderLeases::new(holder, &profile),
             profile,
             agreed_folders: None,
             may_take: false,
@@ -161,18 +161,18 @@ impl MachineState {
 
 impl MachineState {
     /// The status files for its hot folder, including alerts; empty until the ledger was queried.
-    pub fn status_files(&self, notices: &AlertRegistry, scan_secs: f64) -> (String, String) {
+    pub fn status_files(&self, alerts: &AlertRegistry, scan_secs: f64) -> (String, String) {
         let (text, json) = &self.status;
         if json.is_null() {
             return Default::default();
         }
         let mut json = json.clone();
         let (stamp, written_at, renewed_within_secs) = written_stamp(scan_secs);
-        json["attention"] = notices.status_json_for(&self.profile.name);
+        json["attention"] = alerts.status_json_for(&self.profile.name);
         json["running"] = true.into();
         json["written_at"] = written_at.to_string().into();
         json["renewed_within_secs"] = renewed_within_secs.into();
-        (notices.status_text_for(&self.profile.name) + text + &stamp, format!("{json:#}\n"))
+        (alerts.status_text_for(&self.profile.name) + text + &stamp, format!("{json:#}\n"))
     }
 }
 
@@ -296,20 +296,20 @@ impl OpenBuildState {
 fn truncate_to_volume(waiting: &[WaitingPart], profile: &MachineProfile, mut most: usize) -> Vec<WaitingPart> {
     let size = profile.build_volume().size_mm;
     let mut room_mm3 = size.x * size.y * size.z;
-    let mut cut: Vec<WaitingPart> = Vec::new();
+    let mut head: Vec<WaitingPart> = Vec::new();
     for part in waiting {
         let each = part.part.measures.volume_mm3.unwrap_or(0.0).max(1e-9);
         let fit = ((room_mm3 / each).floor().max(0.0) as usize).min(part.copies.len()).min(most);
-        let fit = if cut.is_empty() { fit.max(1) } else { fit };
+        let fit = if head.is_empty() { fit.max(1) } else { fit };
         if fit == 0 {
             break;
         }
         room_mm3 -= fit as f64 * each;
         most -= fit.min(most);
-        cut.push(WaitingPart { part: part.part.clone(), copies: part.copies[..fit].to_vec() });
+        head.push(WaitingPart { part: part.part.clone(), copies: part.copies[..fit].to_vec() });
         if fit < part.copies.len() {
             break;
         }
     }
-    cut
+    head
 }

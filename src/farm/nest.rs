@@ -105,9 +105,9 @@ async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
 
 async fn start_final_search(farm: &mut Farm, build: BuildRow, attempts: u32) -> Result<()> {
     let wanted = parts_with_copies(&farm.ledger, build.id).await?;
-    let station = &farm.machines[&build.profile];
-    let profile = station.profile.clone();
-    let queue = station.queue.opened.clone().context("the queue folder is not open")?;
+    let machine = &farm.machines[&build.profile];
+    let profile = machine.profile.clone();
+    let queue = machine.queue.opened.clone().context("the queue folder is not open")?;
     // Each further attempt gets half the time, so that one finishes even if crashes or restarts interrupt attempts.
     let secs = profile.search.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
     let budget = SearchBudget::of_secs(secs);
@@ -118,13 +118,13 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, attempts: u32) -> 
     };
     let seed =
         profile.search.nest.seed.wrapping_add(build.id.0.unsigned_abs()).wrapping_add(u64::from(attempts - 1) << 32);
-    let mut holds = station.leases.clone();
+    let mut leases = machine.leases.clone();
     let unsure = wanted
         .iter()
         .map(|(part, _)| part.file.claim.clone())
         .filter(|claim| !farm.completion.released.contains(claim))
         .collect();
-    let order = NestingRequest {
+    let request = NestingRequest {
         profile: profile.clone(),
         wanted,
         start_placements: start,
@@ -132,12 +132,12 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, attempts: u32) -> 
         seed,
         best_layout: SharedBestLayout::default(),
     };
-    farm.nesting.final_searches.insert(build.id, (budget, order.best_layout.clone()));
+    farm.nesting.final_searches.insert(build.id, (budget, request.best_layout.clone()));
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
     farm.jobs.start(FinalNestingJob { build: write.build.id }, move || {
-        super::adopt::check_claims_released(&order.profile, holds.inbox.farm_id(), &unsure)?;
-        nest_write_and_prove(&order, &write, &mut holds.archive, &meshes).map(Box::new)
+        super::adopt::check_claims_released(&request.profile, leases.inbox.farm_id(), &unsure)?;
+        nest_write_and_prove(&request, &write, &mut leases.archive, &meshes).map(Box::new)
     });
     Ok(())
 }
@@ -235,12 +235,12 @@ async fn on_final_panicked(farm: &mut Farm, build: BuildId, message: &str) -> Re
 
 /// The whole final job: search, write, prove, and archive the originals.
 fn nest_write_and_prove(
-    order: &NestingRequest,
+    request: &NestingRequest,
     write: &BuildWriteRequest,
     archive: &mut FolderLease,
     meshes: &MeshSource,
 ) -> Result<WrittenBuild> {
-    let nested = order.run_search(meshes)?;
+    let nested = request.run_search(meshes)?;
     ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
     let written = write_and_prove(write, &nested)?;
     archive.check_usable()?;

@@ -42,7 +42,7 @@ pub(super) async fn open_with_retry(
     settings: Settings,
     signals: &mut SignalListener,
 ) -> Result<Option<Farm>> {
-    let (mut load, mut settings, mut waits, mut notices) =
+    let (mut load, mut settings, mut waits, mut alerts) =
         (load, settings, RetryBackoff::default(), AlertRegistry::default());
     loop {
         let (back, known, failure) = match open_farm(load, settings, TimeSource::of_this_machine()).await {
@@ -57,8 +57,8 @@ pub(super) async fn open_with_retry(
             return Err(failure);
         }
         let text = format!("the farm cannot be opened now and is tried again: {failure:#}");
-        notices.report_failure(AlertKind::StepFails, "", "opening", &text);
-        notices.write_if_changed(&settings.state_dir);
+        alerts.report_failure(AlertKind::StepFails, "", "opening", &text);
+        alerts.write_if_changed(&settings.state_dir);
         systemd::notify_start_delayed(&text);
         waits.record_failure(());
         while waits.is_waiting(&()) {
@@ -119,7 +119,7 @@ fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSour
         display: DisplayState { status_line: "opening".to_owned(), ..DisplayState::default() },
         lifecycle: DaemonLifecycle {
             load,
-            owner: parts.owner,
+            holder: parts.holder,
             started_at: time.date(),
             is_stopping: false,
             is_halted: false,
@@ -135,7 +135,7 @@ fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSour
 /// What is opened in the state directory.
 struct OpenedState {
     lock: StateDirLock,
-    owner: LeaseHolder,
+    holder: LeaseHolder,
     ledger: Ledger,
     store: ContentStore,
 }
@@ -152,10 +152,10 @@ impl OpenedState {
         let clock = time.clone();
         let ledger = open_ledger(settings).await?.with_clock(move || clock.date());
         // Opened after the ledger: if the farm has an id, it must have had a ledger.
-        let owner = LeaseHolder::for_this_process(&settings.state_dir, since)
+        let holder = LeaseHolder::for_this_process(&settings.state_dir, since)
             .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
         let store = ContentStore::open(settings.state_dir.join("store"))?;
-        Ok(Self { lock, owner, ledger, store })
+        Ok(Self { lock, holder, ledger, store })
     }
 }
 
@@ -186,13 +186,12 @@ async fn open_ledger(settings: &Settings) -> Result<Ledger> {
 
 /// Reports in the journal, for `nestd status` and in every hot folder that the daemon does not run, and why.
 fn report_not_running(settings: &Settings, kind: AlertKind, detail: &str) {
-    let mut notices = AlertRegistry::default();
-    notices.raise(kind, "", "", detail);
-    notices.write_if_changed(&settings.state_dir);
+    let mut alerts = AlertRegistry::default();
+    alerts.raise(kind, "", "", detail);
+    alerts.write_if_changed(&settings.state_dir);
     for (name, profile) in &settings.profiles {
-        let text =
-            format!("{name}: nestd does not run; what is dropped here waits.\n{}", notices.status_text_for(name));
-        let json = serde_json::json!({ "profile": name, "runs": false, "attention": notices.status_json_for(name) });
+        let text = format!("{name}: nestd does not run; what is dropped here waits.\n{}", alerts.status_text_for(name));
+        let json = serde_json::json!({ "profile": name, "runs": false, "attention": alerts.status_json_for(name) });
         if let Err(error) = intake::write_status(&profile.folders.inbox, &text, &format!("{json:#}\n")) {
             warn!("The status could not be written into {}: {error}.", profile.folders.inbox.display());
         }

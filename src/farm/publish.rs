@@ -59,12 +59,12 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
             continue;
         }
         // The alert on a machine that is not configured covers this.
-        let Some(station) = farm.machines.get(&build.profile) else { continue };
-        let is_served = station.agreed_folders.is_some() && station.leases.are_fresh();
-        let Some(queue) = station.queue.opened.clone().filter(|_| is_served) else { continue };
-        let (is_tried, archive) = (build.staged.publishing_at.is_some(), station.profile.folders.archive.clone());
+        let Some(machine) = farm.machines.get(&build.profile) else { continue };
+        let is_served = machine.agreed_folders.is_some() && machine.leases.are_fresh();
+        let Some(queue) = machine.queue.opened.clone().filter(|_| is_served) else { continue };
+        let (is_tried, archive) = (build.staged.publishing_at.is_some(), machine.profile.folders.archive.clone());
         let (record, is_first) = (farm.ledger.export_build_record(id).await?, farm.nesting.rename_untried.remove(&id));
-        let staged = StagedBuild { queue, build, archive, leases: station.leases.clone() };
+        let staged = StagedBuild { queue, build, archive, leases: machine.leases.clone() };
         farm.jobs.start(PublishBuildJob { build: id }, move || match staged.leases.check_publish_folders() {
             Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
             Err(away) => Err(away.into()),

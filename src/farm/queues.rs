@@ -68,7 +68,7 @@ impl BackgroundJob<Farm> for DiscardJob {
 pub(super) async fn open_queues(farm: &mut Farm) -> Result<()> {
     let now = farm.now();
     let is_due =
-        |station: &super::machine_state::MachineState| station.queue.opened.is_none() && now >= station.queue.open_at;
+        |machine: &super::machine_state::MachineState| machine.queue.opened.is_none() && now >= machine.queue.open_at;
     if !farm.machines.values().any(is_due) {
         return Ok(());
     }
@@ -79,11 +79,11 @@ pub(super) async fn open_queues(farm: &mut Farm) -> Result<()> {
             staged.push(build.staged.file_name.clone().unwrap_or_else(|| queue_file_name(&build.profile, &build)));
         }
     }
-    for (name, station) in farm.machines.iter_mut().filter(|(_, station)| is_due(station)) {
-        station.queue.open_at = now + OPEN_AGAIN;
+    for (name, machine) in farm.machines.iter_mut().filter(|(_, machine)| is_due(machine)) {
+        machine.queue.open_at = now + OPEN_AGAIN;
         let opening = QueueOpening {
             profile: name.clone(),
-            hold: station.leases.queue.clone(),
+            lease: machine.leases.queue.clone(),
             staged: staged.clone(),
             ledger: farm.ledger.clone(),
         };
@@ -99,12 +99,12 @@ fn on_queue_opened(
     name: &str,
     opened: Result<QueueFolder, String>,
 ) {
-    let Some(station) = machines.get_mut(name) else { return };
+    let Some(machine) = machines.get_mut(name) else { return };
     match opened {
         // After a reload, the profile may have another queue folder.
-        Ok(queue) if queue.folder_path() != station.profile.folders.queue => {}
+        Ok(queue) if queue.folder_path() != machine.profile.folders.queue => {}
         Ok(queue) => {
-            station.queue.opened = Some(queue);
+            machine.queue.opened = Some(queue);
             alerts.clear(AlertKind::QueueAway, name, "");
         }
         Err(why) => alerts.raise(AlertKind::QueueAway, name, "", &why),
@@ -114,8 +114,8 @@ fn on_queue_opened(
 /// Whether builds could be written into the queue folder of a profile when the folder was last checked. An
 /// unavailable folder does not use up an attempt of a build.
 pub(super) fn has_usable_queue(machines: &MachineStates, profile: &str) -> bool {
-    let Some(station) = machines.get(profile) else { return false };
-    station.agreed_folders.is_some() && station.queue.opened.is_some() && station.leases.are_fresh()
+    let Some(machine) = machines.get(profile) else { return false };
+    machine.agreed_folders.is_some() && machine.queue.opened.is_some() && machine.leases.are_fresh()
 }
 
 /// Checks that a build was written into the queue folder that is configured now. Otherwise it is not recorded in
@@ -143,7 +143,7 @@ pub(super) fn discard_staged(machines: &MachineStates, jobs: &mut JobRunner<Farm
 /// The data for opening a queue folder.
 struct QueueOpening {
     profile: String,
-    hold: FolderLease,
+    lease: FolderLease,
     /// File names of the builds that may be staged. Their files are kept.
     staged: Vec<String>,
     ledger: Ledger,
@@ -153,8 +153,8 @@ impl QueueOpening {
     /// Opens the folder and removes the half-written files that a crash left in it.
     async fn open_and_sweep(mut self) -> Result<QueueFolder, String> {
         // This check comes first, so that an empty mount point is not marked as a queue.
-        self.hold.check_usable().map_err(|error| error.to_string())?;
-        let queue = QueueFolder::open(self.hold.folder_path()).map_err(|error| error_chain(&error))?;
+        self.lease.check_usable().map_err(|error| error.to_string())?;
+        let queue = QueueFolder::open(self.lease.folder_path()).map_err(|error| error_chain(&error))?;
         // Another farm staged the builds that this farm has not fired. Their files are kept.
         for file in queue.staged_build_names().unwrap_or_default() {
             if !is_own_build(&self.ledger, &self.profile, &file).await.map_err(|error| format!("{error:#}"))? {

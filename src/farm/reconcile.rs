@@ -84,10 +84,10 @@ pub async fn reconcile_ledger(
     let refused = ErrorFolderIndex::read_all(settings, known)?;
     let kept = claim_note::list_stored_files(settings)?;
     let mut since = NewerDecisions::load_for_reconcile(settings, ledger, &kept, &mut found).await?;
-    let look = ReconcileContext { settings, ledger, refused: &refused };
+    let context = ReconcileContext { settings, ledger, refused: &refused };
     for profile in settings.profiles.values() {
-        reject_refused_parts(&look, profile, &mut since, &mut found).await?;
-        restore_retried_files(&look, profile, &mut since, &mut found).await?;
+        reject_refused_parts(&context, profile, &mut since, &mut found).await?;
+        restore_retried_files(&context, profile, &mut since, &mut found).await?;
     }
     since.apply_to_ledger(ledger, &mut found).await?;
     let forgotten = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
@@ -126,12 +126,12 @@ pub async fn find_unknown_builds(
     known: &FolderExpectations,
     unclear: &mut HashSet<String>,
 ) -> Result<Vec<UnknownBuild>> {
-    let told = folder_builds::list_folder_builds(profile, known)?;
-    let names: Vec<String> = told.iter().map(|build| build.name.clone()).collect();
+    let builds = folder_builds::list_folder_builds(profile, known)?;
+    let names: Vec<String> = builds.iter().map(|build| build.name.clone()).collect();
     let names: HashSet<String> = ledger.unknown_build_files(&names).await?.into_iter().collect();
     let mut unknown = Vec::new();
     for folder_builds::FolderBuild { name, record: file } in
-        told.into_iter().filter(|build| names.contains(&build.name))
+        builds.into_iter().filter(|build| names.contains(&build.name))
     {
         if build_record::parse_build_file_name(&name).is_none() {
             continue;
@@ -228,12 +228,12 @@ async fn give_up_nesting_builds(ledger: &Ledger, unknown: &[UnknownBuild], found
 /// Rejects parts that wait in the ledger but were refused, cancelled or otherwise decided on since, or whose files are
 /// not kept any more.
 async fn reject_refused_parts(
-    look: &ReconcileContext<'_>,
+    context: &ReconcileContext<'_>,
     profile: &MachineProfile,
     since: &mut NewerDecisions,
     found: &mut ReconcileReport,
 ) -> Result<()> {
-    let (ledger, settings) = (look.ledger, look.settings);
+    let (ledger, settings) = (context.ledger, context.settings);
     let mut live = ledger.parts_in_state(PartState::Waiting).await?;
     live.extend(ledger.parts_in_state(PartState::Claimed).await?);
     for part in live.into_iter().filter(|part| part.profile == profile.name) {
@@ -241,9 +241,10 @@ async fn reject_refused_parts(
         if is_in_work && !is_decided {
             continue;
         }
-        let (lies, is_stored) = (is_in_error_folder(look.refused, profile, &part)?, is_stored(settings, &part)?);
+        let (is_in_error, is_stored) =
+            (is_in_error_folder(context.refused, profile, &part)?, is_stored(settings, &part)?);
         let why = match () {
-            () if lies => {
+            () if is_in_error => {
                 "It lies in the error folder: it was refused or cancelled after the backup was made".to_owned()
             }
             () if !is_stored => {
@@ -263,7 +264,7 @@ async fn reject_refused_parts(
             continue;
         }
         if let Some(part) = ledger.find_part(part.id).await?
-            && !lies
+            && !is_in_error
             && is_stored
             && !is_in_work
         {
@@ -288,19 +289,19 @@ async fn reject_part(ledger: &Ledger, part: &PartRow, why: &str) -> Result<(), L
 /// files from the error folder. It is not known what became of them, so a person decides, and the file is put back into
 /// the error folder.
 async fn restore_retried_files(
-    look: &ReconcileContext<'_>,
+    context: &ReconcileContext<'_>,
     profile: &MachineProfile,
     since: &mut NewerDecisions,
     found: &mut ReconcileReport,
 ) -> Result<()> {
-    for part in look.ledger.parts_in_state(PartState::Rejected).await? {
+    for part in context.ledger.parts_in_state(PartState::Rejected).await? {
         if part.profile != profile.name || since.is_reported(&part) || is_in_work(profile, &part)? {
             continue;
         }
-        if !is_stored(look.settings, &part)? || is_in_error_folder(look.refused, profile, &part)? {
+        if !is_stored(context.settings, &part)? || is_in_error_folder(context.refused, profile, &part)? {
             continue;
         }
-        copy_to_error_folder(look.settings, profile, &part)?;
+        copy_to_error_folder(context.settings, profile, &part)?;
         let doubt = format!(
             "part {} ({}) was refused before the backup was made and taken back or tidied away after it; its file lies in {} \
              again. `nestd retry {0}` takes it back",

@@ -39,10 +39,10 @@ impl RefusedFiles {
             self.known.insert(reason, known);
         }
         let is_old = |written: &SystemTime| written.elapsed().is_ok_and(|age| age > refused_retention());
-        let is_told = |(written, is_cancelled): &&(SystemTime, bool)| {
+        let needs_person = |(written, is_cancelled): &&(SystemTime, bool)| {
             !is_cancelled && dismissed.is_none_or(|at| *written > at) && !is_old(written)
         };
-        self.known.values().filter(is_told).count()
+        self.known.values().filter(needs_person).count()
     }
 }
 

@@ -153,7 +153,7 @@ pub(super) struct DaemonLifecycle {
     /// Reads the configuration.
     pub(super) load: Load,
     /// This daemon, as named in the leases of its folders.
-    pub(super) owner: LeaseHolder,
+    pub(super) holder: LeaseHolder,
     pub(super) started_at: Timestamp,
     /// The daemon was asked to stop.
     pub(super) is_stopping: bool,

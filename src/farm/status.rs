@@ -66,9 +66,9 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
     }
     farm.display.updated_at = Some(farm.now());
     let rows = farm.ledger.profile_statuses().await?;
-    for (name, station) in &mut farm.machines {
+    for (name, machine) in &mut farm.machines {
         if let Some(row) = rows.iter().find(|row| row.profile == *name) {
-            station.status = (status_text(station, row), status_json(station, row));
+            machine.status = (status_text(machine, row), status_json(machine, row));
         }
     }
     update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
@@ -134,11 +134,11 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
         return;
     }
     farm.display.updated_at = Some(farm.now());
-    for (name, station) in &farm.machines {
+    for (name, machine) in &farm.machines {
         let (profile, inbox, (text, json)) = (
             name.clone(),
-            station.profile.folders.inbox.clone(),
-            station.status_files(&farm.alerts, farm.settings.scan_secs),
+            machine.profile.folders.inbox.clone(),
+            machine.status_files(&farm.alerts, farm.settings.scan_secs),
         );
         farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
             if let Err(error) = intake::write_status(&inbox, &text, &json) {
@@ -180,19 +180,19 @@ pub(super) async fn write_stopped_status(farm: &mut Farm) {
         true => Vec::new(),
         false => farm.ledger.profile_statuses().await.unwrap_or_default(),
     };
-    for (name, station) in &farm.machines {
+    for (name, machine) in &farm.machines {
         // A job that did not end hangs in that folder, and this one would hang too.
         if farm.jobs.is_running::<HotFolderScanJob>(name) {
             continue;
         }
         let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
-        let (text, json) = stopped_status(station, &row);
-        let (profile, inbox) = (name.clone(), station.profile.folders.inbox.clone());
-        let mut hold = station.leases.inbox.clone();
+        let (text, json) = stopped_status(machine, &row);
+        let (profile, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
+        let mut lease = machine.leases.inbox.clone();
         farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
             // Nothing is written into an empty mount point.
-            if hold.held_identity().is_some()
-                && hold.check_usable().is_ok()
+            if lease.held_identity().is_some()
+                && lease.check_usable().is_ok()
                 && let Err(error) = intake::write_status(&inbox, &text, &json)
             {
                 tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
@@ -204,7 +204,7 @@ pub(super) async fn write_stopped_status(farm: &mut Farm) {
 
 /// Writes a heartbeat into the ledger.
 pub(super) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
-    let beat = DaemonHeartbeat {
+    let heartbeat = DaemonHeartbeat {
         pid: std::process::id(),
         host: host_name(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -212,7 +212,7 @@ pub(super) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
         status: farm.display.status_line.clone(),
         machines: machine_availability::observed_machines(farm),
     };
-    Ok(farm.ledger.write_heartbeat(&beat).await?)
+    Ok(farm.ledger.write_heartbeat(&heartbeat).await?)
 }
 
 fn host_name() -> String {
@@ -220,8 +220,8 @@ fn host_name() -> String {
 }
 
 /// The status for the technician at the shared folder; lengths in mm, local times.
-fn status_text(station: &MachineState, row: &ProfileStatus) -> String {
-    let profile = &station.profile;
+fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
+    let profile = &machine.profile;
     let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
     if let Some(paused) = &row.paused {
         lines.push(format!(
@@ -237,8 +237,8 @@ fn status_text(station: &MachineState, row: &ProfileStatus) -> String {
     if row.claimed_parts > 0 {
         lines.push(format_count(row.claimed_parts, "file is being read.", "files are being read."));
     }
-    if is_layout_current(station, row) {
-        let (height_mm, volume_z_mm) = (station.open.layout.height_mm, profile.build_volume().size_mm.z);
+    if is_layout_current(machine, row) {
+        let (height_mm, volume_z_mm) = (machine.open.layout.height_mm, profile.build_volume().size_mm.z);
         lines.push(format!(
             "Open build: {height_mm:.1} mm high, {:.0} % of the volume's height.",
             100.0 * height_mm / volume_z_mm
@@ -272,8 +272,8 @@ fn waiting_text(row: &ProfileStatus) -> String {
 }
 
 /// Whether the open layout belongs to the parts that wait now.
-fn is_layout_current(station: &MachineState, row: &ProfileStatus) -> bool {
-    let layout = &station.open.layout;
+fn is_layout_current(machine: &MachineState, row: &ProfileStatus) -> bool {
+    let layout = &machine.open.layout;
     row.waiting_parts > 0 && layout.height_mm > 0.0 && layout.placed.len() <= row.waiting_copies as usize
 }
 
@@ -289,22 +289,22 @@ pub fn farm_summary<'r>(machines: usize, rows: impl Iterator<Item = &'r ProfileS
     format!("{machines}, {waiting}, {} in work", format_count(nesting, "build", "builds"))
 }
 
-fn status_json(station: &MachineState, row: &ProfileStatus) -> serde_json::Value {
-    let fires = forecast_fire(&station.profile, row);
+fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value {
+    let fires = forecast_fire(&machine.profile, row);
     let nothing = BatchLayout::default();
-    let open = if is_layout_current(station, row) { &station.open.layout } else { &nothing };
+    let open = if is_layout_current(machine, row) { &machine.open.layout } else { &nothing };
     json!({
         "profile": row.profile,
         "paused": row.paused.is_some(),
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
-        "refused_files": station.inbox.refused_kept,
+        "refused_files": machine.inbox.refused_kept,
         "open_build": {
             "height_mm": open.height_mm,
             "density": open.density,
             "copies": open.placed.len(),
-            "height_share": open.height_mm / station.profile.build_volume().size_mm.z,
+            "height_share": open.height_mm / machine.profile.build_volume().size_mm.z,
         },
         "fires_at_latest": fires.map(|fires| fires.at.to_string()),
         "fires_by": fires.map(|fires| fires.by),
@@ -316,8 +316,8 @@ fn status_json(station: &MachineState, row: &ProfileStatus) -> serde_json::Value
 }
 
 /// `STATUS.txt` and `status.json` of a stopped farm: the last known values, and that nothing happens.
-fn stopped_status(station: &MachineState, row: &ProfileStatus) -> (String, String) {
-    let (name, now) = (&station.profile.name, Timestamp::now());
+fn stopped_status(machine: &MachineState, row: &ProfileStatus) -> (String, String) {
+    let (name, now) = (&machine.profile.name, Timestamp::now());
     let mut text = format!(
         "{name}: nestd was stopped on {}: this folder is not scanned, and nothing is built. Files dropped here are \
          taken when it runs again.\n",

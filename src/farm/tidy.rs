@@ -81,8 +81,8 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
         if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
             warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
         }
-        for (mut hold, archive, days) in archives {
-            if hold.check_usable().is_ok() {
+        for (mut lease, archive, days) in archives {
+            if lease.check_usable().is_ok() {
                 purge_archive(&archive, days);
             }
         }

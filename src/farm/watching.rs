@@ -88,7 +88,7 @@ pub(super) fn start_watcher(farm: &mut Farm) {
 }
 
 fn list_inboxes(machines: &MachineStates) -> Vec<PathBuf> {
-    machines.values().map(|station| station.profile.folders.inbox.clone()).collect()
+    machines.values().map(|machine| machine.profile.folders.inbox.clone()).collect()
 }
 
 fn on_watched(farm: &mut Farm, watched: Result<WatchedInboxes, WatchError>) {
@@ -111,22 +111,22 @@ fn on_watched(farm: &mut Farm, watched: Result<WatchedInboxes, WatchError>) {
 
 /// Creates the folders of all machines, before anything else is done with them.
 pub(super) fn make_folders_at_start(farm: &mut Farm) {
-    let stations: Vec<(Arc<MachineProfile>, FolderLeases)> =
-        farm.machines.values().map(|station| (station.profile.clone(), station.leases.clone())).collect();
-    for (profile, holds) in stations {
-        let failed = make_folders(&profile, &holds);
+    let machines: Vec<(Arc<MachineProfile>, FolderLeases)> =
+        farm.machines.values().map(|machine| (machine.profile.clone(), machine.leases.clone())).collect();
+    for (profile, leases) in machines {
+        let failed = make_folders(&profile, &leases);
         update_folder_alert(&mut farm.alerts, &profile.name, &failed);
     }
 }
 
 /// Starts jobs that create the folders of new machines, and those that could not be created before.
 pub(super) fn create_missing_folders(machines: &mut MachineStates, jobs: &mut JobRunner<Farm>) {
-    for (name, station) in machines {
-        if station.leases.all_leases().iter().all(|hold| hold.held_identity().is_some()) {
+    for (name, machine) in machines {
+        if machine.leases.all_leases().iter().all(|lease| lease.held_identity().is_some()) {
             continue;
         }
-        let (profile, holds) = (station.profile.clone(), station.leases.clone());
-        jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &holds));
+        let (profile, leases) = (machine.profile.clone(), machine.leases.clone());
+        jobs.start(FoldersJob { profile: name.clone() }, move || make_folders(&profile, &leases));
     }
 }
 
@@ -134,8 +134,8 @@ pub(super) fn create_missing_folders(machines: &mut MachineStates, jobs: &mut Jo
 fn on_folders_made(farm: &mut Farm, name: &str, failed: &[String]) {
     update_folder_alert(&mut farm.alerts, name, failed);
     let now = farm.now();
-    if let Some(station) = farm.machines.get_mut(name).filter(|station| station.inbox.scanned_at.is_none()) {
-        station.inbox.look_at = now;
+    if let Some(machine) = farm.machines.get_mut(name).filter(|machine| machine.inbox.scanned_at.is_none()) {
+        machine.inbox.look_at = now;
         lease_renewal::renew_leases(farm, true);
         start_watcher(farm);
         folder_comparison::start_folder_comparison(farm);
@@ -152,17 +152,17 @@ fn update_folder_alert(alerts: &mut AlertRegistry, name: &str, failed: &[String]
 /// Creates the folders of a profile. An unavailable share must not stop the other machines. A folder that was served
 /// before is not created again: an empty directory in its place would be in the way of whoever mounts it again. Returns
 /// the folders that could not be created.
-fn make_folders(profile: &MachineProfile, holds: &FolderLeases) -> Vec<String> {
+fn make_folders(profile: &MachineProfile, leases: &FolderLeases) -> Vec<String> {
     let folders = &profile.folders;
     let wanted = [
-        (&folders.inbox, &holds.inbox),
-        (&folders.queue, &holds.queue),
-        (&folders.error, &holds.error),
-        (&folders.archive, &holds.archive),
+        (&folders.inbox, &leases.inbox),
+        (&folders.queue, &leases.queue),
+        (&folders.error, &leases.error),
+        (&folders.archive, &leases.archive),
     ];
     let mut failed = Vec::new();
     // A folder that cannot be created does not prevent the creation of the others.
-    for (folder, _) in wanted.into_iter().filter(|(_, hold)| hold.was_never_served()) {
+    for (folder, _) in wanted.into_iter().filter(|(_, lease)| lease.was_never_served()) {
         if let Err(error) = access::create_folders(folder) {
             failed.push(format!("creating {}: {error}", folder.display()));
         }

@@ -60,29 +60,29 @@ pub fn queue_file_name(profile: &str, build: &BuildRow) -> String {
 }
 
 /// Writes the build, reads it back, proves it, and writes the sidecars. Publishes nothing.
-pub fn write_and_prove(order: &BuildWriteRequest, nested: &NestingResult) -> Result<WrittenBuild> {
-    let name = queue_file_name(&order.profile.name, &order.build);
-    let build = create_solved_build(order, nested);
+pub fn write_and_prove(request: &BuildWriteRequest, nested: &NestingResult) -> Result<WrittenBuild> {
+    let name = queue_file_name(&request.profile.name, &request.build);
+    let build = create_solved_build(request, nested);
     let description = build.to_build_file(THUMBNAIL_SIZE);
     // Removes an earlier attempt: its visible sidecars would be taken for files of another build.
-    order.queue.discard(&name).context("removing what was staged before")?;
-    let staged = order.queue.stage(&name, |file| build_file::write_build(&description, file))?;
-    let proved = match build.prove_written_file(&staged, &order.limits) {
+    request.queue.discard(&name).context("removing what was staged before")?;
+    let staged = request.queue.stage(&name, |file| build_file::write_build(&description, file))?;
+    let proved = match build.prove_written_file(&staged, &request.limits) {
         Ok(proved) => proved,
         Err(error) => {
-            order.queue.discard(&name).context("taking back a build that could not be proved")?;
+            request.queue.discard(&name).context("taking back a build that could not be proved")?;
             return Err(anyhow::Error::from(error).context(UnprovedBuildError));
         }
     };
     let locked = proved.separability.as_ref().map(Separability::locked_text).unwrap_or_default();
-    let sidecars = write_sidecars(order, nested, &build, &description, &proved, &name)?;
+    let sidecars = write_sidecars(request, nested, &build, &description, &proved, &name)?;
     let (file_hash, file_bytes) = hash_and_size(&staged)?;
     let height_mm = build.machine_height_mm();
     Ok(WrittenBuild {
         verified: Verified {
             file: ProvedFile {
                 file_name: name,
-                queue_id: order.queue.marker_id().to_owned(),
+                queue_id: request.queue.marker_id().to_owned(),
                 file_hash,
                 file_bytes,
                 sidecars,
@@ -91,22 +91,22 @@ pub fn write_and_prove(order: &BuildWriteRequest, nested: &NestingResult) -> Res
                 height_mm,
                 density: nested.layout.density,
                 lower_bound_mm: nested.lower_bound_mm,
-                layers: (height_mm / order.profile.space.layer_mm).ceil() as u32,
+                layers: (height_mm / request.profile.space.layer_mm).ceil() as u32,
                 part_volume_mm3: nested.layout.part_volume_mm3,
                 copies: nested.layout.placed.len() as u32,
-                clearance_mm: order.profile.space.clearance_mm,
+                clearance_mm: request.profile.space.clearance_mm,
                 clearance_proved_mm: proved.proof.clearance_proved_mm,
             },
             search: FinalSearch {
                 cpu_secs: nested.cpu_secs,
                 wall_secs: nested.wall_secs,
                 evaluations: nested.layout.evaluations,
-                seed: order.seed,
-                method: serialized_name(&order.profile.search.nest.method),
+                seed: request.seed,
+                method: serialized_name(&request.profile.search.nest.method),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
-                curve: height_curve(order, nested),
+                curve: height_curve(request, nested),
             },
-            profile_snapshot: serde_json::to_string(&*order.profile).context("writing down the profile")?,
+            profile_snapshot: serde_json::to_string(&*request.profile).context("writing down the profile")?,
         },
         placed: placed_in_machine_frame(&build, nested, &proved),
         unplaced: nested.layout.unplaced.clone(),
@@ -115,8 +115,8 @@ pub fn write_and_prove(order: &BuildWriteRequest, nested: &NestingResult) -> Res
 }
 
 /// The height over time, above the machine's floor.
-fn height_curve(order: &BuildWriteRequest, nested: &NestingResult) -> Vec<(f64, f64)> {
-    nested.curve.iter().map(|(secs, height_mm)| (*secs, height_mm + order.profile.origin_mm().z)).collect()
+fn height_curve(request: &BuildWriteRequest, nested: &NestingResult) -> Vec<(f64, f64)> {
+    nested.curve.iter().map(|(secs, height_mm)| (*secs, height_mm + request.profile.origin_mm().z)).collect()
 }
 
 /// The poses of the copies, and how they are removed from the cake.
@@ -143,16 +143,16 @@ fn placed_in_machine_frame(
         .collect()
 }
 
-fn create_solved_build(order: &BuildWriteRequest, nested: &NestingResult) -> SolvedBuild {
+fn create_solved_build(request: &BuildWriteRequest, nested: &NestingResult) -> SolvedBuild {
     let heading = BuildHeading {
-        title: format!("{} build {}", order.profile.name, order.build.id),
-        build_id: order.build.id.to_string(),
-        created: order.build.times.nesting_at.unwrap_or(order.build.times.opened_at).0,
-        seed: order.seed,
+        title: format!("{} build {}", request.profile.name, request.build.id),
+        build_id: request.build.id.to_string(),
+        created: request.build.times.nesting_at.unwrap_or(request.build.times.opened_at).0,
+        seed: request.seed,
     };
     SolvedBuild {
         heading,
-        machine: order.profile.to_machine(),
+        machine: request.profile.to_machine(),
         parts: nested.batch.build_parts(),
         placed: nested.batch.part_placements(&nested.layout),
         height_mm: nested.layout.height_mm,
@@ -163,7 +163,7 @@ fn create_solved_build(order: &BuildWriteRequest, nested: &NestingResult) -> Sol
 /// Writes report, pick map, picture and, if configured, the whole build as STL, all with the build's stem. Returns name
 /// and BLAKE3 of each.
 fn write_sidecars(
-    order: &BuildWriteRequest,
+    request: &BuildWriteRequest,
     nested: &NestingResult,
     build: &SolvedBuild,
     description: &BuildFile,
@@ -175,26 +175,26 @@ fn write_sidecars(
     let mut stage = |suffix: &str, bytes: &[u8]| -> Result<()> {
         use std::io::Write;
         let name = format!("{stem}{suffix}");
-        order.queue.stage(&name, |file| file.write_all(bytes))?;
+        request.queue.stage(&name, |file| file.write_all(bytes))?;
         written.push((name, blake3::hash(bytes).to_hex().to_string()));
         Ok(())
     };
-    stage(".report.json", &report_json(order, nested, build, proved)?)?;
+    stage(".report.json", &report_json(request, nested, build, proved)?)?;
     let mut pick_map = Vec::new();
     build_file::write_pick_map(build_file::pick_rows(description), &mut pick_map)?;
     stage(".parts.csv", &pick_map)?;
     stage(".png", &build::render_picture(description, PICTURE_SIZE))?;
-    if order.profile.output.stl_output {
+    if request.profile.output.stl_output {
         let placed = description.items.iter().map(|i| (&*description.objects[i.object].mesh, &i.pose));
         let name = format!("{stem}.stl");
-        let staged = order.queue.stage(&name, |file| build_file::write_stl(placed, std::io::BufWriter::new(file)))?;
+        let staged = request.queue.stage(&name, |file| build_file::write_stl(placed, std::io::BufWriter::new(file)))?;
         written.push((name, hash_and_size(&staged)?.0));
     }
     Ok(written)
 }
 
 fn report_json(
-    order: &BuildWriteRequest,
+    request: &BuildWriteRequest,
     nested: &NestingResult,
     build: &SolvedBuild,
     proved: &ProvedBuild,
@@ -202,10 +202,10 @@ fn report_json(
     let course = SearchSummary {
         clearance_proved_mm: proved.proof.clearance_proved_mm,
         separable: proved.separability.clone(),
-        seed: order.seed,
+        seed: request.seed,
         cpu_secs: nested.cpu_secs,
         wall_secs: nested.wall_secs,
-        curve: height_curve(order, nested),
+        curve: height_curve(request, nested),
     };
     // Copies without a place go into the next build.
     let report = build.to_report(nested.lower_bound_mm, nested.layout.evaluations, &[], course);

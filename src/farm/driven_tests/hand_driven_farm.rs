@@ -32,7 +32,7 @@ pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle
 /// Time by which the clocks advance between two ticks.
 const STEP: Duration = Duration::from_millis(250);
 /// Maximum number of ticks to wait for a condition.
-const MOST_BEATS: usize = 480;
+const MOST_TICKS: usize = 480;
 /// Maximum real time to wait for jobs. No job takes as long as a second.
 const JOBS_END_WITHIN: Duration = Duration::from_secs(120);
 
@@ -75,7 +75,7 @@ impl HandDrivenFarm {
         let opening = open_farm(load, settings, self.time.clone());
         let opened = self.runtime.block_on(opening).map_err(|(_, _, failure)| format!("{failure:#}"));
         self.farm = Some(opened.unwrap());
-        self.beat();
+        self.tick();
     }
 
     /// Closes it in an orderly way.
@@ -87,11 +87,11 @@ impl HandDrivenFarm {
     /// Reads the configuration again.
     pub fn reload(&mut self) {
         self.runtime.block_on(machine_setup::reload_configuration(self.farm.as_mut().unwrap()));
-        self.beat();
+        self.tick();
     }
 
     /// Runs one tick, and waits until all jobs have ended.
-    pub fn beat(&mut self) {
+    pub fn tick(&mut self) {
         let farm = self.farm.as_mut().unwrap();
         self.runtime.block_on(async {
             event_loop::run_tick(farm).await;
@@ -105,13 +105,13 @@ impl HandDrivenFarm {
         let step = if secs < 10.0 { STEP } else { 4 * STEP };
         for _ in 0..(secs / step.as_secs_f64()).ceil() as usize {
             self.hands.pass(step);
-            self.beat();
+            self.tick();
         }
     }
 
     /// Advances the clocks until a condition holds. Panics after two minutes of test time.
     pub fn pass_until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
-        for _ in 0..MOST_BEATS {
+        for _ in 0..MOST_TICKS {
             if holds(self) {
                 return;
             }
@@ -124,7 +124,7 @@ impl HandDrivenFarm {
     }
 
     /// Whether an alert of this kind is active.
-    pub fn tells_of(&self, kind: AlertKind) -> bool {
+    pub fn has_alert(&self, kind: AlertKind) -> bool {
         self.farm.as_ref().unwrap().alerts.active_alerts().any(|alert| alert.kind == kind)
     }
 
@@ -206,10 +206,10 @@ impl HandDrivenFarm {
         let faults = self.ask(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
         let settings = &self.farm.as_ref().unwrap().settings;
-        let looked = self.ask(async |ledger| {
+        let report = self.ask(async |ledger| {
             invariants::check_invariants(settings, ledger, &InvariantExpectations::default()).await.unwrap()
         });
-        assert!(looked.violations.is_empty(), "{:#?}", looked.violations);
+        assert!(report.violations.is_empty(), "{:#?}", report.violations);
         let mut seen = BTreeMap::new();
         for file in self.queued() {
             for placed in build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap() {

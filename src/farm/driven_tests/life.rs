@@ -64,11 +64,11 @@ fn a_reload_adds_and_changes_profiles_and_a_wrong_one_leaves_them_as_they_were()
     assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].profile, "second");
     farm.write_profile("second", "volume_mm = \"wrong\"");
     farm.reload();
-    assert!(farm.tells_of(AlertKind::ConfigurationWrong));
+    assert!(farm.has_alert(AlertKind::ConfigurationWrong));
     farm.write_profile("second", &format!("{QUICK}[trigger]\ncopies = 1\n"));
     farm.reload();
     farm.wait_for_parts(PartState::Built, 1);
-    assert!(!farm.tells_of(AlertKind::ConfigurationWrong));
+    assert!(!farm.has_alert(AlertKind::ConfigurationWrong));
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_profile_whose_folders_cannot_be_made_does_not_stop_the_others() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(1);
-    assert!(farm.tells_of(AlertKind::FoldersMissing));
+    assert!(farm.has_alert(AlertKind::FoldersMissing));
 }
 
 #[test]
@@ -100,8 +100,8 @@ fn a_build_that_is_given_up_pauses_its_profile_and_is_told_until_that_is_resumed
         ledger.begin_nesting(build, "a test", &copies).await.unwrap();
     });
     farm.reload();
-    farm.pass_until("it is given up", |farm| farm.tells_of(AlertKind::BuildFailed));
+    farm.pass_until("it is given up", |farm| farm.has_alert(AlertKind::BuildFailed));
     assert_eq!(farm.ask(async |ledger| ledger.paused_profiles().await.unwrap()), [PROFILE]);
     farm.order_and_wait(CommandKind::Resume, None);
-    farm.pass_until("it is over", |farm| !farm.tells_of(AlertKind::BuildFailed));
+    farm.pass_until("it is over", |farm| !farm.has_alert(AlertKind::BuildFailed));
 }

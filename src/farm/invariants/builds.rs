@@ -19,7 +19,7 @@ pub async fn check_visible_builds(
     settings: &Settings,
     ledger: &Ledger,
     witness: &InvariantExpectations,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     for profile in settings.profiles.values() {
         let Ok(entries) = fs::read_dir(&profile.folders.queue) else { continue };
@@ -27,10 +27,10 @@ pub async fn check_visible_builds(
         names.sort();
         for name in names {
             if name.starts_with('.') && (name.ends_with(".part") || name.ends_with(".half")) {
-                report_left_over_file(profile, &name, witness, looked);
+                report_left_over_file(profile, &name, witness, report);
             } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
                 let row = ledger.find_build_by_file(&profile.name, &name).await?;
-                check_build_file(profile, &name, row, settings, ledger, witness, looked).await?;
+                check_build_file(profile, &name, row, settings, ledger, witness, report).await?;
             }
         }
     }
@@ -41,11 +41,11 @@ fn report_left_over_file(
     profile: &MachineProfile,
     name: &str,
     witness: &InvariantExpectations,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) {
     if witness.at_rest {
         let text = format!("{} was left behind", profile.folders.queue.join(name).display());
-        looked.add_violation(I3, text, "restart the daemon: it removes what no build names");
+        report.add_violation(I3, text, "restart the daemon: it removes what no build names");
     }
 }
 
@@ -56,37 +56,37 @@ async fn check_build_file(
     settings: &Settings,
     ledger: &Ledger,
     witness: &InvariantExpectations,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     let file = profile.folders.queue.join(name);
     let shown = file.display();
     let Some(row) = row else {
         let text = format!("{shown} is in the queue and no build of the ledger has that name");
         let remedy = "somebody copied it there, or the ledger is older than it: do not print it before that is clear";
-        looked.add_manual_violation(I3, text, remedy);
+        report.add_manual_violation(I3, text, remedy);
         return Ok(());
     };
-    looked.builds_checked += 1;
+    report.builds_checked += 1;
     let may_be_visible = row.times.published_at.is_some() || (!witness.at_rest && row.state == BuildState::Verified);
     if !may_be_visible {
         let text = format!("{shown} is in the queue and build {} is {}", row.id, row.state);
-        looked.add_violation(I3, text, "take it out of the queue, and restart the daemon");
+        report.add_violation(I3, text, "take it out of the queue, and restart the daemon");
     }
     match intake::hash_file(&file) {
         // The printer took it meanwhile.
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
         Err(error) => {
             let text = format!("{shown} cannot be read: {error}");
-            looked.add_violation(I3, text, "check the disk; `nestd show` names the parts, which can be dropped again");
+            report.add_violation(I3, text, "check the disk; `nestd show` names the parts, which can be dropped again");
             return Ok(());
         }
         Ok(hash) if Some(&hash) != row.staged.file_hash.as_ref() => {
             let text = format!("{shown} is not the file that was proved as build {}", row.id);
-            looked.add_violation(I3, text, "do not print it: somebody changed it or the disk damaged it");
+            report.add_violation(I3, text, "do not print it: somebody changed it or the disk damaged it");
         }
-        Ok(_) => looked.files_read += 1,
+        Ok(_) => report.files_read += 1,
     }
-    check_same_copies(&file, &row, settings, ledger, looked).await
+    check_same_copies(&file, &row, settings, ledger, report).await
 }
 
 /// Checks that the copies in the file are those of the row.
@@ -95,13 +95,13 @@ async fn check_same_copies(
     row: &BuildRow,
     settings: &Settings,
     ledger: &Ledger,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     let placed = match build_file::read_build(file, &settings.limits) {
         Ok(placed) => placed,
         Err(error) => {
             let text = format!("{} cannot be read as a build: {error}", file.display());
-            looked.add_violation(I3, text, "do not print it: somebody changed it or the disk damaged it");
+            report.add_violation(I3, text, "do not print it: somebody changed it or the disk damaged it");
             return Ok(());
         }
     };
@@ -119,7 +119,7 @@ async fn check_same_copies(
             rows.len(),
             row.id
         );
-        looked.add_violation(I2, text, "do not print it, and report it to nestd's makers");
+        report.add_violation(I2, text, "do not print it, and report it to nestd's makers");
     }
     Ok(())
 }

@@ -30,7 +30,7 @@ pub async fn check_live_and_refused_parts(
     ledger: &Ledger,
     folders: &FolderContents,
     witness: &InvariantExpectations,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     let mut stored = StoreVerifier::for_settings(settings);
     let mut refused: BTreeMap<(&str, &str), Vec<&PartFileRow>> = BTreeMap::new();
@@ -39,19 +39,19 @@ pub async fn check_live_and_refused_parts(
         if part.state == PartState::Rejected {
             refused.entry((&part.profile, &part.content_hash)).or_default().push(part);
         } else {
-            check_live_part(part, folders, &mut stored, looked);
+            check_live_part(part, folders, &mut stored, report);
         }
     }
     for ((profile, hash), parts) in &refused {
         let Some(errors) = folders.error.get(*profile) else { continue };
         let lie = errors.get(*hash).map_or(0, Vec::len);
-        check_refused_copies(parts, lie, folders, witness, looked);
-        check_kept_for_retry(parts, &mut stored, looked);
+        check_refused_copies(parts, lie, folders, witness, report);
+        check_kept_for_retry(parts, &mut stored, report);
     }
     if witness.at_rest {
         for (profile, errors) in &folders.error {
             for (hash, paths) in errors.iter().filter(|(hash, _)| !refused.contains_key(&(profile, hash))) {
-                check_error_folder_duplicates(ledger, profile, hash, paths, looked).await?;
+                check_error_folder_duplicates(ledger, profile, hash, paths, report).await?;
             }
         }
     }
@@ -69,11 +69,11 @@ impl StoreVerifier {
         Self { store: ContentStore::from_dir(settings.state_dir.join("store")), known: HashMap::new() }
     }
 
-    fn verify_content(&mut self, hash: &str, looked: &mut InvariantReport) -> Result<(), String> {
+    fn verify_content(&mut self, hash: &str, report: &mut InvariantReport) -> Result<(), String> {
         if let Some(known) = self.known.get(hash) {
             return known.clone();
         }
-        looked.files_read += 1;
+        report.files_read += 1;
         let answer = self.store.verify_hash(hash).map_err(|error| match error {
             StoreError::Damaged(path) => format!("{} does not hold the bytes that its name says", path.display()),
             other => crate::farm::failure::error_chain(&other),
@@ -87,9 +87,9 @@ fn check_live_part(
     part: &PartFileRow,
     folders: &FolderContents,
     stored: &mut StoreVerifier,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) {
-    let Err(why) = stored.verify_content(&part.content_hash, looked) else { return };
+    let Err(why) = stored.verify_content(&part.content_hash, report) else { return };
     // Until it is read, the claimed original can replace the stored file: the next start stores it again.
     let in_work = folders.work.get(&part.profile).and_then(|work| work.claims.iter().find(|c| c.id == part.claim));
     if part.state == PartState::Claimed
@@ -103,7 +103,7 @@ fn check_live_part(
         "put the file with the BLAKE3 {} back from a backup of the state folder, or cancel part {id} and drop it again",
         part.content_hash
     );
-    looked.add_violation(I1, text, remedy);
+    report.add_violation(I1, text, remedy);
 }
 
 /// Each refused content is in the error folder at least once, and not more often than it was refused.
@@ -112,7 +112,7 @@ fn check_refused_copies(
     lie: usize,
     folders: &FolderContents,
     witness: &InvariantExpectations,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) {
     let [first, ..] = parts else { return };
     let (id, name) = (first.id, &first.name);
@@ -122,22 +122,22 @@ fn check_refused_copies(
     if lie == 0 && !waits {
         let text = format!("part {id} ({name}) is refused and its file is not in the error folder");
         let remedy = format!("when nobody took it away on purpose, `nestd retry {id}` takes it from the store");
-        looked.add_manual_violation(I1, text, remedy);
+        report.add_manual_violation(I1, text, remedy);
     }
     if lie > parts.len() {
         let text = format!("part {id} ({name}) is refused once and its file lies {lie} times in the error folder");
-        looked.add_manual_violation(I1, text, "keep one of them and remove the others");
+        report.add_manual_violation(I1, text, "keep one of them and remove the others");
     }
 }
 
 /// Refused files stay in the store for `nestd retry`.
-fn check_kept_for_retry(parts: &[&PartFileRow], stored: &mut StoreVerifier, looked: &mut InvariantReport) {
+fn check_kept_for_retry(parts: &[&PartFileRow], stored: &mut StoreVerifier, report: &mut InvariantReport) {
     let now = Timestamp::now();
     let young = parts.iter().find(|part| secs_between(part.state_at.0, now) < KEEP_REFUSED_SECS);
     let Some(part) = young else { return };
-    if let Err(why) = stored.verify_content(&part.content_hash, looked) {
+    if let Err(why) = stored.verify_content(&part.content_hash, report) {
         let text = format!("part {} ({}) was refused lately and cannot be taken back: {why}", part.id, part.name);
-        looked.add_violation(
+        report.add_violation(
             I4,
             text,
             "drop the file again instead of `nestd retry`; check who deletes in the state folder",
@@ -151,11 +151,11 @@ async fn check_error_folder_duplicates(
     profile: &str,
     hash: &str,
     paths: &[std::path::PathBuf],
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     if let Some(part) = ledger.find_part_with_content(profile, hash).await? {
         let text = format!("part {} is {} and its file also lies at {}", part.id, part.state, paths[0].display());
-        looked.add_violation(I1, text, "remove it there: the part goes on without it");
+        report.add_violation(I1, text, "remove it there: the part goes on without it");
     }
     Ok(())
 }
@@ -164,7 +164,7 @@ async fn check_error_folder_duplicates(
 pub async fn check_archived_originals(
     settings: &Settings,
     ledger: &Ledger,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     let oldest = settings.profiles.values().map(|profile| originals_required_since(profile.output.archive_days)).min();
     let mut archives: HashMap<String, FilesByHash> = HashMap::new();
@@ -177,7 +177,7 @@ pub async fn check_archived_originals(
         let stem = row.file_name.strip_suffix(".build.3mf").unwrap_or(&row.file_name);
         let archived = archives
             .entry(row.file_name.clone())
-            .or_insert_with(|| files_by_hash(&profile.folders.archive.join(stem), |_| true, looked));
+            .or_insert_with(|| files_by_hash(&profile.folders.archive.join(stem), |_| true, report));
         if !archived.contains_key(&row.content_hash) {
             let text = format!(
                 "part {} ({}) is printed in build {} and its original is not in {}",
@@ -188,7 +188,7 @@ pub async fn check_archived_originals(
             );
             let remedy =
                 "nestd keeps originals for archive_days: ask who else deletes there, and put it back if needed";
-            looked.add_manual_violation(I1, text, remedy);
+            report.add_manual_violation(I1, text, remedy);
         }
     }
     Ok(())
@@ -208,7 +208,7 @@ pub async fn check_open_claims(
     ledger: &Ledger,
     folders: &FolderContents,
     witness: &InvariantExpectations,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     if !witness.at_rest {
         return Ok(());
@@ -216,7 +216,7 @@ pub async fn check_open_claims(
     for work in folders.work.values() {
         for path in &work.unfinished {
             let text = format!("{} was left half done", path.display());
-            looked.add_violation(I1, text, "restart the daemon: it gives back what was taken and removes what is done");
+            report.add_violation(I1, text, "restart the daemon: it gives back what was taken and removes what is done");
         }
         for claim in &work.claims {
             let parts = ledger.parts_of_claim(&claim.id).await?;
@@ -224,7 +224,7 @@ pub async fn check_open_claims(
                 None => format!("{} was claimed and has no row", claim.part.display()),
                 Some(part) => format!("{} lies in work, and part {} is {}", claim.part.display(), part.id, part.state),
             };
-            looked.add_violation(I1, text, "restart the daemon, which ends every claim; its log says what hinders it");
+            report.add_violation(I1, text, "restart the daemon, which ends every claim; its log says what hinders it");
         }
     }
     Ok(())
@@ -235,7 +235,7 @@ pub async fn check_dropped_files(
     ledger: &Ledger,
     folders: &FolderContents,
     witness: &InvariantExpectations,
-    looked: &mut InvariantReport,
+    report: &mut InvariantReport,
 ) -> Result<()> {
     let recorded: BTreeMap<String, u32> = ledger.drop_counts_by_hash().await?.into_iter().collect();
     for (hash, &times) in &witness.dropped {
@@ -255,21 +255,21 @@ pub async fn check_dropped_files(
                 "a file was dropped {times} times; {rows} are recorded, {unrecorded} are claimed, {lie} lie in the hot \
                  folder (BLAKE3 {hash})"
             );
-            looked.add_violation(I1, text, "keep all folders as they are and report it to nestd's makers");
+            report.add_violation(I1, text, "keep all folders as they are and report it to nestd's makers");
         }
     }
     Ok(())
 }
 
 /// Files that do not belong to nestd are unchanged.
-pub fn check_foreign_files(witness: &InvariantExpectations, looked: &mut InvariantReport) {
+pub fn check_foreign_files(witness: &InvariantExpectations, report: &mut InvariantReport) {
     for (path, hash) in &witness.untouched {
-        looked.files_read += 1;
+        report.files_read += 1;
         let text = match intake::hash_file(path) {
             Ok(found) if found == *hash => continue,
             Ok(_) => format!("{} is not nestd's and was changed", path.display()),
             Err(error) => format!("{} is not nestd's and cannot be read any more: {error}", path.display()),
         };
-        looked.add_violation(I4, text, "put it back and report it to nestd's makers");
+        report.add_violation(I4, text, "put it back and report it to nestd's makers");
     }
 }

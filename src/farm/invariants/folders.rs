@@ -34,21 +34,21 @@ impl FolderContents {
         settings: &Settings,
         witness: &InvariantExpectations,
         ledger: &Ledger,
-        looked: &mut InvariantReport,
+        report: &mut InvariantReport,
     ) -> Result<Self> {
         let mut folders = Self::default();
         let refused = ledger.parts_in_state(PartState::Rejected).await?;
         for (name, profile) in &settings.profiles {
             let sizes: HashSet<u64> = refused.iter().filter(|p| p.profile == *name).map(|p| p.file.bytes).collect();
             let wanted = |size| witness.at_rest || sizes.contains(&size);
-            let error = files_by_hash(&profile.folders.error, wanted, looked);
+            let error = files_by_hash(&profile.folders.error, wanted, report);
             folders.error.insert(name.clone(), error);
             match intake::list_claims(&profile.folders.inbox) {
                 Ok(work) => drop(folders.work.insert(name.clone(), work)),
-                Err(error) => report_unreadable(&profile.folders.inbox.join(".claimed"), &error, looked),
+                Err(error) => report_unreadable(&profile.folders.inbox.join(".claimed"), &error, report),
             }
             if !witness.dropped.is_empty() {
-                folders.inbox.insert(name.clone(), dropped_files_by_hash(&profile.folders.inbox, looked));
+                folders.inbox.insert(name.clone(), dropped_files_by_hash(&profile.folders.inbox, report));
             }
         }
         Ok(folders)
@@ -56,7 +56,7 @@ impl FolderContents {
 }
 
 /// The regular files below a folder whose size is wanted; none if the folder does not exist.
-pub fn files_by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, looked: &mut InvariantReport) -> FilesByHash {
+pub fn files_by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, report: &mut InvariantReport) -> FilesByHash {
     let mut found = FilesByHash::new();
     if !folder.exists() {
         return found;
@@ -64,7 +64,7 @@ pub fn files_by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, looked: &mut I
     let files = match intake::files_below(folder) {
         Ok(files) => files,
         Err(error) => {
-            report_unreadable(folder, &error, looked);
+            report_unreadable(folder, &error, report);
             return found;
         }
     };
@@ -74,37 +74,37 @@ pub fn files_by_hash(folder: &Path, wanted: impl Fn(u64) -> bool, looked: &mut I
         if !meta.is_file() || !wanted(meta.len()) || name.starts_with(b".") || name.ends_with(b".reason.txt") {
             continue;
         }
-        add_file_by_hash(&mut found, file, looked);
+        add_file_by_hash(&mut found, file, report);
     }
     found
 }
 
-fn dropped_files_by_hash(inbox: &Path, looked: &mut InvariantReport) -> FilesByHash {
+fn dropped_files_by_hash(inbox: &Path, report: &mut InvariantReport) -> FilesByHash {
     let mut found = FilesByHash::new();
     match intake::scan_inbox(inbox, intake::ScanLimits::default()) {
         Ok(listing) => {
             for seen in listing.entries.into_iter().filter(|seen| seen.kind == intake::EntryKind::File) {
-                add_file_by_hash(&mut found, seen.path, looked);
+                add_file_by_hash(&mut found, seen.path, report);
             }
         }
-        Err(error) => looked.add_violation(Invariant::I1, error.to_string(), "mount it again and look once more"),
+        Err(error) => report.add_violation(Invariant::I1, error.to_string(), "mount it again and look once more"),
     }
     found
 }
 
-fn add_file_by_hash(found: &mut FilesByHash, file: PathBuf, looked: &mut InvariantReport) {
+fn add_file_by_hash(found: &mut FilesByHash, file: PathBuf, report: &mut InvariantReport) {
     match intake::hash_file(&file) {
         Ok(hash) => {
-            looked.files_read += 1;
+            report.files_read += 1;
             found.entry(hash).or_default().push(file);
         }
         // The file was taken meanwhile.
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {}
-        Err(error) => report_unreadable(&file, &error, looked),
+        Err(error) => report_unreadable(&file, &error, report),
     }
 }
 
-fn report_unreadable(path: &Path, error: &std::io::Error, looked: &mut InvariantReport) {
+fn report_unreadable(path: &Path, error: &std::io::Error, report: &mut InvariantReport) {
     let text = format!("{} cannot be read ({error}), so that nothing is known of what lies there", path.display());
-    looked.add_violation(Invariant::I1, text, "let nestd's user read it, check the disk, and look once more");
+    report.add_violation(Invariant::I1, text, "let nestd's user read it, check the disk, and look once more");
 }

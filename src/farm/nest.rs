@@ -26,7 +26,7 @@ use super::{
 use crate::{
     intake,
     ledger::Ledger,
-    ledger::{BuildId, BuildRow, BuildState, PartId, PartRow},
+    ledger::{BuildId, BuildRow, BuildState, EventKind, PartId, PartRow},
     settings::MachineProfile,
 };
 
@@ -186,7 +186,7 @@ async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<Written
             if failure.is::<UnprovedBuildError>() {
                 let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
                 let why = format!("{failure:#}");
-                farm.ledger.write_event("proof_failed", &profile, None, Some(build), &why).await?;
+                farm.ledger.write_event(EventKind::ProofFailed, &profile, None, Some(build), &why).await?;
             }
             return record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("{failure:#}")).await;
         }
@@ -202,7 +202,7 @@ async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<Written
     if !written.locked.is_empty() {
         warn!(build.id = %build, "Parts of build {build} are locked into each other: {}.", written.locked);
         let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-        farm.ledger.write_event("locked", &profile, None, Some(build), &written.locked).await?;
+        farm.ledger.write_event(EventKind::Locked, &profile, None, Some(build), &written.locked).await?;
     }
     publish::publish_verified_builds(farm).await
 }
@@ -223,7 +223,7 @@ async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, bui
     *failure = (failure.0 + 1, why.to_owned());
     nesting.backoff.record_failure(build);
     let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-    Ok(ledger.write_event("attempt_failed", &profile, None, Some(build), why).await?)
+    Ok(ledger.write_event(EventKind::AttemptFailed, &profile, None, Some(build), why).await?)
 }
 
 /// A build's job panicked.

@@ -6,7 +6,9 @@
 
 use serde_json::{Map, Value};
 
-use super::{BuildId, Ledger, LedgerError, PartId, PartState, UtcTimestamp, change::LedgerChange, error::Result};
+use super::{
+    BuildId, EventKind, Ledger, LedgerError, PartId, PartState, UtcTimestamp, change::LedgerChange, error::Result,
+};
 
 /// A row as JSON: values by column name.
 type JsonRow = Map<String, Value>;
@@ -208,7 +210,9 @@ async fn import_build(change: &mut LedgerChange, build: &JsonRow, is_published: 
         }
     };
     let detail = "imported from its record in the archive";
-    change.write_event(state, text_column(build, "profile"), None, Some(BuildId(id)), detail).await?;
+    change
+        .write_event(EventKind::from_word(state), text_column(build, "profile"), None, Some(BuildId(id)), detail)
+        .await?;
     Ok(BuildId(id))
 }
 
@@ -247,9 +251,15 @@ async fn import_part(change: &mut LedgerChange, part: &JsonRow) -> Result<PartId
             }
             let id = PartId(insert_row(change, "part", &row).await?);
             let detail = "imported from the record of a build";
-            change.write_event("claimed", text_column(part, "profile"), Some(id), None, detail).await?;
+            change.write_event(EventKind::Claimed, text_column(part, "profile"), Some(id), None, detail).await?;
             change
-                .write_event(text_column(&row, "state"), text_column(part, "profile"), Some(id), None, detail)
+                .write_event(
+                    EventKind::from_word(text_column(&row, "state")),
+                    text_column(part, "profile"),
+                    Some(id),
+                    None,
+                    detail,
+                )
                 .await?;
             Ok(id)
         }
@@ -307,5 +317,5 @@ async fn update_part_state(change: &mut LedgerChange, part: PartId, build: Build
     );
     set.bind(state).bind(now).bind(part).execute(change.db()).await?;
     let detail = "according to the record of a build";
-    change.write_event(&state.to_string(), &row.profile, Some(part), Some(build), detail).await
+    change.write_event(state, &row.profile, Some(part), Some(build), detail).await
 }

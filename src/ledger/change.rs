@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use sqlx::{Sqlite, SqliteConnection, Transaction};
 
 use super::{
-    BuildId, BuildState, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp, error::Result, health,
+    BuildId, BuildState, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp, error::Result,
+    health,
 };
 
 /// A change that is not committed yet. Dropping it rolls everything back.
@@ -64,7 +65,7 @@ impl LedgerChange {
     /// Moves a part to another state. `detail` is stored in the event.
     pub async fn move_part(&mut self, id: PartId, next: PartState, build: Option<BuildId>, detail: &str) -> Result<()> {
         let profile = self.set_part_state(id, next, None, "").await?;
-        self.write_event(&next.to_string(), &profile, Some(id), build, detail).await
+        self.write_event(next, &profile, Some(id), build, detail).await
     }
 
     /// Rejects a part.
@@ -72,7 +73,7 @@ impl LedgerChange {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
         let profile = self.set_part_state(id, PartState::Rejected, Some(cause), reason).await?;
         self.count_decision(id).await?;
-        self.write_refusal_event(&PartState::Rejected.to_string(), &profile, Some(id), cause, reason).await
+        self.write_refusal_event(EventKind::Rejected, &profile, Some(id), cause, reason).await
     }
 
     /// Sets the state of a part. Returns its profile.
@@ -118,14 +119,14 @@ impl LedgerChange {
         .bind(id)
         .execute(self.db())
         .await?;
-        self.write_event(&next.to_string(), &profile, None, Some(id), detail).await?;
+        self.write_event(next, &profile, None, Some(id), detail).await?;
         Ok(profile)
     }
 
     /// Writes an event.
     pub async fn write_event(
         &mut self,
-        kind: &str,
+        kind: impl Into<EventKind>,
         profile: &str,
         part: Option<PartId>,
         build: Option<BuildId>,
@@ -134,7 +135,7 @@ impl LedgerChange {
         let now = self.now;
         sqlx::query("INSERT INTO event (at, kind, profile, part_id, build_id, detail) VALUES (?, ?, ?, ?, ?, ?)")
             .bind(now)
-            .bind(kind)
+            .bind(kind.into())
             .bind(profile)
             .bind(part)
             .bind(build)
@@ -147,7 +148,7 @@ impl LedgerChange {
     /// Writes the event of a refusal.
     pub async fn write_refusal_event(
         &mut self,
-        kind: &str,
+        kind: impl Into<EventKind>,
         profile: &str,
         part: Option<PartId>,
         cause: RefusalCause,

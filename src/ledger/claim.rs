@@ -1,8 +1,9 @@
 //! The first steps of a part: claimed, read, refused, cancelled, retried.
 
 use super::{
-    BuildId, BuildState, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
-    RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, text_column::TextColumn,
+    BuildId, BuildState, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow,
+    PartState, RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result,
+    text_column::TextColumn,
 };
 
 impl Ledger {
@@ -175,7 +176,7 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
     if let Some(ticket) = &part.ticket {
         insert_ticket(change, id, ticket).await?;
     }
-    change.write_event("claimed", &part.profile, Some(id), None, &part.name).await?;
+    change.write_event(EventKind::Claimed, &part.profile, Some(id), None, &part.name).await?;
     Ok(RecordedPart { id, is_new: true })
 }
 
@@ -249,7 +250,7 @@ async fn find_or_insert_solid(
     .bind(file.id)
     .fetch_one(change.db())
     .await?;
-    change.write_event("claimed", &file.profile, Some(id), None, &solid.object_name).await?;
+    change.write_event(EventKind::Claimed, &file.profile, Some(id), None, &solid.object_name).await?;
     Ok(Some(change.require_part(id).await?))
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{CommandId, Ledger, LedgerError, PartId, UtcTimestamp, error::Result, text_column::own_word};
+use super::{CommandId, EventKind, Ledger, LedgerError, PartId, UtcTimestamp, error::Result, text_column::own_word};
 
 /// Kind of command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -138,7 +138,7 @@ impl Ledger {
         if paused.rows_affected() == 0 {
             return Ok(false);
         }
-        change.write_event("paused", profile, None, None, by).await?;
+        change.write_event(EventKind::Paused, profile, None, None, by).await?;
         change.commit().await?;
         Ok(true)
     }
@@ -150,7 +150,7 @@ impl Ledger {
         if lift.execute(change.db()).await?.rows_affected() == 0 {
             return Ok(false);
         }
-        change.write_event("resumed", profile, None, None, by).await?;
+        change.write_event(EventKind::Resumed, profile, None, None, by).await?;
         change.commit().await?;
         Ok(true)
     }

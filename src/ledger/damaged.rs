@@ -1,6 +1,6 @@
 //! Parts whose stored file is damaged. They wait until the same file is dropped again.
 
-use super::{Ledger, PartId, PartRow, error::Result};
+use super::{EventKind, Ledger, PartId, PartRow, error::Result};
 
 impl Ledger {
     /// Makes every part that needs this stored file wait until the file is intact again.
@@ -16,7 +16,7 @@ impl Ledger {
         for (part, profile) in parts {
             let mark = sqlx::query("UPDATE part SET damaged_at = ? WHERE id = ?").bind(now).bind(part);
             mark.execute(change.db()).await?;
-            change.write_event("damaged", &profile, Some(part), None, why).await?;
+            change.write_event(EventKind::Damaged, &profile, Some(part), None, why).await?;
         }
         change.commit().await
     }
@@ -64,7 +64,7 @@ impl Ledger {
             .bind(now)
             .execute(change.db())
             .await?;
-        change.write_event("healed", profile, Some(part), None, "the same file was dropped again").await?;
+        change.write_event(EventKind::Healed, profile, Some(part), None, "the same file was dropped again").await?;
         change.commit().await?;
         Ok(Some(part))
     }

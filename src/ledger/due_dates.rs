@@ -3,7 +3,7 @@
 use jiff::Timestamp;
 use sqlx::FromRow;
 
-use super::{Ledger, PartId, UtcTimestamp, error::Result};
+use super::{EventKind, Ledger, PartId, UtcTimestamp, error::Result};
 
 /// An unpublished part with a due date that was not reported as at risk yet.
 #[derive(Debug, Clone, PartialEq, FromRow)]
@@ -44,7 +44,7 @@ impl Ledger {
             let told = sqlx::query("UPDATE part SET at_risk_at = ? WHERE id = ?").bind(now).bind(part);
             told.execute(change.db()).await?;
         }
-        change.write_event("at_risk", profile, parts.first().copied(), None, detail).await?;
+        change.write_event(EventKind::AtRisk, profile, parts.first().copied(), None, detail).await?;
         change.commit().await
     }
 }

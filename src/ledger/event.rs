@@ -4,7 +4,7 @@ use jiff::SignedDuration;
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{BuildId, Ledger, PartId, RefusalCause, UtcTimestamp, error::Result};
+use super::{BuildId, EventKind, Ledger, PartId, RefusalCause, UtcTimestamp, error::Result};
 
 /// An event.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
@@ -14,7 +14,7 @@ pub struct EventRow {
     /// When it happened.
     pub at: UtcTimestamp,
     /// Kind: the state that was entered, or a word for other events.
-    pub kind: String,
+    pub kind: EventKind,
     /// Machine profile, "" = none.
     pub profile: String,
     /// The part concerned.
@@ -31,7 +31,7 @@ impl Ledger {
     /// Writes an event.
     pub async fn write_event(
         &self,
-        kind: &str,
+        kind: EventKind,
         profile: &str,
         part: Option<PartId>,
         build: Option<BuildId>,
@@ -45,7 +45,7 @@ impl Ledger {
     /// Records that a file was refused before it became a part.
     pub async fn record_file_refusal(&self, profile: &str, cause: RefusalCause, detail: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        change.write_refusal_event("refused", profile, None, cause, detail).await?;
+        change.write_refusal_event(EventKind::Refused, profile, None, cause, detail).await?;
         change.commit().await
     }
 
@@ -74,7 +74,9 @@ impl Ledger {
         .bind(format!("{:+.3}", jump.as_secs_f64()))
         .execute(change.db())
         .await?;
-        change.write_event("clock_set", "", None, None, &format!("by {jump:#}; the ages of parts are kept")).await?;
+        change
+            .write_event(EventKind::ClockSet, "", None, None, &format!("by {jump:#}; the ages of parts are kept"))
+            .await?;
         change.commit().await
     }
 

@@ -4,7 +4,7 @@
 use serde::Serialize;
 use sqlx::FromRow;
 
-use super::{Ledger, UtcTimestamp, change::LedgerChange, error::Result};
+use super::{EventKind, Ledger, UtcTimestamp, change::LedgerChange, error::Result};
 
 /// State of a machine as observed by the daemon.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,8 +61,8 @@ pub(super) async fn record_machines(change: &mut LedgerChange, seen: &[ObservedM
             (false, false) => known.and_then(|row| row.trouble_at),
         };
         match (was.is_empty(), is.is_empty()) {
-            (true, false) => change.write_event("unavailable", &seen.profile, None, None, is).await?,
-            (false, true) => change.write_event("available", &seen.profile, None, None, "").await?,
+            (true, false) => change.write_event(EventKind::Unavailable, &seen.profile, None, None, is).await?,
+            (false, true) => change.write_event(EventKind::Available, &seen.profile, None, None, "").await?,
             _ => {}
         }
         sqlx::query(

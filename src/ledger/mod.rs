@@ -19,6 +19,7 @@ mod deep_check;
 mod due_dates;
 mod error;
 mod event;
+mod event_kind;
 mod file_guard;
 mod health;
 mod history;
@@ -58,6 +59,7 @@ pub use deep_check::{BuiltPartRow, PartFileRow};
 pub use due_dates::DuePartRow;
 pub use error::LedgerError;
 pub use event::EventRow;
+pub use event_kind::EventKind;
 pub use history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
 pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
@@ -69,7 +71,7 @@ pub use part_row::{
     RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalStep, WayColumns};
-pub use receiver::{DROPPED_EVENT, ReceiverKind, ReceiverRow};
+pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
 pub use replace::{clear_unfinished, replace_ledger, restoring_path};
 pub use state::{BuildState, IllegalMove, PartState};

@@ -5,7 +5,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{EventRow, Ledger, UtcTimestamp, error::Result, text_column::own_word};
+use super::{EventKind, EventRow, Ledger, UtcTimestamp, error::Result, text_column::own_word};
 
 /// Kind of receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -33,9 +33,6 @@ pub struct ReceiverRow {
     /// Number of events that became too old before they could be delivered.
     pub dropped: u64,
 }
-
-/// Kind of the event that reports dropped events.
-pub const DROPPED_EVENT: &str = "messages_dropped";
 
 impl Ledger {
     /// All receivers.
@@ -69,7 +66,7 @@ impl Ledger {
     }
 
     /// The first event of these kinds after event `after`.
-    pub async fn next_event(&self, after: i64, kinds: &[&str]) -> Result<Option<EventRow>> {
+    pub async fn next_event(&self, after: i64, kinds: &[EventKind]) -> Result<Option<EventRow>> {
         let query = sqlx::query_as(
             "SELECT * FROM event WHERE id > ? AND kind IN (SELECT value FROM json_each(?)) ORDER BY id LIMIT 1",
         );
@@ -77,7 +74,7 @@ impl Ledger {
     }
 
     /// Number of events of these kinds after event `after`.
-    pub async fn count_events_after(&self, after: i64, kinds: &[&str]) -> Result<u64> {
+    pub async fn count_events_after(&self, after: i64, kinds: &[EventKind]) -> Result<u64> {
         let query =
             sqlx::query_scalar("SELECT count(*) FROM event WHERE id > ? AND kind IN (SELECT value FROM json_each(?))");
         Ok(query.bind(after).bind(json_array(kinds)).fetch_one(self.reader()?).await?)
@@ -102,7 +99,7 @@ impl Ledger {
 
     /// Drops the undelivered events of a receiver from before a time, and writes an event about it. Returns the number
     /// of dropped events.
-    pub async fn drop_undelivered(&self, name: ReceiverKind, before: Timestamp, kinds: &[&str]) -> Result<u64> {
+    pub async fn drop_undelivered(&self, name: ReceiverKind, before: Timestamp, kinds: &[EventKind]) -> Result<u64> {
         let mut change = self.begin_change().await?;
         let told: i64 =
             sqlx::query_scalar("SELECT told_id FROM receiver WHERE name = ?").bind(name).fetch_one(change.db()).await?;
@@ -122,12 +119,12 @@ impl Ledger {
             .execute(change.db())
             .await?;
         let detail = format!("{dropped} to the {name}, older than {}", UtcTimestamp(before));
-        change.write_event(DROPPED_EVENT, "", None, None, &detail).await?;
+        change.write_event(EventKind::MessagesDropped, "", None, None, &detail).await?;
         change.commit().await?;
         Ok(dropped)
     }
 }
 
-fn json_array(kinds: &[&str]) -> String {
+fn json_array(kinds: &[EventKind]) -> String {
     serde_json::json!(kinds).to_string()
 }

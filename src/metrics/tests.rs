@@ -10,7 +10,9 @@ use std::{
 
 use super::*;
 use crate::{
-    ledger::{DaemonHeartbeat, NewPartRow, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp, fixtures},
+    ledger::{
+        DaemonHeartbeat, EventKind, NewPartRow, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp, fixtures,
+    },
     settings::{self, Settings, SharedSettings},
 };
 
@@ -36,7 +38,7 @@ async fn lively() -> fixtures::TestLedger {
     ledger.accept_solids(built, &[fixtures::solid(0, 2)]).await.unwrap();
     let build = ledger.open_build("cube").await.unwrap().id;
     ledger.begin_nesting(build, "flush", &[(built, 0), (built, 1)]).await.unwrap();
-    ledger.write_event("proof_failed", "cube", None, Some(build), "why").await.unwrap();
+    ledger.write_event(EventKind::ProofFailed, "cube", None, Some(build), "why").await.unwrap();
     let placed = fixtures::placed(&[(built, 0), (built, 1)]);
     ledger.verify_build(build, &fixtures::verified(build, 2), &placed).await.unwrap();
     ledger.publish_build(build).await.unwrap();

@@ -64,7 +64,7 @@ fn command_environment(message: &EventMessage) -> Vec<(&'static str, String)> {
     let number = |of: Option<i64>| of.map(|number| number.to_string()).unwrap_or_default();
     vec![
         ("NESTD_ID", message.id.clone()),
-        ("NESTD_EVENT", message.kind.to_owned()),
+        ("NESTD_EVENT", message.kind.word().to_owned()),
         ("NESTD_PROFILE", message.profile.clone()),
         ("NESTD_PART", number(message.part)),
         ("NESTD_BUILD", number(message.build)),

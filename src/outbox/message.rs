@@ -6,12 +6,31 @@ use jiff::Timestamp;
 use serde_json::{Value, json};
 
 use crate::{
-    ledger::{BuildRow, DROPPED_EVENT, EventRow, Ledger, PartRow, RefusalCause, UtcTimestamp},
+    ledger::{BuildRow, EventKind, EventRow, Ledger, PartRow, RefusalCause, UtcTimestamp},
     settings::NotificationKind,
 };
 
 /// Maximum length of the detail, characters; a reason may quote much of a file.
 const MOST_DETAIL: usize = 4000;
+
+/// The kind of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MessageKind {
+    /// A build is in the queue.
+    Published,
+    /// A part or file was refused or cancelled.
+    Refused,
+    /// A machine became unavailable.
+    Unavailable,
+    /// A machine became available again.
+    Available,
+    /// A due date is at risk.
+    AtRisk,
+    /// Messages were dropped.
+    Dropped,
+    /// A test of the receivers.
+    Test,
+}
 
 /// What a receiver gets for one event.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +39,7 @@ pub struct EventMessage {
     /// backup.
     pub id: String,
     /// Kind of event.
-    pub kind: &'static str,
+    pub kind: MessageKind,
     /// Machine profile, "" = none.
     pub profile: String,
     /// Number of the part that it is about.
@@ -34,16 +53,14 @@ pub struct EventMessage {
 }
 
 /// The kinds of ledger events to deliver. The notice that messages were dropped is always delivered.
-pub fn event_kinds(events: &[NotificationKind]) -> Vec<&'static str> {
-    let of = |told: &NotificationKind| -> &[&'static str] {
-        match told {
-            NotificationKind::Published => &["published"],
-            NotificationKind::Refused => &["rejected", "refused"],
-            NotificationKind::Unavailable => &["unavailable", "available"],
-            NotificationKind::AtRisk => &["at_risk"],
-        }
+pub fn event_kinds(events: &[NotificationKind]) -> Vec<EventKind> {
+    let kinds_of = |kind: &NotificationKind| match kind {
+        NotificationKind::Published => vec![EventKind::Published],
+        NotificationKind::Refused => vec![EventKind::Rejected, EventKind::Refused],
+        NotificationKind::Unavailable => vec![EventKind::Unavailable, EventKind::Available],
+        NotificationKind::AtRisk => vec![EventKind::AtRisk],
     };
-    events.iter().flat_map(of).copied().chain([DROPPED_EVENT]).collect()
+    events.iter().flat_map(kinds_of).chain([EventKind::MessagesDropped]).collect()
 }
 
 impl EventMessage {
@@ -64,7 +81,7 @@ impl EventMessage {
         let text = message_text(event, &detail, part.as_ref(), build.as_ref());
         let message = Self {
             id: format!("{}@{}", event.id, event.at),
-            kind: message_kind(&event.kind),
+            kind: MessageKind::of_event(&event.kind),
             profile: event.profile.clone(),
             part: event.part_id.map(|id| id.0),
             build: event.build_id.map(|id| id.0),
@@ -84,7 +101,7 @@ impl EventMessage {
     pub fn trial_message() -> Self {
         let now = UtcTimestamp(Timestamp::now());
         let text = format!("A test message from nestd on {}.", host_name());
-        let (id, kind, profile) = (format!("trial@{now}"), "test", String::new());
+        let (id, kind, profile) = (format!("trial@{now}"), MessageKind::Test, String::new());
         let message = Self { id, kind, profile, part: None, build: None, text, body: String::new() };
         message.with_body(now, json!({ "reason": null, "detail": "", "part": null, "build": null }))
     }
@@ -92,7 +109,7 @@ impl EventMessage {
     fn with_body(mut self, at: UtcTimestamp, more: Value) -> Self {
         let mut body = json!({
             "id": self.id,
-            "kind": self.kind,
+            "kind": self.kind.word(),
             "at": at,
             "host": host_name(),
             "profile": self.profile,
@@ -106,23 +123,38 @@ impl EventMessage {
     }
 }
 
-/// The kind in messages for a kind in the ledger.
-fn message_kind(event: &str) -> &'static str {
-    match event {
-        "published" => "published",
-        "rejected" | "refused" => "refused",
-        "unavailable" => "unavailable",
-        "available" => "available",
-        "at_risk" => "at-risk",
-        _ => "dropped",
+impl MessageKind {
+    /// The kind of message for a kind of event in the ledger.
+    fn of_event(event: &EventKind) -> Self {
+        match event {
+            EventKind::Published => Self::Published,
+            EventKind::Rejected | EventKind::Refused => Self::Refused,
+            EventKind::Unavailable => Self::Unavailable,
+            EventKind::Available => Self::Available,
+            EventKind::AtRisk => Self::AtRisk,
+            _ => Self::Dropped,
+        }
+    }
+
+    /// The word in messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Refused => "refused",
+            Self::Unavailable => "unavailable",
+            Self::Available => "available",
+            Self::AtRisk => "at-risk",
+            Self::Dropped => "dropped",
+            Self::Test => "test",
+        }
     }
 }
 
 fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: Option<&BuildRow>) -> String {
     let profile = &event.profile;
     let first = detail.lines().next().unwrap_or_default();
-    match (message_kind(&event.kind), part, build) {
-        ("published", _, Some(build)) => {
+    match (MessageKind::of_event(&event.kind), part, build) {
+        (MessageKind::Published, _, Some(build)) => {
             let (copies, height_mm) =
                 (build.measures.copies.unwrap_or_default(), build.measures.height_mm.unwrap_or_default());
             format!(
@@ -131,14 +163,16 @@ fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: O
                 format_count(copies, "copy", "copies")
             )
         }
-        ("refused", Some(part), _) if event.cause == RefusalCause::Cancelled.to_string() => {
+        (MessageKind::Refused, Some(part), _) if event.cause == RefusalCause::Cancelled.to_string() => {
             format!("Part {} ({}) of {profile} was taken out. {first}", part.id, part.name)
         }
-        ("refused", Some(part), _) => format!("Part {} ({}) of {profile} was refused: {first}", part.id, part.name),
-        ("refused", None, _) => format!("A file was refused in {profile}: {first}"),
-        ("unavailable", ..) => first.to_owned(),
-        ("available", ..) => format!("{profile} is available again."),
-        ("at-risk", ..) => format!("{profile}: {first}"),
+        (MessageKind::Refused, Some(part), _) => {
+            format!("Part {} ({}) of {profile} was refused: {first}", part.id, part.name)
+        }
+        (MessageKind::Refused, None, _) => format!("A file was refused in {profile}: {first}"),
+        (MessageKind::Unavailable, ..) => first.to_owned(),
+        (MessageKind::Available, ..) => format!("{profile} is available again."),
+        (MessageKind::AtRisk, ..) => format!("{profile}: {first}"),
         _ => format!("Messages were dropped: {first}."),
     }
 }

@@ -13,7 +13,7 @@ use tokio::task::JoinHandle;
 
 use super::*;
 use crate::{
-    ledger::{Ledger, NewPartRow, ReceiverKind, RefusalCause, fixtures},
+    ledger::{EventKind, Ledger, NewPartRow, ReceiverKind, RefusalCause, fixtures},
     settings::{self, Settings, SharedSettings},
 };
 
@@ -116,7 +116,10 @@ async fn an_event_is_told_until_the_receiver_has_it_once_and_in_order() {
     for name in ["a.stl", "<script>alert(1)</script>.stl", "new\nline \"quoted\".stl"] {
         farm.refuse(&farm.ledger, name).await;
     }
-    farm.ledger.write_event("unavailable", "cube", None, None, "cube: The hot folder is unavailable.").await.unwrap();
+    farm.ledger
+        .write_event(EventKind::Unavailable, "cube", None, None, "cube: The hot folder is unavailable.")
+        .await
+        .unwrap();
     let told = farm.wait(&hook, 4).await;
     tokio::time::sleep(Duration::from_millis(1200)).await;
     task.abort();
@@ -152,7 +155,7 @@ async fn nothing_is_lost_over_a_restart_and_a_receiver_that_was_taken_out_begins
     task.abort();
     let _ = task.await;
     farm.refuse(&farm.ledger, "b.stl").await;
-    farm.ledger.write_event("unavailable", "cube", None, None, "nobody wants to hear this").await.unwrap();
+    farm.ledger.write_event(EventKind::Unavailable, "cube", None, None, "nobody wants to hear this").await.unwrap();
     farm.refuse(&farm.ledger, "c.stl").await;
     let task = farm.tell(1).await;
     let told = farm.wait(&hook, 3).await;
@@ -333,8 +336,8 @@ async fn a_due_date_at_risk_is_told_once_for_all_parts_of_an_order() {
     assert_eq!(ledger.due_parts(due).await.unwrap().iter().map(|p| p.id).collect::<Vec<_>>(), ids);
     ledger.record_at_risk("paper-200", &ids, "a.stl, b.stl of 1042 are due now: that date has passed.").await.unwrap();
     assert!(ledger.due_parts(due).await.unwrap().is_empty());
-    let event = ledger.next_event(0, &["at_risk"]).await.unwrap().unwrap();
+    let event = ledger.next_event(0, &[EventKind::AtRisk]).await.unwrap().unwrap();
     let message = EventMessage::from_event(&event, &ledger).await.unwrap();
-    assert_eq!((message.kind, message.part), ("at-risk", Some(ids[0].0)));
+    assert_eq!((message.kind.word(), message.part), ("at-risk", Some(ids[0].0)));
     assert!(message.text.contains("are due now"), "{}", message.text);
 }

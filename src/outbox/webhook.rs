@@ -47,7 +47,7 @@ pub(super) fn post_message(webhook: &WebhookSettings, timeout: Duration, message
         .post(&webhook.url)
         .header("Content-Type", "application/json")
         .header(ID, &message.id)
-        .header(EVENT, message.kind)
+        .header(EVENT, message.kind.word())
         .header(SIGNATURE, sign_body(&secret, now, &message.body))
         .send(&message.body)
         .with_context(|| format!("posting to {}", redact_url(&webhook.url)))?;

@@ -24,7 +24,7 @@ pub const OUTCOME_COLUMNS: &[Column<OutcomeRow>] = &[
 /// The events of a build or a part.
 pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
     Column::new("at", fields::EVENT, |event| event.at.into()),
-    Column::new("kind", fields::KIND, |event| (&event.kind).into()),
+    Column::new("kind", fields::KIND, |event| event.kind.to_string().into()),
     Column::new("build", fields::BUILD, |event| event.build_id.into()),
     Column::new("detail", fields::DETAIL, |event| CellValue::Prose(event.detail.clone())),
 ];

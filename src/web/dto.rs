@@ -231,7 +231,7 @@ impl From<OutcomeRow> for OutcomeResource {
 
 impl From<EventRow> for EventResource {
     fn from(row: EventRow) -> Self {
-        Self { at: row.at, kind: row.kind, build: row.build_id, detail: row.detail, cause: row.cause }
+        Self { at: row.at, kind: row.kind.to_string(), build: row.build_id, detail: row.detail, cause: row.cause }
     }
 }
 

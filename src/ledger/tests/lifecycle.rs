@@ -236,7 +236,8 @@ async fn a_failed_build_lets_all_its_copies_go_and_says_why() {
     assert_eq!((row.state, row.reason.as_str()), (BuildState::Failed, "the proof failed three times"));
     assert_eq!((row.measures.copies, row.measures.height_mm), (Some(0), None));
     assert_eq!(ledger.waiting_copies("paper-200").await.unwrap()[0].copies, [0, 1]);
-    let kinds: Vec<String> = ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind).collect();
+    let kinds: Vec<String> =
+        ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind.to_string()).collect();
     assert_eq!(kinds, ["nesting", "batched", "waiting", "failed"]);
 }
 
@@ -264,7 +265,8 @@ async fn an_outcome_told_of_a_published_build_passes_through_printing() {
     ledger.record_outcome(build, PrintOutcome::Complete, "fine", "ann@farm").await.unwrap();
     let row = ledger.find_build(build).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (BuildState::Complete, "fine"));
-    let kinds: Vec<String> = ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind).collect();
+    let kinds: Vec<String> =
+        ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind.to_string()).collect();
     assert_eq!(kinds, ["nesting", "batched", "verified", "published", "built", "printing", "complete"]);
     let told = ledger.outcomes_of_build(build).await.unwrap();
     assert_eq!((told.len(), told[0].outcome, told[0].told_by.as_str()), (1, PrintOutcome::Complete, "ann@farm"));
@@ -308,7 +310,7 @@ async fn the_open_build_is_one_and_keeps_its_layout_until_it_is_verified() {
 async fn the_open_build_of_a_removed_profile_can_be_dropped() {
     let ledger = fresh().await;
     let build = ledger.open_build("gone").await.unwrap().id;
-    ledger.write_event("improved", "gone", None, Some(build), "").await.unwrap();
+    ledger.write_event(EventKind::Unknown("improved".to_owned()), "gone", None, Some(build), "").await.unwrap();
     ledger.delete_open_build("gone").await.unwrap();
     assert_eq!(ledger.find_build(build).await.unwrap(), None);
     assert!(ledger.builds_in_state(BuildState::Open).await.unwrap().is_empty());

@@ -175,16 +175,16 @@ impl FarmStatus {
                          the disk of the state folder is full, free some room; `nestd check` says more.",
                         format_age(Some(d.beat_at), now)
                     ),
-                    false => format!("{runs}: {}.", self.activity_text(d)),
+                    false => format!("{runs}: {}.", self.activity_text()),
                 }
             }
         }
     }
 
-    /// What the daemon does, according to the rows of the table below.
-    fn activity_text(&self, daemon: &DaemonRow) -> String {
-        if daemon.status.starts_with(farm::HALTED) {
-            return daemon.status.clone();
+    /// What the daemon does, according to its alerts and the rows of the table below.
+    fn activity_text(&self) -> String {
+        if let Some(halted) = farm::halt_summary(&self.attention) {
+            return halted;
         }
         let machines = self.profiles.iter().filter(|machine| machine.configured).count();
         farm::farm_summary(machines, self.profiles.iter().map(|machine| &machine.forecast.status))

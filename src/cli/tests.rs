@@ -79,7 +79,7 @@ async fn status_shows_every_machine_and_what_it_does() {
     published(&ledger, &[(a, 0)]).await;
     nesting(&ledger, &[(a, 1)]).await;
     ledger.cancel_part(b, RefusalCause::Cancelled, "not\nneeded").await.unwrap();
-    ledger.pause_profile("sold", "ann@farm").await.unwrap();
+    ledger.pause_profile("sold", "ann@farm", crate::ledger::PauseCause::Person).await.unwrap();
     let stopped = status::read_status(&ledger, &["fuse-1", "paper-200"], false)
         .await
         .unwrap()

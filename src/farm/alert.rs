@@ -72,6 +72,15 @@ const PUT_BACK: &str = "Put the newest backup back with `nestd restore FILE`; wi
      `nestd restore --empty` creates a new ledger from the folders.";
 
 impl AlertKind {
+    /// What is wrong with the ledger, if the farm halts because of it.
+    pub(super) fn ledger_fault(self) -> Option<&'static str> {
+        match self {
+            Self::LedgerDamaged => Some("is damaged"),
+            Self::LedgerReplaced => Some("was removed or replaced"),
+            _ => None,
+        }
+    }
+
     /// Every kind.
     pub const ALL: [Self; 26] = [
         Self::LedgerDamaged,

@@ -8,7 +8,9 @@ use nester::SearchBudget;
 use tracing::{info, warn};
 
 use super::{
-    claim_completion, commands, crash_guard, damaged_files,
+    claim_completion,
+    command_answer::CommandAnswer,
+    commands, crash_guard, damaged_files,
     failure::LostFileError,
     farm::Farm,
     jobs::BackgroundJob,
@@ -94,7 +96,7 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
         machine.open.reset();
         if !being_read {
             let flush = std::mem::take(&mut machine.pending_flushes);
-            commands::answer_commands(&farm.ledger, &flush, &format!("nothing waits in {name}")).await?;
+            commands::answer_commands(&farm.ledger, &flush, &CommandAnswer::NothingWaits(name.to_owned())).await?;
         }
         return Ok(());
     }
@@ -252,12 +254,7 @@ async fn fire_build(farm: &mut Farm, name: &str, by: FireTrigger, wanted: &BTree
     let flush = std::mem::take(&mut machine.pending_flushes);
     info!(build.id = %build, profile = %name, "Fired build {build} of {name} with {}: {by}.", format_count(copies.len(), "copy", "copies"));
     save_layout(&farm.ledger, build, &layout).await?;
-    commands::answer_commands(
-        &farm.ledger,
-        &flush,
-        &format!("build {build} is being nested with {}", format_count(copies.len(), "copy", "copies")),
-    )
-    .await
+    commands::answer_commands(&farm.ledger, &flush, &CommandAnswer::BuildFired(build, copies.len())).await
 }
 
 /// Whether another search may run beside the running ones. An overdue search does not count: a build that takes

@@ -9,6 +9,7 @@ use tracing::{debug, info, warn};
 
 use super::{
     alert::AlertKind,
+    command_answer::CommandAnswer,
     error_folder::{find_refused_files, reason_text},
     failure::LostFileError,
     farm::Farm,
@@ -323,9 +324,9 @@ async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> R
     let Some(command) = command else { return Ok(left?) };
     match left {
         Ok(()) => {
-            let done = format!("part {id} is cancelled");
+            let done = CommandAnswer::PartCancelled(id);
             info!(part.id = %id, asked_by = %command.asked_by, "A command was carried out: {done}.");
-            farm.ledger.answer_command(command.id, true, &done).await?;
+            farm.ledger.answer_command(command.id, done.is_done(), &done.to_string()).await?;
         }
         Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
         Err(refused) => farm.ledger.answer_command(command.id, false, &refused.to_string()).await?,

@@ -4,11 +4,12 @@ use anyhow::Result;
 use tracing::info;
 
 use super::{
-    alert::AlertKind, claim_completion, farm::Farm, machine_state::MachineStates, mark_note, queues,
-    refused_files::CANCELLED,
+    alert::AlertKind, claim_completion, command_answer::CommandAnswer, farm::Farm, machine_state::MachineStates,
+    mark_note, queues, refused_files::CANCELLED,
 };
-use crate::ledger::Ledger;
-use crate::ledger::{CommandId, CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState, RefusalCause};
+use crate::ledger::{
+    CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
+};
 
 /// Carries out commands. A flush command is answered when its build has been fired.
 pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
@@ -28,9 +29,7 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
             Ok(Some(answer)) => {
                 farm.schedule.step_backoff.record_success(&about);
                 farm.alerts.clear(AlertKind::StepFails, &command.profile, &about);
-                let done = answer.is_ok();
-                let (Ok(text) | Err(text)) = answer;
-                farm.ledger.answer_command(command.id, done, &text).await?;
+                answer_commands(&farm.ledger, &[command.id], &answer).await?;
             }
             Err(failure) => {
                 farm.report_failure(AlertKind::StepFails, &command.profile, &about, &failure);
@@ -44,39 +43,40 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
     Ok(())
 }
 
-async fn execute_command(farm: &mut Farm, command: &CommandRow) -> Result<Option<Result<String, String>>> {
+/// Carries out a command; `None` = it is answered later.
+async fn execute_command(farm: &mut Farm, command: &CommandRow) -> Result<Option<CommandAnswer>> {
     let name = command.profile.as_str();
     let needs_profile = matches!(command.kind, CommandKind::Flush | CommandKind::Pause | CommandKind::Resume);
     if needs_profile && !farm.machines.contains_key(name) {
-        return Ok(Some(Err(format!("there is no profile {name}"))));
+        return Ok(Some(CommandAnswer::UnknownProfile(name.to_owned())));
     }
     Ok(Some(match command.kind {
         CommandKind::Flush => return Ok(request_flush(&mut farm.machines, name, command.id)),
-        CommandKind::Pause => match farm.ledger.pause_profile(name, &command.asked_by).await? {
-            true => Ok(format!("{name} is paused")),
-            false => Ok(format!("{name} was paused already")),
+        CommandKind::Pause => match farm.ledger.pause_profile(name, &command.asked_by, PauseCause::Person).await? {
+            true => CommandAnswer::Paused(name.to_owned()),
+            false => CommandAnswer::PausedAlready(name.to_owned()),
         },
         CommandKind::Resume => match farm.ledger.resume_profile(name, &command.asked_by).await? {
-            true => Ok(format!("{name} runs again")),
-            false => Ok(format!("{name} was not paused")),
+            true => CommandAnswer::Resumed(name.to_owned()),
+            false => CommandAnswer::NotPaused(name.to_owned()),
         },
         CommandKind::Scan => {
             let now = farm.now();
             farm.machines.values_mut().for_each(|s| s.inbox.look_at = now);
-            Ok("the hot folders are being looked through".to_owned())
+            CommandAnswer::ScanStarted
         }
         CommandKind::Retry | CommandKind::Cancel => match command.part_id {
             Some(part) => return execute_part_command(farm, command, part).await,
-            None => Err("no part was named".to_owned()),
+            None => CommandAnswer::NoPartNamed,
         },
     }))
 }
 
-fn request_flush(machines: &mut MachineStates, name: &str, id: CommandId) -> Option<Result<String, String>> {
+fn request_flush(machines: &mut MachineStates, name: &str, id: CommandId) -> Option<CommandAnswer> {
     let machine = machines.get_mut(name)?;
     if machine.paused {
         machine.pending_flushes.retain(|&waits| waits != id);
-        return Some(Err(format!("{name} is paused; resume it first")));
+        return Some(CommandAnswer::ProfilePaused(name.to_owned()));
     }
     if !machine.pending_flushes.contains(&id) {
         machine.pending_flushes.push(id);
@@ -84,43 +84,36 @@ fn request_flush(machines: &mut MachineStates, name: &str, id: CommandId) -> Opt
     None
 }
 
-async fn execute_part_command(
-    farm: &mut Farm,
-    command: &CommandRow,
-    part: PartId,
-) -> Result<Option<Result<String, String>>> {
+async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartId) -> Result<Option<CommandAnswer>> {
     let Some(row) = farm.ledger.find_part(part).await? else {
-        return Ok(Some(Err(format!("there is no part {part}"))));
+        return Ok(Some(CommandAnswer::UnknownPart(part)));
     };
     if claim_completion::is_completing(&farm.completion, &farm.jobs, &row) {
         return Ok(None);
     }
     let done = match command.kind {
-        CommandKind::Retry if row.has_unknown_copies() => {
-            let refused = format!("the ticket of part {part} could not be read: mend it and drop both again");
-            return Ok(Some(Err(refused)));
-        }
+        CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
         CommandKind::Retry => match farm.ledger.retry_part(part).await {
             Ok(()) => {
                 mark_note::update_decision_count(farm, &row).await;
-                Ok(format!("part {part} is read again"))
+                Ok(CommandAnswer::PartRetried(part))
             }
             Err(refused) => Err(refused),
         },
         _ => match cancel_part(farm, &row, command).await {
             Ok(false) => return Ok(None),
-            Ok(true) => Ok(format!("part {part} is cancelled")),
+            Ok(true) => Ok(CommandAnswer::PartCancelled(part)),
             Err(refused) => Err(refused),
         },
     };
     match done {
         Ok(done) => {
             info!(part.id = %part, asked_by = %command.asked_by, "A command was carried out: {done}.");
-            Ok(Some(Ok(done)))
+            Ok(Some(done))
         }
         // The disk or the database failed: the command stays open and is retried.
         Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => Err(error.into()),
-        Err(refused) => Ok(Some(Err(refused.to_string()))),
+        Err(refused) => Ok(Some(CommandAnswer::NotAllowed(refused))),
     }
 }
 
@@ -138,10 +131,10 @@ async fn cancel_part(farm: &mut Farm, row: &PartRow, command: &CommandRow) -> Re
     Ok(true)
 }
 
-/// Answers commands that were waiting for something.
-pub(super) async fn answer_commands(ledger: &Ledger, commands: &[CommandId], text: &str) -> Result<()> {
+/// Answers commands.
+pub(super) async fn answer_commands(ledger: &Ledger, commands: &[CommandId], answer: &CommandAnswer) -> Result<()> {
     for &command in commands {
-        ledger.answer_command(command, true, text).await?;
+        ledger.answer_command(command, answer.is_done(), &answer.to_string()).await?;
     }
     Ok(())
 }

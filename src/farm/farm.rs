@@ -6,7 +6,7 @@ use anyhow::Result;
 use jiff::Timestamp;
 
 use super::{
-    alert::AlertKind,
+    alert::{AlertKind, FarmAlert},
     alert_registry::AlertRegistry,
     jobs::JobRunner,
     lost_ledger::ledger_alert,
@@ -20,8 +20,10 @@ use crate::{ledger::Ledger, settings::Settings};
 /// Interval of the ticks when nothing happens.
 pub(super) const TICK_INTERVAL: Duration = Duration::from_millis(500);
 
-/// Start of the status line of a halted farm.
-pub const HALTED: &str = "halted";
+/// The status line of a farm that has halted, if one of its alerts makes it halt.
+pub fn halt_summary(alerts: &[FarmAlert]) -> Option<String> {
+    Some(format!("halted: the ledger {}", alerts.iter().find_map(|alert| alert.kind.ledger_fault())?))
+}
 
 /// The running farm.
 pub struct Farm {
@@ -87,8 +89,8 @@ impl Farm {
             self.nesting.final_searches.values().for_each(|(budget, _)| budget.cancel());
             self.machines.values_mut().for_each(|machine| machine.open.reset());
             self.alerts.raise(kind, "", "", why);
-            let what = if kind == AlertKind::LedgerReplaced { "was removed or replaced" } else { "is damaged" };
-            self.display.status_line = format!("{HALTED}: the ledger {what}");
+            let active: Vec<FarmAlert> = self.alerts.active_alerts().collect();
+            self.display.status_line = halt_summary(&active).unwrap_or_else(|| "halted".to_owned());
             systemd::notify_status(&self.display.status_line);
         }
     }

@@ -16,6 +16,7 @@ mod cake;
 mod claim_completion;
 mod claim_note;
 mod clock_changes;
+mod command_answer;
 mod commands;
 mod crash_guard;
 mod damaged_files;
@@ -92,7 +93,7 @@ pub use cake::{
 };
 pub use disk_cache::DiskPreparationCache;
 pub use event_loop::run;
-pub use farm::HALTED;
+pub use farm::halt_summary;
 pub use folder_check::check_readable;
 pub use folder_lease::LeaseError;
 pub use invariants::{Invariant, InvariantExpectations, InvariantReport, InvariantViolation, check_invariants};

@@ -26,12 +26,12 @@ use super::{
 use crate::{
     intake,
     ledger::Ledger,
-    ledger::{BuildId, BuildRow, BuildState, EventKind, PartId, PartRow},
+    ledger::{BuildId, BuildRow, BuildState, EventKind, PartId, PartRow, PauseCause},
     settings::MachineProfile,
 };
 
-/// The name under which the daemon pauses a profile after a failed build.
-pub const PAUSED_BY_NESTD: &str = "nestd";
+/// The name under which the daemon pauses a profile after a failed build, for people.
+const PAUSED_BY_NESTD: &str = "nestd";
 /// A build that was started this many times without an end is given up, whatever ended the daemon each time.
 const MAX_STARTS: u32 = 200;
 
@@ -214,7 +214,7 @@ async fn give_up_build(farm: &mut Farm, build: &BuildRow, attempts: u32) -> Resu
     warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
     queues::discard_staged(&farm.machines, &mut farm.jobs, build);
     farm.ledger.fail_build(build.id, &reason).await?;
-    farm.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD).await?;
+    farm.ledger.pause_profile(&build.profile, PAUSED_BY_NESTD, PauseCause::BuildFailed).await?;
     Ok(())
 }
 

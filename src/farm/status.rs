@@ -20,7 +20,6 @@ use super::{
     machine_availability,
     machine_state::MachineState,
     machine_state::MachineStates,
-    nest::PAUSED_BY_NESTD,
     systemd,
     time_text::{floor_to_minute, format_with_zone},
     trigger::{FireTrigger, TriggerFacts, next_timed_trigger},
@@ -28,7 +27,7 @@ use super::{
 use crate::{
     intake,
     ledger::Ledger,
-    ledger::{DaemonHeartbeat, LedgerError, ProfileStatus},
+    ledger::{DaemonHeartbeat, LedgerError, PauseCause, ProfileStatus},
     settings::MachineProfile,
 };
 
@@ -93,7 +92,7 @@ async fn update_ledger_alerts(
     let names: Vec<String> = machines.keys().cloned().collect();
     for name in &names {
         let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
-        match paused.filter(|paused| paused.paused_by == PAUSED_BY_NESTD) {
+        match paused.filter(|paused| paused.cause == PauseCause::BuildFailed) {
             Some(_) => {
                 let why = ledger.last_failure(name).await?;
                 let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();

@@ -39,6 +39,19 @@ pub enum CommandState {
 
 own_word!(CommandState);
 
+/// Why a profile is paused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PauseCause {
+    /// A person paused it.
+    #[default]
+    Person,
+    /// The daemon paused it after a build failed, until a person resumes it.
+    BuildFailed,
+}
+
+own_word!(PauseCause);
+
 /// A command to submit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NewCommand {
@@ -130,11 +143,12 @@ impl Ledger {
     }
 
     /// Pauses a profile. Returns `false` if it was paused already.
-    pub async fn pause_profile(&self, profile: &str, by: &str) -> Result<bool> {
+    pub async fn pause_profile(&self, profile: &str, by: &str, cause: PauseCause) -> Result<bool> {
         let mut change = self.begin_change().await?;
         let now = change.now;
-        let insert = "INSERT INTO pause (profile, paused_by, paused_at) VALUES (?, ?, ?) ON CONFLICT DO NOTHING";
-        let paused = sqlx::query(insert).bind(profile).bind(by).bind(now).execute(change.db()).await?;
+        let insert =
+            "INSERT INTO pause (profile, paused_by, cause, paused_at) VALUES (?, ?, ?, ?) ON CONFLICT DO NOTHING";
+        let paused = sqlx::query(insert).bind(profile).bind(by).bind(cause).bind(now).execute(change.db()).await?;
         if paused.rows_affected() == 0 {
             return Ok(false);
         }

@@ -52,7 +52,7 @@ pub use build_row::{
     BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, ProvedFile, ProvedMeasures,
     SearchEffort, StagedFile, Verified,
 };
-pub use command::{CommandKind, CommandRow, CommandState, NewCommand};
+pub use command::{CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
 pub use daemon::{DaemonHeartbeat, DaemonRow, HEARTBEAT_VALID_SECS, LOCK_NAME};
 pub use decisions::ClaimDecisions;
 pub use deep_check::{BuiltPartRow, PartFileRow};

@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use sqlx::{FromRow, SqliteConnection};
 
-use super::{BuildId, BuildState, Ledger, UtcTimestamp, error::Result};
+use super::{BuildId, BuildState, Ledger, PauseCause, UtcTimestamp, error::Result};
 
 /// Time for which a refused part can be retried and counts as refused.
 pub const RETRY_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
@@ -74,8 +74,11 @@ pub struct NestingBuild {
 /// A pause.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
 pub struct PauseStatus {
-    /// user@host.
+    /// user@host, or the name of the daemon.
     pub paused_by: String,
+    /// Why.
+    #[serde(skip)]
+    pub cause: PauseCause,
     /// When it was paused.
     pub paused_at: UtcTimestamp,
 }

@@ -16,7 +16,7 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::{FarmAlert, HALTED, farm_summary, forecast_fire, read_stored_alerts},
+    farm::{FarmAlert, farm_summary, forecast_fire, halt_summary, read_stored_alerts},
     ledger::{CommandKind, DaemonRow, MachineRow, OpenBuildForecast, ProfileStatus, UtcTimestamp},
     settings::MachineProfile,
     tables::{MachineForecast, SheetFact, fields, height_in_volume},
@@ -37,10 +37,12 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         cards.push(machine_card(&web, profile, (&status, station), &shot, now));
     }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
+    let alerts = read_stored_alerts(&settings.state_dir);
+    let activity = halt_summary(&alerts).unwrap_or_else(|| farm_summary(settings.profiles.len(), status.iter()));
     let content = html! {
         h1 { "Farm" }
-        (daemon_line(daemon.as_ref(), &farm_summary(settings.profiles.len(), status.iter()), now))
-        (alerts_section(&read_stored_alerts(&settings.state_dir), now))
+        (daemon_line(daemon.as_ref(), &activity, now))
+        (alerts_section(&alerts, now))
         div.cards {
             @for card in &cards { (card) }
         }
@@ -67,9 +69,8 @@ fn alerts_section(notices: &[FarmAlert], now: Timestamp) -> Markup {
     }
 }
 
-/// The state of the daemon. `does` says what it does, according to the rows that the page shows.
-fn daemon_line(daemon: Option<&DaemonRow>, does: &str, now: Timestamp) -> Markup {
-    let does = daemon.map(|d| d.status.as_str()).filter(|said| said.starts_with(HALTED)).unwrap_or(does);
+/// The state of the daemon. `activity` says what it does, according to the rows and alerts that the page shows.
+fn daemon_line(daemon: Option<&DaemonRow>, activity: &str, now: Timestamp) -> Markup {
     match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {
@@ -78,7 +79,7 @@ fn daemon_line(daemon: Option<&DaemonRow>, does: &str, now: Timestamp) -> Markup
             }
         },
         Some(d) if d.alive => html! {
-            p.ok.daemon { "The daemon runs on " (d.host) " for " (format_age(d.started_at.0, now)) ": " (does) "." }
+            p.ok.daemon { "The daemon runs on " (d.host) " for " (format_age(d.started_at.0, now)) ": " (activity) "." }
         },
         Some(d) => html! {
             p.bad role="alert" { "The daemon does not run; its last sign of life was " (format_age(d.beat_at.0, now)) " ago." }

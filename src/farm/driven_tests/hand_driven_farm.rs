@@ -158,7 +158,12 @@ impl HandDrivenFarm {
     pub fn order(&self, kind: CommandKind, part: Option<PartId>) -> CommandId {
         let profile = if part.is_some() { String::new() } else { PROFILE.to_owned() };
         let command = NewCommand { kind, profile, part, asked_by: "a@test".to_owned() };
-        self.ask(async |ledger| ledger.submit_command(&command).await.unwrap())
+        self.submit_command(&command)
+    }
+
+    /// Gives the daemon a command of anybody.
+    pub fn submit_command(&self, command: &NewCommand) -> CommandId {
+        self.ask(async |ledger| ledger.submit_command(command).await.unwrap())
     }
 
     /// Gives the daemon a command and advances the clocks until it is answered.

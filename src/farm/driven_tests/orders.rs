@@ -1,7 +1,7 @@
 //! Commands that people give to the daemon.
 
-use super::{HandDrivenFarm, QUICK, block};
-use crate::ledger::{CommandKind, CommandState, PartState};
+use super::{super::AlertKind, HandDrivenFarm, PROFILE, QUICK, block};
+use crate::ledger::{CommandKind, CommandState, NewCommand, PartState};
 
 #[test]
 fn a_paused_profile_fires_nothing_until_it_is_resumed() {
@@ -14,6 +14,16 @@ fn a_paused_profile_fires_nothing_until_it_is_resumed() {
     assert!(farm.queued().is_empty());
     assert_eq!(farm.order_and_wait(CommandKind::Resume, None).state, CommandState::Done);
     farm.wait_for_queued(1);
+}
+
+#[test]
+fn a_pause_by_a_user_who_is_called_like_the_daemon_is_not_a_failed_build() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    let asked_by = "nestd".to_owned();
+    farm.submit_command(&NewCommand { kind: CommandKind::Pause, profile: PROFILE.to_owned(), part: None, asked_by });
+    farm.pass_secs(10.0);
+    assert_eq!(farm.ask(async |ledger| ledger.paused_profiles().await.unwrap()), [PROFILE]);
+    assert!(!farm.has_alert(AlertKind::BuildFailed));
 }
 
 #[test]

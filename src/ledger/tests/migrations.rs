@@ -88,6 +88,22 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
 }
 
 #[tokio::test]
+async fn a_pause_of_the_daemon_in_an_earlier_ledger_stays_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nestd.db");
+    let pool = raw(&path).await;
+    let earlier: Vec<_> = MIGRATIONS.iter().filter(|migration| migration.version < 17).cloned().collect();
+    Migrator { migrations: Cow::Owned(earlier), ..Migrator::DEFAULT }.run(&pool).await.unwrap();
+    let pauses = "INSERT INTO pause VALUES ('a', 'nestd', '2026-11-03T00:00:00.000Z'), ('b', 'me@here', '2026-11-03T00:00:00.000Z')";
+    sqlx::query(pauses).execute(&pool).await.unwrap();
+    pool.close().await;
+    let ledger = Ledger::open(&path).await.unwrap();
+    let causes: Vec<_> =
+        ledger.profile_statuses().await.unwrap().into_iter().map(|row| row.paused.unwrap().cause).collect();
+    assert_eq!(causes, [PauseCause::BuildFailed, PauseCause::Person]);
+}
+
+#[tokio::test]
 async fn the_list_of_migrations_is_the_folder() {
     let folder = Migrator::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations")).await.unwrap();
     let all = |migrator: &Migrator| {

@@ -121,11 +121,12 @@ async fn a_command_is_asked_once_and_answered_once() {
 #[tokio::test]
 async fn a_profile_is_paused_until_it_is_resumed() {
     let ledger = fresh().await;
-    assert!(ledger.pause_profile("fuse-1", "ann@farm").await.unwrap());
-    assert!(!ledger.pause_profile("fuse-1", "bob@farm").await.unwrap());
+    assert!(ledger.pause_profile("fuse-1", "ann@farm", PauseCause::Person).await.unwrap());
+    assert!(!ledger.pause_profile("fuse-1", "bob@farm", PauseCause::BuildFailed).await.unwrap());
     assert_eq!(ledger.paused_profiles().await.unwrap(), ["fuse-1"]);
     let status = ledger.profile_statuses().await.unwrap();
     assert_eq!(status[0].paused.as_ref().unwrap().paused_by, "ann@farm");
+    assert_eq!(status[0].paused.as_ref().unwrap().cause, PauseCause::Person);
     assert!(ledger.resume_profile("fuse-1", "ann@farm").await.unwrap());
     assert!(!ledger.resume_profile("fuse-1", "ann@farm").await.unwrap());
     assert!(ledger.paused_profiles().await.unwrap().is_empty());

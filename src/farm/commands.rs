@@ -5,7 +5,7 @@ use tracing::info;
 
 use super::{
     alert::AlertKind, claim_completion, command_answer::CommandAnswer, farm::Farm, machine_state::MachineStates,
-    mark_note, queues, refused_files::CANCELLED,
+    mark_note, queues,
 };
 use crate::ledger::{
     CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
@@ -121,7 +121,7 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
 /// again. `false` = the copy is being made, and the command is answered afterwards.
 async fn cancel_part(farm: &mut Farm, row: &PartRow, command: &CommandRow) -> Result<bool, LedgerError> {
     farm.ledger.ensure_cancellable(row.id).await?;
-    let reason = format!("{CANCELLED}{}.", command.asked_by);
+    let reason = format!("Cancelled by {}.", command.asked_by);
     if row.state == PartState::Waiting && farm.machines.contains_key(&row.profile) {
         claim_completion::start_refusal(farm, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
         return Ok(false);

@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::{
     intake,
-    ledger::{PartRow, RefusalCause},
+    ledger::{PartId, PartRow, RefusalCause},
 };
 
 /// End of the name of the reason file.
@@ -73,6 +73,12 @@ pub fn remove_refused_files(error_dir: &Path, part: &PartRow) -> Result<()> {
 /// Start of the line in the reason that names the part.
 pub fn part_line(part: &PartRow) -> String {
     format!("Part {} of the profile {}.", part.id, part.profile)
+}
+
+/// The part of a profile that the text of a reason names; `None` = the file was refused before it became a part.
+pub(super) fn find_part_number(text: &str, profile: &str) -> Option<PartId> {
+    let end = format!(" of the profile {profile}.");
+    text.lines().find_map(|line| line.strip_prefix("Part ")?.split_once(&end)?.0.parse().ok().map(PartId))
 }
 
 /// The complete text of a reason file.

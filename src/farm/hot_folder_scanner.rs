@@ -22,7 +22,7 @@ use crate::{
         OrderListRules, OrderListTracker, PartSpec, ScanLimits, SettleRules, SettleTracker, SettledEntry, StoreError,
         StoredFile, TakeDecision, TicketError,
     },
-    ledger::{NewPartRow, RefusalCause},
+    ledger::{LedgerError, NewPartRow, PartId, PartRow, RefusalCause},
     settings::MachineProfile,
 };
 
@@ -136,13 +136,14 @@ impl HotFolderScanner {
         self.keep_pending(claim);
     }
 
-    /// One scan: claims settled files and copies them into the store.
+    /// One scan: claims settled files and copies them into the store. `find_part` finds the rows of refused parts.
     pub fn scan_and_claim(
         &mut self,
         profile: &MachineProfile,
         leases: &mut FolderLeases,
         store: &ContentStore,
         orphan_secs: f64,
+        find_part: impl Fn(PartId) -> Result<Option<PartRow>, LedgerError>,
     ) -> HotFolderScan {
         let mut scan = HotFolderScan::default();
         let lease = &mut leases.inbox;
@@ -181,7 +182,9 @@ impl HotFolderScanner {
         self.emptied_folders.remove_empty_folders(self.inbox.path(), EmptiedFolders::MIN_AGE);
         if self.counted_at.is_none_or(|at| self.time.passed_since(at) >= RECOUNT_INTERVAL) || !scan.refused.is_empty() {
             self.counted_at = Some(self.time.instant());
-            scan.refused_file_count = scan.may_refuse.then(|| self.refused.count_unresolved(&profile.folders.error));
+            scan.refused_file_count = scan
+                .may_refuse
+                .then(|| self.refused.count_unresolved(&profile.folders.error, &profile.name, find_part));
         }
         scan
     }

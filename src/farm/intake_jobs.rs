@@ -113,8 +113,10 @@ pub(super) fn start_scans(farm: &mut Farm) {
         let (profile, store) = (machine.profile.clone(), farm.meshes.store.clone());
         let mut leases = machine.leases.clone();
         let (name, status) = (name.clone(), machine.status_files(&farm.alerts, farm.settings.scan_secs));
+        let (ledger, runtime) = (farm.ledger.clone(), tokio::runtime::Handle::current());
         farm.jobs.start(HotFolderScanJob { profile: name }, move || {
-            let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs);
+            let find_part = |part| runtime.block_on(ledger.find_part(part));
+            let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, find_part);
             // The status is not written into an empty mount point that has replaced the folder meanwhile.
             if status.1.is_empty() || scan.unavailable_reason.is_some() || leases.inbox.check_usable().is_err() {
                 return (scanner, scan);

@@ -1,5 +1,6 @@
 //! Counts the refused files in an error folder that somebody must still handle. Not counted are files that were
-//! cancelled on purpose, dismissed, or can no longer be taken back.
+//! cancelled on purpose, dismissed, or can no longer be taken back. Whether a part was cancelled is in its row; a file
+//! that was refused before it became a part has none.
 
 use std::{
     collections::HashMap,
@@ -8,14 +9,14 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-use crate::{intake, ledger::RETRY_PERIOD};
+use super::error_folder::{REASON_SUFFIX, find_part_number};
+use crate::{
+    intake,
+    ledger::{LedgerError, PartId, PartRow, PartState, RETRY_PERIOD, RefusalCause},
+};
 
 /// A file in the error folder: refusals older than its modification time are dismissed.
 const DISMISSED: &str = ".nestd-dismissed";
-/// Start of the reason of a cancelled part.
-pub(super) const CANCELLED: &str = "Cancelled by ";
-/// End of the name of a reason.
-const REASON: &[u8] = b".reason.txt";
 
 /// What is known of the reasons in an error folder.
 #[derive(Debug, Default)]
@@ -25,18 +26,26 @@ pub struct RefusedFiles {
 }
 
 impl RefusedFiles {
-    /// Number of files that somebody must handle.
-    pub fn count_unresolved(&mut self, error_dir: &Path) -> usize {
+    /// Number of files in the error folder of a profile that somebody must handle. `find_part` finds the row of a part;
+    /// it is asked once for each reason that was written.
+    pub fn count_unresolved(
+        &mut self,
+        error_dir: &Path,
+        profile: &str,
+        find_part: impl Fn(PartId) -> Result<Option<PartRow>, LedgerError>,
+    ) -> usize {
         let dismissed = fs::metadata(error_dir.join(DISMISSED)).and_then(|meta| meta.modified()).ok();
         let before = std::mem::take(&mut self.known);
         for reason in intake::files_below(error_dir).unwrap_or_default() {
-            if !reason.as_os_str().as_encoded_bytes().ends_with(REASON) {
+            if !reason.as_os_str().as_encoded_bytes().ends_with(REASON_SUFFIX.as_bytes()) {
                 continue;
             }
             let Ok(written) = fs::symlink_metadata(&reason).and_then(|meta| meta.modified()) else { continue };
-            let known = before.get(&reason).filter(|(when, _)| *when == written).copied();
-            let known = known.unwrap_or_else(|| (written, is_cancelled_reason(&reason)));
-            self.known.insert(reason, known);
+            let known = before.get(&reason).filter(|(when, _)| *when == written).map(|(_, cancelled)| *cancelled);
+            // What is not decided yet is asked for again.
+            if let Some(is_cancelled) = known.or_else(|| is_cancelled(&reason, profile, &find_part)) {
+                self.known.insert(reason, (written, is_cancelled));
+            }
         }
         let is_old = |written: &SystemTime| written.elapsed().is_ok_and(|age| age > refused_retention());
         let needs_person = |(written, is_cancelled): &&(SystemTime, bool)| {
@@ -51,9 +60,18 @@ fn refused_retention() -> Duration {
     RETRY_PERIOD.unsigned_abs()
 }
 
-fn is_cancelled_reason(reason: &Path) -> bool {
+/// Whether the part that a reason names was cancelled; `None` = its row does not say so yet, or it was taken back.
+fn is_cancelled(
+    reason: &Path,
+    profile: &str,
+    find_part: impl Fn(PartId) -> Result<Option<PartRow>, LedgerError>,
+) -> Option<bool> {
     let text = intake::read_reason(reason).ok().flatten().unwrap_or_default();
-    text.starts_with(CANCELLED)
+    let Some(part) = find_part_number(&text, profile) else { return Some(false) };
+    match find_part(part).ok()? {
+        Some(row) if row.state != PartState::Rejected => None,
+        row => Some(row.is_some_and(|row| row.refusal == Some(RefusalCause::Cancelled))),
+    }
 }
 
 /// Dismisses all refused files so far: the files stay, but nobody is reminded of them.
@@ -72,31 +90,43 @@ pub fn dismiss_refused(error_dir: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ledger::fixtures::{fresh, waiting};
 
-    #[test]
-    fn what_was_cancelled_or_dismissed_or_is_old_needs_nobody() {
+    #[tokio::test(flavor = "multi_thread")]
+    async fn what_was_cancelled_or_dismissed_or_is_old_needs_nobody() {
+        let ledger = fresh().await;
+        let (cancelled, retried) = (waiting(&ledger.ledger, "a", 1).await, waiting(&ledger.ledger, "b", 1).await);
+        ledger.ledger.cancel_part(cancelled, RefusalCause::Cancelled, "Not needed.").await.unwrap();
+        let profile = ledger.ledger.find_part(cancelled).await.unwrap().unwrap().profile;
+        let runtime = tokio::runtime::Handle::current();
+        let find_part = |part| tokio::task::block_in_place(|| runtime.block_on(ledger.ledger.find_part(part)));
         let dir = tempfile::tempdir().expect("a folder");
         let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).expect("can be written");
         let mut refused = RefusedFiles::default();
-        assert_eq!(refused.count_unresolved(dir.path()), 0);
+        let mut count = || refused.count_unresolved(dir.path(), &profile, find_part);
+        assert_eq!(count(), 0);
+        let reason =
+            |part: PartId| format!("Not needed.\n\nPart {part} of the profile {profile}. To take it back: ..\n");
         fs::create_dir(dir.path().join("part-3")).expect("a folder");
-        write(
-            "part-3/a.stl.reason.txt",
-            "Cancelled by ann@pc.\n\nPart 3 of the profile p. To take it back: nestd retry 3\n",
-        );
-        write("b.pdf.reason.txt", "b.pdf was refused.\n\nIt is a PDF file.\n");
+        write("part-3/a.stl.reason.txt", &reason(cancelled));
+        write("c.stl.reason.txt", &reason(retried));
+        assert_eq!(count(), 0, "the second one is not refused any more");
+        write("b.pdf.reason.txt", "b.pdf was refused.\n\nIt is a PDF file. Cancelled by nobody.\n");
         write("b.pdf", "x");
-        assert_eq!(refused.count_unresolved(dir.path()), 1);
-        assert_eq!(refused.count_unresolved(dir.path()), 1);
+        assert_eq!(count(), 1);
+        write("part-9.reason.txt", &reason(PartId(999)));
+        assert_eq!(count(), 2, "a part that the ledger does not know");
+        ledger.ledger.cancel_part(retried, RefusalCause::TooLarge, "Cancelled by its size.").await.unwrap();
+        assert_eq!(count(), 3, "it is refused now");
         dismiss_refused(dir.path()).expect("can be written");
-        assert_eq!(refused.count_unresolved(dir.path()), 0);
+        assert_eq!(count(), 0);
         dismiss_refused(dir.path()).expect("can be written again");
         std::thread::sleep(Duration::from_millis(20));
         write("c.obj.reason.txt", "c.obj was refused.\n");
-        assert_eq!(refused.count_unresolved(dir.path()), 1);
+        assert_eq!(count(), 1);
         let old = SystemTime::now() - refused_retention() - Duration::from_secs(60);
         let reason = fs::File::options().write(true).open(dir.path().join("c.obj.reason.txt")).expect("is there");
         reason.set_modified(old).expect("can be set");
-        assert_eq!(refused.count_unresolved(dir.path()), 0);
+        assert_eq!(count(), 0);
     }
 }

@@ -25,7 +25,7 @@ const ROWS: &str = "
         (3, '2026-11-03T00:00:00.000Z', 'complete', 'paper-200', NULL, 4, '');
     INSERT INTO outcome VALUES (1, 4, 'complete', 'fine', 'me@here', '2026-11-03T00:00:00.000Z');
     INSERT INTO command VALUES (1, 'retry', '', 7, 'me@here', '2026-11-03T00:00:00.000Z', 'refused', 'no', '2026-11-03T00:00:00.000Z');
-    INSERT INTO pause VALUES ('paper-200', 'me@here', '2026-11-03T00:00:00.000Z');
+    INSERT INTO pause (profile, paused_by, paused_at) VALUES ('paper-200', 'me@here', '2026-11-03T00:00:00.000Z');
     INSERT INTO daemon VALUES (1, 42, 'here', '0.1.0', '2026-11-03T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'idle');";
 
 const TABLES: [&str; 9] = ["part", "ticket", "build", "placement", "event", "outcome", "command", "pause", "daemon"];

@@ -8,6 +8,7 @@ use nester::SearchBudget;
 use tracing::{info, warn};
 
 use super::{
+    batch_decision::{BatchDecision, BatchFacts, decide_batch},
     claim_completion,
     command_answer::CommandAnswer,
     commands, crash_guard, damaged_files,
@@ -19,7 +20,7 @@ use super::{
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
     state::ReadingState,
     thread_priority::lower_thread_priority,
-    trigger::{FireTrigger, find_trigger},
+    trigger::FireTrigger,
 };
 use crate::ledger::Ledger;
 use crate::ledger::{BuildId, OpenLayout, PartId, PartRow, RefusalCause, WaitingPart};
@@ -88,29 +89,26 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     }
     let mut waiting = farm.ledger.waiting_copies(name).await?;
     waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
-    let flush = farm.machines.get(name).is_some_and(|s| !s.pending_flushes.is_empty());
-    let being_read = flush && has_unread_claims(&farm.ledger, &farm.reading, name).await?;
+    let flush = farm.machines.get(name).is_some_and(|machine| !machine.pending_flushes.is_empty());
+    let has_unread_claims = flush && has_unread_claims(&farm.ledger, &farm.reading, name).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    machine.is_idle = waiting.is_empty();
     if waiting.is_empty() {
         machine.open.reset();
-        if !being_read {
-            let flush = std::mem::take(&mut machine.pending_flushes);
-            commands::answer_commands(&farm.ledger, &flush, &CommandAnswer::NothingWaits(name.to_owned())).await?;
-        }
-        return Ok(());
     }
     let head = machine.open.truncate_queue(&waiting, &machine.profile);
     let wanted: BTreeSet<CopyId> = waiting_copy_ids(&head).into_iter().collect();
-    machine.is_idle = machine.open.covers_copies(&wanted);
-    if !machine.paused {
-        let flush = !machine.pending_flushes.is_empty() && !being_read;
-        let facts = machine.trigger_facts(&waiting, &wanted, flush, farm.schedule.clock.is_date_trusted());
-        if let Some(by) = find_trigger(&machine.profile, &facts, farm.schedule.time.date()) {
-            return fire_build(farm, name, by, &wanted).await;
+    machine.is_idle = waiting.is_empty() || machine.open.covers_copies(&wanted);
+    let open = machine.trigger_facts(&waiting, &wanted, flush, farm.schedule.clock.is_date_trusted());
+    let facts = BatchFacts { open, has_unread_claims, is_paused: machine.paused };
+    match decide_batch(&machine.profile, &facts, farm.schedule.time.date()) {
+        BatchDecision::AwaitClaims => Ok(()),
+        BatchDecision::AnswerFlushes => {
+            let flushes = std::mem::take(&mut machine.pending_flushes);
+            commands::answer_commands(&farm.ledger, &flushes, &CommandAnswer::NothingWaits(name.to_owned())).await
         }
+        BatchDecision::Fire(by) => fire_build(farm, name, by, &wanted).await,
+        BatchDecision::Search => start_layout_search(farm, name, head, wanted).await,
     }
-    start_layout_search(farm, name, head, wanted).await
 }
 
 /// Whether a part of the profile is claimed but not read. A flush command waits for such parts, except for those

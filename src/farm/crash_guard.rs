@@ -5,6 +5,7 @@
 use std::time::Duration;
 
 use anyhow::Result;
+use jiff::SignedDuration;
 
 use super::{alert::AlertKind, alert_registry::AlertRegistry, farm::Farm};
 use crate::ledger::Ledger;
@@ -25,26 +26,48 @@ fn wait_after_crashes(begun: u32) -> Duration {
     }
 }
 
+/// What follows from the searches for a build that had no end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum CrashDecision {
+    /// There were so few that they are taken for accidents.
+    Begin,
+    /// An alert names the parts. The wait, which was this long, is over.
+    WarnAndBegin(Duration),
+    /// An alert names the parts. The next search begins this long after a start.
+    WarnAndWait(Duration),
+}
+
+/// Decides whether a search may begin after this many had no end. `running` = how long this process has run.
+fn decide_after_crashes(begun: u32, running: SignedDuration) -> CrashDecision {
+    let wait = wait_after_crashes(begun);
+    match Duration::try_from(running) {
+        _ if wait.is_zero() => CrashDecision::Begin,
+        Ok(running) if running < wait => CrashDecision::WarnAndWait(wait),
+        _ => CrashDecision::WarnAndBegin(wait),
+    }
+}
+
 /// Whether a build must wait because too many of its searches had no end; an alert names its parts.
 pub(super) fn must_wait_after_crashes(farm: &mut Farm, build: &BuildRow, begun: u32, parts: &[&PartRow]) -> bool {
-    let wait = wait_after_crashes(begun);
-    if wait.is_zero() {
-        return false;
-    }
+    let decision = decide_after_crashes(begun, farm.date().duration_since(farm.lifecycle.started_at));
+    let (CrashDecision::WarnAndBegin(wait) | CrashDecision::WarnAndWait(wait)) = decision else { return false };
+    let about = format!("ended at build {}", build.id);
+    farm.alerts.raise(AlertKind::NestingFails, &build.profile, &about, &describe_crashes(build, begun, wait, parts));
+    matches!(decision, CrashDecision::WarnAndWait(_))
+}
+
+fn describe_crashes(build: &BuildRow, begun: u32, wait: Duration, parts: &[&PartRow]) -> String {
     let names: Vec<String> = parts.iter().take(10).map(|part| format!("{} ({})", part.id, part.name)).collect();
     let more =
         if parts.len() > names.len() { format!(" and {} more", parts.len() - names.len()) } else { String::new() };
-    let detail = format!(
+    format!(
         "nestd ended {begun} times during a search for build {}: the next search begins {} s after a start. \
          Its parts are {}{more}; \
          `nestd cancel PART` takes one out",
         build.id,
         wait.as_secs(),
         names.join(", ")
-    );
-    farm.alerts.raise(AlertKind::NestingFails, &build.profile, &format!("ended at build {}", build.id), &detail);
-    let running = farm.date().duration_since(farm.lifecycle.started_at);
-    Duration::try_from(running).is_ok_and(|running| running < wait)
+    )
 }
 
 /// A search for a build has ended, with whatever result, and nestd is still running.
@@ -61,5 +84,15 @@ mod tests {
     fn a_build_that_ends_the_process_waits_longer_each_time_and_kills_now_and_then_cost_nothing() {
         let waits = [0, 3, 4, 5, 6, 20].map(|begun| wait_after_crashes(begun).as_secs());
         assert_eq!(waits, [0, 0, 5, 10, 20, 600]);
+    }
+
+    #[test]
+    fn a_build_waits_after_each_start_until_its_wait_is_over() {
+        let secs = SignedDuration::from_secs;
+        assert_eq!(decide_after_crashes(3, secs(0)), CrashDecision::Begin);
+        assert_eq!(decide_after_crashes(5, secs(9)), CrashDecision::WarnAndWait(Duration::from_secs(10)));
+        assert_eq!(decide_after_crashes(5, secs(10)), CrashDecision::WarnAndBegin(Duration::from_secs(10)));
+        // The clock was set back: it cannot be known how long this process has run.
+        assert_eq!(decide_after_crashes(5, secs(-1)), CrashDecision::WarnAndBegin(Duration::from_secs(10)));
     }
 }

@@ -14,20 +14,16 @@ use super::{
     intake_jobs::{self, PartReadJob},
     job_events,
     jobs::LoopEvent,
-    lease_clock, lease_renewal, machine_setup, nest, open, publish,
+    lease_renewal, machine_setup, nest, open, publish,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
-    tidy::{self, TIDY_EVERY},
-    watching,
+    tick_tasks::TimedTask,
+    tidy, watching,
 };
 
-/// Interval of the heartbeats in the ledger.
-const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(4);
 /// How long an orderly stop waits for jobs; the service manager allows 10 s.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(8);
-/// Interval of retrying claims that could not be completed.
-const CLAIM_RETRY_INTERVAL: Duration = Duration::from_secs(20);
 /// Maximum number of events between two ticks, so that commands and signals are handled in between.
 const MAX_EVENTS_PER_TICK: usize = 64;
 /// While files are read one after the other, the other steps run only at this interval: each of them queries the
@@ -78,7 +74,7 @@ async fn run_event_loop(farm: &mut Farm, signals: &mut SignalListener) -> Result
 /// One tick: every step does its work. A step that fails is logged and retried at a later tick.
 pub(super) async fn run_tick(farm: &mut Farm) {
     systemd::notify_watchdog();
-    let (time, now) = (farm.schedule.time.clone(), farm.now());
+    let now = farm.now();
     status::publish_alerts(farm);
     if !farm.lifecycle.is_halted
         && let Err(replaced) = farm.ledger.ensure_files_in_place()
@@ -89,32 +85,34 @@ pub(super) async fn run_tick(farm: &mut Farm) {
         return;
     }
     // This comes first: while this process was suspended, another farm may have taken folders and claims.
-    let is_due = time.passed_since(farm.schedule.last_renewal) >= lease_clock::renewal_interval();
+    let is_due = farm.schedule.tasks.is_due(TimedTask::RenewLeases, now);
     lease_renewal::renew_leases(farm, is_due);
     farm.run_step("looking at the clock", clock_changes::handle_clock_change).await;
     intake_jobs::start_scans(farm);
     if may_have_work(farm) {
         run_ledger_steps(farm).await;
     }
-    if farm.display.heartbeat_at.is_none_or(|at| time.passed_since(at) >= HEARTBEAT_INTERVAL) {
-        farm.display.heartbeat_at = Some(now);
-        farm.run_step("sign of life", status::write_heartbeat).await;
+    for task in farm.schedule.tasks.due_tasks(now) {
+        run_timed_task(farm, task, now).await;
     }
-    if time.passed_since(farm.schedule.last_watch_check).as_secs_f64() >= farm.settings.scan_secs {
-        farm.schedule.last_watch_check = now;
-        watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
-        folder_comparison::start_folder_comparison(farm);
-        watching::start_watcher(farm);
-        tidy::start_misplaced_file_search(&farm.settings, &mut farm.jobs);
-    }
-    if time.passed_since(farm.schedule.last_claim_retry) >= CLAIM_RETRY_INTERVAL {
-        farm.schedule.last_claim_retry = now;
-        farm.run_step("settling claims", claim_completion::complete_claims).await;
-        farm.run_step("looking at damaged files", damaged_files::check_damaged_files).await;
-    }
-    if now >= farm.schedule.tidy_at {
-        farm.schedule.tidy_at = now + TIDY_EVERY;
-        farm.run_step("tidying", tidy::tidy_up).await;
+}
+
+async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
+    farm.schedule.tasks.record_done(task, now, farm.settings.scan_secs);
+    match task {
+        TimedTask::RenewLeases => lease_renewal::renew_leases(farm, true),
+        TimedTask::WriteHeartbeat => farm.run_step("sign of life", status::write_heartbeat).await,
+        TimedTask::CheckFolders => {
+            watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
+            folder_comparison::start_folder_comparison(farm);
+            watching::start_watcher(farm);
+            tidy::start_misplaced_file_search(&farm.settings, &mut farm.jobs);
+        }
+        TimedTask::RetryClaims => {
+            farm.run_step("settling claims", claim_completion::complete_claims).await;
+            farm.run_step("looking at damaged files", damaged_files::check_damaged_files).await;
+        }
+        TimedTask::TidyUp => farm.run_step("tidying", tidy::tidy_up).await,
     }
 }
 

@@ -7,7 +7,7 @@ use tracing::info;
 
 use super::{
     adopt, alert::AlertKind, alert_registry::AlertRegistry, farm::Farm, folder_lease::FolderLease,
-    folder_leases::FolderLeases, jobs::BackgroundJob, lease_clock, machine_state::MachineStates,
+    folder_leases::FolderLeases, jobs::BackgroundJob, lease_clock, machine_state::MachineStates, tick_tasks::TimedTask,
 };
 
 /// The alert for each folder, in the order of [`FolderLeases::all`].
@@ -62,7 +62,8 @@ pub(super) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut
 /// Nothing is done with its parts meanwhile.
 pub(super) fn renew_leases(farm: &mut Farm, is_due: bool) {
     if is_due {
-        farm.schedule.last_renewal = farm.now();
+        let (now, scan_secs) = (farm.now(), farm.settings.scan_secs);
+        farm.schedule.tasks.record_done(TimedTask::RenewLeases, now, scan_secs);
     }
     for (name, machine) in farm.machines.iter().filter(|(_, s)| is_due || !s.leases.are_fresh()) {
         let (profile, mut leases) = (name.clone(), Box::new(machine.leases.clone()));

@@ -2,7 +2,7 @@
 //!
 //! `farm` and `state` hold what the steps share. A step is a file of functions that take what they need: the ledger, the
 //! settings, the machines, the alerts or the jobs; or the whole farm. What a step decides is a function without a farm
-//! (as in `trigger`), and what it does off the loop is a `BackgroundJob` in the same file. `hot_folder_scanner`
+//! (`trigger`, `batch_decision`, `nest_decision`, `publish_decision`, `tick_tasks`), and what it does off the loop is a `BackgroundJob` in the same file. `hot_folder_scanner`
 //! and `intake_jobs` claim and read dropped files, `batch` keeps the open build up to date and fires it, `nest` searches,
 //! writes and proves, `publish` publishes, `commands` carries out commands of operators. Only `event_loop` knows all
 //! steps.
@@ -11,6 +11,7 @@ mod adopt;
 mod alert;
 mod alert_registry;
 mod batch;
+mod batch_decision;
 mod build_record;
 mod cake;
 mod claim_completion;
@@ -57,10 +58,12 @@ mod mark_note;
 mod mesh_cache;
 mod mesh_source;
 mod nest;
+mod nest_decision;
 mod nesting_search;
 mod newer_decisions;
 mod open;
 mod publish;
+mod publish_decision;
 mod queues;
 mod read;
 mod read_turn;
@@ -77,6 +80,7 @@ mod state_lock;
 mod status;
 mod systemd;
 mod thread_priority;
+mod tick_tasks;
 mod tidy;
 mod time_source;
 mod time_text;

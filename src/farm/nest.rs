@@ -11,17 +11,17 @@ use tracing::{info, warn};
 use super::{
     alert::AlertKind,
     batch, crash_guard, damaged_files,
-    failure::{LostFileError, is_disk_failure},
     farm::Farm,
     folder_lease::FolderLease,
     jobs::BackgroundJob,
     layout::{placed_from_json, placed_from_rows},
     mesh_source::MeshSource,
+    nest_decision::{AttemptDecision, AttemptFacts, FailedSearch, classify_failure, decide_attempt},
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
     publish,
     queues::{self, demand_staged},
     state::NestingState,
-    write_build::{BuildWriteRequest, UnprovedBuildError, WrittenBuild, queue_file_name, write_and_prove},
+    write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
 };
 use crate::{
     intake,
@@ -32,8 +32,6 @@ use crate::{
 
 /// The name under which the daemon pauses a profile after a failed build, for people.
 const PAUSED_BY_NESTD: &str = "nestd";
-/// A build that was started this many times without an end is given up, whatever ended the daemon each time.
-const MAX_STARTS: u32 = 200;
 
 /// Nests, writes and proves a build.
 #[derive(Clone)]
@@ -96,28 +94,32 @@ async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
         true => build.attempts,
         false => farm.ledger.begin_attempt(build.id).await?,
     };
-    let failures = farm.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count);
-    if failures >= farm.machines[&build.profile].profile.search.max_attempts || attempts > MAX_STARTS {
-        return give_up_build(farm, &build, attempts - 1).await;
+    let search = &farm.machines[&build.profile].profile.search;
+    let decision = decide_attempt(&AttemptFacts {
+        build: build.id,
+        attempts,
+        failures: farm.nesting.failures.get(&build.id).map_or(0, |(count, _)| *count),
+        max_attempts: search.max_attempts,
+        final_secs: search.final_secs,
+        seed: search.nest.seed,
+    });
+    match decision {
+        AttemptDecision::GiveUp => give_up_build(farm, &build, attempts - 1).await,
+        AttemptDecision::Search { secs, seed } => start_final_search(farm, build, secs, seed).await,
     }
-    start_final_search(farm, build, attempts).await
 }
 
-async fn start_final_search(farm: &mut Farm, build: BuildRow, attempts: u32) -> Result<()> {
+async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u64) -> Result<()> {
     let wanted = parts_with_copies(&farm.ledger, build.id).await?;
     let machine = &farm.machines[&build.profile];
     let profile = machine.profile.clone();
     let queue = machine.queue.opened.clone().context("the queue folder is not open")?;
-    // Each further attempt gets half the time, so that one finishes even if crashes or restarts interrupt attempts.
-    let secs = profile.search.final_secs / f64::from(1 << (attempts.saturating_sub(1)).min(10));
     let budget = SearchBudget::of_secs(secs);
     let start = match build.kept.layout.as_deref() {
         Some(layout) => placed_from_json(layout),
         // The build was proved before, but its file was damaged.
         None => placed_from_rows(&farm.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
     };
-    let seed =
-        profile.search.nest.seed.wrapping_add(build.id.0.unsigned_abs()).wrapping_add(u64::from(attempts - 1) << 32);
     let mut leases = machine.leases.clone();
     let unsure = wanted
         .iter()
@@ -166,30 +168,7 @@ async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<Written
     }
     let written = match written {
         Ok(written) => written,
-        Err(failure) if farm.lifecycle.is_stopping => {
-            info!(build.id = %build, "A build was left for the next start: {failure:#}.");
-            return Ok(());
-        }
-        Err(failure) if LostFileError::find_in_chain(&failure).is_some() => {
-            return damaged_files::continue_without_lost_file(farm, build, &failure).await;
-        }
-        Err(failure) if is_disk_failure(&failure) => {
-            // Not a fault of the build: it does not count as an attempt, and the parts stay in it.
-            farm.nesting.just_fired.insert(build);
-            farm.nesting.backoff.record_failure(build);
-            let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), &failure);
-            return Ok(());
-        }
-        Err(failure) => {
-            warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
-            if failure.is::<UnprovedBuildError>() {
-                let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
-                let why = format!("{failure:#}");
-                farm.ledger.write_event(EventKind::ProofFailed, &profile, None, Some(build), &why).await?;
-            }
-            return record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("{failure:#}")).await;
-        }
+        Err(failure) => return on_search_failed(farm, build, &failure).await,
     };
     if let Err(why) = queues::demand_same_queue(&farm.ledger, &farm.machines, build, &written.verified).await {
         return record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("{why:#}")).await;
@@ -205,6 +184,33 @@ async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<Written
         farm.ledger.write_event(EventKind::Locked, &profile, None, Some(build), &written.locked).await?;
     }
     publish::publish_verified_builds(farm).await
+}
+
+async fn on_search_failed(farm: &mut Farm, build: BuildId, failure: &anyhow::Error) -> Result<()> {
+    let decision = classify_failure(failure, farm.lifecycle.is_stopping);
+    let profile = farm.ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
+    match decision {
+        FailedSearch::LeaveForNextStart => {
+            info!(build.id = %build, "A build was left for the next start: {failure:#}.");
+            Ok(())
+        }
+        FailedSearch::ContinueWithoutFile => damaged_files::continue_without_lost_file(farm, build, failure).await,
+        FailedSearch::RetryLater => {
+            // The parts stay in it.
+            farm.nesting.just_fired.insert(build);
+            farm.nesting.backoff.record_failure(build);
+            farm.report_failure(AlertKind::NestingFails, &profile, &format!("build {build}"), failure);
+            Ok(())
+        }
+        FailedSearch::CountAttempt { is_unproved } => {
+            warn!(build.id = %build, "A build could not be made; it is tried again: {failure:#}.");
+            let why = format!("{failure:#}");
+            if is_unproved {
+                farm.ledger.write_event(EventKind::ProofFailed, &profile, None, Some(build), &why).await?;
+            }
+            record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &why).await
+        }
+    }
 }
 
 /// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.

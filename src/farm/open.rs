@@ -127,7 +127,7 @@ fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSour
             _lock: parts.lock,
         },
         alerts: AlertRegistry::by(time.clone()),
-        schedule: LoopSchedule::starting_now(super::tidy::FIRST_TIDY_AFTER, time),
+        schedule: LoopSchedule::starting_now(settings.scan_secs, time),
         settings,
     }
 }

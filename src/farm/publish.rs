@@ -10,6 +10,7 @@ use super::{
     forget,
     forgettable::Forgettable,
     jobs::BackgroundJob,
+    publish_decision::{PublishDecision, PublishFacts, decide_publishing},
     staged_build::{PublishStep, QueueReplacedError, StagedBuild},
     state::NestingState,
 };
@@ -55,20 +56,26 @@ pub(super) fn is_build_resting(nesting: &NestingState, build: BuildId) -> bool {
 pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
     for build in farm.ledger.builds_in_state(BuildState::Verified).await? {
         let id = build.id;
-        if is_build_resting(&farm.nesting, id) || farm.jobs.is_running::<PublishBuildJob>(id) {
-            continue;
-        }
         // The alert on a machine that is not configured covers this.
         let Some(machine) = farm.machines.get(&build.profile) else { continue };
-        let is_served = machine.agreed_folders.is_some() && machine.leases.are_fresh();
-        let Some(queue) = machine.queue.opened.clone().filter(|_| is_served) else { continue };
-        let (is_tried, archive) = (build.staged.publishing_at.is_some(), machine.profile.folders.archive.clone());
+        let decision = decide_publishing(&PublishFacts {
+            is_resting: is_build_resting(&farm.nesting, id),
+            is_running: farm.jobs.is_running::<PublishBuildJob>(id),
+            is_machine_served: machine.agreed_folders.is_some() && machine.leases.are_fresh(),
+            is_queue_open: machine.queue.opened.is_some(),
+            is_recorded: build.staged.publishing_at.is_some(),
+        });
+        let (PublishDecision::Check | PublishDecision::Rename, Some(queue)) = (decision, machine.queue.opened.clone())
+        else {
+            continue;
+        };
+        let archive = machine.profile.folders.archive.clone();
         let (record, is_first) = (farm.ledger.export_build_record(id).await?, farm.nesting.rename_untried.remove(&id));
         let staged = StagedBuild { queue, build, archive, leases: machine.leases.clone() };
         farm.jobs.start(PublishBuildJob { build: id }, move || match staged.leases.check_publish_folders() {
             Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
             Err(away) => Err(away.into()),
-            Ok(()) if is_tried => staged.try_publish(&record, is_first),
+            Ok(()) if decision == PublishDecision::Rename => staged.try_publish(&record, is_first),
             Ok(()) => staged.check_before_publishing(),
         });
     }

@@ -4,7 +4,7 @@
 use std::{
     collections::{HashMap, HashSet},
     path::PathBuf,
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 use jiff::Timestamp;
@@ -13,7 +13,8 @@ use nester::SearchBudget;
 use super::{
     alert_registry::ServiceBridge, folder_lease::LeaseHolder, forgettable::ForgettingState,
     ledger_changes::LedgerChangeDetector, nesting_search::SharedBestLayout, retry_backoff::RetryBackoff,
-    standing_claim::StandingClaim, state_lock::StateDirLock, time_source::TimeSource, wall_clock::WallClockMonitor,
+    standing_claim::StandingClaim, state_lock::StateDirLock, tick_tasks::TaskTimes, time_source::TimeSource,
+    wall_clock::WallClockMonitor,
 };
 use crate::{
     intake::InboxWatcher,
@@ -99,8 +100,6 @@ pub(super) struct DisplayState {
     pub(super) status_line: String,
     /// When the status was last updated.
     pub(super) updated_at: Option<Instant>,
-    /// When the last heartbeat was written into the ledger.
-    pub(super) heartbeat_at: Option<Instant>,
 }
 
 /// The watch on the hot folders of all machines.
@@ -120,26 +119,20 @@ pub(super) struct LoopSchedule {
     pub(super) is_unwatched: bool,
     /// Steps that failed and wait for a retry, by name.
     pub(super) step_backoff: RetryBackoff<String>,
-    pub(super) tidy_at: Instant,
-    pub(super) last_watch_check: Instant,
-    pub(super) last_claim_retry: Instant,
-    pub(super) last_renewal: Instant,
+    /// When each task of the tick is due.
+    pub(super) tasks: TaskTimes,
 }
 
 impl LoopSchedule {
     /// The schedule of a farm that starts now.
-    pub(super) fn starting_now(first_tidy_after: Duration, time: TimeSource) -> Self {
-        let now = time.instant();
+    pub(super) fn starting_now(scan_secs: f64, time: TimeSource) -> Self {
         Self {
             clock: WallClockMonitor::with_reader(time.clone()),
             ledger_changes: LedgerChangeDetector::default(),
             watched: None,
             is_unwatched: false,
             step_backoff: RetryBackoff::by(time.clone()),
-            tidy_at: now + first_tidy_after,
-            last_watch_check: now,
-            last_claim_retry: now,
-            last_renewal: now,
+            tasks: TaskTimes::starting_at(time.instant(), scan_secs),
             time,
         }
     }

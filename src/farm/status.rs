@@ -21,6 +21,7 @@ use super::{
     machine_state::MachineState,
     machine_state::MachineStates,
     systemd,
+    tick_tasks::TimedTask,
     time_text::{floor_to_minute, format_with_zone},
     trigger::{FireTrigger, TriggerFacts, next_timed_trigger},
 };
@@ -77,7 +78,8 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
         systemd::notify_status(&line);
         farm.display.status_line = line;
         // Otherwise the ledger would show the old line until the next heartbeat.
-        farm.display.heartbeat_at = None;
+        let now = farm.now();
+        farm.schedule.tasks.make_due(TimedTask::WriteHeartbeat, now);
     }
     Ok(())
 }

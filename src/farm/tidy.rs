@@ -23,10 +23,6 @@ use super::{
 };
 use crate::{intake, ledger::PartState, settings::Settings};
 
-/// Delay of the first housekeeping, so that it does not slow down the start.
-pub const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
-/// Interval of the housekeeping.
-pub const TIDY_EVERY: Duration = Duration::from_secs(3600);
 /// Parts that were built or forgotten longer ago than this were handled by an earlier run.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
 

@@ -43,7 +43,7 @@ impl fmt::Display for FireTrigger {
 }
 
 /// The input of the triggers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriggerFacts {
     /// Number of waiting copies.
     pub copies: usize,
@@ -133,7 +133,7 @@ fn first_daily_time_after(at: &[jiff::civil::Time], oldest: Timestamp) -> Option
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use jiff::{SignedDuration, ToSpan};
 
     use super::*;
@@ -141,8 +141,13 @@ mod tests {
 
     /// A machine that fires after a day, an hour before a due date, and at five o'clock.
     fn machine() -> MachineProfile {
+        machine_with_triggers("max_wait_secs = \"24h\"\nat = [\"17:00\"]\n")
+    }
+
+    /// A machine with these settings of its triggers.
+    pub(in super::super) fn machine_with_triggers(settings: &str) -> MachineProfile {
         let folder = tempfile::tempdir().unwrap();
-        let profile = "volume_mm = [100, 100, 100]\n[trigger]\nmax_wait_secs = \"24h\"\nat = [\"17:00\"]\n";
+        let profile = format!("volume_mm = [100, 100, 100]\n[trigger]\n{settings}");
         std::fs::create_dir(folder.path().join("profiles")).unwrap();
         std::fs::write(folder.path().join("profiles/m.toml"), profile).unwrap();
         std::fs::write(folder.path().join("nestd.toml"), "").unwrap();

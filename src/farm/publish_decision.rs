@@ -1,0 +1,63 @@
+//! Decides the next step of a verified build on its way into the queue. This is a function of facts.
+
+/// What is known of a verified build and its machine.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PublishFacts {
+    /// It failed recently and waits for a retry.
+    pub(super) is_resting: bool,
+    /// A job takes a step with it.
+    pub(super) is_running: bool,
+    /// The folders of the machine agree with the ledger, and their leases are fresh.
+    pub(super) is_machine_served: bool,
+    /// The queue folder is open.
+    pub(super) is_queue_open: bool,
+    /// The ledger has recorded that it will be renamed.
+    pub(super) is_recorded: bool,
+}
+
+/// The next step of a verified build.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PublishDecision {
+    /// None now.
+    Wait,
+    /// It is checked before the ledger records that it will be renamed.
+    Check,
+    /// It is compared with what was proved, and renamed.
+    Rename,
+}
+
+/// Decides the next step of a verified build.
+pub(super) fn decide_publishing(facts: &PublishFacts) -> PublishDecision {
+    if facts.is_resting || facts.is_running || !facts.is_machine_served || !facts.is_queue_open {
+        return PublishDecision::Wait;
+    }
+    // Nothing is renamed before the ledger says so: a crash in between must not publish a build twice.
+    if facts.is_recorded { PublishDecision::Rename } else { PublishDecision::Check }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_build_is_renamed_only_after_the_ledger_has_recorded_it_and_while_its_machine_is_served() {
+        let facts = PublishFacts {
+            is_resting: false,
+            is_running: false,
+            is_machine_served: true,
+            is_queue_open: true,
+            is_recorded: false,
+        };
+        assert_eq!(decide_publishing(&facts), PublishDecision::Check);
+        let recorded = PublishFacts { is_recorded: true, ..facts };
+        assert_eq!(decide_publishing(&recorded), PublishDecision::Rename);
+        for hindered in [
+            PublishFacts { is_resting: true, ..recorded },
+            PublishFacts { is_running: true, ..recorded },
+            PublishFacts { is_machine_served: false, ..recorded },
+            PublishFacts { is_queue_open: false, ..recorded },
+        ] {
+            assert_eq!(decide_publishing(&hindered), PublishDecision::Wait);
+        }
+    }
+}

@@ -1,12 +1,14 @@
 //! Compares the folders of every machine with the ledger while the farm runs.
 
+use std::sync::Arc;
+
 use anyhow::Result;
 
 use super::{
     alert::AlertKind,
     farm::Farm,
     jobs::BackgroundJob,
-    ledger_freshness::{FolderComparison, compare_machine_folders},
+    ledger_freshness::{FolderComparison, StoreComparison, compare_machine_folders},
 };
 
 /// Compares a profile's folders with the ledger.
@@ -32,11 +34,14 @@ impl BackgroundJob<Farm> for FolderComparisonJob {
 /// Starts to compare the folders of every machine with the ledger. Until they agree, nothing is printed; if they
 /// disagree, nothing is claimed.
 pub(super) fn start_folder_comparison(farm: &mut Farm) {
+    // Each machine has a job of its own, because its folders may hang.
+    let store = Arc::new(StoreComparison::default());
     for (name, machine) in &farm.machines {
+        let store = store.clone();
         let (settings, ledger, profile) = (farm.settings.clone(), farm.ledger.clone(), machine.profile.clone());
         let (before, runtime) = (machine.agreed_folders, tokio::runtime::Handle::current());
         farm.jobs.start(FolderComparisonJob { profile: name.clone() }, move || {
-            runtime.block_on(compare_machine_folders(&settings, &ledger, &profile, before))
+            runtime.block_on(compare_machine_folders(&settings, &ledger, &store, &profile, before))
         });
     }
 }
@@ -54,7 +59,7 @@ fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) 
         FolderComparison::LedgerBehind(detail) => (Some(detail), None),
         FolderComparison::Unavailable(why) => (None, Some(why)),
     };
-    machine.may_take = behind.is_none();
+    machine.may_claim = behind.is_none();
     if behind.is_some() || away.is_some() {
         machine.agreed_folders = None;
     }

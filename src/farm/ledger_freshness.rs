@@ -9,6 +9,7 @@ use std::{
 };
 
 use anyhow::{Context, Result};
+use tokio::sync::OnceCell;
 
 use super::{
     alert::AlertKind,
@@ -69,7 +70,7 @@ pub async fn find_unknown_to_ledger(
 /// The builds of a machine that the ledger does not know.
 ///
 /// # Errors
-/// [`Away`] if a folder cannot be read, or an error of the ledger.
+/// [`FolderUnavailableError`] if a folder cannot be read, or an error of the ledger.
 pub async fn find_unknown_build_names(
     settings: &Settings,
     ledger: &Ledger,
@@ -145,10 +146,36 @@ pub enum FolderComparison {
     Unavailable(String),
 }
 
+/// The store compared with the ledger, once for all machines whose folders are compared together.
+#[derive(Debug, Default)]
+pub(super) struct StoreComparison {
+    /// What the ledger does not know: profile and description.
+    unknown: OnceCell<Vec<(String, String)>>,
+}
+
+impl StoreComparison {
+    /// Descriptions of what the store holds for a profile and the ledger does not know. The first caller walks the
+    /// store.
+    async fn unknown_of_profile(&self, settings: &Settings, ledger: &Ledger, profile: &str) -> Result<Vec<String>> {
+        let unknown = self.unknown.get_or_try_init(|| find_unknown_in_store(settings, ledger)).await?;
+        Ok(unknown.iter().filter(|(of, _)| of == profile).map(|(_, what)| what.clone()).collect())
+    }
+}
+
+async fn find_unknown_in_store(settings: &Settings, ledger: &Ledger) -> Result<Vec<(String, String)>> {
+    let kept = claim_note::list_stored_files(settings)?;
+    let files = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
+    let decided = newer_decisions::find_newer_decisions(settings, ledger, &kept).await?;
+    let files = files.iter().filter_map(|file| Some((file.note.as_ref()?.part.profile.clone(), file.display_name())));
+    let decided = decided.iter().map(|claim| (claim.profile.clone(), newer_decisions::describe_decision(claim)));
+    Ok(files.chain(decided).collect())
+}
+
 /// Compares a machine's folders with the ledger, unless they are still those that agreed.
 pub(super) async fn compare_machine_folders(
     settings: &Settings,
     ledger: &Ledger,
+    store: &StoreComparison,
     profile: &MachineProfile,
     before: Option<FolderIdentities>,
 ) -> FolderComparison {
@@ -164,15 +191,7 @@ pub(super) async fn compare_machine_folders(
     };
     let unknown = async {
         let mut unknown = find_unknown_build_names(settings, ledger, profile).await?;
-        let kept = claim_note::list_stored_files(settings)?;
-        let files = claim_note::find_forgotten_files(settings, ledger, &kept).await?;
-        let is_of =
-            |file: &claim_note::ForgottenFile| file.note.as_ref().is_some_and(|t| t.part.profile == profile.name);
-        unknown.extend(files.iter().filter(|file| is_of(file)).map(claim_note::ForgottenFile::display_name));
-        let decided = newer_decisions::find_newer_decisions(settings, ledger, &kept).await?;
-        unknown.extend(
-            decided.iter().filter(|claim| claim.profile == profile.name).map(newer_decisions::describe_decision),
-        );
+        unknown.extend(store.unknown_of_profile(settings, ledger, &profile.name).await?);
         anyhow::Ok(unknown)
     };
     match unknown.await {

@@ -174,26 +174,24 @@ fn find_misfit(solid: &PartFileSolid, part: &PartRow, profile: &MachineProfile) 
         has.z
     );
     // A wrong unit is the most common reason: give the size in a smaller unit, and let people decide.
-    if part.terms.unit.is_none() {
-        let read_in = profile.intake.unit.mm_per_unit();
-        let smaller = [LengthUnit::Millimeter, LengthUnit::Micron]
-            .into_iter()
-            .find(|unit| unit.mm_per_unit() < read_in && (needs * (unit.mm_per_unit() / read_in)).cmple(has).all());
-        if let Some(unit) = smaller {
+    let read_in = profile.intake.unit.mm_per_unit();
+    let fits_in =
+        |unit: &LengthUnit| unit.mm_per_unit() < read_in && (needs * (unit.mm_per_unit() / read_in)).cmple(has).all();
+    let smaller = [LengthUnit::Millimeter, LengthUnit::Micron].into_iter().find(fits_in);
+    reason.push_str(&match smaller.filter(|_| part.terms.unit.is_none()) {
+        Some(unit) => {
             let size = needs * (unit.mm_per_unit() / read_in);
             let word = format!("{unit:?}").to_lowercase();
-            reason.push_str(&format!(
+            format!(
                 " Read in {word}s it would be {:.1} x {:.1} x {:.1} mm and fit: if that is meant, drop it with a ticket that says \
                  unit = \"{word}\".",
                 size.x, size.y, size.z
-            ));
+            )
         }
-    }
-    if !reason.contains("unit = ") {
-        reason.push_str(
-            " Drop it for a larger machine, or split it; where its ticket holds it upright or fixed, a freer orientation may fit.",
-        );
-    }
+        None => " Drop it for a larger machine, or split it; where its ticket holds it upright or fixed, a freer \
+                 orientation may fit."
+            .to_owned(),
+    });
     Some(reason)
 }
 

@@ -102,7 +102,7 @@ pub(super) struct ClaimCompletionJob {
 }
 
 impl BackgroundJob<Farm> for ClaimCompletionJob {
-    const KIND: &'static str = "End";
+    const KIND: &'static str = "Claim";
     type Outcome = Result<ClaimOutcome>;
 
     fn subject(&self) -> String {

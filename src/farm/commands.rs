@@ -62,7 +62,7 @@ async fn execute_command(farm: &mut Farm, command: &CommandRow) -> Result<Option
         },
         CommandKind::Scan => {
             let now = farm.now();
-            farm.machines.values_mut().for_each(|s| s.inbox.look_at = now);
+            farm.machines.values_mut().for_each(|s| s.inbox.next_scan_at = now);
             CommandAnswer::ScanStarted
         }
         CommandKind::Retry | CommandKind::Cancel => match command.part_id {

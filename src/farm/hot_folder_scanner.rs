@@ -89,7 +89,7 @@ pub struct HotFolderScan {
     pub refused: Vec<(String, RefusalCause, String)>,
     /// What waits because it does not match an order list, as parts of sentences.
     pub waiting_reasons: Vec<String>,
-    /// Whether more is ready than one scan takes: `held` is incomplete.
+    /// Whether more is ready than one scan takes: `waiting_reasons` is incomplete.
     pub is_truncated: bool,
     /// Failures that will be retried.
     pub warnings: Vec<String>,
@@ -244,7 +244,7 @@ impl HotFolderScanner {
                     let row = new_part_row(profile, &claim, &stored, part_spec.as_ref().ok());
                     let note = ClaimNote::new(&self.farm_id, row, part_spec.as_ref().err());
                     match store.write_note(&stored.hash, &claim.id, &note.to_text()) {
-                        Ok(()) => scan.drops.push(ClaimedDrop { claim, stored, part_spec: part_spec, row: note.part }),
+                        Ok(()) => scan.drops.push(ClaimedDrop { claim, stored, part_spec, row: note.part }),
                         Err(error) => {
                             scan.warnings.push(error_chain(&error));
                             self.keep_pending(claim);

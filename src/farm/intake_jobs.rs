@@ -38,7 +38,7 @@ pub(super) struct HotFolderScanJob {
 }
 
 impl BackgroundJob<Farm> for HotFolderScanJob {
-    const KIND: &'static str = "Receive";
+    const KIND: &'static str = "Scan";
     type Outcome = (Box<HotFolderScanner>, HotFolderScan);
 
     fn subject(&self) -> String {
@@ -92,16 +92,16 @@ impl BackgroundJob<Farm> for PartReadJob {
 /// Something changed: schedules a scan soon.
 pub(super) fn schedule_scan(farm: &mut Farm) {
     let soon = farm.now() + SCAN_DELAY_AFTER_EVENT;
-    farm.machines.values_mut().for_each(|s| s.inbox.look_at = s.inbox.look_at.min(soon));
+    farm.machines.values_mut().for_each(|s| s.inbox.next_scan_at = s.inbox.next_scan_at.min(soon));
 }
 
 /// Starts a scan of every hot folder that is due.
 pub(super) fn start_scans(farm: &mut Farm) {
     let (now, orphan_secs) = (farm.now(), farm.settings.orphan_ticket_secs);
     for (name, machine) in &mut farm.machines {
-        if !machine.may_take
+        if !machine.may_claim
             || !machine.leases.are_fresh()
-            || now < machine.inbox.look_at
+            || now < machine.inbox.next_scan_at
             || farm.jobs.is_running::<HotFolderScanJob>(name)
         {
             continue;
@@ -138,7 +138,7 @@ fn reset_scanner(farm: &mut Farm, name: &str) {
             farm.settings.orphan_ticket_secs,
             farm.schedule.time.clone(),
         )));
-        machine.inbox.look_at = now + Duration::from_secs_f64(scan_secs);
+        machine.inbox.next_scan_at = now + Duration::from_secs_f64(scan_secs);
     }
 }
 
@@ -180,15 +180,15 @@ async fn on_scan_done(
             machine.inbox.scanner = Some(scanner);
         }
         let next_secs = scan.next_secs.unwrap_or(scan_secs).clamp(0.05, scan_secs);
-        machine.inbox.look_at = now + Duration::from_secs_f64(next_secs);
-        machine.inbox.refused_kept = scan.refused_file_count.unwrap_or(machine.inbox.refused_kept);
+        machine.inbox.next_scan_at = now + Duration::from_secs_f64(next_secs);
+        machine.inbox.refused_file_count = scan.refused_file_count.unwrap_or(machine.inbox.refused_file_count);
         let error_dir = machine.profile.folders.error.display();
         match scan.is_truncated || scan.unavailable_reason.is_some() {
             true => {}
             false if scan.waiting_reasons.is_empty() => farm.alerts.clear(AlertKind::Incomplete, name, ""),
             false => farm.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&scan.waiting_reasons)),
         }
-        match machine.inbox.refused_kept {
+        match machine.inbox.refused_file_count {
             0 => farm.alerts.clear(AlertKind::Refused, name, ""),
             files => {
                 let detail = format!("{} in {error_dir}", format_count(files, "file", "files"));
@@ -271,7 +271,7 @@ async fn record_claimed_file(
 /// Starts to read claimed parts.
 pub(super) async fn start_reading(farm: &mut Farm) -> Result<()> {
     let profiles: Vec<Arc<MachineProfile>> =
-        (farm.machines.values()).filter(|s| s.may_take && s.leases.are_fresh()).map(|s| s.profile.clone()).collect();
+        (farm.machines.values()).filter(|s| s.may_claim && s.leases.are_fresh()).map(|s| s.profile.clone()).collect();
     // Another machine comes first each time, so that none waits until another one's queue is empty.
     farm.reading.rounds = farm.reading.rounds.wrapping_add(1);
     for at in 0..profiles.len() {

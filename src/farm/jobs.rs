@@ -145,7 +145,7 @@ impl<O: 'static> JobRunner<O> {
         self.remove_ended_job(event)
     }
 
-    /// Same as [`JobRunner::next`], without waiting.
+    /// Same as [`JobRunner::next_event`], without waiting.
     pub fn try_next_event(&mut self) -> Option<LoopEvent<O>> {
         let event = self.events.try_recv().ok();
         self.remove_ended_job(event)

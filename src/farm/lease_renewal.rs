@@ -10,7 +10,7 @@ use super::{
     folder_leases::FolderLeases, jobs::BackgroundJob, lease_clock, machine_state::MachineStates, tick_tasks::TimedTask,
 };
 
-/// The alert for each folder, in the order of [`FolderLeases::all`].
+/// The alert for each folder, in the order of [`FolderLeases::all_leases`].
 const LEASE_ALERTS: [AlertKind; 4] =
     [AlertKind::HotFolderAway, AlertKind::QueueAway, AlertKind::ArchiveAway, AlertKind::ErrorFolderAway];
 
@@ -22,7 +22,7 @@ pub(super) struct LeaseRenewalJob {
 }
 
 impl BackgroundJob<Farm> for LeaseRenewalJob {
-    const KIND: &'static str = "Hold";
+    const KIND: &'static str = "Lease";
     type Outcome = (Box<FolderLeases>, bool);
 
     fn subject(&self) -> String {
@@ -108,8 +108,8 @@ pub(super) fn release_leases(machines: &mut MachineStates) {
 fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, leases: &FolderLeases) {
     for (kind, wrong) in LEASE_ALERTS.into_iter().zip(&leases.errors) {
         match wrong {
-            Some(why) => alerts.raise(kind, name, "its owner", why),
-            None => alerts.clear(kind, name, "its owner"),
+            Some(why) => alerts.raise(kind, name, "lease", why),
+            None => alerts.clear(kind, name, "lease"),
         }
     }
 }

@@ -41,7 +41,7 @@ pub(super) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
         let is = |kind: AlertKind| alerts.iter().any(|alert| alert.kind == kind);
         let lasts = alerts.iter().find(|alert| now.duration_since(alert.since) >= UNAVAILABLE_AFTER);
         // After a start nothing is known until everything was checked once.
-        let is_looked_at =
+        let was_checked =
             machine.inbox.scanned_at.is_some() && machine.queue.opened.is_some() && farm.display.updated_at.is_some();
         ObservedMachine {
             profile: name.clone(),
@@ -50,7 +50,7 @@ pub(super) fn observed_machines(farm: &Farm) -> Vec<ObservedMachine> {
             is_queue_writable: machine.queue.opened.is_some() && !is(AlertKind::QueueAway),
             trouble: match lasts {
                 Some(alert) => Some(alert.alert_text()),
-                None => (is_looked_at && alerts.is_empty()).then(String::new),
+                None => (was_checked && alerts.is_empty()).then(String::new),
             },
         }
     });

@@ -32,7 +32,7 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
     }
     for (name, profile) in farm.settings.profiles.clone() {
         match farm.machines.get_mut(&name) {
-            Some(machine) if *machine.profile == profile => (machine.agreed_folders, machine.may_take) = (None, false),
+            Some(machine) if *machine.profile == profile => (machine.agreed_folders, machine.may_claim) = (None, false),
             Some(machine) => {
                 // A new volume or clearance makes the layout invalid. A new hot folder needs a new hot folder
                 // scanner.

@@ -38,11 +38,11 @@ pub struct InboxState {
     /// The hot folder scanner; `None` while a job scans the folder with it.
     pub scanner: Option<Box<HotFolderScanner>>,
     /// When the next scan is due.
-    pub look_at: Instant,
+    pub next_scan_at: Instant,
     /// When this run last scanned it.
     pub scanned_at: Option<UtcTimestamp>,
     /// Number of refused files in the error folder.
-    pub refused_kept: usize,
+    pub refused_file_count: usize,
     /// `.claimed/` must be listed again: claims were adopted, or a claim could not be completed.
     pub relist: bool,
 }
@@ -72,7 +72,7 @@ pub struct MachineState {
     pub agreed_folders: Option<FolderIdentities>,
     /// Whether files are claimed and read. This starts after its folders were compared with the ledger, and stops while
     /// they contain something that the ledger does not know. Unavailable folders delay only printing.
-    pub may_take: bool,
+    pub may_claim: bool,
     /// Its printer queue folder.
     pub queue: MachineQueue,
     /// The build that collects waiting parts.
@@ -136,15 +136,15 @@ impl MachineState {
         Self {
             inbox: InboxState {
                 scanner: Some(Box::new(HotFolderScanner::new(&profile, orphan_secs, time.clone()))),
-                look_at: now,
+                next_scan_at: now,
                 scanned_at: None,
-                refused_kept: 0,
+                refused_file_count: 0,
                 relist: false,
             },
             leases: FolderLeases::new(holder, &profile),
             profile,
             agreed_folders: None,
-            may_take: false,
+            may_claim: false,
             queue: MachineQueue { opened: None, open_at: now },
             open: OpenBuildState {
                 layout: BatchLayout { placed, ..BatchLayout::default() },

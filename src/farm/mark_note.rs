@@ -15,7 +15,7 @@ struct MarkJob {
 }
 
 impl BackgroundJob<Farm> for MarkJob {
-    const KIND: &'static str = "Mark";
+    const KIND: &'static str = "Note";
     type Outcome = Result<()>;
 
     fn subject(&self) -> String {

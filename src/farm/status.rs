@@ -47,7 +47,7 @@ pub(super) struct WriteStatusJob {
 }
 
 impl BackgroundJob<Farm> for WriteStatusJob {
-    const KIND: &'static str = "Tell";
+    const KIND: &'static str = "Status";
     type Outcome = ();
 
     fn subject(&self) -> String {
@@ -300,7 +300,7 @@ fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value
         "being_read_parts": row.claimed_parts,
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
-        "refused_files": machine.inbox.refused_kept,
+        "refused_files": machine.inbox.refused_file_count,
         "open_build": {
             "height_mm": open.height_mm,
             "density": open.density,

@@ -48,7 +48,7 @@ impl BackgroundJob<Farm> for ArchivePurgeJob {
 pub(super) struct MisplacedFilesJob;
 
 impl BackgroundJob<Farm> for MisplacedFilesJob {
-    const KIND: &'static str = "Stray";
+    const KIND: &'static str = "Misplaced";
     type Outcome = Vec<String>;
 
     fn subject(&self) -> String {

@@ -87,7 +87,7 @@ pub fn next_timed_trigger(profile: &MachineProfile, facts: &TriggerFacts) -> Opt
     if facts.copies == 0 {
         return None;
     }
-    // Of triggers at the same time the first counts, as in `fired_by`.
+    // Of triggers at the same time the first counts, as in [`find_trigger`].
     trigger_times(profile, facts).into_iter().min_by_key(|(at, _)| *at)
 }
 

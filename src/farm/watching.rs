@@ -135,7 +135,7 @@ fn on_folders_made(farm: &mut Farm, name: &str, failed: &[String]) {
     update_folder_alert(&mut farm.alerts, name, failed);
     let now = farm.now();
     if let Some(machine) = farm.machines.get_mut(name).filter(|machine| machine.inbox.scanned_at.is_none()) {
-        machine.inbox.look_at = now;
+        machine.inbox.next_scan_at = now;
         lease_renewal::renew_leases(farm, true);
         start_watcher(farm);
         folder_comparison::start_folder_comparison(farm);

@@ -33,7 +33,7 @@ const MAX_LISTED_ALERTS: usize = 8;
 /// Connects the farm with the other services of the daemon; usable from any thread.
 #[derive(Debug, Clone, Default)]
 pub struct ServiceBridge {
-    reports: Arc<Mutex<BTreeMap<(AlertKind, String), String>>>,
+    reports: Arc<Mutex<BTreeMap<(AlertKind, String), Option<String>>>>,
     is_open: watch::Sender<bool>,
 }
 
@@ -68,11 +68,11 @@ impl ServiceBridge {
     fn store_report(&self, kind: AlertKind, about: &str, why: Option<String>) {
         let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
         // A success is stored too, so that an earlier alert is cleared.
-        reports.insert((kind, about.to_owned()), why.unwrap_or_default());
+        reports.insert((kind, about.to_owned()), why);
     }
 
-    /// What each service has reported; "" = it works.
-    pub fn service_reports(&self) -> BTreeMap<(AlertKind, String), String> {
+    /// What is wrong with each service, as reported; `None` = it works.
+    pub fn service_reports(&self) -> BTreeMap<(AlertKind, String), Option<String>> {
         self.reports.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }

@@ -11,7 +11,7 @@ use crate::{
 
 /// The consequence of an earlier part with the same bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum TwinVerdict {
+pub(super) enum DuplicateDecision {
     /// No consequence.
     None,
     /// The part is accepted with this warning.
@@ -20,7 +20,7 @@ pub(super) enum TwinVerdict {
     Refuse(String),
 }
 
-impl TwinVerdict {
+impl DuplicateDecision {
     /// The consequence for a part that was read, according to the duplicate policy of its profile.
     fn of(part: &PartRow, solids: &[SolidFacts], earlier: &PartRow, duplicates: DuplicatePolicy) -> Self {
         if is_in_another_unit(part, solids, earlier) {
@@ -42,19 +42,19 @@ impl TwinVerdict {
 }
 
 /// The consequence of an earlier part with the same bytes, if there is one.
-pub(super) async fn compare_with_twins(
+pub(super) async fn decide_on_duplicate(
     ledger: &Ledger,
     machines: &MachineStates,
     part: &PartRow,
     solids: &[SolidFacts],
-) -> Result<TwinVerdict> {
-    let Some(machine) = machines.get(&part.profile) else { return Ok(TwinVerdict::None) };
+) -> Result<DuplicateDecision> {
+    let Some(machine) = machines.get(&part.profile) else { return Ok(DuplicateDecision::None) };
     let Some(earlier) = ledger.find_earlier_part(&part.profile, &part.file.content_hash, part.id).await? else {
-        return Ok(TwinVerdict::None);
+        return Ok(DuplicateDecision::None);
     };
     let earlier = ledger.find_part(earlier).await?;
-    Ok(earlier.map_or(TwinVerdict::None, |earlier| {
-        TwinVerdict::of(part, solids, &earlier, machine.profile.intake.duplicates)
+    Ok(earlier.map_or(DuplicateDecision::None, |earlier| {
+        DuplicateDecision::of(part, solids, &earlier, machine.profile.intake.duplicates)
     }))
 }
 

@@ -11,7 +11,7 @@ use super::{
     claim_completion,
     claim_note::ClaimNote,
     damaged_files,
-    duplicates::{self, TwinVerdict},
+    duplicates::{self, DuplicateDecision},
     error_folder::{self, COPIES_UNKNOWN},
     farm::Farm,
     folder_leases::FolderLeases,
@@ -331,10 +331,10 @@ async fn on_part_read(farm: &mut Farm, id: PartId, outcome: PartReadOutcome) -> 
     }
     match outcome {
         PartReadOutcome::Solids(mut solids) => {
-            match duplicates::compare_with_twins(&farm.ledger, &farm.machines, &part, &solids).await? {
-                TwinVerdict::None => {}
-                TwinVerdict::Warn(warning) => solids[0].warnings.push(warning),
-                TwinVerdict::Refuse(reason) => {
+            match duplicates::decide_on_duplicate(&farm.ledger, &farm.machines, &part, &solids).await? {
+                DuplicateDecision::None => {}
+                DuplicateDecision::Warn(warning) => solids[0].warnings.push(warning),
+                DuplicateDecision::Refuse(reason) => {
                     return claim_completion::refuse_part(farm, &part, RefusalCause::Duplicate, &reason).await;
                 }
             }

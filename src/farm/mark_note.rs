@@ -9,12 +9,12 @@ use crate::ledger::PartRow;
 
 /// Writes the number of decisions into the claim note.
 #[derive(Clone)]
-struct MarkJob {
+struct DecisionCountJob {
     part: PartRow,
     decisions: u32,
 }
 
-impl BackgroundJob<Farm> for MarkJob {
+impl BackgroundJob<Farm> for DecisionCountJob {
     const KIND: &'static str = "Note";
     type Outcome = Result<()>;
 
@@ -24,7 +24,7 @@ impl BackgroundJob<Farm> for MarkJob {
 
     async fn on_done(self, farm: &mut Farm, marked: Self::Outcome) -> Result<()> {
         if let Err(failure) = marked {
-            tell_failure(&self.part, &failure);
+            log_note_failure(&self.part, &failure);
         }
         // No second job starts while this one runs: decisions made meanwhile are written now.
         if farm.ledger.decision_count(&self.part.file.claim).await? > self.decisions {
@@ -41,14 +41,14 @@ pub(super) async fn update_decision_count(farm: &mut Farm, part: &PartRow) {
         Ok(decisions) => {
             let (store, hash, claim) =
                 (farm.meshes.store.clone(), part.file.content_hash.clone(), part.file.claim.clone());
-            farm.jobs.start(MarkJob { part: part.clone(), decisions }, move || {
+            farm.jobs.start(DecisionCountJob { part: part.clone(), decisions }, move || {
                 Ok(store.mark_decisions(&hash, &claim, decisions)?)
             });
         }
-        Err(failure) => tell_failure(part, &failure.into()),
+        Err(failure) => log_note_failure(part, &failure.into()),
     }
 }
 
-fn tell_failure(part: &PartRow, failure: &anyhow::Error) {
+fn log_note_failure(part: &PartRow, failure: &anyhow::Error) {
     warn!(part.id = %part.id, "The note of {} could not be updated: {failure:#}.", part.name);
 }

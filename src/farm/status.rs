@@ -123,9 +123,9 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
     let over = FAILURE_EXPIRY.max(Duration::from_secs_f64(3.0 * farm.settings.scan_secs));
     farm.alerts.clear_expired_failures(over);
     for ((kind, about), why) in farm.lifecycle.services.service_reports() {
-        match why.as_str() {
-            "" => farm.alerts.clear(kind, "", &about),
-            why => farm.alerts.raise(kind, "", &about, why),
+        match why {
+            None => farm.alerts.clear(kind, "", &about),
+            Some(why) => farm.alerts.raise(kind, "", &about, &why),
         }
     }
     farm.alerts.write_if_changed(&farm.settings.state_dir);

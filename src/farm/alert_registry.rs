@@ -30,10 +30,13 @@ const MAX_FAILURES: usize = 1000;
 /// If a farm has more alerts than this, `STATUS.txt` gives only the number of the others.
 const MAX_LISTED_ALERTS: usize = 8;
 
+/// What is wrong with each service, by alert and name; `None` = it works.
+type ServiceReports = BTreeMap<(AlertKind, String), Option<String>>;
+
 /// Connects the farm with the other services of the daemon; usable from any thread.
 #[derive(Debug, Clone, Default)]
 pub struct ServiceBridge {
-    reports: Arc<Mutex<BTreeMap<(AlertKind, String), Option<String>>>>,
+    reports: Arc<Mutex<ServiceReports>>,
     is_open: watch::Sender<bool>,
 }
 
@@ -72,7 +75,7 @@ impl ServiceBridge {
     }
 
     /// What is wrong with each service, as reported; `None` = it works.
-    pub fn service_reports(&self) -> BTreeMap<(AlertKind, String), Option<String>> {
+    pub fn service_reports(&self) -> ServiceReports {
         self.reports.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }

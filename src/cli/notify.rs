@@ -23,7 +23,7 @@ pub struct NotifyArgs {
 
 /// Runs the command: exit code 1 when a trial message did not arrive.
 pub fn run(common: &CommonArgs, args: &NotifyArgs) -> Result<CommandExit> {
-    let notify = load_settings(common)?.notify;
+    let notify = load_settings(common)?.interfaces.notify;
     if !notify.is_enabled() {
         print_text("No messages are sent: [notify] names neither a webhook nor a command.")?;
         return Ok(CommandExit::Success);

@@ -35,14 +35,14 @@ pub fn run(common: &CommonArgs, args: &RunArgs) -> Result<CommandExit> {
     // A wrong configuration is reported before anything is opened.
     let settings = load().map_err(|error| UsageError(error.to_string()))?;
     check_privileges(&settings, args.allow_root)?;
-    logging::start_logging(&settings.log)?;
+    logging::start_logging(&settings.interfaces.log)?;
     let runtime = start_runtime("nestd", 512)?;
-    let web = settings.web.clone();
+    let web = settings.interfaces.web.clone();
     let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(settings)));
     let (told, served) = (shared.clone(), web.clone());
     let load = move || {
         let settings = load()?;
-        if settings.web != served {
+        if settings.interfaces.web != served {
             tracing::warn!("The new values in [web] take effect at the next start.");
         }
         *told.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
@@ -95,7 +95,7 @@ async fn start_observers(shared: SharedSettings, web: Option<settings::WebSettin
 
 fn has_receivers(shared: &SharedSettings) -> bool {
     let settings = shared.read().unwrap_or_else(PoisonError::into_inner);
-    settings.metrics.is_some() || !outbox::configured_receivers(&settings.notify).is_empty()
+    settings.interfaces.metrics.is_some() || !outbox::configured_receivers(&settings.interfaces.notify).is_empty()
 }
 
 /// Serves the dashboard while the farm is open: before that, the ledger is not checked yet, and this process may not be

@@ -64,16 +64,17 @@ impl DiskPreparationCache {
 
     /// The cache of a farm, in its state directory; `None` = the farm works without it, only slower.
     pub fn for_farm(settings: &Settings) -> Option<Self> {
-        if settings.cache_bytes == 0 {
+        if settings.resources.cache_bytes == 0 {
             return None;
         }
-        let opened = Self::open(settings.state_dir.join("cache"), settings.cache_bytes);
+        let opened = Self::open(settings.state_dir.join("cache"), settings.resources.cache_bytes);
         opened.inspect_err(|error| warn!("Prepared meshes are not stored: {error}.")).ok()
     }
 
     /// Whether it is the cache that these settings ask for.
     pub fn is_of(&self, settings: &Settings) -> bool {
-        (self.dir.as_path(), self.cap_bytes) == (settings.state_dir.join("cache").as_path(), settings.cache_bytes)
+        (self.dir.as_path(), self.cap_bytes)
+            == (settings.state_dir.join("cache").as_path(), settings.resources.cache_bytes)
     }
 
     /// Total size of all entries, bytes.

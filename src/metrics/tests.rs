@@ -199,7 +199,9 @@ async fn the_file_is_written_as_a_whole_and_follows_the_settings() {
     let file = folder.path().join("nestd.prom");
     let config = format!("[metrics]\ntextfile = \"{}\"\nevery_secs = 1\n", file.display());
     let settings = Settings { ledger: ledger.path().to_owned(), ..farm(folder.path(), &config) };
-    let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(Settings { metrics: None, ..settings.clone() })));
+    let mut without_file = settings.clone();
+    without_file.interfaces.metrics = None;
+    let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(without_file)));
     let task = tokio::spawn(keep_metrics_file(shared.clone()));
     tokio::time::sleep(Duration::from_millis(1500)).await;
     assert!(!file.exists(), "it is not asked for yet");

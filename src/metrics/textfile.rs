@@ -30,7 +30,7 @@ pub async fn keep_metrics_file(settings: SharedSettings) {
     loop {
         tokio::time::sleep(LOOK_EVERY).await;
         let now = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
-        let Some(file) = &now.metrics else { continue };
+        let Some(file) = &now.interfaces.metrics else { continue };
         if written.is_some_and(|at| at.elapsed() < Duration::from_secs_f64(file.every_secs)) {
             continue;
         }

@@ -45,7 +45,7 @@ pub async fn deliver_events(settings: SharedSettings, trouble: impl Fn(ReceiverK
 /// The ledger cannot be read or changed.
 pub async fn forget_unconfigured_receivers(settings: &SharedSettings) -> Result<()> {
     let settings = settings.read().unwrap_or_else(PoisonError::into_inner).clone();
-    let known = configured_receivers(&settings.notify);
+    let known = configured_receivers(&settings.interfaces.notify);
     let others: Vec<ReceiverKind> = [ReceiverKind::Webhook, ReceiverKind::Command]
         .into_iter()
         .filter(|receiver| !known.contains(receiver))
@@ -145,7 +145,7 @@ impl ReceiverDelivery {
     }
 
     async fn deliver_next(&mut self, settings: &Settings) -> Result<DeliveryStep> {
-        if !configured_receivers(&settings.notify).contains(&self.receiver) {
+        if !configured_receivers(&settings.interfaces.notify).contains(&self.receiver) {
             return self.forget_receiver(settings).await;
         }
         self.is_forgotten = false;
@@ -163,7 +163,7 @@ impl ReceiverDelivery {
         };
         let last = ledger.last_event_id().await?;
         if last > at
-            && let Some(event) = ledger.next_event(at, &event_kinds(&settings.notify.events)).await?
+            && let Some(event) = ledger.next_event(at, &event_kinds(&settings.interfaces.notify.events)).await?
         {
             return self.deliver_event(settings, &ledger, &event).await;
         }
@@ -186,7 +186,7 @@ impl ReceiverDelivery {
 
     async fn deliver_event(&mut self, settings: &Settings, ledger: &Ledger, event: &EventRow) -> Result<DeliveryStep> {
         let message = EventMessage::from_event(event, ledger).await?;
-        let (notify, receiver) = (settings.notify.clone(), self.receiver);
+        let (notify, receiver) = (settings.interfaces.notify.clone(), self.receiver);
         let within = Duration::from_secs_f64(notify.timeout_secs) + SEND_GRACE;
         let sending = tokio::task::spawn_blocking(move || send_message(&notify, receiver, &message));
         let sent = match tokio::time::timeout(within, sending).await {
@@ -219,11 +219,13 @@ impl ReceiverDelivery {
         }
         ledger.record_delivery_failure(receiver, &why).await?;
         let now = Timestamp::now();
-        let keep = SignedDuration::try_from_secs_f64(settings.notify.keep_secs).unwrap_or(SignedDuration::MAX);
+        let keep =
+            SignedDuration::try_from_secs_f64(settings.interfaces.notify.keep_secs).unwrap_or(SignedDuration::MAX);
         let mut told = format!("the {receiver}: {why}");
         if now.duration_since(event.at.0) > keep {
             let before = now.checked_sub(keep).unwrap_or(Timestamp::UNIX_EPOCH);
-            let dropped = ledger.drop_undelivered(receiver, before, &event_kinds(&settings.notify.events)).await?;
+            let dropped =
+                ledger.drop_undelivered(receiver, before, &event_kinds(&settings.interfaces.notify.events)).await?;
             warn!("{dropped} messages to the {receiver} were dropped: they are older than notify.keep_secs.");
             told += &format!("; {dropped} messages were dropped");
             self.position = None;

@@ -256,11 +256,11 @@ async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
         "cat > FOLDER/stdin; printf '%s|%s|%s|%s|%s' \"$1\" \"$NESTD_EVENT\" \"$NESTD_PART\" \"$NESTD_TEXT\" \"$NOTIFY_SOCKET\" > FOLDER/env",
     );
     farm.refuse(&farm.ledger, "$(touch FOLDER/evil) `x`; rm *.stl").await;
-    let kinds = event_kinds(&farm.settings.read().unwrap().notify.events);
+    let kinds = event_kinds(&farm.settings.read().unwrap().interfaces.notify.events);
     let event = farm.ledger.next_event(0, &kinds).await.unwrap().unwrap();
     let message = EventMessage::from_event(&event, &farm.ledger).await.unwrap();
     let notify = format!("command = [\"{command}\", \"one two\"]\n");
-    let notify = read(farm.folder.path(), farm.ledger.path(), &notify).notify;
+    let notify = read(farm.folder.path(), farm.ledger.path(), &notify).interfaces.notify;
     send_message(&notify, ReceiverKind::Command, &message).unwrap();
     assert_eq!(fs::read_to_string(farm.path("stdin")).unwrap(), message.body);
     let env = fs::read_to_string(farm.path("env")).unwrap();
@@ -274,7 +274,7 @@ async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
 async fn a_command_that_fails_or_hangs_has_not_been_told_and_leaves_nothing_running() {
     let farm = OutboxFixture::new("").await;
     let failing = program(farm.folder.path(), "echo no such printer >&2; exit 3");
-    let read = |words: &str| read(farm.folder.path(), farm.ledger.path(), words).notify;
+    let read = |words: &str| read(farm.folder.path(), farm.ledger.path(), words).interfaces.notify;
     let failed = send_message(
         &read(&format!("command = [\"{failing}\"]\n")),
         ReceiverKind::Command,

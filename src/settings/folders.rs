@@ -7,7 +7,8 @@ use std::path::{Component, Path, PathBuf};
 
 use super::{
     MachineFolders,
-    inputs::{FarmFolders, FarmInputs, ProfileFolders},
+    inputs::{FarmFolders, FarmInputs},
+    profile_inputs::ProfileFolders,
 };
 
 /// Returns the root. `asked` (`--root`) takes precedence over the file.

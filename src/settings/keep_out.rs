@@ -24,12 +24,12 @@ impl KeepOutZone {
 }
 
 /// Reports invalid boxes and boxes outside the machine, which have no effect.
-pub(super) fn validate_zones(keep_out: &[KeepOutZone], volume_mm: Option<[f64; 3]>, judge: &mut ConfigValidator) {
+pub(super) fn validate_zones(keep_out: &[KeepOutZone], volume_mm: Option<[f64; 3]>, validator: &mut ConfigValidator) {
     for (number, zone) in (1..).zip(keep_out) {
         let is_box = zone.min.is_finite() && zone.max.is_finite() && zone.min.cmplt(zone.max).all();
         if !is_box {
             let text = format!("keep_out: box {number} from {} to {} is not a box", zone.min, zone.max);
-            judge.report_problem(
+            validator.report_problem(
                 "keep_out",
                 text,
                 "give each box a min and a max in mm, every number of min below that of max",
@@ -38,7 +38,7 @@ pub(super) fn validate_zones(keep_out: &[KeepOutZone], volume_mm: Option<[f64; 3
             && (zone.max.cmple(DVec3::ZERO).any() || zone.min.cmpge(edges_mm.into()).any())
         {
             let text = format!("keep_out: box {number} from {} to {} lies outside volume_mm", zone.min, zone.max);
-            judge.report_problem(
+            validator.report_problem(
                 "keep_out",
                 text,
                 "give it in the machine's frame, whose origin is its lower front left corner",

@@ -11,11 +11,12 @@ use thiserror::Error;
 use toml::{Table, Value};
 
 use super::{
-    ConfigProblem, LogSettings, MachineFolders, MachineProfile, Settings,
+    ConfigProblem, InterfaceSettings, LogSettings, MachineFolders, MachineProfile, ResourceSettings, Settings,
     folder_conflicts::{self, FolderClaim},
     folders,
     fragment::{ConfigFragment, read_config_text},
-    inputs::{FarmInputs, ProfileInputs},
+    inputs::FarmInputs,
+    profile_inputs::ProfileInputs,
     validation_rules,
     validator::ConfigValidator,
 };
@@ -29,18 +30,18 @@ const PROFILES_DIR: &str = "profiles";
 #[derive(Debug, Error)]
 pub enum SettingsError {
     /// No file was named and none exists at the default paths, or the named file does not exist.
-    #[error("no configuration: {}; name one with -c FILE, or take a copy of nestd's config folder", not_found_text(.looked))]
+    #[error("no configuration: {}; name one with -c FILE, or take a copy of nestd's config folder", not_found_text(.searched))]
     NotFound {
         /// The paths that were searched.
-        looked: Vec<PathBuf>,
+        searched: Vec<PathBuf>,
     },
     /// The configuration is invalid. Lists all problems that were found.
     #[error("the configuration is wrong:\n{}", .0.iter().map(|p| format!("  {p}")).collect::<Vec<_>>().join("\n"))]
     Invalid(Vec<ConfigProblem>),
 }
 
-fn not_found_text(looked: &[PathBuf]) -> String {
-    let names: Vec<String> = looked.iter().map(|file| file.display().to_string()).collect();
+fn not_found_text(searched: &[PathBuf]) -> String {
+    let names: Vec<String> = searched.iter().map(|file| file.display().to_string()).collect();
     match names.as_slice() {
         [one] => format!("{one} is not there"),
         several => format!("neither {} is there", several.join(" nor ")),
@@ -84,7 +85,7 @@ fn find_config_file(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
     };
     match candidates.iter().find(|file| file.exists()) {
         Some(file) => Ok(file.clone()),
-        None => Err(SettingsError::NotFound { looked: candidates }),
+        None => Err(SettingsError::NotFound { searched: candidates }),
     }
 }
 
@@ -98,37 +99,37 @@ fn read_settings(file: &Path, root: Option<&Path>, problems: &mut Vec<ConfigProb
     let farm_text = farm_text?;
     let farm = ConfigFragment::parse_toml::<FarmInputs>(file, &farm_text, problems)?;
     let inputs: FarmInputs = from_table(farm.to_table(), file, problems)?;
-    let mut judge = ConfigValidator::new(vec![(&farm, "")]);
-    validation_rules::validate_farm(&inputs, &mut judge);
-    let files = validation_rules::validate_files(&inputs.files, &mut judge);
-    let web = super::web::validate_web(&inputs.web, &mut judge);
-    let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut judge);
-    let notify = super::notify::validate_notify(&inputs.notify, &mut judge);
+    let mut validator = ConfigValidator::new(vec![(&farm, "")]);
+    validation_rules::validate_farm(&inputs, &mut validator);
+    let files = validation_rules::validate_files(&inputs.files, &mut validator);
+    let web = super::web::validate_web(&inputs.web, &mut validator);
+    let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut validator);
+    let notify = super::notify::validate_notify(&inputs.notify, &mut validator);
     let root = folders::farm_root(&inputs, root);
     let state_dir = folders::path_below(&root, &inputs.folders.state);
     let state = FolderClaim {
         folder: state_dir.clone(),
         description: "the state directory".into(),
-        location: judge.locate_key("folders.state"),
+        location: validator.locate_key("folders.state"),
     };
-    problems.append(&mut judge.problems);
-    let mut judge = ConfigValidator::new(vec![(&farm, "defaults.")]);
-    validation_rules::validate_defaults(&inputs.defaults, &mut judge);
-    problems.append(&mut judge.problems);
+    problems.append(&mut validator.problems);
+    let mut validator = ConfigValidator::new(vec![(&farm, "defaults.")]);
+    validation_rules::validate_defaults(&inputs.defaults, &mut validator);
+    problems.append(&mut validator.problems);
 
     let mut profiles = BTreeMap::new();
     let mut claims = Vec::new();
     for (name, own) in machines {
         let Some(own) = own else { continue };
-        let judge = &mut ConfigValidator::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
-        let profile = build_profile(name, &own, &farm, &root, &inputs, judge);
+        let validator = &mut ConfigValidator::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
+        let profile = build_profile(name, &own, &farm, &root, &inputs, validator);
         if let Some(profile) = profile {
-            claims.extend(folder_claims(name, &profile.folders, judge));
+            claims.extend(folder_claims(name, &profile.folders, validator));
             profiles.insert(name.to_owned(), profile);
         }
         // An invalid default affects every profile but is reported only once.
-        judge.problems.retain(|problem| !problems.contains(problem));
-        problems.append(&mut judge.problems);
+        validator.problems.retain(|problem| !problems.contains(problem));
+        problems.append(&mut validator.problems);
     }
     problems.extend(folder_conflicts::find_conflicts(&claims, &state));
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
@@ -140,14 +141,10 @@ fn read_settings(file: &Path, root: Option<&Path>, problems: &mut Vec<ConfigProb
         state_dir,
         scan_secs: inputs.scan_secs.0,
         orphan_ticket_secs: inputs.orphan_ticket_secs.0,
-        threads: inputs.threads,
-        cache_bytes: inputs.cache_bytes,
+        resources: ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes },
         limits: inputs.limits,
         files,
-        log,
-        web,
-        metrics,
-        notify,
+        interfaces: InterfaceSettings { log, web, metrics, notify },
         profiles,
     })
 }
@@ -190,19 +187,19 @@ fn build_profile(
     farm: &ConfigFragment,
     root: &Path,
     farm_inputs: &FarmInputs,
-    judge: &mut ConfigValidator,
+    validator: &mut ConfigValidator,
 ) -> Option<MachineProfile> {
     let mut merged = match farm.to_table().remove("defaults") {
         Some(Value::Table(defaults)) => defaults,
         _ => Table::new(),
     };
     merge_tables(&mut merged, own.to_table());
-    let inputs: ProfileInputs = from_table(merged, &own.file, &mut judge.problems)?;
+    let inputs: ProfileInputs = from_table(merged, &own.file, &mut validator.problems)?;
     let folders = folders::profile_folders(root, &farm_inputs.folders, &inputs.folders, name);
-    if own.was_removed("volume_mm") && inputs.volume_mm.is_none() {
+    if own.was_removed("volume_mm") && inputs.space.volume_mm.is_none() {
         return None; // the problem with its volume was already reported
     }
-    Some(validation_rules::validate_profile(name, inputs, folders, judge))
+    Some(validation_rules::validate_profile(name, inputs, folders, validator))
 }
 
 /// Merges `over` into `base`, table by table. Values of `over` take precedence.
@@ -232,7 +229,7 @@ fn from_table<T: DeserializeOwned>(table: Table, file: &Path, problems: &mut Vec
         .ok()
 }
 
-fn folder_claims(name: &str, folders: &MachineFolders, judge: &ConfigValidator) -> Vec<FolderClaim> {
+fn folder_claims(name: &str, folders: &MachineFolders, validator: &ConfigValidator) -> Vec<FolderClaim> {
     let MachineFolders { inbox, queue, error, archive } = folders;
     [
         ("inbox", "inbox", inbox),
@@ -243,7 +240,7 @@ fn folder_claims(name: &str, folders: &MachineFolders, judge: &ConfigValidator) 
     .map(|(what, key, folder)| FolderClaim {
         folder: folder.clone(),
         description: format!("the {what} of {name}"),
-        location: judge.locate_key(&format!("folders.{key}")),
+        location: validator.locate_key(&format!("folders.{key}")),
     })
     .into()
 }

@@ -19,13 +19,13 @@ pub struct MetricsFile {
 }
 
 /// Validates the settings of the metrics file. `None` if there is none. Reports problems.
-pub(super) fn validate_metrics(inputs: &MetricsInputs, judge: &mut ConfigValidator) -> Option<MetricsFile> {
-    judge.require_within("metrics.every_secs", inputs.every_secs.0, 1.0..=3600.0);
+pub(super) fn validate_metrics(inputs: &MetricsInputs, validator: &mut ConfigValidator) -> Option<MetricsFile> {
+    validator.require_within("metrics.every_secs", inputs.every_secs.0, 1.0..=3600.0);
     let path = inputs.textfile.0.clone()?;
     if !path.is_absolute() || path.extension().is_none_or(|end| end != TEXTFILE_EXTENSION) {
         let text = format!("metrics.textfile = \"{}\" is not read by node_exporter", path.display());
         let remedy = "give the whole path of a file that ends in .prom, or \"off\"";
-        judge.report_problem("metrics.textfile", text, remedy);
+        validator.report_problem("metrics.textfile", text, remedy);
     }
     Some(MetricsFile { path, every_secs: inputs.every_secs.0 })
 }

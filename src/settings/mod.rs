@@ -12,10 +12,12 @@ mod logging;
 mod metrics;
 mod notification_kind;
 mod notify;
+mod option_group;
 mod optional;
 mod problem;
 mod problem_text;
 mod profile;
+mod profile_inputs;
 mod profile_snapshot;
 mod settings;
 mod validation_rules;
@@ -34,7 +36,7 @@ pub use profile::{
     BuildSpace, DuplicatePolicy, IntakeRules, MachineFolders, MachineProfile, MeshErrorPolicy, OutputRules,
     SearchRules, TriggerRules, TurningRules,
 };
-pub use settings::{Settings, SharedSettings};
+pub use settings::{InterfaceSettings, ResourceSettings, Settings, SharedSettings};
 pub use web::{ListenAddress, WebSettings};
 
 #[cfg(test)]

@@ -38,21 +38,21 @@ impl NotifySettings {
 }
 
 /// Validates the notification settings. Reports problems.
-pub(super) fn validate_notify(inputs: &NotifyInputs, judge: &mut ConfigValidator) -> NotifySettings {
-    judge.require_within("notify.timeout_secs", inputs.timeout_secs.0, 0.1..=600.0);
-    judge.require_within("notify.keep_secs", inputs.keep_secs.0, 60.0..=31_536_000.0);
+pub(super) fn validate_notify(inputs: &NotifyInputs, validator: &mut ConfigValidator) -> NotifySettings {
+    validator.require_within("notify.timeout_secs", inputs.timeout_secs.0, 0.1..=600.0);
+    validator.require_within("notify.keep_secs", inputs.keep_secs.0, 60.0..=31_536_000.0);
     let webhook = inputs.webhook.0.as_ref().map(|url| {
         let rest = url.strip_prefix("https://").or(url.strip_prefix("http://")).unwrap_or_default();
         if rest.starts_with('/') || rest.is_empty() || !url.chars().all(|c| c.is_ascii_graphic()) {
             let text = format!("notify.webhook = \"{}\" is no address of a web server", url.escape_debug());
-            judge.report_problem("notify.webhook", text, "write \"https://host/path\" or \"off\"");
+            validator.report_problem("notify.webhook", text, "write \"https://host/path\" or \"off\"");
         }
         let secret_file = inputs.secret_file.0.clone().unwrap_or_else(|| {
             let text =
                 "there is a notify.webhook and no notify.secret_file: receivers could not verify that messages come from you";
             let remedy =
                 "name a file with a key of 16 letters or more: head -c 24 /dev/urandom | base64 > FILE; chmod 640 FILE";
-            judge.report_problem("notify.webhook", text.to_owned(), remedy);
+            validator.report_problem("notify.webhook", text.to_owned(), remedy);
             PathBuf::new()
         });
         WebhookSettings { url: url.clone(), secret_file }
@@ -61,7 +61,7 @@ pub(super) fn validate_notify(inputs: &NotifyInputs, judge: &mut ConfigValidator
     if command.as_ref().is_some_and(|words| !words[0].starts_with('/') || words.iter().any(|w| w.contains('\0'))) {
         let text = format!("notify.command: \"{}\" is no whole path", inputs.command[0].escape_debug());
         let remedy = "name the program by its whole path; no shell is used: [\"/usr/local/bin/tell\", \"--loud\"]";
-        judge.report_problem("notify.command", text, remedy);
+        validator.report_problem("notify.command", text, remedy);
     }
     let events = inputs.events.clone();
     NotifySettings { events, webhook, command, timeout_secs: inputs.timeout_secs.0, keep_secs: inputs.keep_secs.0 }

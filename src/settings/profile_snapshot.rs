@@ -6,7 +6,8 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use super::{
-    BuildSpace, MachineFolders, MachineProfile, inputs::ProfileInputs, validation_rules, validator::ConfigValidator,
+    BuildSpace, MachineFolders, MachineProfile, profile_inputs::ProfileInputs, validation_rules,
+    validator::ConfigValidator,
 };
 
 /// The values used from a stored profile. Values that an older version did not store are `None`.
@@ -27,25 +28,25 @@ impl MachineProfile {
     /// everything else from `now`. If the machine is not configured any more, the folders come from the snapshot too.
     /// Without a snapshot nothing is known of such a machine, and its volume is zero.
     pub fn from_snapshot(name: &str, snapshot: Option<&str>, now: Option<&Self>) -> Self {
-        let then: ProfileSnapshot = snapshot.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
+        let stored: ProfileSnapshot = snapshot.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
         let mut profile = match now {
             Some(now) => now.clone(),
-            None => Self { folders: then.folders.unwrap_or_default(), ..Self::with_name_only(name) },
+            None => Self { folders: stored.folders.unwrap_or_default(), ..Self::with_name_only(name) },
         };
-        profile.space.volume_mm = then.volume_mm.unwrap_or(profile.space.volume_mm);
-        profile.space.wall_margin_mm = then.wall_margin_mm.unwrap_or(profile.space.wall_margin_mm);
-        profile.space.floor_margin_mm = then.floor_margin_mm.unwrap_or(profile.space.floor_margin_mm);
-        profile.space.lid_margin_mm = then.lid_margin_mm.unwrap_or(profile.space.lid_margin_mm);
-        profile.space.layer_mm = then.layer_mm.unwrap_or(profile.space.layer_mm);
-        profile.intake.unit = then.unit.unwrap_or(profile.intake.unit);
+        profile.space.volume_mm = stored.volume_mm.unwrap_or(profile.space.volume_mm);
+        profile.space.wall_margin_mm = stored.wall_margin_mm.unwrap_or(profile.space.wall_margin_mm);
+        profile.space.floor_margin_mm = stored.floor_margin_mm.unwrap_or(profile.space.floor_margin_mm);
+        profile.space.lid_margin_mm = stored.lid_margin_mm.unwrap_or(profile.space.lid_margin_mm);
+        profile.space.layer_mm = stored.layer_mm.unwrap_or(profile.space.layer_mm);
+        profile.intake.unit = stored.unit.unwrap_or(profile.intake.unit);
         profile
     }
 
     /// Creates a profile of which only the name is known.
     fn with_name_only(name: &str) -> Self {
-        let mut nobody = ConfigValidator::new(Vec::new());
+        let mut unused = ConfigValidator::new(Vec::new());
         let bare =
-            validation_rules::validate_profile(name, ProfileInputs::default(), MachineFolders::default(), &mut nobody);
+            validation_rules::validate_profile(name, ProfileInputs::default(), MachineFolders::default(), &mut unused);
         Self { space: BuildSpace { volume_mm: DVec3::ZERO, ..bare.space }, ..bare }
     }
 }

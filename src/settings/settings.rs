@@ -29,14 +29,30 @@ pub struct Settings {
     pub scan_secs: f64,
     /// Seconds after which a ticket without its part is refused.
     pub orphan_ticket_secs: f64,
-    /// Threads for nesting; 0 = one per core.
-    pub threads: usize,
-    /// Maximum size of the prepared meshes kept in the state directory, bytes; 0 = none are kept.
-    pub cache_bytes: u64,
+    /// What nesting may use of the computer.
+    pub resources: ResourceSettings,
     /// Limits for reading part files.
     pub limits: build_file::ReadLimits,
     /// Mode and group of the files that the daemon creates in the farm's folders.
     pub files: FilePermissions,
+    /// What people and other programs see of the daemon.
+    pub interfaces: InterfaceSettings,
+    /// Machines by profile name.
+    pub profiles: BTreeMap<String, MachineProfile>,
+}
+
+/// What nesting may use of the computer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ResourceSettings {
+    /// Threads for nesting; 0 = one per core.
+    pub threads: usize,
+    /// Maximum size of the prepared meshes kept in the state directory, bytes; 0 = none are kept.
+    pub cache_bytes: u64,
+}
+
+/// What people and other programs see of the daemon: log, pages, metrics and notifications.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InterfaceSettings {
     /// Settings of the log.
     pub log: LogSettings,
     /// The dashboard; `None` = no port is opened.
@@ -45,8 +61,6 @@ pub struct Settings {
     pub metrics: Option<MetricsFile>,
     /// Settings of notifications.
     pub notify: NotifySettings,
-    /// Machines by profile name.
-    pub profiles: BTreeMap<String, MachineProfile>,
 }
 
 impl Settings {

@@ -5,10 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{
-    inputs::{FarmInputs, ProfileInputs},
-    *,
-};
+use super::{inputs::FarmInputs, profile_inputs::ProfileInputs, *};
 
 /// A configuration in its own folder.
 struct TestConfig {
@@ -81,7 +78,7 @@ fn the_shipped_machine_file_shows_the_options_that_have_no_default() {
     let text: Vec<String> = text.lines().map(|line| option(line).unwrap_or_else(|| line.to_owned())).collect();
     let inputs: ProfileInputs = toml::from_str(&text.join("\n")).unwrap();
     let folders = inputs.folders;
-    assert!(inputs.volume_mm.is_some(), "volume_mm");
+    assert!(inputs.space.volume_mm.is_some(), "volume_mm");
     assert!(folders.inbox.is_some() && folders.queue.is_some(), "{folders:?}");
     assert!(folders.error.is_some() && folders.archive.is_some(), "{folders:?}");
 }

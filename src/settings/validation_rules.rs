@@ -7,8 +7,11 @@ use jiff::civil::Time;
 
 use super::{
     BuildSpace, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules, TurningRules,
-    inputs::{FarmInputs, FileInputs, ProfileInputs, TriggerInputs},
+    inputs::{FarmInputs, FileInputs},
     logging::parse_log_filter,
+    profile_inputs::{
+        IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
+    },
     validator::ConfigValidator,
 };
 use crate::access::{self, FilePermissions};
@@ -23,25 +26,25 @@ const MAX_WAIT_SECS: f64 = 31_536_000.0;
 const MAX_THREADS: usize = 1024;
 
 /// Reports invalid values of the farm file.
-pub(super) fn validate_farm(inputs: &FarmInputs, judge: &mut ConfigValidator) {
-    judge.require_within("scan_secs", inputs.scan_secs.0, 0.05..=3600.0);
-    judge.require_within("orphan_ticket_secs", inputs.orphan_ticket_secs.0, 0.0..=MAX_WAIT_SECS);
-    judge.require_within("threads", inputs.threads, 0..=MAX_THREADS);
-    judge.require_within("cache_bytes", inputs.cache_bytes, 0..=1 << 50);
+pub(super) fn validate_farm(inputs: &FarmInputs, validator: &mut ConfigValidator) {
+    validator.require_within("scan_secs", inputs.scan_secs.0, 0.05..=3600.0);
+    validator.require_within("orphan_ticket_secs", inputs.orphan_ticket_secs.0, 0.0..=MAX_WAIT_SECS);
+    validator.require_within("threads", inputs.resources.threads, 0..=MAX_THREADS);
+    validator.require_within("cache_bytes", inputs.resources.cache_bytes, 0..=1 << 50);
     let limits = &inputs.limits;
-    judge.require_within("limits.max_bytes", limits.max_bytes, 1..=u64::MAX);
-    judge.require_within("limits.max_triangles", limits.max_triangles, 4..=u64::MAX);
-    judge.require_within("limits.max_unpacked_bytes", limits.max_unpacked_bytes, 1..=u64::MAX);
-    judge.require_within("limits.max_entries", limits.max_entries, 1..=u64::MAX);
-    judge.require_within("limits.max_instances", limits.max_instances, 1..=u64::MAX);
-    judge.require_within("limits.max_depth", limits.max_depth, 1..=1000);
-    judge.require_within("limits.max_shells", limits.max_shells, 1..=u64::MAX);
-    judge.require_within("limits.max_copies", limits.max_copies, 1..=1_000_000);
-    judge.require_within("limits.read_memory_bytes", limits.read_memory_bytes, 64 << 20..=u64::MAX);
+    validator.require_within("limits.max_bytes", limits.max_bytes, 1..=u64::MAX);
+    validator.require_within("limits.max_triangles", limits.max_triangles, 4..=u64::MAX);
+    validator.require_within("limits.max_unpacked_bytes", limits.max_unpacked_bytes, 1..=u64::MAX);
+    validator.require_within("limits.max_entries", limits.max_entries, 1..=u64::MAX);
+    validator.require_within("limits.max_instances", limits.max_instances, 1..=u64::MAX);
+    validator.require_within("limits.max_depth", limits.max_depth, 1..=1000);
+    validator.require_within("limits.max_shells", limits.max_shells, 1..=u64::MAX);
+    validator.require_within("limits.max_copies", limits.max_copies, 1..=1_000_000);
+    validator.require_within("limits.read_memory_bytes", limits.read_memory_bytes, 64 << 20..=u64::MAX);
     if let Err(error) = parse_log_filter(&inputs.log.filter) {
         let remedy =
             "write a level (error, warn, info, debug, trace) or levels by module, as in \"info,nestd::intake=debug\"";
-        judge.report_problem("log.filter", format!("log.filter is no filter: {error}"), remedy);
+        validator.report_problem("log.filter", format!("log.filter is no filter: {error}"), remedy);
     }
     let folders = &inputs.folders;
     let paths = [
@@ -54,23 +57,23 @@ pub(super) fn validate_farm(inputs: &FarmInputs, judge: &mut ConfigValidator) {
         ("folders.ledger", &folders.ledger),
     ];
     for (key, path) in paths {
-        validate_path(key, path, judge);
+        validate_path(key, path, validator);
     }
 }
 
 /// Validates mode and group of the files that the daemon creates.
-pub(super) fn validate_files(inputs: &FileInputs, judge: &mut ConfigValidator) -> FilePermissions {
+pub(super) fn validate_files(inputs: &FileInputs, validator: &mut ConfigValidator) -> FilePermissions {
     let mode = u32::from_str_radix(&inputs.mode, 8).ok().filter(|mode| mode & !0o666 == 0 && mode & 0o600 == 0o600);
     if mode.is_none() {
         let text = format!("files.mode = \"{}\" is no mode of files", inputs.mode.escape_debug());
         let remedy = "give permissions in octal that let nestd read and write, as in mode = \"0660\"";
-        judge.report_problem("files.mode", text, remedy);
+        validator.report_problem("files.mode", text, remedy);
     }
     let group = match inputs.group.as_str() {
         "" => None,
         name => access::find_group_id(name).or_else(|| {
             let text = format!("files.group: there is no group \"{}\"", name.escape_debug());
-            judge.report_problem("files.group", text, "name a group of /etc/group, or give its number in quotes");
+            validator.report_problem("files.group", text, "name a group of /etc/group, or give its number in quotes");
             None
         }),
     };
@@ -78,12 +81,12 @@ pub(super) fn validate_files(inputs: &FileInputs, judge: &mut ConfigValidator) -
 }
 
 /// Reports invalid values of `[defaults]`, even if every profile overrides them: the next profile may not.
-pub(super) fn validate_defaults(inputs: &ProfileInputs, judge: &mut ConfigValidator) {
-    if let Some(edges_mm) = inputs.volume_mm {
-        validate_box(edges_mm, judge);
+pub(super) fn validate_defaults(inputs: &ProfileInputs, validator: &mut ConfigValidator) {
+    if let Some(edges_mm) = inputs.space.volume_mm {
+        validate_box(edges_mm, validator);
     }
-    validate_values(inputs, judge);
-    validate_trigger(&inputs.trigger, judge);
+    validate_values(inputs, validator);
+    validate_trigger(&inputs.trigger, validator);
 }
 
 /// Creates a profile from its inputs and reports invalid values.
@@ -91,96 +94,113 @@ pub(super) fn validate_profile(
     name: &str,
     inputs: ProfileInputs,
     folders: MachineFolders,
-    judge: &mut ConfigValidator,
+    validator: &mut ConfigValidator,
 ) -> MachineProfile {
     if !is_profile_name(name) {
         let remedy = "rename the file: 1 to 40 of a-z, 0-9 and -, as in mjf-5200.toml; folders are named after it";
-        judge.report_problem("", format!("\"{}\" cannot be the name of a profile", name.escape_debug()), remedy);
+        validator.report_problem("", format!("\"{}\" cannot be the name of a profile", name.escape_debug()), remedy);
     }
-    validate_values(&inputs, judge);
-    let volume_mm = validate_volume(&inputs, judge);
+    validate_values(&inputs, validator);
+    let volume_mm = validate_volume(&inputs.space, validator);
+    let ProfileInputs { space, turning, intake, search, output, folders: _, trigger } = inputs;
     MachineProfile {
         name: name.to_owned(),
         folders,
         space: BuildSpace {
             volume_mm,
-            wall_margin_mm: inputs.wall_margin_mm,
-            floor_margin_mm: inputs.floor_margin_mm,
-            lid_margin_mm: inputs.lid_margin_mm,
-            keep_out: inputs.keep_out,
-            clearance_mm: inputs.clearance_mm,
-            clearance_z_extra_mm: inputs.clearance_z_extra_mm,
-            layer_mm: inputs.layer_mm,
-            layer_area_cap: inputs.layer_area_cap.0,
-            print_hours_per_mm: inputs.print_hours_per_mm,
+            wall_margin_mm: space.wall_margin_mm,
+            floor_margin_mm: space.floor_margin_mm,
+            lid_margin_mm: space.lid_margin_mm,
+            keep_out: space.keep_out,
+            clearance_mm: space.clearance_mm,
+            clearance_z_extra_mm: space.clearance_z_extra_mm,
+            layer_mm: space.layer_mm,
+            layer_area_cap: space.layer_area_cap.0,
+            print_hours_per_mm: space.print_hours_per_mm,
         },
-        turning: TurningRules { orientation: inputs.orientation, keep_up: inputs.keep_up, not_down: inputs.not_down },
+        turning: TurningRules {
+            orientation: turning.orientation,
+            keep_up: turning.keep_up,
+            not_down: turning.not_down,
+        },
         intake: IntakeRules {
-            unit: inputs.unit,
-            settle_secs: inputs.settle_secs.0,
-            unfinished_secs: inputs.unfinished_secs.0,
-            incomplete_secs: inputs.incomplete_secs.0,
-            unlisted: inputs.unlisted,
-            duplicates: inputs.duplicates,
-            mesh_errors: inputs.mesh_errors,
+            unit: intake.unit,
+            settle_secs: intake.settle_secs.0,
+            unfinished_secs: intake.unfinished_secs.0,
+            incomplete_secs: intake.incomplete_secs.0,
+            unlisted: intake.unlisted,
+            duplicates: intake.duplicates,
+            mesh_errors: intake.mesh_errors,
         },
-        trigger: validate_trigger(&inputs.trigger, judge),
+        trigger: validate_trigger(&trigger, validator),
         search: SearchRules {
-            nest: inputs.nest,
-            final_secs: inputs.final_secs.0,
-            arrival_secs: inputs.arrival_secs.0,
-            max_attempts: inputs.max_attempts,
+            nest: search.nest,
+            final_secs: search.final_secs.0,
+            arrival_secs: search.arrival_secs.0,
+            max_attempts: search.max_attempts,
         },
         output: OutputRules {
-            instances: inputs.instances,
-            arrangement: inputs.arrangement,
-            stl_output: inputs.stl_output,
-            archive_days: inputs.archive_days,
+            instances: output.instances,
+            arrangement: output.arrangement,
+            stl_output: output.stl_output,
+            archive_days: output.archive_days,
         },
     }
 }
 
 /// Checks the values that do not depend on the machine.
-fn validate_values(inputs: &ProfileInputs, judge: &mut ConfigValidator) {
-    let own = &inputs.folders;
+fn validate_values(inputs: &ProfileInputs, validator: &mut ConfigValidator) {
+    validate_folders(&inputs.folders, validator);
+    validate_space(&inputs.space, validator);
+    validate_turning(&inputs.turning, validator);
+    validate_intake(&inputs.intake, validator);
+    validator.require_within("archive_days", inputs.output.archive_days, 0..=36_500);
+    super::keep_out::validate_zones(&inputs.space.keep_out, inputs.space.volume_mm, validator);
+    validate_search(&inputs.search, validator);
+}
+
+fn validate_folders(folders: &ProfileFolders, validator: &mut ConfigValidator) {
     let paths = [
-        ("folders.inbox", &own.inbox),
-        ("folders.queue", &own.queue),
-        ("folders.error", &own.error),
-        ("folders.archive", &own.archive),
+        ("folders.inbox", &folders.inbox),
+        ("folders.queue", &folders.queue),
+        ("folders.error", &folders.error),
+        ("folders.archive", &folders.archive),
     ];
     for (key, path) in paths {
-        path.iter().for_each(|path| validate_path(key, path, judge));
+        path.iter().for_each(|path| validate_path(key, path, validator));
     }
-    judge.require_within("wall_margin_mm", inputs.wall_margin_mm, 0.0..=MAX_EDGE_MM);
-    judge.require_within("floor_margin_mm", inputs.floor_margin_mm, 0.0..=MAX_EDGE_MM);
-    judge.require_within("lid_margin_mm", inputs.lid_margin_mm, 0.0..=MAX_EDGE_MM);
-    judge.require_within("clearance_mm", inputs.clearance_mm, 0.0..=100.0);
-    judge.require_within("clearance_z_extra_mm", inputs.clearance_z_extra_mm, 0.0..=100.0);
-    judge.require_within("layer_mm", inputs.layer_mm, 0.001..=10.0);
-    if inputs.layer_area_cap.0.is_some_and(|share| !(share > 0.0 && share <= 1.0)) {
+}
+
+fn validate_space(space: &SpaceInputs, validator: &mut ConfigValidator) {
+    validator.require_within("wall_margin_mm", space.wall_margin_mm, 0.0..=MAX_EDGE_MM);
+    validator.require_within("floor_margin_mm", space.floor_margin_mm, 0.0..=MAX_EDGE_MM);
+    validator.require_within("lid_margin_mm", space.lid_margin_mm, 0.0..=MAX_EDGE_MM);
+    validator.require_within("clearance_mm", space.clearance_mm, 0.0..=100.0);
+    validator.require_within("clearance_z_extra_mm", space.clearance_z_extra_mm, 0.0..=100.0);
+    validator.require_within("layer_mm", space.layer_mm, 0.001..=10.0);
+    if space.layer_area_cap.0.is_some_and(|share| !(share > 0.0 && share <= 1.0)) {
         let remedy = "give a number above 0, at most 1, or \"off\"";
-        judge.report_problem("layer_area_cap", "layer_area_cap is not a share of the base".into(), remedy);
+        validator.report_problem("layer_area_cap", "layer_area_cap is not a share of the base".into(), remedy);
     }
-    judge.require_within("print_hours_per_mm", inputs.print_hours_per_mm, 0.0..=100.0);
-    for (key, count) in [("keep_up", inputs.keep_up.len()), ("not_down", inputs.not_down.len())] {
+    validator.require_within("print_hours_per_mm", space.print_hours_per_mm, 0.0..=100.0);
+}
+
+fn validate_turning(turning: &TurningInputs, validator: &mut ConfigValidator) {
+    for (key, count) in [("keep_up", turning.keep_up.len()), ("not_down", turning.not_down.len())] {
         if count > nester::MAX_TILTS {
-            judge.report_problem(
+            validator.report_problem(
                 key,
                 format!("{key} names {count} directions"),
                 format!("name {} at most", nester::MAX_TILTS),
             );
         }
     }
-    judge.require_within("settle_secs", inputs.settle_secs.0, 0.0..=86_400.0);
-    judge.require_within("unfinished_secs", inputs.unfinished_secs.0, 0.0..=604_800.0);
-    judge.require_within("incomplete_secs", inputs.incomplete_secs.0, 0.0..=604_800.0);
-    judge.require_within("final_secs", inputs.final_secs.0, 0.0..=MAX_SEARCH_SECS);
-    judge.require_within("arrival_secs", inputs.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
-    judge.require_within("max_attempts", inputs.max_attempts, 1..=100);
-    judge.require_within("archive_days", inputs.archive_days, 0..=36_500);
-    super::keep_out::validate_zones(&inputs.keep_out, inputs.volume_mm, judge);
-    validate_search(&inputs.nest, judge);
+}
+
+fn validate_intake(intake: &IntakeInputs, validator: &mut ConfigValidator) {
+    validator.require_within("settle_secs", intake.settle_secs.0, 0.0..=86_400.0);
+    validator.require_within("unfinished_secs", intake.unfinished_secs.0, 0.0..=604_800.0);
+    validator.require_within("incomplete_secs", intake.incomplete_secs.0, 0.0..=604_800.0);
 }
 
 fn is_profile_name(name: &str) -> bool {
@@ -189,18 +209,18 @@ fn is_profile_name(name: &str) -> bool {
 }
 
 /// Reports surprising paths: an empty path means the folder above, and `~` is only known to shells.
-fn validate_path(key: &str, path: &Path, judge: &mut ConfigValidator) {
+fn validate_path(key: &str, path: &Path, validator: &mut ConfigValidator) {
     if path.as_os_str().is_empty() {
-        judge.report_problem(key, format!("{key} is empty"), "name a folder or leave the option out");
+        validator.report_problem(key, format!("{key} is empty"), "name a folder or leave the option out");
     } else if path.starts_with("~") {
-        judge.report_problem(key, format!("{key}: \"~\" means nothing in a configuration"), "write the whole path");
+        validator.report_problem(key, format!("{key}: \"~\" means nothing in a configuration"), "write the whole path");
     }
 }
 
 /// Validates the printable box. The margins must leave some of it.
-fn validate_volume(inputs: &ProfileInputs, judge: &mut ConfigValidator) -> DVec3 {
-    let Some(edges_mm) = inputs.volume_mm else {
-        judge.report_problem(
+fn validate_volume(space: &SpaceInputs, validator: &mut ConfigValidator) -> DVec3 {
+    let Some(edges_mm) = space.volume_mm else {
+        validator.report_problem(
             "volume_mm",
             "there is no volume_mm".into(),
             "add the machine's printable box, as in volume_mm = [200, 200, 200]",
@@ -208,19 +228,19 @@ fn validate_volume(inputs: &ProfileInputs, judge: &mut ConfigValidator) -> DVec3
         return DVec3::ONE;
     };
     let [x, y, z] = edges_mm;
-    if !validate_box(edges_mm, judge) {
+    if !validate_box(edges_mm, validator) {
         return edges_mm.into();
     }
-    if 2.0 * inputs.wall_margin_mm >= x.min(y) {
-        let text = format!("two wall margins of {} mm leave nothing of {x} x {y} mm", inputs.wall_margin_mm);
-        judge.report_problem("wall_margin_mm", text, "make wall_margin_mm smaller or volume_mm larger");
+    if 2.0 * space.wall_margin_mm >= x.min(y) {
+        let text = format!("two wall margins of {} mm leave nothing of {x} x {y} mm", space.wall_margin_mm);
+        validator.report_problem("wall_margin_mm", text, "make wall_margin_mm smaller or volume_mm larger");
     }
-    if inputs.floor_margin_mm + inputs.lid_margin_mm >= z {
+    if space.floor_margin_mm + space.lid_margin_mm >= z {
         let text = format!(
             "margins of {} and {} mm leave nothing of {z} mm height",
-            inputs.floor_margin_mm, inputs.lid_margin_mm
+            space.floor_margin_mm, space.lid_margin_mm
         );
-        judge.report_problem(
+        validator.report_problem(
             "floor_margin_mm",
             text,
             "make floor_margin_mm and lid_margin_mm smaller or volume_mm larger",
@@ -229,20 +249,20 @@ fn validate_volume(inputs: &ProfileInputs, judge: &mut ConfigValidator) -> DVec3
     edges_mm.into()
 }
 
-fn validate_box(edges_mm: [f64; 3], judge: &mut ConfigValidator) -> bool {
+fn validate_box(edges_mm: [f64; 3], validator: &mut ConfigValidator) -> bool {
     let is_box = edges_mm.iter().all(|edge| *edge > 0.0 && *edge <= MAX_EDGE_MM);
     if !is_box {
         let [x, y, z] = edges_mm;
         let remedy = format!("give three lengths in mm, each more than 0 and at most {MAX_EDGE_MM}");
-        judge.report_problem("volume_mm", format!("volume_mm = [{x}, {y}, {z}] is not a box"), remedy);
+        validator.report_problem("volume_mm", format!("volume_mm = [{x}, {y}, {z}] is not a box"), remedy);
     }
     is_box
 }
 
-fn validate_trigger(inputs: &TriggerInputs, judge: &mut ConfigValidator) -> TriggerRules {
+fn validate_trigger(inputs: &TriggerInputs, validator: &mut ConfigValidator) -> TriggerRules {
     for (key, share) in [("trigger.fill_height", inputs.fill_height), ("trigger.fill_density", inputs.fill_density)] {
         if share.0.is_some_and(|share| !(share > 0.0 && share <= 1.0)) {
-            judge.report_problem(
+            validator.report_problem(
                 key,
                 format!("{key} is not a share of the volume"),
                 "give a number above 0, at most 1, or \"off\"",
@@ -250,15 +270,15 @@ fn validate_trigger(inputs: &TriggerInputs, judge: &mut ConfigValidator) -> Trig
         }
     }
     if inputs.copies.0 == Some(0) {
-        judge.report_problem(
+        validator.report_problem(
             "trigger.copies",
             "trigger.copies = 0 would always fire".into(),
             "give a number of copies or \"off\"",
         );
     }
-    judge.require_within("trigger.max_wait_secs", inputs.max_wait_secs.0, 0.0..=MAX_WAIT_SECS);
+    validator.require_within("trigger.max_wait_secs", inputs.max_wait_secs.0, 0.0..=MAX_WAIT_SECS);
     if let Some(margin) = inputs.due_margin_secs.0 {
-        judge.require_within("trigger.due_margin_secs", margin.0, 0.0..=MAX_WAIT_SECS);
+        validator.require_within("trigger.due_margin_secs", margin.0, 0.0..=MAX_WAIT_SECS);
     }
     TriggerRules {
         fill_height: inputs.fill_height.0,
@@ -266,19 +286,23 @@ fn validate_trigger(inputs: &TriggerInputs, judge: &mut ConfigValidator) -> Trig
         copies: inputs.copies.0,
         max_wait_secs: inputs.max_wait_secs.0,
         due_margin_secs: inputs.due_margin_secs.0.map(|margin| margin.0),
-        at: parse_times(&inputs.at, judge),
+        at: parse_times(&inputs.at, validator),
     }
 }
 
 /// Parses times of day and sorts them.
-fn parse_times(texts: &[String], judge: &mut ConfigValidator) -> Vec<Time> {
+fn parse_times(texts: &[String], validator: &mut ConfigValidator) -> Vec<Time> {
     let mut times = Vec::new();
     for text in texts {
         match text.parse::<Time>() {
             Ok(time) => times.push(time),
             Err(_) => {
                 let text = format!("trigger.at: \"{}\" is not a time of day", text.escape_debug());
-                judge.report_problem("trigger.at", text, "write hours and minutes, as in at = [\"09:00\", \"17:00\"]");
+                validator.report_problem(
+                    "trigger.at",
+                    text,
+                    "write hours and minutes, as in at = [\"09:00\", \"17:00\"]",
+                );
             }
         }
     }
@@ -287,15 +311,18 @@ fn parse_times(texts: &[String], judge: &mut ConfigValidator) -> Vec<Time> {
     times
 }
 
-fn validate_search(config: &nester::NestingConfig, judge: &mut ConfigValidator) {
-    let paper = &config.paper;
-    judge.require_within("nest.threads", config.threads, 0..=MAX_THREADS);
-    judge.require_within("nest.paper.population", paper.population, 1..=1_000_000);
-    judge.require_within("nest.paper.iterations", paper.iterations, 0..=1_000_000_000);
-    judge.require_within("nest.paper.switch_probability", paper.switch_probability, 0.0..=1.0);
-    judge.require_within("nest.paper.scale", paper.scale, 1e-6..=1e6);
+fn validate_search(search: &SearchInputs, validator: &mut ConfigValidator) {
+    validator.require_within("final_secs", search.final_secs.0, 0.0..=MAX_SEARCH_SECS);
+    validator.require_within("arrival_secs", search.arrival_secs.0, 0.0..=MAX_SEARCH_SECS);
+    validator.require_within("max_attempts", search.max_attempts, 1..=100);
+    let (config, paper) = (&search.nest, &search.nest.paper);
+    validator.require_within("nest.threads", config.threads, 0..=MAX_THREADS);
+    validator.require_within("nest.paper.population", paper.population, 1..=1_000_000);
+    validator.require_within("nest.paper.iterations", paper.iterations, 0..=1_000_000_000);
+    validator.require_within("nest.paper.switch_probability", paper.switch_probability, 0.0..=1.0);
+    validator.require_within("nest.paper.scale", paper.scale, 1e-6..=1e6);
     // Mantegna's algorithm generates Levy steps only for these exponents.
-    judge.require_within("nest.paper.levy_exponent", paper.levy_exponent, 0.3..=1.99);
-    judge.require_within("nest.paper.target_height_mm", paper.target_height_mm, 0.0..=MAX_EDGE_MM);
-    judge.require_within("nest.paper.relative_height_error", paper.relative_height_error, 0.0..=1.0);
+    validator.require_within("nest.paper.levy_exponent", paper.levy_exponent, 0.3..=1.99);
+    validator.require_within("nest.paper.target_height_mm", paper.target_height_mm, 0.0..=MAX_EDGE_MM);
+    validator.require_within("nest.paper.relative_height_error", paper.relative_height_error, 0.0..=1.0);
 }

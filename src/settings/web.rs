@@ -41,7 +41,7 @@ impl fmt::Display for ListenAddress {
 }
 
 /// Validates the dashboard's settings. `None` if it is off. Reports problems.
-pub(super) fn validate_web(inputs: &WebInputs, judge: &mut ConfigValidator) -> Option<WebSettings> {
+pub(super) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) -> Option<WebSettings> {
     let listen = match inputs.listen.as_str() {
         "off" => return None,
         "systemd" => ListenAddress::Systemd,
@@ -51,7 +51,7 @@ pub(super) fn validate_web(inputs: &WebInputs, judge: &mut ConfigValidator) -> O
             _ => {
                 let text = format!("web.listen = \"{}\" is no address", other.escape_debug());
                 let remedy = "write \"127.0.0.1:7878\", \"unix:/run/nestd/web.sock\", \"systemd\" or \"off\"";
-                judge.report_problem("web.listen", text, remedy);
+                validator.report_problem("web.listen", text, remedy);
                 return None;
             }
         },
@@ -62,7 +62,7 @@ pub(super) fn validate_web(inputs: &WebInputs, judge: &mut ConfigValidator) -> O
     {
         let text = format!("web.listen = \"{address}\" is open to other machines, and there is no web.token_file");
         let remedy = "listen on 127.0.0.1 behind a reverse proxy, or name a file with a token of 16 letters or more";
-        judge.report_problem("web.listen", text, remedy);
+        validator.report_problem("web.listen", text, remedy);
     }
     Some(WebSettings {
         listen,

@@ -18,11 +18,11 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Checks the receivers that `[notify]` names.
 pub fn check_receivers(settings: &Settings, report: &mut CheckReport) {
-    if let Some(webhook) = &settings.notify.webhook {
+    if let Some(webhook) = &settings.interfaces.notify.webhook {
         check_secret(webhook, report);
         check_webhook(webhook, report);
     }
-    if let Some([program, ..]) = settings.notify.command.as_deref() {
+    if let Some([program, ..]) = settings.interfaces.notify.command.as_deref() {
         let what = "command of [notify]";
         match fs::metadata(program) {
             Ok(meta) if meta.is_file() && meta.permissions().mode() & 0o111 != 0 => report.add_ok(what, program),

@@ -77,7 +77,7 @@ fn count_folders(folder: &Path) -> usize {
 
 fn check_threads(settings: &Settings, report: &mut CheckReport) {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    match settings.threads {
+    match settings.resources.threads {
         0 => report.add_ok("threads", format!("{cores}, one per core")),
         threads if threads > cores => {
             report.add_note("threads", format!("{threads} on {cores} cores: the threads wait for each other"))

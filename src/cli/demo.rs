@@ -241,7 +241,7 @@ async fn show_results(farm: &DemoFarm, watch: &DemoWatcher<'_>) -> Result<()> {
     run_nestd(farm, &["history", "--limit", "5"])?;
     println!("\nRefused, each file in {} with its reason beside it:", farm.machine_folder("error").display());
     for part in watch.new_parts().await?.iter().filter(|p| p.state == PartState::Rejected) {
-        println!("  {}: {}", part.name, part.reason);
+        println!("  {}: {}", part.name, part.rejection.reason);
     }
     if matching_files(&farm.machine_folder("error"), |name| {
         name.starts_with(TORN_FILE) && name.ends_with(".reason.txt")

@@ -62,7 +62,7 @@ fn copies_text(sheet: &BuildDetails) -> String {
 fn part_text(sheet: &PartDetails) -> String {
     let row = &sheet.part;
     let mut facts = part_facts(row, format!("{}, {}", row.copies, whereabouts(&sheet.placements)));
-    facts.extend(fields::REASON.fact(&row.reason));
+    facts.extend(fields::REASON.fact(&row.rejection.reason));
     facts.extend(row.warnings.lines().filter_map(|warning| fields::WARNING.fact(warning)));
     format!(
         "Part {}, {}: {}\n{}{}",

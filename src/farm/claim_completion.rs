@@ -174,7 +174,7 @@ pub(super) async fn complete_claims(farm: &mut Farm) -> Result<()> {
 pub(super) fn complete_claim(farm: &mut Farm, part: &PartRow) {
     match part.state {
         PartState::Claimed => {}
-        PartState::Rejected => move_to_error_folder(farm, part, part.refusal, &part.reason),
+        PartState::Rejected => move_to_error_folder(farm, part, part.rejection.refusal, &part.rejection.reason),
         // The part was read: only its original must still be released.
         _ => release_claim(farm, part),
     }

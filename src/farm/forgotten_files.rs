@@ -111,7 +111,7 @@ impl ForgottenFileRecovery<'_> {
                 if PathBuf::from(&reason).is_file() {
                     self.report.folder_steps.push(DeferredFolderStep::RewriteReason(
                         reason.into(),
-                        reason_text(row, row.refusal, &row.reason),
+                        reason_text(row, row.rejection.refusal, &row.rejection.reason),
                     ));
                 }
                 Ok(())

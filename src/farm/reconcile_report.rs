@@ -101,7 +101,8 @@ impl ErrorFolderIndex {
 /// Copies a refused part's file from the store into the error folder, with its reason.
 pub(super) fn copy_to_error_folder(settings: &Settings, profile: &MachineProfile, part: &PartRow) -> Result<()> {
     let stored = ContentStore::from_dir(settings.state_dir.join("store")).file_path(&part.file.content_hash)?;
-    let (folder, text) = (format!("part-{}", part.id), reason_text(part, part.refusal, &part.reason));
+    let (folder, text) =
+        (format!("part-{}", part.id), reason_text(part, part.rejection.refusal, &part.rejection.reason));
     intake::copy_to_error_folder(Some(&stored), &profile.folders.error, &folder, &part.name, &text)
         .with_context(|| format!("copying {} into the error folder", part.name))
 }

@@ -67,8 +67,8 @@ pub use machine::{MachineRow, ObservedMachine};
 pub use outcome::{OutcomeRow, PrintOutcome};
 pub use part_list::PartQuery;
 pub use part_row::{
-    ClaimedFile, NewPartRow, NewTerms, NewTicketRow, PartMeasures, PartRow, PartTerms, PartTimes, RecordedPart,
-    RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+    ClaimedFile, NewPartRow, NewTerms, NewTicketRow, PartMeasures, PartRejection, PartRow, PartTerms, PartTimes,
+    RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalStep, WayColumns};
 pub use receiver::{ReceiverKind, ReceiverRow};

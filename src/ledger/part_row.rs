@@ -150,10 +150,10 @@ pub struct PartRow {
     pub file: ClaimedFile,
     /// Current state.
     pub state: PartState,
-    /// Why it was rejected, "" otherwise.
-    pub reason: String,
-    /// Why it is refused; `None` = it is not refused, or it was refused before causes were recorded.
-    pub refusal: Option<RefusalCause>,
+    /// Why it was rejected, if it was.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub rejection: PartRejection,
     /// Warnings, one per line.
     pub warnings: String,
     /// Total number of copies.
@@ -192,6 +192,15 @@ pub struct ClaimedFile {
     pub bytes: u64,
     /// Number of times that reading it was started.
     pub reads: u32,
+}
+
+/// Why a part was rejected.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+pub struct PartRejection {
+    /// The reason in words, "" if it was not rejected.
+    pub reason: String,
+    /// The cause; `None` = it was not rejected, or it was rejected before causes were recorded.
+    pub refusal: Option<RefusalCause>,
 }
 
 /// Requested terms for a part, other than the copies.
@@ -247,7 +256,7 @@ pub struct PartTimes {
 impl PartRow {
     /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.
     pub fn has_unknown_copies(&self) -> bool {
-        self.refusal == Some(RefusalCause::Ticket)
+        self.rejection.refusal == Some(RefusalCause::Ticket)
     }
 }
 

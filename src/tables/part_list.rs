@@ -92,7 +92,7 @@ pub const PLACEMENT_COLUMNS: &[TableColumn<PlacementRow>] = &[
 
 /// Why a part was refused; otherwise its warnings.
 fn reason_or_warning(part: &PartRow) -> CellValue {
-    let why = if part.reason.is_empty() { &part.warnings } else { &part.reason };
+    let why = if part.rejection.reason.is_empty() { &part.warnings } else { &part.rejection.reason };
     CellValue::Prose(why.replace('\n', "; "))
 }
 
@@ -101,7 +101,7 @@ fn copies_published(row: &OrderedPart) -> CellValue {
 }
 
 fn where_or_why(row: &OrderedPart) -> CellValue {
-    match row.part.reason.as_str() {
+    match row.part.rejection.reason.as_str() {
         "" => whereabouts(&row.placements).into(),
         reason => CellValue::Prose(reason.to_owned()),
     }

@@ -271,7 +271,7 @@ impl From<PartRow> for PartResource {
             name: row.name,
             solid: row.solid,
             state: row.state,
-            reason: row.reason,
+            reason: row.rejection.reason,
             warnings: row.warnings.lines().map(str::to_owned).collect(),
             copies: row.copies,
             terms: ToldTerms {

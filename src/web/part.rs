@@ -118,7 +118,7 @@ pub(super) async fn show_part(
     let about = format!("part {number}");
     let content = html! {
         h1 { "Part " (number) ": " (part.full_name()) }
-        @if !part.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.reason)) } }
+        @if !part.rejection.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.rejection.reason)) } }
         @for warning in part.warnings.lines() { p.warn { (prose_with_code(warning)) } }
         (fact_list(&part_facts(&part, part.copies.to_string())))
         div.buttons {

@@ -95,7 +95,7 @@ fn wait(farm: &TestFarm, what: &str, limit: Duration, mut holds: impl FnMut() ->
     let began = Instant::now();
     while !holds() {
         if let Some(part) = farm.parts(PartState::Rejected).first() {
-            return Err(format!("{what}: refused: {}", part.reason));
+            return Err(format!("{what}: refused: {}", part.rejection.reason));
         }
         if began.elapsed() > limit {
             return Err(format!("{what}: not done within {limit:?}\n{}", farm.log()));

@@ -71,8 +71,8 @@ fn one_farm(row: &mut SectionResult, files: &[(&str, FileMaker)]) {
     }
     let refused = farm.parts(PartState::Rejected);
     for part in &refused {
-        if part.name == "good.stl" || !part.reason.contains("limits.") {
-            row.broken.push(format!("{} is refused because: {}", part.name, part.reason));
+        if part.name == "good.stl" || !part.rejection.reason.contains("limits.") {
+            row.broken.push(format!("{} is refused because: {}", part.name, part.rejection.reason));
         }
     }
     if ends > STARTS_PER_FILE * files.len() as u64 {

@@ -100,7 +100,8 @@ fn judge(farm: &TestFarm, files: &[ExpectedFile], data: &Path, names: &Path, row
 
 /// The result of a file in the ledger, or the reason in the error folder if it never became a part.
 fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> FileOutcome {
-    let said: Vec<&str> = parts.iter().flat_map(|part| [part.warnings.as_str(), part.reason.as_str()]).collect();
+    let said: Vec<&str> =
+        parts.iter().flat_map(|part| [part.warnings.as_str(), part.rejection.reason.as_str()]).collect();
     let is_refused = parts.is_empty() || parts.iter().any(|part| part.state == PartState::Rejected);
     if is_refused {
         let error = farm.folder("error").join(order);

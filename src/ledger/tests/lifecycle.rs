@@ -71,7 +71,7 @@ async fn a_part_that_is_taken_back_is_not_multiplied_and_leaves_its_siblings_alo
     let parts = ledger.accept_solids(id, &solids).await.unwrap();
     ledger.cancel_part(parts[1], RefusalCause::Cancelled, "not needed").await.unwrap();
     ledger.retry_part(parts[1]).await.unwrap();
-    assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().reason, "");
+    assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().rejection.reason, "");
     let again = ledger.accept_solids(parts[1], &[solid(0, 25), solid(1, 100)]).await.unwrap();
     assert_eq!(again, [parts[1]]);
     assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().copies, 10);
@@ -84,7 +84,7 @@ async fn a_claim_that_cannot_be_read_is_rejected_with_its_reason() {
     let id = ledger.record_claim(&new_part("bad", 1)).await.unwrap().id;
     ledger.reject_claim(id, RefusalCause::Format, "the file is empty").await.unwrap();
     let row = ledger.find_part(id).await.unwrap().unwrap();
-    assert_eq!((row.state, row.reason.as_str()), (PartState::Rejected, "the file is empty"));
+    assert_eq!((row.state, row.rejection.reason.as_str()), (PartState::Rejected, "the file is empty"));
     assert!(!ledger.is_hash_in_use(&row.file.content_hash, jiff::Timestamp::MAX).await.unwrap());
     assert!(matches!(ledger.reject_claim(id, RefusalCause::Format, "again").await, Err(LedgerError::IllegalMove(_))));
     assert!(matches!(ledger.accept_solids(id, &[solid(0, 1)]).await, Err(LedgerError::IllegalMove(_))));
@@ -98,7 +98,7 @@ async fn a_waiting_part_is_rejected_by_cancel_only() {
     let id = waiting(&ledger, "a", 1).await;
     assert!(matches!(ledger.reject_claim(id, RefusalCause::Format, "no").await, Err(LedgerError::IllegalMove(_))));
     ledger.cancel_part(id, RefusalCause::Cancelled, "").await.unwrap();
-    assert_eq!(ledger.find_part(id).await.unwrap().unwrap().reason, "no reason was given");
+    assert_eq!(ledger.find_part(id).await.unwrap().unwrap().rejection.reason, "no reason was given");
     let again = ledger.cancel_part(id, RefusalCause::Cancelled, "").await.unwrap_err().to_string();
     assert_eq!(again, "part 1 is refused or cancelled already; `nestd show p1` says why");
     ledger.retry_part(id).await.unwrap();

@@ -66,7 +66,7 @@ fn second_reader_error(
     placed: &[PlacedMesh],
     limits: &ReadLimits,
 ) -> Option<String> {
-    info.application.as_ref().filter(|application| application.starts_with("nestd"))?;
+    info.heading.application.as_ref().filter(|application| application.starts_with("nestd"))?;
     build_file::cross_check(file, placed, limits).err().map(|error| error.to_string())
 }
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use build_file::{BuildFile, BuildFileItem, BuildFileObject, PictureBody, Viewpoint};
-use nester::{LayerAreas, NestingReport, PlacedPart, SearchSummary, UnplacedPart};
+use build_file::{BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, PictureBody, Viewpoint};
+use nester::{ClearanceMeasures, NestingReport, PackingMeasures, PlacedPart, SearchCost, SearchSummary, UnplacedPart};
 use solids::{Mesh, Pose};
 
 use super::{BuildPart, MachineSpec, PartPlacement};
@@ -50,22 +50,26 @@ impl SolvedBuild {
         let used: BTreeSet<usize> = self.placed.iter().map(|p| p.part).collect();
         let used: Vec<usize> = used.into_iter().collect();
         let mut build = BuildFile {
-            title: self.heading.title.clone(),
-            profile: machine.name.clone(),
-            build_id: self.heading.build_id.clone(),
-            created: self.heading.created.strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
-            seed: self.heading.seed,
-            volume_mm: machine.volume_mm,
-            keep_out: machine.keep_out.clone(),
-            margins_mm: machine.margins.as_dvec3(),
-            clearance_mm: machine.clearance_mm,
-            clearance_z_extra_mm: machine.clearance_z_extra_mm,
-            layer_mm: machine.layer_cap.layer_mm,
-            layer_area_cap_mm2: machine.layer_cap.cap_mm2(),
+            heading: BuildFileHeading {
+                title: self.heading.title.clone(),
+                application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
+                created: self.heading.created.strftime("%Y-%m-%dT%H:%M:%SZ").to_string(),
+                profile: machine.name.clone(),
+                build_id: self.heading.build_id.clone(),
+                seed: self.heading.seed,
+            },
+            rules: BuildFileRules {
+                volume_mm: machine.volume_mm,
+                keep_out: machine.keep_out.clone(),
+                margins_mm: machine.margins.as_dvec3(),
+                clearance_mm: machine.clearance_mm,
+                clearance_z_extra_mm: machine.clearance_z_extra_mm,
+                layer_mm: machine.layer_cap.layer_mm,
+                layer_area_cap_mm2: machine.layer_cap.cap_mm2(),
+                interlock: machine.interlock.as_str().to_owned(),
+            },
             height_mm: self.machine_height_mm(),
             density: self.density,
-            interlock: machine.interlock.as_str().to_owned(),
-            application: format!("nestd {}", env!("CARGO_PKG_VERSION")),
             objects: used.iter().map(|&part| to_build_object(&self.parts[part])).collect(),
             items: self
                 .placed
@@ -102,7 +106,7 @@ impl SolvedBuild {
         lower_bound_mm: f64,
         evaluations: u64,
         unplaced: &[(usize, u32)],
-        course: SearchSummary,
+        summary: SearchSummary,
     ) -> NestingReport {
         let name = |part: usize| self.parts[part].name.clone();
         let placed = |p: &PartPlacement| PlacedPart {
@@ -111,23 +115,27 @@ impl SolvedBuild {
             pose: self.machine.machine_pose(&p.pose).matrix_rows(),
         };
         let report = NestingReport {
-            height_mm: if self.placed.is_empty() { 0.0 } else { self.machine_height_mm() },
-            density: self.density,
-            packed_density: 0.0,
-            mean_distance_mm: 0.0,
-            layers: LayerAreas::default(),
-            lower_bound_mm,
-            clearance_mm: self.machine.clearance_mm,
-            clearance_z_extra_mm: self.machine.clearance_z_extra_mm,
-            clearance_proved_mm: course.clearance_proved_mm,
-            separable: course.separable,
+            packing: PackingMeasures {
+                height_mm: if self.placed.is_empty() { 0.0 } else { self.machine_height_mm() },
+                density: self.density,
+                lower_bound_mm,
+                ..PackingMeasures::default()
+            },
+            clearance: ClearanceMeasures {
+                clearance_mm: self.machine.clearance_mm,
+                clearance_z_extra_mm: self.machine.clearance_z_extra_mm,
+                clearance_proved_mm: summary.clearance_proved_mm,
+            },
+            separable: summary.separable,
             placed: self.placed.len(),
             unplaced: unplaced.iter().map(|&(part, copy)| UnplacedPart { part: name(part), copy }).collect(),
-            seed: course.seed,
-            evaluations,
-            cpu_secs: course.cpu_secs,
-            wall_secs: course.wall_secs,
-            curve: course.curve,
+            search: SearchCost {
+                seed: summary.seed,
+                evaluations,
+                cpu_secs: summary.cpu_secs,
+                wall_secs: summary.wall_secs,
+                curve: summary.curve,
+            },
             placements: self.placed.iter().map(placed).collect(),
         };
         let standing: Vec<(&Mesh, Pose)> = self.placed.iter().map(|p| (&*self.parts[p.part].mesh, p.pose)).collect();
@@ -146,9 +154,10 @@ fn to_build_object(part: &BuildPart) -> BuildFileObject {
 
 /// Renders the build as seen from above one corner.
 pub fn render_picture(build: &BuildFile, size: (u32, u32)) -> Vec<u8> {
-    let drawn = |i: &BuildFileItem| PictureBody { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
-    let bodies: Vec<PictureBody> = build.items.iter().map(drawn).collect();
-    build_file::draw_picture(&bodies, build.volume_mm, Viewpoint::Iso, size)
+    let picture_body =
+        |i: &BuildFileItem| PictureBody { mesh: &build.objects[i.object].mesh, pose: i.pose, kind: i.object };
+    let bodies: Vec<PictureBody> = build.items.iter().map(picture_body).collect();
+    build_file::draw_picture(&bodies, build.rules.volume_mm, Viewpoint::Iso, size)
 }
 
 /// The name that serde writes for a unit variant.

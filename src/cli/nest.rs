@@ -34,17 +34,17 @@ pub fn run(common: &CommonArgs, args: &NestArgs) -> Result<CommandExit> {
     let mut progress =
         SearchProgress::new(std::io::stderr().is_terminal(), budget.clone(), setup.machine.origin_mm().z);
     let solution = nester::nest_with_cache(&instance, &setup.config, &[], &prepared, &budget, &mut progress);
-    let course = progress.finish(setup.config.seed);
+    let summary = progress.finish(setup.config.seed);
     report_unplaced(&instance, &solution);
-    let report = output::write_outputs(args, &setup, parts, &instance, &solution, course)?;
+    let report = output::write_outputs(args, &setup, parts, &instance, &solution, summary)?;
     if std::io::stdout().is_terminal() {
         println!(
             "{:.2} mm high, {} of {} copies placed, density {:.3}, {:.1} s",
-            report.height_mm,
+            report.packing.height_mm,
             report.placed,
             instance.copy_count(),
-            report.density,
-            report.wall_secs
+            report.packing.density,
+            report.search.wall_secs
         );
     }
     Ok(if solution.unplaced.is_empty() { CommandExit::Success } else { CommandExit::Failure })

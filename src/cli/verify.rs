@@ -105,16 +105,16 @@ fn verify_build(args: &VerifyArgs) -> Result<VerificationResult> {
 /// The machine that the file is for: the file's metadata, overridden by the options.
 fn resolve_machine(args: &VerifyArgs, info: &BuildMetadata) -> Result<MachineSpec> {
     let missing = |what: &str| UsageError(format!("the file does not say its {what}: give --{what}"));
-    let said = || info.interlock.as_deref().and_then(|said| parse_word(said).ok());
-    let layer_mm = info.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
+    let said = || info.rules.interlock.as_deref().and_then(|said| parse_word(said).ok());
+    let layer_mm = info.rules.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
     Ok(MachineSpec {
-        name: info.profile.clone().unwrap_or_default(),
-        volume_mm: args.volume.or(info.volume_mm).ok_or_else(|| missing("volume"))?,
-        margins: args.margins.or(info.margins_mm.map(VolumeMargins::from)).unwrap_or_default(),
-        keep_out: info.keep_out.clone(),
-        clearance_mm: args.clearance.or(info.clearance_mm).ok_or_else(|| missing("clearance"))?,
-        clearance_z_extra_mm: args.clearance_z_extra.or(info.clearance_z_extra_mm).unwrap_or(0.0),
-        layer_cap: LayerAreaCap { layer_mm, area_mm2: info.layer_area_cap_mm2.unwrap_or(f64::INFINITY) },
+        name: info.heading.profile.clone().unwrap_or_default(),
+        volume_mm: args.volume.or(info.rules.volume_mm).ok_or_else(|| missing("volume"))?,
+        margins: args.margins.or(info.rules.margins_mm.map(VolumeMargins::from)).unwrap_or_default(),
+        keep_out: info.rules.keep_out.clone(),
+        clearance_mm: args.clearance.or(info.rules.clearance_mm).ok_or_else(|| missing("clearance"))?,
+        clearance_z_extra_mm: args.clearance_z_extra.or(info.rules.clearance_z_extra_mm).unwrap_or(0.0),
+        layer_cap: LayerAreaCap { layer_mm, area_mm2: info.rules.layer_area_cap_mm2.unwrap_or(f64::INFINITY) },
         interlock: args.interlock.or_else(said).unwrap_or(InterlockRule::Warn),
         instances: InstanceSharing::default(),
         arrangement: Arrangement::default(),
@@ -171,9 +171,9 @@ fn as_json(verified: &VerificationResult) -> Value {
         proof.intruding.iter().map(|&(i, zone)| json!({ "part": name(i), "keep_out": zone + 1 })).collect();
     json!({
         "proved": verified.is_proved(),
-        "title": info.title,
-        "application": info.application,
-        "profile": info.profile,
+        "title": info.heading.title,
+        "application": info.heading.application,
+        "profile": info.heading.profile,
         "placements": verdict.bodies.len(),
         "volume_mm": machine.volume_mm.to_array(),
         "height_mm": verified.height_mm,

@@ -187,7 +187,7 @@ pub fn find_proved_file(profile: &MachineProfile, build: &BuildRow) -> Option<Pa
 
 /// The build volume given in the file, or else `given_mm`.
 pub fn resolve_volume_mm(info: &BuildMetadata, given_mm: Option<DVec3>) -> Option<DVec3> {
-    given_mm.or(info.volume_mm).filter(|mm| mm.is_finite() && mm.min_element() > 0.0)
+    given_mm.or(info.rules.volume_mm).filter(|mm| mm.is_finite() && mm.min_element() > 0.0)
 }
 
 /// The originals of a build's parts.

@@ -105,7 +105,7 @@ impl HtmlReport<'_> {
             ReportSource::Ledger(build, _) => format!("Build {} on {}", build.id, build.profile),
             ReportSource::File(file, info) => {
                 let name = || file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                build_file::escape_invisible(&info.title.clone().unwrap_or_else(name))
+                build_file::escape_invisible(&info.heading.title.clone().unwrap_or_else(name))
             }
         }
     }
@@ -118,8 +118,8 @@ impl HtmlReport<'_> {
                 (build.id.0, build.measures.height_mm.or_else(top_mm), profile.space.layer_mm)
             }
             ReportSource::File(_, info) => {
-                let number = info.build_id.as_ref().and_then(|id| id.parse().ok()).unwrap_or(0);
-                (number, top_mm(), info.layer_mm.unwrap_or(nester::DEFAULT_LAYER_MM))
+                let number = info.heading.build_id.as_ref().and_then(|id| id.parse().ok()).unwrap_or(0);
+                (number, top_mm(), info.rules.layer_mm.unwrap_or(nester::DEFAULT_LAYER_MM))
             }
         }
     }
@@ -162,15 +162,15 @@ fn content_policy(key: &str) -> String {
 fn file_facts(file: &Path, info: &BuildMetadata, cake: &CakeContents) -> Vec<SheetFact> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let shown = |said: &Option<String>| said.as_deref().map(build_file::escape_invisible);
-    let search = [info.seed.map(|seed| format!("seed {seed}")), shown(&info.application)];
+    let search = [info.heading.seed.map(|seed| format!("seed {seed}")), shown(&info.heading.application)];
     let lines = [
         height_in_volume(cake.top_mm(), Some(cake.volume_mm.z)).map(|text| fields::HEIGHT.fact_of(text)),
         fields::DENSITY.fact(info.density),
         fields::COPIES.fact(cake.copy_count()),
-        fields::CLEARANCE.with_unit(info.clearance_mm).map(|asked| fields::CLEARANCE.fact_of(asked + " asked")),
-        fields::MACHINE.fact(shown(&info.profile)),
+        fields::CLEARANCE.with_unit(info.rules.clearance_mm).map(|asked| fields::CLEARANCE.fact_of(asked + " asked")),
+        fields::MACHINE.fact(shown(&info.heading.profile)),
         fields::SEARCH.fact(search.into_iter().flatten().collect::<Vec<_>>().join(", ")),
-        fields::MADE.fact(shown(&info.created)),
+        fields::MADE.fact(shown(&info.heading.created)),
         fields::FILE.fact(build_file::escape_invisible(&name)),
     ];
     lines.into_iter().flatten().collect()

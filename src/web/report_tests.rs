@@ -29,8 +29,8 @@ fn cake(name: &str) -> CakeContents {
 }
 
 fn report(name: &str) -> String {
-    let info =
-        BuildMetadata { title: Some(name.to_owned()), profile: Some(name.to_owned()), ..BuildMetadata::default() };
+    let mut info = BuildMetadata::default();
+    (info.heading.title, info.heading.profile) = (Some(name.to_owned()), Some(name.to_owned()));
     let cake = cake(name);
     HtmlReport { cake: &cake, source: ReportSource::File(Path::new("/nowhere/x.build.3mf"), &info) }.to_html().unwrap()
 }

@@ -4,8 +4,8 @@
 use std::{fs::File, process::Command, sync::Arc};
 
 use build_file::{
-    Arrangement, BuildFile, BuildFileItem, BuildFileObject, InstanceSharing, ReadLimits, cross_check, read_build,
-    write_build,
+    Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, InstanceSharing,
+    ReadLimits, cross_check, read_build, write_build,
 };
 use glam::{DQuat, DVec3};
 use solids::{Mesh, Pose};
@@ -70,22 +70,26 @@ fn build(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
     encoder.write_header().unwrap().write_image_data(&[7]).unwrap();
     let items: Vec<BuildFileItem> = (1..5).flat_map(|copy| [item(0, copy), item(1, copy)]).collect();
     BuildFile {
-        title: "mjf-5200 & 42".to_owned(),
-        profile: "mjf-5200".to_owned(),
-        build_id: "42".to_owned(),
-        created: "2026-11-20T04:49:00Z".to_owned(),
-        seed: 1,
-        volume_mm: DVec3::splat(400.0),
-        keep_out: Vec::new(),
-        margins_mm: DVec3::ZERO,
-        clearance_z_extra_mm: 0.0,
-        layer_mm: 0.1,
-        layer_area_cap_mm2: None,
-        clearance_mm: 1.0,
+        heading: BuildFileHeading {
+            title: "mjf-5200 & 42".to_owned(),
+            application: "nestd 0.1.0".to_owned(),
+            created: "2026-11-20T04:49:00Z".to_owned(),
+            profile: "mjf-5200".to_owned(),
+            build_id: "42".to_owned(),
+            seed: 1,
+        },
+        rules: BuildFileRules {
+            volume_mm: DVec3::splat(400.0),
+            keep_out: Vec::new(),
+            margins_mm: DVec3::ZERO,
+            clearance_mm: 1.0,
+            clearance_z_extra_mm: 0.0,
+            layer_mm: 0.1,
+            layer_area_cap_mm2: None,
+            interlock: "forbid".to_owned(),
+        },
         height_mm: 90.0,
         density: 0.1,
-        interlock: "forbid".to_owned(),
-        application: "nestd 0.1.0".to_owned(),
         objects: vec![object("a & b", DVec3::new(10.0, 20.0, 30.0)), object("ü", DVec3::splat(1.0 / 3.0 + 9.0))],
         items,
         instances,

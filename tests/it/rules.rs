@@ -78,8 +78,9 @@ fn no_layer_of_the_written_file_is_filled_beyond_its_cap() {
     let dir = tempfile::tempdir().unwrap();
     let report = dir.path().join("report.json");
     let plain = nested(dir.path(), &["--clearance", "1", "--report", report.to_str().unwrap()]);
-    let said =
-        |file: &Path| build_file::read_build_and_metadata(file, &ReadLimits::default()).unwrap().0.layer_area_cap_mm2;
+    let said = |file: &Path| {
+        build_file::read_build_and_metadata(file, &ReadLimits::default()).unwrap().0.rules.layer_area_cap_mm2
+    };
     assert_eq!(said(&plain), None);
     let largest = |json: &serde_json::Value| json["layers"]["largest_area_mm2"].as_f64().unwrap();
     let free: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();

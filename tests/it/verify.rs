@@ -3,7 +3,10 @@
 use std::{fs::File, path::PathBuf, sync::Arc};
 
 use assert_cmd::Command;
-use build_file::{Arrangement, BuildFile, BuildFileItem, BuildFileObject, InstanceSharing, write_build, write_stl};
+use build_file::{
+    Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, InstanceSharing,
+    write_build, write_stl,
+};
 use glam::{DQuat, DVec3};
 use solids::{Bounds, Mesh, Pose};
 
@@ -60,22 +63,26 @@ fn written(
         content_hash: "c".to_owned(),
     };
     let build = BuildFile {
-        title: "two cubes".to_owned(),
-        profile: "small".to_owned(),
-        build_id: "1".to_owned(),
-        created: "2026-11-20T04:49:00Z".to_owned(),
-        seed: 1,
-        volume_mm: DVec3::splat(50.0),
-        keep_out: vec![Bounds { min: DVec3::new(44.0, 0.0, 0.0), max: DVec3::new(50.0, 20.0, 50.0) }],
-        margins_mm: DVec3::from_array(asked.margins_mm),
-        clearance_z_extra_mm: asked.clearance_z_extra_mm,
-        layer_mm: 0.1,
-        layer_area_cap_mm2: asked.layer_area_cap_mm2,
-        clearance_mm: 2.0,
+        heading: BuildFileHeading {
+            title: "two cubes".to_owned(),
+            application: "nestd test".to_owned(),
+            created: "2026-11-20T04:49:00Z".to_owned(),
+            profile: "small".to_owned(),
+            build_id: "1".to_owned(),
+            seed: 1,
+        },
+        rules: BuildFileRules {
+            volume_mm: DVec3::splat(50.0),
+            keep_out: vec![Bounds { min: DVec3::new(44.0, 0.0, 0.0), max: DVec3::new(50.0, 20.0, 50.0) }],
+            margins_mm: DVec3::from_array(asked.margins_mm),
+            clearance_mm: 2.0,
+            clearance_z_extra_mm: asked.clearance_z_extra_mm,
+            layer_mm: 0.1,
+            layer_area_cap_mm2: asked.layer_area_cap_mm2,
+            interlock: "forbid".to_owned(),
+        },
         height_mm: 30.0,
         density: 0.02,
-        interlock: "forbid".to_owned(),
-        application: "nestd test".to_owned(),
         objects: vec![object],
         items: vec![item(1), item(2)],
         instances: InstanceSharing::Shared,
@@ -229,22 +236,26 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
     };
     let upright = std::f64::consts::FRAC_PI_2;
     let build = BuildFile {
-        layer_area_cap_mm2: None,
-        keep_out: Vec::new(),
-        layer_mm: 0.1,
-        title: "a chain".to_owned(),
-        profile: "small".to_owned(),
-        build_id: "2".to_owned(),
-        created: "2026-11-20T04:49:00Z".to_owned(),
-        seed: 1,
-        volume_mm: DVec3::splat(60.0),
-        margins_mm: [0.0; 3].into(),
-        clearance_mm: 2.0,
-        clearance_z_extra_mm: 0.0,
+        heading: BuildFileHeading {
+            title: "a chain".to_owned(),
+            application: "nestd test".to_owned(),
+            created: "2026-11-20T04:49:00Z".to_owned(),
+            profile: "small".to_owned(),
+            build_id: "2".to_owned(),
+            seed: 1,
+        },
+        rules: BuildFileRules {
+            volume_mm: DVec3::splat(60.0),
+            keep_out: Vec::new(),
+            margins_mm: [0.0; 3].into(),
+            clearance_mm: 2.0,
+            clearance_z_extra_mm: 0.0,
+            layer_mm: 0.1,
+            layer_area_cap_mm2: None,
+            interlock: interlock.to_owned(),
+        },
         height_mm: 35.0,
         density: 0.02,
-        interlock: interlock.to_owned(),
-        application: "nestd test".to_owned(),
         objects: vec![object],
         items: vec![item(1, 0.0, DVec3::new(20.0, 20.0, 18.5)), item(2, upright, DVec3::new(35.0, 21.5, 20.0))],
         instances: InstanceSharing::Shared,

@@ -11,16 +11,46 @@ use super::{Arrangement, InstanceSharing};
 /// A build, ready to be written.
 #[derive(Debug, Clone)]
 pub struct BuildFile {
+    /// What the build is, and where it comes from.
+    pub heading: BuildFileHeading,
+    /// The space and the rules that it was made for.
+    pub rules: BuildFileRules,
+    /// Top of the highest placement, mm.
+    pub height_mm: f64,
+    /// Part volume / (base area x build height).
+    pub density: f64,
+    /// Distinct meshes.
+    pub objects: Vec<BuildFileObject>,
+    /// One per placed copy.
+    pub items: Vec<BuildFileItem>,
+    /// How copies of one mesh are written.
+    pub instances: InstanceSharing,
+    /// Whether a consumer may re-arrange the placements.
+    pub arrangement: Arrangement,
+    /// A PNG picture, shown by file browsers.
+    pub thumbnail_png: Option<Vec<u8>>,
+}
+
+/// What a build is, and where it comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BuildFileHeading {
     /// Shown by viewers.
     pub title: String,
+    /// Name and version of the program, e.g. `nestd 0.1.0`.
+    pub application: String,
+    /// RFC 3339, e.g. `2026-11-20T04:49:00Z`; the only clock in the file.
+    pub created: String,
     /// Machine profile.
     pub profile: String,
     /// The ledger's number of the build, as in the file's name. UUIDs are derived from it.
     pub build_id: String,
-    /// RFC 3339, e.g. `2026-11-20T04:49:00Z`; the only clock in the file.
-    pub created: String,
     /// Seed of the search.
     pub seed: u64,
+}
+
+/// The space and the rules that a build was made for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BuildFileRules {
     /// Edge lengths of the build volume, mm.
     pub volume_mm: DVec3,
     /// Keep-out boxes of the build volume, in which no part may be placed, mm.
@@ -35,24 +65,8 @@ pub struct BuildFile {
     pub layer_mm: f64,
     /// Greatest filled area of a layer, mm2.
     pub layer_area_cap_mm2: Option<f64>,
-    /// Top of the highest placement, mm.
-    pub height_mm: f64,
-    /// Part volume / (base area x build height).
-    pub density: f64,
     /// The interlock rule of the build, as settings spell it (`forbid`, `warn`, `allow`).
     pub interlock: String,
-    /// Name and version of the program, e.g. `nestd 0.1.0`.
-    pub application: String,
-    /// Distinct meshes.
-    pub objects: Vec<BuildFileObject>,
-    /// One per placed copy.
-    pub items: Vec<BuildFileItem>,
-    /// How copies of one mesh are written.
-    pub instances: InstanceSharing,
-    /// Whether a consumer may re-arrange the placements.
-    pub arrangement: Arrangement,
-    /// A PNG picture, shown by file browsers.
-    pub thumbnail_png: Option<Vec<u8>>,
 }
 
 /// One distinct mesh of a build.
@@ -121,6 +135,19 @@ pub struct PlacedMesh {
 /// The metadata of a build file; `None` where another packer wrote the file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BuildMetadata {
+    /// What the build is, and where it comes from.
+    pub heading: HeadingMetadata,
+    /// The space and the rules that it was made for.
+    pub rules: RulesMetadata,
+    /// Top of the highest placement, mm.
+    pub height_mm: Option<f64>,
+    /// Part volume / (base area x build height).
+    pub density: Option<f64>,
+}
+
+/// [`BuildFileHeading`], as far as a file contains it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HeadingMetadata {
     /// Shown by viewers.
     pub title: Option<String>,
     /// Program that wrote it.
@@ -133,6 +160,11 @@ pub struct BuildMetadata {
     pub build_id: Option<String>,
     /// Seed of the search.
     pub seed: Option<u64>,
+}
+
+/// [`BuildFileRules`], as far as a file contains them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct RulesMetadata {
     /// Edge lengths of the build volume, mm.
     pub volume_mm: Option<DVec3>,
     /// Keep-out boxes of the build volume, in which no part may be placed, mm.
@@ -147,10 +179,6 @@ pub struct BuildMetadata {
     pub layer_mm: Option<f64>,
     /// Greatest filled area of a layer, mm2.
     pub layer_area_cap_mm2: Option<f64>,
-    /// Top of the highest placement, mm.
-    pub height_mm: Option<f64>,
-    /// Part volume / (base area x build height).
-    pub density: Option<f64>,
     /// The interlock rule of the build.
     pub interlock: Option<String>,
 }

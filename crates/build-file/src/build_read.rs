@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use solids::{Bounds, Mesh, Pose};
 
 use super::{
-    BuildMetadata, FileReadError, PlacedMesh, ReadLimits,
+    BuildMetadata, FileReadError, HeadingMetadata, PlacedMesh, ReadLimits, RulesMetadata,
     document::{ModelDocument, ObjectKey},
     flatten::ComponentFlattener,
     model::{ModelItem, ModelMetadata, ObjectBody, ObjectReference},
@@ -53,22 +53,26 @@ pub fn read_build_and_metadata(
 fn build_metadata(metadata: &ModelMetadata) -> BuildMetadata {
     let number = |name: &str| metadata.nestd_value(name).and_then(|text| text.parse().ok());
     BuildMetadata {
-        title: metadata.standard_value("Title"),
-        application: metadata.standard_value("Application"),
-        created: metadata.standard_value("CreationDate"),
-        profile: metadata.nestd_value("profile"),
-        build_id: metadata.nestd_value("build"),
-        seed: metadata.nestd_value("seed").and_then(|text| text.parse().ok()),
-        volume_mm: metadata.nestd_value("volume_mm").and_then(|text| parse_vector(&text)),
-        keep_out: metadata.nestd_value("keep_out_mm").map(|text| parse_boxes(&text)).unwrap_or_default(),
-        margins_mm: metadata.nestd_value("margins_mm").and_then(|text| parse_vector(&text)),
-        clearance_mm: number("clearance_mm"),
-        clearance_z_extra_mm: number("clearance_z_extra_mm"),
-        layer_mm: number("layer_mm"),
-        layer_area_cap_mm2: number("layer_area_cap_mm2"),
+        heading: HeadingMetadata {
+            title: metadata.standard_value("Title"),
+            application: metadata.standard_value("Application"),
+            created: metadata.standard_value("CreationDate"),
+            profile: metadata.nestd_value("profile"),
+            build_id: metadata.nestd_value("build"),
+            seed: metadata.nestd_value("seed").and_then(|text| text.parse().ok()),
+        },
+        rules: RulesMetadata {
+            volume_mm: metadata.nestd_value("volume_mm").and_then(|text| parse_vector(&text)),
+            keep_out: metadata.nestd_value("keep_out_mm").map(|text| parse_boxes(&text)).unwrap_or_default(),
+            margins_mm: metadata.nestd_value("margins_mm").and_then(|text| parse_vector(&text)),
+            clearance_mm: number("clearance_mm"),
+            clearance_z_extra_mm: number("clearance_z_extra_mm"),
+            layer_mm: number("layer_mm"),
+            layer_area_cap_mm2: number("layer_area_cap_mm2"),
+            interlock: metadata.nestd_value("interlock"),
+        },
         height_mm: number("height_mm"),
         density: number("density"),
-        interlock: metadata.nestd_value("interlock"),
     }
 }
 

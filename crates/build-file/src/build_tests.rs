@@ -45,22 +45,26 @@ pub(super) fn sample(instances: InstanceSharing, arrangement: Arrangement) -> Bu
         Pose::new(DQuat::from_euler(glam::EulerRot::XYZ, x, y, z), at + DVec3::splat(1.0 / 3.0))
     };
     BuildFile {
-        title: "mjf-5200 42".to_owned(),
-        profile: "mjf-5200".to_owned(),
-        build_id: "42".to_owned(),
-        created: "2026-11-20T04:49:00Z".to_owned(),
-        seed: 7,
-        volume_mm: DVec3::new(380.0, 284.0, 380.0),
-        keep_out: vec![Bounds { min: DVec3::ZERO, max: DVec3::new(40.5, 1.0 / 3.0, 10.0) }],
-        margins_mm: DVec3::ZERO,
-        clearance_z_extra_mm: 0.0,
-        layer_mm: 0.1,
-        layer_area_cap_mm2: None,
-        clearance_mm: 3.0,
+        heading: BuildFileHeading {
+            title: "mjf-5200 42".to_owned(),
+            application: "nestd 0.1.0".to_owned(),
+            created: "2026-11-20T04:49:00Z".to_owned(),
+            profile: "mjf-5200".to_owned(),
+            build_id: "42".to_owned(),
+            seed: 7,
+        },
+        rules: BuildFileRules {
+            volume_mm: DVec3::new(380.0, 284.0, 380.0),
+            keep_out: vec![Bounds { min: DVec3::ZERO, max: DVec3::new(40.5, 1.0 / 3.0, 10.0) }],
+            margins_mm: DVec3::ZERO,
+            clearance_mm: 3.0,
+            clearance_z_extra_mm: 0.0,
+            layer_mm: 0.1,
+            layer_area_cap_mm2: None,
+            interlock: "forbid".to_owned(),
+        },
         height_mm: 61.5,
         density: 0.123,
-        interlock: "forbid".to_owned(),
-        application: "nestd 0.1.0".to_owned(),
         objects: vec![
             object("plate", DVec3::new(0.1_f32.into(), 20.0, 30.7)),
             object("cube", DVec3::splat(10.0 / 3.0)),
@@ -120,11 +124,11 @@ fn what_is_written_is_read_back_exactly() {
         }
         let shared = Arc::ptr_eq(&placed[0].mesh, &placed[2].mesh);
         assert_eq!(shared, instances == InstanceSharing::Shared);
-        assert_eq!(info.profile.as_deref(), Some("mjf-5200"));
-        assert_eq!((info.seed, info.clearance_mm, info.height_mm), (Some(7), Some(3.0), Some(61.5)));
-        assert_eq!((info.volume_mm, info.density), (Some(build.volume_mm), Some(0.123)));
-        assert_eq!(info.keep_out, build.keep_out);
-        assert_eq!(info.created.as_deref(), Some("2026-11-20T04:49:00Z"));
+        assert_eq!(info.heading.profile.as_deref(), Some("mjf-5200"));
+        assert_eq!((info.heading.seed, info.rules.clearance_mm, info.height_mm), (Some(7), Some(3.0), Some(61.5)));
+        assert_eq!((info.rules.volume_mm, info.density), (Some(build.rules.volume_mm), Some(0.123)));
+        assert_eq!(info.rules.keep_out, build.rules.keep_out);
+        assert_eq!(info.heading.created.as_deref(), Some("2026-11-20T04:49:00Z"));
     }
 }
 
@@ -158,7 +162,8 @@ fn the_same_build_gives_the_same_bytes() {
     let build = sample(InstanceSharing::Shared, Arrangement::Items);
     let first = bytes(&build);
     assert_eq!(first, bytes(&build.clone()));
-    let other = BuildFile { build_id: "43".to_owned(), ..build };
+    let mut other = build;
+    other.heading.build_id = "43".to_owned();
     assert_ne!(first, bytes(&other));
 }
 
@@ -189,7 +194,8 @@ fn a_build_dropped_again_gives_its_parts_with_copies() {
 fn a_build_that_makes_no_sense_is_not_written() {
     let sane = sample(InstanceSharing::Shared, Arrangement::Items);
     let empty = BuildFile { items: Vec::new(), ..sane.clone() };
-    let undated = BuildFile { created: "yesterday".to_owned(), ..sane.clone() };
+    let mut undated = sane.clone();
+    undated.heading.created = "yesterday".to_owned();
     let mut dangling = sane.clone();
     dangling.items[1].object = 9;
     let mut lost = sane;

@@ -81,8 +81,8 @@ fn check_build(build: &BuildFile) -> Result<(), FileWriteError> {
 
 /// Entry dates are the build's creation time, so that the bytes do not depend on a clock.
 fn entry_options(build: &BuildFile) -> Result<SimpleFileOptions, FileWriteError> {
-    let bad = |_| FileWriteError::Build(format!("its creation date {:?} is no RFC 3339 time", build.created));
-    let created: Timestamp = build.created.parse().map_err(bad)?;
+    let bad = |_| FileWriteError::Build(format!("its creation date {:?} is no RFC 3339 time", build.heading.created));
+    let created: Timestamp = build.heading.created.parse().map_err(bad)?;
     let utc = created.to_zoned(TimeZone::UTC);
     let part = |n: i8| n.unsigned_abs();
     let date = DateTime::from_date_and_time(

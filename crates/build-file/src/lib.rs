@@ -44,7 +44,10 @@ mod uuid;
 mod visible_text;
 mod xml;
 
-pub use build_file::{BuildFile, BuildFileItem, BuildFileObject, BuildMetadata, PlacedMesh};
+pub use build_file::{
+    BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, BuildMetadata, HeadingMetadata,
+    PlacedMesh, RulesMetadata,
+};
 pub use build_read::{read_build, read_build_and_metadata};
 pub use build_write::write_build;
 pub use error::{FileReadError, FileWriteError};

@@ -39,10 +39,10 @@ pub(super) fn write_model(build: &BuildFile, out: &mut impl Write) -> io::Result
         Arrangement::Locked => Some(write_locked_object(build, &ids, out)?),
     };
     writeln!(out, "</resources>")?;
-    writeln!(out, r#"<build p:UUID="{}">"#, derive_uuid(&[&build.build_id, "build"]))?;
+    writeln!(out, r#"<build p:UUID="{}">"#, derive_uuid(&[&build.heading.build_id, "build"]))?;
     match locked {
         Some(id) => {
-            let uuid = derive_uuid(&[&build.build_id, "item", "locked"]);
+            let uuid = derive_uuid(&[&build.heading.build_id, "item", "locked"]);
             writeln!(out, r#"<item objectid="{id}" p:UUID="{uuid}"/>"#)?;
         }
         None => {
@@ -82,32 +82,32 @@ impl ResourceIds {
 }
 
 fn write_package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
-    let volume = build.volume_mm;
+    let (heading, rules) = (&build.heading, &build.rules);
+    let (volume, margins) = (rules.volume_mm, rules.margins_mm);
     let locked = if build.arrangement == Arrangement::Locked { "locked" } else { "items" };
-    write_metadata(out, "Title", &build.title)?;
-    write_metadata(out, "Application", &build.application)?;
-    write_metadata(out, "CreationDate", &build.created)?;
-    write_metadata(out, "nestd:profile", &build.profile)?;
-    write_metadata(out, "nestd:build", &build.build_id)?;
-    write_metadata(out, "nestd:seed", &build.seed.to_string())?;
+    write_metadata(out, "Title", &heading.title)?;
+    write_metadata(out, "Application", &heading.application)?;
+    write_metadata(out, "CreationDate", &heading.created)?;
+    write_metadata(out, "nestd:profile", &heading.profile)?;
+    write_metadata(out, "nestd:build", &heading.build_id)?;
+    write_metadata(out, "nestd:seed", &heading.seed.to_string())?;
     write_metadata(out, "nestd:volume_mm", &format!("{} {} {}", volume.x, volume.y, volume.z))?;
-    if !build.keep_out.is_empty() {
+    if !rules.keep_out.is_empty() {
         let corner = |c: DVec3| format!("{} {} {}", c.x, c.y, c.z);
         let boxes: Vec<String> =
-            build.keep_out.iter().map(|b| format!("{} {}", corner(b.min), corner(b.max))).collect();
+            rules.keep_out.iter().map(|b| format!("{} {}", corner(b.min), corner(b.max))).collect();
         write_metadata(out, "nestd:keep_out_mm", &boxes.join("; "))?;
     }
-    let margins = build.margins_mm;
     write_metadata(out, "nestd:margins_mm", &format!("{} {} {}", margins.x, margins.y, margins.z))?;
-    write_metadata(out, "nestd:clearance_mm", &build.clearance_mm.to_string())?;
-    write_metadata(out, "nestd:clearance_z_extra_mm", &build.clearance_z_extra_mm.to_string())?;
-    write_metadata(out, "nestd:layer_mm", &build.layer_mm.to_string())?;
-    if let Some(cap_mm2) = build.layer_area_cap_mm2 {
+    write_metadata(out, "nestd:clearance_mm", &rules.clearance_mm.to_string())?;
+    write_metadata(out, "nestd:clearance_z_extra_mm", &rules.clearance_z_extra_mm.to_string())?;
+    write_metadata(out, "nestd:layer_mm", &rules.layer_mm.to_string())?;
+    if let Some(cap_mm2) = rules.layer_area_cap_mm2 {
         write_metadata(out, "nestd:layer_area_cap_mm2", &cap_mm2.to_string())?;
     }
     write_metadata(out, "nestd:height_mm", &build.height_mm.to_string())?;
     write_metadata(out, "nestd:density", &build.density.to_string())?;
-    write_metadata(out, "nestd:interlock", &build.interlock)?;
+    write_metadata(out, "nestd:interlock", &rules.interlock)?;
     write_metadata(out, "nestd:arrangement", locked)
 }
 
@@ -140,7 +140,7 @@ fn write_metadata(out: &mut impl Write, name: &str, value: &str) -> io::Result<(
 
 fn write_mesh_object(build: &BuildFile, id: usize, object: usize, out: &mut impl Write) -> io::Result<()> {
     let described = &build.objects[object];
-    let uuid = derive_uuid(&[&build.build_id, "object", &described.content_hash, &id.to_string()]);
+    let uuid = derive_uuid(&[&build.heading.build_id, "object", &described.content_hash, &id.to_string()]);
     let (name, part) = (sanitize_name(&described.name), sanitize_name(&described.part_number));
     writeln!(out, r#"<object id="{id}" type="model" name="{name}" partnumber="{part}" p:UUID="{uuid}">"#)?;
     write_mesh(&described.mesh, out)?;
@@ -167,8 +167,8 @@ fn write_locked_object(build: &BuildFile, ids: &ResourceIds, out: &mut impl Writ
     for (number, item) in build.items.iter().enumerate() {
         let described = &build.objects[item.object];
         let (name, part) = (sanitize_name(&described.name), sanitize_name(&described.part_number));
-        let own = derive_uuid(&[&build.build_id, "placement", &described.content_hash, &number.to_string()]);
-        let inner = derive_uuid(&[&build.build_id, "mesh", &described.content_hash, &number.to_string()]);
+        let own = derive_uuid(&[&build.heading.build_id, "placement", &described.content_hash, &number.to_string()]);
+        let inner = derive_uuid(&[&build.heading.build_id, "mesh", &described.content_hash, &number.to_string()]);
         let id = first + number;
         writeln!(out, r#"<object id="{id}" type="model" name="{name}" partnumber="{part}" p:UUID="{own}">"#)?;
         write_item_metadata(item, out)?;
@@ -176,12 +176,12 @@ fn write_locked_object(build: &BuildFile, ids: &ResourceIds, out: &mut impl Writ
         writeln!(out, "</object>")?;
     }
     let id = first + build.items.len();
-    let name = sanitize_name(&build.title);
-    let own = derive_uuid(&[&build.build_id, "locked"]);
+    let name = sanitize_name(&build.heading.title);
+    let own = derive_uuid(&[&build.heading.build_id, "locked"]);
     writeln!(out, r#"<object id="{id}" type="model" name="{name}" p:UUID="{own}">"#)?;
     writeln!(out, "<components>")?;
     for (number, item) in build.items.iter().enumerate() {
-        let uuid = derive_uuid(&[&build.build_id, "component", &number.to_string()]);
+        let uuid = derive_uuid(&[&build.heading.build_id, "component", &number.to_string()]);
         let transform = format_transform(item, build);
         writeln!(out, r#"<component objectid="{}" transform="{transform}" p:UUID="{uuid}"/>"#, first + number)?;
     }
@@ -197,7 +197,7 @@ fn write_build_item(
     out: &mut impl Write,
 ) -> io::Result<()> {
     let described = &build.objects[item.object];
-    let uuid = derive_uuid(&[&build.build_id, "item", &described.content_hash, &number.to_string()]);
+    let uuid = derive_uuid(&[&build.heading.build_id, "item", &described.content_hash, &number.to_string()]);
     let (transform, part) = (format_transform(item, build), sanitize_name(&described.part_number));
     writeln!(out, r#"<item objectid="{id}" transform="{transform}" partnumber="{part}" p:UUID="{uuid}">"#)?;
     write_item_metadata(item, out)?;

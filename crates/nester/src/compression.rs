@@ -199,14 +199,14 @@ fn scatter_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
 
 /// Swaps the positions of two parts of about the same size; each keeps its rotation.
 fn swap_similar_parts(layout: &mut WorkingLayout<'_>, rng: &mut ChaCha8Rng) {
-    let movable: Vec<usize> = (0..layout.part_count()).filter(|&part| !layout.fixed[part]).collect();
+    let movable: Vec<usize> = (0..layout.part_count()).filter(|&part| !layout.parts.fixed[part]).collect();
     if movable.len() < 2 {
         return;
     }
     let one = movable[rng.random_range(0..movable.len())];
     let radius = |part: usize| layout.proxies[part].shape.radius_mm;
     let mut others: Vec<usize> =
-        movable.into_iter().filter(|&part| layout.copies[part].0 != layout.copies[one].0).collect();
+        movable.into_iter().filter(|&part| layout.parts.copies[part].0 != layout.parts.copies[one].0).collect();
     others.sort_by(|&a, &b| (radius(a) - radius(one)).abs().total_cmp(&(radius(b) - radius(one)).abs()));
     others.truncate(5);
     if others.is_empty() {

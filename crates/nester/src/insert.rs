@@ -126,13 +126,13 @@ impl NestingRun<'_> {
         rng: &mut ChaCha8Rng,
     ) -> Option<Vec<PlacedItem>> {
         let mut layout = WorkingLayout::new(task, pieces, height_limit_mm);
-        let (poses, promised, last) = (layout.poses.clone(), layout.fixed.clone(), pieces.len() - 1);
+        let (poses, promised, last) = (layout.poses.clone(), layout.parts.fixed.clone(), pieces.len() - 1);
         let radius = layout.proxies[last].shape.radius_mm as f32;
         let patience =
             SeparationLimits { idle_rounds: 25, failed_checks: 8, near_overlap: NEAR_OVERLAP_MM * radius * radius };
         for _ in 0..MAX_PLACES {
             let before = layout.evaluations;
-            layout.fixed.clone_from(&promised);
+            layout.parts.fixed.clone_from(&promised);
             layout.load_poses(&poses);
             layout.age_memory();
             let mut grid = OverlapDepthGrid::new(&layout);
@@ -140,7 +140,7 @@ impl NestingRun<'_> {
             let reach = (MAKE_ROOM_SHARE * layout.proxies[last].shape.radius_mm + task.max_clearance_mm) as f32;
             for (part, promised) in promised.iter().enumerate().take(last) {
                 let (here, there) = (&layout.proxies[last], &layout.proxies[part]);
-                layout.fixed[part] = *promised || !here.is_near(there, reach);
+                layout.parts.fixed[part] = *promised || !here.is_near(there, reach);
             }
             let (stop, made) = (self.stop, self.evaluations);
             let over = |looks: u64| {

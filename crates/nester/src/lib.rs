@@ -86,7 +86,10 @@ pub use proof::{
     ClearanceViolation, Disassembly, LayoutProof, PlacedSolid, find_removal_order, obeys_orientation, prove_layout,
     prove_placed_solids, prove_with_keep_out, prove_with_z_extra,
 };
-pub use report::{LockedCopy, NestingReport, PlacedPart, RemovedCopy, SearchSummary, Separability, UnplacedPart};
+pub use report::{
+    ClearanceMeasures, LockedCopy, NestingReport, PackingMeasures, PlacedPart, RemovedCopy, SearchCost, SearchSummary,
+    Separability, UnplacedPart,
+};
 pub use search_budget::SearchBudget;
 pub use search_control::{ProgressListener, StopCondition};
 pub use solution::NestingSolution;

@@ -110,7 +110,7 @@ struct RotationDecoder<'t> {
 
 impl<'t> RotationDecoder<'t> {
     fn new(layout: &WorkingLayout<'t>, part: usize) -> Self {
-        let kind = layout.prepared.prepared_item(layout.copies[part].0);
+        let kind = layout.prepared.prepared_item(layout.parts.copies[part].0);
         let room = layout.prepared.room.with_z(layout.height_limit_mm);
         let mut bases = match kind.orientation.rule {
             OrientationRule::Fixed => vec![DQuat::IDENTITY],

@@ -117,7 +117,7 @@ impl Separability {
     }
 }
 
-/// Data about a search that [`NestingReport::new`] needs beside the solution.
+/// Data about a search that [`NestingReport::new`] needs in addition to the solution.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SearchSummary {
     /// Least distance measured by the proof of the written file, mm; `None` when no two parts are near.
@@ -134,9 +134,31 @@ pub struct SearchSummary {
     pub curve: Vec<(f64, f64)>,
 }
 
-/// The report on one build.
+/// The report on one build. In JSON, its groups are one flat object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct NestingReport {
+    /// How well the parts are packed.
+    #[serde(flatten)]
+    pub packing: PackingMeasures,
+    /// Required and measured distances between parts.
+    #[serde(flatten)]
+    pub clearance: ClearanceMeasures,
+    /// Disassembly of the written file; `null` when locked parts are allowed and were not checked.
+    pub separable: Option<Separability>,
+    /// Copies placed.
+    pub placed: usize,
+    /// Copies that could not be placed.
+    pub unplaced: Vec<UnplacedPart>,
+    /// What the search cost.
+    #[serde(flatten)]
+    pub search: SearchCost,
+    /// The pose of every copy.
+    pub placements: Vec<PlacedPart>,
+}
+
+/// How well the parts of a build are packed.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct PackingMeasures {
     /// Top of the highest placement, mm.
     pub height_mm: f64,
     /// Part volume / (base area x build height).
@@ -149,18 +171,22 @@ pub struct NestingReport {
     pub layers: LayerAreas,
     /// A height that no layout of all copies can beat, mm.
     pub lower_bound_mm: f64,
+}
+
+/// Required and measured distances between the parts of a build.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ClearanceMeasures {
     /// Required clearance, mm.
     pub clearance_mm: f64,
     /// Height by which either of two parts may be raised without breaking the clearance, mm.
     pub clearance_z_extra_mm: f64,
     /// Least distance between any two parts, mm, proved on the triangles of the written file; `null` when none are near.
     pub clearance_proved_mm: Option<f64>,
-    /// Disassembly of the written file; `null` when locked parts are allowed and were not checked.
-    pub separable: Option<Separability>,
-    /// Copies placed.
-    pub placed: usize,
-    /// Copies that could not be placed.
-    pub unplaced: Vec<UnplacedPart>,
+}
+
+/// What a search cost, and how it went on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SearchCost {
     /// Seed of the search.
     pub seed: u64,
     /// Evaluations made.
@@ -171,8 +197,6 @@ pub struct NestingReport {
     pub wall_secs: f64,
     /// (wall seconds, build height in mm) of every improvement.
     pub curve: Vec<(f64, f64)>,
-    /// The pose of every copy.
-    pub placements: Vec<PlacedPart>,
 }
 
 impl NestingReport {
@@ -181,35 +205,40 @@ impl NestingReport {
     pub fn with_measurements(mut self, placed: &[(&Mesh, Pose)], cap: LayerAreaCap) -> Self {
         let bounds: Vec<Bounds> = placed.iter().map(|(mesh, pose)| mesh.bounds_at(pose)).collect();
         let volume_mm3 = placed.iter().map(|(mesh, _)| mesh.volume_mm3()).sum();
-        (self.packed_density, self.mean_distance_mm) = packing_measures(volume_mm3, bounds.iter().copied());
-        self.layers = LayerAreas::from_meshes(placed.iter().copied(), cap);
+        (self.packing.packed_density, self.packing.mean_distance_mm) =
+            packing_measures(volume_mm3, bounds.iter().copied());
+        self.packing.layers = LayerAreas::from_meshes(placed.iter().copied(), cap);
         self
     }
 
     /// Combines the instance, the solution and the data about the search. Measures of the placed meshes are added by
     /// [`NestingReport::with_measurements`].
-    pub fn new(instance: &NestingInstance, solution: &NestingSolution, course: SearchSummary) -> Self {
+    pub fn new(instance: &NestingInstance, solution: &NestingSolution, summary: SearchSummary) -> Self {
         let name = |item: usize| instance.items()[item].name.clone();
         let placed =
             |p: &super::ItemPlacement| PlacedPart { part: name(p.item), copy: p.copy, pose: p.pose.matrix_rows() };
         Self {
-            height_mm: solution.height_mm,
-            density: solution.density(instance),
-            packed_density: 0.0,
-            mean_distance_mm: 0.0,
-            layers: LayerAreas::default(),
-            lower_bound_mm: lower_bound_mm(instance),
-            clearance_mm: instance.clearance_mm(),
-            clearance_z_extra_mm: instance.clearance_z_extra_mm(),
-            clearance_proved_mm: course.clearance_proved_mm,
-            separable: course.separable,
+            packing: PackingMeasures {
+                height_mm: solution.height_mm,
+                density: solution.density(instance),
+                lower_bound_mm: lower_bound_mm(instance),
+                ..PackingMeasures::default()
+            },
+            clearance: ClearanceMeasures {
+                clearance_mm: instance.clearance_mm(),
+                clearance_z_extra_mm: instance.clearance_z_extra_mm(),
+                clearance_proved_mm: summary.clearance_proved_mm,
+            },
+            separable: summary.separable,
             placed: solution.placements.len(),
             unplaced: (solution.unplaced.iter()).map(|&(i, copy)| UnplacedPart { part: name(i), copy }).collect(),
-            seed: course.seed,
-            evaluations: solution.evaluations,
-            cpu_secs: course.cpu_secs,
-            wall_secs: course.wall_secs,
-            curve: course.curve,
+            search: SearchCost {
+                seed: summary.seed,
+                evaluations: solution.evaluations,
+                cpu_secs: summary.cpu_secs,
+                wall_secs: summary.wall_secs,
+                curve: summary.curve,
+            },
             placements: solution.placements.iter().map(placed).collect(),
         }
     }

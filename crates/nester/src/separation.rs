@@ -96,7 +96,7 @@ fn run_round(
     over: &mut impl FnMut(u64) -> bool,
 ) -> bool {
     let mut parts: Vec<usize> =
-        (0..layout.part_count()).filter(|&part| energies[part] > 0.0 && !layout.fixed[part]).collect();
+        (0..layout.part_count()).filter(|&part| energies[part] > 0.0 && !layout.parts.fixed[part]).collect();
     parts.shuffle(rng);
     let share = RELOCATE_SHARE.min(15.0 / parts.len().max(1) as f64).max(0.1);
     for part in parts {

@@ -56,13 +56,18 @@ fn what_settles_is_denser_and_nearer_and_no_higher() {
     };
     let (loose, settled) = (report(false), report(true));
     // The search before the last step is the same except for its last fiftieth.
-    assert!(settled.height_mm <= loose.height_mm + 0.5, "{} {}", settled.height_mm, loose.height_mm);
-    assert!(settled.packed_density >= loose.packed_density * 0.999);
-    let (near, far) = (settled.mean_distance_mm, loose.mean_distance_mm);
+    assert!(
+        settled.packing.height_mm <= loose.packing.height_mm + 0.5,
+        "{} {}",
+        settled.packing.height_mm,
+        loose.packing.height_mm
+    );
+    assert!(settled.packing.packed_density >= loose.packing.packed_density * 0.999);
+    let (near, far) = (settled.packing.mean_distance_mm, loose.packing.mean_distance_mm);
     assert!(near < far, "{near} {far}");
-    let density = settled.layers.mean_area_mm2 / settled.density;
+    let density = settled.packing.layers.mean_area_mm2 / settled.packing.density;
     assert!((density / (70.0 * 70.0) - 1.0).abs() < 0.01, "mean area over base is the density");
-    assert!(settled.layers.evenness > 0.0 && settled.layers.evenness <= 1.0);
+    assert!(settled.packing.layers.evenness > 0.0 && settled.packing.layers.evenness <= 1.0);
 }
 
 #[test]
@@ -75,7 +80,7 @@ fn a_cap_spreads_parts_over_more_layers_before_any_is_left_out() {
         let capped = |area_mm2| {
             let instance = free.clone().with_layer_cap(LayerAreaCap { layer_mm: 0.1, area_mm2 }).expect("is a cap");
             let solution = nested(&instance, &config, 4_000);
-            let areas = measured(&instance, &solution).layers;
+            let areas = measured(&instance, &solution).packing.layers;
             assert!(areas.keeps_cap(), "{areas:?}");
             (solution.unplaced.len(), solution.height_mm)
         };
@@ -99,7 +104,7 @@ fn a_cap_that_cannot_hold_all_leaves_out_the_last() {
         [(0, 3), (0, 4), (0, 5)],
         "three cubes on top of each other are all there is room for"
     );
-    assert!(measured(&instance, &solution).layers.keeps_cap());
+    assert!(measured(&instance, &solution).packing.layers.keeps_cap());
 }
 
 #[test]

@@ -36,18 +36,26 @@ pub(crate) struct CenterPose {
     pub(crate) center: DVec3,
 }
 
+/// The parts of a layout: copies of items, then zones.
+#[derive(Debug, Clone)]
+pub(crate) struct LayoutParts {
+    /// Item and copy number of each part.
+    pub(crate) copies: Vec<(usize, u32)>,
+    clearances: Vec<f32>,
+    /// Parts that must not move: fixed copies and zones.
+    pub(crate) fixed: Vec<bool>,
+    /// Number of parts that are copies, not zones.
+    copy_count: usize,
+}
+
 /// The layout during the search.
 #[derive(Debug, Clone)]
 pub(crate) struct WorkingLayout<'t> {
     pub(crate) prepared: &'t PreparedInstance,
-    pub(crate) copies: Vec<(usize, u32)>,
+    /// What does not change while parts move.
+    pub(crate) parts: LayoutParts,
     pub(crate) poses: Vec<CenterPose>,
     pub(crate) proxies: Vec<CollisionProxy>,
-    clearances: Vec<f32>,
-    /// Parts that must not move: fixed copies and zones. Zones come after all pieces.
-    pub(crate) fixed: Vec<bool>,
-    /// Number of parts that are pieces, not zones.
-    item_count: usize,
     /// Heights at which overlap is tested, mm. Only 0 when clearances need not hold for raised parts.
     raise_offsets: Vec<f32>,
     pair_records: PairRecordTable,
@@ -67,31 +75,33 @@ pub(crate) struct WorkingLayout<'t> {
 
 impl<'t> WorkingLayout<'t> {
     /// Creates the layout of pieces below a height limit.
-    pub(crate) fn new(task: &'t PreparedInstance, pieces: &[PlacedItem], lid_mm: f64) -> Self {
+    pub(crate) fn new(task: &'t PreparedInstance, pieces: &[PlacedItem], height_limit_mm: f64) -> Self {
         let proxy =
             |p: &PlacedItem| CollisionProxy::new(task.prepared_item(p.item).shape.clone(), p.rotation, p.center);
         let parts = || pieces.iter().chain(&task.zones);
-        let guides: Vec<CollisionProxy> = parts().map(proxy).collect();
-        let grid = (guides.len() > GRID_MIN_PARTS).then(|| {
+        let proxies: Vec<CollisionProxy> = parts().map(proxy).collect();
+        let grid = (proxies.len() > GRID_MIN_PARTS).then(|| {
             let mut grid = ProximityGrid::new(task.room);
-            guides.iter().enumerate().for_each(|(part, proxy)| grid.insert_bounds(part, &proxy.bounds()));
+            proxies.iter().enumerate().for_each(|(part, proxy)| grid.insert_bounds(part, &proxy.bounds()));
             grid
         });
         Self {
             prepared: task,
             grid,
-            fixed: parts().map(|p| task.is_fixed((p.item, p.copy))).collect(),
-            item_count: pieces.len(),
-            copies: parts().map(|p| (p.item, p.copy)).collect(),
+            parts: LayoutParts {
+                copies: parts().map(|p| (p.item, p.copy)).collect(),
+                clearances: parts().map(|p| task.prepared_item(p.item).clearance_mm as f32).collect(),
+                fixed: parts().map(|p| task.is_fixed((p.item, p.copy))).collect(),
+                copy_count: pieces.len(),
+            },
             poses: parts().map(|p| CenterPose { rotation: p.rotation, center: p.center }).collect(),
-            clearances: parts().map(|p| task.prepared_item(p.item).clearance_mm as f32).collect(),
             raise_offsets: task.raise_offsets(),
-            pair_records: PairRecordTable::new(guides.len()),
-            move_counts: vec![0; guides.len()],
-            flowers: vec![Vec::new(); guides.len()],
-            proxies: guides,
+            pair_records: PairRecordTable::new(proxies.len()),
+            move_counts: vec![0; proxies.len()],
+            flowers: vec![Vec::new(); proxies.len()],
+            proxies,
             interlock_memory: InterlockMemory::new(),
-            height_limit_mm: lid_mm,
+            height_limit_mm,
             evaluations: 0,
         }
     }
@@ -102,20 +112,20 @@ impl<'t> WorkingLayout<'t> {
     }
 
     /// Moves all parts to the given poses.
-    pub(crate) fn load_poses(&mut self, stands: &[CenterPose]) {
-        for (part, pose) in stands.iter().enumerate() {
+    pub(crate) fn load_poses(&mut self, poses: &[CenterPose]) {
+        for (part, pose) in poses.iter().enumerate() {
             self.move_part(part, *pose);
         }
     }
 
     /// The orientation rule of a part.
     pub(crate) fn orientation_rule(&self, part: usize) -> OrientationRule {
-        self.prepared.prepared_item(self.copies[part].0).orientation.rule
+        self.prepared.prepared_item(self.parts.copies[part].0).orientation.rule
     }
 
     /// Moves a part, then shifts it inside the walls if it fits.
     pub(crate) fn move_part(&mut self, part: usize, pose: CenterPose) {
-        if self.fixed[part] {
+        if self.parts.fixed[part] {
             return;
         }
         let mut proxy = self.proxies[part].clone();
@@ -166,7 +176,7 @@ impl<'t> WorkingLayout<'t> {
 
     /// The clearance, weight and contacts that apply between two parts.
     fn pair_constraint(&self, one: usize, other: usize) -> PairConstraint<'_> {
-        let (one_mm, other_mm) = (f64::from(self.clearances[one]), f64::from(self.clearances[other]));
+        let (one_mm, other_mm) = (f64::from(self.parts.clearances[one]), f64::from(self.parts.clearances[other]));
         let clearance = clearance_of_pair(one_mm, other_mm) as f32 + CLEARANCE_TARGET_SPARE_MM;
         match self.pair_records.get_pair(one, other) {
             Some(note) => PairConstraint {
@@ -280,7 +290,7 @@ impl<'t> WorkingLayout<'t> {
             OrientationRule::Free => {
                 let spun = (DQuat::from_scaled_axis(spin.as_dvec3()) * pose.rotation).normalize();
                 self.prepared
-                    .prepared_item(self.copies[part].0)
+                    .prepared_item(self.parts.copies[part].0)
                     .orientation
                     .nearest_allowed(spun)
                     .unwrap_or(pose.rotation)
@@ -297,7 +307,7 @@ impl<'t> WorkingLayout<'t> {
         let proxy = &self.proxies[part];
         let room = self.prepared.room.with_z(self.height_limit_mm).as_vec3();
         let weight = 0.02 * push.energy.max(1.0) + 0.2 * proxy.shape.radius_mm as f32;
-        let mut held = false;
+        let mut is_outside = false;
         for &extreme in &proxy.shape.extremes_f32 {
             let arm = proxy.rotation * extreme;
             let here = proxy.center + arm;
@@ -306,19 +316,19 @@ impl<'t> WorkingLayout<'t> {
                 let unit = Vec3::AXES[axis];
                 if there[axis] < -1e-3 {
                     push.add_contact(arm, unit, (-here[axis]).min(1.0), weight);
-                    held = true;
+                    is_outside = true;
                 } else if there[axis] > room[axis] + 1e-3 {
                     push.add_contact(arm, -unit, (here[axis] - room[axis]).min(1.0), weight);
-                    held = true;
+                    is_outside = true;
                 }
             }
         }
-        held
+        is_outside
     }
 
     /// Whether both parts are fixed: then an overlap between them cannot be resolved.
     fn are_fixed(&self, one: usize, other: usize) -> bool {
-        self.fixed[one] && self.fixed[other]
+        self.parts.fixed[one] && self.parts.fixed[other]
     }
 
     /// Unweighted overlap of two parts at their present poses; cached until one of them moves.
@@ -340,7 +350,7 @@ impl<'t> WorkingLayout<'t> {
         energies.clear();
         energies.resize(self.part_count(), 0.0);
         let mut pairs: Vec<(usize, usize, f32)> = Vec::new();
-        for (energy, proxy) in energies.iter_mut().zip(&self.proxies[..self.item_count]) {
+        for (energy, proxy) in energies.iter_mut().zip(&self.proxies[..self.parts.copy_count]) {
             *energy += self.excess_energy(proxy);
         }
         for (one, other) in self.nearby_pairs() {

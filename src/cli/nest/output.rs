@@ -25,7 +25,7 @@ pub fn write_outputs(
     parts: Vec<BuildPart>,
     instance: &NestingInstance,
     solution: &NestingSolution,
-    mut course: SearchSummary,
+    mut summary: SearchSummary,
 ) -> Result<NestingReport> {
     let build = solved_build(setup, parts, instance, solution);
     if build.placed.is_empty() {
@@ -35,11 +35,11 @@ pub fn write_outputs(
         if let Some(found) = proved.separability.as_ref().filter(|found| !found.locked.is_empty()) {
             print_to_stderr(&found.in_words());
         }
-        course.clearance_proved_mm = proved.proof.clearance_proved_mm;
-        course.separable = proved.separability;
+        summary.clearance_proved_mm = proved.proof.clearance_proved_mm;
+        summary.separable = proved.separability;
         draft.rename_into_place()?;
     }
-    let report = build.to_report(nester::lower_bound_mm(instance), solution.evaluations, &solution.unplaced, course);
+    let report = build.to_report(nester::lower_bound_mm(instance), solution.evaluations, &solution.unplaced, summary);
     if let Some(target) = &args.files.stl {
         let poses: Vec<(&Mesh, Pose)> =
             (build.placed.iter()).map(|p| (&*build.parts[p.part].mesh, build.machine.machine_pose(&p.pose))).collect();

@@ -22,7 +22,7 @@ fn a_reserved_zone_stays_free_in_the_published_file() {
     let file = farm.queued().remove(0);
     let (info, placed) = build_file::read_build_and_metadata(&file, &Default::default()).unwrap();
     let zone = Bounds { min: DVec3::ZERO, max: DVec3::new(60.0, 120.0, 40.0) };
-    assert_eq!(info.keep_out, [zone]);
+    assert_eq!(info.rules.keep_out, [zone]);
     let body = |p: build_file::PlacedMesh| PlacedSolid { name: p.name, mesh: p.mesh, pose: p.pose, clearance_mm: 2.0 };
     let bodies: Vec<PlacedSolid> = placed.into_iter().map(body).collect();
     assert_eq!(bodies.len(), 7);

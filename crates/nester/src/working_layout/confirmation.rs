@@ -16,13 +16,13 @@ impl WorkingLayout<'_> {
     /// where it is not.
     pub(crate) fn confirm_clear(&mut self) -> Option<Vec<PlacedItem>> {
         let prepared = self.prepared;
-        let pieces: Vec<PlacedItem> = (self.copies.iter().zip(&self.poses))
+        let pieces: Vec<PlacedItem> = (self.parts.copies.iter().zip(&self.poses))
             .map(|(&copy, s)| prepared.place_item(copy, s.rotation, s.center))
             .collect();
         let inside =
-            pieces[..self.item_count].iter().all(|piece| prepared.is_inside(piece, self.height_limit_mm + 1e-9));
+            pieces[..self.parts.copy_count].iter().all(|piece| prepared.is_inside(piece, self.height_limit_mm + 1e-9));
         let clear = self.check_pairs(&pieces);
-        (inside && clear).then(|| pieces[..self.item_count].to_vec())
+        (inside && clear).then(|| pieces[..self.parts.copy_count].to_vec())
     }
 
     /// Whether all pairs are clear on the triangles. For a pair that is not, stores its contacts or increases its

@@ -35,8 +35,8 @@ impl BuildFileVerification {
         let body =
             |item: &PlacedMesh| machine.placed_body(item_label(item), item.mesh.clone(), &item.pose, item.clearance_mm);
         let bodies: Vec<PlacedSolid> = placed.iter().map(body).collect();
-        let judgement = machine.verify_placements(&bodies);
-        Self { bodies, placement_checks: judgement, wrongly_turned: turned, second_reader_error: second_reader }
+        let checks = machine.verify_placements(&bodies);
+        Self { bodies, placement_checks: checks, wrongly_turned: turned, second_reader_error: second_reader }
     }
 
     /// Whether all checks passed.

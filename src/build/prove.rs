@@ -53,24 +53,24 @@ impl SolvedBuild {
         let read = build_file::read_build(written, limits).map_err(BuildProofError::ReadBack)?;
         let (copies, bodies) = self.match_placed_copies(&read)?;
         build_file::cross_check(written, &read, limits).map_err(BuildProofError::SecondReader)?;
-        let judged = self.machine.verify_placements(&bodies);
-        if !judged.proof.is_proved() {
-            let mut faults = judged.placement_faults(|i| bodies[i].name.clone());
+        let verification = self.machine.verify_placements(&bodies);
+        if !verification.proof.is_proved() {
+            let mut faults = verification.placement_faults(|i| bodies[i].name.clone());
             faults.truncate(NAMED_FAULTS);
             return not_proved(format!("is not proved: {}", faults.join("; ")));
         }
-        if let Some(fault) = judged.layer_fault() {
+        if let Some(fault) = verification.layer_fault() {
             return not_proved(format!("fills a layer beyond its cap: {fault}"));
         }
         let name = |at: usize| (self.parts[copies[at].0].name.clone(), copies[at].1);
         let separable =
-            judged.disassembly.as_ref().map(|apart| Separability::new(apart, self.machine.clearance_mm, name));
+            verification.disassembly.as_ref().map(|apart| Separability::new(apart, self.machine.clearance_mm, name));
         if let Some(found) = separable.as_ref().filter(|found| !found.obeys_rule(self.machine.interlock)) {
             return not_proved(format!("is not proved: {}", found.in_words()));
         }
-        let order = judged.disassembly.iter().flat_map(|apart| &apart.order);
-        let drawn = order.map(|&(at, way)| (copies[at].0, copies[at].1, way)).collect();
-        Ok(ProvedBuild { proof: judged.proof, separability: separable, removal_order: drawn })
+        let order = verification.disassembly.iter().flat_map(|apart| &apart.order);
+        let removal_order = order.map(|&(at, direction)| (copies[at].0, copies[at].1, direction)).collect();
+        Ok(ProvedBuild { proof: verification.proof, separability: separable, removal_order })
     }
 
     /// Matches the items that were read with the placed copies. Returns part, copy and body of each item.

@@ -128,14 +128,14 @@ fn a_build_that_holds_something_else_is_not_proved() {
         ("out of the volume", |build| build.placed[0].pose.translation.x = 95.0),
         ("keep-out box 1", |_| {}),
     ];
-    for (told, change) in wrong {
+    for (expected, change) in wrong {
         let (mut asked, mut written) = (one_cube(), one_cube());
         change(&mut written);
-        if told.starts_with("keep-out") {
+        if expected.starts_with("keep-out") {
             let cube = solids::Bounds { min: DVec3::splat(20.0), max: DVec3::splat(40.0) };
             asked.machine.keep_out.push(cube);
         }
         let refused = proved(&asked, &written).unwrap_err();
-        assert!(refused.contains(told), "{refused}");
+        assert!(refused.contains(expected), "{refused}");
     }
 }

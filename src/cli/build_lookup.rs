@@ -134,8 +134,8 @@ fn configured_profile<'a>(settings: &'a Settings, build: &BuildRow) -> Result<&'
 
 /// The one build that the words name.
 async fn find_build_row(ledger: &Ledger, words: &[String]) -> Result<BuildRow> {
-    let said = words.join(" ");
-    let nothing = || format!("there is no build '{said}', and no file of that name here");
+    let query = words.join(" ");
+    let nothing = || format!("there is no build '{query}', and no file of that name here");
     let number = match words {
         [word] => parse_prefixed_number(word, 'b').or_else(|| number_in_name(word)),
         [build, number] if build == "build" => parse_prefixed_number(number, 'b'),
@@ -149,7 +149,7 @@ async fn find_build_row(ledger: &Ledger, words: &[String]) -> Result<BuildRow> {
         [one] => ledger.find_build(*one).await?.with_context(nothing),
         several => {
             let numbers: Vec<String> = several.iter().map(BuildId::to_string).collect();
-            Err(UsageError(format!("'{said}' is in builds {}: say which", numbers.join(", "))).into())
+            Err(UsageError(format!("'{query}' is in builds {}: say which", numbers.join(", "))).into())
         }
     }
 }

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn an_age_is_told_in_two_units() {
+    fn an_age_is_shown_in_two_units() {
         let now: Timestamp = "2026-11-20T04:49:00Z".parse().unwrap();
         let of = |time: &str| format_age(Some(UtcTimestamp(time.parse().unwrap())), now);
         assert_eq!(of("2026-11-20T04:48:48Z"), "12s");

@@ -56,7 +56,7 @@ fn show_delivery(common: &CommonArgs, notify: &NotifySettings) -> Result<Command
                 lines.push(format!("{receiver}: receives messages once the daemon runs."));
                 continue;
             };
-            let waiting = ledger.count_events_after(row.told_id, &kinds).await?;
+            let waiting = ledger.count_events_after(row.delivered_id, &kinds).await?;
             let failing = match row.failing_at {
                 Some(since) => format!("; delivery fails since {}: {}", format_time_utc(Some(since)), row.failure),
                 None => String::new(),

@@ -39,13 +39,13 @@ pub fn run(common: &CommonArgs, args: &RunArgs) -> Result<CommandExit> {
     let runtime = start_runtime("nestd", 512)?;
     let web = settings.interfaces.web.clone();
     let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(settings)));
-    let (told, served) = (shared.clone(), web.clone());
+    let (shared_settings, served) = (shared.clone(), web.clone());
     let load = move || {
         let settings = load()?;
         if settings.interfaces.web != served {
             tracing::warn!("The new values in [web] take effect at the next start.");
         }
-        *told.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
+        *shared_settings.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(settings.clone());
         Ok(settings)
     };
     let outside = farm::ServiceBridge::default();
@@ -109,11 +109,14 @@ async fn serve_dashboard(shared: SharedSettings, web: settings::WebSettings, out
     outside.run_while_open(serving).await;
 }
 
-/// Writes metrics and sends messages in tasks beside the farm, while its ledger is open.
+/// Writes metrics and sends messages in tasks of their own, while its ledger is open.
 async fn serve_monitoring(shared: SharedSettings, outside: farm::ServiceBridge) {
-    let trouble = |receiver: ReceiverKind, why| outside.report_receiver(&receiver.to_string(), why);
+    let report_failure = |receiver: ReceiverKind, why| outside.report_receiver(&receiver.to_string(), why);
     let telling = async {
-        tokio::join!(metrics::keep_metrics_file(shared.clone()), outbox::deliver_events(shared.clone(), trouble));
+        tokio::join!(
+            metrics::keep_metrics_file(shared.clone()),
+            outbox::deliver_events(shared.clone(), report_failure)
+        );
     };
     outside.run_while_open(telling).await;
 }

@@ -15,7 +15,7 @@ use crate::{
     intake,
     ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
     settings::Settings,
-    tables::{MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS, ToldNotice},
+    tables::{AlertSummary, MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS},
 };
 
 /// This many rejected parts are listed; `nestd show` finds the older ones.
@@ -202,8 +202,8 @@ fn attention_text(notices: &[FarmAlert]) -> String {
     }
 }
 
-fn attention_json(notices: &[FarmAlert]) -> Vec<ToldNotice> {
-    notices.iter().map(ToldNotice::from).collect()
+fn attention_json(notices: &[FarmAlert]) -> Vec<AlertSummary> {
+    notices.iter().map(AlertSummary::from).collect()
 }
 
 fn attention_as_json<S: serde::Serializer>(notices: &[FarmAlert], serializer: S) -> Result<S::Ok, S::Error> {

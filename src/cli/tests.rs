@@ -51,7 +51,7 @@ async fn an_order_is_noted_while_the_daemon_does_not_run() {
 async fn the_answer_of_the_daemon_is_printed_and_a_refusal_fails() {
     let ledger = fresh().await;
     beat(&ledger).await;
-    for (done, exit, told) in
+    for (done, exit, expected) in
         [(true, CommandExit::Success, "nothing waits"), (false, CommandExit::Failure, "Refused: nothing waits")]
     {
         let daemon = async {
@@ -63,7 +63,7 @@ async fn the_answer_of_the_daemon_is_printed_and_a_refusal_fails() {
         };
         let (given, ()) =
             tokio::join!(command::send_command(&ledger, &DaemonCommand::Scan, Duration::from_secs(20)), daemon);
-        assert_eq!(given.unwrap(), (told.to_owned(), exit));
+        assert_eq!(given.unwrap(), (expected.to_owned(), exit));
     }
     let (text, exit) = command::send_command(&ledger, &DaemonCommand::Scan, Duration::ZERO).await.unwrap();
     assert!(text.starts_with("scan is noted, but the daemon has not answered yet") && text.contains("`nestd status`"));
@@ -166,7 +166,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
     let found = lookup::look_up(&ledger, &LookupQuery::from_words(&words("1"))).await.unwrap();
     let text = show_text::lookup_text(&found);
-    for told in [
+    for expected in [
         "Build 1 of paper-200: complete",
         "height      87.50 mm",
         "bound       40.00 mm: no build of these parts is lower",
@@ -178,7 +178,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
         "free, (0, 0.707, 0.707) within 30 degrees of up",
         "warning     odd name",
     ] {
-        assert!(text.contains(told), "'{told}' is not told in\n{text}");
+        assert!(text.contains(expected), "'{expected}' is missing in\n{text}");
     }
     let json = serde_json::to_value(&found).unwrap();
     assert_eq!(json["build"]["placements"][1]["tx_mm"], 2.0);

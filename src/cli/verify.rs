@@ -105,7 +105,7 @@ fn verify_build(args: &VerifyArgs) -> Result<VerificationResult> {
 /// The machine that the file is for: the file's metadata, overridden by the options.
 fn resolve_machine(args: &VerifyArgs, info: &BuildMetadata) -> Result<MachineSpec> {
     let missing = |what: &str| UsageError(format!("the file does not say its {what}: give --{what}"));
-    let said = || info.rules.interlock.as_deref().and_then(|said| parse_word(said).ok());
+    let stored = || info.rules.interlock.as_deref().and_then(|stored| parse_word(stored).ok());
     let layer_mm = info.rules.layer_mm.filter(|mm| (0.001..=10.0).contains(mm)).unwrap_or(DEFAULT_LAYER_MM);
     Ok(MachineSpec {
         name: info.heading.profile.clone().unwrap_or_default(),
@@ -115,7 +115,7 @@ fn resolve_machine(args: &VerifyArgs, info: &BuildMetadata) -> Result<MachineSpe
         clearance_mm: args.clearance.or(info.rules.clearance_mm).ok_or_else(|| missing("clearance"))?,
         clearance_z_extra_mm: args.clearance_z_extra.or(info.rules.clearance_z_extra_mm).unwrap_or(0.0),
         layer_cap: LayerAreaCap { layer_mm, area_mm2: info.rules.layer_area_cap_mm2.unwrap_or(f64::INFINITY) },
-        interlock: args.interlock.or_else(said).unwrap_or(InterlockRule::Warn),
+        interlock: args.interlock.or_else(stored).unwrap_or(InterlockRule::Warn),
         instances: InstanceSharing::default(),
         arrangement: Arrangement::default(),
     })
@@ -156,8 +156,8 @@ fn as_json(verified: &VerificationResult) -> Value {
     let VerificationResult { info, machine, verdict, .. } = verified;
     let name = |i: usize| json!({ "item": i + 1, "name": verdict.bodies[i].name });
     let named = |bodies: &[usize]| bodies.iter().map(|&i| name(i)).collect::<Vec<_>>();
-    let judgement = &verdict.placement_checks;
-    let proof = &judgement.proof;
+    let checks = &verdict.placement_checks;
+    let proof = &checks.proof;
     let pairs: Vec<Value> = (proof.too_close.iter())
         .map(|p| {
             json!({ "first": name(p.first), "second": name(p.second), "distance_mm": p.distance_mm, "wanted_mm": p.wanted_mm })
@@ -187,9 +187,9 @@ fn as_json(verified: &VerificationResult) -> Value {
         "keep_out": machine.keep_out.len(),
         "intruding": intruding,
         "interlock": machine.interlock.as_str(),
-        "locked": judgement.disassembly.as_ref().map(|apart| named(&apart.locked)),
+        "locked": checks.disassembly.as_ref().map(|apart| named(&apart.locked)),
         "turned": named(&verdict.wrongly_turned),
-        "layers": judgement.layers,
+        "layers": checks.layers,
         "second_reader": verdict.second_reader_error,
         "list": verified.list_faults,
     })

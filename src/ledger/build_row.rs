@@ -7,7 +7,7 @@ use sqlx::FromRow;
 use super::{BuildId, BuildState, UtcTimestamp};
 
 /// Maximum number of points of a stored curve.
-const MOST_POINTS: usize = 300;
+const MAX_POINTS: usize = 300;
 
 /// A build. While it is open, height, density and copies describe its layout so far.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
@@ -232,7 +232,7 @@ pub struct FinalSearch {
 impl FinalSearch {
     /// The curve as JSON for the ledger, thinned to a few hundred points. The last point is always kept.
     pub(super) fn curve_json(&self) -> String {
-        let step = self.curve.len().div_ceil(MOST_POINTS).max(1);
+        let step = self.curve.len().div_ceil(MAX_POINTS).max(1);
         let kept = self.curve.iter().rev().step_by(step);
         let rounded = |&(secs, mm): &(f64, f64)| ((1e3 * secs).round() / 1e3, (1e4 * mm).round() / 1e4);
         let mut points: Vec<(f64, f64)> = kept.map(rounded).collect();

@@ -41,8 +41,8 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let now = change.now;
         for part in parts {
-            let told = sqlx::query("UPDATE part SET at_risk_at = ? WHERE id = ?").bind(now).bind(part);
-            told.execute(change.db()).await?;
+            let update = sqlx::query("UPDATE part SET at_risk_at = ? WHERE id = ?").bind(now).bind(part);
+            update.execute(change.db()).await?;
         }
         change.write_event(EventKind::AtRisk, profile, parts.first().copied(), None, detail).await?;
         change.commit().await

@@ -18,7 +18,7 @@ use sqlx::SqlitePool;
 use self::checksum::{ChecksumStatus, verify_checksum};
 pub use self::checksum::{checkpoint_with_checksum, checksum_path, remove_checksum, write_checksum};
 use self::lost_changes::find_lost_changes;
-pub use self::lost_changes::{CHANGES_NOTED, clear_note, count_change, holds_something, note_changes};
+pub use self::lost_changes::{CHANGES_NOTED, clear_note, count_change, has_content, note_changes};
 use super::{LedgerError, error::Result};
 
 /// Maximum number of SQLite's error messages that are reported.
@@ -44,9 +44,9 @@ pub async fn check_files(path: &Path) -> Result<bool> {
 pub async fn check_database(path: &Path, pool: &SqlitePool) -> Result<()> {
     let damaged = |what: String| LedgerError::Damaged { path: path.to_owned(), what };
     let text = format!("PRAGMA integrity_check({MAX_COMPLAINTS})");
-    let said: Vec<String> = sqlx::query_scalar(sqlx::AssertSqlSafe(text)).fetch_all(pool).await?;
-    if said != ["ok"] {
-        return Err(damaged(said.join("; ").replace('\n', " ")));
+    let findings: Vec<String> = sqlx::query_scalar(sqlx::AssertSqlSafe(text)).fetch_all(pool).await?;
+    if findings != ["ok"] {
+        return Err(damaged(findings.join("; ").replace('\n', " ")));
     }
     let orphans =
         sqlx::query_as::<_, (String, Option<i64>)>("SELECT \"table\", rowid FROM pragma_foreign_key_check LIMIT 3");

@@ -64,7 +64,7 @@ impl Ledger {
     pub async fn open_checked(path: &Path) -> Result<Self> {
         if path.exists() || health::checksum_path(path).exists() {
             let is_sealed = health::check_files(path).await?;
-            if !is_sealed && health::holds_something(path) {
+            if !is_sealed && health::has_content(path) {
                 let ledger = Self::connect(path, connect_options(path)).await?;
                 let checked = health::check_database(path, &ledger.writer).await;
                 ledger.close().await;

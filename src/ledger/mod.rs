@@ -70,7 +70,7 @@ pub use part_row::{
     ClaimedFile, NewPartRow, NewTerms, NewTicketRow, PartMeasures, PartRejection, PartRow, PartTerms, PartTimes,
     RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
-pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalStep, WayColumns};
+pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
 pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
 pub use replace::{clear_unfinished, replace_ledger, restoring_path};

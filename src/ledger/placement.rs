@@ -49,10 +49,10 @@ pub struct PlacementRow {
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub stands: PoseColumns,
-    /// How it comes out of the cake.
+    /// How it is removed from the cake.
     #[serde(flatten)]
     #[sqlx(flatten)]
-    pub comes_out: WayColumns,
+    pub removal: RemovalColumns,
 }
 
 /// How a copy stands in a build; `None` until the build is verified.
@@ -74,17 +74,25 @@ pub struct PoseColumns {
     pub tz_mm: Option<f64>,
 }
 
-/// How a copy comes out of the cake; `None` = not proved.
+/// How a copy is removed from the cake; `None` = not proved.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
-pub struct WayColumns {
-    /// As which copy it is drawn out, from 1.
-    pub drawn: Option<u32>,
-    /// Direction in which it is pulled out: a unit vector in the machine's frame, first component.
-    pub way_x: Option<f64>,
+pub struct RemovalColumns {
+    /// Its position in the removal order, from 1.
+    #[serde(rename = "drawn")]
+    #[sqlx(rename = "drawn")]
+    pub position: Option<u32>,
+    /// Direction of its removal: a unit vector in the machine's frame, first component.
+    #[serde(rename = "way_x")]
+    #[sqlx(rename = "way_x")]
+    pub direction_x: Option<f64>,
     /// Second component of that direction.
-    pub way_y: Option<f64>,
+    #[serde(rename = "way_y")]
+    #[sqlx(rename = "way_y")]
+    pub direction_y: Option<f64>,
     /// Third component of that direction.
-    pub way_z: Option<f64>,
+    #[serde(rename = "way_z")]
+    #[sqlx(rename = "way_z")]
+    pub direction_z: Option<f64>,
 }
 
 impl PlacementRow {
@@ -96,8 +104,8 @@ impl PlacementRow {
 
     /// How the copy is removed from the cake; `None` = not proved.
     pub fn removal_step(&self) -> Option<RemovalStep> {
-        let WayColumns { drawn, way_x, way_y, way_z } = self.comes_out;
-        Some(RemovalStep { position: drawn?, direction: [way_x?, way_y?, way_z?] })
+        let RemovalColumns { position, direction_x, direction_y, direction_z } = self.removal;
+        Some(RemovalStep { position: position?, direction: [direction_x?, direction_y?, direction_z?] })
     }
 }
 

@@ -133,7 +133,7 @@ async fn write_result(change: &mut LedgerChange, build: BuildId, verified: &Veri
 
 async fn write_pose(change: &mut LedgerChange, build: BuildId, placed: &ProvedPlacement) -> Result<()> {
     let ([qx, qy, qz, qw], [x, y, z]) = (placed.rotation, placed.translation_mm);
-    let way = |axis: usize| placed.removal.map(|drawn| drawn.direction[axis]);
+    let direction = |axis: usize| placed.removal.map(|removal| removal.direction[axis]);
     sqlx::query(
         "UPDATE placement SET qx = ?, qy = ?, qz = ?, qw = ?, tx_mm = ?, ty_mm = ?, tz_mm = ?, \
          drawn = ?, way_x = ?, way_y = ?, way_z = ? WHERE part_id = ? AND copy = ? AND build_id = ?",
@@ -145,10 +145,10 @@ async fn write_pose(change: &mut LedgerChange, build: BuildId, placed: &ProvedPl
     .bind(x)
     .bind(y)
     .bind(z)
-    .bind(placed.removal.map(|drawn| drawn.position))
-    .bind(way(0))
-    .bind(way(1))
-    .bind(way(2))
+    .bind(placed.removal.map(|removal| removal.position))
+    .bind(direction(0))
+    .bind(direction(1))
+    .bind(direction(2))
     .bind(placed.part)
     .bind(placed.copy)
     .bind(build)

@@ -25,7 +25,9 @@ pub struct ReceiverRow {
     /// Which receiver.
     pub name: ReceiverKind,
     /// The latest event that was delivered to it or is not meant for it.
-    pub told_id: i64,
+    #[serde(rename = "told_id")]
+    #[sqlx(rename = "told_id")]
+    pub delivered_id: i64,
     /// Since when delivery fails.
     pub failing_at: Option<UtcTimestamp>,
     /// Why delivery fails; "" = it works.
@@ -83,8 +85,8 @@ impl Ledger {
     /// Records that a receiver has all events up to this one.
     pub async fn mark_delivered(&self, name: ReceiverKind, event: i64) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let told = "UPDATE receiver SET told_id = max(told_id, ?), failing_at = NULL, failure = '' WHERE name = ?";
-        sqlx::query(told).bind(event).bind(name).execute(change.db()).await?;
+        let delivered = "UPDATE receiver SET told_id = max(told_id, ?), failing_at = NULL, failure = '' WHERE name = ?";
+        sqlx::query(delivered).bind(event).bind(name).execute(change.db()).await?;
         change.commit().await
     }
 
@@ -101,12 +103,12 @@ impl Ledger {
     /// of dropped events.
     pub async fn drop_undelivered(&self, name: ReceiverKind, before: Timestamp, kinds: &[EventKind]) -> Result<u64> {
         let mut change = self.begin_change().await?;
-        let told: i64 =
+        let delivered: i64 =
             sqlx::query_scalar("SELECT told_id FROM receiver WHERE name = ?").bind(name).fetch_one(change.db()).await?;
         let (dropped, last): (u64, Option<i64>) = sqlx::query_as(
             "SELECT count(*), max(id) FROM event WHERE id > ? AND at < ? AND kind IN (SELECT value FROM json_each(?))",
         )
-        .bind(told)
+        .bind(delivered)
         .bind(UtcTimestamp(before))
         .bind(json_array(kinds))
         .fetch_one(change.db())

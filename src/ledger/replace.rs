@@ -68,7 +68,7 @@ pub async fn replace_ledger(ledger: &Path) -> Result<Option<PathBuf>> {
     let aside = move_aside(ledger, is_one_file).map_err(failed)?;
     let new = restoring_path(ledger);
     // The new ledger must not have a write-ahead log, because only the main file is renamed.
-    if health::holds_something(&with_suffix(&new, "-wal")) {
+    if health::has_content(&with_suffix(&new, "-wal")) {
         return Err(failed(io::Error::other("the new ledger is in use")));
     }
     fs::rename(&new, ledger).map_err(failed)?;
@@ -82,7 +82,7 @@ pub async fn replace_ledger(ledger: &Path) -> Result<Option<PathBuf>> {
 /// Folds the write-ahead log into the ledger, so that a single file holds everything. `false` = the ledger is missing,
 /// damaged or in use.
 async fn fold_into_one_file(ledger: &Path) -> bool {
-    if !health::holds_something(ledger) {
+    if !health::has_content(ledger) {
         return false;
     }
     match health::check_files(ledger).await {
@@ -93,7 +93,7 @@ async fn fold_into_one_file(ledger: &Path) -> bool {
     let Ok(open) = Ledger::connect(ledger, connect_options(ledger)).await else { return false };
     let folded = sqlx::query_as::<_, (i64, i64, i64)>("PRAGMA wal_checkpoint(TRUNCATE)").fetch_one(open.writer()).await;
     open.close().await;
-    folded.is_ok_and(|(busy, ..)| busy == 0) && !health::holds_something(&with_suffix(ledger, "-wal"))
+    folded.is_ok_and(|(busy, ..)| busy == 0) && !health::has_content(&with_suffix(ledger, "-wal"))
 }
 
 /// Gives the present ledger another name. If it is complete in one file, it also keeps its own name until the new

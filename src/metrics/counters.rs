@@ -81,9 +81,9 @@ fn register_build_metrics(registry: &mut Registry, totals: &FarmTotals, profiles
 
 /// The outcomes of builds. A published build always counts as published, whatever outcome was entered later.
 fn build_outcomes(count: &BuildCount) -> Vec<&'static str> {
-    let told = OUTCOMES[2..].iter().find(|outcome| **outcome == count.state);
+    let outcome = OUTCOMES[2..].iter().find(|outcome| **outcome == count.state);
     match (count.is_published, count.state.as_str()) {
-        (true, _) => ["published"].into_iter().chain(told.copied()).collect(),
+        (true, _) => ["published"].into_iter().chain(outcome.copied()).collect(),
         (false, "failed") => vec!["given_up"],
         (false, _) => Vec::new(),
     }

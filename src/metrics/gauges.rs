@@ -22,7 +22,7 @@ struct GaugeSnapshot<'a> {
     registry: &'a mut Registry,
     profiles: Vec<String>,
     status: Vec<ProfileStatus>,
-    stations: Vec<MachineRow>,
+    machines: Vec<MachineRow>,
 }
 
 /// Registers all gauges.
@@ -30,12 +30,12 @@ pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, se
     let daemon = ledger.last_daemon().await?;
     let is_up = daemon.as_ref().is_some_and(|daemon| daemon.alive);
     // What a stopped daemon last saw of the machines says nothing about them now.
-    let stations = if is_up { ledger.list_machines().await? } else { Vec::new() };
+    let machines = if is_up { ledger.list_machines().await? } else { Vec::new() };
     let profiles = settings.profiles.keys().cloned().collect();
-    let mut standing = GaugeSnapshot { registry, profiles, status: ledger.profile_statuses().await?, stations };
-    standing.register_waiting();
-    standing.register_in_work();
-    standing.register_machines();
+    let mut snapshot = GaugeSnapshot { registry, profiles, status: ledger.profile_statuses().await?, machines };
+    snapshot.register_waiting();
+    snapshot.register_in_work();
+    snapshot.register_machines();
     register_daemon(registry, daemon.as_ref(), is_up);
     register_disk_space(registry, settings);
     Ok(())
@@ -62,9 +62,9 @@ impl GaugeSnapshot<'_> {
     /// Registers a gauge with a value for each machine that the daemon observes.
     fn register_machine_gauge(&mut self, name: &str, help: &str, value: impl Fn(&MachineRow) -> Option<f64>) {
         let family = Family::<LabelPairs, FloatGauge>::default();
-        for station in self.stations.iter().filter(|s| self.profiles.contains(&s.profile)) {
-            if let Some(value) = value(station) {
-                family.get_or_create(&vec![("profile", station.profile.clone())]).set(value);
+        for machine in self.machines.iter().filter(|s| self.profiles.contains(&s.profile)) {
+            if let Some(value) = value(machine) {
+                family.get_or_create(&vec![("profile", machine.profile.clone())]).set(value);
             }
         }
         self.registry.register(name, help, family);

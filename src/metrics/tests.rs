@@ -55,7 +55,7 @@ async fn lively() -> fixtures::TestLedger {
     ledger
 }
 
-async fn beat(ledger: &fixtures::TestLedger, trouble: &str) {
+async fn record_heartbeat(ledger: &fixtures::TestLedger, trouble: &str) {
     let now = jiff::Timestamp::now();
     let seen = |profile: &str, trouble: &str| ObservedMachine {
         profile: profile.to_owned(),
@@ -64,7 +64,7 @@ async fn beat(ledger: &fixtures::TestLedger, trouble: &str) {
         is_queue_writable: trouble.is_empty(),
         trouble: Some(trouble.to_owned()),
     };
-    let beat = DaemonHeartbeat {
+    let heartbeat = DaemonHeartbeat {
         pid: std::process::id(),
         host: "here".to_owned(),
         version: "0".to_owned(),
@@ -72,7 +72,7 @@ async fn beat(ledger: &fixtures::TestLedger, trouble: &str) {
         status: "idle".to_owned(),
         machines: vec![seen("cube", trouble), seen("idle", "")],
     };
-    ledger.write_heartbeat(&beat).await.unwrap();
+    ledger.write_heartbeat(&heartbeat).await.unwrap();
 }
 
 /// All samples of the text, by name and labels. Fails where promtool would complain: a family without help or type, a
@@ -115,8 +115,8 @@ fn promtool(text: &str) -> String {
     let Ok(mut promtool) = command else { return String::new() };
     promtool.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
     let output = promtool.wait_with_output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    if output.status.success() { said } else { format!("failed: {said}") }
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    if output.status.success() { stderr } else { format!("failed: {stderr}") }
 }
 
 #[tokio::test]
@@ -124,7 +124,7 @@ async fn every_number_has_help_and_counts_what_the_ledger_counts() {
     let folder = tempfile::tempdir().unwrap();
     let settings = farm(folder.path(), "");
     let ledger = lively().await;
-    beat(&ledger, "cube: The queue folder cannot be used: it is read-only.").await;
+    record_heartbeat(&ledger, "cube: The queue folder cannot be used: it is read-only.").await;
     let text = MetricsExporter::default().render_text(&ledger, &settings).await.unwrap();
     assert_eq!(promtool(&text), "");
     let samples = samples(&text);
@@ -185,7 +185,7 @@ async fn reasons_are_few_words_and_a_hostile_text_becomes_no_label() {
 async fn that_a_machine_becomes_unavailable_is_an_event_once() {
     let ledger = fixtures::fresh().await;
     for trouble in ["", "away", "away", "still away", "", ""] {
-        beat(&ledger, trouble).await;
+        record_heartbeat(&ledger, trouble).await;
     }
     let ids = ledger.last_event_id().await.unwrap();
     let row = ledger.list_machines().await.unwrap();
@@ -246,19 +246,19 @@ fn names_in(document: &str) -> Vec<&str> {
 }
 
 #[tokio::test]
-async fn dashboard_alerts_and_documentation_name_only_what_is_told() {
+async fn dashboard_alerts_and_documentation_name_only_exported_metrics() {
     let folder = tempfile::tempdir().unwrap();
     let settings = farm(folder.path(), "");
     let ledger = lively().await;
-    beat(&ledger, "").await;
+    record_heartbeat(&ledger, "").await;
     let text = MetricsExporter::default().render_text(&ledger, &settings).await.unwrap();
     let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
-    let told: Vec<&str> = names_in(&text);
+    let exported: Vec<&str> = names_in(&text);
     for (name, least) in [("grafana.json", 20), ("alerts.yml", 12), ("monitoring.md", 25)] {
         let document = std::fs::read_to_string(docs.join(name)).unwrap();
         let named = names_in(&document);
         assert!(named.len() >= least, "{name} names only {named:?}");
-        let unknown: Vec<&&str> = named.iter().filter(|metric| !told.contains(metric)).collect();
+        let unknown: Vec<&&str> = named.iter().filter(|metric| !exported.contains(metric)).collect();
         assert!(unknown.is_empty(), "{name} names {unknown:?}, which nestd does not tell");
     }
     // The reverse: every family is documented.

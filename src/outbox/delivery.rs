@@ -32,11 +32,11 @@ const POSITION_WRITE_INTERVAL: Duration = Duration::from_secs(60);
 /// Time allowed beyond the timeout; a sending thread that takes longer is abandoned.
 const SEND_GRACE: Duration = Duration::from_secs(5);
 
-/// Delivers events to the configured receivers until the future is dropped. Calls `trouble` with a message when a
+/// Delivers events to the configured receivers until the future is dropped. Calls `report_failure` with a message when a
 /// receiver fails for long, and with `None` when it works.
-pub async fn deliver_events(settings: SharedSettings, trouble: impl Fn(ReceiverKind, Option<String>)) {
-    let tell = |receiver| ReceiverDelivery::new(settings.clone(), receiver).run(&trouble);
-    tokio::join!(tell(ReceiverKind::Webhook), tell(ReceiverKind::Command));
+pub async fn deliver_events(settings: SharedSettings, report_failure: impl Fn(ReceiverKind, Option<String>)) {
+    let deliver = |receiver| ReceiverDelivery::new(settings.clone(), receiver).run(&report_failure);
+    tokio::join!(deliver(ReceiverKind::Webhook), deliver(ReceiverKind::Command));
 }
 
 /// Deletes the positions of receivers that are not configured. For a process that delivers nothing.
@@ -106,22 +106,22 @@ impl ReceiverDelivery {
         self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    async fn run(mut self, trouble: &impl Fn(ReceiverKind, Option<String>)) {
+    async fn run(mut self, report_failure: &impl Fn(ReceiverKind, Option<String>)) {
         let mut wait = FIRST_WAIT;
         loop {
             let settings = self.current_settings();
             match self.deliver_next(&settings).await {
                 // No event is due, or the receiver was removed from the configuration.
                 Ok(DeliveryStep::Idle) => {
-                    trouble(self.receiver, None);
+                    report_failure(self.receiver, None);
                     tokio::time::sleep(LOOK_EVERY).await;
                 }
                 Ok(DeliveryStep::Delivered) => {
-                    trouble(self.receiver, None);
+                    report_failure(self.receiver, None);
                     wait = FIRST_WAIT;
                 }
                 Ok(DeliveryStep::Failed(needs_person)) => {
-                    trouble(self.receiver, needs_person);
+                    report_failure(self.receiver, needs_person);
                     self.wait_before_retry(wait, &settings).await;
                     wait = (2 * wait).min(LONGEST_WAIT);
                 }
@@ -157,8 +157,8 @@ impl ReceiverDelivery {
             Some(at) => at,
             None => {
                 let row = ledger.find_or_add_receiver(self.receiver).await?;
-                (self.position, self.recorded_position) = (Some(row.told_id), (row.told_id, Instant::now()));
-                row.told_id
+                (self.position, self.recorded_position) = (Some(row.delivered_id), (row.delivered_id, Instant::now()));
+                row.delivered_id
             }
         };
         let last = ledger.last_event_id().await?;
@@ -221,18 +221,18 @@ impl ReceiverDelivery {
         let now = Timestamp::now();
         let keep =
             SignedDuration::try_from_secs_f64(settings.interfaces.notify.keep_secs).unwrap_or(SignedDuration::MAX);
-        let mut told = format!("the {receiver}: {why}");
+        let mut message = format!("the {receiver}: {why}");
         if now.duration_since(event.at.0) > keep {
             let before = now.checked_sub(keep).unwrap_or(Timestamp::UNIX_EPOCH);
             let dropped =
                 ledger.drop_undelivered(receiver, before, &event_kinds(&settings.interfaces.notify.events)).await?;
             warn!("{dropped} messages to the {receiver} were dropped: they are older than notify.keep_secs.");
-            told += &format!("; {dropped} messages were dropped");
+            message += &format!("; {dropped} messages were dropped");
             self.position = None;
         }
         let row = ledger.find_or_add_receiver(receiver).await?;
         let is_long = row.failing_at.is_some_and(|since| now.duration_since(since.0) >= ALERT_AFTER);
         self.last_error = why;
-        Ok(DeliveryStep::Failed(is_long.then_some(told)))
+        Ok(DeliveryStep::Failed(is_long.then_some(message)))
     }
 }

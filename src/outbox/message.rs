@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Maximum length of the detail, characters; a reason may quote much of a file.
-const MOST_DETAIL: usize = 4000;
+const MAX_DETAIL: usize = 4000;
 
 /// The kind of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,7 +77,7 @@ impl EventMessage {
             Some(id) => Some(ledger.find_build(id).await?.context("an event is of no build")?),
             None => None,
         };
-        let detail: String = event.detail.chars().take(MOST_DETAIL).collect();
+        let detail: String = event.detail.chars().take(MAX_DETAIL).collect();
         let text = message_text(event, &detail, part.as_ref(), build.as_ref());
         let message = Self {
             id: format!("{}@{}", event.id, event.at),

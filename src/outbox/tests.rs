@@ -31,7 +31,7 @@ struct OutboxFixture {
     ledger: fixtures::TestLedger,
     folder: tempfile::TempDir,
     settings: SharedSettings,
-    troubles: Arc<Mutex<ReceiverReports>>,
+    failures: Arc<Mutex<ReceiverReports>>,
 }
 
 impl OutboxFixture {
@@ -42,7 +42,7 @@ impl OutboxFixture {
         fs::set_permissions(&secret, fs::Permissions::from_mode(0o640)).unwrap();
         let ledger = fixtures::fresh().await;
         let settings = Arc::new(RwLock::new(Arc::new(read(folder.path(), ledger.path(), notify))));
-        Self { ledger, folder, settings, troubles: Arc::default() }
+        Self { ledger, folder, settings, failures: Arc::default() }
     }
 
     async fn of(hook: &TestWebhook, more: &str) -> Self {
@@ -55,9 +55,9 @@ impl OutboxFixture {
 
     /// Starts the delivery and waits until the receivers have their positions.
     async fn tell(&self, receivers: usize) -> JoinHandle<()> {
-        let troubles = self.troubles.clone();
+        let failures = self.failures.clone();
         let telling =
-            deliver_events(self.settings.clone(), move |receiver, why| troubles.lock().unwrap().push((receiver, why)));
+            deliver_events(self.settings.clone(), move |receiver, why| failures.lock().unwrap().push((receiver, why)));
         let task = tokio::spawn(telling);
         while self.ledger.list_receivers().await.unwrap().len() < receivers {
             tokio::time::sleep(Duration::from_millis(5)).await;
@@ -96,8 +96,8 @@ fn program(folder: &Path, script: &str) -> String {
     file.display().to_string()
 }
 
-fn texts(told: &[serde_json::Value], key: &str) -> Vec<String> {
-    told.iter().map(|message| message[key].as_str().unwrap_or_default().to_owned()).collect()
+fn texts(delivered: &[serde_json::Value], key: &str) -> Vec<String> {
+    delivered.iter().map(|message| message[key].as_str().unwrap_or_default().to_owned()).collect()
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn the_signature_is_hmac_sha256_of_time_and_body() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn an_event_is_told_until_the_receiver_has_it_once_and_in_order() {
+async fn an_event_is_sent_until_the_receiver_has_it_once_and_in_order() {
     let hook = TestWebhook::with_answers(&[500, 503]);
     let farm = OutboxFixture::of(&hook, "").await;
     farm.refuse(&farm.ledger, "before.stl").await;
@@ -120,20 +120,20 @@ async fn an_event_is_told_until_the_receiver_has_it_once_and_in_order() {
         .write_event(EventKind::Unavailable, "cube", None, None, "cube: The hot folder is unavailable.")
         .await
         .unwrap();
-    let told = farm.wait(&hook, 4).await;
+    let delivered = farm.wait(&hook, 4).await;
     tokio::time::sleep(Duration::from_millis(1200)).await;
     task.abort();
-    let (heard, names) = (hook.received(), told.iter().map(|m| m["part"]["name"].as_str().unwrap_or("")));
-    assert_eq!(heard.iter().map(|h| h.answered).collect::<Vec<_>>(), [500, 503, 200, 200, 200, 200]);
+    let (received, names) = (hook.received(), delivered.iter().map(|m| m["part"]["name"].as_str().unwrap_or("")));
+    assert_eq!(received.iter().map(|h| h.answered).collect::<Vec<_>>(), [500, 503, 200, 200, 200, 200]);
     let wanted = ["a.stl", "<script>alert(1)</script>.stl", "new\nline \"quoted\".stl", ""];
     assert_eq!(names.collect::<Vec<_>>(), wanted, "what was before the receiver came is not told");
-    assert_eq!(texts(&told, "kind"), ["refused", "refused", "refused", "unavailable"]);
-    assert_eq!(texts(&told, "reason"), ["not-closed", "not-closed", "not-closed", ""]);
-    assert_eq!(told[0]["text"], "Part 2 (a.stl) of cube was refused: The mesh is not closed.");
+    assert_eq!(texts(&delivered, "kind"), ["refused", "refused", "refused", "unavailable"]);
+    assert_eq!(texts(&delivered, "reason"), ["not-closed", "not-closed", "not-closed", ""]);
+    assert_eq!(delivered[0]["text"], "Part 2 (a.stl) of cube was refused: The mesh is not closed.");
     let ids = |of: &[hook::ReceivedRequest]| of.iter().map(|h| h.header("nestd-id").to_owned()).collect::<Vec<_>>();
-    assert!(ids(&heard[..3]).windows(2).all(|pair| pair[0] == pair[1]), "a repeat has the id of the first");
-    assert_eq!(ids(&heard[2..]).iter().collect::<std::collections::BTreeSet<_>>().len(), 4);
-    for one in &heard {
+    assert!(ids(&received[..3]).windows(2).all(|pair| pair[0] == pair[1]), "a repeat has the id of the first");
+    assert_eq!(ids(&received[2..]).iter().collect::<std::collections::BTreeSet<_>>().len(), 4);
+    for one in &received {
         let at = one.header("nestd-signature").strip_prefix("t=").unwrap().split(',').next().unwrap().parse().unwrap();
         assert_eq!(one.header("nestd-signature"), sign_body(SECRET, at, &one.body));
         assert!((Timestamp::now().as_second() - at).abs() < 60);
@@ -158,8 +158,8 @@ async fn nothing_is_lost_over_a_restart_and_a_receiver_that_was_taken_out_begins
     farm.ledger.write_event(EventKind::Unavailable, "cube", None, None, "nobody wants to hear this").await.unwrap();
     farm.refuse(&farm.ledger, "c.stl").await;
     let task = farm.tell(1).await;
-    let told = farm.wait(&hook, 3).await;
-    assert_eq!(told.iter().map(|m| m["part"]["name"].clone()).collect::<Vec<_>>(), ["a.stl", "b.stl", "c.stl"]);
+    let delivered = farm.wait(&hook, 3).await;
+    assert_eq!(delivered.iter().map(|m| m["part"]["name"].clone()).collect::<Vec<_>>(), ["a.stl", "b.stl", "c.stl"]);
     // Removed from the configuration and added again.
     let with = farm.settings.read().unwrap().clone();
     *farm.settings.write().unwrap() = Arc::new(read(farm.folder.path(), farm.ledger.path(), ""));
@@ -172,8 +172,8 @@ async fn nothing_is_lost_over_a_restart_and_a_receiver_that_was_taken_out_begins
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
     farm.refuse(&farm.ledger, "again.stl").await;
-    let told = farm.wait(&hook, 4).await;
-    assert_eq!(told[3]["part"]["name"], "again.stl");
+    let delivered = farm.wait(&hook, 4).await;
+    assert_eq!(delivered[3]["part"]["name"], "again.stl");
     task.abort();
 }
 
@@ -202,13 +202,13 @@ async fn a_receiver_that_hangs_holds_up_neither_the_other_one_nor_the_stop() {
     task.abort();
     let _ = task.await;
     assert!(stop.elapsed() < Duration::from_millis(500), "{:?}", stop.elapsed());
-    let heard = fs::read_to_string(farm.path("heard")).unwrap();
-    let names: Vec<_> = heard.lines().map(|l| serde_json::from_str::<serde_json::Value>(l).unwrap()).collect();
+    let received = fs::read_to_string(farm.path("heard")).unwrap();
+    let names: Vec<_> = received.lines().map(|l| serde_json::from_str::<serde_json::Value>(l).unwrap()).collect();
     assert_eq!(names.iter().map(|m| m["part"]["name"].clone()).collect::<Vec<_>>(), ["a.stl", "b.stl", "c.stl"]);
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_is_too_old_is_dropped_and_that_is_told() {
+async fn what_is_too_old_is_dropped_and_that_is_reported() {
     let hook = TestWebhook::with_answers(&[500; 1]);
     let farm = OutboxFixture::of(&hook, "keep_secs = \"1h\"").await;
     let task = farm.tell(1).await;
@@ -217,16 +217,16 @@ async fn what_is_too_old_is_dropped_and_that_is_told() {
     farm.refuse(&then, "old.stl").await;
     farm.refuse(&then, "older.stl").await;
     farm.refuse(&farm.ledger, "new.stl").await;
-    let told = farm.wait(&hook, 2).await;
-    assert_eq!(texts(&told, "kind"), ["refused", "dropped"]);
-    assert_eq!(told[0]["part"]["name"], "new.stl");
-    assert!(told[1]["text"].as_str().unwrap().contains("2 to the webhook"), "{}", told[1]);
+    let delivered = farm.wait(&hook, 2).await;
+    assert_eq!(texts(&delivered, "kind"), ["refused", "dropped"]);
+    assert_eq!(delivered[0]["part"]["name"], "new.stl");
+    assert!(delivered[1]["text"].as_str().unwrap().contains("2 to the webhook"), "{}", delivered[1]);
     assert_eq!(farm.ledger.find_or_add_receiver(ReceiverKind::Webhook).await.unwrap().dropped, 2);
     task.abort();
 }
 
 #[tokio::test]
-async fn a_receiver_that_fails_for_long_needs_a_person_until_it_is_told_again() {
+async fn a_receiver_that_fails_for_long_needs_a_person_until_it_receives_again() {
     let hook = TestWebhook::with_answers(&[500]);
     let farm = OutboxFixture::of(&hook, "").await;
     farm.ledger.find_or_add_receiver(ReceiverKind::Webhook).await.unwrap();
@@ -242,10 +242,10 @@ async fn a_receiver_that_fails_for_long_needs_a_person_until_it_is_told_again() 
     farm.wait(&hook, 1).await;
     tokio::time::sleep(Duration::from_millis(200)).await;
     task.abort();
-    let troubles = farm.troubles.lock().unwrap().clone();
-    let told = troubles.iter().find_map(|(_, why)| why.as_ref());
-    assert!(told.is_some_and(|why| why.contains("answers 500")), "{troubles:?}");
-    assert_eq!(troubles.last().unwrap().1, None);
+    let failures = farm.failures.lock().unwrap().clone();
+    let failure = failures.iter().find_map(|(_, why)| why.as_ref());
+    assert!(failure.is_some_and(|why| why.contains("answers 500")), "{failures:?}");
+    assert_eq!(failures.last().unwrap().1, None);
 }
 
 #[tokio::test]
@@ -271,7 +271,7 @@ async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
 }
 
 #[tokio::test]
-async fn a_command_that_fails_or_hangs_has_not_been_told_and_leaves_nothing_running() {
+async fn a_command_that_fails_or_hangs_has_received_nothing_and_leaves_nothing_running() {
     let farm = OutboxFixture::new("").await;
     let failing = program(farm.folder.path(), "echo no such printer >&2; exit 3");
     let read = |words: &str| read(farm.folder.path(), farm.ledger.path(), words).interfaces.notify;
@@ -321,7 +321,7 @@ fn receivers_that_make_no_sense_are_objected_to() {
 }
 
 #[tokio::test]
-async fn a_due_date_at_risk_is_told_once_for_all_parts_of_an_order() {
+async fn a_due_date_at_risk_is_reported_once_for_all_parts_of_an_order() {
     let ledger = fixtures::fresh().await;
     let due = Timestamp::now();
     let mut ids = Vec::new();

@@ -69,7 +69,7 @@ mod tests {
     use super::redact_url;
 
     #[test]
-    fn what_is_told_of_an_address_holds_no_password() {
+    fn a_reported_address_contains_no_password() {
         assert_eq!(
             redact_url("https://me:word@hooks.example.com:8443/services/T0/B1/secret?key=x"),
             "https://hooks.example.com:8443"

@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_option_is_told_with_the_nearest_known_one() {
+    fn an_unknown_option_is_reported_with_the_nearest_known_one() {
         let (text, remedy) = value_problem_text(
             "trigger.copys",
             "unknown field `copys`, expected one of `copies`, `at`, `max_wait_secs`",
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn an_option_like_no_other_is_told_with_all_known_ones() {
+    fn an_option_like_no_other_is_reported_with_all_known_ones() {
         let (_, remedy) = value_problem_text("colour", "unknown field `colour`, expected `at` or `copies`");
         assert_eq!(remedy, "known here: \"at\", \"copies\"");
     }

@@ -84,7 +84,7 @@ fn the_shipped_machine_file_shows_the_options_that_have_no_default() {
 }
 
 #[test]
-fn a_volume_of_four_lengths_is_told_and_no_machine_goes_missing_in_silence() {
+fn a_volume_of_four_lengths_is_reported_and_no_machine_goes_missing_in_silence() {
     let config = TestConfig::new("", &[("cube.toml", "volume_mm = [380, 284, 384, 380]\n")]);
     let problems = config.problems();
     assert!(problems.len() == 1 && problems[0].contains("cube.toml"), "{problems:?}");
@@ -164,7 +164,7 @@ fn off_switches_a_trigger_off_and_a_value_switches_it_on() {
 }
 
 #[test]
-fn every_problem_is_told_at_once_with_file_line_and_remedy() {
+fn every_problem_is_reported_at_once_with_file_line_and_remedy() {
     let farm = "scan_sec = 10\nthreads = \"many\"\n\n[limits]\nmax_bytes = 0\n[defaults]\nsettle_secs = -1\n";
     let machine = format!("{CUBE}clearance_mm = -2\nunit = \"cubit\"\n[trigger]\nat = [\"25:00\"]\ncopys = 3\n");
     let config = TestConfig::new(
@@ -244,7 +244,7 @@ fn values_out_of_range_are_refused_each_by_itself() {
 }
 
 #[test]
-fn a_wrong_default_is_told_once_also_where_every_machine_has_a_value_of_its_own() {
+fn a_wrong_default_is_reported_once_also_where_every_machine_has_a_value_of_its_own() {
     let farm =
         "[defaults]\nclearance_mm = -1\nlid_margin_mm = -2\nvolume_mm = [0, 1, 1]\n[defaults.trigger]\ncopies = 0\n";
     let own = format!("{CUBE}clearance_mm = 3\nlid_margin_mm = 0\n");
@@ -274,7 +274,7 @@ fn a_volume_must_be_a_box() {
 }
 
 #[test]
-fn broken_toml_and_broken_text_are_told_with_their_line() {
+fn broken_toml_and_broken_text_are_reported_with_their_line() {
     let config =
         TestConfig::new("root = \"/x\"\nscan_secs = \n", &[("a.toml", "volume_mm = [1, 2\n"), ("b.toml", CUBE)]);
     fs::write(config.file("profiles/b.toml"), b"layer_mm = 0.1\n# \xff\n").unwrap();

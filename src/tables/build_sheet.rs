@@ -15,10 +15,10 @@ use crate::{
 
 /// The recorded outcomes of a build.
 pub const OUTCOME_COLUMNS: &[Column<OutcomeRow>] = &[
-    Column::new("told_at", fields::TOLD, |told| told.told_at.into()),
-    Column::new("outcome", fields::OUTCOME, |told| told.outcome.into()),
-    Column::new("told_by", fields::TOLD_BY, |told| (&told.told_by).into()),
-    Column::new("note", fields::NOTE, |told| (&told.note).into()),
+    Column::new("told_at", fields::OUTCOME_RECORDED, |row| row.told_at.into()),
+    Column::new("outcome", fields::OUTCOME, |row| row.outcome.into()),
+    Column::new("told_by", fields::OUTCOME_BY, |row| (&row.told_by).into()),
+    Column::new("note", fields::NOTE, |row| (&row.note).into()),
 ];
 
 /// The events of a build or a part.
@@ -46,22 +46,22 @@ pub fn build_facts(
     let bound = fields::LOWER_BOUND.with_unit(row.measures.lower_bound_mm);
     let ago = |at: UtcTimestamp| at.age_text(now).map_or_else(String::new, |age| format!(", {age} ago"));
     let published = row.times.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
-    let told = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
+    let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
-        told(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.space.volume_mm.z))),
-        told(fields::LOWER_BOUND, bound.map(|bound| format!("{bound}: no build of these parts is lower"))),
-        told(fields::LAYERS, layers.map(|layers| joined([Some(layers.to_string()), thick], " of "))),
+        optional_fact(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.space.volume_mm.z))),
+        optional_fact(fields::LOWER_BOUND, bound.map(|bound| format!("{bound}: no build of these parts is lower"))),
+        optional_fact(fields::LAYERS, layers.map(|layers| joined([Some(layers.to_string()), thick], " of "))),
         fields::DENSITY.fact(row.measures.density),
         Some(fields::COPIES.fact_of(joined([Some(copies), volume], ", "))),
-        told(fields::CLEARANCE, clearance(row, machine)),
-        told(fields::SEARCH, row.search.method.as_ref().map(|method| search(method, row))),
-        told(fields::FIRED_BY, fired_by),
+        optional_fact(fields::CLEARANCE, clearance(row, machine)),
+        optional_fact(fields::SEARCH, row.search.method.as_ref().map(|method| search(method, row))),
+        optional_fact(fields::FIRED_BY, fired_by),
         fields::OPENED.fact(row.times.opened_at),
         fields::NESTING.fact(row.times.nesting_at),
         fields::VERIFIED.fact(row.times.verified_at),
-        told(fields::PUBLISHED, published),
+        optional_fact(fields::PUBLISHED, published),
         fields::FILE.fact(file.as_ref().or(row.staged.file_name.as_ref())),
-        told(fields::CONTENT, content),
+        optional_fact(fields::CONTENT, content),
     ];
     lines.into_iter().flatten().collect()
 }

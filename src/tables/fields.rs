@@ -123,11 +123,11 @@ pub const KIND: FieldDefinition = FieldDefinition::text("Kind");
 /// Details of an event.
 pub const DETAIL: FieldDefinition = FieldDefinition::text("Detail");
 /// When an outcome was recorded.
-pub const TOLD: FieldDefinition = FieldDefinition::time("Told");
+pub const OUTCOME_RECORDED: FieldDefinition = FieldDefinition::time("Told");
 /// Outcome of a build's print.
 pub const OUTCOME: FieldDefinition = FieldDefinition::text("Outcome");
 /// Who recorded the outcome.
-pub const TOLD_BY: FieldDefinition = FieldDefinition::text("By");
+pub const OUTCOME_BY: FieldDefinition = FieldDefinition::text("By");
 
 /// Number of waiting parts.
 pub const WAITING: FieldDefinition = FieldDefinition::whole("Waiting");
@@ -159,4 +159,4 @@ pub const CENTER_Y: FieldDefinition = FieldDefinition::real("y", "mm", 0);
 /// Name of a part.
 pub const PART_NAME: FieldDefinition = FieldDefinition::text("Part");
 /// Direction in which a copy is removed.
-pub const WAY: FieldDefinition = FieldDefinition::text("Way");
+pub const REMOVAL_DIRECTION: FieldDefinition = FieldDefinition::text("Way");

@@ -2,6 +2,7 @@
 //! columns of each table with their keys in JSON and CSV. The command line, the pages and the files are made from
 //! these lists.
 
+mod alert_summary;
 mod build_sheet;
 mod cell_value;
 mod field_definition;
@@ -12,8 +13,8 @@ mod part_list;
 mod part_sheet;
 mod pick_list;
 mod table_column;
-mod told_notice;
 
+pub use alert_summary::AlertSummary;
 pub use build_sheet::{EVENT_COLUMNS, OUTCOME_COLUMNS, build_facts, height as height_in_volume};
 pub use cell_value::CellValue;
 pub use field_definition::{FieldDefinition, SheetFact};
@@ -24,9 +25,8 @@ pub use part_list::{
     PLACEMENT_COLUMNS, WAITING_PART_COLUMNS, whereabouts,
 };
 pub use part_sheet::part_facts;
-pub use pick_list::{PICK_COLUMNS, PickList, PickedCopy, goes_down};
+pub use pick_list::{PICK_COLUMNS, PickList, PickedCopy, points_down};
 pub use table_column::{TableColumn, csv_of, for_people};
-pub use told_notice::ToldNotice;
 
 #[cfg(test)]
 mod tests;

@@ -113,8 +113,8 @@ pub fn whereabouts(placements: &[PlacementRow]) -> String {
     for placement in placements {
         builds.entry(placement.build_id).or_insert_with(|| (placement.build_state.to_string(), 0)).1 += 1;
     }
-    let told: Vec<String> = builds.iter().map(|(id, (state, n))| format!("{n} in build {id} ({state})")).collect();
-    if told.is_empty() { "none in a build".to_owned() } else { told.join(", ") }
+    let texts: Vec<String> = builds.iter().map(|(id, (state, n))| format!("{n} in build {id} ({state})")).collect();
+    if texts.is_empty() { "none in a build".to_owned() } else { texts.join(", ") }
 }
 
 fn origin(placed: &PlacementRow) -> CellValue {

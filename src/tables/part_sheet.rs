@@ -15,7 +15,7 @@ pub fn part_facts(row: &PartRow, copies: String) -> Vec<SheetFact> {
     let volume = row.measures.volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
     let volume = volume.unwrap_or_else(|| "not read yet".to_owned());
     let clearance = fields::CLEARANCE.with_unit(row.terms.clearance_mm);
-    let told = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
+    let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
         Some(fields::STATE.fact_of(state)),
         fields::PROFILE.fact(&row.profile),
@@ -24,8 +24,8 @@ pub fn part_facts(row: &PartRow, copies: String) -> Vec<SheetFact> {
         fields::PRIORITY.fact(row.terms.priority),
         fields::DUE.fact(row.terms.due_at),
         Some(fields::ORIENTATION.fact_of(orientation(row))),
-        told(fields::CLEARANCE, clearance.map(|clearance| clearance + ", as its ticket says")),
-        told(fields::SIZE, size.map(|size| joined([Some(size), triangles], ", "))),
+        optional_fact(fields::CLEARANCE, clearance.map(|clearance| clearance + ", as its ticket says")),
+        optional_fact(fields::SIZE, size.map(|size| joined([Some(size), triangles], ", "))),
         Some(fields::PART_VOLUME.fact_of(volume)),
         fields::NOTE.fact(&row.terms.note),
         Some(fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),

@@ -44,7 +44,8 @@ pub struct PickedCopy {
     /// Distance of the center of its bounds from the front, mm.
     pub center_y_mm: Option<f64>,
     /// Direction in which it is removed: a unit vector in the machine's frame; null if the order is not proved.
-    pub way: Option<[f64; 3]>,
+    #[serde(rename = "way")]
+    pub direction: Option<[f64; 3]>,
 }
 
 /// The columns of a pick list. Without a proved order the removal direction is empty.
@@ -54,19 +55,19 @@ pub const PICK_COLUMNS: &[TableColumn<PickedCopy>] = &[
     TableColumn::new("bottom_mm", fields::BOTTOM, |copy| copy.bottom_mm.into()),
     TableColumn::new("center_x_mm", fields::CENTER_X, |copy| copy.center_x_mm.into()),
     TableColumn::new("center_y_mm", fields::CENTER_Y, |copy| copy.center_y_mm.into()),
-    TableColumn::new("way", fields::WAY, |copy| copy.way.map(way_in_words).into()),
+    TableColumn::new("way", fields::REMOVAL_DIRECTION, |copy| copy.direction.map(direction_in_words).into()),
     TableColumn::new("name", fields::PART_NAME, |copy| CellValue::NamedPart(PartId(copy.part), copy.name.clone())),
     TableColumn::new("order", fields::ORDER, |copy| (&copy.order).into()),
     TableColumn::new("copy", fields::COPY, |copy| copy.copy.into()),
 ];
 
 /// Whether a removal direction points down, through the floor of the cake.
-pub fn goes_down(way: [f64; 3]) -> bool {
-    way[2] < -SLIGHT
+pub fn points_down(direction: [f64; 3]) -> bool {
+    direction[2] < -SLIGHT
 }
 
 /// A direction in words, such as `up, left`.
-fn way_in_words([x, y, z]: [f64; 3]) -> String {
+fn direction_in_words([x, y, z]: [f64; 3]) -> String {
     let side = |value: f64, towards: &'static str, away: &'static str| match value {
         value if value > SLIGHT => Some(towards),
         value if value < -SLIGHT => Some(away),

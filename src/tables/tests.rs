@@ -9,7 +9,7 @@ use super::{
 use crate::ledger::{HistoryQuery, HistoryRow, fixtures::*};
 
 /// Key and field of the columns of a table that programs see.
-fn said<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {
+fn program_fields<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {
     let both = columns.iter().filter(|column| column.audience != ColumnAudience::People);
     both.map(|column| (column.key, column.field)).collect()
 }
@@ -17,11 +17,11 @@ fn said<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition
 #[test]
 fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
     let tables = [
-        said(HISTORY_COLUMNS),
-        said(HEIGHT_SUM_COLUMNS),
-        said(PART_COLUMNS),
-        said(PICK_COLUMNS),
-        said(MACHINE_COLUMNS),
+        program_fields(HISTORY_COLUMNS),
+        program_fields(HEIGHT_SUM_COLUMNS),
+        program_fields(PART_COLUMNS),
+        program_fields(PICK_COLUMNS),
+        program_fields(MACHINE_COLUMNS),
     ];
     for (key, field) in tables.into_iter().flatten() {
         let unit = match key {
@@ -43,24 +43,24 @@ fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
 
 #[test]
 fn no_table_has_two_columns_of_one_label_or_one_key() {
-    fn look<Row>(columns: &[TableColumn<Row>]) {
+    fn check_columns<Row>(columns: &[TableColumn<Row>]) {
         let labels: BTreeSet<String> = for_people(columns).map(|column| column.field.page_heading()).collect();
         assert_eq!(labels.len(), for_people(columns).count(), "{labels:?}");
         let keys: BTreeSet<&str> = columns.iter().map(|column| column.key).collect();
         assert_eq!(keys.len(), columns.len(), "{keys:?}");
     }
-    look(HISTORY_COLUMNS);
-    look(HEIGHT_SUM_COLUMNS);
-    look(PART_COLUMNS);
-    look(BUILD_PART_COLUMNS);
-    look(WAITING_PART_COLUMNS);
-    look(ORDERED_PART_COLUMNS);
-    look(PLACEMENT_COLUMNS);
-    look(EVENT_COLUMNS);
-    look(OUTCOME_COLUMNS);
-    look(MACHINE_COLUMNS);
-    look(PICK_COLUMNS);
-    look(CAKE_PART_COLUMNS);
+    check_columns(HISTORY_COLUMNS);
+    check_columns(HEIGHT_SUM_COLUMNS);
+    check_columns(PART_COLUMNS);
+    check_columns(BUILD_PART_COLUMNS);
+    check_columns(WAITING_PART_COLUMNS);
+    check_columns(ORDERED_PART_COLUMNS);
+    check_columns(PLACEMENT_COLUMNS);
+    check_columns(EVENT_COLUMNS);
+    check_columns(OUTCOME_COLUMNS);
+    check_columns(MACHINE_COLUMNS);
+    check_columns(PICK_COLUMNS);
+    check_columns(CAKE_PART_COLUMNS);
 }
 
 #[tokio::test]
@@ -70,7 +70,7 @@ async fn each_field_of_the_history_in_json_is_a_column_with_the_same_value() {
     published(&ledger, &[(id, 0), (id, 1)]).await;
     let query = HistoryQuery::default();
     let (rows, sums) = (ledger.read_history(&query).await.unwrap(), ledger.height_summaries(&query).await.unwrap());
-    fn look<Row: serde::Serialize>(columns: &[TableColumn<Row>], row: &Row) {
+    fn check_columns<Row: serde::Serialize>(columns: &[TableColumn<Row>], row: &Row) {
         let json = serde_json::to_value(row).unwrap();
         let columns = || columns.iter().filter(|column| column.audience != ColumnAudience::People);
         let fields: BTreeSet<&str> = json.as_object().unwrap().keys().map(String::as_str).collect();
@@ -79,8 +79,8 @@ async fn each_field_of_the_history_in_json_is_a_column_with_the_same_value() {
             assert_eq!(serde_json::to_value((column.value)(row)).unwrap(), json[column.key], "{}", column.key);
         }
     }
-    look::<HistoryRow>(HISTORY_COLUMNS, &rows[0]);
-    look(HEIGHT_SUM_COLUMNS, &sums[0]);
+    check_columns::<HistoryRow>(HISTORY_COLUMNS, &rows[0]);
+    check_columns(HEIGHT_SUM_COLUMNS, &sums[0]);
 }
 
 #[test]

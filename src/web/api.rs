@@ -20,7 +20,7 @@ use super::{
 use crate::{
     farm::{load_placed_parts, read_stored_alerts},
     ledger::{BuildState, DaemonRow, HeightSummary, HistoryRow, PartId, ProfileStatus, UtcTimestamp},
-    tables::{MachineForecast, ToldNotice},
+    tables::{AlertSummary, MachineForecast},
 };
 
 /// The farm as it stands.
@@ -29,7 +29,7 @@ pub(super) struct FarmResponse {
     /// The daemon that serves or served the ledger.
     daemon: Option<DaemonRow>,
     /// What a person must see to.
-    needs_a_person: Vec<ToldNotice>,
+    needs_a_person: Vec<AlertSummary>,
     /// The machines that are configured.
     profiles: Vec<MachineResource>,
 }
@@ -52,21 +52,21 @@ struct MachineResource {
 /// The current state of the farm.
 pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Json<FarmResponse>> {
     let (status, settings) = (web.ledger.profile_statuses().await?, web.current_settings());
-    let stations = web.ledger.list_machines().await?;
+    let machines = web.ledger.list_machines().await?;
     let machine = |(name, profile): (&String, &crate::settings::MachineProfile)| {
         let nothing = || ProfileStatus { profile: name.clone(), ..ProfileStatus::default() };
         let status = status.iter().find(|s| s.profile == *name).cloned().unwrap_or_else(nothing);
-        let station = stations.iter().find(|station| station.profile == *name);
+        let observed = machines.iter().find(|observed| observed.profile == *name);
         MachineResource {
             volume_mm: profile.space.volume_mm.to_array(),
-            available: station.map(|station| station.trouble.is_empty()),
-            trouble: station.map(|station| station.trouble.clone()).filter(|trouble| !trouble.is_empty()),
-            trouble_at: station.and_then(|station| station.trouble_at),
+            available: observed.map(|observed| observed.trouble.is_empty()),
+            trouble: observed.map(|observed| observed.trouble.clone()).filter(|trouble| !trouble.is_empty()),
+            trouble_at: observed.and_then(|observed| observed.trouble_at),
             forecast: MachineForecast::new(status, Some(profile)),
         }
     };
     let profiles = settings.profiles.iter().map(machine).collect();
-    let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(ToldNotice::from).collect();
+    let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(AlertSummary::from).collect();
     Ok(Json(FarmResponse { daemon: web.ledger.last_daemon().await?, needs_a_person, profiles }))
 }
 

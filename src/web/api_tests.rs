@@ -55,9 +55,9 @@ fn unlike(
         list.iter().for_each(|one| unlike(&schema["items"], one, all, &format!("{path}[]"), faults));
     }
     if let Some(object) = value.as_object() {
-        let told = schema["properties"].as_object().unwrap();
+        let properties = schema["properties"].as_object().unwrap();
         for (name, one) in object {
-            match told.get(name) {
+            match properties.get(name) {
                 Some(schema) => unlike(schema, one, all, &format!("{path}.{name}"), faults),
                 None => faults.push(format!("{path}.{name} is not described")),
             }
@@ -110,10 +110,10 @@ async fn every_answer_of_the_json_interface_is_as_described() {
 #[tokio::test]
 async fn the_description_says_each_address_each_parameter_and_the_words_of_each_state() {
     let dashboard = with_a_build("bracket.stl").await;
-    let told: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/openapi.json").await.text).unwrap();
-    assert_eq!(told, described());
+    let document: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/openapi.json").await.text).unwrap();
+    assert_eq!(document, described());
     let parameters = |path: &str| -> Vec<String> {
-        let parameters = told["paths"][path]["get"]["parameters"].as_array().unwrap();
+        let parameters = document["paths"][path]["get"]["parameters"].as_array().unwrap();
         parameters.iter().map(|parameter| parameter["name"].as_str().unwrap().to_owned()).collect()
     };
     let sorted = |path: &str| {
@@ -125,7 +125,7 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
     assert_eq!(sorted("/api/v1/heights"), ["part", "profile", "since", "state", "until"]);
     assert_eq!(sorted("/api/v1/parts"), ["after", "name", "profile", "state"]);
     assert_eq!(parameters("/api/v1/parts/{part}"), ["part"]);
-    let text = told.to_string();
+    let text = document.to_string();
     for words in [
         crate::ledger::PartState::ALL.map(|state| state.to_string()).to_vec(),
         crate::ledger::BuildState::ALL.map(|state| state.to_string()).to_vec(),
@@ -135,7 +135,7 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
             assert!(text.contains(&format!("\"{word}\"")), "{word}");
         }
     }
-    let unit = &told["components"]["schemas"]["PartResource"]["properties"]["unit"]["enum"];
+    let unit = &document["components"]["schemas"]["PartResource"]["properties"]["unit"]["enum"];
     assert_eq!(unit, &serde_json::json!(["micron", "millimeter", "centimeter", "inch", "foot", "meter", null]));
     let described = |schema: &serde_json::Value| {
         let fields = schema["properties"].as_object().into_iter().flatten();
@@ -143,7 +143,7 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
             fields.filter(|(_, field)| field["description"].is_null()).map(|(name, _)| name).collect();
         assert!(bare.is_empty(), "without a description: {bare:?} in {schema}");
     };
-    told["components"]["schemas"].as_object().unwrap().values().for_each(described);
+    document["components"]["schemas"].as_object().unwrap().values().for_each(described);
     assert!(!text.contains("`None`") && !text.contains("[`"), "words of Rust");
 }
 
@@ -192,7 +192,7 @@ async fn parts_are_listed_newest_first_by_state_profile_name_and_order_and_page_
 }
 
 #[tokio::test]
-async fn what_stands_in_an_open_build_is_told_by_its_page_by_its_parts_and_to_machines() {
+async fn what_stands_in_an_open_build_is_reported_by_its_page_by_its_parts_and_to_machines() {
     let dashboard = TestDashboard::new(|_| ()).await;
     let part = crate::ledger::NewPartRow { profile: "cube".to_owned(), ..fixtures::new_part("a", 3) };
     let id = dashboard.ledger.record_claim(&part).await.unwrap().id;

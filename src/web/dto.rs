@@ -61,7 +61,7 @@ pub(super) struct BuildResource {
     #[serde(flatten)]
     times: BuildTimes,
     #[serde(flatten)]
-    file: ToldFile,
+    file: BuildFileFields,
     #[serde(flatten)]
     measures: BuildMeasures,
     #[serde(flatten)]
@@ -69,12 +69,12 @@ pub(super) struct BuildResource {
     /// Build height over time in the final search; empty until the build file is proved.
     curve: Vec<CurvePoint>,
     #[serde(flatten)]
-    machine: MachineThen,
+    machine: MachineSnapshot,
 }
 
 /// The file of a build.
 #[derive(Serialize, JsonSchema)]
-struct ToldFile {
+struct BuildFileFields {
     /// Name of the build file in the queue folder.
     file_name: Option<String>,
     /// BLAKE3 of the build file, 64 hex digits.
@@ -85,7 +85,7 @@ struct ToldFile {
 
 /// The settings of the machine when the build was made.
 #[derive(Serialize, JsonSchema)]
-struct MachineThen {
+struct MachineSnapshot {
     /// Volume of the machine when the build was made, mm.
     volume_mm: [f64; 3],
     /// Layer thickness of the machine when the build was made, mm.
@@ -122,9 +122,9 @@ pub(super) struct PartResource {
     /// Total number of copies.
     copies: u32,
     #[serde(flatten)]
-    terms: ToldTerms,
+    terms: PartTermsFields,
     #[serde(flatten)]
-    content: ToldContent,
+    content: PartContentFields,
     /// When it was claimed. Its waiting time is counted from here.
     claimed_at: UtcTimestamp,
     /// When it entered its state.
@@ -133,7 +133,7 @@ pub(super) struct PartResource {
 
 /// The requirements for a part, apart from the number of copies.
 #[derive(Serialize, JsonSchema)]
-struct ToldTerms {
+struct PartTermsFields {
     /// Name of the order or kit; "" = none.
     order: String,
     /// Priority, 0 to 100.
@@ -157,7 +157,7 @@ struct ToldTerms {
 
 /// The file of a part, and the measurements of its solid.
 #[derive(Serialize, JsonSchema)]
-struct ToldContent {
+struct PartContentFields {
     /// BLAKE3 of the file, 64 hex digits.
     blake3: String,
     /// Size of the file.
@@ -188,10 +188,12 @@ pub(super) struct PlacementResource {
     /// Translation after the rotation, machine frame, mm; `None` until the build is verified.
     translation_mm: Option<[f64; 3]>,
     /// Position of the copy in the proved removal order, from 1; `None` = no order is proved.
-    drawn_place: Option<u32>,
+    #[serde(rename = "drawn_place")]
+    removal_position: Option<u32>,
     /// Direction of the straight line along which the copy is removed: a unit vector in the machine's frame; `None` =
     /// no order is proved.
-    drawn_way: Option<[f64; 3]>,
+    #[serde(rename = "drawn_way")]
+    removal_direction: Option<[f64; 3]>,
 }
 
 /// An outcome that a person recorded for a build.
@@ -248,7 +250,7 @@ impl BuildResource {
             fired_by: row.fired_by,
             attempts: row.attempts,
             times: row.times,
-            file: ToldFile {
+            file: BuildFileFields {
                 file_name: row.staged.file_name,
                 file_blake3: row.staged.file_hash,
                 file_bytes: row.staged.file_bytes,
@@ -256,7 +258,10 @@ impl BuildResource {
             measures: row.measures,
             search: row.search,
             curve,
-            machine: MachineThen { volume_mm: profile.space.volume_mm.to_array(), layer_mm: profile.space.layer_mm },
+            machine: MachineSnapshot {
+                volume_mm: profile.space.volume_mm.to_array(),
+                layer_mm: profile.space.layer_mm,
+            },
         }
     }
 }
@@ -274,7 +279,7 @@ impl From<PartRow> for PartResource {
             reason: row.rejection.reason,
             warnings: row.warnings.lines().map(str::to_owned).collect(),
             copies: row.copies,
-            terms: ToldTerms {
+            terms: PartTermsFields {
                 order: terms.order_name,
                 priority: terms.priority,
                 due_at: terms.due_at,
@@ -284,7 +289,7 @@ impl From<PartRow> for PartResource {
                 unit: terms.unit,
                 note: terms.note,
             },
-            content: ToldContent {
+            content: PartContentFields {
                 blake3: row.file.content_hash,
                 file_bytes: row.file.bytes,
                 triangles: measures.triangles,
@@ -308,15 +313,15 @@ impl PlacementResource {
             published_at: build.times.published_at,
             rotation_xyzw: Some(standing.pose.rotation.to_array()),
             translation_mm: Some(standing.pose.translation.to_array()),
-            drawn_place: None,
-            drawn_way: None,
+            removal_position: None,
+            removal_direction: None,
         }
     }
 }
 
 impl From<PlacementRow> for PlacementResource {
     fn from(row: PlacementRow) -> Self {
-        let (pose, drawn) = (row.pose(), row.removal_step());
+        let (pose, removal) = (row.pose(), row.removal_step());
         Self {
             part: row.part_id,
             copy: row.copy + 1,
@@ -325,8 +330,8 @@ impl From<PlacementRow> for PlacementResource {
             published_at: row.published_at,
             rotation_xyzw: pose.map(|pose| pose.rotation.to_array()),
             translation_mm: pose.map(|pose| pose.translation.to_array()),
-            drawn_place: drawn.map(|drawn| drawn.position),
-            drawn_way: drawn.map(|drawn| drawn.direction),
+            removal_position: removal.map(|removal| removal.position),
+            removal_direction: removal.map(|removal| removal.direction),
         }
     }
 }

@@ -25,7 +25,7 @@ use crate::{
 /// The farm page.
 pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Markup> {
     let (status, daemon) = (web.ledger.profile_statuses().await?, web.ledger.last_daemon().await?);
-    let stations = web.ledger.list_machines().await?;
+    let machines = web.ledger.list_machines().await?;
     let (settings, now) = (web.current_settings(), Timestamp::now());
     let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
     let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
@@ -33,8 +33,8 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
     for (name, profile) in &settings.profiles {
         let status = of(name);
         let shot = picture::profile_picture(&web, &status).await?;
-        let station = stations.iter().find(|station| station.profile == *name);
-        cards.push(machine_card(&web, profile, (&status, station), &shot, now));
+        let observed = machines.iter().find(|observed| observed.profile == *name);
+        cards.push(machine_card(&web, profile, (&status, observed), &shot, now));
     }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
     let alerts = read_stored_alerts(&settings.state_dir);
@@ -89,15 +89,15 @@ fn daemon_line(daemon: Option<&DaemonRow>, activity: &str, now: Timestamp) -> Ma
 }
 
 /// Why a machine takes no parts, if so: an operator paused it, or the daemon found it unavailable.
-fn machine_warnings(status: &ProfileStatus, station: Option<&MachineRow>) -> Vec<String> {
+fn machine_warnings(status: &ProfileStatus, observed: Option<&MachineRow>) -> Vec<String> {
     let paused = status.paused.as_ref().map(|paused| {
         format!("Paused by {} since {}: nothing is fired.", paused.paused_by, format_time_utc(paused.paused_at))
     });
-    let trouble = station.filter(|station| !station.trouble.is_empty()).map(|station| {
-        let since = station.trouble_at.map(|at| format!(", since {}", format_time_utc(at))).unwrap_or_default();
-        format!("Unavailable{since}: {}", station.trouble)
+    let unavailable = observed.filter(|observed| !observed.trouble.is_empty()).map(|observed| {
+        let since = observed.trouble_at.map(|at| format!(", since {}", format_time_utc(at))).unwrap_or_default();
+        format!("Unavailable{since}: {}", observed.trouble)
     });
-    paused.into_iter().chain(trouble).collect()
+    paused.into_iter().chain(unavailable).collect()
 }
 
 /// When the open build of a machine fires, and which trigger fires it.
@@ -109,7 +109,7 @@ pub(super) fn fire_forecast_text(profile: &MachineProfile, status: &ProfileStatu
 fn machine_card(
     web: &DashboardState,
     profile: &MachineProfile,
-    (status, station): (&ProfileStatus, Option<&MachineRow>),
+    (status, observed): (&ProfileStatus, Option<&MachineRow>),
     shot: &Markup,
     now: Timestamp,
 ) -> Markup {
@@ -119,7 +119,7 @@ fn machine_card(
     html! {
         section.card aria-label=(name) {
             h2 { (name) }
-            @for text in machine_warnings(status, station) { p.bad role="status" { (text) } }
+            @for text in machine_warnings(status, observed) { p.bad role="status" { (text) } }
             (shot)
             @if let Some(open) = open { (open_build(open, profile.space.volume_mm.z)) } @else { p { "No open build." } }
             (fact_list(&waiting(&machine, fire_forecast_text(profile, status), now)))

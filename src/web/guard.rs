@@ -52,27 +52,27 @@ pub(super) async fn guard_request(State(web): State<Arc<DashboardState>>, reques
 
 fn check_request(web: &DashboardState, request: &Request) -> Result<(), HandlerError> {
     let refused = |status, text: &str| Err(HandlerError::Refused(status, text.to_owned()));
-    let said = |name: &'static str| request.headers().get(name).and_then(|value| value.to_str().ok());
+    let header = |name: &'static str| request.headers().get(name).and_then(|value| value.to_str().ok());
     // A watchdog asks without a token whether the process is alive.
     if request.uri().path() == "/healthz" {
         return Ok(());
     }
     if let Some(token) = &web.token {
-        let given = said("authorization").and_then(|value| value.strip_prefix("Bearer ")).unwrap_or_default();
+        let given = header("authorization").and_then(|value| value.strip_prefix("Bearer ")).unwrap_or_default();
         if !tokens_match(given, token) {
             return refused(StatusCode::UNAUTHORIZED, "this farm asks for a bearer token");
         }
-    } else if !is_known_host(web, said("host").unwrap_or_default()) {
+    } else if !is_known_host(web, header("host").unwrap_or_default()) {
         return refused(StatusCode::MISDIRECTED_REQUEST, "this farm does not answer to that name; see web.hosts");
     }
-    let is_link = *request.method() == Method::GET && is_followed_link(&said);
-    if !is_link && !is_same_origin(&said) {
+    let is_link = *request.method() == Method::GET && is_followed_link(&header);
+    if !is_link && !is_same_origin(&header) {
         return refused(
             StatusCode::FORBIDDEN,
             "to other sites' pages this farm answers only when a person follows a link, and orders are taken from its own pages",
         );
     }
-    if !request.method().is_safe() && !is_from_own_page(web, &said) {
+    if !request.method().is_safe() && !is_from_own_page(web, &header) {
         return refused(
             StatusCode::FORBIDDEN,
             "orders are taken from this farm's own pages, and another site's page asks; behind a proxy its name must be in web.hosts",
@@ -84,14 +84,14 @@ fn check_request(web: &DashboardState, request: &Request) -> Result<(), HandlerE
 /// Whether a request that changes something was sent by one of our own pages, or by a program. Over plain HTTP to a
 /// name other than localhost, browsers send no `Sec-Fetch-CallSite`. They still send the page's site in `MeasurementOrigin`, or the
 /// page in `Referer`.
-fn is_from_own_page<'r>(web: &DashboardState, said: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
-    if said("sec-fetch-site").is_some() {
+fn is_from_own_page<'r>(web: &DashboardState, header: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
+    if header("sec-fetch-site").is_some() {
         return true; // checked above
     }
-    let Some(site) = said("origin").or_else(|| said("referer")) else { return true };
+    let Some(site) = header("origin").or_else(|| header("referer")) else { return true };
     let Some((_, rest)) = site.split_once("://") else { return false }; // "null": a page that hides its origin
     let authority = rest.split(['/', '?', '#']).next().unwrap_or_default();
-    let is_here = said("host").is_some_and(|host| host.eq_ignore_ascii_case(authority));
+    let is_here = header("host").is_some_and(|host| host.eq_ignore_ascii_case(authority));
     // A proxy may send another Host than the browser did; it listens on its scheme's default port.
     is_here || web.hosts.iter().any(|host| host.eq_ignore_ascii_case(authority))
 }
@@ -99,15 +99,15 @@ fn is_from_own_page<'r>(web: &DashboardState, said: &impl Fn(&'static str) -> Op
 /// Whether the request comes from our own pages, from a person (the address bar) or from a program. Pages of other
 /// sites, of sibling domains and of other ports of this machine cannot read the response anyway; answering would only
 /// cost work.
-fn is_same_origin<'r>(said: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
-    said("sec-fetch-site").is_none_or(|site| site == "same-origin" || site == "none")
+fn is_same_origin<'r>(header: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
+    header("sec-fetch-site").is_none_or(|site| site == "same-origin" || site == "none")
 }
 
 /// Whether the browser opens a page at top level: not a fetch, not an image, not a frame, not a prefetch.
-fn is_followed_link<'r>(said: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
-    said("sec-fetch-mode") == Some("navigate")
-        && said("sec-fetch-dest").is_none_or(|place| place == "document")
-        && said("sec-purpose").is_none()
+fn is_followed_link<'r>(header: &impl Fn(&'static str) -> Option<&'r str>) -> bool {
+    header("sec-fetch-mode") == Some("navigate")
+        && header("sec-fetch-dest").is_none_or(|place| place == "document")
+        && header("sec-purpose").is_none()
 }
 
 /// Compares in a time that does not depend on how many characters are equal.

@@ -59,9 +59,9 @@ async fn an_order_is_taken_from_our_own_pages_only() {
 #[tokio::test]
 async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin() {
     let dashboard = TestDashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
-    let ask = async |host: &str, told: &[(&str, &str)]| {
+    let ask = async |host: &str, headers: &[(&str, &str)]| {
         let mut request = Request::post("/orders").header("host", host);
-        for (name, value) in told {
+        for (name, value) in headers {
             request = request.header(*name, *value);
         }
         let form = request.header("content-type", "application/x-www-form-urlencoded");
@@ -75,8 +75,8 @@ async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin()
     }
     assert_eq!(ask(here, &[("referer", "http://evil.example.com/farm.example.org")]).await, StatusCode::FORBIDDEN);
     assert_eq!(ask("localhost:7878", &[("origin", "http://localhost:3000")]).await, StatusCode::FORBIDDEN);
-    for told in [&[("origin", own)][..], &[("referer", "http://farm.example.org/builds/1?a#b")], &[]] {
-        assert_eq!(ask(here, told).await, StatusCode::NOT_FOUND, "{told:?}");
+    for headers in [&[("origin", own)][..], &[("referer", "http://farm.example.org/builds/1?a#b")], &[]] {
+        assert_eq!(ask(here, headers).await, StatusCode::NOT_FOUND, "{headers:?}");
     }
     assert_eq!(ask("localhost:7878", &[("origin", "http://localhost:7878")]).await, StatusCode::NOT_FOUND);
     assert_eq!(ask("127.0.0.1:7878", &[("origin", "https://farm.example.org")]).await, StatusCode::NOT_FOUND);
@@ -95,9 +95,9 @@ async fn pages_that_listen_for_changes_leave_room_for_those_that_ask() {
 #[tokio::test]
 async fn pages_of_other_sites_get_nothing_but_links_that_a_person_follows() {
     let dashboard = with_a_build("bracket.stl").await;
-    let ask = async |method: &str, told: &[(&str, &str)]| {
+    let ask = async |method: &str, headers: &[(&str, &str)]| {
         let mut request = Request::builder().method(method).uri("/builds/1/scene").header("host", "localhost:7878");
-        for (name, value) in told {
+        for (name, value) in headers {
             request = request.header(*name, *value);
         }
         let request = request.body(Body::empty()).unwrap();
@@ -106,22 +106,22 @@ async fn pages_of_other_sites_get_nothing_but_links_that_a_person_follows() {
     let link = [("sec-fetch-site", "cross-site"), ("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document")];
     let program: [(&str, &str); 0] = [];
     let own = [("sec-fetch-site", "same-origin"), ("sec-fetch-mode", "cors"), ("sec-fetch-dest", "empty")];
-    for told in [&program[..], &own, &[("sec-fetch-site", "none")], &link, &link[..2]] {
-        let answer = ask("GET", told).await;
-        assert_eq!(answer.status(), StatusCode::OK, "{told:?}");
+    for headers in [&program[..], &own, &[("sec-fetch-site", "none")], &link, &link[..2]] {
+        let answer = ask("GET", headers).await;
+        assert_eq!(answer.status(), StatusCode::OK, "{headers:?}");
         assert_eq!(answer.headers()["cross-origin-resource-policy"], "same-origin");
     }
     for site in ["cross-site", "same-site"] {
-        for told in [
+        for headers in [
             &[("sec-fetch-mode", "no-cors"), ("sec-fetch-dest", "image")][..],
             &[("sec-fetch-mode", "cors"), ("sec-fetch-dest", "empty")],
             &[("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "iframe")],
             &[("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document"), ("sec-purpose", "prefetch;prerender")],
             &[],
         ] {
-            let told: Vec<_> = [("sec-fetch-site", site)].into_iter().chain(told.iter().copied()).collect();
-            let answer = ask("GET", &told).await;
-            assert_eq!(answer.status(), StatusCode::FORBIDDEN, "{told:?}");
+            let headers: Vec<_> = [("sec-fetch-site", site)].into_iter().chain(headers.iter().copied()).collect();
+            let answer = ask("GET", &headers).await;
+            assert_eq!(answer.status(), StatusCode::FORBIDDEN, "{headers:?}");
             assert_eq!(answer.headers()["cross-origin-resource-policy"], "same-origin");
         }
     }

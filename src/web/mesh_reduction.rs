@@ -40,7 +40,7 @@ pub(super) fn reduce_mesh(mesh: &Mesh, most: usize) -> ReducedMesh {
 fn cluster_vertices(mesh: &Mesh, origin: DVec3, cell_mm: f64) -> ReducedMesh {
     let mut cells: HashMap<IVec3, u32> = HashMap::new();
     let mut sums: Vec<(DVec3, f64)> = Vec::new();
-    let owner: Vec<u32> = (mesh.vertices().iter())
+    let cluster_of: Vec<u32> = (mesh.vertices().iter())
         .map(|&vertex| {
             let cell = ((vertex - origin) / cell_mm).floor().as_ivec3();
             let at = *cells.entry(cell).or_insert_with(|| {
@@ -52,7 +52,7 @@ fn cluster_vertices(mesh: &Mesh, origin: DVec3, cell_mm: f64) -> ReducedMesh {
             at
         })
         .collect();
-    let corners = mesh.triangles().iter().map(|t| t.map(|v| owner[v as usize]));
+    let corners = mesh.triangles().iter().map(|t| t.map(|v| cluster_of[v as usize]));
     let mut triangles: Vec<[u32; 3]> = corners.filter(|[a, b, c]| a != b && b != c && a != c).collect();
     // Equal triangles, as a thin wall gives them, are drawn once.
     triangles.sort_unstable();

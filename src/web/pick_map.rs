@@ -15,7 +15,7 @@ use super::{
 use crate::{
     farm::{CakeContents, CakeCopy, CakePart},
     ledger::RemovalStep,
-    tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, for_people, goes_down},
+    tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, for_people, points_down},
 };
 
 /// Least distance between two corners of a footprint, mm.
@@ -54,7 +54,7 @@ struct PickEntry<'c> {
     bounds: Option<Bounds>,
     /// Its outline seen from above.
     footprint: Vec<DVec2>,
-    drawn: Option<RemovalStep>,
+    removal: Option<RemovalStep>,
 }
 
 impl PickEntry<'_> {
@@ -83,11 +83,11 @@ fn pick_list_row(number: usize, pick: &PickEntry<'_>) -> PickedCopy {
         bottom_mm: pick.bottom_mm(),
         center_x_mm: center_mm.map(|c| c.x),
         center_y_mm: center_mm.map(|c| c.y),
-        way: pick.drawn.map(|drawn| drawn.direction),
+        direction: pick.removal.map(|removal| removal.direction),
     }
 }
 
-/// Alternative text of the picture beside a map.
+/// Alternative text of the picture next to a map.
 pub(super) const PICTURE_ALT_TEXT: &str = "The build, seen from the front, a little from the right and from above";
 
 /// The map of a cake without links.
@@ -102,7 +102,7 @@ fn map_sheets(cake: &CakeContents, (picks, is_proved): (&[PickEntry<'_>], bool),
     let mut first = 1;
     html! {
         p { (if is_proved { PROVED_ORDER_NOTE } else { HEIGHT_ORDER_NOTE }) " x from the left, y from the front, top and bottom from the floor." }
-        @if picks.iter().any(|pick| pick.drawn.is_some_and(|drawn| goes_down(drawn.direction))) { p { (DOWNWARDS_NOTE) } }
+        @if picks.iter().any(|pick| pick.removal.is_some_and(|removal| points_down(removal.direction))) { p { (DOWNWARDS_NOTE) } }
         @if cake.missing_mesh_count() > 0 {
             p.bad { (count(cake.missing_mesh_count() as u32, "part is", "parts are"))
                 " listed without a place: the originals are no longer kept." }
@@ -136,11 +136,11 @@ const HEIGHT_ORDER_NOTE: &str =
 /// proved.
 fn picks_in_order(cake: &CakeContents) -> (Vec<PickEntry<'_>>, bool) {
     let mut picks = picks_from_top(cake);
-    let is_proved = !picks.is_empty() && picks.iter().all(|pick| pick.drawn.is_some());
+    let is_proved = !picks.is_empty() && picks.iter().all(|pick| pick.removal.is_some());
     match is_proved {
-        true => picks.sort_by_key(|pick| pick.drawn.map(|drawn| drawn.position)),
+        true => picks.sort_by_key(|pick| pick.removal.map(|removal| removal.position)),
         // An incomplete order is not used.
-        false => picks.iter_mut().for_each(|pick| pick.drawn = None),
+        false => picks.iter_mut().for_each(|pick| pick.removal = None),
     }
     (picks, is_proved)
 }
@@ -219,7 +219,7 @@ fn picks_from_top(cake: &CakeContents) -> Vec<PickEntry<'_>> {
             copy: standing.copy,
             bounds: part.copy_bounds(standing),
             footprint: copy_footprint(part, standing),
-            drawn: standing.drawn,
+            removal: standing.drawn,
         }));
     }
     let top = |pick: &PickEntry<'_>| pick.top_mm().unwrap_or(f64::NEG_INFINITY);

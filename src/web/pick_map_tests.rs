@@ -27,8 +27,8 @@ fn cake(is_kept: bool) -> CakeContents {
     CakeContents { volume_mm: DVec3::new(100.0, 100.0, 100.0), parts }
 }
 
-fn drawn(part: &str, copy: u32, way: [f64; 3]) -> RemovedCopy {
-    RemovedCopy { part: part.to_owned(), copy, way }
+fn removed_copy(part: &str, copy: u32, direction: [f64; 3]) -> RemovedCopy {
+    RemovedCopy { part: part.to_owned(), copy, direction }
 }
 
 /// The map of a cake with the removal order of a report.
@@ -48,8 +48,12 @@ fn copies_come_in_the_proved_order_where_it_names_them_all_and_else_by_height() 
     let rows = ["/parts/2\"", "/parts/1\""];
     let by_height = map_with(cake(true), &[]);
     assert!(by_height.contains("By height") && places(&by_height, rows)[0] < places(&by_height, rows)[1]);
-    let ways = [[0.0, 0.0, 1.0], [0.9, 0.0, 0.4], [0.0, -1.0, 0.0]];
-    let order = [drawn("low.3mf", 1, ways[0]), drawn("low.3mf", 0, ways[1]), drawn("h_i_gh.stl", 0, ways[2])];
+    let directions = [[0.0, 0.0, 1.0], [0.9, 0.0, 0.4], [0.0, -1.0, 0.0]];
+    let order = [
+        removed_copy("low.3mf", 1, directions[0]),
+        removed_copy("low.3mf", 0, directions[1]),
+        removed_copy("h_i_gh.stl", 0, directions[2]),
+    ];
     let proved = map_with(cake(true), &order);
     assert!(proved.contains("proved on the triangles") && places(&proved, rows)[1] < places(&proved, rows)[0]);
     let [up, right, front] = places(&proved, ["<td>up</td>", "<td>up, right</td>", "<td>front</td>"]);
@@ -62,8 +66,12 @@ fn copies_come_in_the_proved_order_where_it_names_them_all_and_else_by_height() 
 #[test]
 fn a_map_with_ways_down_says_that_the_cake_is_lifted_first() {
     let map_to = |z: f64| {
-        let way = |z: f64| [(1.0 - z * z).sqrt(), 0.0, z];
-        let order = [drawn("low.3mf", 1, way(1.0)), drawn("low.3mf", 0, way(z)), drawn("h_i_gh.stl", 0, way(0.0))];
+        let direction = |z: f64| [(1.0 - z * z).sqrt(), 0.0, z];
+        let order = [
+            removed_copy("low.3mf", 1, direction(1.0)),
+            removed_copy("low.3mf", 0, direction(z)),
+            removed_copy("h_i_gh.stl", 0, direction(0.0)),
+        ];
         map_with(cake(true), &order)
     };
     assert_eq!(map_to(-0.6).matches("come out when the cake is lifted or turned").count(), 1);

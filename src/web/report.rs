@@ -138,9 +138,9 @@ impl HtmlReport<'_> {
         match self.source {
             ReportSource::Ledger(build, _) => (build.height_curve(), Cow::Borrowed(self.cake)),
             ReportSource::File(file, _) => {
-                let (told, mut cake) = (ReportExcerpt::read_beside(file), self.cake.clone());
-                told.mark_removal_order(&mut cake);
-                (told.curve, Cow::Owned(cake))
+                let (excerpt, mut cake) = (ReportExcerpt::read_beside(file), self.cake.clone());
+                excerpt.mark_removal_order(&mut cake);
+                (excerpt.curve, Cow::Owned(cake))
             }
         }
     }
@@ -161,7 +161,7 @@ fn content_policy(key: &str) -> String {
 /// The facts from the metadata of a build file.
 fn file_facts(file: &Path, info: &BuildMetadata, cake: &CakeContents) -> Vec<SheetFact> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    let shown = |said: &Option<String>| said.as_deref().map(build_file::escape_invisible);
+    let shown = |text: &Option<String>| text.as_deref().map(build_file::escape_invisible);
     let search = [info.heading.seed.map(|seed| format!("seed {seed}")), shown(&info.heading.application)];
     let lines = [
         height_in_volume(cake.top_mm(), Some(cake.volume_mm.z)).map(|text| fields::HEIGHT.fact_of(text)),

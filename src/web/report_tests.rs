@@ -83,7 +83,7 @@ fn what_is_put_in_whole_ends_no_element() {
 }
 
 #[test]
-fn parts_whose_originals_are_gone_are_told() {
+fn parts_whose_originals_are_gone_are_reported() {
     let mut cake = cake("gone.stl");
     cake.parts[0].mesh = None;
     let info = BuildMetadata::default();

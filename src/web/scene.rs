@@ -72,19 +72,19 @@ pub(super) async fn get_scene(
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
 }
 
-/// Packs a cake for the view, with about `most_drawn` triangles. The tuple is the build's number, its height in mm and
+/// Packs a cake for the view, with about `triangle_target` triangles. The tuple is the build's number, its height in mm and
 /// the layer height in mm.
 pub(super) fn pack_scene(
     cake: &CakeContents,
     (build, height_mm, layer_mm): (i64, Option<f64>, f64),
-    most_drawn: usize,
+    triangle_target: usize,
 ) -> anyhow::Result<Vec<u8>> {
-    let most = (most_drawn / cake.copy_count().max(1)).clamp(TRIANGLES_PER_MESH.0, TRIANGLES_PER_MESH.1);
+    let per_copy = (triangle_target / cake.copy_count().max(1)).clamp(TRIANGLES_PER_MESH.0, TRIANGLES_PER_MESH.1);
     let (mut meshes, mut bytes) = (Vec::new(), Vec::new());
     for part in &cake.parts {
         // The original of this part is no longer kept: only the other parts are shown.
         let Some(mesh) = &part.mesh else { continue };
-        let light = reduce_mesh(mesh, most);
+        let light = reduce_mesh(mesh, per_copy);
         meshes.push(SceneMesh {
             part: part.part,
             name: part.name.clone(),

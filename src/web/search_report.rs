@@ -1,4 +1,4 @@
-//! Reads the search report that lies beside a build file. A build in the ledger has the same facts in its rows.
+//! Reads the search report that lies next to a build file. A build in the ledger has the same facts in its rows.
 
 use std::path::Path;
 
@@ -43,13 +43,13 @@ impl ReportExcerpt {
     /// Sets the removal order and direction of the copies in the cake. Where two parts have the same name, the report
     /// does not say which of them it means; both stay unmarked.
     pub(super) fn mark_removal_order(&self, cake: &mut CakeContents) {
-        for (place, drawn) in (1..).zip(&self.order) {
+        for (place, removal) in (1..).zip(&self.order) {
             let mut meant: Vec<&mut CakeCopy> = Vec::new();
-            for part in cake.parts.iter_mut().filter(|part| is_reported_part(&part.name, &drawn.part)) {
-                meant.extend(part.copies.iter_mut().filter(|standing| standing.copy == drawn.copy + 1));
+            for part in cake.parts.iter_mut().filter(|part| is_reported_part(&part.name, &removal.part)) {
+                meant.extend(part.copies.iter_mut().filter(|standing| standing.copy == removal.copy + 1));
             }
             if let [one] = &mut meant[..] {
-                one.drawn = Some(RemovalStep { position: place, direction: drawn.way });
+                one.drawn = Some(RemovalStep { position: place, direction: removal.direction });
             }
         }
     }

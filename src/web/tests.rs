@@ -162,7 +162,7 @@ async fn the_page_the_csv_and_the_json_of_the_history_show_the_same_builds() {
 }
 
 #[tokio::test]
-async fn an_outcome_that_is_told_changes_the_pulse_of_the_pages() {
+async fn a_recorded_outcome_changes_the_change_token_of_the_pages() {
     let dashboard = with_a_build("bracket.stl").await;
     let before = dashboard.web.change_token().await.ok().unwrap();
     assert_eq!(dashboard.web.change_token().await.ok().unwrap(), before);
@@ -201,7 +201,7 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
         is_queue_writable: true,
         trouble: Some(trouble.to_owned()),
     };
-    let beat = |trouble: &str| crate::ledger::DaemonHeartbeat {
+    let heartbeat = |trouble: &str| crate::ledger::DaemonHeartbeat {
         pid: std::process::id(),
         host: "farm".to_owned(),
         version: "0.1.0".to_owned(),
@@ -214,14 +214,14 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
         json["profiles"][0].clone()
     };
     assert_eq!(machine().await["available"], serde_json::Value::Null, "nobody has looked yet");
-    dashboard.ledger.write_heartbeat(&beat("The share is gone.")).await.unwrap();
+    dashboard.ledger.write_heartbeat(&heartbeat("The share is gone.")).await.unwrap();
     assert_eq!(
         (&machine().await["available"], &machine().await["trouble"]),
         (&false.into(), &"The share is gone.".into())
     );
     let card = dashboard.get("/").await.text;
     assert!(card.contains("Unavailable, since ") && card.contains("The share is gone."), "{card}");
-    dashboard.ledger.write_heartbeat(&beat("")).await.unwrap();
+    dashboard.ledger.write_heartbeat(&heartbeat("")).await.unwrap();
     assert_eq!((&machine().await["available"], &machine().await["trouble"]), (&true.into(), &serde_json::Value::Null));
     assert!(!dashboard.get("/").await.text.contains("Unavailable"));
 }

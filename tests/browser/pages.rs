@@ -110,9 +110,9 @@ pub fn every_page_is_what_it_should_be_in_a_real_browser() {
     let farm = set_up(&dashboard, &chromium);
     let tools = tools();
     let output = Command::new("node").arg("pages.mjs").arg(farm.to_string()).current_dir(&tools).output().unwrap();
-    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    println!("{told}");
-    assert!(output.status.success(), "{told}\n{}", dashboard.farm.log());
+    let output_text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    println!("{output_text}");
+    assert!(output.status.success(), "{output_text}\n{}", dashboard.farm.log());
 }
 
 /// Time limit to open the 3D view of a large build, s; for an optimised nestd on an idle machine.
@@ -136,10 +136,10 @@ pub fn the_view_of_700_parts_and_four_million_triangles_opens_in_time() {
     let triangles: usize = kinds.iter().map(|kind| each * kind.mesh.triangles().len()).sum();
     let asked = serde_json::json!({ "chromium": chromium, "base": dashboard.base, "build": 1, "copies": copies });
     let output = Command::new("node").arg("large.mjs").arg(asked.to_string()).current_dir(tools()).output().unwrap();
-    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    println!("{copies} copies, {triangles} triangles: {told}");
-    assert!(output.status.success(), "{told}\n{}", dashboard.farm.log());
-    let opened: serde_json::Value = serde_json::from_str(&told).unwrap();
+    let output_text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    println!("{copies} copies, {triangles} triangles: {output_text}");
+    assert!(output.status.success(), "{output_text}\n{}", dashboard.farm.log());
+    let opened: serde_json::Value = serde_json::from_str(&output_text).unwrap();
     let secs = opened[0]["secs"].as_f64().unwrap();
     assert!(cfg!(debug_assertions) || secs < OPENS_WITHIN_SECS, "it took {secs:.1} s");
 }

@@ -1,5 +1,5 @@
 //! Random builds of other people's parts (in `nest/` of the data folder); `NESTD_BUILDS` sets their number. Each build
-//! is checked by nestd, and by an independent judge that shares no code with nestd if `NESTD_REFEREE` (a Python) and
+//! is checked by nestd, and by an independent referee that shares no code with nestd if `NESTD_REFEREE` (a Python) and
 //! `NESTD_JUDGE` (the folder of `verify_build.py` and `separable.py`) are set:
 //!
 //!     NESTD_DATA=.. NESTD_BUILDS=1000 NESTD_REFEREE=.. NESTD_JUDGE=.. cargo test --release --test data acceptance
@@ -24,7 +24,7 @@ use crate::support::random::{any_clearance_mm, any_tilt};
 
 /// Default number of builds of other people's parts.
 const FEW_BUILDS: u64 = 4;
-/// Builds that the independent judge gets at once, because its start takes a second.
+/// Builds that the independent referee gets at once, because its start takes a second.
 const AT_ONCE: u64 = 20;
 
 /// One random build of other people's parts, as a command line.
@@ -140,14 +140,14 @@ impl RandomBuild {
             .unwrap_or_else(|_| json!({ "unreadable": String::from_utf8_lossy(&out.stderr) }))
     }
 
-    /// The question for the independent judge.
+    /// The question for the independent referee.
     fn referee_question(&self, file: &Path) -> Value {
         let size = self.volume_mm;
         json!({ "file": file, "base": [size.x, size.y], "maxz": size.z, "clearance": self.clearance_mm })
     }
 }
 
-/// Judges the builds on standard input, one per line. Looks for locked parts only if the number of voxels of half the
+/// Checks the builds on standard input, one per line. Looks for locked parts only if the number of voxels of half the
 /// clearance is small enough.
 const SCRIPT: &str = r#"
 import argparse, contextlib, io, json, sys
@@ -180,25 +180,25 @@ for line in sys.stdin:
     print(json.dumps({**{k: r[k] for k in keep}, 'locked': locked}), flush=True)
 "#;
 
-/// The answers of the independent judge; `None` when there is none.
+/// The answers of the independent referee; `None` when there is none.
 fn ask_referee(questions: &[Value]) -> Option<Vec<Value>> {
     let (python, folder) = (std::env::var_os("NESTD_REFEREE")?, std::env::var_os("NESTD_JUDGE")?);
     let mut command = Command::new(python);
     command.args(["-c", SCRIPT]).arg(folder).stdin(Stdio::piped()).stdout(Stdio::piped());
-    let mut judge = command.spawn().unwrap();
+    let mut referee = command.spawn().unwrap();
     let lines: String = questions.iter().map(|q| format!("{q}\n")).collect();
-    let mut input = judge.stdin.take().unwrap();
+    let mut input = referee.stdin.take().unwrap();
     let writer = std::thread::spawn(move || input.write_all(lines.as_bytes()));
-    let out = judge.wait_with_output().unwrap();
+    let out = referee.wait_with_output().unwrap();
     writer.join().unwrap().unwrap();
-    assert!(out.status.success(), "the judge did not come to an end");
+    assert!(out.status.success(), "the referee did not come to an end");
     let verdicts: Vec<Value> =
         String::from_utf8(out.stdout).unwrap().lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(verdicts.len(), questions.len());
     Some(verdicts)
 }
 
-/// The faults of a build that the two judges find.
+/// The faults of a build that nestd and the referee find.
 fn faults(own: &Value, other: Option<&Value>) -> Vec<String> {
     let mut faults = Vec::new();
     if own["proved"] != json!(true) {
@@ -206,7 +206,7 @@ fn faults(own: &Value, other: Option<&Value>) -> Vec<String> {
     }
     let Some(other) = other else { return faults };
     if other["ok"] != json!(true) {
-        faults.push(format!("the other judge: {other}"));
+        faults.push(format!("the referee: {other}"));
     }
     let differ = |one: &Value, two: &Value| match (one.as_f64(), two.as_f64()) {
         (Some(one), Some(two)) => (one - two).abs() > 1e-3,
@@ -216,7 +216,7 @@ fn faults(own: &Value, other: Option<&Value>) -> Vec<String> {
         || differ(&own["least_distance_mm"], &other["min_distance_mm"])
         || own["placements"] != other["parts"]
     {
-        faults.push(format!("the judges measure differently: {own} and {other}"));
+        faults.push(format!("nestd and the referee measure differently: {own} and {other}"));
     }
     faults
 }
@@ -262,7 +262,7 @@ pub fn random_builds_of_other_peoples_parts_are_proved_by_two_judges() {
             }
             all_faults.extend(found);
             if stuck > 0 {
-                all_faults.push(format!("build {}: the other judge finds locked parts: {of_other:?}", order.number));
+                all_faults.push(format!("build {}: the referee finds locked parts: {of_other:?}", order.number));
             }
             let _ = std::fs::remove_file(file(order));
         }

@@ -9,23 +9,23 @@ use crate::support::manifest::{EXCEPTIONS, FileOutcome, files, unpack_names};
 
 fn outcome(result: Result<PartFileContents, FileReadError>) -> FileOutcome {
     let contents = match result {
-        Err(error) => return FileOutcome { triangles: None, left_out: 0, said: chain(&error) },
+        Err(error) => return FileOutcome { triangles: None, left_out: 0, messages: chain(&error) },
         Ok(contents) => contents,
     };
-    let (mut triangles, mut left_out, mut said) = (0, 0, contents.warnings.clone());
+    let (mut triangles, mut left_out, mut messages) = (0, 0, contents.warnings.clone());
     for solid in &contents.solids {
         let defects = solid.mesh.defects();
         triangles += solid.mesh.triangles().len() * solid.copies as usize;
         left_out += defects.degenerate_triangles * solid.copies as usize;
-        said.extend(solid.warnings.iter().cloned());
+        messages.extend(solid.warnings.iter().cloned());
         let found = [
             (defects.open_edges, "open edges"),
             (defects.non_manifold_edges, "edges of more than two triangles"),
             (defects.inconsistent_edges, "face opposite ways"),
         ];
-        said.extend(found.iter().filter(|(count, _)| *count > 0).map(|(_, what)| (*what).to_owned()));
+        messages.extend(found.iter().filter(|(count, _)| *count > 0).map(|(_, what)| (*what).to_owned()));
     }
-    FileOutcome { triangles: Some(triangles), left_out, said: said.join("\n") }
+    FileOutcome { triangles: Some(triangles), left_out, messages: messages.join("\n") }
 }
 
 fn chain(error: &dyn std::error::Error) -> String {

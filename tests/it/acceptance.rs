@@ -1,5 +1,5 @@
 //! Random builds of the project's own parts: random parts, copies, volumes, clearances and orientation rules, a short
-//! search each, and no judge may find a fault. Builds of other people's parts are in `tests/data`.
+//! search each, and no check may find a fault. Builds of other people's parts are in `tests/data`.
 
 use std::{collections::BTreeSet, sync::Arc};
 
@@ -85,9 +85,9 @@ fn assert_holds_what_was_asked(name: &str, instance: &NestingInstance, solution:
         }
     }
     let placed = solution.placements.iter().map(|p| (p.item, p.copy));
-    let told: Vec<(usize, u32)> = placed.chain(solution.unplaced.iter().copied()).collect();
-    let once: BTreeSet<(usize, u32)> = told.iter().copied().collect();
-    assert!(once.len() == told.len() && once.len() == instance.copy_count(), "{name}: a copy is lost or doubled");
+    let all_copies: Vec<(usize, u32)> = placed.chain(solution.unplaced.iter().copied()).collect();
+    let once: BTreeSet<(usize, u32)> = all_copies.iter().copied().collect();
+    assert!(once.len() == all_copies.len() && once.len() == instance.copy_count(), "{name}: a copy is lost or doubled");
 }
 
 #[test]

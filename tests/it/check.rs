@@ -151,11 +151,14 @@ fn what_lies_beside_the_hot_folders_is_warned_of_with_a_remedy() {
     let report: Value = serde_json::from_str(&text).unwrap();
     let warnings: Vec<&Value> =
         report["findings"].as_array().unwrap().iter().filter(|finding| finding["level"] == "warning").collect();
-    let said = |at: usize, key: &str| warnings[at][key].as_str().unwrap();
+    let text_of = |at: usize, key: &str| warnings[at][key].as_str().unwrap();
     assert_eq!(warnings.len(), 2, "{text}");
-    assert!(said(0, "text").starts_with("the folder \"cubes\" in "), "{text}");
-    assert!(said(1, "text").starts_with("\"lost.stl\" lies in "), "{text}");
-    assert!(said(0, "remedy").contains("a profile of that name") && said(1, "remedy").starts_with("move it"), "{text}");
+    assert!(text_of(0, "text").starts_with("the folder \"cubes\" in "), "{text}");
+    assert!(text_of(1, "text").starts_with("\"lost.stl\" lies in "), "{text}");
+    assert!(
+        text_of(0, "remedy").contains("a profile of that name") && text_of(1, "remedy").starts_with("move it"),
+        "{text}"
+    );
 }
 
 #[test]
@@ -173,10 +176,10 @@ fn folders_of_the_farm_that_lie_beside_the_hot_folders_are_not_stray() {
 fn without_a_configuration_it_is_said_what_to_do() {
     let dir = tempfile::tempdir().unwrap();
     let output = Command::cargo_bin("nestd").unwrap().arg("check").current_dir(dir.path()).output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
     // The machine that runs these tests may have a configuration of its own.
     if !Path::new("/etc/nestd/nestd.toml").exists() {
         assert_eq!(output.status.code(), Some(2));
-        assert!(said.contains("neither config/nestd.toml nor /etc/nestd/nestd.toml is there"), "{said}");
+        assert!(stderr.contains("neither config/nestd.toml nor /etc/nestd/nestd.toml is there"), "{stderr}");
     }
 }

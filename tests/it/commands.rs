@@ -147,11 +147,11 @@ fn a_machine_file_that_is_wrong_hides_neither_status_nor_history_and_forbids_ord
             String::from_utf8(output.stdout).unwrap() + str::from_utf8(&output.stderr).unwrap(),
         )
     };
-    for (words, told) in
+    for (words, expected) in
         [("status", "paper-200"), ("history", "No builds."), ("show fan.stl", "Part 1, fan.stl: waiting")]
     {
         let (code, text) = asked(words);
-        assert!(code == 0 && text.contains(told) && text.contains("odd.toml"), "{words}: {text}");
+        assert!(code == 0 && text.contains(expected) && text.contains("odd.toml"), "{words}: {text}");
     }
     assert_eq!(asked("flush paper-200").0, 2);
     std::fs::write(config.join("nestd.toml"), root + "folders = 3\n").unwrap();
@@ -177,7 +177,7 @@ fn nest_looks_at_its_outputs_before_any_work() {
         let output = command.arg("nest").args(words.split(' ')).current_dir(dir.path()).output().unwrap();
         (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
     };
-    for (words, told) in [
+    for (words, expected) in [
         ("part.stl -o ./part.stl", "a file that is read"),
         ("link.stl -o part.stl", "a file that is read"),
         ("--list list.csv -o o.3mf --report list.csv", "a file that is read"),
@@ -190,7 +190,7 @@ fn nest_looks_at_its_outputs_before_any_work() {
     ] {
         let words = words.replace("DIR", dir.path().file_name().unwrap().to_str().unwrap());
         let (code, err) = nest(&format!("{words} --volume 50x50x50"));
-        assert!(code == 2 && err.contains(told), "{words}: {err}");
+        assert!(code == 2 && err.contains(expected), "{words}: {err}");
     }
     assert_eq!(std::fs::read_to_string(dir.path().join("part.stl")).unwrap(), "kept");
     let (code, err) = nest("part.stl -o o.3mf");

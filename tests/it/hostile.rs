@@ -62,8 +62,8 @@ fn in_a_process_of_its_own(test: &str, work: fn()) {
     let name = format!("hostile::{test}");
     let mut command = Command::new(std::env::current_exe().unwrap());
     let output = command.args(["--exact", &name, "--nocapture"]).env(ALONE, "1").output().unwrap();
-    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && told.contains("1 passed"), "{told}");
+    let output_text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && output_text.contains("1 passed"), "{output_text}");
 }
 
 fn peak_memory_mib() -> u64 {
@@ -124,7 +124,7 @@ fn bombs_are_refused_before_they_go_off() {
 }
 
 #[test]
-fn a_torn_binary_stl_whose_header_says_solid_is_told_as_truncated() {
+fn a_torn_binary_stl_whose_header_says_solid_is_reported_as_truncated() {
     let mut bytes = binary_stl();
     bytes.truncate(84 + 2 * 50 + 7);
     let error = ScratchFile::new().read(&bytes, "a.stl").unwrap_err();

@@ -125,12 +125,12 @@ proptest! {
     /// Parts that are metres or kilometres apart, in frames far from the parts.
     #[test]
     fn far_apart_parts_keep_their_distance(
-        seeds in (0..40u64, 0..40u64), turn in any_turn(), way in any_direction(), far in 1e3..1e6f64, away in -1e5..1e5f64
+        seeds in (0..40u64, 0..40u64), turn in any_turn(), direction in any_direction(), far in 1e3..1e6f64, away in -1e5..1e5f64
     ) {
         let (one, two) = (Arc::new(random_part(seeds.0)), Arc::new(random_part(seeds.1)));
         let (tree1, tree2) = (ClearanceTree::new(one), ClearanceTree::new(two));
         let frame = Pose::new(turn, DVec3::splat(away));
-        let pose12 = frame.relative_pose_of(&Pose::new(turn, DVec3::splat(away) + far * way));
+        let pose12 = frame.relative_pose_of(&Pose::new(turn, DVec3::splat(away) + far * direction));
         prop_assert_eq!(tree1.distance_capped_mm(&tree2, &pose12, 3.0), 3.0);
         prop_assert!(!tree1.is_closer_than(&tree2, &pose12, 3.0));
         prop_assert!(!tree1.contains_part(&tree2, &pose12) && !tree2.contains_part(&tree1, &pose12.inverse()));
@@ -146,7 +146,7 @@ proptest! {
     fn another_kernel_agrees_on_real_parts_beside_and_within_each_other(
         seeds in (0..400u64, 0..400u64),
         turn in any_turn(),
-        way in any_direction(),
+        direction in any_direction(),
         near in 0.0..1.2f64,
         cap in 0.5..10.0f64,
     ) {
@@ -154,7 +154,7 @@ proptest! {
         let (center1, center2) = (one.bounds().center(), turn * two.bounds().center());
         // From one part inside the other to just beside it.
         let reach = 0.5 * (one.bounds().size().length() + two.bounds().size().length());
-        let pose12 = Pose::new(turn, center1 - center2 + near * reach * way);
+        let pose12 = Pose::new(turn, center1 - center2 + near * reach * direction);
         let truth = other_distance(&one, &two, &pose12);
         let (tree1, tree2) = (ClearanceTree::new(one), ClearanceTree::new(two));
         let found = tree1.distance_capped_mm(&tree2, &pose12, cap);

@@ -70,14 +70,14 @@ fn png_size(bytes: &[u8]) -> (u32, u32) {
 #[test]
 fn a_build_file_is_drawn_from_three_sides_at_the_size_asked_without_a_farm() {
     let (dir, _) = nested(&["--evaluations", "200"]);
-    let mut drawn = Vec::new();
+    let mut pictures = Vec::new();
     for view in ["iso", "top", "front"] {
         let args = ["render", "x.build.3mf", "--view", view, "--size", "300x200", "-o", "x.png"];
         assert!(run(dir.path(), &args).status.success());
-        drawn.push(fs::read(dir.path().join("x.png")).unwrap());
+        pictures.push(fs::read(dir.path().join("x.png")).unwrap());
     }
-    assert!(drawn.iter().all(|bytes| png_size(bytes) == (300, 200)));
-    assert!(drawn[0] != drawn[1] && drawn[1] != drawn[2] && drawn[0] != drawn[2]);
+    assert!(pictures.iter().all(|bytes| png_size(bytes) == (300, 200)));
+    assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2] && pictures[0] != pictures[2]);
     fs::remove_file(dir.path().join("x.png")).unwrap();
     let output = run(dir.path(), &["render", "x.build.3mf"]);
     assert_eq!((String::from_utf8(output.stdout).unwrap().as_str(), output.status.code()), ("x.png\n", Some(0)));
@@ -89,11 +89,11 @@ fn a_build_file_is_drawn_from_three_sides_at_the_size_asked_without_a_farm() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_told_with_the_reason() {
+fn what_cannot_be_drawn_is_reported_with_the_reason() {
     let (dir, _) = nested(&["--evaluations", "50"]);
     fs::write(dir.path().join("torn.3mf"), "no package").unwrap();
     let config = config();
-    for (args, code, said) in [
+    for (args, code, expected) in [
         (vec!["render", "x.build.3mf", "--size", "0x9"], 2, "1 to 4096 pixels"),
         (vec!["render", "x.build.3mf", "--size", "9000x9"], 2, "1 to 4096 pixels"),
         (vec!["render", "x.build.3mf", "--view", "left"], 2, "iso, top, front"),
@@ -105,8 +105,8 @@ fn what_cannot_be_drawn_is_told_with_the_reason() {
         (vec!["report", "12", "-c", &config, "--root", "farm"], 1, "there is no ledger"),
         (vec!["render"], 2, "BUILD"),
     ] {
-        let (found, told) = failed(dir.path(), &args);
-        assert!(found == Some(code) && told.contains(said), "{args:?}: {found:?} {told}");
+        let (found, output_text) = failed(dir.path(), &args);
+        assert!(found == Some(code) && output_text.contains(expected), "{args:?}: {found:?} {output_text}");
     }
 }
 
@@ -194,8 +194,8 @@ fn status_is_redrawn_in_place_until_ctrl_c() {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     let config = config();
     let status = ["-c", &config, "--root", ".", "status", "--watch"];
-    let (code, told) = failed(dir.path(), &status);
-    assert!(code == Some(2) && told.contains("redraws a terminal"), "{code:?} {told}");
+    let (code, output_text) = failed(dir.path(), &status);
+    assert!(code == Some(2) && output_text.contains("redraws a terminal"), "{code:?} {output_text}");
     runtime.block_on(async { Ledger::open(&dir.path().join("state/nestd.db")).await.unwrap().close().await });
     let mut terminal = PseudoTerminal::of(nestd(dir.path(), &status), false);
     terminal.until("the farm is shown", |seen| seen.contains("PROFILE") && seen.contains("Ctrl-C"));
@@ -238,13 +238,13 @@ fn a_narrow_terminal_shows_all_of_the_status() {
     }
     let lines: Vec<&str> = shown.lines().collect();
     assert!(lines.iter().all(|line| line.chars().count() <= 60), "{lines:#?}");
-    for told in ["NOW: paused by", "@a-desk-in-the-office", "REJECTED: 0", "LAST PUBLISHED (UTC): -"] {
-        assert!(shown.contains(told), "{told}: {lines:#?}");
+    for output_text in ["NOW: paused by", "@a-desk-in-the-office", "REJECTED: 0", "LAST PUBLISHED (UTC): -"] {
+        assert!(shown.contains(output_text), "{output_text}: {lines:#?}");
     }
 }
 
 #[test]
-fn a_bar_grows_and_the_height_is_told_on_a_terminal_only() {
+fn a_bar_grows_and_the_height_is_reported_on_a_terminal_only() {
     let (_, output) = nested(&["--evaluations", "200"]);
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
     let (dir, args) = parts();

@@ -78,10 +78,10 @@ fn no_layer_of_the_written_file_is_filled_beyond_its_cap() {
     let dir = tempfile::tempdir().unwrap();
     let report = dir.path().join("report.json");
     let plain = nested(dir.path(), &["--clearance", "1", "--report", report.to_str().unwrap()]);
-    let said = |file: &Path| {
+    let layer_cap_of = |file: &Path| {
         build_file::read_build_and_metadata(file, &ReadLimits::default()).unwrap().0.rules.layer_area_cap_mm2
     };
-    assert_eq!(said(&plain), None);
+    assert_eq!(layer_cap_of(&plain), None);
     let largest = |json: &serde_json::Value| json["layers"]["largest_area_mm2"].as_f64().unwrap();
     let free: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
     assert!(free["layers"]["cap_mm2"].is_null() && free["packed_density"].as_f64().unwrap() > 0.05);
@@ -90,7 +90,7 @@ fn no_layer_of_the_written_file_is_filled_beyond_its_cap() {
     let file = nested(dir.path(), &options);
     let capped: serde_json::Value = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
     assert!(largest(&capped) <= 0.7 * largest(&free) * (1.0 + 1e-5), "{capped}");
-    assert_eq!(said(&file), Some(share * 3600.0));
+    assert_eq!(layer_cap_of(&file), Some(share * 3600.0));
     assert_eq!(nestd(&["verify", file.to_str().unwrap()]).0, 0);
 }
 
@@ -114,7 +114,7 @@ fn directions_stay_up_in_the_written_file() {
 }
 
 #[test]
-fn rules_that_clash_are_told_and_nothing_is_written() {
+fn rules_that_clash_are_reported_and_nothing_is_written() {
     let dir = tempfile::tempdir().unwrap();
     let part = wedge(dir.path(), "part.stl", DVec3::splat(10.0));
     let out = dir.path().join("none.build.3mf");

@@ -23,7 +23,7 @@ fn manifests() -> Vec<Table> {
 }
 
 /// Crates that a first `cargo run --release` compiles, at most: a dependency is weight, and so is each of its features.
-const MOST_CRATES: usize = 255;
+const MAX_CRATES: usize = 255;
 
 fn text_at(value: &toml::Value) -> String {
     value.as_str().unwrap().to_owned()
@@ -130,7 +130,7 @@ fn a_first_build_compiles_no_more_crates_than_it_must() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();
     let crates: BTreeSet<&str> = text.lines().map(|line| line.split(" (").next().unwrap()).collect();
-    assert!(crates.len() > 100 && crates.len() <= MOST_CRATES, "{} crates: look at `cargo tree -d`", crates.len());
+    assert!(crates.len() > 100 && crates.len() <= MAX_CRATES, "{} crates: look at `cargo tree -d`", crates.len());
     assert!(!crates.iter().any(|name| name.starts_with("icu_")), "idna_adapter is not 1.1: see docs/dependencies.md");
 }
 
@@ -189,11 +189,11 @@ fn every_dependency_stands_in_the_architecture_with_why_it_is_there() {
     let unused: Vec<_> = wanted.difference(&used).collect();
     assert!(unused.is_empty(), "no crate uses {unused:?}");
     let text = fs::read_to_string(root().join("docs/dependencies.md")).unwrap();
-    let mut told = BTreeSet::new();
+    let mut documented = BTreeSet::new();
     for line in text.lines().filter(|line| line.starts_with("| `")) {
         let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
         assert!(cells.len() == 2 && cells[1].len() > 10, "{line}");
-        told.extend(cells[0].split(',').map(|name| name.trim().trim_matches('`').to_owned()));
+        documented.extend(cells[0].split(',').map(|name| name.trim().trim_matches('`').to_owned()));
     }
-    assert_eq!(told, wanted);
+    assert_eq!(documented, wanted);
 }

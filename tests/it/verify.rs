@@ -133,7 +133,7 @@ fn each_fault_is_named_and_the_exit_code_is_one() {
 }
 
 #[test]
-fn a_direction_that_does_not_stay_up_is_told() {
+fn a_direction_that_does_not_stay_up_is_reported() {
     let dir = tempfile::tempdir().unwrap();
     let outcome = |tilts| verify(&turned(&dir, 8.0, 0.2, "free", Some(tilts)), &[]);
     // 0.2 radians are 11.46 degrees.
@@ -145,7 +145,7 @@ fn a_direction_that_does_not_stay_up_is_told() {
 }
 
 #[test]
-fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
+fn margins_and_what_is_kept_above_hold_in_the_file_or_are_reported() {
     let dir = tempfile::tempdir().unwrap();
     let outcome = |margins_mm, clearance_z_extra_mm| {
         let asked = BuildRules { margins_mm, clearance_z_extra_mm, ..BuildRules::default() };
@@ -171,7 +171,7 @@ fn margins_and_what_is_kept_above_hold_in_the_file_or_are_told() {
 }
 
 #[test]
-fn a_layer_that_is_filled_beyond_its_cap_is_told() {
+fn a_layer_that_is_filled_beyond_its_cap_is_reported() {
     let dir = tempfile::tempdir().unwrap();
     // Two cubes of 10 mm are at the same height, 20 mm above the floor.
     let outcome = |cap| {
@@ -268,7 +268,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
 }
 
 #[test]
-fn a_chain_is_told_and_is_a_fault_where_it_was_forbidden() {
+fn a_chain_is_reported_and_is_a_fault_where_it_was_forbidden() {
     let dir = tempfile::tempdir().unwrap();
     let (code, text) = verify(&chain(&dir, "forbid"), &[]);
     assert!(code == 1 && text.contains("ring #2 (item 2) is locked into others"), "{text}");

@@ -42,14 +42,14 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
         ("shells", "crowd.stl", write_cubes, budget.pick(200, 2000)),
         ("copies", "block.stl", write_block, budget.pick(100, 5000)),
     ];
-    let mut told = Vec::new();
+    let mut notes = Vec::new();
     for (what, name, write, size) in cases {
         match measure_cost(what, name, write, size, budget) {
             Ok(cost) => {
                 if cost.peak_mib > MAX_MEMORY_MIB {
                     row.broken.push(format!("{} took {} MiB", cost.what, cost.peak_mib));
                 }
-                told.push(format!(
+                notes.push(format!(
                     "{}: read in {:.1} s, published after {:.1} s, peak {} MiB",
                     cost.what, cost.read_secs, cost.build_secs, cost.peak_mib
                 ));
@@ -61,7 +61,7 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
     }
     refused_above_the_limits(&mut row);
     row.points = row.files;
-    row.note = told.join("; ");
+    row.note = notes.join("; ");
     row
 }
 
@@ -121,7 +121,7 @@ fn refused_above_the_limits(row: &mut SectionResult) {
         ("max_shells = 1", "two.stl", "2 separate pieces"),
         ("max_copies = 4", "a_x5.stl", "5 copies"),
     ];
-    for (limit, name, said) in cases {
+    for (limit, name, expected) in cases {
         let mut farm = TestFarm::new(MACHINE);
         let config = fs::read_to_string(farm.config()).unwrap();
         fs::write(farm.config(), format!("{config}[limits]\n{limit}\n")).unwrap();
@@ -137,7 +137,7 @@ fn refused_above_the_limits(row: &mut SectionResult) {
             Err(reason) => reason,
         };
         row.points += 1;
-        if !reason.contains(said) {
+        if !reason.contains(expected) {
             row.broken.push(format!("{limit}: {reason}"));
         }
     }

@@ -101,8 +101,8 @@ impl KilledFarm {
                 self.order_something();
             }
             // A kill a few milliseconds after the start hits the recovery, a later one the work.
-            let most_ms = if self.rng.random_bool(0.5) { 120 } else { 1500 };
-            std::thread::sleep(Duration::from_millis(self.rng.random_range(2..most_ms)));
+            let max_ms = if self.rng.random_bool(0.5) { 120 } else { 1500 };
+            std::thread::sleep(Duration::from_millis(self.rng.random_range(2..max_ms)));
             self.farm.kill();
             all.fetch_add(1, Ordering::Relaxed);
             if self.rng.random_bool(0.3) {

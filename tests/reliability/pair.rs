@@ -150,14 +150,14 @@ impl ServerPair {
         let marker = self.first.folder("inbox").join(".nestd-owner");
         let serves = || fs::read_to_string(&marker).is_ok_and(|text| text.contains("\"second\""));
         self.wait(15.0, |_| serves());
-        let told = as_host(self.second.command(&["adopt", PROFILE]), "second").output().unwrap();
-        if !told.status.success() {
-            let text = String::from_utf8_lossy(&told.stderr).into_owned();
+        let adopted = as_host(self.second.command(&["adopt", PROFILE]), "second").output().unwrap();
+        if !adopted.status.success() {
+            let text = String::from_utf8_lossy(&adopted.stderr).into_owned();
             broken.push(format!("adopting was refused after {:?}: {text}\n{}", began.elapsed(), self.second.log()));
         }
         let left = intake::foreign_claims(&self.first.folder("inbox"), "nobody").unwrap_or_default();
         let former: Vec<_> = left.iter().filter(|name| name.starts_with(".new-")).collect();
-        if !former.is_empty() && !told.status.success() {
+        if !former.is_empty() && !adopted.status.success() {
             broken.push(format!("half made claims are left: {former:?}"));
         }
     }

@@ -269,25 +269,27 @@ impl RestoredFarm {
 
     /// Starts the daemon at once, or runs the command again first; then the farm finishes its work.
     fn continue_work(&mut self, point: u64, row: &mut SectionResult) {
-        let mut said = String::new();
+        let mut output_text = String::new();
         let mut starts = point.is_multiple_of(2) && self.starts();
         if !starts {
-            said = text(&self.farm.nestd(&self.args()));
+            output_text = text(&self.farm.nestd(&self.args()));
             starts = self.starts();
         }
         let about = format!("{:?} after {:?}, killed after change {point}", self.how, self.later);
         if !starts {
-            row.broken.push(format!("{about}: the daemon does not start\n{said}\n{}", self.farm.log()));
+            row.broken.push(format!("{about}: the daemon does not start\n{output_text}\n{}", self.farm.log()));
             return;
         }
         if !self.comes_to_rest() {
-            row.broken.push(format!("{about}: the farm does not come to rest\n{said}\n{}", self.farm.log()));
+            row.broken.push(format!("{about}: the farm does not come to rest\n{output_text}\n{}", self.farm.log()));
         }
-        let mut told: String = said.lines().filter(|line| line.contains("LOOK AT")).collect();
-        told += &fs::read_to_string(self.farm.root().join("state/attention.json")).unwrap_or_default();
+        let mut reported: String = output_text.lines().filter(|line| line.contains("LOOK AT")).collect();
+        reported += &fs::read_to_string(self.farm.root().join("state/attention.json")).unwrap_or_default();
         self.farm.stop();
         row.builds += self.farm.queued().len() as u64;
-        row.broken.extend(self.find_faults(&told).map(|text| format!("{about}: {text}\n{said}\n{}", self.farm.log())));
+        row.broken.extend(
+            self.find_faults(&reported).map(|text| format!("{about}: {text}\n{output_text}\n{}", self.farm.log())),
+        );
     }
 
     /// Whether the daemon starts on the farm in its current state.
@@ -317,15 +319,15 @@ impl RestoredFarm {
             if !waiting.is_empty() {
                 let _ = self.farm.nestd(&["flush", PROFILE]);
             }
-            let under_way = waiting.len() + parts(PartState::Claimed).len() + parts(PartState::Batched).len();
-            quiet = if under_way == 0 { quiet + 1 } else { 0 };
+            let in_work = waiting.len() + parts(PartState::Claimed).len() + parts(PartState::Batched).len();
+            quiet = if in_work == 0 { quiet + 1 } else { 0 };
             std::thread::sleep(Duration::from_millis(200));
         }
         quiet >= 2
     }
 
     /// The fault at the end, if there is one.
-    fn find_faults(&self, told: &str) -> Option<String> {
+    fn find_faults(&self, reported: &str) -> Option<String> {
         let in_queue = self.in_queue();
         let below = |folder: &Path| nestd::intake::files_below(folder).unwrap_or_default();
         let mut kept = below(&self.farm.folder("error"));
@@ -337,8 +339,9 @@ impl RestoredFarm {
             if printed > asked {
                 return Some(format!("DOUBLED: {content}: {printed} of {asked} copies are printed"));
             }
-            let is_told = told.contains(content.as_str()) || self.names[content].iter().any(|name| told.contains(name));
-            if printed < asked && !kept.contains(content) && !is_told {
+            let is_reported =
+                reported.contains(content.as_str()) || self.names[content].iter().any(|name| reported.contains(name));
+            if printed < asked && !kept.contains(content) && !is_reported {
                 return Some(format!("LOST: {content}: {printed} of {asked} copies are printed, and nobody is told"));
             }
         }

@@ -98,17 +98,17 @@ impl DamageCase {
         self.damage_file(&file);
         blocked.iter().for_each(|folder| fs::remove_dir(folder).unwrap());
         farm.start();
-        let told = continue_as_people_do(&mut farm);
+        let is_reported = continue_as_people_do(&mut farm);
         if farm.has_ended() {
             // The ledger or its checksum was changed: nestd does not use it, and names the remedy.
-            let said = farm.log();
-            let is_refused = self.what.starts_with("state/nestd.db") && said.contains("nestd restore FILE");
-            let broken = (!is_refused).then(|| format!("{} {:?}: the daemon ended: {said}", self.what, self.how));
+            let log = farm.log();
+            let is_refused = self.what.starts_with("state/nestd.db") && log.contains("nestd restore FILE");
+            let broken = (!is_refused).then(|| format!("{} {:?}: the daemon ended: {log}", self.what, self.how));
             return SectionResult { points: 1, broken: broken.into_iter().collect(), ..SectionResult::default() };
         }
         farm.stop();
         let broken = self
-            .find_faults(&farm, told)
+            .find_faults(&farm, is_reported)
             .map(|text| format!("{} {:?} when {:?}: {text}", self.what, self.how, self.when));
         SectionResult {
             points: 1,
@@ -172,7 +172,7 @@ impl DamageCase {
     }
 
     /// The fault at the end, if there is one.
-    fn find_faults(&self, farm: &TestFarm, told: bool) -> Option<String> {
+    fn find_faults(&self, farm: &TestFarm, is_reported: bool) -> Option<String> {
         let named = farm.broken_invariants(&InvariantExpectations::default());
         let mut printed = Vec::new();
         for file in farm.queued() {
@@ -193,12 +193,12 @@ impl DamageCase {
         if self.is_taken_by_the_printer() {
             return (!printed.is_empty()).then(|| format!("the printer took it, and it is printed again: {printed:?}"));
         }
-        if printed != DROPPED && !told && named.is_empty() {
+        if printed != DROPPED && !is_reported && named.is_empty() {
             return Some(format!("only {printed:?} is printed, and nobody is told\n{}", farm.log()));
         }
         // A repaired file leaves nothing behind; a problem for people is named.
         let is_printers = self.when == DamageMoment::Published;
-        (!named.is_empty() && !told && !is_printers).then(|| format!("it was not healed: {named:?}"))
+        (!named.is_empty() && !is_reported && !is_printers).then(|| format!("it was not healed: {named:?}"))
     }
 }
 
@@ -208,10 +208,10 @@ fn continue_as_people_do(farm: &mut TestFarm) -> bool {
     let began = Instant::now();
     let mut again = vec![("ring", block(20.0, 15.0, 10.0)), ("plate", block(30.0, 20.0, 4.0))];
     let notices = farm.root().join("state/attention.json");
-    let told = || fs::read_to_string(&notices).unwrap_or_default();
+    let is_reported = || fs::read_to_string(&notices).unwrap_or_default();
     std::thread::sleep(Duration::from_secs(2));
     while began.elapsed() < CASE && !farm.has_ended() {
-        let now = told();
+        let now = is_reported();
         again.retain(|(name, mesh)| {
             let is_asked = now.contains("file-damaged") && now.contains(&format!("{name}_x2.stl"));
             if is_asked {
@@ -228,5 +228,5 @@ fn continue_as_people_do(farm: &mut TestFarm) -> bool {
         }
         std::thread::sleep(Duration::from_millis(300));
     }
-    told().contains("\"kind\"")
+    is_reported().contains("\"kind\"")
 }

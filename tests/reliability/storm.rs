@@ -114,8 +114,8 @@ impl StormFarm {
             for _ in 0..self.rng.random_range(0..4) {
                 self.run_random_action();
             }
-            let most_ms = if self.rng.random_bool(0.5) { 120 } else { 1200 };
-            std::thread::sleep(Duration::from_millis(self.rng.random_range(2..most_ms)));
+            let max_ms = if self.rng.random_bool(0.5) { 120 } else { 1200 };
+            std::thread::sleep(Duration::from_millis(self.rng.random_range(2..max_ms)));
             self.farm.kill();
             all.fetch_add(1, Ordering::Relaxed);
             self.history.push("kill".to_owned());
@@ -263,12 +263,12 @@ impl StormFarm {
         }
         let backup = self.backups[self.rng.random_range(0..self.backups.len())].clone();
         let output = self.farm.nestd(&["restore", backup.to_str().unwrap()]);
-        let said = text(&output);
-        self.history.push(format!("restore {}: {said}", backup.display()));
+        let output_text = text(&output);
+        self.history.push(format!("restore {}: {output_text}", backup.display()));
         if !output.status.success() {
-            self.broken.push(format!("restoring failed: {said}"));
+            self.broken.push(format!("restoring failed: {output_text}"));
         }
-        self.doubts += &said.lines().filter(|line| line.contains("LOOK AT")).collect::<Vec<_>>().join("\n");
+        self.doubts += &output_text.lines().filter(|line| line.contains("LOOK AT")).collect::<Vec<_>>().join("\n");
         self.doubts += "\n";
     }
 
@@ -331,8 +331,8 @@ impl StormFarm {
         if waiting > 0 {
             let _ = self.farm.nestd(&["flush", PROFILE]);
         }
-        let under_way = self.parts(PartState::Claimed).len() + self.parts(PartState::Batched).len();
-        is_empty && waiting + under_way == 0
+        let in_work = self.parts(PartState::Claimed).len() + self.parts(PartState::Batched).len();
+        is_empty && waiting + in_work == 0
     }
 
     fn compare_copies(&mut self) {

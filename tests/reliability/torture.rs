@@ -47,7 +47,7 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
     if !all_taken(&farm, budget.secs.max(120.0)) {
         row.broken.push("not every file was taken in time".to_owned());
     }
-    judge(&farm, &files, &data, names.path(), &mut row);
+    check_outcomes(&farm, &files, &data, names.path(), &mut row);
     row
 }
 
@@ -75,7 +75,7 @@ fn all_taken(farm: &TestFarm, secs: f64) -> bool {
     false
 }
 
-fn judge(farm: &TestFarm, files: &[ExpectedFile], data: &Path, names: &Path, row: &mut SectionResult) {
+fn check_outcomes(farm: &TestFarm, files: &[ExpectedFile], data: &Path, names: &Path, row: &mut SectionResult) {
     let exceptions: HashMap<&str, &str> = EXCEPTIONS.into_iter().collect();
     let (mut met, mut excepted) = (0, Vec::new());
     for (number, expected) in files.iter().enumerate() {
@@ -100,7 +100,7 @@ fn judge(farm: &TestFarm, files: &[ExpectedFile], data: &Path, names: &Path, row
 
 /// The result of a file in the ledger, or the reason in the error folder if it never became a part.
 fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> FileOutcome {
-    let said: Vec<&str> =
+    let messages: Vec<&str> =
         parts.iter().flat_map(|part| [part.warnings.as_str(), part.rejection.reason.as_str()]).collect();
     let is_refused = parts.is_empty() || parts.iter().any(|part| part.state == PartState::Rejected);
     if is_refused {
@@ -109,10 +109,10 @@ fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> FileOutcome {
             entries.filter(|e| e.as_ref().unwrap().path().to_string_lossy().ends_with(".reason.txt")).count()
         });
         let lost = if reasons == 1 { "" } else { " BUT there is not one reason in the error folder" };
-        return FileOutcome { triangles: None, left_out: 0, said: said.join("\n") + lost };
+        return FileOutcome { triangles: None, left_out: 0, messages: messages.join("\n") + lost };
     }
     let triangles = parts.iter().map(|p| p.measures.triangles.unwrap_or(0) as usize * in_file(p)).sum();
-    FileOutcome { triangles: Some(triangles), left_out: left_out(parts), said: said.join("\n") }
+    FileOutcome { triangles: Some(triangles), left_out: left_out(parts), messages: messages.join("\n") }
 }
 
 /// The copies of a part in its file. A name such as "rail-2x" multiplies the copies, which the manifest does not

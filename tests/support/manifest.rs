@@ -37,7 +37,7 @@ pub struct FileOutcome {
     /// Triangles that were left out for having no area.
     pub left_out: usize,
     /// The warnings, or the reason of the refusal.
-    pub said: String,
+    pub messages: String,
 }
 
 /// All files of the set.
@@ -76,8 +76,8 @@ impl ExpectedFile {
             digits.parse().unwrap()
         });
         match (wanted, outcome.triangles) {
-            (Some(count), Some(found)) if found + outcome.left_out == count => self.missing_warnings(&outcome.said),
-            (Some(_), None) => Some(format!("refused: {}", outcome.said)),
+            (Some(count), Some(found)) if found + outcome.left_out == count => self.missing_warnings(&outcome.messages),
+            (Some(_), None) => Some(format!("refused: {}", outcome.messages)),
             (Some(_), Some(found)) => Some(format!("accepted with {found} triangles")),
             (None, Some(found)) if self.expect.starts_with("reject") => {
                 Some(format!("accepted with {found} triangles"))
@@ -87,7 +87,7 @@ impl ExpectedFile {
     }
 
     /// Warnings that the manifest demands and the outcome lacks.
-    fn missing_warnings(&self, said: &str) -> Option<String> {
+    fn missing_warnings(&self, messages: &str) -> Option<String> {
         const OPEN: &str = "open edges";
         const MANY: &str = "edges of more than two triangles";
         const WOUND: &str = "face opposite ways";
@@ -103,8 +103,8 @@ impl ExpectedFile {
             ("slice stack", &["slice stack"]),
             ("object types", &["supports"]),
         ];
-        let is_missed = |(word, told): &&(&str, &[&str])| {
-            self.expect.contains(word) && !told.iter().any(|told| said.contains(told))
+        let is_missed = |(word, expected): &&(&str, &[&str])| {
+            self.expect.contains(word) && !expected.iter().any(|expected| messages.contains(expected))
         };
         let missed: Vec<&str> = wants.iter().filter(is_missed).map(|want| want.0).collect();
         (!missed.is_empty()).then(|| format!("not told: {}", missed.join(", ")))

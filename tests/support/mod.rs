@@ -177,8 +177,9 @@ impl TestFarm {
     /// Runs `nestd flush`. On a busy machine the answer may come later; a refusal fails the test.
     pub fn flush(&self) {
         let output = self.nestd(&["flush", PROFILE]);
-        let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() != Some(2) && !told.contains("Refused"), "{told}\n{}", self.log());
+        let output_text =
+            String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() != Some(2) && !output_text.contains("Refused"), "{output_text}\n{}", self.log());
     }
 
     /// Drops a file as a careful sender does: writes it elsewhere on the same file system, then renames it.
@@ -288,14 +289,14 @@ pub fn signal(pid: i32, signal: rustix::process::Signal) {
     rustix::process::kill_process(rustix::process::Pid::from_raw(pid).unwrap(), signal).unwrap();
 }
 
-pub fn wait_until(what: &str, secs: f64, holds: impl FnMut() -> bool) {
-    wait_until_or(what, secs, String::new, holds);
+pub fn wait_until(what: &str, secs: f64, is_true: impl FnMut() -> bool) {
+    wait_until_or(what, secs, String::new, is_true);
 }
 
-pub fn wait_until_or(what: &str, secs: f64, told: impl Fn() -> String, mut holds: impl FnMut() -> bool) {
+pub fn wait_until_or(what: &str, secs: f64, describe: impl Fn() -> String, mut is_true: impl FnMut() -> bool) {
     let began = Instant::now();
-    while !holds() {
-        assert!(began.elapsed().as_secs_f64() < secs, "waited {secs} s in vain until {what}\n{}", told());
+    while !is_true() {
+        assert!(began.elapsed().as_secs_f64() < secs, "waited {secs} s in vain until {what}\n{}", describe());
         std::thread::sleep(Duration::from_millis(50));
     }
 }

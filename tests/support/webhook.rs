@@ -80,11 +80,11 @@ impl TestWebhook {
     pub fn wait_for_delivered(&self, count: usize) -> Vec<Value> {
         let began = Instant::now();
         loop {
-            let told = self.delivered();
-            if told.len() >= count {
-                return told;
+            let delivered = self.delivered();
+            if delivered.len() >= count {
+                return delivered;
             }
-            assert!(began.elapsed() < Duration::from_secs(40), "only {told:#?}, of {:#?}", self.received());
+            assert!(began.elapsed() < Duration::from_secs(40), "only {delivered:#?}, of {:#?}", self.received());
             thread::sleep(Duration::from_millis(20));
         }
     }

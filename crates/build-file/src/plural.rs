@@ -14,7 +14,7 @@ mod tests {
 
     #[test]
     fn one_is_one_and_nothing_is_several() {
-        let told = [0_u32, 1, 2].map(|n| format_count(n, "copy", "copies"));
-        assert_eq!(told, ["0 copies", "1 copy", "2 copies"]);
+        let texts = [0_u32, 1, 2].map(|n| format_count(n, "copy", "copies"));
+        assert_eq!(texts, ["0 copies", "1 copy", "2 copies"]);
     }
 }

@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_end_is_no_error_but_told() {
+    fn a_missing_end_is_no_error_but_reported() {
         assert!(!text(&format!("solid\n{FACET}")).unwrap().ended);
     }
 
@@ -305,11 +305,11 @@ mod tests {
     }
 
     #[test]
-    fn of_binary_junk_a_short_excerpt_is_told() {
+    fn of_binary_junk_a_short_excerpt_is_reported() {
         let error =
             read_text_stl(&[b"solid\n".as_slice(), &[7; 200]].concat()[..], &ReadLimits::for_testing()).unwrap_err();
-        let told = error.to_string();
-        assert!(told.contains(r"found `\x07\x07") && told.ends_with("`...") && told.len() < 130, "{told}");
+        let message = error.to_string();
+        assert!(message.contains(r"found `\x07\x07") && message.ends_with("`...") && message.len() < 130, "{message}");
     }
 
     #[test]

@@ -24,14 +24,14 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let monday = asked(8, 4)?;
     let first = nest_with_cache(&monday, &config, &[], &prepared, &SearchBudget::of_evaluations(60_000), &mut ());
-    println!("Monday: {}", told(&monday, &first));
+    println!("Monday: {}", describe_layout(&monday, &first));
 
     // Three more knobs: they are placed into gaps, and other parts move to make room. The search does not start
     // again.
     let tuesday = asked(11, 4)?;
     let budget = SearchBudget::of_evaluations(20_000);
     let inserted = insert_copies(&tuesday, &config, &first.placements, &prepared, &budget, &mut ());
-    println!("Tuesday, three knobs more: {}", told(&tuesday, &inserted));
+    println!("Tuesday, three knobs more: {}", describe_layout(&tuesday, &inserted));
     println!("  {} of the parts moved", moved(&first.placements, &inserted.placements));
 
     // Monday's knobs are promised to a customer and keep their poses; all other parts may still move.
@@ -39,12 +39,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let reserved = asked(11, 6)?.with_pinned(promised.clone());
     let budget = SearchBudget::of_evaluations(60_000);
     let last = nest_with_cache(&reserved, &config, &first.placements, &prepared, &budget, &mut ());
-    println!("Wednesday, two rails more and {} knobs promised: {}", promised.len(), told(&reserved, &last));
+    println!("Wednesday, two rails more and {} knobs promised: {}", promised.len(), describe_layout(&reserved, &last));
     println!("  {} of the promised parts moved", moved(&promised, &last.placements));
     Ok(())
 }
 
-fn told(instance: &NestingInstance, solution: &NestingSolution) -> String {
+fn describe_layout(instance: &NestingInstance, solution: &NestingSolution) -> String {
     let (placed, copies) = (solution.placements.len(), instance.copy_count());
     format!("{placed} of {copies} parts, {:.1} mm high", solution.height_mm)
 }

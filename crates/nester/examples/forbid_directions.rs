@@ -39,19 +39,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bodies = PlacedSolid::of_layout(&instance, &solution.placements);
     let apart = find_removal_order(&bodies);
     println!("{} parts are locked into others; the rest is drawn out in this order:", apart.locked.len());
-    for &(body, way) in &apart.order {
-        println!("  {:<14} {}", bodies[body].name, in_words(way));
+    for &(body, direction) in &apart.order {
+        println!("  {:<14} {}", bodies[body].name, in_words(direction));
     }
     Ok(())
 }
 
 /// A direction in words: `up`, `up and left`.
-fn in_words(way: DVec3) -> String {
+fn in_words(direction: DVec3) -> String {
     let word = |at: f64, below: &'static str, above: &'static str| match at {
         at if at > 0.1 => Some(above),
         at if at < -0.1 => Some(below),
         _ => None,
     };
-    let words = [word(way.z, "down", "up"), word(way.x, "left", "right"), word(way.y, "to the front", "to the back")];
+    let words = [
+        word(direction.z, "down", "up"),
+        word(direction.x, "left", "right"),
+        word(direction.y, "to the front", "to the back"),
+    ];
     words.into_iter().flatten().collect::<Vec<_>>().join(" and ")
 }

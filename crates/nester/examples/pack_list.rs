@@ -30,11 +30,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         lower_bound_mm(&instance)
     );
 
-    let mut told_mm = f64::INFINITY;
+    let mut printed_mm = f64::INFINITY;
     let mut listener = |better: &NestingSolution, evaluations: u64| {
-        if better.unplaced.is_empty() && better.height_mm < 0.99 * told_mm {
-            told_mm = better.height_mm;
-            println!("{evaluations:>7} evaluations: {told_mm:.1} mm");
+        if better.unplaced.is_empty() && better.height_mm < 0.99 * printed_mm {
+            printed_mm = better.height_mm;
+            println!("{evaluations:>7} evaluations: {printed_mm:.1} mm");
         }
     };
     let budget = SearchBudget::of_evaluations(200_000);

@@ -92,22 +92,23 @@ impl<'a> BoxStacker<'a> {
     ) -> Option<PlacedItem> {
         let lineup = self.outlined;
         let candidate = lineup.outlined_item(copy.0);
-        let ways = self.orientations.entry(copy.0).or_insert_with(|| distinct_orientations(candidate, lineup.room));
+        let orientations =
+            self.orientations.entry(copy.0).or_insert_with(|| distinct_orientations(candidate, lineup.room));
         let mut best: Option<(f64, DVec3, &BoxOrientation)> = None;
-        for way in ways.iter() {
-            let size = way.bounds.size();
+        for orientation in orientations.iter() {
+            let size = orientation.bounds.size();
             let Some(corner) = skyline.lowest_position(size, lineup.max_clearance_mm + CLEARANCE_SPARE_MM) else {
                 continue;
             };
             let top = corner.z + size.z;
             if best.is_none_or(|(least, ..)| top < least - 1e-9) {
-                best = Some((top, corner, way));
+                best = Some((top, corner, orientation));
             }
         }
-        let (_, corner, way) = best?;
-        let place = corner - way.bounds.min;
-        let bounds = Bounds { min: corner, max: way.bounds.max + place };
-        let turn = way.rotation;
+        let (_, corner, orientation) = best?;
+        let place = corner - orientation.bounds.min;
+        let bounds = Bounds { min: corner, max: orientation.bounds.max + place };
+        let turn = orientation.rotation;
         let pose = Pose::new(turn, place - turn * candidate.outline.obb.pose.translation);
         let mut piece = PlacedItem { item: copy.0, copy: copy.1, rotation: turn, center: place, pose, bounds };
         if filled.is_capped() {
@@ -125,21 +126,21 @@ impl<'a> BoxStacker<'a> {
 /// Rotations that give an item different extents, lowest first.
 fn distinct_orientations(candidate: &OutlinedItem, room: DVec3) -> Vec<BoxOrientation> {
     let center = candidate.outline.obb.pose.translation;
-    let mut ways: Vec<BoxOrientation> = Vec::new();
+    let mut orientations: Vec<BoxOrientation> = Vec::new();
     for turn in rotations_to_try(candidate, room, usize::MAX) {
         let rough = Bounds::from_points(candidate.outline.extremes.iter().map(|&p| turn * p)).size();
-        let is_like = |way: &BoxOrientation| (way.bounds.size() - rough).abs().max_element() < 0.05;
-        if ways.iter().any(is_like) {
+        let is_like = |orientation: &BoxOrientation| (orientation.bounds.size() - rough).abs().max_element() < 0.05;
+        if orientations.iter().any(is_like) {
             continue;
         }
         let turn = turn.normalize();
         let bounds = candidate.mesh.bounds_at(&Pose::new(turn, -(turn * center)));
-        ways.push(BoxOrientation { rotation: turn, bounds });
-        if ways.len() == MAX_ORIENTATIONS {
+        orientations.push(BoxOrientation { rotation: turn, bounds });
+        if orientations.len() == MAX_ORIENTATIONS {
             break;
         }
     }
-    ways
+    orientations
 }
 
 /// Rotations to try for an item; never empty.

@@ -22,18 +22,18 @@ const AXIS_DIRECTION_COUNT: usize = 6;
 
 /// The removal directions, unit vectors: up first, then along the other axes, the edges and the corners of a cube.
 pub(crate) fn removal_directions() -> [DVec3; DIRECTION_COUNT] {
-    let mut ways = [DVec3::Z; DIRECTION_COUNT];
+    let mut directions = [DVec3::Z; DIRECTION_COUNT];
     let mut at = 1;
     for axes in 1..=3 {
         for code in 0..27 {
-            let way = DVec3::new(f64::from(code % 3 - 1), f64::from(code / 3 % 3 - 1), f64::from(code / 9 - 1));
-            if way.length_squared() as i32 == axes && way != DVec3::Z {
-                ways[at] = way.normalize();
+            let direction = DVec3::new(f64::from(code % 3 - 1), f64::from(code / 3 % 3 - 1), f64::from(code / 9 - 1));
+            if direction.length_squared() as i32 == axes && direction != DVec3::Z {
+                directions[at] = direction.normalize();
                 at += 1;
             }
         }
     }
-    ways
+    directions
 }
 
 /// Distance that two parts keep while one of them is removed, mm: half of their clearance, at most half a millimetre.
@@ -65,26 +65,26 @@ impl<'a> RemovablePart<'a> {
     }
 
     /// Whether the bounding boxes allow a collision of this part with the other one during removal.
-    fn may_collide(&self, other: &Self, way: DVec3) -> bool {
+    fn may_collide(&self, other: &Self, direction: DVec3) -> bool {
         let gap = self.gap_mm(other);
         let (low, high) = (other.bounds.min - self.bounds.max - gap, other.bounds.max - self.bounds.min + gap);
         let (mut begin, mut end) = (0.0_f64, f64::INFINITY);
         for axis in 0..3 {
-            if way[axis] == 0.0 {
+            if direction[axis] == 0.0 {
                 if low[axis] > 0.0 || high[axis] < 0.0 {
                     return false;
                 }
                 continue;
             }
-            let (one, two) = (low[axis] / way[axis], high[axis] / way[axis]);
+            let (one, two) = (low[axis] / direction[axis], high[axis] / direction[axis]);
             (begin, end) = (begin.max(one.min(two)), end.min(one.max(two)));
         }
         begin <= end
     }
 
-    fn is_free(&self, other: &Self, way: DVec3) -> bool {
-        let way1 = self.pose.rotation.conjugate() * way;
-        self.tree.is_free_along(other.tree, &self.pose.relative_pose_of(other.pose), way1, self.gap_mm(other))
+    fn is_free(&self, other: &Self, direction: DVec3) -> bool {
+        let direction1 = self.pose.rotation.conjugate() * direction;
+        self.tree.is_free_along(other.tree, &self.pose.relative_pose_of(other.pose), direction1, self.gap_mm(other))
     }
 }
 
@@ -98,8 +98,9 @@ pub(crate) fn can_be_removed(prepared: &PreparedInstance, piece: &PlacedItem, ot
         .map(|other| (piece.bounds.distance(&other.bounds), RemovablePart::new(prepared, other)))
         .collect();
     nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let is_free =
-        |way: DVec3| nearest.iter().all(|(_, other)| !solid.may_collide(other, way) || solid.is_free(other, way));
+    let is_free = |direction: DVec3| {
+        nearest.iter().all(|(_, other)| !solid.may_collide(other, direction) || solid.is_free(other, direction))
+    };
     removal_directions().into_iter().take(AXIS_DIRECTION_COUNT).any(is_free)
 }
 
@@ -160,13 +161,16 @@ pub(crate) fn locked_pairs(
     pieces: &[PlacedItem],
     locked: &[usize],
 ) -> Vec<(usize, usize)> {
-    let ways = removal_directions();
+    let directions = removal_directions();
     let mut pairs = Vec::new();
     for (at, &one) in locked.iter().enumerate() {
         let solid1 = RemovablePart::new(prepared, &pieces[one]);
         for &other in &locked[at + 1..] {
             let solid2 = RemovablePart::new(prepared, &pieces[other]);
-            if ways.into_iter().all(|way| solid1.may_collide(&solid2, way) && !solid1.is_free(&solid2, way)) {
+            if directions
+                .into_iter()
+                .all(|direction| solid1.may_collide(&solid2, direction) && !solid1.is_free(&solid2, direction))
+            {
                 pairs.push((one, other));
             }
         }
@@ -213,18 +217,18 @@ impl<'a> DisassemblySearch<'a> {
     }
 
     /// Removes a part if nothing blocks it.
-    fn try_remove(&mut self, part: usize, way: usize) -> bool {
-        if self.removed[part] || self.is_blocked(part, way) {
+    fn try_remove(&mut self, part: usize, direction: usize) -> bool {
+        if self.removed[part] || self.is_blocked(part, direction) {
             return false;
         }
         self.removed[part] = true;
-        self.removals.push(PartRemoval { part, direction: way });
+        self.removals.push(PartRemoval { part, direction });
         true
     }
 
-    fn is_blocked(&mut self, part: usize, way: usize) -> bool {
-        let (solid, line) = (&self.solids[part], self.directions[way]);
-        let asked = &mut self.scans[part][way];
+    fn is_blocked(&mut self, part: usize, direction: usize) -> bool {
+        let (solid, line) = (&self.solids[part], self.directions[direction]);
+        let asked = &mut self.scans[part][direction];
         while let Some(other) = self.from_top.get(asked.next as usize).copied() {
             if other != part && !self.removed[other] {
                 if !asked.blocked && solid.may_collide(&self.solids[other], line) {
@@ -251,6 +255,7 @@ impl<'a> DisassemblySearch<'a> {
 
     /// Removes the highest part that can be removed in any direction. Returns whether there was one.
     fn remove_any_direction(&mut self) -> bool {
-        (0..self.from_top.len()).any(|at| (1..DIRECTION_COUNT).any(|way| self.try_remove(self.from_top[at], way)))
+        (0..self.from_top.len())
+            .any(|at| (1..DIRECTION_COUNT).any(|direction| self.try_remove(self.from_top[at], direction)))
     }
 }

@@ -53,16 +53,16 @@ impl GridGeometry {
 }
 
 impl DistanceField {
-    /// Fills a grid of about `most_nodes` nodes that reaches `reach_mm` beyond the mesh; `None` when the time runs out
+    /// Fills a grid of about `node_target` nodes that reaches `reach_mm` beyond the mesh; `None` when the time runs out
     /// first.
     pub(crate) fn new(
         mesh: &Mesh,
         center: DVec3,
         reach_mm: f64,
-        most_nodes: usize,
+        node_target: usize,
         is_over: &dyn Fn() -> bool,
     ) -> Option<Self> {
-        let lattice = lattice_around(mesh, center, reach_mm, most_nodes);
+        let lattice = lattice_around(mesh, center, reach_mm, node_target);
         let corners = |t: usize| mesh.corners(t).map(|c| c - center);
         let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(corners).collect();
         let distances = node_distances(&lattice, &triangles, is_over)?;
@@ -123,8 +123,8 @@ impl DistanceField {
         let (low, high) = (mix(x00, x10, part.y), mix(x01, x11, part.y));
         let along_x = mix(mix(c100 - c000, c110 - c010, part.y), mix(c101 - c001, c111 - c011, part.y), part.z);
         let along_y = mix(x10 - x00, x11 - x01, part.z);
-        let way = Vec3::new(along_x, along_y, high - low).normalize_or(Vec3::Z);
-        (mix(low, high, part.z) * self.scale + beyond, way)
+        let gradient = Vec3::new(along_x, along_y, high - low).normalize_or(Vec3::Z);
+        (mix(low, high, part.z) * self.scale + beyond, gradient)
     }
 
     /// First node of the cell that contains a point, the point's position in the cell, and its distance to the grid.
@@ -147,9 +147,9 @@ impl DistanceField {
     }
 }
 
-fn lattice_around(mesh: &Mesh, center: DVec3, reach_mm: f64, most_nodes: usize) -> GridGeometry {
+fn lattice_around(mesh: &Mesh, center: DVec3, reach_mm: f64, node_target: usize) -> GridGeometry {
     let bounds = mesh.bounds();
-    let step_for = |pad: f64| ((bounds.size() + 2.0 * pad).element_product() / most_nodes as f64).cbrt().max(0.2);
+    let step_for = |pad: f64| ((bounds.size() + 2.0 * pad).element_product() / node_target as f64).cbrt().max(0.2);
     let step = step_for(reach_mm + step_for(reach_mm));
     let pad = reach_mm + 1.5 * step;
     let size = bounds.size() + 2.0 * pad;
@@ -249,8 +249,8 @@ mod tests {
             let found = field.distance(point);
             assert!((found - wanted).abs() < 0.1, "{point} {found} {wanted}");
         }
-        let (_, way) = field.distance_and_gradient(Vec3::new(0.0, 4.0, 10.0));
-        assert!(way.dot(Vec3::Y) > 0.99, "{way}");
+        let (_, gradient) = field.distance_and_gradient(Vec3::new(0.0, 4.0, 10.0));
+        assert!(gradient.dot(Vec3::Y) > 0.99, "{gradient}");
         assert!(field.distance(Vec3::new(100.0, 0.0, 0.0)) > 60.0);
     }
 

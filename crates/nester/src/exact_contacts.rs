@@ -39,13 +39,14 @@ impl ExactContact {
     fn active_contact(&self, first: &CollisionProxy, second: &CollisionProxy, wanted: f32) -> Option<ActiveContact> {
         let point1 = first.rotation * self.arm1 + first.center;
         let point2 = second.rotation * self.arm2 + second.center;
-        let way = second.rotation * self.direction2;
+        let direction = second.rotation * self.direction2;
         let apart = point1 - point2;
-        let along = apart.dot(way);
+        let along = apart.dot(direction);
         let depth = wanted - along;
-        let holds =
-            depth > 0.0 && along > -MAX_SUNK_MM && (apart - way * along).length_squared() < MAX_SLIDE_MM * MAX_SLIDE_MM;
-        holds.then_some(ActiveContact { point1, point2, direction: way, depth })
+        let is_active = depth > 0.0
+            && along > -MAX_SUNK_MM
+            && (apart - direction * along).length_squared() < MAX_SLIDE_MM * MAX_SLIDE_MM;
+        is_active.then_some(ActiveContact { point1, point2, direction, depth })
     }
 }
 
@@ -100,11 +101,11 @@ pub(crate) fn find_contacts(
     shape1.tree.visit_contacts(&shape2.tree, &pose12, limit_mm, &mut |contact| {
         let distance = contact.distance_mm();
         let cell = (contact.point1 / cell_mm).floor().as_ivec3();
-        let way = pose21.transform_direction(contact.point1 - contact.point2) / distance;
+        let direction = pose21.transform_direction(contact.point1 - contact.point2) / distance;
         let touch = ExactContact {
             arm1: (contact.point1 - shape1.center).as_vec3(),
             arm2: (pose21.transform_point(contact.point2) - shape2.center).as_vec3(),
-            direction2: way.as_vec3(),
+            direction2: direction.as_vec3(),
         };
         match found.iter_mut().find(|known| known.0 == cell) {
             Some(known) if known.1 > distance => *known = (cell, distance, touch),

@@ -48,9 +48,9 @@ pub(crate) fn first_rotations(
 fn rotations_within_tilts(orientation: &OrientationLimits, candidates: Vec<DQuat>, points: &[DVec3]) -> Vec<DQuat> {
     let mut turns: Vec<DQuat> = Vec::with_capacity(candidates.len());
     let mut own: Vec<DQuat> = Vec::new();
-    if let (OrientationRule::Free, Some(way)) = (orientation.rule, orientation.nearest_allowed(DQuat::IDENTITY)) {
-        let stood: Vec<DVec3> = points.iter().map(|&p| way * p).collect();
-        own = upright_rotations(&stood).into_iter().map(|about| (about * way).normalize()).collect();
+    if let (OrientationRule::Free, Some(rotation)) = (orientation.rule, orientation.nearest_allowed(DQuat::IDENTITY)) {
+        let stood: Vec<DVec3> = points.iter().map(|&p| rotation * p).collect();
+        own = upright_rotations(&stood).into_iter().map(|about| (about * rotation).normalize()).collect();
     }
     for turn in candidates.into_iter().chain(own).filter_map(|turn| orientation.nearest_allowed(turn)) {
         if turns.iter().all(|known| known.angle_between(turn) > 1e-3) {

@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_that_clash_are_told_as_such() {
+    fn rules_that_clash_are_reported_as_such() {
         let cube = block(DVec3::splat(10.0));
         for orientation in [
             tilted(OrientationRule::Free, &[([0.0, 0.0, 1.0], 40.0), ([0.0, 0.0, -1.0], 40.0)]),

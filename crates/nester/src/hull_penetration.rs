@@ -23,7 +23,7 @@ pub(crate) struct HullPenetration {
 
 /// The directions that are tried in each part's own frame, spread over the sphere, beside the axes of its smallest box.
 pub(crate) fn tried_directions() -> Vec<Vec3> {
-    spread_directions(DIRECTIONS).map(|way| way.as_vec3()).collect()
+    spread_directions(DIRECTIONS).map(|direction| direction.as_vec3()).collect()
 }
 
 /// The overlap of two parts' hulls, along the best of both parts' own directions and of the line between their middles; `spread`
@@ -36,27 +36,27 @@ pub(crate) fn hull_penetration(
     let apart = one.center - other.center;
     let least = smaller_radius(one, other);
     let mut best: Option<(f32, Vec3)> = None;
-    for way in own_directions(one, spread).chain(own_directions(other, spread)).chain(apart.try_normalize()) {
+    for direction in own_directions(one, spread).chain(own_directions(other, spread)).chain(apart.try_normalize()) {
         // Test both signs of the direction and use the shorter one.
-        let (low1, high1) = extent_along(one, way);
-        let (low2, high2) = extent_along(other, way);
-        for (depth, way) in [(high2 - low1, way), (high1 - low2, -way)] {
+        let (low1, high1) = extent_along(one, direction);
+        let (low2, high2) = extent_along(other, direction);
+        for (depth, direction) in [(high2 - low1, direction), (high1 - low2, -direction)] {
             if best.is_none_or(|(shortest, _)| depth < shortest) {
-                best = Some((depth, way));
+                best = Some((depth, direction));
             }
         }
         if best.is_some_and(|(depth, _)| depth <= -SPARE_MM) {
             return None;
         }
     }
-    best.map(|(depth, way)| HullPenetration { direction: way, depth: depth + SPARE_MM, area: 0.5 * least * least })
+    best.map(|(depth, direction)| HullPenetration { direction, depth: depth + SPARE_MM, area: 0.5 * least * least })
 }
 
 /// The axes of a part's smallest box and the spread directions, rotated with the part.
 fn own_directions<'a>(proxy: &'a CollisionProxy, spread: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
     let axes = Mat3::from_quat(proxy.shape.frame.as_quat());
     let axes = [axes.x_axis, axes.y_axis, axes.z_axis];
-    axes.into_iter().chain(spread.iter().copied()).map(|way| proxy.rotation * way)
+    axes.into_iter().chain(spread.iter().copied()).map(|direction| proxy.rotation * direction)
 }
 
 fn smaller_radius(one: &CollisionProxy, other: &CollisionProxy) -> f32 {
@@ -64,8 +64,8 @@ fn smaller_radius(one: &CollisionProxy, other: &CollisionProxy) -> f32 {
 }
 
 /// The least and greatest extent of a part along a direction.
-fn extent_along(proxy: &CollisionProxy, way: Vec3) -> (f32, f32) {
-    let (own, middle) = (proxy.rotation.transpose() * way, proxy.center.dot(way));
+fn extent_along(proxy: &CollisionProxy, direction: Vec3) -> (f32, f32) {
+    let (own, middle) = (proxy.rotation.transpose() * direction, proxy.center.dot(direction));
     let reaches = proxy.shape.extremes_f32.iter().map(|p| p.dot(own));
     let (low, high) = reaches.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), at| (l.min(at), h.max(at)));
     (middle + low, middle + high)

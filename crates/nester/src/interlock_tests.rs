@@ -89,11 +89,11 @@ fn run(
 
 #[test]
 fn ways_are_the_26_of_a_cube_with_up_first() {
-    let ways = removal_directions();
-    assert_eq!(ways[0], DVec3::Z);
-    for (at, way) in ways.iter().enumerate() {
-        assert!((way.length() - 1.0).abs() < 1e-12);
-        assert!(ways[..at].iter().all(|other| other.distance(*way) > 0.3), "{way} is there twice");
+    let directions = removal_directions();
+    assert_eq!(directions[0], DVec3::Z);
+    for (at, direction) in directions.iter().enumerate() {
+        assert!((direction.length() - 1.0).abs() < 1e-12);
+        assert!(directions[..at].iter().all(|other| other.distance(*direction) > 0.3), "{direction} is there twice");
     }
 }
 

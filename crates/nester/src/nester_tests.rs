@@ -58,10 +58,10 @@ pub(super) fn assert_good(instance: &NestingInstance, solution: &NestingSolution
     for p in &solution.placements {
         assert!(obeys_orientation(&instance.items()[p.item].orientation, &p.pose), "{p:?}");
     }
-    let told: Vec<(usize, u32)> =
+    let all_copies: Vec<(usize, u32)> =
         solution.placements.iter().map(|p| (p.item, p.copy)).chain(solution.unplaced.iter().copied()).collect();
-    let once: BTreeSet<(usize, u32)> = told.iter().copied().collect();
-    assert_eq!(once.len(), told.len(), "a copy is told twice");
+    let once: BTreeSet<(usize, u32)> = all_copies.iter().copied().collect();
+    assert_eq!(once.len(), all_copies.len(), "a copy is told twice");
     let all: BTreeSet<(usize, u32)> =
         instance.items().iter().enumerate().flat_map(|(i, item)| (0..item.copies).map(move |c| (i, c))).collect();
     assert_eq!(once, all);

@@ -15,7 +15,7 @@ use super::{
 };
 
 /// Greatest number of shapes kept in memory per mesh: a coarse one, a fine one, and one for a changed clearance.
-const MOST_SHAPES: usize = 3;
+const MAX_SHAPES: usize = 3;
 
 /// Prepared meshes: their smallest boxes, distance trees and distance grids. Pass the same value to several searches,
 /// and each mesh that they share (the same `Arc`) is prepared only once. Clones share the data in memory, and several
@@ -78,7 +78,7 @@ impl PreparedMeshes {
 
     /// The outline of a mesh: taken from memory, read from the cache, or computed.
     pub(crate) fn outline(&self, mesh: &Arc<Mesh>) -> Arc<MeshOutline> {
-        if let Some(known) = self.at_bench(mesh, |bench| bench.outline.clone()) {
+        if let Some(known) = self.with_memo(mesh, |memo| memo.outline.clone()) {
             return known;
         }
         let key = self.cache().map(|cache| (cache, cache::cache_key("outline", &self.name_of(mesh))));
@@ -88,7 +88,7 @@ impl PreparedMeshes {
         if let (Some((cache, key)), false) = (key, is_kept) {
             cache.store_bytes(&key, &cache::pack_outline(&outline));
         }
-        self.at_bench(mesh, |bench| bench.outline.get_or_insert(outline).clone())
+        self.with_memo(mesh, |memo| memo.outline.get_or_insert(outline).clone())
     }
 
     /// The shape of a mesh at a level of detail; `None` if it is not known and the search ends before it is prepared.
@@ -99,27 +99,27 @@ impl PreparedMeshes {
         is_over: &dyn Fn() -> bool,
     ) -> Option<Arc<PreparedShape>> {
         // Use exactly this detail: a finer one in memory would make a build depend on earlier builds.
-        let known = |bench: &mut PreparationMemo| {
-            bench.shapes.iter().find(|(of, _)| *of == detail).map(|(_, shape)| shape.clone())
+        let known = |memo: &mut PreparationMemo| {
+            memo.shapes.iter().find(|(of, _)| *of == detail).map(|(_, shape)| shape.clone())
         };
-        if let Some(known) = self.at_bench(mesh, known) {
+        if let Some(known) = self.with_memo(mesh, known) {
             return Some(known);
         }
         if is_over() {
             return None;
         }
         let outline = self.outline(mesh);
-        let tree = self.at_bench(mesh, |bench| bench.tree.clone()).unwrap_or_else(|| {
+        let tree = self.with_memo(mesh, |memo| memo.tree.clone()).unwrap_or_else(|| {
             let tree = Arc::new(ClearanceTree::with_obb(mesh.clone(), outline.obb));
-            self.at_bench(mesh, |bench| bench.tree.get_or_insert(tree).clone())
+            self.with_memo(mesh, |memo| memo.tree.get_or_insert(tree).clone())
         });
         let name = self.cache().map(|_| self.name_of(mesh));
         let kept = self.cache().zip(name.as_deref());
         let shape = Arc::new(PreparedShape::new(tree, &outline, detail, kept, is_over)?);
-        self.at_bench(mesh, |bench| {
-            bench.shapes.push((detail, shape.clone()));
-            let too_many = bench.shapes.len().saturating_sub(MOST_SHAPES);
-            bench.shapes.drain(..too_many);
+        self.with_memo(mesh, |memo| {
+            memo.shapes.push((detail, shape.clone()));
+            let too_many = memo.shapes.len().saturating_sub(MAX_SHAPES);
+            memo.shapes.drain(..too_many);
         });
         Some(shape)
     }
@@ -129,24 +129,24 @@ impl PreparedMeshes {
     }
 
     fn name_of(&self, mesh: &Arc<Mesh>) -> Arc<str> {
-        let known = self.at_bench(mesh, |bench| bench.name.clone());
+        let known = self.with_memo(mesh, |memo| memo.name.clone());
         known.unwrap_or_else(|| {
             let name: Arc<str> = cache::mesh_content_hash(mesh).into();
-            self.at_bench(mesh, |bench| bench.name.get_or_insert(name).clone())
+            self.with_memo(mesh, |memo| memo.name.get_or_insert(name).clone())
         })
     }
 
     /// Reads or changes the data that is kept in memory for a mesh.
-    fn at_bench<T>(&self, mesh: &Arc<Mesh>, look: impl FnOnce(&mut PreparationMemo) -> T) -> T {
-        let mut benches = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(at) = benches.iter().position(|bench| std::ptr::eq(bench.mesh.as_ptr(), Arc::as_ptr(mesh))) {
-            return look(&mut benches[at]);
+    fn with_memo<T>(&self, mesh: &Arc<Mesh>, read_memo: impl FnOnce(&mut PreparationMemo) -> T) -> T {
+        let mut memos = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(at) = memos.iter().position(|memo| std::ptr::eq(memo.mesh.as_ptr(), Arc::as_ptr(mesh))) {
+            return read_memo(&mut memos[at]);
         }
         // The tree itself holds a reference to its mesh. A further reference means that the mesh is still in use.
-        benches.retain(|bench| bench.mesh.strong_count() > usize::from(bench.tree.is_some()));
-        benches.push(PreparationMemo { mesh: Arc::downgrade(mesh), ..PreparationMemo::default() });
-        let at = benches.len() - 1;
-        look(&mut benches[at])
+        memos.retain(|memo| memo.mesh.strong_count() > usize::from(memo.tree.is_some()));
+        memos.push(PreparationMemo { mesh: Arc::downgrade(mesh), ..PreparationMemo::default() });
+        let at = memos.len() - 1;
+        read_memo(&mut memos[at])
     }
 }
 

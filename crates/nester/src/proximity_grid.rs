@@ -4,9 +4,9 @@ use glam::{DVec3, UVec3};
 use solids::Bounds;
 
 /// Greatest number of cells along the longest edge of the room.
-const MOST_CELLS: f64 = 24.0;
+const MAX_CELLS: f64 = 24.0;
 
-/// Pieces by place. The owner identifies each piece by a number.
+/// Pieces by place. The caller identifies each piece by a number.
 #[derive(Debug, Clone)]
 pub(crate) struct ProximityGrid {
     pitch: DVec3,
@@ -17,7 +17,7 @@ pub(crate) struct ProximityGrid {
 impl ProximityGrid {
     /// An empty grid.
     pub(crate) fn new(room: DVec3) -> Self {
-        let cells = (room * (MOST_CELLS / room.max_element())).ceil().as_uvec3().max(UVec3::ONE);
+        let cells = (room * (MAX_CELLS / room.max_element())).ceil().as_uvec3().max(UVec3::ONE);
         Self { pitch: room / cells.as_dvec3(), cells, lists: vec![Vec::new(); cells.element_product() as usize] }
     }
 

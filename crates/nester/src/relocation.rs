@@ -25,7 +25,7 @@ pub(crate) struct OverlapDepthGrid {
     pitch: f32,
     cells: [usize; 3],
     depths: Vec<i32>,
-    drawn: Vec<Option<CollisionProxy>>,
+    added: Vec<Option<CollisionProxy>>,
     reach: f32,
 }
 
@@ -40,7 +40,7 @@ impl OverlapDepthGrid {
             pitch,
             cells,
             depths,
-            drawn: vec![None; layout.part_count()],
+            added: vec![None; layout.part_count()],
             reach: layout.prepared.max_clearance_mm as f32,
         }
     }
@@ -50,20 +50,20 @@ impl OverlapDepthGrid {
         for part in 0..layout.part_count() {
             let now = &layout.proxies[part];
             let tolerance = 0.3 * self.pitch;
-            let stays = self.drawn[part].as_ref().is_some_and(|drawn| {
+            let stays = self.added[part].as_ref().is_some_and(|added| {
                 part != left_out
-                    && (drawn.min - now.min).abs().max_element() < tolerance
-                    && (drawn.max - now.max).abs().max_element() < tolerance
+                    && (added.min - now.min).abs().max_element() < tolerance
+                    && (added.max - now.max).abs().max_element() < tolerance
             });
             if stays {
                 continue;
             }
-            if let Some(drawn) = self.drawn[part].take() {
-                self.add_part_depth(&drawn, -1);
+            if let Some(added) = self.added[part].take() {
+                self.add_part_depth(&added, -1);
             }
             if part != left_out {
                 self.add_part_depth(now, 1);
-                self.drawn[part] = Some(now.clone());
+                self.added[part] = Some(now.clone());
             }
         }
     }

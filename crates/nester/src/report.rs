@@ -46,7 +46,8 @@ pub struct RemovedCopy {
     /// Copy number, from 0.
     pub copy: u32,
     /// The direction of removal: a unit vector in the machine's frame.
-    pub way: [f64; 3],
+    #[serde(rename = "way")]
+    pub direction: [f64; 3],
 }
 
 /// Whether a build can be taken apart, and in which order.
@@ -64,10 +65,10 @@ pub struct Separability {
 impl Separability {
     /// Creates the result from a disassembly, for a build with a clearance (mm); `name` returns the part and copy of an
     /// index.
-    pub fn new(apart: &Disassembly, clearance_mm: f64, name: impl Fn(usize) -> (String, u32)) -> Self {
-        let drawn = |&(body, way): &(usize, DVec3)| {
+    pub fn new(disassembly: &Disassembly, clearance_mm: f64, name: impl Fn(usize) -> (String, u32)) -> Self {
+        let removed_copy = |&(body, direction): &(usize, DVec3)| {
             let (part, copy) = name(body);
-            RemovedCopy { part, copy, way: way.to_array() }
+            RemovedCopy { part, copy, direction: direction.to_array() }
         };
         let locked = |&body: &usize| {
             let (part, copy) = name(body);
@@ -75,8 +76,8 @@ impl Separability {
         };
         Self {
             gap_mm: removal_gap_mm(clearance_mm),
-            locked: apart.locked.iter().map(locked).collect(),
-            order: apart.order.iter().map(drawn).collect(),
+            locked: disassembly.locked.iter().map(locked).collect(),
+            order: disassembly.order.iter().map(removed_copy).collect(),
         }
     }
 
@@ -92,7 +93,7 @@ impl Separability {
         clearance_mm: f64,
         name: impl Fn(usize) -> (String, u32),
     ) -> Option<Self> {
-        Self::disassemble_under(rule, bodies).map(|apart| Self::new(&apart, clearance_mm, name))
+        Self::disassemble_under(rule, bodies).map(|found| Self::new(&found, clearance_mm, name))
     }
 
     /// Whether the result obeys a rule.

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn evaluations_are_a_share_and_the_most_that_were_told_count() {
+    fn evaluations_are_a_share_and_the_highest_reported_number_counts() {
         let budget = SearchBudget::of_evaluations(200);
         assert_eq!((budget.spent_share_at(50), budget.spent_share_at(20)), (0.25, 0.1));
         assert_eq!((budget.spent_share(), budget.secs_left()), (0.25, None));

@@ -98,8 +98,8 @@ impl CollisionProxy {
             |point| {
                 let there = turn * point + shift;
                 if field.distance(there) < reach {
-                    let (distance, way) = field.distance_and_gradient(there);
-                    push.add_contact(self.rotation * point, other.rotation * way, reach - distance, share);
+                    let (distance, direction) = field.distance_and_gradient(there);
+                    push.add_contact(self.rotation * point, other.rotation * direction, reach - distance, share);
                 }
             },
         );
@@ -112,8 +112,8 @@ impl CollisionProxy {
             |point| {
                 let there = turn * point + shift;
                 if field.distance(there) < reach {
-                    let (distance, way) = field.distance_and_gradient(there);
-                    push.add_contact(self.rotation * there, self.rotation * -way, reach - distance, share);
+                    let (distance, direction) = field.distance_and_gradient(there);
+                    push.add_contact(self.rotation * there, self.rotation * -direction, reach - distance, share);
                 }
             },
         );
@@ -137,11 +137,11 @@ impl SeparationStep {
         Self { matrix: [[0.0; 6]; 6], right_side: [0.0; 6], radius: radius.max(1e-3), energy: 0.0 }
     }
 
-    /// Adds a contact: a point at `arm` from the center is to move by `depth` along `way`.
+    /// Adds a contact: a point at `arm` from the center is to move by `depth` along `direction`.
     #[inline]
-    pub(crate) fn add_contact(&mut self, arm: Vec3, way: Vec3, depth: f32, weight: f32) {
-        let spin = arm.cross(way) / self.radius;
-        let row = [way.x, way.y, way.z, spin.x, spin.y, spin.z];
+    pub(crate) fn add_contact(&mut self, arm: Vec3, direction: Vec3, depth: f32, weight: f32) {
+        let spin = arm.cross(direction) / self.radius;
+        let row = [direction.x, direction.y, direction.z, spin.x, spin.y, spin.z];
         for i in 0..6 {
             let scaled = weight * row[i];
             self.right_side[i] += scaled * depth;

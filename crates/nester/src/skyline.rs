@@ -23,9 +23,9 @@ pub(crate) struct SkylineGrid {
 }
 
 impl SkylineGrid {
-    /// An empty base with about `most_cells` cells.
-    pub(crate) fn new(room: DVec3, most_cells: f64) -> Self {
-        let pitch = (room.x * room.y / most_cells).sqrt();
+    /// An empty base with about `cell_target` cells.
+    pub(crate) fn new(room: DVec3, cell_target: f64) -> Self {
+        let pitch = (room.x * room.y / cell_target).sqrt();
         let cells = IVec2::new((room.x / pitch).ceil() as i32, (room.y / pitch).ceil() as i32).max(IVec2::ONE);
         let pitch = DVec3::new(room.x / f64::from(cells.x), room.y / f64::from(cells.y), 0.0);
         Self { room, cells, pitch, tops: vec![0.0; (cells.x * cells.y) as usize], ceilings: Vec::new() }

@@ -37,9 +37,9 @@ pub(crate) fn cells(edge: f64, cells: impl IntoIterator<Item = [i32; 3]>) -> Arc
     for &cell in &cells {
         for axis in 0..3 {
             for side in [0, 1] {
-                let mut beside = cell;
-                beside[axis] += 2 * side - 1;
-                if cells.contains(&beside) {
+                let mut neighbour = cell;
+                neighbour[axis] += 2 * side - 1;
+                if cells.contains(&neighbour) {
                     continue;
                 }
                 let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -18,7 +18,7 @@ const MIN_MOVE_MM: f64 = 0.02;
 /// Greatest number of rounds over all parts.
 const ROUNDS: usize = 4;
 
-/// The quality of a layout beside the copies that it places, in order of importance. Evenness is compared last because
+/// The quality of a layout apart from the copies that it places, in order of importance. Evenness is compared last because
 /// it costs more to compute.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LayoutMerit {
@@ -95,11 +95,11 @@ pub(crate) fn pack_toward_origin(
         order.sort_by(|&a, &b| pieces[a].center.length().total_cmp(&pieces[b].center.length()).then(a.cmp(&b)));
         let mut moved = false;
         for part in order {
-            for way in [DVec3::Z, DVec3::Y, DVec3::X] {
+            for direction in [DVec3::Z, DVec3::Y, DVec3::X] {
                 if over(room.tests) {
                     return room.tests;
                 }
-                moved |= room.slide_part(pieces, part, way);
+                moved |= room.slide_part(pieces, part, direction);
             }
         }
         if !moved {
@@ -117,21 +117,21 @@ struct OriginPacking<'t> {
 }
 
 impl OriginPacking<'_> {
-    /// Moves a part against `way` as far as possible, in steps that are halved after each failure. Returns whether it
+    /// Moves a part against `direction` as far as possible, in steps that are halved after each failure. Returns whether it
     /// moved.
-    fn slide_part(&mut self, pieces: &mut [PlacedItem], part: usize, way: DVec3) -> bool {
+    fn slide_part(&mut self, pieces: &mut [PlacedItem], part: usize, direction: DVec3) -> bool {
         let here = &pieces[part];
         if self.prepared.is_fixed((here.item, here.copy)) {
             return false;
         }
-        let free_mm = |piece: &PlacedItem| piece.bounds.min.dot(way) - WALL_SPARE_MM;
+        let free_mm = |piece: &PlacedItem| piece.bounds.min.dot(direction) - WALL_SPARE_MM;
         // Most parts cannot move at all.
-        if free_mm(&pieces[part]) < MIN_MOVE_MM || !self.try_shift(pieces, part, -way * MIN_MOVE_MM) {
+        if free_mm(&pieces[part]) < MIN_MOVE_MM || !self.try_shift(pieces, part, -direction * MIN_MOVE_MM) {
             return false;
         }
         let mut step_mm = free_mm(&pieces[part]);
         while step_mm >= MIN_MOVE_MM {
-            if !self.try_shift(pieces, part, -way * step_mm) {
+            if !self.try_shift(pieces, part, -direction * step_mm) {
                 step_mm *= 0.5;
             }
             step_mm = step_mm.min(free_mm(&pieces[part]));

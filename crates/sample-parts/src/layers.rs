@@ -30,13 +30,13 @@ pub(super) fn extrude_layers(
 ) -> SurfaceBuilder {
     debug_assert!(levels.is_sorted_by(|a, b| a < b), "levels rise");
     let slabs = levels.len() - 1;
-    let owners: HashMap<DirectedEdgeKey, usize> = (regions.iter().enumerate())
+    let region_of_edge: HashMap<DirectedEdgeKey, usize> = (regions.iter().enumerate())
         .flat_map(|(r, region)| region.edges().map(move |(a, b)| (edge_key(a, b), r)))
         .collect();
     let mut surface = SurfaceBuilder::default();
     for (r, region) in regions.iter().enumerate() {
         for (a, b) in region.edges().filter(|&(a, b)| walled(a, b)) {
-            let neighbour = owners.get(&edge_key(b, a));
+            let neighbour = region_of_edge.get(&edge_key(b, a));
             for slab in 0..slabs {
                 if solid(r, slab) && !neighbour.is_some_and(|&n| solid(n, slab)) {
                     let [low, high] = [levels[slab], levels[slab + 1]];

@@ -126,11 +126,11 @@ fn crisp_parts_have_their_volumes() {
     assert!(mesh.bounds().size() == size && mesh.triangles().len() == 12);
     assert_near("ring", &ring(40.0, 28.0, 8.0), PI * (400.0 - 196.0) * 8.0, 2e-3);
     // A pipe's volume is its cross section times the length of its center line.
-    let way = 32.0 * PI / 2.0 + 2.0 * 18.0;
-    assert_near("duct", &duct(30.0, 2.5, 32.0, 90.0, 18.0), PI * (225.0 - 156.25) * way, 1e-2);
+    let path_mm = 32.0 * PI / 2.0 + 2.0 * 18.0;
+    assert_near("duct", &duct(30.0, 2.5, 32.0, 90.0, 18.0), PI * (225.0 - 156.25) * path_mm, 1e-2);
     // The wire has 16 sides.
-    let (way, section) = (5.0 * (24.0 * PI).hypot(9.0), 8.0 * 4.0 * (PI / 8.0).sin());
-    assert_near("spring", &spring(24.0, 4.0, 9.0, 5.0), section * way, 2e-2);
+    let (path_mm, section) = (5.0 * (24.0 * PI).hypot(9.0), 8.0 * 4.0 * (PI / 8.0).sin());
+    assert_near("spring", &spring(24.0, 4.0, 9.0, 5.0), section * path_mm, 2e-2);
     // Two angles of 36 x 3.5 and 40 x 3.5 over the width, and four concave ribs.
     let rib = 28.5f64.powi(2) * (1.0 - PI / 4.0);
     let exact = (76.5 * 3.5) * 36.0 + 4.0 * rib * 3.5;

@@ -53,8 +53,8 @@ struct SweepFrameTree<'a> {
     spread: [DVec3; AXIS_COUNT],
     shifts: [f64; AXIS_COUNT],
     /// The direction in the tree's own frame, and its absolute values.
-    way: Vec3,
-    way_spread: Vec3,
+    direction: Vec3,
+    direction_spread: Vec3,
 }
 
 /// A node with its box projected on the axes.
@@ -68,21 +68,21 @@ struct ProjectedNode<'a> {
 impl<'a> DirectionSweep<'a> {
     fn new(part1: &'a ClearanceTree, part2: &'a ClearanceTree, pose12: &Pose, direction1: DVec3, gap_mm: f64) -> Self {
         let (box1, box2) = (part1.obb().pose, pose12.compose_with(&part2.obb().pose));
-        let way = direction1.normalize();
+        let direction = direction1.normalize();
         // The x axis comes from the first box's longest side that is not parallel to the direction.
         let sides = box1.rotation_matrix();
-        let across = if sides.x_axis.dot(way).abs() < 0.9 { sides.x_axis } else { sides.y_axis };
-        let x = (across - way * across.dot(way)).normalize();
-        let y = way.cross(x);
+        let across = if sides.x_axis.dot(direction).abs() < 0.9 { sides.x_axis } else { sides.y_axis };
+        let x = (across - direction * across.dot(direction)).normalize();
+        let y = direction.cross(x);
         // Turn each axis to the side of the direction: then only a part that lies before the sweep along it is out of
         // reach.
-        let onward = |axis: DVec3| if axis.dot(way) < 0.0 { -axis } else { axis };
+        let onward = |axis: DVec3| if axis.dot(direction) < 0.0 { -axis } else { axis };
         let (sides1, sides2) = (box1.rotation_matrix(), box2.rotation_matrix());
         let [a, b, c] = [sides1.x_axis, sides1.y_axis, sides1.z_axis].map(onward);
         let [d, e, f] = [sides2.x_axis, sides2.y_axis, sides2.z_axis].map(onward);
         let diagonal = std::f64::consts::FRAC_1_SQRT_2;
-        let axes = [x, y, (x + y) * diagonal, (x - y) * diagonal, way, a, b, c, d, e, f];
-        let rows = DMat3::from_cols(x, y, way).transpose();
+        let axes = [x, y, (x + y) * diagonal, (x - y) * diagonal, direction, a, b, c, d, e, f];
+        let rows = DMat3::from_cols(x, y, direction).transpose();
         Self {
             moving: SweepFrameTree::new(&part1.tree, rows, &box1, &axes),
             standing: SweepFrameTree::new(&part2.tree, rows, &box2, &axes),
@@ -134,15 +134,17 @@ impl<'a> DirectionSweep<'a> {
     fn compare_leaves(&self, leaf1: &BoxTreeNode, leaf2: &BoxTreeNode) -> bool {
         let (moving, standing) = (&self.moving, &self.standing);
         let counts = |normal: DVec3, lean: f64| !self.solid || lean > MIN_LEAN || normal == DVec3::ZERO;
-        let way = (moving.axes[SWEEP_AXIS], standing.axes[SWEEP_AXIS]);
-        let ahead =
-            moving.tree.triangles[leaf1.triangle_range()].iter().filter(|t| counts(t.normal, t.normal.dot(way.0)));
+        let direction = (moving.axes[SWEEP_AXIS], standing.axes[SWEEP_AXIS]);
+        let ahead = moving.tree.triangles[leaf1.triangle_range()]
+            .iter()
+            .filter(|t| counts(t.normal, t.normal.dot(direction.0)));
         let mut ahead = ahead.map(|t| t.transformed_by(&moving.turn, moving.shift)).peekable();
         if ahead.peek().is_none() {
             return false;
         }
-        let against =
-            standing.tree.triangles[leaf2.triangle_range()].iter().filter(|t| counts(t.normal, -t.normal.dot(way.1)));
+        let against = standing.tree.triangles[leaf2.triangle_range()]
+            .iter()
+            .filter(|t| counts(t.normal, -t.normal.dot(direction.1)));
         let mut room = [None; MAX_LEAF_TRIANGLES];
         for (place, triangle) in room.iter_mut().zip(against) {
             *place = Some(triangle.transformed_by(&standing.turn, standing.shift));
@@ -156,7 +158,7 @@ impl<'a> SweepFrameTree<'a> {
         let matrix = pose.rotation_matrix();
         let back = matrix.transpose();
         let own = axes.map(|axis| back * axis);
-        let way = own[SWEEP_AXIS].as_vec3();
+        let direction = own[SWEEP_AXIS].as_vec3();
         Self {
             tree,
             turn: rows * matrix,
@@ -164,8 +166,8 @@ impl<'a> SweepFrameTree<'a> {
             axes: own,
             spread: own.map(DVec3::abs),
             shifts: axes.map(|axis| axis.dot(pose.translation)),
-            way,
-            way_spread: way.abs(),
+            direction,
+            direction_spread: direction.abs(),
         }
     }
 
@@ -183,7 +185,7 @@ impl<'a> SweepFrameTree<'a> {
     /// The least and the greatest dot product of a node's normals with the direction.
     #[inline]
     fn facing_range(&self, node: usize) -> (f32, f32) {
-        self.tree.normal_bounds[node].dot_range(self.way, self.way_spread)
+        self.tree.normal_bounds[node].dot_range(self.direction, self.direction_spread)
     }
 }
 

@@ -7,7 +7,7 @@ use super::Bounds;
 /// Approximate number of points per cell; with fewer, boxes cost more than they save.
 const PER_CELL: usize = 48;
 /// Greatest number of cells along an axis.
-const MOST_CELLS: usize = 24;
+const MAX_CELLS: usize = 24;
 
 /// Points sorted into cells of a regular grid, each with its bounds.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ impl<'a> ExtremePoints<'a> {
     pub fn new(points: &'a [DVec3]) -> Self {
         let bounds = Bounds::from_points(points.iter().copied());
         // A surface fills about as many cells as the square of the number along an axis.
-        let along = ((points.len() / PER_CELL) as f64 / 3.0).sqrt().clamp(1.0, MOST_CELLS as f64) as usize;
+        let along = ((points.len() / PER_CELL) as f64 / 3.0).sqrt().clamp(1.0, MAX_CELLS as f64) as usize;
         let scale = DVec3::splat(along as f64) / bounds.size().max(DVec3::splat(1e-300));
         let cell_of = |p: DVec3| {
             let at = ((p - bounds.min) * scale).to_array().map(|v| (v as usize).min(along - 1));

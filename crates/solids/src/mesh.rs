@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn an_inside_out_surface_is_turned_and_told() {
+    fn an_inside_out_surface_is_turned_and_reported() {
         let (vertices, mut triangles) = tetrahedron();
         triangles.iter_mut().for_each(|t| t.swap(0, 1));
         let mesh = Mesh::new(vertices, triangles).expect("is a solid");

@@ -26,13 +26,13 @@ fn spiky(seed: f64, level: u32, size: DVec3) -> Arc<Mesh> {
 }
 
 /// The least distance during the motion, measured every `step` mm over 60 mm.
-fn stepped(one: &ClearanceTree, two: &ClearanceTree, pose12: &Pose, way: DVec3, step: f64) -> f64 {
+fn stepped(one: &ClearanceTree, two: &ClearanceTree, pose12: &Pose, direction: DVec3, step: f64) -> f64 {
     let count = (60.0 / step) as usize;
-    let at = |k: usize| Pose { translation: pose12.translation - way * (k as f64 * step), ..*pose12 };
+    let at = |k: usize| Pose { translation: pose12.translation - direction * (k as f64 * step), ..*pose12 };
     (0..=count).map(|k| one.distance_capped_mm(two, &at(k), 5.0)).fold(f64::INFINITY, f64::min)
 }
 
-fn any_way() -> impl Strategy<Value = DVec3> {
+fn any_direction() -> impl Strategy<Value = DVec3> {
     let sign = (-1i32..=1).prop_map(f64::from);
     let straight = (sign.clone(), sign.clone(), sign).prop_map(|(x, y, z)| DVec3::new(x, y, z));
     let free = (-1.0..1.0f64, -1.0..1.0f64, -1.0..1.0f64).prop_map(|(x, y, z)| DVec3::new(x, y, z));
@@ -59,15 +59,15 @@ proptest! {
 
     #[test]
     fn a_sweep_finds_what_small_steps_find(
-        mesh1 in any_solid(), mesh2 in any_solid(), pose12 in any_pose(), way in any_way(), gap in 0.01..1.5f64
+        mesh1 in any_solid(), mesh2 in any_solid(), pose12 in any_pose(), direction in any_direction(), gap in 0.01..1.5f64
     ) {
         const STEP: f64 = 0.05;
         let (one, two) = (tree(&mesh1), tree(&mesh2));
         prop_assume!(one.distance_capped_mm(&two, &pose12, gap) >= gap);
         prop_assume!(!one.contains_part(&two, &pose12) && !two.contains_part(&one, &pose12.inverse()));
-        let least = stepped(&one, &two, &pose12, way, STEP);
-        let free = one.is_free_along(&two, &pose12, way, gap);
-        prop_assert_eq!(two.is_free_along(&one, &pose12.inverse(), -(pose12.rotation.conjugate() * way), gap), free);
+        let least = stepped(&one, &two, &pose12, direction, STEP);
+        let free = one.is_free_along(&two, &pose12, direction, gap);
+        prop_assert_eq!(two.is_free_along(&one, &pose12.inverse(), -(pose12.rotation.conjugate() * direction), gap), free);
         if free {
             prop_assert!(least >= gap - 1e-9, "free, but {least} on the way");
         } else {
@@ -81,9 +81,13 @@ const AXES: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3:
 #[test]
 fn what_stands_in_a_bucket_leaves_by_its_mouth_only() {
     let (bucket, cube) = (tree(&bucket(20.0, 1.0)), tree(&cuboid(DVec3::splat(5.0), DVec3::splat(10.0))));
-    for way in AXES {
-        assert_eq!(cube.is_free_along(&bucket, &Pose::IDENTITY, way, 0.5), way == DVec3::Z, "{way}");
-        assert_eq!(bucket.is_free_along(&cube, &Pose::IDENTITY, way, 0.5), way == DVec3::NEG_Z, "{way}");
+    for direction in AXES {
+        assert_eq!(cube.is_free_along(&bucket, &Pose::IDENTITY, direction, 0.5), direction == DVec3::Z, "{direction}");
+        assert_eq!(
+            bucket.is_free_along(&cube, &Pose::IDENTITY, direction, 0.5),
+            direction == DVec3::NEG_Z,
+            "{direction}"
+        );
     }
     let tilted = DVec3::new(0.2, 0.0, 1.0);
     assert!(cube.is_free_along(&bucket, &Pose::IDENTITY, tilted, 0.5));
@@ -94,9 +98,9 @@ fn what_stands_in_a_bucket_leaves_by_its_mouth_only() {
 #[test]
 fn nothing_leaves_a_sealed_cavity() {
     let (safe, cube) = (tree(&hollow_box(30.0, 2.0)), tree(&cuboid(DVec3::splat(12.0), DVec3::splat(18.0))));
-    for way in AXES {
-        assert!(!cube.is_free_along(&safe, &Pose::IDENTITY, way, 0.1), "{way}");
-        assert!(!safe.is_free_along(&cube, &Pose::IDENTITY, way, 0.1), "{way}");
+    for direction in AXES {
+        assert!(!cube.is_free_along(&safe, &Pose::IDENTITY, direction, 0.1), "{direction}");
+        assert!(!safe.is_free_along(&cube, &Pose::IDENTITY, direction, 0.1), "{direction}");
     }
 }
 
@@ -115,8 +119,12 @@ fn the_gap_decides_between_two_walls() {
 fn sliding_along_a_face_is_free_at_the_distance_that_there_is() {
     let (slab, cube) = (tree(&block(50.0, 50.0, 2.0)), tree(&block(3.0, 3.0, 3.0)));
     let pose = shift(20.0, 20.0, 2.0001);
-    for way in AXES {
-        assert_eq!(cube.is_free_along(&slab, &pose.inverse(), way, 5e-5), way != DVec3::NEG_Z, "{way}");
+    for direction in AXES {
+        assert_eq!(
+            cube.is_free_along(&slab, &pose.inverse(), direction, 5e-5),
+            direction != DVec3::NEG_Z,
+            "{direction}"
+        );
     }
 }
 
@@ -127,8 +135,8 @@ fn an_open_surface_bars_the_way_from_both_sides() {
     let open = Arc::new(Mesh::new(full.vertices().to_vec(), open).expect("holes are no error"));
     assert!(!open.defects().is_closed());
     let (open, cube) = (tree(&open), tree(&block(2.0, 2.0, 2.0)));
-    for (height, way) in [(4.0, DVec3::NEG_Z), (-6.0, DVec3::Z)] {
-        assert!(!cube.is_free_along(&open, &shift(4.0, 4.0, height).inverse(), way, 0.1), "{way}");
-        assert!(cube.is_free_along(&open, &shift(4.0, 4.0, height).inverse(), -way, 0.1), "{way}");
+    for (height, direction) in [(4.0, DVec3::NEG_Z), (-6.0, DVec3::Z)] {
+        assert!(!cube.is_free_along(&open, &shift(4.0, 4.0, height).inverse(), direction, 0.1), "{direction}");
+        assert!(cube.is_free_along(&open, &shift(4.0, 4.0, height).inverse(), -direction, 0.1), "{direction}");
     }
 }

@@ -261,8 +261,8 @@ mod tests {
         assert_eq!(distance(&flat, &tip), 2.0, "corner over face");
         let through = triangle([[1.0, 1.0, -2.0], [1.0, 1.0, 9.0], [2.0, 1.0, 9.0]]);
         assert_eq!(distance(&flat, &through), 0.0, "edge through face");
-        let beside = triangle([[7.0, 0.0, 0.0], [8.0, 0.0, 0.0], [7.0, 1.0, 0.0]]);
-        assert_eq!(distance(&flat, &beside), 3.0, "in one plane");
+        let next_to = triangle([[7.0, 0.0, 0.0], [8.0, 0.0, 0.0], [7.0, 1.0, 0.0]]);
+        assert_eq!(distance(&flat, &next_to), 3.0, "in one plane");
         let within = triangle([[0.5, 0.5, 0.0], [1.0, 0.5, 0.0], [0.5, 1.0, 0.0]]);
         assert_eq!(distance(&flat, &within), 0.0, "in one plane, one inside the other");
         assert_eq!(distance(&flat, &flat), 0.0, "itself");

@@ -116,15 +116,16 @@ fn left(budget: &SearchBudget) -> String {
 
 /// `[#########.....] 84.20 mm high, from 96.31, 12 s left`, no longer than the terminal is wide.
 fn progress_line(share: f64, heights: Option<(f64, f64)>, left: &str, columns: usize) -> String {
-    let told = match heights {
+    let heights_text = match heights {
         None => format!("preparing{left}"),
         Some((first, best)) if first > best + 0.005 => format!("{best:.2} mm high, from {first:.2}{left}"),
         Some((_, best)) => format!("{best:.2} mm high{left}"),
     };
     // The last column stays free, so that no terminal wraps the line.
-    let bar = columns.saturating_sub(told.len() + 4).min(MAX_BAR_COLUMNS);
+    let bar = columns.saturating_sub(heights_text.len() + 4).min(MAX_BAR_COLUMNS);
     let full = (share * bar as f64).round() as usize;
-    let text = if bar < 5 { told } else { format!("[{}{}] {told}", "#".repeat(full), ".".repeat(bar - full)) };
+    let text =
+        if bar < 5 { heights_text } else { format!("[{}{}] {heights_text}", "#".repeat(full), ".".repeat(bar - full)) };
     text.chars().take(columns.saturating_sub(1)).collect()
 }
 

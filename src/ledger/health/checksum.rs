@@ -13,7 +13,7 @@ use std::{
 
 use sqlx::SqlitePool;
 
-use super::lost_changes::{holds_something, log_of};
+use super::lost_changes::{has_content, log_of};
 use crate::ledger::{error::Result, location};
 
 /// Suffix of the checksum file. Its content has the format of `b3sum`.
@@ -54,7 +54,7 @@ pub fn verify_checksum(ledger: &Path) -> io::Result<ChecksumStatus> {
         other => other?,
     };
     // SQLite would apply a write-ahead log that is beside the ledger, although the checksum does not cover it.
-    if holds_something(&log_of(ledger)) {
+    if has_content(&log_of(ledger)) {
         return Ok(ChecksumStatus::Differs);
     }
     match hash_until(ledger, None) {
@@ -84,7 +84,7 @@ pub async fn checkpoint_with_checksum(ledger: &Path, writer: &SqlitePool) -> Res
         if busy == 0 {
             let lock = writer.begin_with("BEGIN IMMEDIATE").await?;
             // Another process may have written between the checkpoint and the lock.
-            if !holds_something(&log_of(ledger)) {
+            if !has_content(&log_of(ledger)) {
                 let written = write_checksum(ledger, Some(Instant::now() + CHECKSUM_TIME_LIMIT));
                 lock.rollback().await?;
                 return Ok(written.is_ok());

@@ -25,15 +25,15 @@ pub const CHANGES_NOTED: &str = "-changes";
 
 /// Path of a ledger's write-ahead log.
 pub fn log_of(ledger: &Path) -> PathBuf {
-    beside(ledger, "-wal")
+    sidecar_path(ledger, "-wal")
 }
 
 /// Whether a file exists and is not empty.
-pub fn holds_something(path: &Path) -> bool {
+pub fn has_content(path: &Path) -> bool {
     fs::metadata(path).is_ok_and(|meta| meta.len() > 0)
 }
 
-fn beside(ledger: &Path, suffix: &str) -> PathBuf {
+fn sidecar_path(ledger: &Path, suffix: &str) -> PathBuf {
     let mut name = ledger.as_os_str().to_owned();
     name.push(suffix);
     name.into()
@@ -47,7 +47,7 @@ pub async fn count_change(db: &mut SqliteConnection) -> Result<i64> {
 
 /// Writes the number of committed changes into the note. If this fails, the note stays behind, which does no harm.
 pub fn note_changes(ledger: &Path, changes: i64) {
-    let note = beside(ledger, CHANGES_NOTED);
+    let note = sidecar_path(ledger, CHANGES_NOTED);
     // The text always has the same length, so that it is overwritten in place.
     let text = format!("{changes:020}\n");
     let write =
@@ -60,18 +60,18 @@ pub fn note_changes(ledger: &Path, changes: i64) {
 
 /// Removes a note that is not valid any more, before the ledger is opened.
 pub fn clear_note(ledger: &Path) {
-    if !beside(ledger, "-shm").exists() {
-        let _ = fs::remove_file(beside(ledger, CHANGES_NOTED));
+    if !sidecar_path(ledger, "-shm").exists() {
+        let _ = fs::remove_file(sidecar_path(ledger, CHANGES_NOTED));
     }
 }
 
 /// Describes the changes that are known to be lost; `None` = no loss is known. The files are not changed.
 pub async fn find_lost_changes(ledger: &Path) -> Result<Option<String>> {
-    if !beside(ledger, "-shm").exists() {
+    if !sidecar_path(ledger, "-shm").exists() {
         return Ok(None);
     }
     // The note is read before the ledger, because others may change the ledger meanwhile.
-    let note = match fs::read_to_string(beside(ledger, CHANGES_NOTED)) {
+    let note = match fs::read_to_string(sidecar_path(ledger, CHANGES_NOTED)) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         other => other.map_err(|source| LedgerError::Folder { path: ledger.to_owned(), source })?,
     };

@@ -36,7 +36,7 @@ async fn a_backup_overwrites_nothing_and_leaves_nothing_behind_when_it_fails() {
 }
 
 #[tokio::test]
-async fn a_damaged_or_foreign_backup_is_told_from_a_good_one() {
+async fn a_damaged_or_foreign_backup_is_distinguished_from_a_good_one() {
     let ledger = fresh().await;
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("backup");

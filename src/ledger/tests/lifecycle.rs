@@ -258,7 +258,7 @@ async fn a_part_cannot_be_cancelled_while_a_copy_is_being_nested() {
 }
 
 #[tokio::test]
-async fn an_outcome_told_of_a_published_build_passes_through_printing() {
+async fn an_outcome_of_a_published_build_passes_through_printing() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 1).await;
     let build = published(&ledger, &[(id, 0)]).await;
@@ -268,20 +268,23 @@ async fn an_outcome_told_of_a_published_build_passes_through_printing() {
     let kinds: Vec<String> =
         ledger.events_of_build(build).await.unwrap().into_iter().map(|e| e.kind.to_string()).collect();
     assert_eq!(kinds, ["nesting", "batched", "verified", "published", "built", "printing", "complete"]);
-    let told = ledger.outcomes_of_build(build).await.unwrap();
-    assert_eq!((told.len(), told[0].outcome, told[0].told_by.as_str()), (1, PrintOutcome::Complete, "ann@farm"));
+    let recorded = ledger.outcomes_of_build(build).await.unwrap();
+    assert_eq!(
+        (recorded.len(), recorded[0].outcome, recorded[0].told_by.as_str()),
+        (1, PrintOutcome::Complete, "ann@farm")
+    );
     let again = ledger.record_outcome(build, PrintOutcome::Failed, "", "ann@farm").await;
     assert!(matches!(again, Err(LedgerError::IllegalMove(_))));
     assert_eq!(part_state(&ledger, id).await, PartState::Built);
 }
 
 #[tokio::test]
-async fn an_outcome_cannot_be_told_of_a_build_that_is_not_in_the_queue() {
+async fn an_outcome_cannot_be_recorded_for_a_build_that_is_not_in_the_queue() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 1).await;
     let build = nesting(&ledger, &[(id, 0)]).await;
-    let told = ledger.record_outcome(build, PrintOutcome::Failed, "", "ann").await;
-    assert!(matches!(told, Err(LedgerError::WrongState { .. })));
+    let recorded = ledger.record_outcome(build, PrintOutcome::Failed, "", "ann").await;
+    assert!(matches!(recorded, Err(LedgerError::WrongState { .. })));
     let unknown = ledger.record_outcome(BuildId(99), PrintOutcome::Failed, "", "ann").await;
     assert!(matches!(unknown, Err(LedgerError::UnknownBuild(BuildId(99)))));
 }

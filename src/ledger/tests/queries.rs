@@ -299,9 +299,9 @@ async fn heights_are_summed_by_machine_as_the_view_sums_them_and_filtered_as_the
             .await
             .unwrap();
     let sums = ledger.height_summaries(&HistoryQuery { limit: Some(1), ..Default::default() }).await.unwrap();
-    let told =
+    let as_view_row =
         |sum: &HeightSummary| (sum.profile.clone(), sum.builds, sum.copies, sum.height_mm, sum.mean_density.unwrap());
-    assert_eq!(sums.iter().map(told).collect::<Vec<_>>(), [view]);
+    assert_eq!(sums.iter().map(as_view_row).collect::<Vec<_>>(), [view]);
     for (part, builds) in [("b.stl", 1), ("a.stl", 2)] {
         let query =
             HistoryQuery { part: Some(part.to_owned()), state: Some(BuildState::Published), ..Default::default() };

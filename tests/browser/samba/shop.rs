@@ -86,16 +86,16 @@ impl SambaShop {
     }
 
     pub fn wait_until_taken(&self, parts: usize) {
-        let told = || format!("{} taken\n{}", self.taken(), self.farm.log());
-        wait_until_or(&format!("{parts} parts are taken"), 60.0, told, || self.taken() >= parts);
+        let describe = || format!("{} taken\n{}", self.taken(), self.farm.log());
+        wait_until_or(&format!("{parts} parts are taken"), 60.0, describe, || self.taken() >= parts);
     }
 
     /// Publishes the waiting parts, and compares the sent, the taken and the printed files.
     pub fn finish_and_compare(mut self) {
         let least: u32 = self.wanted.values().sum();
         let printed = || self.printed().values().sum::<u32>();
-        let told = || format!("{} of {least} are printed\n{}", printed(), self.farm.log());
-        wait_until_or("everything is printed", 90.0, told, || {
+        let describe = || format!("{} of {least} are printed\n{}", printed(), self.farm.log());
+        wait_until_or("everything is printed", 90.0, describe, || {
             if !self.farm.parts(PartState::Waiting).is_empty() {
                 self.farm.flush();
             }

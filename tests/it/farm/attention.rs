@@ -19,10 +19,10 @@ fn farm(profile: &str) -> TestFarm {
     farm
 }
 
-/// Waits until a kind is shown in all three places; `told_in` is the machine whose STATUS.txt is read.
-fn is_told_everywhere(farm: &TestFarm, kind: AlertKind, told_in: &str) {
-    let status = farm.root().join("inbox").join(told_in).join("STATUS.txt");
-    let said = |text: &str| text.contains(kind.headline()) && text.contains(kind.remedy());
+/// Waits until a kind is shown in all three places; `machine` is the machine whose STATUS.txt is read.
+fn is_reported_everywhere(farm: &TestFarm, kind: AlertKind, machine: &str) {
+    let status = farm.root().join("inbox").join(machine).join("STATUS.txt");
+    let is_named_in = |text: &str| text.contains(kind.headline()) && text.contains(kind.remedy());
     let now = || {
         let file = fs::read_to_string(&status).unwrap_or_default();
         let command = farm.nestd(&["status"]);
@@ -34,8 +34,8 @@ fn is_told_everywhere(farm: &TestFarm, kind: AlertKind, told_in: &str) {
         || format!("{:#?}", now()),
         || {
             let (command, file, log) = now();
-            let logged = log.lines().any(|line| line.contains("ERROR") && said(line));
-            said(&command) && said(&file) && logged
+            let logged = log.lines().any(|line| line.contains("ERROR") && is_named_in(line));
+            is_named_in(&command) && is_named_in(&file) && logged
         },
     );
 }
@@ -51,7 +51,7 @@ fn is_over(farm: &TestFarm, kind: AlertKind) {
 }
 
 #[test]
-fn every_kind_is_told_by_status_with_its_remedy() {
+fn every_kind_is_reported_by_status_with_its_remedy() {
     let farm = TestFarm::new(QUICK);
     let state = farm.root().join("state");
     fs::create_dir(&state).unwrap();
@@ -67,9 +67,12 @@ fn every_kind_is_told_by_status_with_its_remedy() {
         // The problem is shown although there is no ledger.
         for args in [&["status"][..], &["status", "--json"]] {
             let output = farm.nestd(args);
-            let said = String::from_utf8_lossy(&output.stdout).into_owned();
-            assert!(said.contains(kind.headline()) && said.contains(&kind.remedy()[..20]), "{said}");
-            assert!(!said.contains('\u{1b}'), "an escape sequence came through");
+            let output_text = String::from_utf8_lossy(&output.stdout).into_owned();
+            assert!(
+                output_text.contains(kind.headline()) && output_text.contains(&kind.remedy()[..20]),
+                "{output_text}"
+            );
+            assert!(!output_text.contains('\u{1b}'), "an escape sequence came through");
         }
     }
 }
@@ -97,16 +100,16 @@ fn nothing_else_is_logged_as_an_error() {
 }
 
 #[test]
-fn folders_that_are_away_and_refused_and_stray_files_are_told_and_it_is_told_when_it_is_over() {
+fn folders_that_are_away_and_refused_and_stray_files_are_reported_until_it_is_over() {
     let mut farm = farm(QUICK);
     fs::create_dir_all(farm.root().join("queue")).unwrap();
     fs::write(farm.folder("queue"), "a file in its place").unwrap();
     farm.start();
     farm.drop_bytes("torn.stl", b"solid torn");
     fs::write(farm.root().join("inbox/forgotten.stl"), "x").unwrap();
-    is_told_everywhere(&farm, AlertKind::QueueAway, SECOND);
-    is_told_everywhere(&farm, AlertKind::Stray, SECOND);
-    is_told_everywhere(&farm, AlertKind::Refused, "test");
+    is_reported_everywhere(&farm, AlertKind::QueueAway, SECOND);
+    is_reported_everywhere(&farm, AlertKind::Stray, SECOND);
+    is_reported_everywhere(&farm, AlertKind::Refused, "test");
     fs::remove_file(farm.folder("queue")).unwrap();
     fs::remove_file(farm.root().join("inbox/forgotten.stl")).unwrap();
     fs::remove_dir_all(farm.folder("error")).unwrap();
@@ -117,11 +120,11 @@ fn folders_that_are_away_and_refused_and_stray_files_are_told_and_it_is_told_whe
     is_over(&farm, AlertKind::Refused);
     fs::rename(farm.folder("inbox"), farm.root().join("elsewhere")).unwrap();
     fs::write(farm.folder("inbox"), "a file in its place").unwrap();
-    is_told_everywhere(&farm, AlertKind::HotFolderAway, SECOND);
+    is_reported_everywhere(&farm, AlertKind::HotFolderAway, SECOND);
 }
 
 #[test]
-fn a_build_that_is_given_up_is_told_until_its_profile_is_resumed_also_after_a_restart() {
+fn a_build_that_is_given_up_is_reported_until_its_profile_is_resumed_also_after_a_restart() {
     let profile = QUICK.replace("max_attempts = 50", "max_attempts = 1");
     let mut farm = TestFarm::new(&profile.replace("final_secs = 0.5", "final_secs = 60"));
     farm.start();
@@ -135,13 +138,13 @@ fn a_build_that_is_given_up_is_told_until_its_profile_is_resumed_also_after_a_re
     // The machine has become too small for the build that is being nested.
     farm.write_profile(PROFILE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
     farm.start();
-    is_told_everywhere(&farm, AlertKind::BuildFailed, "test");
+    is_reported_everywhere(&farm, AlertKind::BuildFailed, "test");
     farm.wait_for_parts(PartState::Rejected, 1);
     farm.stop();
     fs::write(farm.root().join("log"), "").unwrap();
     farm.write_profile(PROFILE, &profile);
     farm.start();
-    is_told_everywhere(&farm, AlertKind::BuildFailed, "test");
+    is_reported_everywhere(&farm, AlertKind::BuildFailed, "test");
     farm.nestd_ok(&["resume", "test"]);
     is_over(&farm, AlertKind::BuildFailed);
     farm.nestd_ok(&["retry", "1"]);
@@ -151,7 +154,7 @@ fn a_build_that_is_given_up_is_told_until_its_profile_is_resumed_also_after_a_re
 }
 
 #[test]
-fn a_wrong_configuration_and_a_machine_that_is_gone_are_told() {
+fn a_wrong_configuration_and_a_machine_that_is_gone_are_reported() {
     let mut farm = farm(QUICK);
     farm.start();
     let inbox = farm.root().join("inbox").join(SECOND);
@@ -160,10 +163,10 @@ fn a_wrong_configuration_and_a_machine_that_is_gone_are_told() {
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.write_profile(SECOND, "volume_mm = \"wrong\"");
     farm.reload();
-    is_told_everywhere(&farm, AlertKind::ConfigurationWrong, "test");
+    is_reported_everywhere(&farm, AlertKind::ConfigurationWrong, "test");
     fs::remove_file(farm.root().join("config/profiles/second.toml")).unwrap();
     farm.reload();
-    is_told_everywhere(&farm, AlertKind::MachineGone, "test");
+    is_reported_everywhere(&farm, AlertKind::MachineGone, "test");
     is_over(&farm, AlertKind::ConfigurationWrong);
     farm.write_profile(SECOND, QUICK);
     farm.reload();
@@ -190,7 +193,7 @@ fn a_ledger_that_is_damaged_under_the_daemon_halts_it_and_nothing_is_taken_any_m
         pool.close().await;
     });
     farm.drop_part("late.stl", &block(10.0, 20.0, 20.0));
-    is_told_everywhere(&farm, AlertKind::LedgerDamaged, "test");
+    is_reported_everywhere(&farm, AlertKind::LedgerDamaged, "test");
     farm.drop_part("later.stl", &block(11.0, 20.0, 20.0));
     std::thread::sleep(std::time::Duration::from_secs(3));
     assert!(farm.folder("inbox").join("later.stl").exists(), "it was taken\n{}", farm.log());
@@ -198,6 +201,6 @@ fn a_ledger_that_is_damaged_under_the_daemon_halts_it_and_nothing_is_taken_any_m
     assert!(!farm.root().join("state/nestd.db.b3").exists(), "a damaged ledger was sealed");
     let refused = farm.nestd(&["run"]);
     assert!(!refused.status.success());
-    let told = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
-    assert!(told.contains("does not run") && told.contains("nestd restore"), "{told}");
+    let status_text = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
+    assert!(status_text.contains("does not run") && status_text.contains("nestd restore"), "{status_text}");
 }

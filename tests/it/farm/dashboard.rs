@@ -44,8 +44,8 @@ fn a_lost_write_ahead_log_is_noticed_before_the_dashboard_looks() {
     farm.kill();
     fs::remove_file(farm.root().join("state/nestd.db-wal")).unwrap();
     let output = farm.nestd(&["run"]);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(!output.status.success() && said.contains("damaged"), "{said}");
+    let output_text = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && output_text.contains("damaged"), "{output_text}");
 }
 
 #[test]

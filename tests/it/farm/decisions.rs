@@ -40,15 +40,18 @@ fn note(farm: &TestFarm) -> (PathBuf, u32) {
 /// Asserts that the start is refused, that the check says why and the repair what to look at; then the daemon starts.
 fn is_refused_and_mended(farm: &mut TestFarm) {
     let refused = farm.nestd(&["run"]);
-    let said = text(&refused);
-    assert!(!refused.status.success() && said.contains("older than the folders"), "{said}");
-    assert!(said.contains(NAMED) && said.contains("--repair"), "{said}");
+    let output_text = text(&refused);
+    assert!(!refused.status.success() && output_text.contains("older than the folders"), "{output_text}");
+    assert!(output_text.contains(NAMED) && output_text.contains("--repair"), "{output_text}");
     for args in [vec!["check"], vec!["check", "--deep"]] {
-        let told = farm.nestd(&args);
-        assert!(!told.status.success() && text(&told).contains(NAMED), "{args:?}: {}", text(&told));
+        let output = farm.nestd(&args);
+        assert!(!output.status.success() && text(&output).contains(NAMED), "{args:?}: {}", text(&output));
     }
-    let said = farm.nestd_ok(&["check", "--deep", "--repair"]);
-    assert!(said.contains("LOOK AT: part 1 (a.stl)") && said.contains("`nestd retry 1` takes it back"), "{said}");
+    let output_text = farm.nestd_ok(&["check", "--deep", "--repair"]);
+    assert!(
+        output_text.contains("LOOK AT: part 1 (a.stl)") && output_text.contains("`nestd retry 1` takes it back"),
+        "{output_text}"
+    );
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
     assert_eq!(farm.parts(PartState::Rejected).len(), 1);
     let file = farm.folder("error").join("part-1/a.stl");
@@ -101,8 +104,8 @@ fn a_part_that_was_taken_and_cancelled_is_not_printed_by_a_ledger_that_never_kne
     farm.stop();
     fs::remove_dir_all(farm.folder("error").join("part-1")).unwrap();
     replace_ledger(&farm, &copy);
-    let said = farm.nestd_ok(&["check", "--deep", "--repair"]);
-    assert!(said.contains("LOOK AT: part 1 (a.stl) is not printed"), "{said}");
+    let output_text = farm.nestd_ok(&["check", "--deep", "--repair"]);
+    assert!(output_text.contains("LOOK AT: part 1 (a.stl) is not printed"), "{output_text}");
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
     farm.start();
     farm.flush();

@@ -51,8 +51,11 @@ fn the_invariants_hold_on_a_farm_that_has_worked_and_what_breaks_one_is_named() 
     let found = violations_at_rest(&farm);
     assert!(found.len() == 1 && found[0].starts_with("I1: part 3 (waits.stl) is waiting"), "{found:?}");
     let output = farm.nestd(&["check", "--deep"]);
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.code() == Some(1) && told.contains("-> put the file with the BLAKE3"), "{told}");
+    let output_text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.code() == Some(1) && output_text.contains("-> put the file with the BLAKE3"),
+        "{output_text}"
+    );
     fs::write(&stored, whole).unwrap();
 
     let original = only_file(farm.folder("archive"));

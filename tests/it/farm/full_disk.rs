@@ -144,8 +144,8 @@ fn a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same() {
     let until = std::time::Instant::now() + Duration::from_secs(20);
     while std::time::Instant::now() < until {
         let status = farm.nestd(&["status"]);
-        let told = String::from_utf8_lossy(&status.stdout).into_owned();
-        assert!(status.status.success() && told.contains("The daemon runs"), "{told}\n{}", farm.log());
+        let shown = String::from_utf8_lossy(&status.stdout).into_owned();
+        assert!(status.status.success() && shown.contains("The daemon runs"), "{shown}\n{}", farm.log());
         std::thread::sleep(Duration::from_millis(500));
     }
     disk.free();

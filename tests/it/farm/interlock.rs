@@ -31,8 +31,8 @@ fn links_of_a_chain_are_built_apart() {
     farm.wait_for_parts(PartState::Built, 2);
     for file in files {
         assert_eq!(build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap().len(), 1);
-        let said = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
-        assert!(said.contains("part by part"), "{said}");
+        let output_text = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
+        assert!(output_text.contains("part by part"), "{output_text}");
     }
     farm.assert_nothing_lost_or_doubled();
 }

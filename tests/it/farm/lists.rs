@@ -20,18 +20,18 @@ fn copies(farm: &TestFarm, count: usize) -> Vec<(String, u32)> {
 }
 
 #[test]
-fn a_part_that_its_list_does_not_name_waits_is_told_and_is_refused_with_a_remedy_that_works() {
+fn a_part_that_its_list_does_not_name_waits_is_reported_and_is_refused_with_a_remedy_that_works() {
     let farm = farm(4.0);
     farm.drop_bytes("order-8/order.csv", b"file;copies\na.stl;2\nlost.stl;1\n");
     farm.drop_bytes("order-8/a.stl", &stl(&block(10.0, 10.0, 10.0)));
     farm.drop_bytes("order-8/new.stl", &stl(&block(12.0, 10.0, 10.0)));
     let status = farm.folder("inbox").join("STATUS.txt");
-    let is_told = |text: &str| {
+    let is_reported = |text: &str| {
         ["order-8/new.stl stands in none of the 2 rows of order.csv", "order.csv names lost.stl, which is not there"]
             .iter()
-            .all(|said| text.contains(said))
+            .all(|expected| text.contains(expected))
     };
-    wait_until("STATUS.txt tells it", 10.0, || fs::read_to_string(&status).is_ok_and(|text| is_told(&text)));
+    wait_until("STATUS.txt tells it", 10.0, || fs::read_to_string(&status).is_ok_and(|text| is_reported(&text)));
     assert_eq!(copies(&farm, 1), [("a.stl".to_owned(), 2)]);
     let reason = farm.folder("error").join("order-8/new.stl.reason.txt");
     wait_until("it is refused", 15.0, || reason.exists());

@@ -26,8 +26,8 @@ fn a_file_whose_reading_ends_the_process_is_refused_and_the_others_are_printed()
     }
     let refused = farm.parts(PartState::Rejected);
     assert_eq!((refused.len(), refused[0].name.as_str(), refused[0].file.reads), (1, "greedy.3mf", 3));
-    for said in ["ended nestd twice", "limits.read_memory_bytes", "drop it again"] {
-        assert!(refused[0].rejection.reason.contains(said), "{}", refused[0].rejection.reason);
+    for expected in ["ended nestd twice", "limits.read_memory_bytes", "drop it again"] {
+        assert!(refused[0].rejection.reason.contains(expected), "{}", refused[0].rejection.reason);
     }
     farm.wait_for_parts(PartState::Waiting, 1);
     let reason = farm.folder("error").join("greedy.3mf.reason.txt");

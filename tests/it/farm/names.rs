@@ -82,7 +82,7 @@ fn names_and_tickets_that_deceive_reach_no_terminal_spreadsheet_or_log_as_they_a
     farm.flush();
     let file = farm.wait_for_queued(1).remove(0);
     farm.wait_for_parts(PartState::Built, parts);
-    let told = [
+    let commands = [
         vec!["status", "--parts"],
         vec!["status", "--parts", "--json"],
         vec!["show", "part", &id],
@@ -95,18 +95,18 @@ fn names_and_tickets_that_deceive_reach_no_terminal_spreadsheet_or_log_as_they_a
         vec!["verify", file.to_str().unwrap()],
     ];
     farm.nestd_ok(&["outcome", "1", "complete", "--note", "=HYPERLINK(\"x\")\u{1b}[2J"]);
-    for arguments in &told {
-        let told = match arguments[0] {
+    for arguments in &commands {
+        let shown = match arguments[0] {
             "verify" => String::from_utf8(farm.nestd(arguments).stdout).unwrap(),
             _ => farm.nestd_ok(arguments),
         };
-        assert_harmless(&arguments.join(" "), &told);
+        assert_harmless(&arguments.join(" "), &shown);
         if arguments.contains(&"--json") {
-            serde_json::from_str::<serde_json::Value>(&told).unwrap();
+            serde_json::from_str::<serde_json::Value>(&shown).unwrap();
         }
         if arguments.contains(&"csv") {
-            assert!(told.contains("HYPERLINK"), "{told}");
-            assert_no_formula("history", &told);
+            assert!(shown.contains("HYPERLINK"), "{shown}");
+            assert_no_formula("history", &shown);
         }
     }
     let picks = fs::read_to_string(sibling_file(&file, ".parts.csv")).unwrap();

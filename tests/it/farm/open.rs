@@ -27,8 +27,8 @@ fn a_reserved_zone_stays_free_in_the_published_file() {
     let bodies: Vec<PlacedSolid> = placed.into_iter().map(body).collect();
     assert_eq!(bodies.len(), 7);
     assert!(prove_with_keep_out(&bodies, DVec3::splat(120.0), 0.0, &[zone]).is_proved());
-    let told = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
-    assert!(told.contains("proved") && told.contains("keep-out boxes  1"), "{told}");
+    let output_text = farm.nestd_ok(&["verify", file.to_str().unwrap()]);
+    assert!(output_text.contains("proved") && output_text.contains("keep-out boxes  1"), "{output_text}");
 }
 
 #[test]

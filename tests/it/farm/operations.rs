@@ -36,8 +36,9 @@ impl TestFarm {
             .current_dir(self.root())
             .output()
             .unwrap();
-        let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{line}: {said}\n{}", self.log());
+        let output_text =
+            String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{line}: {output_text}\n{}", self.log());
     }
 }
 

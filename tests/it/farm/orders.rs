@@ -12,8 +12,8 @@ fn an_order_to_a_farm_without_a_daemon_is_kept_and_said_so() {
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.stop();
-    let told = farm.nestd_ok(&["flush", "test"]);
-    assert!(told.contains("daemon"), "{told}");
+    let answer = farm.nestd_ok(&["flush", "test"]);
+    assert!(answer.contains("daemon"), "{answer}");
     farm.start();
     farm.wait_for_queued(1);
 }
@@ -27,7 +27,7 @@ fn wrong_use_ends_with_2() {
 }
 
 #[test]
-fn an_outcome_is_told_of_a_published_build() {
+fn an_outcome_is_recorded_for_a_published_build() {
     let farm = TestFarm::running(QUICK);
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);

@@ -73,8 +73,8 @@ fn a_build_is_drawn_while_it_is_open_in_the_queue_and_when_the_printer_has_taken
     let report = fs::read_to_string(folder.join("queue.html")).unwrap();
     assert!(report.contains("a_x3.stl") && report.contains("mm proved on the triangles") && report.contains("order-9"));
     fs::remove_dir_all(farm.folder("archive").join(&stem)).unwrap();
-    let (code, told) = failed(&farm, &["render", "1"]);
-    assert!(code == Some(1) && told.contains("no longer kept") && told.contains("build file"), "{code:?} {told}");
+    let (code, stderr) = failed(&farm, &["render", "1"]);
+    assert!(code == Some(1) && stderr.contains("no longer kept") && stderr.contains("build file"), "{code:?} {stderr}");
 }
 
 #[test]

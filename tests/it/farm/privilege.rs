@@ -22,21 +22,21 @@ fn is_root() -> bool {
 }
 
 #[test]
-fn the_daemon_does_not_run_as_root_unless_told() {
+fn the_daemon_does_not_run_as_root_unless_allowed() {
     if !is_root() {
         return; // nothing to refuse
     }
     let farm = TestFarm::new(QUICK);
     let output = farm.command(&["run"]).env_remove("NESTD_ALLOW_ROOT").output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("does not run as root") && said.contains("--allow-root"), "{said}");
+    let output_text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{output_text}");
+    assert!(output_text.contains("does not run as root") && output_text.contains("--allow-root"), "{output_text}");
     assert!(!farm.root().join("state").exists(), "it has made something");
     let no = farm.command(&["run"]).env("NESTD_ALLOW_ROOT", "0").output().unwrap();
     assert_eq!(no.status.code(), Some(2));
     for allowed in [&["check"][..], &["status"], &["--help"]] {
-        let said = farm.command(allowed).env_remove("NESTD_ALLOW_ROOT").output().unwrap();
-        assert!(!String::from_utf8_lossy(&said.stderr).contains("root:"), "{allowed:?} is fine as root");
+        let output_text = farm.command(allowed).env_remove("NESTD_ALLOW_ROOT").output().unwrap();
+        assert!(!String::from_utf8_lossy(&output_text.stderr).contains("root:"), "{allowed:?} is fine as root");
     }
 }
 
@@ -85,9 +85,9 @@ fn a_group_that_the_daemons_user_is_not_in_is_refused_at_the_start() {
         }
     }
     let output = command.output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("is not in the group 4711"), "{said}");
+    let output_text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{output_text}");
+    assert!(output_text.contains("is not in the group 4711"), "{output_text}");
 }
 
 /// Starts the daemon with a given umask, as a careless script might.

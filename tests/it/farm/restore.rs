@@ -77,13 +77,13 @@ fn runs_and_prints_nothing_again(farm: &mut TestFarm) {
 #[test]
 fn a_restored_backup_learns_from_the_folders_what_was_published_since() {
     let (mut farm, backup) = farm_and_backup();
-    let said = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
-    assert_eq!(said.matches("was published; its copies are taken in").count(), 2, "{said}");
+    let output_text = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    assert_eq!(output_text.matches("was published; its copies are taken in").count(), 2, "{output_text}");
     assert!(
-        said.contains("c_x4.stl, 4 copies, for test) was taken after the backup was made"),
-        "c is not told: {said}"
+        output_text.contains("c_x4.stl, 4 copies, for test) was taken after the backup was made"),
+        "c is not told: {output_text}"
     );
-    assert!(said.contains("The one before is kept as"), "{said}");
+    assert!(output_text.contains("The one before is kept as"), "{output_text}");
     let history = farm.nestd_ok(&["history", "--json"]);
     assert_eq!(history.matches("\"height_mm\": 19.99").count(), 2, "the heights are back: {history}");
     let deep = farm.nestd_ok(&["check", "--deep"]);
@@ -107,10 +107,10 @@ fn a_backup_that_was_copied_back_by_hand_is_not_served_until_it_is_repaired() {
         text(&refused)
     );
     assert!(farm.nestd_ok(&["status"]).contains("needs a person"));
-    let told = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
-    assert!(told.contains("does not run") && told.contains("ATTENTION") && told.contains("--repair"), "{told}");
-    let said = farm.nestd_ok(&["check", "--deep", "--repair"]);
-    assert_eq!(said.matches("was published; its copies are taken in").count(), 2, "{said}");
+    let output = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
+    assert!(output.contains("does not run") && output.contains("ATTENTION") && output.contains("--repair"), "{output}");
+    let output_text = farm.nestd_ok(&["check", "--deep", "--repair"]);
+    assert_eq!(output_text.matches("was published; its copies are taken in").count(), 2, "{output_text}");
     runs_and_prints_nothing_again(&mut farm);
 }
 
@@ -122,8 +122,8 @@ fn without_records_the_build_files_in_the_queue_tell() {
     assert!(refused.contains("archive/test cannot be looked at") && refused.contains("--new-folder"), "{refused}");
     assert_eq!(fs::read(farm.root().join("state/nestd.db")).unwrap(), before, "the ledger was touched");
     let archive = farm.folder("archive");
-    let said = farm.nestd_ok(&["restore", backup.to_str().unwrap(), "--new-folder", archive.to_str().unwrap()]);
-    assert_eq!(said.matches("was published; its copies are taken in").count(), 1, "{said}");
+    let output_text = farm.nestd_ok(&["restore", backup.to_str().unwrap(), "--new-folder", archive.to_str().unwrap()]);
+    assert_eq!(output_text.matches("was published; its copies are taken in").count(), 1, "{output_text}");
     assert_eq!(farm.parts(PartState::Built).len(), 1);
     // An empty marker: a person accepts the folder as it is.
     fs::write(archive.join(".nestd-owner"), "").unwrap();
@@ -157,8 +157,8 @@ fn a_part_that_was_cancelled_after_the_backup_is_not_printed() {
     farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
     farm.nestd_ok(&["cancel", &part.to_string()]);
     farm.stop();
-    let said = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
-    assert!(said.contains("LOOK AT: part") && said.contains("refused or cancelled"), "{said}");
+    let output_text = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    assert!(output_text.contains("LOOK AT: part") && output_text.contains("refused or cancelled"), "{output_text}");
     assert_eq!(farm.parts(PartState::Rejected).len(), 1);
     farm.start();
     farm.nestd_ok(&["retry", &part.to_string()]);
@@ -173,8 +173,8 @@ fn a_lost_ledger_is_noticed_and_a_new_one_begun_from_what_the_folders_tell() {
     }
     let refused = text(&farm.nestd(&["run"]));
     assert!(refused.contains("there is no ledger") && refused.contains("nestd restore"), "{refused}");
-    let said = farm.nestd_ok(&["restore", "--empty"]);
-    assert_eq!(said.matches("was published; its copies are taken in").count(), 2, "{said}");
+    let output_text = farm.nestd_ok(&["restore", "--empty"]);
+    assert_eq!(output_text.matches("was published; its copies are taken in").count(), 2, "{output_text}");
     runs_and_prints_nothing_again(&mut farm);
 }
 
@@ -227,12 +227,16 @@ fn a_ledger_rolled_back_with_no_build_in_between_forgets_no_order() {
     let refused = text(&farm.nestd(&["run"]));
     assert!(refused.contains("older than the folders") && refused.contains("--repair"), "{refused}");
     for args in [vec!["check"], vec!["check", "--deep"]] {
-        let told = farm.nestd(&args);
-        assert!(!told.status.success() && text(&told).contains("kit/one.stl (3 copies for test)"), "{}", text(&told));
-        assert!(text(&told).contains("two.stl (2 copies for test)"), "{}", text(&told));
+        let output = farm.nestd(&args);
+        assert!(
+            !output.status.success() && text(&output).contains("kit/one.stl (3 copies for test)"),
+            "{}",
+            text(&output)
+        );
+        assert!(text(&output).contains("two.stl (2 copies for test)"), "{}", text(&output));
     }
-    let said = farm.nestd_ok(&["check", "--deep", "--repair"]);
-    assert!(said.contains("kit/one.stl, 3 copies, for test) was taken after"), "{said}");
+    let output_text = farm.nestd_ok(&["check", "--deep", "--repair"]);
+    assert!(output_text.contains("kit/one.stl, 3 copies, for test) was taken after"), "{output_text}");
     farm.start();
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     let known = |name: &str| parts.iter().find(|part| part.name == name).unwrap();
@@ -266,7 +270,7 @@ fn a_write_ahead_log_that_was_removed_with_its_index_forgets_no_order() {
 }
 
 #[test]
-fn a_stored_file_of_which_nothing_is_noted_is_told_by_name_and_kept() {
+fn a_stored_file_of_which_nothing_is_noted_is_reported_by_name_and_kept() {
     let mut farm = TestFarm::running(QUICK);
     let copy = copy_ledger(&farm);
     farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
@@ -279,8 +283,8 @@ fn a_stored_file_of_which_nothing_is_noted_is_told_by_name_and_kept() {
         fs::remove_file(store.note_path(&hash, claim).unwrap()).unwrap();
     }
     assert!(!farm.nestd(&["run"]).status.success());
-    let said = farm.nestd_ok(&["check", "--deep", "--repair"]);
-    assert!(said.contains("LOOK AT") && said.contains(&format!("state/unknown/{hash}")), "{said}");
+    let output_text = farm.nestd_ok(&["check", "--deep", "--repair"]);
+    assert!(output_text.contains("LOOK AT") && output_text.contains(&format!("state/unknown/{hash}")), "{output_text}");
     assert_eq!(fs::read(farm.root().join("state/unknown").join(&hash)).unwrap(), stl(&block(20.0, 20.0, 20.0)));
     farm.start();
     farm.drop_part("new.stl", &block(9.0, 9.0, 9.0));
@@ -299,9 +303,9 @@ fn a_ledger_that_is_gone_is_a_problem_to_check() {
         fs::remove_file(farm.root().join(format!("state/nestd.db{suffix}"))).unwrap();
     }
     for args in [vec!["check"], vec!["check", "--deep"]] {
-        let told = farm.nestd(&args);
-        assert!(!told.status.success() && text(&told).contains("there is no ledger"), "{}", text(&told));
-        assert!(text(&told).contains("nestd restore"), "{}", text(&told));
+        let output = farm.nestd(&args);
+        assert!(!output.status.success() && text(&output).contains("there is no ledger"), "{}", text(&output));
+        assert!(text(&output).contains("nestd restore"), "{}", text(&output));
     }
     let refused = text(&farm.nestd(&["run"]));
     assert!(refused.contains("there is no ledger") && refused.contains("nestd restore"), "{refused}");
@@ -319,8 +323,11 @@ fn a_part_that_was_taken_back_after_the_backup_is_refused_where_people_see_it() 
     farm.nestd_ok(&["retry", &part.to_string()]);
     farm.wait_for_parts(PartState::Waiting, 1);
     farm.stop();
-    let said = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
-    assert!(said.contains("LOOK AT: part 1 (a.stl)") && said.contains("`nestd retry 1` takes it back"), "{said}");
+    let output_text = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+    assert!(
+        output_text.contains("LOOK AT: part 1 (a.stl)") && output_text.contains("`nestd retry 1` takes it back"),
+        "{output_text}"
+    );
     let file = farm.folder("error").join("part-1/a.stl");
     assert_eq!(fs::read(&file).unwrap(), stl(&block(20.0, 20.0, 20.0)), "the file is to be seen");
     assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
@@ -346,8 +353,8 @@ fn a_ledger_that_is_removed_or_replaced_is_left_at_once_and_saved() {
         farm.drop_part("b.stl", &block(21.0, 20.0, 20.0));
         std::thread::sleep(std::time::Duration::from_millis(1500));
         assert!(farm.folder("inbox").join("b.stl").exists(), "it takes files into nowhere");
-        let told = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
-        assert!(told.contains("ATTENTION") && told.contains("nestd restore"), "{told}");
+        let output = fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap();
+        assert!(output.contains("ATTENTION") && output.contains("nestd restore"), "{output}");
         farm.stop();
         let saved = fs::read_dir(farm.root().join("state")).unwrap().map(|entry| entry.unwrap().path());
         let is_saved = |file: &PathBuf| file.to_string_lossy().contains(".saved-") && !file.ends_with(".b3");

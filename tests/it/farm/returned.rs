@@ -28,7 +28,7 @@ fn the_same_content_under_another_name_is_printed_beside_the_first_after_a_resto
                 wait_until_or("nothing waits", 30.0, || farm.log(), || farm.parts(PartState::Batched).is_empty());
             }
             farm.stop();
-            let said = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
+            let output_text = farm.nestd_ok(&["restore", backup.to_str().unwrap()]);
             farm.start();
             let hash = hash_of(&block(20.0, 20.0, 20.0));
             let began = std::time::Instant::now();
@@ -41,11 +41,11 @@ fn the_same_content_under_another_name_is_printed_beside_the_first_after_a_resto
                     break;
                 }
             }
-            let told = said.lines().filter(|line| line.contains("LOOK AT")).collect::<String>();
-            assert!(count <= 5, "{duplicates} {is_published}: {count} are printed\n{said}\n{}", farm.log());
+            let reported = output_text.lines().filter(|line| line.contains("LOOK AT")).collect::<String>();
+            assert!(count <= 5, "{duplicates} {is_published}: {count} are printed\n{output_text}\n{}", farm.log());
             assert!(
-                count == 5 || (told.contains("second_x3.stl") || told.contains(&hash)),
-                "{duplicates} {is_published}: {count} of 5 are printed and nobody is told\n{said}\n{}",
+                count == 5 || (reported.contains("second_x3.stl") || reported.contains(&hash)),
+                "{duplicates} {is_published}: {count} of 5 are printed and nobody is told\n{output_text}\n{}",
                 farm.log()
             );
         }
@@ -73,14 +73,14 @@ fn a_folder_that_was_away_is_held_against_the_ledger_when_it_comes_back() {
         copy_tree(&kept, &store);
         farm.start();
         let _ = farm.nestd(&["flush", PROFILE]);
-        let is_told = |words: &str| farm.nestd_ok(&["status"]).contains(words);
-        let missing = || is_told("The archive cannot be used");
+        let is_reported = |words: &str| farm.nestd_ok(&["status"]).contains(words);
+        let missing = || is_reported("The archive cannot be used");
         wait_until_or("it is told", 10.0, || farm.nestd_ok(&["status"]) + &farm.log(), missing);
         if leaves_empty {
             fs::remove_dir_all(&archive).unwrap();
         }
         fs::rename(&away, &archive).unwrap();
-        let is_behind = || is_told("older than the folders");
+        let is_behind = || is_reported("older than the folders");
         wait_until_or("it is behind", 10.0, || farm.nestd_ok(&["status"]) + &farm.log(), is_behind);
         let _ = farm.nestd(&["flush", PROFILE]);
         std::thread::sleep(Duration::from_secs(2));
@@ -108,7 +108,7 @@ fn copy_tree(from: &std::path::Path, to: &std::path::Path) {
 }
 
 #[test]
-fn a_claim_without_a_row_is_told_once_it_is_old_and_no_daemon_runs() {
+fn a_claim_without_a_row_is_reported_once_it_is_old_and_no_daemon_runs() {
     let mut farm = TestFarm::running(QUICK);
     farm.drop_part("a.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -120,7 +120,7 @@ fn a_claim_without_a_row_is_told_once_it_is_old_and_no_daemon_runs() {
     assert!(!young.contains("20260101T000000Z-1-left"), "a claim may be as old as a crash: {young}");
     let old = std::time::SystemTime::now() - Duration::from_secs(3600);
     fs::File::open(&claim).unwrap().set_modified(old).unwrap();
-    let told = farm.nestd(&["check"]);
-    assert!(!told.status.success() && text(&told).contains("20260101T000000Z-1-left"), "{}", text(&told));
-    assert!(text(&told).contains("start the daemon"), "{}", text(&told));
+    let reported = farm.nestd(&["check"]);
+    assert!(!reported.status.success() && text(&reported).contains("20260101T000000Z-1-left"), "{}", text(&reported));
+    assert!(text(&reported).contains("start the daemon"), "{}", text(&reported));
 }

@@ -32,11 +32,11 @@ fn refused(farm: &TestFarm) -> String {
 }
 
 #[test]
-fn a_second_daemon_on_the_same_farm_is_refused_and_told_who_serves_it() {
+fn a_second_daemon_on_the_same_farm_is_refused_and_names_who_serves_it() {
     let farm = TestFarm::running(QUICK);
-    let said = refused(&farm);
+    let output_text = refused(&farm);
     let host = rustix::system::uname().nodename().to_string_lossy().into_owned();
-    assert!(said.contains(&format!("process {} on {host} since ", farm.pid())), "{said}");
+    assert!(output_text.contains(&format!("process {} on {host} since ", farm.pid())), "{output_text}");
 }
 
 #[test]
@@ -47,9 +47,9 @@ fn a_daemon_with_another_ledger_is_refused_a_hot_folder_or_queue_that_is_served(
         let config = fs::read_to_string(other.config()).unwrap();
         let folder = first.root().join(kind);
         fs::write(other.config(), format!("{config}[folders]\n{kind} = {folder:?}\n")).unwrap();
-        let said = refused(&other);
+        let output_text = refused(&other);
         let served = format!("{} is served by another nestd: process {}", first.folder(kind).display(), first.pid());
-        assert!(said.contains(&served) && said.contains("Stop that one"), "{said}");
+        assert!(output_text.contains(&served) && output_text.contains("Stop that one"), "{output_text}");
     }
     first.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     first.wait_for_parts(PartState::Waiting, 1);

@@ -56,16 +56,16 @@ impl CallWatcher for SlowFolders {
         if !self.seen.is_watched.load(Ordering::SeqCst) {
             return CallVerdict::Let;
         }
-        let told = format!("{} {}", call.name, path.display());
+        let call_text = format!("{} {}", call.name, path.display());
         // The event loop is the first thread of the process.
         if call.thread == call.pid && FOLDERS.iter().any(|folder| path.starts_with(folder)) {
-            self.seen.by_the_loop.lock().unwrap().push(told.clone());
+            self.seen.by_the_loop.lock().unwrap().push(call_text.clone());
         }
         let is_long = matches!(call.name, "rename" | "unlink" | "copy_file_range");
         let folder = self.slow.iter().find(|folder| is_long && path.starts_with(folder));
         match folder.is_some_and(|folder| self.known.insert((call.name, folder))) {
             true => {
-                self.seen.slowed.lock().unwrap().push(told);
+                self.seen.slowed.lock().unwrap().push(call_text);
                 CallVerdict::Delay(SLOW)
             }
             false => CallVerdict::Let,
@@ -104,9 +104,9 @@ impl TracedFarm {
         let listener = UnixDatagram::bind(&socket).unwrap();
         let alive = self.alive.clone();
         std::thread::spawn(move || {
-            let mut told = [0; 1024];
-            while let Ok(length) = listener.recv(&mut told) {
-                if told[..length].windows(8).any(|words| words == b"WATCHDOG") {
+            let mut message = [0; 1024];
+            while let Ok(length) = listener.recv(&mut message) {
+                if message[..length].windows(8).any(|words| words == b"WATCHDOG") {
                     alive.lock().unwrap().push(Instant::now());
                 }
             }
@@ -243,7 +243,7 @@ fn a_slow_folder_holds_up_neither_the_watchdog_nor_another_machine() {
 }
 
 fn is_slowed(traced: &TracedFarm, begins: &Path) -> bool {
-    traced.seen.slowed.lock().unwrap().iter().any(|told| told.contains(&*begins.to_string_lossy()))
+    traced.seen.slowed.lock().unwrap().iter().any(|call| call.contains(&*begins.to_string_lossy()))
 }
 
 /// Whether the stored files of all built parts were removed.

@@ -6,7 +6,7 @@ use nestd::ledger::PartState;
 
 use super::support::{PROFILE, QUICK, TestFarm, block, stl, wait_until_or};
 
-fn told(farm: &TestFarm) -> (String, serde_json::Value) {
+fn read_status(farm: &TestFarm) -> (String, serde_json::Value) {
     let read = |name: &str| fs::read_to_string(farm.folder("inbox").join(name)).unwrap_or_default();
     (read("STATUS.txt"), serde_json::from_str(&read("status.json")).unwrap_or_default())
 }
@@ -23,9 +23,9 @@ fn the_status_files_say_of_when_they_are_and_that_nobody_looks_after_a_stop() {
     let mut farm = TestFarm::running(QUICK);
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    let promises = || told(&farm).0.contains("It fires");
-    wait_until_or("STATUS.txt promises a build", 20.0, || told(&farm).0, promises);
-    let (text, json) = told(&farm);
+    let promises = || read_status(&farm).0.contains("It fires");
+    wait_until_or("STATUS.txt promises a build", 20.0, || read_status(&farm).0, promises);
+    let (text, json) = read_status(&farm);
     assert!(text.contains("1 copy of 1 part waits.") && text.contains("Written 20"), "{text}");
     assert!(text.contains("renewed at least every 2 minutes while nestd runs"), "{text}");
     assert!(
@@ -33,14 +33,14 @@ fn the_status_files_say_of_when_they_are_and_that_nobody_looks_after_a_stop() {
         "{json:#}"
     );
     farm.stop();
-    let (text, json) = told(&farm);
+    let (text, json) = read_status(&farm);
     assert!(text.contains("nestd was stopped on 20") && text.contains("this folder is not scanned"), "{text}");
     assert!(!text.contains("fires") && text.contains("1 copy of 1 part waits until then."), "{text}");
     assert!(json["running"] == false && json["fires_at_latest"].is_null() && json["waiting_copies"] == 1, "{json:#}");
     farm.start();
-    wait_until_or("it looks again", 20.0, || farm.log(), || told(&farm).1["running"] == true);
+    wait_until_or("it looks again", 20.0, || farm.log(), || read_status(&farm).1["running"] == true);
     farm.kill();
-    assert!(told(&farm).0.contains("if this is older, nestd is not running"));
+    assert!(read_status(&farm).0.contains("if this is older, nestd is not running"));
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn what_was_cancelled_needs_nobody_and_promises_nothing() {
     assert!(status.contains("0 copies wait") && !status.contains("10.00 mm"), "{status}");
     std::thread::sleep(std::time::Duration::from_secs(4));
     let status = farm.nestd_ok(&["status"]);
-    assert!(!status.contains("a person") && !told(&farm).0.contains("ATTENTION"), "{status}");
+    assert!(!status.contains("a person") && !read_status(&farm).0.contains("ATTENTION"), "{status}");
     farm.stop();
 }
 
@@ -80,14 +80,14 @@ fn the_same_file_in_another_unit_is_no_more_copies() {
     let bytes = stl(&block(3.0, 2.0, 1.0));
     farm.drop_bytes("a.stl", &bytes);
     farm.wait_for_parts(PartState::Waiting, 1);
-    for (name, ticket, said) in
+    for (name, ticket, expected) in
         [("b.stl", "unit = \"mm\"", "taken as more copies"), ("c.stl", "unit = \"inch\"", "another unit")]
     {
         fs::write(farm.folder("inbox").join(format!("{name}.toml")), ticket).unwrap();
         farm.drop_bytes(name, &bytes);
         let waiting = farm.wait_for_parts(PartState::Waiting, if name == "b.stl" { 2 } else { 3 });
         let part = waiting.iter().find(|part| part.name == name).unwrap();
-        assert!(part.warnings.contains(said), "{name}: {}", part.warnings);
+        assert!(part.warnings.contains(expected), "{name}: {}", part.warnings);
     }
     farm.stop();
 }

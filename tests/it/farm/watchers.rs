@@ -64,10 +64,10 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     farm.drop_part("block_x2.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(nestd::ledger::PartState::Waiting, 1);
     farm.flush();
-    let told = hook.wait_for_delivered(2);
-    assert_eq!(told[1]["kind"], "published", "{told:#?}");
-    assert_eq!(told[1]["build"]["copies"], 2);
-    let name = told[1]["build"]["file"].as_str().unwrap().to_owned();
+    let delivered = hook.wait_for_delivered(2);
+    assert_eq!(delivered[1]["kind"], "published", "{delivered:#?}");
+    assert_eq!(delivered[1]["build"]["copies"], 2);
+    let name = delivered[1]["build"]["file"].as_str().unwrap().to_owned();
     assert!(farm.folder("queue").join(name).is_file());
     let file = farm.root().join("nestd.prom");
     let is_written = || {
@@ -78,8 +78,8 @@ fn a_farm_tells_what_is_published_and_refused_and_writes_its_metrics() {
     };
     wait_until_or("the metrics are written", 30.0, || fs::read_to_string(&file).unwrap_or_default(), is_written);
     assert!(farm.nestd_ok(&["metrics"]).contains("nestd_files_ingested_total{profile=\"test\"} 2"));
-    let is_told = || farm.nestd_ok(&["notify"]).contains("webhook: 0 messages wait, 0 were dropped");
-    wait_until_or("the ledger knows that all is delivered", 10.0, || farm.nestd_ok(&["notify"]), is_told);
+    let is_delivered = || farm.nestd_ok(&["notify"]).contains("webhook: 0 messages wait, 0 were dropped");
+    wait_until_or("the ledger knows that all is delivered", 10.0, || farm.nestd_ok(&["notify"]), is_delivered);
     assert!(farm.nestd_ok(&["notify", "--test"]).contains("The webhook has the message trial@"));
     assert_eq!(hook.delivered().last().unwrap()["kind"], "test");
     assert!(farm.nestd_ok(&["check"]).contains("webhook of [notify]"));
@@ -146,15 +146,15 @@ fn a_receiver_that_hangs_holds_up_neither_a_build_nor_the_stop() {
     // After the restart it receives both messages; the first perhaps twice, with the same id.
     hook.set_answers(&[]);
     farm.start();
-    let told = hook.wait_for_delivered(2);
-    let kinds: Vec<&str> = told.iter().filter_map(|m| m["kind"].as_str()).collect();
+    let delivered = hook.wait_for_delivered(2);
+    let kinds: Vec<&str> = delivered.iter().filter_map(|m| m["kind"].as_str()).collect();
     assert!(kinds.contains(&"refused") && kinds.contains(&"published"), "{kinds:?}");
     std::thread::sleep(Duration::from_millis(200));
     farm.stop();
 }
 
 #[test]
-fn a_machine_whose_queue_is_away_and_a_due_date_that_is_over_are_told_once() {
+fn a_machine_whose_queue_is_away_and_a_due_date_that_is_over_are_reported_once() {
     let hook = TestWebhook::with_answers(&[]);
     let mut farm = farm(&hook, "events = [\"unavailable\", \"at-risk\"]");
     farm.start();
@@ -167,15 +167,17 @@ fn a_machine_whose_queue_is_away_and_a_due_date_that_is_over_are_told_once() {
     fs::rename(&queue, &away).unwrap();
     farm.drop_bytes("block.stl.toml", b"due = \"2020-01-01\"\n");
     farm.drop_part("block.stl", &block(20.0, 20.0, 20.0));
-    let told = hook.wait_for_delivered(2);
-    let of = |kind: &str| told.iter().find(|m| m["kind"] == kind).unwrap_or_else(|| panic!("no {kind} in {told:#?}"));
-    assert!(of("at-risk")["text"].as_str().unwrap().contains("block.stl is due 2020-01-0"), "{told:#?}");
-    assert!(of("unavailable")["text"].as_str().unwrap().starts_with("test: "), "{told:#?}");
+    let delivered = hook.wait_for_delivered(2);
+    let of = |kind: &str| {
+        delivered.iter().find(|m| m["kind"] == kind).unwrap_or_else(|| panic!("no {kind} in {delivered:#?}"))
+    };
+    assert!(of("at-risk")["text"].as_str().unwrap().contains("block.stl is due 2020-01-0"), "{delivered:#?}");
+    assert!(of("unavailable")["text"].as_str().unwrap().starts_with("test: "), "{delivered:#?}");
     fs::remove_dir_all(&queue).ok();
     fs::rename(&away, &queue).unwrap();
-    let told = hook.wait_for_delivered(3);
-    assert_eq!(told[2]["kind"], "available", "{told:#?}");
-    assert_eq!(told[2]["text"], "test is available again.");
+    let delivered = hook.wait_for_delivered(3);
+    assert_eq!(delivered[2]["kind"], "available", "{delivered:#?}");
+    assert_eq!(delivered[2]["text"], "test is available again.");
     farm.stop();
     assert_eq!(hook.delivered().len(), 3);
 }

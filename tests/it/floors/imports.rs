@@ -56,18 +56,18 @@ pub fn imports_of(source: &Path, room: &[&str]) -> ImportGraph {
 pub fn circles(imports: &ImportGraph) -> BTreeSet<Vec<ModulePath>> {
     let mut circles = BTreeSet::new();
     for start in imports.keys() {
-        let mut ways = VecDeque::from([vec![start.clone()]]);
+        let mut paths = VecDeque::from([vec![start.clone()]]);
         let mut seen = BTreeSet::new();
-        while let Some(way) = ways.pop_front() {
-            for next in &imports[&way[way.len() - 1]] {
+        while let Some(path) = paths.pop_front() {
+            for next in &imports[&path[path.len() - 1]] {
                 if next == start {
-                    let first = (0..way.len()).min_by_key(|&at| &way[at]).unwrap_or(0);
-                    circles.insert([&way[first..], &way[..first]].concat());
-                    ways.clear();
+                    let first = (0..path.len()).min_by_key(|&at| &path[at]).unwrap_or(0);
+                    circles.insert([&path[first..], &path[..first]].concat());
+                    paths.clear();
                     break;
                 }
                 if seen.insert(next.clone()) {
-                    ways.push_back([way.as_slice(), std::slice::from_ref(next)].concat());
+                    paths.push_back([path.as_slice(), std::slice::from_ref(next)].concat());
                 }
             }
         }

@@ -111,7 +111,7 @@ fn the_same_seed_gives_the_same_layout_and_another_seed_another() {
 }
 
 #[test]
-fn what_does_not_fit_is_told_and_the_rest_is_placed() {
+fn what_does_not_fit_is_reported_and_the_rest_is_placed() {
     let items = vec![
         item(block(70.0, 4.0, 4.0), 1, OrientationRule::Free),
         item(block(10.0, 10.0, 10.0), 2, OrientationRule::Free),

@@ -38,16 +38,16 @@ pub struct Disassembly {
 /// };
 /// let apart = find_removal_order(&[body(sample_parts::ring(30.0, 20.0, 6.0), 0.0), body(sample_parts::ring(30.0, 20.0, 6.0), 40.0)]);
 /// assert!(apart.locked.is_empty());
-/// assert_eq!(apart.order[0], (0, DVec3::Z)); // drawn straight up
+/// assert_eq!(apart.order[0], (0, DVec3::Z)); // removed straight up
 /// ```
 pub fn find_removal_order(bodies: &[PlacedSolid]) -> Disassembly {
-    let mut judge = DisassemblyProver::new(bodies);
+    let mut prover = DisassemblyProver::new(bodies);
     let mut order = Vec::new();
-    while let Some((at, way)) = judge.next_removal() {
-        let body = judge.remaining.remove(at);
-        order.push((body, judge.directions[way]));
+    while let Some((at, direction)) = prover.next_removal() {
+        let body = prover.remaining.remove(at);
+        order.push((body, prover.directions[direction]));
     }
-    let mut locked = judge.remaining;
+    let mut locked = prover.remaining;
     locked.sort_unstable();
     Disassembly { order, locked }
 }
@@ -60,9 +60,9 @@ const FIRST_FALLING: usize = 17;
 fn removal_directions() -> Vec<DVec3> {
     let range = || -1..=1;
     let all = range().flat_map(move |x| range().flat_map(move |y| range().map(move |z| IVec3::new(x, y, z))));
-    let mut ways: Vec<IVec3> = all.filter(|&way| way != IVec3::ZERO).collect();
-    ways.sort_by_key(|way| (-way.z, way.length_squared()));
-    ways.into_iter().map(|way| way.as_dvec3().normalize()).collect()
+    let mut directions: Vec<IVec3> = all.filter(|&direction| direction != IVec3::ZERO).collect();
+    directions.sort_by_key(|direction| (-direction.z, direction.length_squared()));
+    directions.into_iter().map(|direction| direction.as_dvec3().normalize()).collect()
 }
 
 struct DisassemblyProver<'a> {
@@ -88,9 +88,9 @@ impl<'a> DisassemblyProver<'a> {
         let bounds: Vec<Bounds> = bodies.iter().map(|body| body.mesh.bounds_at(&body.pose)).collect();
         let mut left: Vec<usize> = (0..bodies.len()).collect();
         left.sort_by(|&a, &b| bounds[b].max.z.total_cmp(&bounds[a].max.z));
-        let ways = removal_directions();
-        let known = vec![vec![KnownObstacles::default(); ways.len()]; bodies.len()];
-        Self { bodies, trees: build_trees(bodies), bounds, directions: ways, remaining: left, known }
+        let directions = removal_directions();
+        let known = vec![vec![KnownObstacles::default(); directions.len()]; bodies.len()];
+        Self { bodies, trees: build_trees(bodies), bounds, directions: directions, remaining: left, known }
     }
 
     /// The next body that can be removed, as its index among the remaining bodies, and its direction.
@@ -99,23 +99,24 @@ impl<'a> DisassemblyProver<'a> {
         // a floor: bodies that can only move down wait until the cake is lifted.
         [0..1, 1..FIRST_FALLING, FIRST_FALLING..self.directions.len()]
             .into_iter()
-            .find_map(|ways| self.next_removal_along(ways))
+            .find_map(|directions| self.next_removal_along(directions))
     }
 
-    fn next_removal_along(&mut self, ways: Range<usize>) -> Option<(usize, usize)> {
-        let mut tries = (0..self.remaining.len()).flat_map(|at| ways.clone().map(move |way| (at, way)));
-        tries.find(|&(at, way)| !self.is_blocked(self.remaining[at], way))
+    fn next_removal_along(&mut self, directions: Range<usize>) -> Option<(usize, usize)> {
+        let mut tries =
+            (0..self.remaining.len()).flat_map(|at| directions.clone().map(move |direction| (at, direction)));
+        tries.find(|&(at, direction)| !self.is_blocked(self.remaining[at], direction))
     }
 
     /// Whether any remaining body blocks the removal of a body.
-    fn is_blocked(&mut self, body: usize, way: usize) -> bool {
-        let mut known = std::mem::take(&mut self.known[body][way]);
+    fn is_blocked(&mut self, body: usize, direction: usize) -> bool {
+        let mut known = std::mem::take(&mut self.known[body][direction]);
         if known.blocked_by.is_none_or(|by| !self.remaining.contains(&by)) {
             known.blocked_by = None;
             for &other in &self.remaining {
                 let place = known.harmless.binary_search(&other);
                 if let (Err(place), true) = (place, other != body) {
-                    if self.blocks_removal(other, body, self.directions[way]) {
+                    if self.blocks_removal(other, body, self.directions[direction]) {
                         known.blocked_by = Some(other);
                         break;
                     }
@@ -124,18 +125,23 @@ impl<'a> DisassemblyProver<'a> {
             }
         }
         let barred = known.blocked_by.is_some();
-        self.known[body][way] = known;
+        self.known[body][direction] = known;
         barred
     }
 
-    fn blocks_removal(&self, standing: usize, moving: usize, way: DVec3) -> bool {
+    fn blocks_removal(&self, standing: usize, moving: usize, direction: DVec3) -> bool {
         let (one, other) = (&self.bodies[moving], &self.bodies[standing]);
         let gap_mm = removal_gap_mm(one.clearance_mm.max(other.clearance_mm));
         if self.contains_body(standing, moving) || self.contains_body(moving, standing) {
             return true;
         }
-        let way1 = one.pose.rotation.conjugate() * way;
-        !self.trees[moving].is_free_along(&self.trees[standing], &one.pose.relative_pose_of(&other.pose), way1, gap_mm)
+        let direction1 = one.pose.rotation.conjugate() * direction;
+        !self.trees[moving].is_free_along(
+            &self.trees[standing],
+            &one.pose.relative_pose_of(&other.pose),
+            direction1,
+            gap_mm,
+        )
     }
 
     /// Whether one body lies inside the other's solid or in a sealed cavity of it.

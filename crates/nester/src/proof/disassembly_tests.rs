@@ -68,8 +68,8 @@ fn linked_rings_are_locked() {
     let through =
         PlacedSolid { pose: Pose { translation: DVec3::new(12.0, 14.0, -12.0), ..upright.pose }, ..upright.clone() };
     assert_eq!(locked(&[body(&ring, [0.0; 3]), through.clone()]), [0, 1]);
-    let beside = PlacedSolid { pose: Pose { translation: DVec3::new(40.0, 14.0, -12.0), ..through.pose }, ..through };
-    assert_eq!(locked(&[body(&ring, [0.0; 3]), beside]), NOBODY);
+    let shifted = PlacedSolid { pose: Pose { translation: DVec3::new(40.0, 14.0, -12.0), ..through.pose }, ..through };
+    assert_eq!(locked(&[body(&ring, [0.0; 3]), shifted]), NOBODY);
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn the_order_is_one_in_which_all_can_leave() {
     let above = body(&block(DVec3::new(28.0, 28.0, 4.0)), [0.0, 0.0, 26.0]);
     let found = find_removal_order(&[plug.clone(), pot.clone(), above]);
     assert_eq!(found.order.iter().map(|&(body, _)| body).collect::<Vec<_>>(), [2, 0, 1]);
-    assert!(found.order.iter().all(|&(_, way)| way == DVec3::Z));
+    assert!(found.order.iter().all(|&(_, direction)| direction == DVec3::Z));
     assert_eq!(find_removal_order(&[]), Disassembly { order: Vec::new(), locked: Vec::new() });
 }
 
@@ -153,12 +153,12 @@ fn bell_with_bar_and_block(z: f64) -> [PlacedSolid; 3] {
 }
 
 #[test]
-fn nobody_is_told_to_go_down_while_a_way_up_is_free() {
+fn no_body_is_removed_downwards_while_a_direction_upwards_is_free() {
     let [low, high] = clasp();
     let plate = body(&block(DVec3::new(40.0, 40.0, 4.0)), [0.0, 0.0, 60.0]);
     let found = find_removal_order(&[low, plate, high]);
     assert_eq!(found.order.iter().map(|&(body, _)| body).collect::<Vec<_>>(), [1, 2, 0]);
-    assert!(found.order.iter().all(|&(_, way)| way.z > 0.0), "{found:?}");
+    assert!(found.order.iter().all(|&(_, direction)| direction.z > 0.0), "{found:?}");
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn a_part_under_a_bell_that_can_only_go_down_is_not_locked() {
     let found = find_removal_order(&bell);
     assert_eq!(found.locked, NOBODY);
     assert_eq!(found.order[0], (2, -DVec3::Z));
-    assert!(found.order[1..].iter().all(|&(_, way)| way.z >= 0.0), "{found:?}");
+    assert!(found.order[1..].iter().all(|&(_, direction)| direction.z >= 0.0), "{found:?}");
 }
 
 #[test]
@@ -177,18 +177,18 @@ fn whoever_can_only_go_down_waits_for_lower_ones_that_need_not() {
     let bodies: Vec<PlacedSolid> = bell_with_bar_and_block(50.0).into_iter().chain(low).collect();
     let found = find_removal_order(&bodies);
     assert_eq!(found.locked, NOBODY);
-    assert_eq!(found.order.iter().position(|&(_, way)| way.z < 0.0), Some(2), "{found:?}");
+    assert_eq!(found.order.iter().position(|&(_, direction)| direction.z < 0.0), Some(2), "{found:?}");
     assert_eq!(found.order[2], (2, -DVec3::Z));
 }
 
 #[test]
 fn ways_are_the_26_of_a_cube_from_up_to_down() {
-    let ways = removal_directions();
-    assert_eq!((ways.len(), ways[0]), (26, DVec3::Z));
-    for (at, way) in ways.iter().enumerate() {
-        assert!((way.length() - 1.0).abs() < 1e-12);
-        assert!(ways[..at].iter().all(|other| other.distance(*way) > 0.3), "{way} is there twice");
-        assert_eq!((way.z > 0.0, way.z < 0.0), (at < 9, at >= FIRST_FALLING), "{at}: {way}");
+    let directions = removal_directions();
+    assert_eq!((directions.len(), directions[0]), (26, DVec3::Z));
+    for (at, direction) in directions.iter().enumerate() {
+        assert!((direction.length() - 1.0).abs() < 1e-12);
+        assert!(directions[..at].iter().all(|other| other.distance(*direction) > 0.3), "{direction} is there twice");
+        assert_eq!((direction.z > 0.0, direction.z < 0.0), (at < 9, at >= FIRST_FALLING), "{at}: {direction}");
     }
 }
 
@@ -216,17 +216,19 @@ fn build(places: Vec<Place>) -> Vec<PlacedSolid> {
 
 /// The bodies that cannot be removed when always the first possible body is removed, with directions in any order and
 /// without remembering results.
-fn locked_along(bodies: &[PlacedSolid], ways: &[DVec3]) -> Vec<usize> {
-    let judge = DisassemblyProver::new(bodies);
+fn locked_along(bodies: &[PlacedSolid], directions: &[DVec3]) -> Vec<usize> {
+    let prover = DisassemblyProver::new(bodies);
     let mut left: Vec<usize> = (0..bodies.len()).collect();
-    while let Some(at) = (0..left.len()).find(|&at| ways.iter().any(|&way| is_free(&judge, &left, left[at], way))) {
+    while let Some(at) =
+        (0..left.len()).find(|&at| directions.iter().any(|&direction| is_free(&prover, &left, left[at], direction)))
+    {
         left.remove(at);
     }
     left
 }
 
-fn is_free(judge: &DisassemblyProver<'_>, left: &[usize], leaver: usize, way: DVec3) -> bool {
-    left.iter().all(|&other| other == leaver || !judge.blocks_removal(other, leaver, way))
+fn is_free(prover: &DisassemblyProver<'_>, left: &[usize], leaver: usize, direction: DVec3) -> bool {
+    left.iter().all(|&other| other == leaver || !prover.blocks_removal(other, leaver, direction))
 }
 
 proptest! {
@@ -235,10 +237,10 @@ proptest! {
     #[test]
     fn who_is_locked_does_not_depend_on_the_order_of_the_ways(
         places in proptest::collection::vec(place(), 4..12),
-        ways in Just(removal_directions()).prop_shuffle()
+        directions in Just(removal_directions()).prop_shuffle()
     ) {
         let bodies = build(places);
-        prop_assert_eq!(find_removal_order(&bodies).locked, locked_along(&bodies, &ways));
+        prop_assert_eq!(find_removal_order(&bodies).locked, locked_along(&bodies, &directions));
     }
 
     #[test]
@@ -246,14 +248,14 @@ proptest! {
         places in proptest::collection::vec(place(), 4..12)
     ) {
         let bodies = build(places);
-        let judge = DisassemblyProver::new(&bodies);
+        let prover = DisassemblyProver::new(&bodies);
         let mut left: Vec<usize> = (0..bodies.len()).collect();
-        for (leaver, way) in find_removal_order(&bodies).order {
-            prop_assert!(is_free(&judge, &left, leaver, way));
-            if way.z < 0.0 {
-                let others = removal_directions().into_iter().filter(|way| way.z >= 0.0);
+        for (leaver, direction) in find_removal_order(&bodies).order {
+            prop_assert!(is_free(&prover, &left, leaver, direction));
+            if direction.z < 0.0 {
+                let others = removal_directions().into_iter().filter(|direction| direction.z >= 0.0);
                 for other in others {
-                    prop_assert!(!left.iter().any(|&body| is_free(&judge, &left, body, other)), "{}", other);
+                    prop_assert!(!left.iter().any(|&body| is_free(&prover, &left, body, other)), "{}", other);
                 }
             }
             left.retain(|&body| body != leaver);
@@ -266,17 +268,17 @@ proptest! {
 
     /// Walks every removal of the order in small steps, past all later bodies.
     #[test]
-    fn a_told_order_can_be_walked(places in proptest::collection::vec(place(), 4..9)) {
+    fn a_reported_order_can_be_carried_out(places in proptest::collection::vec(place(), 4..9)) {
         let bodies = build(places);
         let found = find_removal_order(&bodies);
         prop_assert_eq!(found.order.len() + found.locked.len(), bodies.len());
         let mut left = bodies.clone();
         let mut names: Vec<usize> = (0..bodies.len()).collect();
-        for (leaver, way) in found.order {
+        for (leaver, direction) in found.order {
             let at = names.iter().position(|&n| n == leaver).unwrap();
             for step in 0..200 {
                 let mut moved = left.clone();
-                moved[at].pose.translation += way * (0.5 * f64::from(step));
+                moved[at].pose.translation += direction * (0.5 * f64::from(step));
                 moved.iter_mut().for_each(|b| b.clearance_mm = 0.4);
                 let proof = super::super::prove_placed_solids(&moved, DVec3::splat(1e4));
                 prop_assert!(!proof.too_close.iter().any(|p| p.first == at || p.second == at), "step {step}");

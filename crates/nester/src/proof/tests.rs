@@ -82,7 +82,7 @@ fn surfaces_that_meet_are_refused_at_clearance_zero_too() {
 }
 
 #[test]
-fn what_stands_out_is_told_by_how_much() {
+fn what_stands_out_is_reported_by_how_much() {
     let brick = block(10.0, 10.0, 10.0);
     let proof = prove_placed_solids(&[body(&brick, -2.0, 0.0, 91.5), body(&brick, 50.0, 50.0, 50.0)], ROOM);
     let [(0, excess)] = proof.outside[..] else { panic!("{proof:?}") };
@@ -101,7 +101,7 @@ fn a_pose_of_no_numbers_is_outside() {
 }
 
 #[test]
-fn a_body_inside_a_solid_or_a_sealed_cavity_is_told_and_one_in_a_bucket_is_not() {
+fn a_body_inside_a_solid_or_a_sealed_cavity_is_reported_and_one_in_a_bucket_is_not() {
     let small = block(2.0, 2.0, 2.0);
     let inside = |outer: Arc<Mesh>, flip: bool| {
         let mut bodies = vec![body(&outer, 0.0, 0.0, 0.0), body(&small, 14.0, 14.0, 14.0)];
@@ -111,9 +111,9 @@ fn a_body_inside_a_solid_or_a_sealed_cavity_is_told_and_one_in_a_bucket_is_not()
         prove_placed_solids(&bodies, ROOM)
     };
     for flip in [false, true] {
-        let told = if flip { (1, 0) } else { (0, 1) };
-        assert_eq!(inside(block(30.0, 30.0, 30.0), flip).inside, [told]);
-        assert_eq!(inside(hollow_box(30.0, 4.0), flip).inside, [told]);
+        let found = if flip { (1, 0) } else { (0, 1) };
+        assert_eq!(inside(block(30.0, 30.0, 30.0), flip).inside, [found]);
+        assert_eq!(inside(hollow_box(30.0, 4.0), flip).inside, [found]);
         assert!(inside(bucket(30.0, 4.0), flip).is_proved());
     }
 }
@@ -156,8 +156,8 @@ proptest! {
                 }
             }
         }
-        let told: Vec<(usize, usize)> = proof.too_close.iter().map(|p| (p.first, p.second)).collect();
-        prop_assert_eq!(told, pairs);
+        let found: Vec<(usize, usize)> = proof.too_close.iter().map(|p| (p.first, p.second)).collect();
+        prop_assert_eq!(found, pairs);
         match proof.clearance_proved_mm {
             Some(proved) => prop_assert!((proved - least).abs() < 1e-9),
             None => prop_assert!(least >= 7.0),

@@ -10,7 +10,7 @@ use crate::{
 
 /// An alert that needs a person, with its remedy.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct ToldNotice {
+pub struct AlertSummary {
     /// Kind of the alert.
     #[schemars(with = "String")]
     kind: AlertKind,
@@ -25,14 +25,14 @@ pub struct ToldNotice {
     since: String,
 }
 
-impl From<&FarmAlert> for ToldNotice {
-    fn from(notice: &FarmAlert) -> Self {
+impl From<&FarmAlert> for AlertSummary {
+    fn from(alert: &FarmAlert) -> Self {
         Self {
-            kind: notice.kind,
-            profile: notice.profile.clone(),
-            sentence: notice.alert_text().to_string(),
-            remedy: notice.kind.remedy(),
-            since: notice.since.to_string(),
+            kind: alert.kind,
+            profile: alert.profile.clone(),
+            sentence: alert.alert_text().to_string(),
+            remedy: alert.kind.remedy(),
+            since: alert.since.to_string(),
         }
     }
 }

@@ -3,7 +3,6 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
-    fs,
     sync::atomic::{AtomicU64, Ordering},
     time::{Duration, Instant},
 };
@@ -18,8 +17,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     budget::SectionBudget,
-    life_cycle,
+    life_cycle::{self, BUSY_MACHINE},
     pool::{catch_panic, in_parallel},
+    printer::ScriptedPrinter,
     section_result::SectionResult,
     support::{PROFILE, TestFarm, block, stl},
 };
@@ -30,8 +30,6 @@ const KILLS: (u64, u64) = (100, 20_000);
 const SHORT_SECS: f64 = 14.0;
 /// Kills of one farm.
 const KILLS_PER_FARM: u64 = 25;
-const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
-    final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 
 pub fn run(budget: &SectionBudget) -> SectionResult {
     let (kills, budget) = (AtomicU64::new(0), &budget.at_least(SHORT_SECS));
@@ -66,23 +64,21 @@ struct KilledFarm {
     witness: InvariantExpectations,
     /// Copies that must be printed, by name.
     wanted: BTreeMap<String, u32>,
-    taken: BTreeSet<String>,
+    printer: ScriptedPrinter,
     copies: BTreeSet<(String, u32)>,
     broken: Vec<String>,
 }
 
 impl KilledFarm {
     fn new(seed: u64) -> Self {
-        let farm = TestFarm::new(MACHINE);
-        fs::write(farm.config(), life_cycle::FARM).unwrap();
         Self {
-            farm,
+            farm: life_cycle::quick_farm(BUSY_MACHINE),
             rng: ChaCha8Rng::seed_from_u64(seed),
             seed,
             dropped: 0,
             witness: InvariantExpectations::default(),
             wanted: BTreeMap::new(),
-            taken: BTreeSet::new(),
+            printer: ScriptedPrinter::default(),
             copies: BTreeSet::new(),
             broken: Vec::new(),
         }
@@ -95,10 +91,10 @@ impl KilledFarm {
             }
             self.farm.start();
             for _ in 0..self.rng.random_range(0..3) {
-                self.drop_something();
+                self.drop_random_part();
             }
             if self.rng.random_bool(0.3) {
-                self.order_something();
+                self.submit_random_command();
             }
             // A kill a few milliseconds after the start hits the recovery, a later one the work.
             let max_ms = if self.rng.random_bool(0.5) { 120 } else { 1500 };
@@ -106,13 +102,13 @@ impl KilledFarm {
             self.farm.kill();
             all.fetch_add(1, Ordering::Relaxed);
             if self.rng.random_bool(0.3) {
-                self.take_as_a_printer_does();
+                self.take_printed_builds();
             }
         }
     }
 
     /// A part, sometimes in an order folder, sometimes with a ticket, sometimes the same as before, sometimes broken.
-    fn drop_something(&mut self) {
+    fn drop_random_part(&mut self) {
         let (number, copies) = (self.dropped, self.rng.random_range(1..4));
         self.dropped += 1;
         let folder = if self.rng.random_bool(0.2) { "kit/" } else { "" };
@@ -137,7 +133,7 @@ impl KilledFarm {
     }
 
     /// Sends a command about an existing part, or `flush`, without waiting for the answer.
-    fn order_something(&mut self) {
+    fn submit_random_command(&mut self) {
         let kind = [CommandKind::Flush, CommandKind::Cancel, CommandKind::Retry][self.rng.random_range(0..3)];
         let pick = self.rng.random_range(0..1000);
         self.ask(async |ledger| {
@@ -147,7 +143,7 @@ impl KilledFarm {
             if !matches!(kind, CommandKind::Flush) && part.is_none() {
                 return Ok(());
             }
-            order(ledger, kind, part).await
+            submit_command(ledger, kind, part).await
         });
     }
 
@@ -164,23 +160,13 @@ impl KilledFarm {
         })
     }
 
-    /// Records every copy of every build file in the queue and removes the files; no file name may come again.
-    fn take_as_a_printer_does(&mut self) {
-        for file in self.farm.queued() {
-            let name = file.file_name().unwrap().to_string_lossy().into_owned();
-            match build_file::read_build(&file, &Default::default()) {
-                Ok(placed) => {
-                    for copy in placed.into_iter().map(|p| (p.part_number.unwrap(), p.copy.unwrap())) {
-                        if !self.copies.insert(copy.clone()) {
-                            self.broken.push(format!("I2: copy {copy:?} is in {name} and in an earlier build"));
-                        }
-                    }
+    /// Takes the build files from the queue; no copy may come again.
+    fn take_printed_builds(&mut self) {
+        for (name, placed) in self.printer.take_builds(&self.farm, &mut self.broken) {
+            for copy in placed.into_iter().map(|p| (p.part_number.unwrap(), p.copy.unwrap())) {
+                if !self.copies.insert(copy.clone()) {
+                    self.broken.push(format!("I2: copy {copy:?} is in {name} and in an earlier build"));
                 }
-                Err(error) => self.broken.push(format!("I3: {name} is visible and cannot be read: {error}")),
-            }
-            fs::remove_file(&file).unwrap();
-            if !self.taken.insert(name.clone()) {
-                self.broken.push(format!("I3: {name} appeared in the queue again after the printer had taken it"));
             }
         }
     }
@@ -200,7 +186,7 @@ impl KilledFarm {
             std::thread::sleep(Duration::from_millis(100));
         }
         self.farm.stop();
-        self.take_as_a_printer_does();
+        self.take_printed_builds();
         let witness = InvariantExpectations { at_rest: true, ..self.witness.clone() };
         self.broken.extend(self.farm.broken_invariants(&witness));
         let wanted: u32 = self.wanted.values().sum();
@@ -210,7 +196,7 @@ impl KilledFarm {
         let seed = self.seed;
         SectionResult {
             files: self.dropped,
-            builds: self.taken.len() as u64,
+            builds: self.printer.taken.len() as u64,
             broken: self.broken.iter().map(|text| format!("farm {seed}: {text}")).collect(),
             ..SectionResult::default()
         }
@@ -218,34 +204,34 @@ impl KilledFarm {
 
     /// Takes back cancelled parts and publishes waiting ones; returns whether everything is built and at rest.
     fn is_done(&mut self) -> bool {
-        self.take_as_a_printer_does();
+        self.take_printed_builds();
         let wanted = self.wanted.clone();
         let built: Vec<PartRow> = self.ask(async |ledger| {
             let asked = ledger.pending_commands().await?;
             for part in ledger.parts_in_state(PartState::Rejected).await? {
                 let is_asked = asked.iter().any(|row| row.part_id == Some(part.id));
                 if wanted.contains_key(&part.name) && !is_asked {
-                    order(ledger, CommandKind::Retry, Some(part.id)).await?;
+                    submit_command(ledger, CommandKind::Retry, Some(part.id)).await?;
                 }
             }
             let waits = !ledger.parts_in_state(PartState::Waiting).await?.is_empty();
             if waits && !asked.iter().any(|row| row.kind == CommandKind::Flush) {
-                order(ledger, CommandKind::Flush, None).await?;
+                submit_command(ledger, CommandKind::Flush, None).await?;
             }
             ledger.parts_in_state(PartState::Built).await
         });
         let built: BTreeMap<String, u32> = built.into_iter().map(|part| (part.name, part.copies)).collect();
         let work = intake::list_claims(&self.farm.folder("inbox")).unwrap_or_default();
-        built == self.wanted && work.claims.is_empty() && work.unfinished.is_empty() && self.bad_ones_are_refused()
+        built == self.wanted && work.claims.is_empty() && work.unfinished.is_empty() && self.are_bad_parts_refused()
     }
 
-    fn bad_ones_are_refused(&self) -> bool {
+    fn are_bad_parts_refused(&self) -> bool {
         let refused = self.ask(async |ledger| ledger.parts_in_state(PartState::Rejected).await).len();
         refused + self.wanted.len() == self.dropped as usize
     }
 }
 
-async fn order(
+async fn submit_command(
     ledger: &Ledger,
     kind: CommandKind,
     part: Option<nestd::ledger::PartId>,

@@ -31,6 +31,9 @@ pub enum ScriptEnd {
 pub const FARM: &str = "scan_secs = 0.2\ncache_bytes = 0\nthreads = 1\n[log]\nfilter = \"info\"\n";
 const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n";
+/// A machine on which much goes on: it builds as soon as eight copies wait.
+pub const BUSY_MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+    final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 /// The parts that are printed, with their copies.
 const PRINTED: [(&str, u32); 3] = [("ring.stl", 2), ("plate.stl", 3), ("lid.stl", 1)];
 const FOREIGN: &str = "a colleague's notes.tmp";
@@ -54,6 +57,13 @@ enum ScriptStep {
     Retry(&'static str, PartState),
     Flush,
     AwaitQuiet,
+}
+
+/// A farm with the shortest times; its daemon does not run yet.
+pub fn quick_farm(machine: &str) -> TestFarm {
+    let farm = TestFarm::new(machine);
+    fs::write(farm.config(), FARM).unwrap();
+    farm
 }
 
 /// A farm on which the script runs.
@@ -81,10 +91,8 @@ impl LifeCycle {
 
     /// With additional lines in the machine file.
     pub fn with(more: &str) -> Self {
-        let farm = TestFarm::new(&format!("{MACHINE}{more}"));
-        fs::write(farm.config(), FARM).unwrap();
         Self {
-            farm,
+            farm: quick_farm(&format!("{MACHINE}{more}")),
             witness: InvariantExpectations::default(),
             broken: Vec::new(),
             taken: BTreeSet::new(),

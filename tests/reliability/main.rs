@@ -19,6 +19,7 @@ mod memory;
 mod pair;
 mod pool;
 mod power;
+mod printer;
 mod restore;
 mod rot;
 mod section_result;

@@ -17,8 +17,9 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{
     budget::SectionBudget,
-    life_cycle,
+    life_cycle::{self, BUSY_MACHINE},
     pool::{catch_panic, in_parallel, seed},
+    printer::ScriptedPrinter,
     section_result::SectionResult,
     support::{PROFILE, TestFarm, block, stl},
 };
@@ -30,8 +31,6 @@ const KILLS_PER_FARM: u64 = 25;
 const SHORT_SECS: f64 = 10.0;
 /// Time for a farm to come to rest after the last kill, seconds.
 const REST_SECS: u64 = 120;
-const MACHINE: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
-    final_secs = 0.1\narrival_secs = 0.1\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 8\n";
 
 pub fn run(budget: &SectionBudget) -> SectionResult {
     let first = seed();
@@ -77,7 +76,7 @@ struct StormFarm {
     contents: Vec<Vec<u8>>,
     /// Copies in the build files that the printer took, by content.
     printed: BTreeMap<String, u32>,
-    taken: BTreeSet<String>,
+    printer: ScriptedPrinter,
     backups: Vec<PathBuf>,
     /// Everything that `restore` reported for a person to look at.
     doubts: String,
@@ -87,17 +86,15 @@ struct StormFarm {
 
 impl StormFarm {
     fn new(seed: u64) -> Self {
-        let farm = TestFarm::new(MACHINE);
-        fs::write(farm.config(), life_cycle::FARM).unwrap();
         Self {
-            farm,
+            farm: life_cycle::quick_farm(BUSY_MACHINE),
             rng: ChaCha8Rng::seed_from_u64(seed),
             seed,
             dropped: 0,
             asked: BTreeMap::new(),
             contents: Vec::new(),
             printed: BTreeMap::new(),
-            taken: BTreeSet::new(),
+            printer: ScriptedPrinter::default(),
             backups: Vec::new(),
             doubts: String::new(),
             history: Vec::new(),
@@ -139,7 +136,7 @@ impl StormFarm {
             11 => self.run_command(&["resume", PROFILE]),
             12 => self.record_outcome(),
             13 => {
-                let profile = format!("{MACHINE}# {}\n", self.dropped);
+                let profile = format!("{BUSY_MACHINE}# {}\n", self.dropped);
                 self.farm.write_profile(PROFILE, &profile);
                 self.farm.reload();
             }
@@ -243,7 +240,7 @@ impl StormFarm {
 
     fn record_outcome(&mut self) {
         let outcome = ["complete", "interrupted", "failed"][self.rng.random_range(0..3)];
-        let build = self.rng.random_range(1..=self.taken.len().max(1)).to_string();
+        let build = self.rng.random_range(1..=self.printer.taken.len().max(1)).to_string();
         self.run_command(&["outcome", &build, outcome]);
     }
 
@@ -274,17 +271,9 @@ impl StormFarm {
 
     /// Takes build files from the queue as a printer does, and counts their copies.
     fn take_printed_files(&mut self) {
-        for file in self.farm.queued() {
-            let name = file.file_name().unwrap().to_string_lossy().into_owned();
-            match build_file::read_build(&file, &build_file::ReadLimits::default()) {
-                Ok(placed) => placed.into_iter().for_each(|copy| {
-                    *self.printed.entry(copy.source_hash.unwrap_or_default()).or_default() += 1;
-                }),
-                Err(error) => self.broken.push(format!("I3: {name} is visible and cannot be read: {error}")),
-            }
-            fs::remove_file(&file).unwrap();
-            if !self.taken.insert(name.clone()) {
-                self.broken.push(format!("I3: {name} appeared again after the printer had taken it"));
+        for (name, placed) in self.printer.take_builds(&self.farm, &mut self.broken) {
+            for copy in placed {
+                *self.printed.entry(copy.source_hash.unwrap_or_default()).or_default() += 1;
             }
             self.history.push(format!("print {name}"));
         }
@@ -315,7 +304,7 @@ impl StormFarm {
         }
         SectionResult {
             files: self.dropped,
-            builds: self.taken.len() as u64,
+            builds: self.printer.taken.len() as u64,
             broken: self.broken.iter().map(|text| format!("NESTD_SEED={seed}: {text}")).collect(),
             ..SectionResult::default()
         }

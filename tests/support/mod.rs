@@ -2,6 +2,7 @@
 #![allow(dead_code)] // no test program uses all of it
 
 pub mod entries;
+pub mod farm_files;
 pub mod greedy;
 pub mod grid;
 pub mod manifest;
@@ -23,8 +24,12 @@ use nestd::{
     ledger::{Ledger, PartRow, PartState},
     settings,
 };
-use solids::{Mesh, Pose};
+use solids::Mesh;
 use tempfile::TempDir;
+
+use farm_files::{assert_each_copy_once, drop_file, list_build_files};
+#[allow(unused_imports)] // no test program uses all of it
+pub use farm_files::{block, stl};
 
 pub const PROFILE: &str = "test";
 
@@ -182,13 +187,9 @@ impl TestFarm {
         assert!(output.status.code() != Some(2) && !output_text.contains("Refused"), "{output_text}\n{}", self.log());
     }
 
-    /// Drops a file as a careful sender does: writes it elsewhere on the same file system, then renames it.
+    /// Drops a file as a careful sender does.
     pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
-        let target = self.folder("inbox").join(name);
-        fs::create_dir_all(target.parent().unwrap()).unwrap();
-        let outside = self.root().join("sending");
-        fs::write(&outside, bytes).unwrap();
-        fs::rename(outside, target).unwrap();
+        drop_file(self.root(), &self.folder("inbox").join(name), bytes);
     }
 
     pub fn drop_part(&self, name: &str, mesh: &Mesh) {
@@ -246,14 +247,7 @@ impl TestFarm {
 
     /// The published build files in the queue.
     pub fn queued(&self) -> Vec<PathBuf> {
-        let Ok(entries) = fs::read_dir(self.folder("queue")) else { return Vec::new() };
-        let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
-        files.retain(|f| {
-            let name = f.file_name().unwrap().to_string_lossy();
-            name.ends_with(".build.3mf") && !name.starts_with('.')
-        });
-        files.sort();
-        files
+        list_build_files(&self.folder("queue"))
     }
 
     pub fn wait_for_queued(&self, count: usize) -> Vec<PathBuf> {
@@ -265,17 +259,8 @@ impl TestFarm {
     pub fn assert_nothing_lost_or_doubled(&self) {
         let faults = self.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
-        let mut seen = std::collections::BTreeMap::new();
-        for file in self.queued() {
-            for placed in build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap() {
-                let key = (placed.part_number.unwrap(), placed.copy.unwrap());
-                if let Some(other) = seen.insert(key.clone(), file.clone()) {
-                    panic!("copy {key:?} is in {} and in {}", other.display(), file.display());
-                }
-            }
-        }
         let built: usize = self.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
-        assert!(seen.len() >= built, "{built} copies are built, but only {} are in the queue", seen.len());
+        assert_each_copy_once(&self.queued(), built);
     }
 }
 
@@ -299,16 +284,4 @@ pub fn wait_until_or(what: &str, secs: f64, describe: impl Fn() -> String, mut i
         assert!(began.elapsed().as_secs_f64() < secs, "waited {secs} s in vain until {what}\n{}", describe());
         std::thread::sleep(Duration::from_millis(50));
     }
-}
-
-/// A mesh as the bytes of a binary STL.
-pub fn stl(mesh: &Mesh) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    build_file::write_stl([(mesh, &Pose::IDENTITY)].into_iter(), &mut bytes).unwrap();
-    bytes
-}
-
-/// A box of the given size, mm.
-pub fn block(x: f64, y: f64, z: f64) -> Mesh {
-    sample_parts::cuboid(glam::DVec3::new(x, y, z))
 }

@@ -6,22 +6,25 @@ use glam::DVec3;
 
 use super::{BuildFile, BuildFileItem, FileWriteError, csv_cell};
 
-/// Columns of the pick map.
-const HEADER: [&str; 14] = [
-    "item",
-    "part",
-    "part_number",
-    "order",
-    "copy",
-    "source",
-    "center_x_mm",
-    "center_y_mm",
-    "center_z_mm",
-    "size_x_mm",
-    "size_y_mm",
-    "size_z_mm",
-    "top_mm",
-    "source_hash",
+/// A column: its name and the text of its cell.
+type PickMapColumn = (&'static str, fn(&PickMapRow) -> String);
+
+/// The columns of the pick map.
+const COLUMNS: [PickMapColumn; 14] = [
+    ("item", |row| row.item.to_string()),
+    ("part", |row| csv_cell(&row.part)),
+    ("part_number", |row| csv_cell(&row.part_number)),
+    ("order", |row| csv_cell(row.order.as_deref().unwrap_or_default())),
+    ("copy", |row| row.copy.to_string()),
+    ("source", |row| csv_cell(&row.source_name)),
+    ("center_x_mm", |row| millimetres(row.center_mm.x)),
+    ("center_y_mm", |row| millimetres(row.center_mm.y)),
+    ("center_z_mm", |row| millimetres(row.center_mm.z)),
+    ("size_x_mm", |row| millimetres(row.size_mm.x)),
+    ("size_y_mm", |row| millimetres(row.size_mm.y)),
+    ("size_z_mm", |row| millimetres(row.size_mm.z)),
+    ("top_mm", |row| millimetres(row.top_mm)),
+    ("source_hash", |row| row.source_hash.clone()),
 ];
 
 /// One placed copy, for the person who unpacks the build.
@@ -73,24 +76,16 @@ pub fn pick_rows(build: &BuildFile) -> Vec<PickMapRow> {
 /// Writes rows as CSV with a header.
 pub fn write_pick_map(rows: impl IntoIterator<Item = PickMapRow>, out: impl Write) -> Result<(), FileWriteError> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(HEADER).map_err(csv_error)?;
+    csv.write_record(COLUMNS.map(|(name, _)| name)).map_err(csv_error)?;
     for row in rows {
-        let millimetres = |v: f64| format!("{v:.3}");
-        let (center, size) = (row.center_mm, row.size_mm);
-        let numbers = [center.x, center.y, center.z, size.x, size.y, size.z, row.top_mm].map(millimetres);
-        let words = [
-            row.item.to_string(),
-            csv_cell(&row.part),
-            csv_cell(&row.part_number),
-            csv_cell(row.order.as_deref().unwrap_or_default()),
-            row.copy.to_string(),
-            csv_cell(&row.source_name),
-        ];
-        let record = words.iter().chain(&numbers).chain([&row.source_hash]);
-        csv.write_record(record).map_err(csv_error)?;
+        csv.write_record(COLUMNS.map(|(_, cell)| cell(&row))).map_err(csv_error)?;
     }
     csv.flush()?;
     Ok(())
+}
+
+fn millimetres(value: f64) -> String {
+    format!("{value:.3}")
 }
 
 fn csv_error(error: csv::Error) -> FileWriteError {

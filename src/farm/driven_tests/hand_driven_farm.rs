@@ -2,13 +2,12 @@
 //! process, no event loop and no waiting. Its clocks move only when the test advances them.
 
 use std::{
-    collections::BTreeMap,
     fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
 };
 
-use solids::{Mesh, Pose};
+use solids::Mesh;
 use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
@@ -23,6 +22,12 @@ use crate::{
     ledger::{CommandId, CommandKind, CommandRow, Ledger, NewCommand, PartId, PartRow, PartState},
     settings,
 };
+
+#[path = "../../../tests/support/farm_files.rs"]
+mod farm_files;
+
+use farm_files::{assert_each_copy_once, drop_file, list_build_files};
+pub use farm_files::{block, stl};
 
 /// The machine of these tests.
 pub const PROFILE: &str = "test";
@@ -140,14 +145,9 @@ impl HandDrivenFarm {
         fs::write(self.root().join(format!("config/profiles/{name}.toml")), text).unwrap();
     }
 
-    /// Drops a file as a careful sender does: writes it elsewhere on the same file system, then renames it into the
-    /// folder.
+    /// Drops a file as a careful sender does.
     pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
-        let target = self.folder("inbox").join(name);
-        fs::create_dir_all(target.parent().unwrap()).unwrap();
-        let outside = self.root().join("sending");
-        fs::write(&outside, bytes).unwrap();
-        fs::rename(outside, target).unwrap();
+        drop_file(self.root(), &self.folder("inbox").join(name), bytes);
     }
 
     pub fn drop_part(&self, name: &str, mesh: &Mesh) {
@@ -190,14 +190,7 @@ impl HandDrivenFarm {
 
     /// The published build files in the queue.
     pub fn queued(&self) -> Vec<PathBuf> {
-        let Ok(entries) = fs::read_dir(self.folder("queue")) else { return Vec::new() };
-        let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
-        files.retain(|f| {
-            let name = f.file_name().unwrap().to_string_lossy();
-            name.ends_with(".build.3mf") && !name.starts_with('.')
-        });
-        files.sort();
-        files
+        list_build_files(&self.folder("queue"))
     }
 
     pub fn wait_for_queued(&mut self, count: usize) -> Vec<PathBuf> {
@@ -215,28 +208,7 @@ impl HandDrivenFarm {
             invariants::check_invariants(settings, ledger, &InvariantExpectations::default()).await.unwrap()
         });
         assert!(report.violations.is_empty(), "{:#?}", report.violations);
-        let mut seen = BTreeMap::new();
-        for file in self.queued() {
-            for placed in build_file::read_build(&file, &build_file::ReadLimits::default()).unwrap() {
-                let key = (placed.part_number.unwrap(), placed.copy.unwrap());
-                if let Some(other) = seen.insert(key.clone(), file.clone()) {
-                    panic!("copy {key:?} is in {} and in {}", other.display(), file.display());
-                }
-            }
-        }
         let built: usize = self.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
-        assert!(seen.len() >= built, "{built} copies are built, but only {} are in the queue", seen.len());
+        assert_each_copy_once(&self.queued(), built);
     }
-}
-
-/// A mesh as the bytes of a binary STL.
-pub fn stl(mesh: &Mesh) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    build_file::write_stl([(mesh, &Pose::IDENTITY)].into_iter(), &mut bytes).unwrap();
-    bytes
-}
-
-/// A box of the given size, mm.
-pub fn block(x: f64, y: f64, z: f64) -> Mesh {
-    sample_parts::cuboid(glam::DVec3::new(x, y, z))
 }

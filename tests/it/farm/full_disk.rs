@@ -63,6 +63,26 @@ fn says(farm: &TestFarm, words: &str) {
     wait_until_or(&format!("the log says {words:?}"), 20.0, || farm.log(), || farm.log().contains(words));
 }
 
+/// A running farm that tries a build once, with a part dropped, and its queue on a small disk.
+fn farm_with_small_queue() -> Option<(TestFarm, SmallDisk)> {
+    let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
+    let disk = SmallDisk::new(&farm.folder("queue"), 1 << 20)?;
+    farm.start();
+    says(&farm, "The farm is open");
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    wait_until_or("the queue is marked", 10.0, || farm.log(), || disk.at.join(".nestd-queue").exists());
+    Some((farm, disk))
+}
+
+/// A running farm with its state folder on a small disk.
+fn farm_with_small_state() -> Option<(TestFarm, SmallDisk)> {
+    let mut farm = TestFarm::new(QUICK);
+    let disk = SmallDisk::new(&farm.root().join("state"), 3 << 20)?;
+    farm.start();
+    says(&farm, "The farm is open");
+    Some((farm, disk))
+}
+
 /// Asserts that the build waits with its part while the queue is unusable, and is published afterwards.
 fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -80,12 +100,7 @@ fn waits_for_its_queue(farm: &TestFarm, mend: impl FnOnce()) {
 
 #[test]
 fn a_build_waits_for_room_in_a_full_queue() {
-    let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
-    let Some(disk) = SmallDisk::new(&farm.folder("queue"), 1 << 20) else { return };
-    farm.start();
-    says(&farm, "The farm is open");
-    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
-    wait_until_or("the queue is marked", 10.0, || farm.log(), || disk.at.join(".nestd-queue").exists());
+    let Some((mut farm, disk)) = farm_with_small_queue() else { return };
     disk.fill();
     waits_for_its_queue(&farm, || disk.free());
     farm.stop();
@@ -93,12 +108,7 @@ fn a_build_waits_for_room_in_a_full_queue() {
 
 #[test]
 fn a_build_waits_for_a_queue_that_is_read_only() {
-    let mut farm = TestFarm::new(&QUICK.replace("max_attempts = 50", "max_attempts = 1"));
-    let Some(disk) = SmallDisk::new(&farm.folder("queue"), 1 << 20) else { return };
-    farm.start();
-    says(&farm, "The farm is open");
-    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
-    wait_until_or("the queue is marked", 10.0, || farm.log(), || disk.at.join(".nestd-queue").exists());
+    let Some((mut farm, disk)) = farm_with_small_queue() else { return };
     disk.read_only(true);
     waits_for_its_queue(&farm, || disk.read_only(false));
     farm.stop();
@@ -106,10 +116,7 @@ fn a_build_waits_for_a_queue_that_is_read_only() {
 
 #[test]
 fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
-    let mut farm = TestFarm::new(QUICK);
-    let Some(disk) = SmallDisk::new(&farm.root().join("state"), 3 << 20) else { return };
-    farm.start();
-    says(&farm, "The farm is open");
+    let Some((mut farm, disk)) = farm_with_small_state() else { return };
     disk.fill();
     farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
     says(&farm, "No space left on device");
@@ -135,10 +142,7 @@ fn a_part_waits_for_room_in_the_state_folder_and_a_start_does_too() {
 
 #[test]
 fn a_daemon_that_cannot_write_for_a_full_state_disk_runs_all_the_same() {
-    let mut farm = TestFarm::new(QUICK);
-    let Some(disk) = SmallDisk::new(&farm.root().join("state"), 3 << 20) else { return };
-    farm.start();
-    says(&farm, "The farm is open");
+    let Some((mut farm, disk)) = farm_with_small_state() else { return };
     disk.fill();
     // Longer than a heartbeat stays valid.
     let until = std::time::Instant::now() + Duration::from_secs(20);

@@ -133,9 +133,8 @@ fn without_records_the_build_files_in_the_queue_tell() {
     assert_eq!(farm.queued().len(), 1, "printed twice\n{}", farm.log());
 }
 
-/// A farm that published a build after its backup; the record is gone, as in an emptied archive.
-fn farm_with_a_published() -> (TestFarm, PathBuf) {
-    let mut farm = TestFarm::running(QUICK);
+/// Makes a backup while a part of two copies waits, then publishes it and stops the daemon. Returns the backup.
+fn publish_after_backup(farm: &mut TestFarm) -> PathBuf {
     let backup = farm.root().join("ledger.backup");
     farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
     farm.wait_for_parts(PartState::Waiting, 1);
@@ -143,6 +142,13 @@ fn farm_with_a_published() -> (TestFarm, PathBuf) {
     farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
     farm.stop();
+    backup
+}
+
+/// A farm that published a build after its backup; the record is gone, as in an emptied archive.
+fn farm_with_a_published() -> (TestFarm, PathBuf) {
+    let mut farm = TestFarm::running(QUICK);
+    let backup = publish_after_backup(&mut farm);
     fs::remove_dir_all(farm.folder("archive")).unwrap();
     fs::create_dir(farm.folder("archive")).unwrap();
     (farm, backup)
@@ -367,17 +373,11 @@ fn a_ledger_that_is_removed_or_replaced_is_left_at_once_and_saved() {
 }
 
 #[test]
-fn what_a_returning_machine_tells_is_held_against_the_ledger_at_a_reload() {
+fn what_a_returning_machine_shows_is_compared_with_the_ledger_at_a_reload() {
     let mut farm = TestFarm::running(QUICK);
     farm.write_profile("other", QUICK);
     farm.reload();
-    let backup = farm.root().join("ledger.backup");
-    farm.drop_part("a_x2.stl", &block(20.0, 20.0, 20.0));
-    farm.wait_for_parts(PartState::Waiting, 1);
-    farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
-    farm.flush();
-    farm.wait_for_parts(PartState::Built, 1);
-    farm.stop();
+    let backup = publish_after_backup(&mut farm);
     // Its machine is not configured while the ledger is restored, and comes back by a reload.
     let profile = farm.root().join(format!("config/profiles/{PROFILE}.toml"));
     fs::rename(&profile, farm.root().join("kept.toml")).unwrap();

@@ -11,11 +11,11 @@ use super::{
     watch::watch_terminal,
 };
 use crate::{
-    farm::{self, FarmAlert},
+    farm::{self, AlertSummary, FarmAlert},
     intake,
     ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
     settings::Settings,
-    tables::{AlertSummary, MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS},
+    tables::{MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS},
 };
 
 /// This many rejected parts are listed; `nestd show` finds the older ones.

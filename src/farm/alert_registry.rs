@@ -15,6 +15,7 @@ use tracing::{debug, error, info, warn};
 
 use super::{
     alert::{AlertKind, FarmAlert},
+    alert_summary::AlertSummary,
     time_source::TimeSource,
 };
 use crate::intake;
@@ -222,7 +223,8 @@ impl AlertRegistry {
 
     /// The same, as JSON.
     pub fn status_json_for(&self, profile: &str) -> serde_json::Value {
-        self.active_alerts().filter(|alert| alert.is_shown_in(profile)).map(|alert| alert_to_json(&alert)).collect()
+        let shown = self.active_alerts().filter(|notice| notice.is_shown_in(profile));
+        shown.map(|notice| serde_json::json!(AlertSummary::from(&notice))).collect()
     }
 
     /// Stores the alerts for `nestd status`, if they have changed.
@@ -244,17 +246,6 @@ fn write_alerts(state_dir: &Path, alerts: &[FarmAlert]) -> io::Result<()> {
     file.write_all(serde_json::to_string_pretty(alerts)?.as_bytes())?;
     file.persist(state_dir.join(FILE))?;
     Ok(())
-}
-
-/// An alert as JSON, with its texts.
-fn alert_to_json(alert: &FarmAlert) -> serde_json::Value {
-    serde_json::json!({
-        "kind": alert.kind,
-        "profile": alert.profile,
-        "sentence": alert.alert_text(),
-        "remedy": alert.kind.remedy(),
-        "since": alert.since.to_string(),
-    })
 }
 
 /// The alerts that the daemon stored last; empty if there are none or they cannot be read.

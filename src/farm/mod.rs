@@ -10,6 +10,7 @@
 mod adopt;
 mod alert;
 mod alert_registry;
+mod alert_summary;
 mod batch;
 mod batch_decision;
 mod build_record;
@@ -92,6 +93,7 @@ mod write_build;
 pub use adopt::adopt_claims;
 pub use alert::{AlertKind, FarmAlert};
 pub use alert_registry::{ServiceBridge, read_stored_alerts};
+pub use alert_summary::AlertSummary;
 pub use cake::{
     CakeContents, CakeCopy, CakePart, count_copies_in_layout, find_proved_file, load_placed_parts, resolve_volume_mm,
 };

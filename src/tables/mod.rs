@@ -2,7 +2,6 @@
 //! columns of each table with their keys in JSON and CSV. The command line, the pages and the files are made from
 //! these lists.
 
-mod alert_summary;
 mod build_sheet;
 mod cell_value;
 mod field_definition;
@@ -14,7 +13,6 @@ mod part_sheet;
 mod pick_list;
 mod table_column;
 
-pub use alert_summary::AlertSummary;
 pub use build_sheet::{EVENT_COLUMNS, OUTCOME_COLUMNS, build_facts, height as height_in_volume};
 pub use cell_value::CellValue;
 pub use field_definition::{FieldDefinition, SheetFact};

@@ -18,9 +18,9 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::{load_placed_parts, read_stored_alerts},
+    farm::{AlertSummary, load_placed_parts, read_stored_alerts},
     ledger::{BuildState, DaemonRow, HeightSummary, HistoryRow, PartId, ProfileStatus, UtcTimestamp},
-    tables::{AlertSummary, MachineForecast},
+    tables::MachineForecast,
 };
 
 /// The farm as it stands.

@@ -1,12 +1,11 @@
-//! An alert that needs a person, in the form that programs read.
+//! An alert that needs a person, in the form that programs read: in `status.json`, `nestd status --json` and the
+//! farm's JSON.
 
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::{
-    farm::{AlertKind, FarmAlert},
-    ledger::UtcTimestamp,
-};
+use super::alert::{AlertKind, FarmAlert};
+use crate::ledger::UtcTimestamp;
 
 /// An alert that needs a person, with its remedy.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]

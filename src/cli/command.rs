@@ -73,7 +73,7 @@ pub fn run(common: &CommonArgs, order: &DaemonCommand) -> Result<CommandExit> {
 }
 
 /// Sends the command; returns the text to print and how the program ends.
-pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, patience: Duration) -> Result<(String, CommandExit)> {
+pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, timeout: Duration) -> Result<(String, CommandExit)> {
     let command = NewCommand {
         kind: order.command_kind(),
         profile: order.profile_name().unwrap_or_default().to_owned(),
@@ -81,7 +81,7 @@ pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, patience: Dura
         asked_by: user_at_host(),
     };
     let id = ledger.submit_command(&command).await?;
-    let answered = if is_daemon_alive(ledger).await? { wait_for_answer(ledger, id, patience).await? } else { None };
+    let answered = if is_daemon_alive(ledger).await? { wait_for_answer(ledger, id, timeout).await? } else { None };
     let kind = command.kind;
     Ok(match answered {
         Some(row) if row.state == CommandState::Refused => (format!("Refused: {}", row.answer), CommandExit::Failure),
@@ -104,12 +104,12 @@ async fn is_daemon_alive(ledger: &Ledger) -> Result<bool> {
 }
 
 /// Waits for the answered command; `None` when the time runs out first.
-async fn wait_for_answer(ledger: &Ledger, id: CommandId, patience: Duration) -> Result<Option<CommandRow>> {
-    let asked = Instant::now();
+async fn wait_for_answer(ledger: &Ledger, id: CommandId, timeout: Duration) -> Result<Option<CommandRow>> {
+    let began = Instant::now();
     loop {
         match ledger.find_command(id).await? {
             Some(row) if row.state != CommandState::Asked => return Ok(Some(row)),
-            _ if asked.elapsed() >= patience => return Ok(None),
+            _ if began.elapsed() >= timeout => return Ok(None),
             _ => tokio::time::sleep(POLL_INTERVAL).await,
         }
     }

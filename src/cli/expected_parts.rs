@@ -59,7 +59,7 @@ pub fn read_expected_parts(list: &Path, base: &Path, limits: &ReadLimits) -> Res
     let file_column =
         column(&["file"]).ok_or_else(|| UsageError(format!("{}: there is no column `file`", list.display())))?;
     let copies_column = column(&["copies", "quantity"]);
-    let mut asked = Vec::new();
+    let mut expected = Vec::new();
     for record in reader.records() {
         let record = record.map_err(unreadable)?;
         let name = record.get(file_column).unwrap_or_default().to_owned();
@@ -70,19 +70,19 @@ pub fn read_expected_parts(list: &Path, base: &Path, limits: &ReadLimits) -> Res
         let contents = build_file::read_part_file(&base.join(&name), &name, None, LengthUnit::Millimeter, limits)
             .map_err(|error| UsageError(format!("{name}: {:#}", anyhow::Error::from(error))))?;
         let many = contents.solids.len() > 1;
-        asked.extend(contents.solids.into_iter().map(|solid| ExpectedPart {
+        expected.extend(contents.solids.into_iter().map(|solid| ExpectedPart {
             name: if many { format!("{name} ({})", solid.name) } else { name.clone() },
             copies: copies * solid.copies as usize,
             shape: ShapeSignature::from_mesh(&solid.mesh),
         }));
     }
-    Ok(asked)
+    Ok(expected)
 }
 
 /// The parts that are missing and those that are in excess. Equal shapes in several rows are counted together.
-pub fn find_list_faults(asked: &[ExpectedPart], placed: &[PlacedMesh]) -> Vec<String> {
+pub fn find_list_faults(expected: &[ExpectedPart], placed: &[PlacedMesh]) -> Vec<String> {
     let mut kinds: Vec<(ShapeSignature, Vec<&str>, usize, usize)> = Vec::new();
-    for row in asked {
+    for row in expected {
         match kinds.iter_mut().find(|kind| kind.0.matches_shape(&row.shape)) {
             Some(kind) => {
                 kind.1.push(&row.name);

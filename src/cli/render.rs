@@ -40,12 +40,12 @@ enum RenderView {
 
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &RenderArgs) -> Result<CommandExit> {
-    let looked = find_build(common, &args.build)?;
+    let lookup = find_build(common, &args.build)?;
     let viewpoint = match args.view {
         RenderView::Iso => Viewpoint::Iso,
         RenderView::Top => Viewpoint::Top,
         RenderView::Front => Viewpoint::Front,
     };
-    let target = args.output.clone().unwrap_or_else(|| format!("{}.png", looked.source.output_stem()).into());
-    write_output(&target, &looked.cake.render_picture(viewpoint, args.size))
+    let target = args.output.clone().unwrap_or_else(|| format!("{}.png", lookup.source.output_stem()).into());
+    write_output(&target, &lookup.cake.render_picture(viewpoint, args.size))
 }

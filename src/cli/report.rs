@@ -22,12 +22,12 @@ pub struct ReportArgs {
 
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &ReportArgs) -> Result<CommandExit> {
-    let looked = find_build(common, &args.build)?;
-    let source = match &looked.source {
+    let lookup = find_build(common, &args.build)?;
+    let source = match &lookup.source {
         BuildSource::Ledger(build, profile) => web::ReportSource::Ledger(build, profile),
         BuildSource::File(file, info) => web::ReportSource::File(file, info),
     };
-    let html = web::HtmlReport { cake: &looked.cake, source }.to_html()?;
-    let target = args.output.clone().unwrap_or_else(|| format!("{}.html", looked.source.output_stem()).into());
+    let html = web::HtmlReport { cake: &lookup.cake, source }.to_html()?;
+    let target = args.output.clone().unwrap_or_else(|| format!("{}.html", lookup.source.output_stem()).into());
     write_output(&target, html.as_bytes())
 }

@@ -17,8 +17,8 @@ fn words(text: &str) -> Vec<String> {
     text.split(' ').map(str::to_owned).collect()
 }
 
-async fn beat(ledger: &Ledger) {
-    let beat = DaemonHeartbeat {
+async fn write_heartbeat(ledger: &Ledger) {
+    let heartbeat = DaemonHeartbeat {
         pid: 4711,
         host: "farm".into(),
         version: "0.1.0".into(),
@@ -26,7 +26,7 @@ async fn beat(ledger: &Ledger) {
         status: "idle".into(),
         machines: Vec::new(),
     };
-    ledger.write_heartbeat(&beat).await.unwrap();
+    ledger.write_heartbeat(&heartbeat).await.unwrap();
 }
 
 #[test]
@@ -50,7 +50,7 @@ async fn an_order_is_noted_while_the_daemon_does_not_run() {
 #[tokio::test]
 async fn the_answer_of_the_daemon_is_printed_and_a_refusal_fails() {
     let ledger = fresh().await;
-    beat(&ledger).await;
+    write_heartbeat(&ledger).await;
     for (done, exit, expected) in
         [(true, CommandExit::Success, "nothing waits"), (false, CommandExit::Failure, "Refused: nothing waits")]
     {
@@ -85,7 +85,7 @@ async fn status_shows_every_machine_and_what_it_does() {
         .unwrap()
         .to_text(Timestamp::now(), usize::MAX);
     assert!(stopped.starts_with("The daemon does not run.\n"), "{stopped}");
-    beat(&ledger).await;
+    write_heartbeat(&ledger).await;
     let farm = status::read_status(&ledger, &["fuse-1", "paper-200"], true).await.unwrap();
     let text = farm.to_text(Timestamp::now(), usize::MAX);
     assert!(text.starts_with("The daemon runs on farm (process 4711, version 0.1.0)"), "{text}");

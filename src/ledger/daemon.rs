@@ -62,7 +62,7 @@ pub struct DaemonRow {
 
 impl Ledger {
     /// Writes a heartbeat.
-    pub async fn write_heartbeat(&self, beat: &DaemonHeartbeat) -> Result<()> {
+    pub async fn write_heartbeat(&self, heartbeat: &DaemonHeartbeat) -> Result<()> {
         let mut change = self.begin_change().await?;
         let now = change.now;
         sqlx::query(
@@ -70,15 +70,15 @@ impl Ledger {
              ON CONFLICT (id) DO UPDATE SET pid = excluded.pid, host = excluded.host, version = excluded.version, \
              started_at = excluded.started_at, beat_at = excluded.beat_at, status = excluded.status",
         )
-        .bind(beat.pid)
-        .bind(&beat.host)
-        .bind(&beat.version)
-        .bind(UtcTimestamp(beat.started_at))
+        .bind(heartbeat.pid)
+        .bind(&heartbeat.host)
+        .bind(&heartbeat.version)
+        .bind(UtcTimestamp(heartbeat.started_at))
         .bind(now)
-        .bind(&beat.status)
+        .bind(&heartbeat.status)
         .execute(change.db())
         .await?;
-        machine::record_machines(&mut change, &beat.machines).await?;
+        machine::record_machines(&mut change, &heartbeat.machines).await?;
         change.commit().await
     }
 

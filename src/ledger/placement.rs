@@ -48,7 +48,7 @@ pub struct PlacementRow {
     /// How it stands there.
     #[serde(flatten)]
     #[sqlx(flatten)]
-    pub stands: PoseColumns,
+    pub pose_columns: PoseColumns,
     /// How it is removed from the cake.
     #[serde(flatten)]
     #[sqlx(flatten)]
@@ -98,7 +98,7 @@ pub struct RemovalColumns {
 impl PlacementRow {
     /// Pose of the copy, mesh frame -> machine frame; `None` until the build is verified.
     pub fn pose(&self) -> Option<Pose> {
-        let PoseColumns { qx, qy, qz, qw, tx_mm, ty_mm, tz_mm } = self.stands;
+        let PoseColumns { qx, qy, qz, qw, tx_mm, ty_mm, tz_mm } = self.pose_columns;
         Some(Pose::new(DQuat::from_xyzw(qx?, qy?, qz?, qw?), DVec3::new(tx_mm?, ty_mm?, tz_mm?)))
     }
 

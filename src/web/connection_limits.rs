@@ -73,8 +73,8 @@ impl<L> LimitedListener<L> {
         )
     }
 
-    pub(super) fn new(listener: L, most: usize, patience: ConnectionTimeouts) -> Self {
-        Self { listener, permits: Arc::new(Semaphore::new(most)), timeouts: patience }
+    pub(super) fn new(listener: L, max_connections: usize, timeouts: ConnectionTimeouts) -> Self {
+        Self { listener, permits: Arc::new(Semaphore::new(max_connections)), timeouts }
     }
 }
 
@@ -160,10 +160,10 @@ pub(super) struct LimitedConnection<S> {
 }
 
 impl<S> LimitedConnection<S> {
-    fn restart_timeout(&mut self, patience: Duration) {
+    fn restart_timeout(&mut self, timeout: Duration) {
         let is_full = self.permits.available_permits() == 0;
-        let patience = if is_full { patience / 3 } else { patience };
-        self.deadline.as_mut().reset(Instant::now() + patience);
+        let timeout = if is_full { timeout / 3 } else { timeout };
+        self.deadline.as_mut().reset(Instant::now() + timeout);
     }
 
     fn note_read(&mut self) {

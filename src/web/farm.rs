@@ -32,9 +32,9 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
     let mut cards = Vec::with_capacity(settings.profiles.len());
     for (name, profile) in &settings.profiles {
         let status = of(name);
-        let shot = picture::profile_picture(&web, &status).await?;
+        let picture_html = picture::profile_picture(&web, &status).await?;
         let observed = machines.iter().find(|observed| observed.profile == *name);
-        cards.push(machine_card(&web, profile, (&status, observed), &shot, now));
+        cards.push(machine_card(&web, profile, (&status, observed), &picture_html, now));
     }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
     let alerts = read_stored_alerts(&settings.state_dir);
@@ -110,7 +110,7 @@ fn machine_card(
     web: &DashboardState,
     profile: &MachineProfile,
     (status, observed): (&ProfileStatus, Option<&MachineRow>),
-    shot: &Markup,
+    picture_html: &Markup,
     now: Timestamp,
 ) -> Markup {
     let name = profile.name.as_str();
@@ -120,7 +120,7 @@ fn machine_card(
         section.card aria-label=(name) {
             h2 { (name) }
             @for text in machine_warnings(status, observed) { p.bad role="status" { (text) } }
-            (shot)
+            (picture_html)
             @if let Some(open) = open { (open_build(open, profile.space.volume_mm.z)) } @else { p { "No open build." } }
             (fact_list(&waiting(&machine, fire_forecast_text(profile, status), now)))
             @if status.rejected_parts > 0 {

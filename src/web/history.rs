@@ -72,31 +72,31 @@ const SORT_COLUMNS: [(&str, HistorySort, FieldDefinition); 4] = [
 ];
 
 /// The sorted rows of one page.
-pub(super) async fn list_rows(web: &DashboardState, asked: &HistoryFilter) -> HandlerResult<Vec<HistoryRow>> {
-    Ok(read_page(web, asked).await?.0)
+pub(super) async fn list_rows(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<Vec<HistoryRow>> {
+    Ok(read_page(web, filter).await?.0)
 }
 
 /// Translates the filter into a query of the ledger.
-fn ledger_query(asked: &HistoryFilter) -> HandlerResult<HistoryQuery> {
+fn ledger_query(filter: &HistoryFilter) -> HandlerResult<HistoryQuery> {
     let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     Ok(HistoryQuery {
-        since: parse_day(&asked.since, 0)?,
-        until: parse_day(&asked.until, 1)?,
-        profile: some(&asked.profile),
-        state: parse_field(&asked.state, "a state of a build")?,
-        part: some(&asked.part),
+        since: parse_day(&filter.since, 0)?,
+        until: parse_day(&filter.until, 1)?,
+        profile: some(&filter.profile),
+        state: parse_field(&filter.state, "a state of a build")?,
+        part: some(&filter.part),
         sort: SORT_COLUMNS
             .iter()
-            .find(|(word, ..)| *word == asked.sort)
+            .find(|(word, ..)| *word == filter.sort)
             .map_or(HistorySort::Newest, |&(_, sort, _)| sort),
-        after: parse_field::<i64>(&asked.after, "the number of a build")?.map(BuildId),
+        after: parse_field::<i64>(&filter.after, "the number of a build")?.map(BuildId),
         limit: Some(MAX_ROWS + 1),
     })
 }
 
 /// The rows of one page, and whether more rows follow.
-async fn read_page(web: &DashboardState, asked: &HistoryFilter) -> HandlerResult<(Vec<HistoryRow>, bool)> {
-    let mut rows = web.ledger.read_history(&ledger_query(asked)?).await?;
+async fn read_page(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<(Vec<HistoryRow>, bool)> {
+    let mut rows = web.ledger.read_history(&ledger_query(filter)?).await?;
     let more = rows.len() > MAX_ROWS as usize;
     rows.truncate(MAX_ROWS as usize);
     Ok((rows, more))
@@ -117,30 +117,33 @@ fn parse_day(text: &str, later: i64) -> HandlerResult<Option<Timestamp>> {
 }
 
 /// The sums of the published builds that match the filter, over all pages.
-pub(super) async fn read_height_sums(web: &DashboardState, asked: &HistoryFilter) -> HandlerResult<Vec<HeightSummary>> {
-    Ok(web.ledger.height_summaries(&ledger_query(asked)?).await?)
+pub(super) async fn read_height_sums(
+    web: &DashboardState,
+    filter: &HistoryFilter,
+) -> HandlerResult<Vec<HeightSummary>> {
+    Ok(web.ledger.height_summaries(&ledger_query(filter)?).await?)
 }
 
 /// The history page.
 pub(super) async fn show_history(
     State(web): State<Arc<DashboardState>>,
-    Query(asked): Query<HistoryFilter>,
+    Query(filter): Query<HistoryFilter>,
 ) -> HandlerResult<Markup> {
-    let (rows, more) = read_page(&web, &asked).await?;
-    let sums = HeightSummary::with_total(read_height_sums(&web, &asked).await?);
+    let (rows, more) = read_page(&web, &filter).await?;
+    let sums = HeightSummary::with_total(read_height_sums(&web, &filter).await?);
     let next =
-        rows.last().filter(|_| more).map(|last| HistoryFilter { after: last.build.to_string(), ..asked.clone() });
+        rows.last().filter(|_| more).map(|last| HistoryFilter { after: last.build.to_string(), ..filter.clone() });
     let settings = web.current_settings();
     let next = next.map(|next| query_string(&next)).transpose()?;
-    let query = query_string(&asked)?;
+    let query = query_string(&filter)?;
     let content = html! {
         h1 { "History" }
-        (filter_form(&asked, settings.profiles.keys()))
+        (filter_form(&filter, settings.profiles.keys()))
         p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
             a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
         (sums_table(&sums))
         (chart::history_charts(&rows))
-        (history_table(&rows, &asked))
+        (history_table(&rows, &filter))
         @if let Some(next) = next {
             p { a rel="next" href=(format!("/history?{next}")) { "The builds that come after these" } }
         }
@@ -148,25 +151,25 @@ pub(super) async fn show_history(
     Ok(html_page("History", "/history", None, &content))
 }
 
-fn filter_form<'a>(asked: &HistoryFilter, profiles: impl Iterator<Item = &'a String>) -> Markup {
+fn filter_form<'a>(filter: &HistoryFilter, profiles: impl Iterator<Item = &'a String>) -> Markup {
     let states: Vec<String> =
         BuildState::ALL.iter().filter(|state| state.is_past_nesting()).map(BuildState::to_string).collect();
     html! {
         form.filters method="get" action="/history" {
             label { (fields::PROFILE.label) select name="profile" {
                 option value="" { "all" }
-                @for name in profiles { option value=(name) selected[*name == asked.profile] { (name) } }
+                @for name in profiles { option value=(name) selected[*name == filter.profile] { (name) } }
             } }
             label { "Outcome" select name="state" {
                 option value="" { "all" }
-                @for state in &states { option value=(state) selected[*state == asked.state] { (state) } }
+                @for state in &states { option value=(state) selected[*state == filter.state] { (state) } }
             } }
-            label { "Part or order, whole name" input name="part" value=(asked.part); }
-            label { "Since" input type="date" name="since" value=(asked.since); }
-            label { "Until" input type="date" name="until" value=(asked.until); }
+            label { "Part or order, whole name" input name="part" value=(filter.part); }
+            label { "Since" input type="date" name="since" value=(filter.since); }
+            label { "Until" input type="date" name="until" value=(filter.until); }
             label { "Sorted by" select name="sort" {
                 option value="" { "newest first" }
-                @for (word, _, field) in &SORT_COLUMNS { option value=(word) selected[*word == asked.sort] { (field.page_heading()) } }
+                @for (word, _, field) in &SORT_COLUMNS { option value=(word) selected[*word == filter.sort] { (field.page_heading()) } }
             } }
             button type="submit" { "Show" }
         }
@@ -178,8 +181,8 @@ fn sums_table(sums: &[HeightSummary]) -> Markup {
     html! { @if !sums.is_empty() { (table_of("Heights", Some(caption), HEIGHT_SUM_COLUMNS, sums)) } }
 }
 
-fn history_table(rows: &[HistoryRow], asked: &HistoryFilter) -> Markup {
-    let order = match asked.sort.as_str() {
+fn history_table(rows: &[HistoryRow], filter: &HistoryFilter) -> Markup {
+    let order = match filter.sort.as_str() {
         "" => "the newest first".to_owned(),
         sort => format!("sorted by {sort}"),
     };
@@ -192,9 +195,9 @@ fn history_table(rows: &[HistoryRow], asked: &HistoryFilter) -> Markup {
 /// The shown builds as CSV.
 pub(super) async fn download_csv(
     State(web): State<Arc<DashboardState>>,
-    Query(asked): Query<HistoryFilter>,
+    Query(filter): Query<HistoryFilter>,
 ) -> HandlerResult<Response> {
-    let text = csv_of(HISTORY_COLUMNS, &list_rows(&web, &asked).await?).map_err(anyhow::Error::from)?;
+    let text = csv_of(HISTORY_COLUMNS, &list_rows(&web, &filter).await?).map_err(anyhow::Error::from)?;
     let name = "attachment; filename=\"nestd-history.csv\"";
     Ok(([(header::CONTENT_TYPE, "text/csv; charset=utf-8"), (header::CONTENT_DISPOSITION, name)], text).into_response())
 }
@@ -202,9 +205,9 @@ pub(super) async fn download_csv(
 /// The shown builds as JSON.
 pub(super) async fn download_json(
     State(web): State<Arc<DashboardState>>,
-    Query(asked): Query<HistoryFilter>,
+    Query(filter): Query<HistoryFilter>,
 ) -> HandlerResult<Response> {
     let name = "attachment; filename=\"nestd-history.json\"";
-    let rows = list_rows(&web, &asked).await?;
+    let rows = list_rows(&web, &filter).await?;
     Ok(([(header::CONTENT_DISPOSITION, name)], axum::Json(rows)).into_response())
 }

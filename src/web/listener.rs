@@ -71,9 +71,9 @@ mod tests {
     async fn whoever_opened_the_socket_other_machines_ask_only_with_a_token() {
         for (address, reachable) in [("127.0.0.1:0", false), ("[::1]:0", false), ("0.0.0.0:0", true)] {
             let Ok(listener) = TcpListener::bind(address).await else { continue };
-            let door = DashboardListener::Tcp(listener);
-            assert_eq!(door.require_token(None).is_err(), reachable, "{address}");
-            assert!(door.require_token(Some("a token of some letters")).is_ok());
+            let listener = DashboardListener::Tcp(listener);
+            assert_eq!(listener.require_token(None).is_err(), reachable, "{address}");
+            assert!(listener.require_token(Some("a token of some letters")).is_ok());
         }
     }
 

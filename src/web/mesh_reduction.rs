@@ -15,25 +15,25 @@ pub(super) struct ReducedMesh {
 /// How many times the grid is made coarser at most.
 const MAX_ATTEMPTS: usize = 12;
 
-/// Reduces a mesh to about `most` triangles or fewer.
-pub(super) fn reduce_mesh(mesh: &Mesh, most: usize) -> ReducedMesh {
+/// Reduces a mesh to about `max_triangles` triangles or fewer.
+pub(super) fn reduce_mesh(mesh: &Mesh, max_triangles: usize) -> ReducedMesh {
     let all = || mesh.vertices().iter().map(|v| v.as_vec3().to_array()).collect();
-    if mesh.triangles().len() <= most {
+    if mesh.triangles().len() <= max_triangles {
         return ReducedMesh { vertices: all(), triangles: mesh.triangles().to_vec() };
     }
     let bounds = mesh.bounds();
     let longest_mm = bounds.size().max_element().max(1e-9);
     // A surface that spans n cells along its longest edge occupies about n * n cells at most.
-    let mut cells = (most as f64).sqrt().max(4.0);
-    let mut light = cluster_vertices(mesh, bounds.min, longest_mm / cells);
+    let mut cells = (max_triangles as f64).sqrt().max(4.0);
+    let mut reduced = cluster_vertices(mesh, bounds.min, longest_mm / cells);
     for _ in 0..MAX_ATTEMPTS {
-        if light.triangles.len() <= most {
+        if reduced.triangles.len() <= max_triangles {
             break;
         }
-        cells *= ((most as f64 / light.triangles.len() as f64).sqrt() * 0.95).clamp(0.5, 0.95);
-        light = cluster_vertices(mesh, bounds.min, longest_mm / cells);
+        cells *= ((max_triangles as f64 / reduced.triangles.len() as f64).sqrt() * 0.95).clamp(0.5, 0.95);
+        reduced = cluster_vertices(mesh, bounds.min, longest_mm / cells);
     }
-    light
+    reduced
 }
 
 /// Moves every vertex to the mean of the vertices in its cell, and removes triangles whose corners coincide.
@@ -67,15 +67,15 @@ mod tests {
     #[test]
     fn a_reduced_part_keeps_its_bounds_and_has_no_more_triangles_than_asked() {
         for sample in sample_parts::all_samples() {
-            let light = reduce_mesh(&sample.mesh, 400);
-            assert!(light.triangles.len() <= 400, "{}: {}", sample.name, light.triangles.len());
-            assert!(light.triangles.len() > 20 || sample.mesh.triangles().len() <= 20, "{}", sample.name);
+            let reduced = reduce_mesh(&sample.mesh, 400);
+            assert!(reduced.triangles.len() <= 400, "{}: {}", sample.name, reduced.triangles.len());
+            assert!(reduced.triangles.len() > 20 || sample.mesh.triangles().len() <= 20, "{}", sample.name);
             let bounds = sample.mesh.bounds();
             let size = bounds.size().max_element();
-            let low = light.vertices.iter().fold([f32::MAX; 3], |m, v| std::array::from_fn(|k| m[k].min(v[k])));
+            let low = reduced.vertices.iter().fold([f32::MAX; 3], |m, v| std::array::from_fn(|k| m[k].min(v[k])));
             let off = (DVec3::from_array(low.map(f64::from)) - bounds.min).abs().max_element();
             assert!(off < 0.2 * size, "{}: {off} of {size}", sample.name);
-            assert!(light.triangles.iter().flatten().all(|&v| (v as usize) < light.vertices.len()));
+            assert!(reduced.triangles.iter().flatten().all(|&v| (v as usize) < reduced.vertices.len()));
         }
     }
 }

@@ -47,13 +47,13 @@ pub(super) struct PartFilter {
 }
 
 /// The parts of one page, newest first, and whether more parts follow.
-pub(super) async fn read_page(web: &DashboardState, asked: &PartFilter) -> HandlerResult<(Vec<PartRow>, bool)> {
+pub(super) async fn read_page(web: &DashboardState, filter: &PartFilter) -> HandlerResult<(Vec<PartRow>, bool)> {
     let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
     let query = PartQuery {
-        name: some(&asked.name),
-        state: parse_field(&asked.state, "a state of a part")?,
-        profile: some(&asked.profile),
-        before: parse_field::<i64>(&asked.after, "the number of a part")?.map(PartId),
+        name: some(&filter.name),
+        state: parse_field(&filter.state, "a state of a part")?,
+        profile: some(&filter.profile),
+        before: parse_field::<i64>(&filter.after, "the number of a part")?.map(PartId),
         limit: MAX_PARTS + 1,
     };
     let mut parts = web.ledger.list_parts(&query).await?;
@@ -65,28 +65,28 @@ pub(super) async fn read_page(web: &DashboardState, asked: &PartFilter) -> Handl
 /// The page that lists parts by state, name or order.
 pub(super) async fn list_parts(
     State(web): State<Arc<DashboardState>>,
-    Query(asked): Query<PartFilter>,
+    Query(filter): Query<PartFilter>,
 ) -> HandlerResult<Markup> {
-    let (parts, more) = read_page(&web, &asked).await?;
-    let next = parts.last().filter(|_| more).map(|last| PartFilter { after: last.id.to_string(), ..asked.clone() });
+    let (parts, more) = read_page(&web, &filter).await?;
+    let next = parts.last().filter(|_| more).map(|last| PartFilter { after: last.id.to_string(), ..filter.clone() });
     let next = next.map(|next| query_string(&next)).transpose()?;
     let settings = web.current_settings();
     let states = PartState::ALL.map(|s| s.to_string());
     let content = html! {
         h1 { "Parts" }
         form.filters method="get" action="/parts" {
-            label { "File or order begins with" input name="name" value=(asked.name); }
+            label { "File or order begins with" input name="name" value=(filter.name); }
             label { (fields::STATE.label) select name="state" {
                 option value="" { "all" }
-                @for state in &states { option value=(state) selected[*state == asked.state] { (state) } }
+                @for state in &states { option value=(state) selected[*state == filter.state] { (state) } }
             } }
             label { (fields::PROFILE.label) select name="profile" {
                 option value="" { "all" }
-                @for name in settings.profiles.keys() { option value=(name) selected[*name == asked.profile] { (name) } }
+                @for name in settings.profiles.keys() { option value=(name) selected[*name == filter.profile] { (name) } }
             } }
             button type="submit" { "Show" }
         }
-        @if asked.name.is_empty() && asked.state.is_empty() {
+        @if filter.name.is_empty() && filter.state.is_empty() {
             p { "Parts that are claimed, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
         }
         (parts_table(&parts, more))

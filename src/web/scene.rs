@@ -84,17 +84,17 @@ pub(super) fn pack_scene(
     for part in &cake.parts {
         // The original of this part is no longer kept: only the other parts are shown.
         let Some(mesh) = &part.mesh else { continue };
-        let light = reduce_mesh(mesh, per_copy);
+        let reduced = reduce_mesh(mesh, per_copy);
         meshes.push(SceneMesh {
             part: part.part,
             name: part.name.clone(),
             order: part.order.clone(),
-            vertices: light.vertices.len(),
-            triangles: light.triangles.len(),
+            vertices: reduced.vertices.len(),
+            triangles: reduced.triangles.len(),
             copies: scene_copies(part, mesh),
         });
-        bytes.extend(light.vertices.iter().flatten().flat_map(|v| v.to_le_bytes()));
-        bytes.extend(light.triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
+        bytes.extend(reduced.vertices.iter().flatten().flat_map(|v| v.to_le_bytes()));
+        bytes.extend(reduced.triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
     }
     let gone = cake.parts.iter().filter(|part| part.mesh.is_none());
     let missing_copies = gone.map(|part| part.copies.len()).sum();

@@ -41,14 +41,14 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
     let ledger = Ledger::open_existing(&path).await.context("opening the ledger for the dashboard")?;
     // Requests that are still in progress hold the ledger as well.
     let _closed = LedgerCloseGuard(ledger.clone());
-    let door = DashboardListener::bind_socket(&web.listen).await?;
-    door.require_token(token.as_deref())?;
+    let listener = DashboardListener::bind_socket(&web.listen).await?;
+    listener.require_token(token.as_deref())?;
     let changes = watch::Sender::new(0);
     info!("The dashboard is at {}.", web.listen);
     let shared = Arc::new(DashboardState {
         ledger,
         settings,
-        is_tcp: matches!(door, DashboardListener::Tcp(_)),
+        is_tcp: matches!(listener, DashboardListener::Tcp(_)),
         hosts: web.hosts,
         orders: web.orders,
         token,
@@ -64,7 +64,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
     });
     tokio::spawn(live::watch_for_changes(shared.clone(), changes));
     let routes = build_router(shared).into_make_service_with_connect_info::<RequestInProgress>();
-    match door {
+    match listener {
         DashboardListener::Tcp(listener) => axum::serve(LimitedListener::with_default_limits(listener), routes).await,
         DashboardListener::Unix(listener) => axum::serve(LimitedListener::with_default_limits(listener), routes).await,
     }

@@ -61,7 +61,7 @@ struct KilledFarm {
     rng: ChaCha8Rng,
     seed: u64,
     dropped: u64,
-    witness: InvariantExpectations,
+    expectations: InvariantExpectations,
     /// Copies that must be printed, by name.
     wanted: BTreeMap<String, u32>,
     printer: ScriptedPrinter,
@@ -76,7 +76,7 @@ impl KilledFarm {
             rng: ChaCha8Rng::seed_from_u64(seed),
             seed,
             dropped: 0,
-            witness: InvariantExpectations::default(),
+            expectations: InvariantExpectations::default(),
             wanted: BTreeMap::new(),
             printer: ScriptedPrinter::default(),
             copies: BTreeSet::new(),
@@ -128,7 +128,7 @@ impl KilledFarm {
         if !is_bad {
             self.wanted.insert(name.clone(), wanted);
         }
-        *self.witness.dropped.entry(blake3::hash(&bytes).to_hex().to_string()).or_default() += 1;
+        *self.expectations.dropped.entry(blake3::hash(&bytes).to_hex().to_string()).or_default() += 1;
         self.farm.drop_bytes(&format!("{folder}{name}"), &bytes);
     }
 
@@ -187,8 +187,8 @@ impl KilledFarm {
         }
         self.farm.stop();
         self.take_printed_builds();
-        let witness = InvariantExpectations { at_rest: true, ..self.witness.clone() };
-        self.broken.extend(self.farm.broken_invariants(&witness));
+        let expectations = InvariantExpectations { at_rest: true, ..self.expectations.clone() };
+        self.broken.extend(self.farm.broken_invariants(&expectations));
         let wanted: u32 = self.wanted.values().sum();
         if self.copies.len() as u32 != wanted {
             self.broken.push(format!("I2: {wanted} copies were asked, the printer got {}", self.copies.len()));

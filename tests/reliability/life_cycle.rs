@@ -70,16 +70,16 @@ pub fn quick_farm(machine: &str) -> TestFarm {
 pub struct LifeCycle {
     pub farm: TestFarm,
     /// What the script knows independently of the ledger.
-    pub witness: InvariantExpectations,
+    pub expectations: InvariantExpectations,
     /// Violations that were found.
     pub broken: Vec<String>,
     /// Build files that the printer has taken.
     pub taken: BTreeSet<String>,
     at: usize,
     command: Option<CommandId>,
-    asked_at: Instant,
+    commanded_at: Instant,
     /// The script continues when the daemon refuses something because of an injected fault.
-    pub patience: Duration,
+    pub timeout: Duration,
     /// Nothing is cancelled and taken back.
     skips_orders: bool,
 }
@@ -93,25 +93,25 @@ impl LifeCycle {
     pub fn with(more: &str) -> Self {
         Self {
             farm: quick_farm(&format!("{MACHINE}{more}")),
-            witness: InvariantExpectations::default(),
+            expectations: InvariantExpectations::default(),
             broken: Vec::new(),
             taken: BTreeSet::new(),
             at: 0,
             command: None,
-            asked_at: Instant::now(),
-            patience: Duration::from_secs(60),
+            commanded_at: Instant::now(),
+            timeout: Duration::from_secs(60),
             skips_orders: false,
         }
     }
 
     /// A life-cycle whose parts were dropped by the caller, who passes the expectations; the script only waits for the
     /// build.
-    pub fn after_dropping(more: &str, witness: InvariantExpectations) -> Self {
+    pub fn after_dropping(more: &str, expectations: InvariantExpectations) -> Self {
         let mut life = Self::with(more);
         let foreign = life.farm.folder("inbox").join(FOREIGN);
-        life.witness = InvariantExpectations {
-            untouched: witness.untouched.into_iter().map(|(_, hash)| (foreign.clone(), hash)).collect(),
-            ..witness
+        life.expectations = InvariantExpectations {
+            untouched: expectations.untouched.into_iter().map(|(_, hash)| (foreign.clone(), hash)).collect(),
+            ..expectations
         };
         life.at = STEPS.iter().position(|step| matches!(step, ScriptStep::AwaitReading)).unwrap();
         life.skips_orders = true;
@@ -139,7 +139,7 @@ impl LifeCycle {
                 if has_ended() {
                     break ScriptEnd::DaemonEnded;
                 }
-                if began.elapsed() > self.patience {
+                if began.elapsed() > self.timeout {
                     break ScriptEnd::Stuck;
                 }
                 if ledger.is_none() {
@@ -207,9 +207,9 @@ impl LifeCycle {
         self.farm.drop_bytes("order.csv", b"file,copies\nplate.stl,3\nbad.stl,1\n");
         self.farm.drop_bytes(FOREIGN, b"not nestd's");
         let foreign = self.farm.folder("inbox").join(FOREIGN);
-        self.witness.untouched.push((foreign.clone(), intake::hash_file(&foreign).unwrap()));
+        self.expectations.untouched.push((foreign.clone(), intake::hash_file(&foreign).unwrap()));
         for (name, bytes) in files {
-            *self.witness.dropped.entry(blake3::hash(&bytes).to_hex().to_string()).or_default() += 1;
+            *self.expectations.dropped.entry(blake3::hash(&bytes).to_hex().to_string()).or_default() += 1;
             self.farm.drop_bytes(name, &bytes);
         }
     }
@@ -228,7 +228,7 @@ impl LifeCycle {
             };
             let command = NewCommand { kind, profile, part, asked_by: "test".to_owned() };
             self.command = Some(ledger.submit_command(&command).await?);
-            self.asked_at = Instant::now();
+            self.commanded_at = Instant::now();
             return Ok(false);
         };
         Ok(ledger.find_command(id).await?.is_some_and(|row| row.state != CommandState::Asked))
@@ -242,7 +242,7 @@ impl LifeCycle {
             return Ok(true);
         }
         let nesting = ledger.builds_in_state(BuildState::Nesting).await?.len();
-        if answered && nesting == 0 && self.asked_at.elapsed() > Duration::from_secs(2) {
+        if answered && nesting == 0 && self.commanded_at.elapsed() > Duration::from_secs(2) {
             self.command = None;
         }
         Ok(false)
@@ -277,28 +277,28 @@ impl LifeCycle {
     /// Collects violations while work may be in progress.
     pub fn check_after_crash(&mut self) {
         if self.farm.root().join("state/nestd.db").exists() && self.at > 0 {
-            let found = self.try_invariants(&self.witness.clone());
+            let found = self.try_invariants(&self.expectations.clone());
             self.broken.extend(found);
         }
     }
 
     /// Returns nothing when the ledger has no schema yet, after an early crash.
-    fn try_invariants(&self, witness: &InvariantExpectations) -> Vec<String> {
+    fn try_invariants(&self, expectations: &InvariantExpectations) -> Vec<String> {
         let settings = nestd::settings::load_settings(Some(&self.farm.config()), Some(self.farm.root())).unwrap();
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let Ok(ledger) = Ledger::open_existing(&settings.ledger).await else { return Vec::new() };
-            let looked = nestd::farm::check_invariants(&settings, &ledger, witness).await.unwrap();
+            let invariant_report = nestd::farm::check_invariants(&settings, &ledger, expectations).await.unwrap();
             ledger.close().await;
-            looked.violations.iter().map(ToString::to_string).collect()
+            invariant_report.violations.iter().map(ToString::to_string).collect()
         })
     }
 
     /// After the script has ended and the daemon was stopped: collects violations, and checks that everything was done.
     pub fn check_at_rest(&mut self) {
         self.take_as_a_printer_does();
-        let witness = InvariantExpectations { at_rest: true, ..self.witness.clone() };
-        self.broken.extend(self.farm.broken_invariants(&witness));
+        let expectations = InvariantExpectations { at_rest: true, ..self.expectations.clone() };
+        self.broken.extend(self.farm.broken_invariants(&expectations));
         let built: BTreeMap<String, u32> =
             self.farm.parts(PartState::Built).into_iter().map(|part| (part.name, part.copies)).collect();
         let asked: BTreeMap<String, u32> = PRINTED.iter().map(|&(name, copies)| (name.to_owned(), copies)).collect();

@@ -311,8 +311,8 @@ impl RestoredFarm {
     }
 
     fn comes_to_rest(&self) -> bool {
-        let (began, mut quiet) = (Instant::now(), 0);
-        while quiet < 2 && began.elapsed() < REST {
+        let (began, mut rounds_at_rest) = (Instant::now(), 0);
+        while rounds_at_rest < 2 && began.elapsed() < REST {
             let parts = |state| self.farm.parts(state);
             let waiting: Vec<_> =
                 parts(PartState::Waiting).into_iter().filter(|p| p.times.damaged_at.is_none()).collect();
@@ -320,10 +320,10 @@ impl RestoredFarm {
                 let _ = self.farm.nestd(&["flush", PROFILE]);
             }
             let in_work = waiting.len() + parts(PartState::Claimed).len() + parts(PartState::Batched).len();
-            quiet = if in_work == 0 { quiet + 1 } else { 0 };
+            rounds_at_rest = if in_work == 0 { rounds_at_rest + 1 } else { 0 };
             std::thread::sleep(Duration::from_millis(200));
         }
-        quiet >= 2
+        rounds_at_rest >= 2
     }
 
     /// The fault at the end, if there is one.

@@ -71,7 +71,7 @@ struct StormFarm {
     seed: u64,
     dropped: u64,
     /// By content.
-    asked: BTreeMap<String, ExpectedContent>,
+    expected: BTreeMap<String, ExpectedContent>,
     /// Dropped contents, to be dropped again.
     contents: Vec<Vec<u8>>,
     /// Copies in the build files that the printer took, by content.
@@ -91,7 +91,7 @@ impl StormFarm {
             rng: ChaCha8Rng::seed_from_u64(seed),
             seed,
             dropped: 0,
-            asked: BTreeMap::new(),
+            expected: BTreeMap::new(),
             contents: Vec::new(),
             printed: BTreeMap::new(),
             printer: ScriptedPrinter::default(),
@@ -170,10 +170,10 @@ impl StormFarm {
     }
 
     fn record_expected(&mut self, bytes: &[u8], name: &str, copies: u32, is_bad: bool) {
-        let asked = self.asked.entry(hash(bytes)).or_default();
-        asked.copies += copies;
-        asked.is_bad = is_bad;
-        asked.names.insert(name.to_owned());
+        let expected = self.expected.entry(hash(bytes)).or_default();
+        expected.copies += copies;
+        expected.is_bad = is_bad;
+        expected.names.insert(name.to_owned());
         self.dropped += 1;
     }
 
@@ -227,8 +227,8 @@ impl StormFarm {
 
     fn cancel_part(&mut self) {
         let Some(part) = self.pick_part(PartState::Waiting) else { return };
-        if let Some(asked) = self.asked.get_mut(&part.file.content_hash) {
-            asked.cancelled += part.copies;
+        if let Some(expected) = self.expected.get_mut(&part.file.content_hash) {
+            expected.cancelled += part.copies;
         }
         self.run_command(&["cancel", &part.id.to_string()]);
     }
@@ -283,10 +283,10 @@ impl StormFarm {
     fn finish_and_compare(mut self) -> SectionResult {
         self.farm.start();
         self.run_command(&["resume", PROFILE]);
-        let (began, mut quiet) = (Instant::now(), 0);
-        while quiet < 3 {
+        let (began, mut rounds_at_rest) = (Instant::now(), 0);
+        while rounds_at_rest < 3 {
             std::thread::sleep(Duration::from_millis(400));
-            quiet = if self.is_at_rest() { quiet + 1 } else { 0 };
+            rounds_at_rest = if self.is_at_rest() { rounds_at_rest + 1 } else { 0 };
             if began.elapsed() > Duration::from_secs(REST_SECS) {
                 let (log, state) = (self.farm.log(), self.farm.nestd(&["status", "--parts"]));
                 let lines: Vec<&str> = log.lines().collect();
@@ -328,20 +328,20 @@ impl StormFarm {
         let error = nestd::intake::files_below(&self.farm.folder("error")).unwrap_or_default();
         let refused: BTreeSet<String> =
             error.iter().filter_map(|file| Some(hash(&fs::read(file).ok()?))).collect::<BTreeSet<_>>();
-        for (content, asked) in &self.asked {
+        for (content, expected) in &self.expected {
             let printed = self.printed.remove(content).unwrap_or_default();
-            let about = format!("{content} ({:?})", asked.names);
-            if printed > asked.copies || (asked.is_bad && printed > 0) {
-                self.broken.push(format!("DOUBLED: {about}: {printed} copies printed, {} asked", asked.copies));
+            let about = format!("{content} ({:?})", expected.names);
+            if printed > expected.copies || (expected.is_bad && printed > 0) {
+                self.broken.push(format!("DOUBLED: {about}: {printed} copies printed, {} asked", expected.copies));
             }
-            let missing = asked.copies.saturating_sub(printed);
+            let missing = expected.copies.saturating_sub(printed);
             let is_named = refused.contains(content)
                 || self.doubts.contains(content.as_str())
-                || asked.names.iter().any(|name| self.doubts.contains(name.as_str()));
-            if missing > 0 && !is_named && missing > asked.cancelled {
+                || expected.names.iter().any(|name| self.doubts.contains(name.as_str()));
+            if missing > 0 && !is_named && missing > expected.cancelled {
                 self.broken.push(format!(
                     "LOST: {about}: {printed} copies printed, {} asked, {} cancelled, and nobody was told",
-                    asked.copies, asked.cancelled
+                    expected.copies, expected.cancelled
                 ));
             }
         }

@@ -220,11 +220,11 @@ impl TestFarm {
     }
 
     /// The violations of the invariants.
-    pub fn broken_invariants(&self, witness: &InvariantExpectations) -> Vec<String> {
+    pub fn broken_invariants(&self, expectations: &InvariantExpectations) -> Vec<String> {
         let settings = settings::load_settings(Some(&self.config()), Some(self.root())).unwrap();
-        let looked =
-            self.query_ledger(async |ledger| farm::check_invariants(&settings, ledger, witness).await.unwrap());
-        looked.violations.iter().map(ToString::to_string).collect()
+        let invariant_report =
+            self.query_ledger(async |ledger| farm::check_invariants(&settings, ledger, expectations).await.unwrap());
+        invariant_report.violations.iter().map(ToString::to_string).collect()
     }
 
     pub fn parts(&self, state: PartState) -> Vec<PartRow> {

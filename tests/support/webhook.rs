@@ -34,7 +34,7 @@ impl ReceivedRequest {
 
 #[derive(Default)]
 struct WebhookState {
-    heard: Vec<ReceivedRequest>,
+    received: Vec<ReceivedRequest>,
     /// The next status codes, last first; then 200.
     answers: Vec<u16>,
 }
@@ -52,7 +52,7 @@ impl TestWebhook {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let url = format!("http://{}/hook", listener.local_addr().unwrap());
         let answers = answers.iter().rev().copied().collect();
-        let hook = Self { inner: Arc::new(Mutex::new(WebhookState { heard: Vec::new(), answers })), url };
+        let hook = Self { inner: Arc::new(Mutex::new(WebhookState { received: Vec::new(), answers })), url };
         let inner = hook.inner.clone();
         thread::spawn(move || {
             for stream in listener.incoming().map_while(Result::ok) {
@@ -64,12 +64,12 @@ impl TestWebhook {
     }
 
     pub fn received(&self) -> Vec<ReceivedRequest> {
-        self.inner.lock().unwrap().heard.clone()
+        self.inner.lock().unwrap().received.clone()
     }
 
     /// The messages that were answered with success.
     pub fn delivered(&self) -> Vec<Value> {
-        self.received().iter().filter(|heard| heard.answered == 200).map(ReceivedRequest::json).collect()
+        self.received().iter().filter(|received| received.answered == 200).map(ReceivedRequest::json).collect()
     }
 
     pub fn set_answers(&self, answers: &[u16]) {
@@ -116,7 +116,7 @@ fn handle_request(mut stream: TcpStream, inner: &Mutex<WebhookState>) {
     let answered = {
         let mut inner = inner.lock().unwrap();
         let answered = inner.answers.pop().unwrap_or(200);
-        inner.heard.push(ReceivedRequest { headers, body, answered });
+        inner.received.push(ReceivedRequest { headers, body, answered });
         answered
     };
     if answered == 0 {

@@ -38,8 +38,8 @@ pub(crate) struct BoxStacker<'a> {
 
 impl<'a> BoxStacker<'a> {
     /// Creates a stacker for the items of an instance.
-    pub(crate) fn new(lineup: &'a OutlinedInstance) -> Self {
-        Self { outlined: lineup, orientations: BTreeMap::new() }
+    pub(crate) fn new(outlined: &'a OutlinedInstance) -> Self {
+        Self { outlined, orientations: BTreeMap::new() }
     }
 
     /// A base with the pieces that are already placed.
@@ -90,14 +90,14 @@ impl<'a> BoxStacker<'a> {
         skyline: &mut SkylineGrid,
         filled: &FilledLayers,
     ) -> Option<PlacedItem> {
-        let lineup = self.outlined;
-        let candidate = lineup.outlined_item(copy.0);
+        let outlined = self.outlined;
+        let candidate = outlined.outlined_item(copy.0);
         let orientations =
-            self.orientations.entry(copy.0).or_insert_with(|| distinct_orientations(candidate, lineup.room));
+            self.orientations.entry(copy.0).or_insert_with(|| distinct_orientations(candidate, outlined.room));
         let mut best: Option<(f64, DVec3, &BoxOrientation)> = None;
         for orientation in orientations.iter() {
             let size = orientation.bounds.size();
-            let Some(corner) = skyline.lowest_position(size, lineup.max_clearance_mm + CLEARANCE_SPARE_MM) else {
+            let Some(corner) = skyline.lowest_position(size, outlined.max_clearance_mm + CLEARANCE_SPARE_MM) else {
                 continue;
             };
             let top = corner.z + size.z;
@@ -114,11 +114,11 @@ impl<'a> BoxStacker<'a> {
         if filled.is_capped() {
             // The space above the box is free.
             piece = piece.moved_by(DVec3::Z * filled.raise_mm(&candidate.mesh, &pose)?);
-            if piece.bounds.max.z > lineup.room.z - WALL_SPARE_MM {
+            if piece.bounds.max.z > outlined.room.z - WALL_SPARE_MM {
                 return None;
             }
         }
-        skyline.add_box(&raised_bounds(&piece.bounds, lineup.z_extra_mm));
+        skyline.add_box(&raised_bounds(&piece.bounds, outlined.z_extra_mm));
         Some(piece)
     }
 }

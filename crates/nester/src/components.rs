@@ -77,13 +77,13 @@ mod tests {
         }
     }
 
-    fn nested(instance: &NestingInstance, organs: SearchComponents) -> NestingSolution {
-        let config = NestingConfig { components: organs, ..NestingConfig::default() };
+    fn nested(instance: &NestingInstance, components: SearchComponents) -> NestingSolution {
+        let config = NestingConfig { components, ..NestingConfig::default() };
         nest(instance, &config, &[], &AblationTestBudget, &mut |_: &NestingSolution, _: u64| {})
     }
 
     #[test]
-    fn every_organ_takes_part_and_none_is_needed_for_a_proved_layout() {
+    fn every_component_takes_part_and_none_is_needed_for_a_proved_layout() {
         let item = |name: &str, mesh, copies| NestingItem {
             name: name.to_owned(),
             mesh,
@@ -96,8 +96,8 @@ mod tests {
         let volume = BuildVolume { size_mm: DVec3::new(9.5, 9.5, 60.0) };
         let instance = NestingInstance::new(volume, 1.0, items).expect("makes sense");
         let whole = nested(&instance, SearchComponents::default());
-        for (organ, organs) in SearchComponents::each_disabled() {
-            let solution = nested(&instance, organs);
+        for (component, components) in SearchComponents::each_disabled() {
+            let solution = nested(&instance, components);
             let body = |p: &crate::ItemPlacement| PlacedSolid {
                 name: instance.items()[p.item].name.clone(),
                 mesh: instance.items()[p.item].mesh.clone(),
@@ -107,10 +107,10 @@ mod tests {
             let bodies: Vec<PlacedSolid> = solution.placements.iter().map(body).collect();
             assert!(
                 solution.unplaced.is_empty() && prove_placed_solids(&bodies, volume.size_mm).is_proved(),
-                "without {organ}"
+                "without {component}"
             );
             // The evaluations are compared too: a first layout that is not the best changes nothing else.
-            assert!(solution != whole, "nothing changes without {organ}");
+            assert!(solution != whole, "nothing changes without {component}");
         }
     }
 }

@@ -157,9 +157,9 @@ fn where_two_links_fit_only_as_a_chain_one_stays_out() {
 
 fn task(instance: &NestingInstance) -> PreparedInstance {
     let prepared = PreparedMeshes::default();
-    let workshop = MeshPreparation::new(&prepared, 1);
-    let outlined = OutlinedInstance::new(instance, |meshes| workshop.prepare_outlines(meshes));
-    PreparedInstance::new(Arc::new(outlined), BTreeSet::new(), &workshop, SearchComponents::default(), 2000, 100)
+    let preparation = MeshPreparation::new(&prepared, 1);
+    let outlined = OutlinedInstance::new(instance, |meshes| preparation.prepare_outlines(meshes));
+    PreparedInstance::new(Arc::new(outlined), BTreeSet::new(), &preparation, SearchComponents::default(), 2000, 100)
         .unwrap()
 }
 

@@ -44,14 +44,14 @@ impl<'a> NestingRun<'a> {
         stop: &'a dyn StopCondition,
         listener: &'a mut dyn ProgressListener,
     ) -> Self {
-        let mut workshop = MeshPreparation::new(prepared, config.threads);
+        let mut preparation = MeshPreparation::new(prepared, config.threads);
         if instance.pinned().is_empty() {
-            workshop = workshop.with_deadline(stop, PREPARING_SHARE);
+            preparation = preparation.with_deadline(stop, PREPARING_SHARE);
         }
         Self {
             instance,
             config,
-            preparation: workshop,
+            preparation,
             stop,
             listener,
             best_items: Vec::new(),
@@ -68,8 +68,8 @@ impl<'a> NestingRun<'a> {
     /// Prepares the instance coarsely; `None` when the time runs out first.
     pub(super) fn prepare_instance(&self, outlined: Arc<OutlinedInstance>) -> Option<PreparedInstance> {
         let pins = self.instance.reserved_space().pinned_copies();
-        let (organs, workshop) = (self.config.components, &self.preparation);
-        let mut task = PreparedInstance::new(outlined, pins, workshop, organs, COARSE_NODES, COARSE_POINTS)?;
+        let (components, preparation) = (self.config.components, &self.preparation);
+        let mut task = PreparedInstance::new(outlined, pins, preparation, components, COARSE_NODES, COARSE_POINTS)?;
         task.must_be_separable = self.config.effective_interlock() == InterlockRule::Forbid;
         Some(task)
     }

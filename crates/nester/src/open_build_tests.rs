@@ -42,7 +42,7 @@ fn a_copy_more_stands_among_a_hundred_and_those_far_from_it_stay() {
     let mut items = hundred();
     items.push(item(knobbly(DVec3::new(8.0, 7.0, 5.0), 0.3), 1, OrientationRule::Free));
     let more = asked(size, 1.5, items);
-    let mut heard = 0;
+    let mut improvements = 0;
     let stop = NesterTestBudget(50_000);
     let after = insert_copies(
         &more,
@@ -50,10 +50,10 @@ fn a_copy_more_stands_among_a_hundred_and_those_far_from_it_stay() {
         &before.placements,
         &PreparedMeshes::default(),
         &stop,
-        &mut |_: &NestingSolution, _: u64| heard += 1,
+        &mut |_: &NestingSolution, _: u64| improvements += 1,
     );
     assert_good(&more, &after);
-    assert!(after.unplaced.is_empty() && heard >= 1 && after.evaluations < 10_000, "{}", after.evaluations);
+    assert!(after.unplaced.is_empty() && improvements >= 1 && after.evaluations < 10_000, "{}", after.evaluations);
     let moved = before.placements.iter().filter(|p| {
         let now = pose_of(&after, (p.item, p.copy)).expect("still stands");
         now.translation.distance(p.pose.translation) > 1e-6

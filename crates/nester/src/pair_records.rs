@@ -51,8 +51,8 @@ impl PairRecordTable {
     /// The data of a pair, mutable; created if there is none.
     pub(crate) fn pair_or_insert(&mut self, one: usize, other: usize) -> &mut PairRecord {
         let (first, second) = (one.min(other), one.max(other) as u32);
-        let notes = &mut self.by_part[first];
-        let at = notes.binary_search_by_key(&second, |n| n.other).unwrap_or_else(|at| {
+        let records = &mut self.by_part[first];
+        let at = records.binary_search_by_key(&second, |n| n.other).unwrap_or_else(|at| {
             let fresh = PairRecord {
                 other: second,
                 weight: 1.0,
@@ -61,10 +61,10 @@ impl PairRecordTable {
                 clear_at: None,
                 known_overlap: None,
             };
-            notes.insert(at, fresh);
+            records.insert(at, fresh);
             at
         });
-        &mut notes[at]
+        &mut records[at]
     }
 
     /// Moves the weights back towards 1.
@@ -74,9 +74,9 @@ impl PairRecordTable {
 
     /// Resets the weights and reduces the margins.
     pub(crate) fn reset_weights(&mut self) {
-        for notes in &mut self.by_part {
-            notes.iter_mut().for_each(|n| (n.weight, n.margin, n.known_overlap) = (1.0, 0.7 * n.margin, None));
-            notes.retain(|n| n.margin.abs() > 0.01 || !n.contacts.is_empty());
+        for records in &mut self.by_part {
+            records.iter_mut().for_each(|n| (n.weight, n.margin, n.known_overlap) = (1.0, 0.7 * n.margin, None));
+            records.retain(|n| n.margin.abs() > 0.01 || !n.contacts.is_empty());
         }
     }
 }

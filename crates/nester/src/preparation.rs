@@ -28,7 +28,7 @@ pub(crate) struct MeshPreparation<'a> {
 }
 
 impl<'a> MeshPreparation<'a> {
-    /// A workshop that takes from `prepared`, adds to it, and works on so many threads; 0 = one per core.
+    /// A preparation that takes from `prepared`, adds to it, and uses this number of threads; 0 = one per core.
     pub(crate) fn new(prepared: &'a PreparedMeshes, threads: usize) -> Self {
         let cores = || thread::available_parallelism().map_or(1, usize::from);
         Self { prepared, threads: if threads == 0 { cores() } else { threads }, deadline: None }
@@ -66,7 +66,7 @@ impl<'a> MeshPreparation<'a> {
         // Large meshes first, so that no thread is left with a large one at the end.
         distinct.sort_by_key(|mesh| std::cmp::Reverse(mesh.triangles().len()));
         let next = AtomicUsize::new(0);
-        let labour = || {
+        let prepare_meshes = || {
             let mut done: Vec<(usize, Arc<T>)> = Vec::new();
             while let Some(mesh) = distinct.get(next.fetch_add(1, Ordering::Relaxed)) {
                 done.push((Arc::as_ptr(mesh) as usize, work(mesh)?));
@@ -75,10 +75,10 @@ impl<'a> MeshPreparation<'a> {
         };
         let threads = self.threads.min(distinct.len());
         let mut made = if threads <= 1 {
-            labour()?
+            prepare_meshes()?
         } else {
             thread::scope(|scope| {
-                let handles: Vec<_> = (0..threads).map(|_| scope.spawn(labour)).collect();
+                let handles: Vec<_> = (0..threads).map(|_| scope.spawn(prepare_meshes)).collect();
                 let join = |handle: thread::ScopedJoinHandle<'_, _>| handle.join().unwrap_or_else(|p| resume_unwind(p));
                 let made: Option<Vec<_>> = handles.into_iter().map(join).collect();
                 Some(made?.into_iter().flatten().collect::<Vec<_>>())

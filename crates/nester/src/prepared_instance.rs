@@ -54,29 +54,29 @@ impl PreparedInstance {
     /// Prepares every distinct mesh of the instance; `None` when the time for preparation runs out first. Interlocking
     /// is not checked yet.
     pub(crate) fn new(
-        lineup: Arc<OutlinedInstance>,
+        outlined: Arc<OutlinedInstance>,
         pins: BTreeSet<(usize, u32)>,
-        workshop: &MeshPreparation<'_>,
+        preparation: &MeshPreparation<'_>,
         organs: SearchComponents,
         nodes: usize,
         points: usize,
     ) -> Option<Self> {
-        let detail = ShapeDetail { nodes, points, reach_mm: lineup.max_clearance_mm + 0.5 };
-        let zones = || lineup.zones.iter().map(|zone| &zone.mesh);
-        let items = lineup.outlined_items.iter().flatten().map(|c| &c.mesh);
+        let detail = ShapeDetail { nodes, points, reach_mm: outlined.max_clearance_mm + 0.5 };
+        let zones = || outlined.zones.iter().map(|zone| &zone.mesh);
+        let items = outlined.outlined_items.iter().flatten().map(|c| &c.mesh);
         let meshes: Vec<Arc<Mesh>> = items.chain(zones()).cloned().collect();
-        let mut shapes = workshop.prepare_shapes(&meshes, detail)?.into_iter();
+        let mut shapes = preparation.prepare_shapes(&meshes, detail)?.into_iter();
         let kind = |candidate: &Option<OutlinedItem>| {
             let OutlinedItem { orientation, clearance_mm, .. } = candidate.as_ref()?;
             Some(PreparedItem { shape: shapes.next()?, orientation: orientation.clone(), clearance_mm: *clearance_mm })
         };
-        let mut kinds: Vec<Option<PreparedItem>> = lineup.outlined_items.iter().map(kind).collect();
+        let mut kinds: Vec<Option<PreparedItem>> = outlined.outlined_items.iter().map(kind).collect();
         let zone = |shape| {
             Some(PreparedItem { shape, orientation: OrientationRule::Fixed.into(), clearance_mm: ZONE_CLEARANCE })
         };
         kinds.extend(shapes.map(zone));
-        let (copies, room) = (lineup.copies.clone(), lineup.room);
-        let (reach_mm, z_extra_mm) = (lineup.max_clearance_mm, lineup.z_extra_mm);
+        let (copies, room) = (outlined.copies.clone(), outlined.room);
+        let (reach_mm, z_extra_mm) = (outlined.max_clearance_mm, outlined.z_extra_mm);
         let mut prepared = Self {
             prepared_items: kinds,
             copies,
@@ -87,7 +87,7 @@ impl PreparedInstance {
             pinned: pins,
             components: organs,
             must_be_separable: false,
-            outlined: lineup,
+            outlined,
         };
         let place = |zone: &ReservedZone| zone.bounds.center();
         let first = prepared.outlined.outlined_items.len();
@@ -102,14 +102,14 @@ impl PreparedInstance {
     pub(crate) fn refine_shapes(
         &mut self,
         items: Range<usize>,
-        workshop: &MeshPreparation<'_>,
+        preparation: &MeshPreparation<'_>,
         nodes: usize,
         points: usize,
     ) {
         let detail = ShapeDetail { nodes, points, reach_mm: self.max_clearance_mm + 0.5 };
         let mut kinds: Vec<&mut PreparedItem> = self.prepared_items[items].iter_mut().flatten().collect();
         let meshes: Vec<Arc<Mesh>> = kinds.iter().map(|kind| kind.shape.tree.mesh().clone()).collect();
-        let Some(shapes) = workshop.prepare_shapes(&meshes, detail) else { return };
+        let Some(shapes) = preparation.prepare_shapes(&meshes, detail) else { return };
         kinds.iter_mut().zip(shapes).for_each(|(kind, shape)| kind.shape = shape);
     }
 

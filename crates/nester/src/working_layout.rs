@@ -179,11 +179,11 @@ impl<'t> WorkingLayout<'t> {
         let (one_mm, other_mm) = (f64::from(self.parts.clearances[one]), f64::from(self.parts.clearances[other]));
         let clearance = clearance_of_pair(one_mm, other_mm) as f32 + CLEARANCE_TARGET_SPARE_MM;
         match self.pair_records.get_pair(one, other) {
-            Some(note) => PairConstraint {
-                reach: clearance + note.margin,
+            Some(record) => PairConstraint {
+                reach: clearance + record.margin,
                 clearance,
-                weight: note.weight,
-                contacts: &note.contacts,
+                weight: record.weight,
+                contacts: &record.contacts,
             },
             None => PairConstraint { reach: clearance, clearance, weight: 1.0, contacts: &[] },
         }
@@ -334,7 +334,7 @@ impl<'t> WorkingLayout<'t> {
     /// Unweighted overlap of two parts at their present poses; cached until one of them moves.
     fn pair_energy(&mut self, one: usize, other: usize) -> f32 {
         let now = (self.move_counts[one], self.move_counts[other]);
-        if let Some((at, energy)) = self.pair_records.get_pair(one, other).and_then(|note| note.known_overlap)
+        if let Some((at, energy)) = self.pair_records.get_pair(one, other).and_then(|record| record.known_overlap)
             && at == now
         {
             return energy;
@@ -365,9 +365,9 @@ impl<'t> WorkingLayout<'t> {
         let worst = pairs.iter().fold(1e-12_f32, |most, p| most.max(p.2));
         self.pair_records.decay_weights(0.95);
         for &(one, other, energy) in pairs.iter().filter(|_| self.prepared.components.weights) {
-            let note = self.pair_records.pair_or_insert(one, other);
+            let record = self.pair_records.pair_or_insert(one, other);
             // The factor is 2 for the worst pair and 1.2 for the least (the decay above is undone).
-            note.weight = (note.weight / 0.95 * (1.2 + 0.8 * (energy / worst).sqrt())).min(1e5);
+            record.weight = (record.weight / 0.95 * (1.2 + 0.8 * (energy / worst).sqrt())).min(1e5);
         }
         energies.iter().sum()
     }

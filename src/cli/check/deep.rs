@@ -21,7 +21,7 @@ const RECHECK_DELAY: Duration = Duration::from_secs(3);
 pub fn check_invariants(settings: &Settings, report: &mut CheckReport) -> Result<()> {
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().build().context("starting to read the ledger")?;
-    let looked = runtime.block_on(async {
+    let invariant_report = runtime.block_on(async {
         let ledger = match Ledger::open_existing(&settings.ledger).await {
             Ok(ledger) => ledger,
             // The ordinary check has reported this, with its remedy.
@@ -32,7 +32,7 @@ pub fn check_invariants(settings: &Settings, report: &mut CheckReport) -> Result
             true => Ok(false),
             false => Ledger::check_files(&settings.ledger).await,
         };
-        let looked = match whole {
+        let invariant_report = match whole {
             Ok(true) => check_twice(settings, &ledger).await,
             Ok(false) => match ledger.check_integrity().await {
                 Ok(()) => check_twice(settings, &ledger).await,
@@ -41,10 +41,10 @@ pub fn check_invariants(settings: &Settings, report: &mut CheckReport) -> Result
             Err(error) => Err(error.into()),
         };
         ledger.close().await;
-        looked.map(Some)
+        invariant_report.map(Some)
     });
-    match looked {
-        Ok(Some(looked)) => report_violations(&looked, report),
+    match invariant_report {
+        Ok(Some(invariant_report)) => report_violations(&invariant_report, report),
         Ok(None) => report.add_note(SUBJECT, "there is no ledger yet: nothing to compare with"),
         Err(error) => report.add_problem(SUBJECT, format!("cannot be looked at: {error:#}"), "mend the ledger first"),
     }
@@ -64,28 +64,28 @@ pub fn repair_ledger(settings: &Settings, new_folders: &[PathBuf], report: &mut 
 }
 
 async fn check_twice(settings: &Settings, ledger: &Ledger) -> Result<InvariantReport> {
-    let mut looked = farm::check_invariants(settings, ledger, &InvariantExpectations::default()).await?;
-    if !looked.violations.is_empty() && ledger.last_daemon().await?.is_some_and(|daemon| daemon.alive) {
+    let mut invariant_report = farm::check_invariants(settings, ledger, &InvariantExpectations::default()).await?;
+    if !invariant_report.violations.is_empty() && ledger.last_daemon().await?.is_some_and(|daemon| daemon.alive) {
         tokio::time::sleep(RECHECK_DELAY).await;
         let again = farm::check_invariants(settings, ledger, &InvariantExpectations::default()).await?;
-        looked.violations.retain(|violation| again.violations.contains(violation));
+        invariant_report.violations.retain(|violation| again.violations.contains(violation));
     }
-    Ok(looked)
+    Ok(invariant_report)
 }
 
-fn report_violations(looked: &InvariantReport, report: &mut CheckReport) {
-    for violation in &looked.violations {
+fn report_violations(invariant_report: &InvariantReport, report: &mut CheckReport) {
+    for violation in &invariant_report.violations {
         let text = format!("{:?}: {}", violation.invariant, violation.text);
         match violation.may_be_manual {
             true => report.add_warning(SUBJECT, text, violation.remedy.clone()),
             false => report.add_problem(SUBJECT, text, violation.remedy.clone()),
         }
     }
-    if looked.violations.is_empty() {
+    if invariant_report.violations.is_empty() {
         report.add_ok(SUBJECT, {
             let (files, builds) = (
-                format_count(looked.files_read, "file", "files"),
-                format_count(looked.builds_checked, "build", "builds"),
+                format_count(invariant_report.files_read, "file", "files"),
+                format_count(invariant_report.builds_checked, "build", "builds"),
             );
             format!("I1 to I4 hold: {files} and {builds} read")
         });

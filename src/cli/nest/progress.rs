@@ -57,7 +57,7 @@ impl SearchProgress {
     pub fn new(on_terminal: bool, budget: SearchBudget, floor_mm: f64) -> Self {
         let heights = Arc::new(HeightProgress::default());
         let (seen, clock) = (heights.clone(), budget.clone());
-        let teller = on_terminal.then(|| {
+        let printer = on_terminal.then(|| {
             std::thread::spawn(move || {
                 while !seen.is_over.load(Ordering::Relaxed) {
                     eprint!(
@@ -75,17 +75,17 @@ impl SearchProgress {
             floor_mm,
             curve: Vec::new(),
             heights,
-            printer_thread: teller,
+            printer_thread: printer,
         }
     }
 
     /// Stops the progress bar; returns the course of the search.
     pub fn finish(mut self, seed: u64) -> SearchSummary {
         self.heights.is_over.store(true, Ordering::Relaxed);
-        if let Some(teller) = self.printer_thread.take() {
-            teller.thread().unpark();
+        if let Some(printer) = self.printer_thread.take() {
+            printer.thread().unpark();
             // A panic of the printer thread is ignored: the search itself is complete.
-            let _ = teller.join();
+            let _ = printer.join();
         }
         SearchSummary {
             clearance_proved_mm: None,

@@ -197,7 +197,7 @@ async fn copies_that_find_no_place_wait_again() {
     ledger.verify_build(build, &verified(build, 2), &placed(&[(b, 0), (a, 0)])).await.unwrap();
     assert_eq!(build_state(&ledger, build).await, BuildState::Verified);
     let row = &ledger.placements_of_build(build).await.unwrap()[0];
-    assert_eq!((row.part_id, row.stands.qw, row.stands.tz_mm), (a, Some(1.0), Some(3.0)));
+    assert_eq!((row.part_id, row.pose_columns.qw, row.pose_columns.tz_mm), (a, Some(1.0), Some(3.0)));
 }
 
 #[tokio::test]

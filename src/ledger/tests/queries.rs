@@ -136,7 +136,7 @@ async fn a_profile_is_paused_until_it_is_resumed() {
 async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
     let ledger = fresh().await;
     assert_eq!(ledger.last_daemon().await.unwrap(), None);
-    let beat = DaemonHeartbeat {
+    let heartbeat = DaemonHeartbeat {
         pid: 4711,
         host: "farm".into(),
         version: "0.1.0".into(),
@@ -144,8 +144,8 @@ async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
         status: "idle".into(),
         machines: Vec::new(),
     };
-    ledger.write_heartbeat(&beat).await.unwrap();
-    ledger.write_heartbeat(&DaemonHeartbeat { status: "nesting build 3".into(), ..beat.clone() }).await.unwrap();
+    ledger.write_heartbeat(&heartbeat).await.unwrap();
+    ledger.write_heartbeat(&DaemonHeartbeat { status: "nesting build 3".into(), ..heartbeat.clone() }).await.unwrap();
     let row = ledger.last_daemon().await.unwrap().unwrap();
     assert_eq!((row.pid, row.status.as_str(), row.alive), (4711, "nesting build 3", true));
     let later = ledger.ledger.clone().with_clock(|| Timestamp::now() + jiff::SignedDuration::from_secs(16));
@@ -153,7 +153,7 @@ async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
     // On the same server, the process is checked. 2^22 is the highest process id of Linux.
     let here = rustix::system::uname().nodename().to_string_lossy().into_owned();
     for (pid, alive) in [(std::process::id(), true), ((1 << 22) + 1, false)] {
-        ledger.write_heartbeat(&DaemonHeartbeat { pid, host: here.clone(), ..beat.clone() }).await.unwrap();
+        ledger.write_heartbeat(&DaemonHeartbeat { pid, host: here.clone(), ..heartbeat.clone() }).await.unwrap();
         assert_eq!(ledger.last_daemon().await.unwrap().unwrap().alive, alive);
     }
     ledger.record_shutdown().await.unwrap();

@@ -100,9 +100,9 @@ fn documented_receiver(folder: &std::path::Path, port: u16) -> Option<std::proce
     let code: String = lines.map(|line| format!("{}\n", line.strip_prefix("    ").unwrap_or(""))).collect();
     assert!(code.contains("8099") && code.contains("compare_digest"), "{code}");
     let code = code.replace("8099", &port.to_string()).replace("webhook.key", "secret");
-    let heard = fs::File::create(folder.join("heard")).unwrap();
+    let output_file = fs::File::create(folder.join("heard")).unwrap();
     let mut python = std::process::Command::new("python3");
-    python.args(["-c", &code]).current_dir(folder).stdout(heard).stderr(std::process::Stdio::null());
+    python.args(["-c", &code]).current_dir(folder).stdout(output_file).stderr(std::process::Stdio::null());
     python.spawn().ok()
 }
 
@@ -118,13 +118,13 @@ fn the_documented_receiver_takes_our_messages_and_refuses_others() {
     let listens = || std::net::TcpStream::connect(("127.0.0.1", port)).is_ok();
     wait_until_or("the receiver listens", 20.0, String::new, listens);
     farm.nestd_ok(&["notify", "--test"]);
-    let heard = || fs::read_to_string(farm.root().join("heard")).unwrap();
-    wait_until_or("the receiver tells of it", 20.0, String::new, || heard().ends_with('\n'));
+    let read_output = || fs::read_to_string(farm.root().join("heard")).unwrap();
+    wait_until_or("the receiver tells of it", 20.0, String::new, || read_output().ends_with('\n'));
     fs::write(farm.root().join("secret"), "another-key-of-some-length\n").unwrap();
     let forged = farm.nestd(&["notify", "--test"]);
     python.kill().unwrap();
     python.wait().unwrap();
-    assert!(heard().starts_with("A test message from nestd on "), "{}", heard());
+    assert!(read_output().starts_with("A test message from nestd on "), "{}", read_output());
     assert_eq!(forged.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&forged.stderr).contains("answers 403"), "{forged:?}");
 }
@@ -160,9 +160,9 @@ fn a_machine_whose_queue_is_away_and_a_due_date_that_is_over_are_reported_once()
     farm.start();
     let knows_receiver = || farm.query_ledger(async |ledger| !ledger.list_receivers().await.unwrap().is_empty());
     wait_until_or("the webhook has its place", 20.0, || farm.log(), knows_receiver);
-    let looked =
+    let is_available =
         || farm.query_ledger(async |ledger| ledger.list_machines().await.unwrap().iter().any(|s| s.is_queue_writable));
-    wait_until_or("the machine is known to be available", 30.0, || farm.log(), looked);
+    wait_until_or("the machine is known to be available", 30.0, || farm.log(), is_available);
     let (queue, away) = (farm.folder("queue"), farm.root().join("away"));
     fs::rename(&queue, &away).unwrap();
     farm.drop_bytes("block.stl.toml", b"due = \"2020-01-01\"\n");

@@ -122,7 +122,7 @@ fn one_start(recording: &RecordedRun, loss: &PowerLoss) -> SectionResult {
             tree.apply(op);
         }
     }
-    let mut life = LifeCycle::after_dropping(record::TRIGGER, recording.witness.clone());
+    let mut life = LifeCycle::after_dropping(record::TRIGGER, recording.expectations.clone());
     tree.write(life.farm.root());
     keep_marks(&life);
     life.run_to_the_end();

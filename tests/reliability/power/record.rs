@@ -29,7 +29,7 @@ pub struct RecordedRun {
     /// The daemon's operations.
     pub ops: Vec<FileOperation>,
     /// The dropped files.
-    pub witness: InvariantExpectations,
+    pub expectations: InvariantExpectations,
 }
 
 /// Whether a path is rebuilt: not the configuration, which every farm has, and not files that hold nothing about parts
@@ -70,7 +70,7 @@ pub fn record_run() -> RecordedRun {
     std::thread::sleep(Duration::from_secs(1));
     drop(traced.kill());
     let ops = std::mem::take(&mut state.lock().unwrap().1);
-    RecordedRun { base, ops, witness: life.witness.clone() }
+    RecordedRun { base, ops, expectations: life.expectations.clone() }
 }
 
 struct OperationRecorder {

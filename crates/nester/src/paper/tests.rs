@@ -175,13 +175,16 @@ fn each_convergence_condition_ends_the_search() {
 
 #[test]
 fn the_listener_hears_every_better_layout() {
-    let mut heard: Vec<(usize, f64)> = Vec::new();
+    let mut improvements: Vec<(usize, f64)> = Vec::new();
     let instance = mixed();
     let solution = nest_paper(&instance, &quick(), &PaperTestBudget(200_000), &mut |s: &NestingSolution, _: u64| {
-        heard.push((s.placements.len(), s.height_mm));
+        improvements.push((s.placements.len(), s.height_mm));
     });
-    assert!(heard.windows(2).all(|w| w[1].0 > w[0].0 || w[1].0 == w[0].0 && w[1].1 < w[0].1), "{heard:?}");
-    assert_eq!(heard.last(), Some(&(solution.placements.len(), solution.height_mm)));
+    assert!(
+        improvements.windows(2).all(|w| w[1].0 > w[0].0 || w[1].0 == w[0].0 && w[1].1 < w[0].1),
+        "{improvements:?}"
+    );
+    assert_eq!(improvements.last(), Some(&(solution.placements.len(), solution.height_mm)));
 }
 
 /// A shared workload, or `None` when `NESTD_DATA` does not say where it is.

@@ -37,18 +37,18 @@ impl WorkingLayout<'_> {
                 continue;
             }
             let now = (self.move_counts[one], self.move_counts[other]);
-            if self.pair_records.get_pair(one, other).is_some_and(|note| note.clear_at == Some(now)) {
+            if self.pair_records.get_pair(one, other).is_some_and(|record| record.clear_at == Some(now)) {
                 continue;
             }
             self.evaluations += 1;
             let gap = prepared.gap_mm(&pieces[one], &pieces[other]);
             let deceived = gap >= wanted && self.pair_energy(one, other) > 0.0;
-            let note = self.pair_records.pair_or_insert(one, other);
-            note.known_overlap = None;
+            let record = self.pair_records.pair_or_insert(one, other);
+            record.known_overlap = None;
             if gap >= wanted {
-                note.clear_at = Some(now);
+                record.clear_at = Some(now);
                 // The proxies report an overlap that does not exist.
-                note.margin = if deceived { (note.margin - 0.1).max(-MAX_MARGIN_MM) } else { note.margin };
+                record.margin = if deceived { (record.margin - 0.1).max(-MAX_MARGIN_MM) } else { record.margin };
                 continue;
             }
             clear = false;
@@ -58,10 +58,10 @@ impl WorkingLayout<'_> {
                     &pieces[one],
                     &pieces[other],
                     wanted + CONTACT_LIMIT_MM,
-                    &mut note.contacts,
+                    &mut record.contacts,
                 );
             } else {
-                note.margin = (note.margin + 0.4).min(MAX_MARGIN_MM);
+                record.margin = (record.margin + 0.4).min(MAX_MARGIN_MM);
             }
         }
         clear

@@ -39,7 +39,7 @@ impl PlacementVerification {
         self.proof.is_proved() && !is_locked && self.layer_fault().is_none()
     }
 
-    /// Bodies that cannot be drawn out of the cake.
+    /// Bodies that cannot be removed from the cake.
     pub fn locked_bodies(&self) -> &[usize] {
         self.disassembly.as_ref().map_or(&[], |apart| &apart.locked)
     }

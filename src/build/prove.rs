@@ -36,7 +36,7 @@ pub struct ProvedBuild {
     pub proof: LayoutProof,
     /// How the build can be taken apart; `None` = locked parts are allowed, so this was not checked.
     pub separability: Option<Separability>,
-    /// Part, copy and direction of the copies that can be drawn out of the cake, in this order.
+    /// Part, copy and direction of the copies that can be removed from the cake, in this order.
     pub removal_order: Vec<(usize, u32, DVec3)>,
 }
 

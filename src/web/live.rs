@@ -1,4 +1,4 @@
-//! Live updates: the server tells a page that something has changed, and the page reloads its content. The first event
+//! Live updates: the server notifies a page that something has changed, and the page reloads its content. The first event
 //! comes as soon as a page subscribes, so that a change since the page was rendered is not lost.
 
 use std::{convert::Infallible, sync::Arc, time::Duration};

@@ -16,7 +16,7 @@ use nestd::ledger::Ledger;
 use nix::pty::{Winsize, openpty};
 use solids::Pose;
 
-/// A script tag, as far as a file name can hold one: it cannot hold a slash.
+/// A script tag that is a possible file name: without a slash.
 const EVIL: &str = "<script>alert(1)<!--.stl";
 
 fn nestd(dir: &Path, args: &[&str]) -> Command {

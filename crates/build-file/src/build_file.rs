@@ -145,7 +145,7 @@ pub struct BuildMetadata {
     pub density: Option<f64>,
 }
 
-/// [`BuildFileHeading`], as far as a file contains it.
+/// The values of [`BuildFileHeading`] that a file contains.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HeadingMetadata {
     /// Shown by viewers.
@@ -162,7 +162,7 @@ pub struct HeadingMetadata {
     pub seed: Option<u64>,
 }
 
-/// [`BuildFileRules`], as far as a file contains them.
+/// The values of [`BuildFileRules`] that a file contains.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RulesMetadata {
     /// Edge lengths of the build volume, mm.

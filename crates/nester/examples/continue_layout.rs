@@ -1,7 +1,7 @@
 //! Continues from an existing layout: a late order is added, and copies that are already promised must not move.
 //!
 //! `cargo run --release -p nester --example continue_layout`
-#![allow(clippy::print_stdout)] // an example tells what it does
+#![allow(clippy::print_stdout)] // an example prints what it does
 
 use std::{error::Error, sync::Arc};
 

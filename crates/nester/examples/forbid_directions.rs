@@ -2,7 +2,7 @@
 //! others. Then prints the order in which the finished parts can be removed from the powder.
 //!
 //! `cargo run --release -p nester --example forbid_directions`
-#![allow(clippy::print_stdout)] // an example tells what it does
+#![allow(clippy::print_stdout)] // an example prints what it does
 
 use std::{error::Error, sync::Arc};
 

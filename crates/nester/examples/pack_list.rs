@@ -1,7 +1,7 @@
 //! Packs a list of parts, and prints how the build height falls and what the build contains.
 //!
 //! `cargo run --release -p nester --example pack_list`
-#![allow(clippy::print_stdout)] // an example tells what it does
+#![allow(clippy::print_stdout)] // an example prints what it does
 
 use std::{error::Error, sync::Arc};
 

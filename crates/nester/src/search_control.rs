@@ -9,7 +9,7 @@ use super::NestingSolution;
 /// use std::sync::atomic::{AtomicU64, Ordering};
 /// use nester::StopCondition;
 ///
-/// /// Ends after so many evaluations; the limit may be changed while the search runs.
+/// /// Ends after this number of evaluations; the limit may be changed while the search runs.
 /// struct Adjustable(AtomicU64);
 ///
 /// impl StopCondition for Adjustable {

@@ -63,7 +63,7 @@ pub(crate) fn range(low: [i32; 3], high: [i32; 3]) -> impl Iterator<Item = [i32;
     (low[0]..high[0]).flat_map(move |x| (low[1]..high[1]).flat_map(move |y| (low[2]..high[2]).map(move |z| [x, y, z])))
 }
 
-/// A configuration of each method that is there; the published one with a small population and at most so many layouts
+/// A configuration of each method that is there; the published one with a small population and at most this number of layouts
 /// (0 = any number).
 pub(crate) fn each_method(max_layouts: u64) -> Vec<NestingConfig> {
     let own = NestingConfig::default();

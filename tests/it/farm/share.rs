@@ -1,5 +1,5 @@
 //! Folders that disappear: they are "unavailable", never "all files deleted". And folders that two daemons want: the
-//! second daemon is refused and told which daemon was first.
+//! second daemon is refused, with the name of the first one.
 
 use std::{
     fs,

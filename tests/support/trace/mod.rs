@@ -33,7 +33,7 @@ pub enum CallVerdict {
     Let,
     /// It is not done and returns this error.
     Fail(i32),
-    /// It writes so many bytes at most.
+    /// It writes at most this number of bytes.
     Shorten(u64),
     /// The kernel does it after a while; only the thread that makes it waits.
     Delay(Duration),
@@ -270,6 +270,6 @@ impl<W: CallWatcher> DaemonTracer<W> {
 }
 
 fn resume(thread: Pid, signal: Option<Signal>) {
-    // A thread that was killed meanwhile is told of by waitpid.
+    // waitpid reports a thread that was killed meanwhile.
     let _ = ptrace::syscall(thread, signal);
 }

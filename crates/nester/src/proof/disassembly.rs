@@ -90,7 +90,7 @@ impl<'a> DisassemblyProver<'a> {
         left.sort_by(|&a, &b| bounds[b].max.z.total_cmp(&bounds[a].max.z));
         let directions = removal_directions();
         let known = vec![vec![KnownObstacles::default(); directions.len()]; bodies.len()];
-        Self { bodies, trees: build_trees(bodies), bounds, directions: directions, remaining: left, known }
+        Self { bodies, trees: build_trees(bodies), bounds, directions, remaining: left, known }
     }
 
     /// The next body that can be removed, as its index among the remaining bodies, and its direction.

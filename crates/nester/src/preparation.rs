@@ -1,5 +1,5 @@
-//! Prepares the meshes of a search: from what is in memory, from what was kept on disk, or anew; on several threads where there
-//! are. What comes out is the same whichever way it came.
+//! Prepares the meshes of a search: takes them from memory, reads them from the cache or computes them, on several
+//! threads if there are. The result does not depend on its source.
 
 use std::{
     panic::resume_unwind,

@@ -110,8 +110,7 @@ struct RestoredFarm {
 
 impl RestoredFarm {
     fn prepared(later: LaterAction, how: RestoreMethod) -> Self {
-        let farm = TestFarm::new(MACHINE);
-        fs::write(farm.config(), life_cycle::FARM).unwrap();
+        let farm = life_cycle::quick_farm(MACHINE);
         let backup = farm.root().join("ledger.backup");
         let (asked, names, printed, files) = Default::default();
         let mut story = Self { farm, later, how, backup, asked, names, printed, files };

@@ -1,4 +1,4 @@
-//! `nestd flush|pause|resume|retry|cancel|scan`: commands of an operator, sent to the daemon through the ledger.
+//! `nestd flush|pause|resume|retry|cancel|scan|edit|move|confirm`: commands of an operator, sent to the daemon through the ledger.
 
 use std::time::{Duration, Instant};
 
@@ -8,8 +8,11 @@ use super::{
     CommandExit, CommonArgs,
     farm_context::{require_profile, user_at_host, with_ledger},
     table::print_text,
+    target::{PartTarget, find_targets},
 };
-use crate::ledger::{CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartId};
+use crate::ledger::{
+    CommandArgument, CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartEdit, PartId,
+};
 
 /// How long the operator waits for the answer. The daemon reads new commands about every second.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
@@ -26,9 +29,15 @@ pub enum DaemonCommand {
     /// Let a profile fire again.
     Resume(String),
     /// Take a rejected part back.
-    Retry(i64),
-    /// Reject a waiting part.
-    Cancel(i64),
+    Retry(PartId),
+    /// Reject a waiting part, or take back some of its copies.
+    Cancel(PartId, Option<u32>),
+    /// Change what was asked with a part.
+    Edit(PartId, Box<PartEdit>),
+    /// Move a part to another machine.
+    Move(PartId, String),
+    /// Print a part as it is.
+    Confirm(PartId),
     /// Scan the hot folders now.
     Scan,
 }
@@ -40,22 +49,39 @@ impl DaemonCommand {
             Self::Pause(_) => CommandKind::Pause,
             Self::Resume(_) => CommandKind::Resume,
             Self::Retry(_) => CommandKind::Retry,
-            Self::Cancel(_) => CommandKind::Cancel,
+            Self::Cancel(..) => CommandKind::Cancel,
+            Self::Edit(..) => CommandKind::Edit,
+            Self::Move(..) => CommandKind::Move,
+            Self::Confirm(_) => CommandKind::Confirm,
             Self::Scan => CommandKind::Scan,
         }
     }
 
     fn profile_name(&self) -> Option<&str> {
         match self {
-            Self::Flush(profile) | Self::Pause(profile) | Self::Resume(profile) => Some(profile),
-            Self::Retry(_) | Self::Cancel(_) | Self::Scan => None,
+            Self::Flush(profile) | Self::Pause(profile) | Self::Resume(profile) | Self::Move(_, profile) => {
+                Some(profile)
+            }
+            _ => None,
         }
     }
 
     fn part_id(&self) -> Option<PartId> {
         match self {
-            Self::Retry(part) | Self::Cancel(part) => Some(PartId(*part)),
+            Self::Retry(part)
+            | Self::Cancel(part, _)
+            | Self::Edit(part, _)
+            | Self::Move(part, _)
+            | Self::Confirm(part) => Some(*part),
             _ => None,
+        }
+    }
+
+    fn argument(&self) -> CommandArgument {
+        match self {
+            Self::Cancel(_, copies) => CommandArgument { copies: *copies, ..CommandArgument::default() },
+            Self::Edit(_, edit) => CommandArgument { edit: Some((**edit).clone()), ..CommandArgument::default() },
+            _ => CommandArgument::default(),
         }
     }
 }
@@ -72,12 +98,38 @@ pub fn run(common: &CommonArgs, order: &DaemonCommand) -> Result<CommandExit> {
     Ok(exit)
 }
 
+/// Sends a command for each part that the words mean. The exit code tells whether all were done.
+pub fn run_for_parts(
+    common: &CommonArgs,
+    words: &[String],
+    command: impl Fn(&PartTarget) -> Result<DaemonCommand>,
+) -> Result<CommandExit> {
+    let (answers, exit) = with_ledger(common, async |settings, ledger| {
+        let (mut answers, mut exit) = (Vec::new(), CommandExit::Success);
+        for target in find_targets(ledger, words).await? {
+            let order = command(&target)?;
+            if let Some(profile) = order.profile_name() {
+                require_profile(settings, profile)?;
+            }
+            let (text, ended) = send_command(ledger, &order, ANSWER_TIMEOUT).await?;
+            answers.push(text);
+            if ended == CommandExit::Failure {
+                exit = CommandExit::Failure;
+            }
+        }
+        Ok((answers, exit))
+    })?;
+    answers.iter().try_for_each(|text| print_text(text))?;
+    Ok(exit)
+}
+
 /// Sends the command; returns the text to print and how the program ends.
 pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, timeout: Duration) -> Result<(String, CommandExit)> {
     let command = NewCommand {
         kind: order.command_kind(),
         profile: order.profile_name().unwrap_or_default().to_owned(),
         part: order.part_id(),
+        argument: order.argument(),
         asked_by: user_at_host(),
     };
     let id = ledger.submit_command(&command).await?;

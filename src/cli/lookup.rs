@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::values::parse_prefixed_number;
 use crate::{
-    ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, OutcomeRow, PartId, PartRow, PlacementRow},
+    ledger::{BuildId, BuildRow, BuildState, EventRow, Ledger, LineCopies, OutcomeRow, PartId, PartRow, PlacementRow},
     settings::MachineProfile,
     tables::CountedPart,
 };
@@ -70,6 +70,8 @@ pub struct BuildDetails {
 pub struct PartDetails {
     /// Its row.
     pub part: PartRow,
+    /// What became of its copies.
+    pub copies: LineCopies,
     /// Where its copies are.
     pub placements: Vec<PlacementRow>,
     /// What happened to it.
@@ -160,5 +162,6 @@ async fn read_build_details(ledger: &Ledger, id: BuildId) -> Result<Option<Build
 
 async fn read_part_details(ledger: &Ledger, part: PartRow) -> Result<PartDetails> {
     let (placements, events) = (ledger.placements_of_part(part.id).await?, ledger.events_of_part(part.id).await?);
-    Ok(PartDetails { part, placements, events })
+    let copies = ledger.line_of_part(part.id).await?.copies;
+    Ok(PartDetails { part, copies, placements, events })
 }

@@ -11,6 +11,7 @@ mod command;
 mod common;
 mod demo;
 mod dismiss;
+mod edit;
 mod expected_parts;
 mod farm_context;
 mod history;
@@ -19,6 +20,7 @@ mod lookup;
 mod metrics;
 mod nest;
 mod notify;
+mod orders;
 mod outcome;
 mod render;
 mod report;
@@ -27,6 +29,7 @@ mod show;
 mod show_text;
 mod status;
 mod table;
+mod target;
 mod values;
 mod verify;
 mod watch;
@@ -92,15 +95,43 @@ enum CliCommand {
         #[arg(value_parser = values::parse_part_number)]
         part: i64,
     },
-    /// Take a waiting part out of the farm
+    /// Take waiting parts, or some of their copies, out of the farm
     Cancel {
-        /// Part number, as status and show print it (5 or p5)
-        #[arg(value_parser = values::parse_part_number)]
-        part: i64,
+        /// Parts: numbers (5 or p5, 5=2 for two copies), orders, file names, patterns ('bracket*')
+        #[arg(required = true, value_name = "PART[=N]|ORDER")]
+        targets: Vec<String>,
     },
-    /// Mark a profile's refused files as seen: they stay where they are and raise no alert any more
+    /// Change what was asked with waiting parts: copies, due date, priority, order and so on
+    Edit(edit::EditArgs),
+    /// Move waiting parts to another machine
+    Move {
+        /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
+        #[arg(required = true, value_name = "PART|ORDER")]
+        targets: Vec<String>,
+        /// Machine profile to move them to
+        #[arg(long, value_name = "PROFILE")]
+        to: String,
+    },
+    /// Print parts as they are that wait for a yes
+    Confirm {
+        /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
+        #[arg(required = true, value_name = "PART|ORDER")]
+        targets: Vec<String>,
+    },
+    /// Print again what was printed: a build, the last copies of a part, or an order
+    Reprint {
+        /// Build (b4), part (p5, 5=2 for two copies), order or file name
+        #[arg(required = true, value_name = "BUILD|PART[=N]|ORDER")]
+        targets: Vec<String>,
+    },
+    /// Issue the same proved build once more, as a new build
+    Requeue(edit::RequeueArgs),
+    /// List orders and what became of their copies
+    Orders(orders::OrdersArgs),
+    /// Mark a profile's refused files, or the failed print of a build, as seen: they raise no alert any more
     Dismiss {
-        /// Machine profile
+        /// Machine profile, or build (b4)
+        #[arg(value_name = "PROFILE|BUILD")]
         profile: String,
     },
     /// Record the outcome of a published build
@@ -157,8 +188,14 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Flush { profile } => command::run(common, &DaemonCommand::Flush(profile.clone())),
         CliCommand::Pause { profile } => command::run(common, &DaemonCommand::Pause(profile.clone())),
         CliCommand::Resume { profile } => command::run(common, &DaemonCommand::Resume(profile.clone())),
-        CliCommand::Retry { part } => command::run(common, &DaemonCommand::Retry(*part)),
-        CliCommand::Cancel { part } => command::run(common, &DaemonCommand::Cancel(*part)),
+        CliCommand::Retry { part } => command::run(common, &DaemonCommand::Retry(crate::ledger::PartId(*part))),
+        CliCommand::Cancel { targets } => edit::run_cancel(common, targets),
+        CliCommand::Edit(args) => edit::run(common, args),
+        CliCommand::Move { targets, to } => edit::run_move(common, targets, to),
+        CliCommand::Confirm { targets } => edit::run_confirm(common, targets),
+        CliCommand::Reprint { targets } => edit::run_reprint(common, targets),
+        CliCommand::Requeue(args) => edit::run_requeue(common, args),
+        CliCommand::Orders(args) => orders::run(common, args),
         CliCommand::Dismiss { profile } => dismiss::run(common, profile),
         CliCommand::Outcome(args) => outcome::run(common, args),
         CliCommand::Scan => command::run(common, &DaemonCommand::Scan),

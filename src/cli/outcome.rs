@@ -6,9 +6,9 @@ use super::{
     CommandExit, CommonArgs,
     farm_context::{user_at_host, with_ledger},
     table::print_text,
-    values::parse_build_number,
+    values::{parse_build_number, parse_part_copies},
 };
-use crate::ledger::{BuildId, PrintOutcome};
+use crate::ledger::{BuildId, PartId, PrintOutcome, ToldOutcome};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -21,6 +21,15 @@ pub struct OutcomeArgs {
     /// A remark, kept in the history
     #[arg(long, default_value = "", value_name = "TEXT")]
     note: String,
+    /// Copies that are bad although the rest is good: they are printed again (part number, or several as 7=2,9=1)
+    #[arg(long, value_name = "PART=N", value_delimiter = ',', value_parser = parse_part_copies)]
+    bad: Vec<(i64, u32)>,
+    /// Do not print bad copies again
+    #[arg(long)]
+    keep: bool,
+    /// Correct an outcome that was told before; the history keeps both
+    #[arg(long)]
+    correct: bool,
 }
 
 /// The outcomes that an operator can record.
@@ -41,9 +50,17 @@ pub fn run(common: &CommonArgs, args: &OutcomeArgs) -> Result<CommandExit> {
         OutcomeChoice::Interrupted => PrintOutcome::Interrupted,
         OutcomeChoice::Failed => PrintOutcome::Failed,
     };
-    with_ledger(common, async |_, ledger| {
-        Ok(ledger.record_outcome(BuildId(args.build), outcome, &args.note, &user_at_host()).await?)
-    })?;
-    print_text(&format!("Build {} is {outcome}.", args.build))?;
+    let told = ToldOutcome {
+        outcome,
+        note: args.note.clone(),
+        told_by: user_at_host(),
+        bad: args.bad.iter().map(|&(part, copies)| (PartId(part), copies)).collect(),
+        keep: args.keep,
+        is_correction: args.correct,
+    };
+    let build = BuildId(args.build);
+    let report = with_ledger(common, async |_, ledger| Ok(ledger.record_outcome(build, &told).await?))?;
+    print_text(&format!("Build {build} is {outcome}."))?;
+    report.sentences().iter().try_for_each(|sentence| print_text(sentence))?;
     Ok(CommandExit::Success)
 }

@@ -61,7 +61,7 @@ fn copies_text(sheet: &BuildDetails) -> String {
 
 fn part_text(sheet: &PartDetails) -> String {
     let row = &sheet.part;
-    let mut facts = part_facts(row, format!("{}, {}", row.copies, whereabouts(&sheet.placements)));
+    let mut facts = part_facts(row, format!("{}, {}", row.wanted_copies(), whereabouts(&sheet.placements)));
     facts.extend(fields::REASON.fact(&row.rejection.reason));
     facts.extend(row.warnings.lines().filter_map(|warning| fields::WARNING.fact(warning)));
     format!(
@@ -75,7 +75,11 @@ fn part_text(sheet: &PartDetails) -> String {
 }
 
 fn parts_table(sheets: &[PartDetails]) -> TextTable {
-    let row = |sheet: &PartDetails| OrderedPart { part: sheet.part.clone(), placements: sheet.placements.clone() };
+    let row = |sheet: &PartDetails| OrderedPart {
+        part: sheet.part.clone(),
+        placements: sheet.placements.clone(),
+        copies: sheet.copies,
+    };
     TextTable::of(ORDERED_PART_COLUMNS, &sheets.iter().map(row).collect::<Vec<_>>())
 }
 

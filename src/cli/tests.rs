@@ -68,7 +68,9 @@ async fn the_answer_of_the_daemon_is_printed_and_a_refusal_fails() {
     let (text, exit) = command::send_command(&ledger, &DaemonCommand::Scan, Duration::ZERO).await.unwrap();
     assert!(text.starts_with("scan is noted, but the daemon has not answered yet") && text.contains("`nestd status`"));
     assert_eq!(exit, CommandExit::Failure);
-    let unknown = command::send_command(&ledger, &DaemonCommand::Retry(99), Duration::ZERO).await.unwrap_err();
+    let unknown = command::send_command(&ledger, &DaemonCommand::Retry(crate::ledger::PartId(99)), Duration::ZERO)
+        .await
+        .unwrap_err();
     assert_eq!(unknown.to_string(), "there is no part 99");
 }
 
@@ -162,7 +164,10 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     let id = ledger.record_claim(&claim).await.unwrap().id;
     ledger.accept_solids(id, &[solid(0, 3)]).await.unwrap();
     let build = published(&ledger, &[(id, 0), (id, 2)]).await;
-    ledger.record_outcome(build, PrintOutcome::Complete, "fine", "ann@farm").await.unwrap();
+    ledger
+        .record_outcome(build, &crate::ledger::ToldOutcome::new(PrintOutcome::Complete, "fine", "ann@farm"))
+        .await
+        .unwrap();
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
     let found = lookup::look_up(&ledger, &LookupQuery::from_words(&words("1"))).await.unwrap();
     let text = show_text::lookup_text(&found);

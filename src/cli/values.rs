@@ -56,6 +56,14 @@ pub(super) fn parse_part_number(text: &str) -> Result<i64, String> {
     parse_prefixed_number(text, 'p').ok_or_else(|| "wants a part as status and show print it, e.g. 5 or p5".to_owned())
 }
 
+/// A part and a number of its copies: `5=2` or `p5=2`.
+pub(super) fn parse_part_copies(text: &str) -> Result<(i64, u32), String> {
+    let wrong = || "wants a part and a number of copies, e.g. 5=2".to_owned();
+    let (part, copies) = text.split_once('=').ok_or_else(wrong)?;
+    let copies = copies.trim().parse().ok().filter(|copies| *copies > 0).ok_or_else(wrong)?;
+    Ok((parse_part_number(part.trim())?, copies))
+}
+
 /// A number with or without its letter.
 pub(super) fn parse_prefixed_number(text: &str, letter: char) -> Option<i64> {
     let digits = text.strip_prefix([letter, letter.to_ascii_uppercase()]).unwrap_or(text);

@@ -43,6 +43,10 @@ pub enum AlertKind {
     NestingFails,
     /// A build was given up, and its profile is paused.
     BuildFailed,
+    /// A print failed, and nobody has seen to it.
+    PrintFailed,
+    /// Parts wait for a person's yes.
+    Question,
     /// A proved build cannot be published.
     PublishingFails,
     /// A proved build was staged in a queue folder that is no longer there.
@@ -82,7 +86,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 28] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -100,6 +104,8 @@ impl AlertKind {
         Self::EndingFails,
         Self::NestingFails,
         Self::BuildFailed,
+        Self::PrintFailed,
+        Self::Question,
         Self::PublishingFails,
         Self::QueueReplaced,
         Self::MachineGone,
@@ -135,6 +141,8 @@ impl AlertKind {
             Self::EndingFails => "A file that was taken cannot be put where it belongs",
             Self::NestingFails => "A build cannot be made now",
             Self::BuildFailed => "A build failed, and its profile is paused",
+            Self::PrintFailed => "A print failed, and nobody has seen to it",
+            Self::Question => "Parts wait for a yes before they are printed",
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
             Self::MachineGone => "Parts wait for a machine that is not configured",
@@ -205,6 +213,14 @@ impl AlertKind {
                 "See the reason, mend it, then `nestd resume PROFILE`: the parts wait. A part that is the reason goes with \
                  `nestd cancel PART`."
             }
+            Self::PrintFailed => {
+                "Its copies wait again, unless that was declined: `nestd show BUILD` names them. When the machine is ready, \
+                 `nestd dismiss BUILD` ends this."
+            }
+            Self::Question => {
+                "Print them as they are with `nestd confirm PART`, mend what was asked with `nestd edit PART`, or take them out \
+                 with `nestd cancel PART`."
+            }
             Self::PublishingFails => {
                 "Free some room where the disk is full, and let nestd's user write into the queue folder."
             }
@@ -239,6 +255,8 @@ impl AlertKind {
             Self::Incomplete,
             Self::Refused,
             Self::BuildFailed,
+            Self::PrintFailed,
+            Self::Question,
             Self::ReadingFails,
             Self::FileDamaged,
             Self::EndingFails,

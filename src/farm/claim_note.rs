@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     intake::{self, ClaimedPart, ContentStore, PartSpec, SpecSource, StoredContent, StoredFile, TicketError},
-    ledger::{Ledger, NewPartRow, NewTerms, NewTicketRow, RequiredTilts, TicketSource},
+    ledger::{Ledger, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource},
     settings::{MachineProfile, Settings},
 };
 
@@ -34,6 +34,33 @@ impl ClaimNote {
     /// The note of a claim; `unclear` = why the number of copies is not known.
     pub fn new(farm: &str, part: NewPartRow, unclear: Option<&TicketError>) -> Self {
         Self { farm: farm.to_owned(), part, unclear: unclear.map(ToString::to_string) }
+    }
+
+    /// The note of a part whose original was fetched from the archive.
+    pub fn of_part(farm: &str, part: &PartRow) -> Self {
+        let terms = NewTerms {
+            order_name: part.terms.order_name.clone(),
+            priority: part.terms.priority,
+            due_at: part.terms.due_at.map(|at| at.0),
+            due_text: part.terms.due_text.clone(),
+            orientation: part.terms.orientation,
+            tilts: part.terms.tilts.clone(),
+            clearance_mm: part.terms.clearance_mm,
+            unit: part.terms.unit,
+            note: part.terms.note.clone(),
+        };
+        let part = NewPartRow {
+            claim: part.file.claim.clone(),
+            profile: part.profile.clone(),
+            name: part.name.clone(),
+            content_hash: part.file.content_hash.clone(),
+            bytes: part.file.bytes,
+            copies: part.wanted_copies(),
+            terms,
+            warnings: part.warnings.lines().map(str::to_owned).collect(),
+            ticket: None,
+        };
+        Self { farm: farm.to_owned(), part, unclear: None }
     }
 
     /// The text of the file in the store.
@@ -229,6 +256,7 @@ pub(super) fn new_part_row(
             order_name: ticket.order.unwrap_or_else(|| claim.order.clone()),
             priority: ticket.priority.unwrap_or(50),
             due_at,
+            due_text: ticket.due.map(|due| due.to_string()).unwrap_or_default(),
             orientation: orientation.rule,
             tilts: RequiredTilts(orientation.tilts),
             clearance_mm: ticket.clearance_mm,

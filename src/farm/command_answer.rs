@@ -28,6 +28,18 @@ pub(super) enum CommandAnswer {
     PartRetried(PartId),
     /// The part is cancelled.
     PartCancelled(PartId),
+    /// So many copies of the part are cancelled.
+    CopiesCancelled(PartId, u32),
+    /// The part was changed, in these words.
+    PartEdited(PartId, Vec<String>),
+    /// The parts are on this machine now, and are read again.
+    PartMoved(Vec<PartId>, String),
+    /// The part was on this machine already.
+    PartIsThere(PartId, String),
+    /// The part is printed as it is.
+    PartConfirmed(PartId),
+    /// The part did not wait for a yes.
+    NothingToConfirm(PartId),
     /// Refused: there is no such profile.
     UnknownProfile(String),
     /// Refused: a paused profile fires nothing.
@@ -54,7 +66,13 @@ impl CommandAnswer {
             | Self::NotPaused(_)
             | Self::ScanStarted
             | Self::PartRetried(_)
-            | Self::PartCancelled(_) => true,
+            | Self::PartCancelled(_)
+            | Self::CopiesCancelled(..)
+            | Self::PartEdited(..)
+            | Self::PartMoved(..)
+            | Self::PartIsThere(..)
+            | Self::PartConfirmed(_)
+            | Self::NothingToConfirm(_) => true,
             Self::UnknownProfile(_)
             | Self::ProfilePaused(_)
             | Self::NoPartNamed
@@ -77,6 +95,19 @@ impl fmt::Display for CommandAnswer {
             Self::Resumed(name) => write!(f, "{name} runs again"),
             Self::NotPaused(name) => write!(f, "{name} was not paused"),
             Self::ScanStarted => f.write_str("the hot folders are being looked through"),
+            Self::CopiesCancelled(part, copies) => {
+                write!(f, "{} of part {part} cancelled", format_count(*copies, "copy", "copies"))
+            }
+            Self::PartEdited(part, changes) if changes.is_empty() => write!(f, "part {part} was so already"),
+            Self::PartEdited(part, changes) => write!(f, "part {part}: {}", changes.join(", ")),
+            Self::PartMoved(parts, name) => {
+                let numbers: Vec<String> = parts.iter().map(ToString::to_string).collect();
+                let word = if parts.len() == 1 { "part" } else { "parts" };
+                write!(f, "{word} {} moved to {name}, and read again there", numbers.join(", "))
+            }
+            Self::PartIsThere(part, name) => write!(f, "part {part} is for {name} already"),
+            Self::PartConfirmed(part) => write!(f, "part {part} is printed as it is"),
+            Self::NothingToConfirm(part) => write!(f, "part {part} waits for no confirmation"),
             Self::PartRetried(part) => write!(f, "part {part} is read again"),
             Self::PartCancelled(part) => write!(f, "part {part} is cancelled"),
             Self::UnknownProfile(name) => write!(f, "there is no profile {name}"),

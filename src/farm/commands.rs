@@ -5,7 +5,7 @@ use tracing::info;
 
 use super::{
     alert::AlertKind, claim_completion, command_answer::CommandAnswer, farm::Farm, machine_state::MachineStates,
-    mark_note, queues,
+    mark_note, part_changes, queues,
 };
 use crate::ledger::{
     CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
@@ -65,10 +65,12 @@ async fn execute_command(farm: &mut Farm, command: &CommandRow) -> Result<Option
             farm.machines.values_mut().for_each(|s| s.inbox.next_scan_at = now);
             CommandAnswer::ScanStarted
         }
-        CommandKind::Retry | CommandKind::Cancel => match command.part_id {
-            Some(part) => return execute_part_command(farm, command, part).await,
-            None => CommandAnswer::NoPartNamed,
-        },
+        CommandKind::Retry | CommandKind::Cancel | CommandKind::Edit | CommandKind::Move | CommandKind::Confirm => {
+            match command.part_id {
+                Some(part) => return execute_part_command(farm, command, part).await,
+                None => CommandAnswer::NoPartNamed,
+            }
+        }
     }))
 }
 
@@ -91,6 +93,9 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
     if claim_completion::is_completing(&farm.completion, &farm.jobs, &row) {
         return Ok(None);
     }
+    if matches!(command.kind, CommandKind::Edit | CommandKind::Move | CommandKind::Confirm) {
+        return part_changes::execute_change(farm, command, &row).await;
+    }
     let done = match command.kind {
         CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
         CommandKind::Retry => match farm.ledger.retry_part(part).await {
@@ -100,9 +105,13 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
             }
             Err(refused) => Err(refused),
         },
-        _ => match cancel_part(farm, &row, command).await {
-            Ok(false) => return Ok(None),
-            Ok(true) => Ok(CommandAnswer::PartCancelled(part)),
+        _ => match part_changes::cancel_copies(farm, command, &row).await {
+            Ok(Some(answer)) => Ok(answer),
+            Ok(None) => match cancel_part(farm, &row, command).await {
+                Ok(false) => return Ok(None),
+                Ok(true) => Ok(CommandAnswer::PartCancelled(part)),
+                Err(refused) => Err(refused),
+            },
             Err(refused) => Err(refused),
         },
     };

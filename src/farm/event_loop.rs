@@ -10,7 +10,7 @@ use super::{
     alert_registry::ServiceBridge,
     batch, claim_completion, clock_changes, commands, damaged_files,
     farm::{Farm, TICK_INTERVAL},
-    folder_comparison,
+    fetch_originals, folder_comparison,
     intake_jobs::{self, PartReadJob},
     job_events,
     jobs::LoopEvent,
@@ -121,6 +121,7 @@ async fn run_ledger_steps(farm: &mut Farm) {
     let names: Vec<String> = farm.machines.keys().cloned().collect();
     farm.run_step("commands", commands::process_commands).await;
     farm.run_step("reading", intake_jobs::start_reading).await;
+    farm.run_step("originals", fetch_originals::fetch_originals).await;
     // Fired builds come before open ones, so that they get the free slots first.
     farm.run_step("nesting", nest::nest_fired_builds).await;
     for name in names {

@@ -86,6 +86,10 @@ async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
         return Ok(());
     }
     let parts = farm.ledger.parts_of_build(build.id).await?;
+    // The originals of a build that is issued once more are being fetched from the archive.
+    if parts.iter().any(|part| part.owed.fetch_at.is_some()) {
+        return Ok(());
+    }
     if crash_guard::must_wait_after_crashes(farm, &build, build.searches, &parts.iter().collect::<Vec<_>>()) {
         return Ok(());
     }
@@ -114,6 +118,8 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
     let machine = &farm.machines[&build.profile];
     let profile = machine.profile.clone();
     let queue = machine.queue.opened.clone().context("the queue folder is not open")?;
+    // The proved layout of an earlier build is issued once more: there is nothing to search.
+    let secs = if build.search.repeats.is_some() { 0.0 } else { secs };
     let budget = SearchBudget::of_secs(secs);
     let start = match build.kept.layout.as_deref() {
         Some(layout) => placed_from_json(layout),

@@ -40,6 +40,9 @@ const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
 /// Interval of the status updates, each of which queries the whole ledger.
 const STATUS_INTERVAL: Duration = Duration::from_secs(2);
 
+/// Maximum number of parts or builds that an alert names.
+const MAX_NAMED: usize = 3;
+
 /// Writes into a hot folder that nestd has stopped or halted.
 #[derive(Clone)]
 pub(super) struct WriteStatusJob {
@@ -103,6 +106,7 @@ async fn update_ledger_alerts(
             None => alerts.clear(AlertKind::BuildFailed, name, ""),
         }
     }
+    update_order_alerts(ledger, &names, alerts).await?;
     let mut gone = Vec::new();
     for row in rows.iter().filter(|row| !machines.contains_key(&row.profile)) {
         let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
@@ -115,6 +119,35 @@ async fn update_ledger_alerts(
     }
     alerts.retain_profiles(AlertKind::MachineGone, &gone);
     Ok(())
+}
+
+/// Raises the alerts on failed prints and on parts that wait for a yes, one of each kind for each machine.
+async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut AlertRegistry) -> Result<()> {
+    let failed = ledger.unseen_failures().await?;
+    let failed = failed.iter().map(|build| (build.profile.as_str(), format!("build {}", build.id)));
+    let failed: Vec<(&str, String)> = failed.collect();
+    let parts = ledger.parts_in_question().await?;
+    let asked = parts.iter().map(|part| {
+        (part.profile.as_str(), format!("part {} ({}): {}", part.id, part.full_name(), part.owed.question))
+    });
+    let asked: Vec<(&str, String)> = asked.collect();
+    for name in names {
+        for (kind, all) in [(AlertKind::PrintFailed, &failed), (AlertKind::Question, &asked)] {
+            let own: Vec<String> = all.iter().filter(|(of, _)| of == name).map(|(_, text)| text.clone()).collect();
+            match own.is_empty() {
+                true => alerts.clear(kind, name, ""),
+                false => alerts.raise(kind, name, "", &text_of_first(&own, MAX_NAMED)),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The first texts, and how many more there are.
+fn text_of_first(texts: &[String], most: usize) -> String {
+    let more = texts.len().saturating_sub(most);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    texts[..texts.len().min(most)].join("; ") + &more
 }
 
 /// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each

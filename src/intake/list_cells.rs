@@ -2,7 +2,7 @@
 //! dates in the formats of several countries, units by name.
 
 use build_file::LengthUnit;
-use jiff::civil;
+use jiff::{Timestamp, civil, tz::TimeZone};
 use unicode_normalization::UnicodeNormalization;
 
 use super::ticket::parse_due;
@@ -78,6 +78,16 @@ pub(super) fn parse_due_cell(cell: &str) -> Result<DueDate, String> {
         time => parse_due(&format!("{day}T{time:0>5}")),
     }
     .map_err(|_| format!("due = {cell:?}{NO_DATE}"))
+}
+
+/// Parses a due date as people write it. Returns the instant, and the date as it is shown.
+///
+/// # Errors
+/// It is no date; the error says how to write one.
+pub fn parse_due_text(text: &str, zone: &TimeZone) -> Result<(Timestamp, String), String> {
+    let due = parse_due_cell(text)?;
+    let at = due.to_timestamp(zone).map_err(|error| format!("due = {text:?}: {error}"))?;
+    Ok((at, due.to_string()))
 }
 
 const NO_DATE: &str = "; it must be a date such as 2026-11-25 or 25.11.2026, perhaps with a time such as 17:00";

@@ -60,6 +60,7 @@ pub use dropped::{open_dropped_file, read_reason};
 pub use emptied_folders::EmptiedFolders;
 pub use ignore::is_ignored;
 pub use inbox_entry::{EntryKind, InboxEntry};
+pub use list_cells::parse_due_text;
 pub use list_end::{ListOutcome, finish_order_list};
 pub use list_lookup::ListLookup;
 pub use list_tracker::{OrderListRules, OrderListTracker, TakeDecision, UnlistedPolicy};

@@ -26,6 +26,16 @@ pub enum DueDate {
     At(Timestamp),
 }
 
+impl std::fmt::Display for DueDate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Day(day) => day.fmt(f),
+            Self::Local(time) => write!(f, "{} {:02}:{:02}", time.date(), time.hour(), time.minute()),
+            Self::At(instant) => instant.fmt(f),
+        }
+    }
+}
+
 impl DueDate {
     /// Converts it to an instant, using the time zone of the farm.
     pub fn to_timestamp(self, zone: &TimeZone) -> Result<Timestamp, jiff::Error> {

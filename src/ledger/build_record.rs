@@ -250,6 +250,7 @@ async fn import_part(change: &mut LedgerChange, part: &JsonRow) -> Result<PartId
                 row.remove("id");
             }
             let id = PartId(insert_row(change, "part", &row).await?);
+            change.open_order(text_column(part, "order_name")).await?;
             let detail = "imported from the record of a build";
             change.write_event(EventKind::Claimed, text_column(part, "profile"), Some(id), None, detail).await?;
             change
@@ -301,7 +302,7 @@ async fn update_part_state(change: &mut LedgerChange, part: PartId, build: Build
     .bind(part)
     .fetch_one(change.db())
     .await?;
-    let state = match (placed == row.copies, open) {
+    let state = match (placed == row.wanted_copies(), open) {
         (true, 0) => PartState::Built,
         (true, _) => PartState::Batched,
         (false, _) if row.state == PartState::Rejected => PartState::Rejected,

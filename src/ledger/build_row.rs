@@ -114,6 +114,8 @@ pub struct SearchEffort {
     pub method: Option<String>,
     /// Version of nestd.
     pub version: Option<String>,
+    /// The build whose proved layout it repeats; `None` = it was searched for.
+    pub repeats: Option<BuildId>,
 }
 
 /// Data of a build stored as JSON. User interfaces omit the fields that are too long to read.

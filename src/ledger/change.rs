@@ -145,6 +145,13 @@ impl LedgerChange {
         Ok(())
     }
 
+    /// Adds to the last event by how many the copies wanted of its part changed.
+    pub async fn note_wanted_change(&mut self, by: i64) -> Result<()> {
+        let note = sqlx::query("UPDATE event SET wanted_change = ? WHERE id = last_insert_rowid()").bind(by);
+        note.execute(self.db()).await?;
+        Ok(())
+    }
+
     /// Writes the event of a refusal.
     pub async fn write_refusal_event(
         &mut self,

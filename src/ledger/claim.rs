@@ -62,6 +62,12 @@ impl Ledger {
             if let Some(part) = find_or_insert_solid(&mut change, &claimed, solid).await? {
                 write_solid_facts(&mut change, &part, solid).await?;
                 change.move_part(part.id, PartState::Waiting, None, "").await?;
+                // A part that is read again keeps its copies, which were counted when it was read first.
+                if part.measures.triangles.is_none() {
+                    change.note_wanted_change(i64::from(solid.copies)).await?;
+                }
+                // A part that was taken back may have all its copies in builds by now.
+                change.end_waiting(part.id, None).await?;
                 waiting.push(part.id);
             }
         }
@@ -177,6 +183,7 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
         insert_ticket(change, id, ticket).await?;
     }
     change.write_event(EventKind::Claimed, &part.profile, Some(id), None, &part.name).await?;
+    change.open_order(&part.terms.order_name).await?;
     Ok(RecordedPart { id, is_new: true })
 }
 
@@ -185,8 +192,8 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     let now = change.now;
     let id = sqlx::query_scalar(
         "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
-         due_at, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
-         VALUES (?, ?, ?, ?, ?, ?, 'claimed', ?, ?, ?, ?, ?, ?, ?, ?, ?, 1, ?, ?) \
+         due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
+         VALUES (?, ?, ?, ?, ?, ?, 'claimed', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 1, ?, ?) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -199,6 +206,7 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(part.copies)
     .bind(part.terms.priority)
     .bind(part.terms.due_at.map(UtcTimestamp))
+    .bind(&part.terms.due_text)
     .bind(TextColumn(part.terms.orientation))
     .bind(part.terms.tilts.to_string())
     .bind(part.terms.clearance_mm)
@@ -241,9 +249,9 @@ async fn find_or_insert_solid(
     let now = change.now;
     let id = sqlx::query_scalar(
         "INSERT INTO part (claim, object_index, profile, name, order_name, content_hash, bytes, state, warnings, \
-         priority, due_at, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
+         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
          SELECT claim, ?, profile, name, order_name, content_hash, bytes, 'claimed', '', \
-         priority, due_at, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, ? FROM part WHERE id = ? RETURNING id",
+         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, ? FROM part WHERE id = ? RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)

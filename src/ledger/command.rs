@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{CommandId, EventKind, Ledger, LedgerError, PartId, UtcTimestamp, error::Result, text_column::own_word};
+use super::{
+    CommandId, EventKind, Ledger, LedgerError, PartEdit, PartId, UtcTimestamp, error::Result, text_column::own_word,
+};
 
 /// Kind of command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,6 +23,12 @@ pub enum CommandKind {
     Cancel,
     /// Scan the hot folders now.
     Scan,
+    /// Change what was asked with a part.
+    Edit,
+    /// Move a part to another machine.
+    Move,
+    /// Print a part as it is.
+    Confirm,
 }
 
 own_word!(CommandKind);
@@ -52,15 +60,38 @@ pub enum PauseCause {
 
 own_word!(PauseCause);
 
+/// What a command says beyond its kind and its part. Stored as JSON.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CommandArgument {
+    /// Number of copies to cancel; `None` = all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub copies: Option<u32>,
+    /// Changes of an edit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edit: Option<PartEdit>,
+}
+
+impl CommandArgument {
+    fn to_json(&self) -> String {
+        match *self == Self::default() {
+            true => String::new(),
+            false => serde_json::to_string(self).unwrap_or_default(),
+        }
+    }
+}
+
 /// A command to submit.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct NewCommand {
     /// Kind of command.
     pub kind: CommandKind,
     /// Machine profile of flush, pause and resume, "" otherwise.
     pub profile: String,
-    /// Part of retry and cancel.
+    /// Part of retry, cancel, edit, move and confirm.
     pub part: Option<PartId>,
+    /// Changes of an edit, copies to cancel.
+    pub argument: CommandArgument,
     /// user@host.
     pub asked_by: String,
 }
@@ -74,8 +105,10 @@ pub struct CommandRow {
     pub kind: CommandKind,
     /// Machine profile, "" = none.
     pub profile: String,
-    /// Part of retry and cancel.
+    /// Part of retry, cancel, edit, move and confirm.
     pub part_id: Option<PartId>,
+    /// What it says as JSON, "" = nothing.
+    pub argument: String,
     /// user@host.
     pub asked_by: String,
     /// When it was submitted.
@@ -88,6 +121,13 @@ pub struct CommandRow {
     pub answered_at: Option<UtcTimestamp>,
 }
 
+impl CommandRow {
+    /// What it says beyond its kind and its part.
+    pub fn read_argument(&self) -> CommandArgument {
+        serde_json::from_str(&self.argument).unwrap_or_default()
+    }
+}
+
 impl Ledger {
     /// Submits a command to the daemon.
     pub async fn submit_command(&self, command: &NewCommand) -> Result<CommandId> {
@@ -97,12 +137,13 @@ impl Ledger {
         }
         let now = change.now;
         let id = sqlx::query_scalar(
-            "INSERT INTO command (kind, profile, part_id, asked_by, asked_at, state) \
-             VALUES (?, ?, ?, ?, ?, 'asked') RETURNING id",
+            "INSERT INTO command (kind, profile, part_id, argument, asked_by, asked_at, state) \
+             VALUES (?, ?, ?, ?, ?, ?, 'asked') RETURNING id",
         )
         .bind(command.kind)
         .bind(&command.profile)
         .bind(command.part)
+        .bind(command.argument.to_json())
         .bind(&command.asked_by)
         .bind(now)
         .fetch_one(change.db())

@@ -5,7 +5,7 @@ use sqlx::SqliteConnection;
 use super::error::Result;
 
 /// Each rule violation as a sentence, and the query that finds it.
-const RULES: [(&str, &str); 13] = [
+const RULES: [(&str, &str); 17] = [
     (
         "a claimed or rejected part has a copy in a build that is not published",
         "\
@@ -16,13 +16,13 @@ const RULES: [(&str, &str); 13] = [
         "a waiting part has no copy left that could wait",
         "\
         SELECT p.id FROM part p WHERE p.state = 'waiting' \
-        AND (SELECT count(*) FROM placement l WHERE l.part_id = p.id) >= p.copies",
+        AND (SELECT count(*) FROM placement l WHERE l.part_id = p.id) >= p.copies - p.cancelled_copies",
     ),
     (
         "a batched or built part has a copy in no build",
         "\
         SELECT p.id FROM part p WHERE p.state IN ('batched', 'built') \
-        AND (SELECT count(*) FROM placement l WHERE l.part_id = p.id) <> p.copies",
+        AND (SELECT count(*) FROM placement l WHERE l.part_id = p.id) <> p.copies - p.cancelled_copies",
     ),
     (
         "a batched part has all copies in published builds",
@@ -45,7 +45,7 @@ const RULES: [(&str, &str); 13] = [
         "a placement is for another machine than its part",
         "\
         SELECT l.part_id FROM placement l JOIN part p ON p.id = l.part_id JOIN build b ON b.id = l.build_id \
-        WHERE p.profile <> b.profile",
+        WHERE p.profile <> b.profile AND b.published_at IS NULL",
     ),
     (
         "an open build, or one that failed before it was published, holds a copy",
@@ -57,13 +57,13 @@ const RULES: [(&str, &str); 13] = [
         "a build that is past nesting does not hold as many copies as it says",
         "\
         SELECT b.id FROM build b WHERE b.verified_at IS NOT NULL \
-        AND b.copies IS NOT (SELECT count(*) FROM placement l WHERE l.build_id = b.id)",
+        AND b.copies IS NOT (SELECT count(*) FROM build_copy l WHERE l.build_id = b.id)",
     ),
     (
         "a verified build has a copy without a pose, height, or file",
         "\
         SELECT b.id FROM build b WHERE b.verified_at IS NOT NULL AND (b.height_mm IS NULL OR b.file_name IS NULL \
-        OR EXISTS (SELECT 1 FROM placement l WHERE l.build_id = b.id AND (l.qw IS NULL OR l.tz_mm IS NULL)))",
+        OR EXISTS (SELECT 1 FROM build_copy l WHERE l.build_id = b.id AND (l.qw IS NULL OR l.tz_mm IS NULL)))",
     ),
     (
         "a build's times do not agree with its state",
@@ -73,6 +73,32 @@ const RULES: [(&str, &str); 13] = [
         OR (b.state IN ('verified', 'published', 'printing', 'complete', 'interrupted') AND b.verified_at IS NULL) \
         OR (b.state IN ('open', 'nesting', 'verified') AND b.published_at IS NOT NULL) \
         OR (b.state IN ('published', 'printing', 'complete', 'interrupted') AND b.published_at IS NULL)",
+    ),
+    (
+        "the copies wanted of a part are not those that its events tell",
+        "\
+        SELECT p.id FROM part p WHERE p.copies - p.cancelled_copies <> \
+        (SELECT sum(e.wanted_change) FROM event e WHERE e.part_id = p.id) \
+        AND EXISTS (SELECT 1 FROM event e WHERE e.part_id = p.id AND e.wanted_change IS NOT NULL \
+        AND e.kind = 'waiting')",
+    ),
+    (
+        "more copies of a part stand in builds than are wanted",
+        "\
+        SELECT p.id FROM part p WHERE p.state <> 'claimed' \
+        AND (SELECT count(*) FROM placement l WHERE l.part_id = p.id) > p.copies - p.cancelled_copies",
+    ),
+    (
+        "a copy was told to be bad of a build that was not published",
+        "\
+        SELECT l.part_id FROM bad_placement l JOIN build b ON b.id = l.build_id \
+        WHERE b.published_at IS NULL OR l.copy >= (SELECT p.copies FROM part p WHERE p.id = l.part_id)",
+    ),
+    (
+        "a part of an order has no row of its order",
+        "\
+        SELECT p.id FROM part p WHERE p.order_name <> '' \
+        AND NOT EXISTS (SELECT 1 FROM customer_order o WHERE o.name = p.order_name)",
     ),
     ("a rejected part has no reason", "SELECT id FROM part WHERE state = 'rejected' AND reason = ''"),
     (

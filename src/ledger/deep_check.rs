@@ -24,6 +24,8 @@ pub struct PartFileRow {
     pub state: PartState,
     /// When it entered its current state.
     pub state_at: UtcTimestamp,
+    /// When its original was requested from the archive; `None` = the store has it.
+    pub fetch_at: Option<UtcTimestamp>,
 }
 
 /// A part with a copy in a published build.
@@ -47,7 +49,7 @@ impl Ledger {
     /// All parts that are not built, oldest first.
     pub async fn unbuilt_part_files(&self) -> Result<Vec<PartFileRow>> {
         let query = sqlx::query_as(
-            "SELECT id, claim, profile, name, content_hash, bytes, state, state_at FROM part \
+            "SELECT id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at FROM part \
              WHERE state <> 'built' ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)
@@ -57,7 +59,7 @@ impl Ledger {
     pub async fn built_parts_since(&self, since: Timestamp) -> Result<Vec<BuiltPartRow>> {
         let query = sqlx::query_as(
             "SELECT DISTINCT b.id AS build, b.profile, b.file_name, p.id AS part, p.name, p.content_hash FROM build b \
-             JOIN placement l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
+             JOIN build_copy l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
              WHERE b.published_at >= ? AND b.file_name IS NOT NULL ORDER BY b.id, p.id",
         );
         Ok(query.bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
@@ -82,7 +84,7 @@ impl Ledger {
     /// The newest part of a profile with this content.
     pub async fn find_part_with_content(&self, profile: &str, hash: &str) -> Result<Option<PartFileRow>> {
         let query = sqlx::query_as(
-            "SELECT id, claim, profile, name, content_hash, bytes, state, state_at FROM part \
+            "SELECT id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at FROM part \
              WHERE profile = ? AND content_hash = ? ORDER BY id DESC LIMIT 1",
         );
         Ok(query.bind(profile).bind(hash).fetch_optional(self.reader()?).await?)

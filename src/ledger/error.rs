@@ -219,6 +219,91 @@ pub enum LedgerError {
         /// Its state.
         state: super::PartState,
     },
+    /// An outcome was told already, and differs.
+    #[error(
+        "build {build} was told to be {state} already; if that was wrong, say `nestd outcome {build} {asked} --correct`"
+    )]
+    AlreadyTold {
+        /// The build.
+        build: BuildId,
+        /// Its state.
+        state: super::BuildState,
+        /// The outcome that was given now.
+        asked: super::PrintOutcome,
+    },
+    /// Fewer copies of the part are in the build than were named as bad.
+    #[error(
+        "part {part} has {placed} copies in build {build}, and {asked} were named; `nestd show {build}` lists them"
+    )]
+    TooFewInBuild {
+        /// The part.
+        part: PartId,
+        /// The build.
+        build: BuildId,
+        /// Copies named.
+        asked: u32,
+        /// Its copies in the build that count.
+        placed: u32,
+    },
+    /// Fewer copies of the part were printed than are to be printed again.
+    #[error(
+        "{printed} copies of part {part} were printed, and {asked} are to be printed again; `nestd show p{part}` lists them"
+    )]
+    TooFewPrinted {
+        /// The part.
+        part: PartId,
+        /// Copies to print again.
+        asked: u32,
+        /// Printed copies that count.
+        printed: u32,
+    },
+    /// No printed copy is meant.
+    #[error("no copy of it was printed; what was not printed yet waits already")]
+    NothingPrinted,
+    /// Fewer copies of the part wait than are to be taken back.
+    #[error(
+        "{waiting} copies of part {part} wait, and {asked} are to be cancelled; the others are in builds: `nestd show p{part}`"
+    )]
+    TooFewWaiting {
+        /// The part.
+        part: PartId,
+        /// Copies to cancel.
+        asked: u32,
+        /// Waiting copies.
+        waiting: u32,
+    },
+    /// Fewer copies are wanted than stand in builds.
+    #[error(
+        "{placed} copies of part {part} are in builds already, so {asked} cannot be the whole number; `nestd show p{part}` lists them"
+    )]
+    TooManyPlaced {
+        /// The part.
+        part: PartId,
+        /// Copies that are to be wanted.
+        asked: u32,
+        /// Copies in builds.
+        placed: u32,
+    },
+    /// What is asked with a part cannot change any more.
+    #[error(
+        "part {part} is {state}: only what still waits can be changed; order more of it with `nestd edit {part} --copies N`"
+    )]
+    NotEditable {
+        /// The part.
+        part: PartId,
+        /// Its state.
+        state: super::PartState,
+    },
+    /// A copy of the build is in another build by now.
+    #[error("copy {copy} of part {part} is in build {build} by now, so the same build cannot be issued again")]
+    PrintedElsewhere {
+        /// The part.
+        part: PartId,
+        /// Its copy, from 1.
+        copy: u32,
+        /// The other build.
+        build: BuildId,
+    },
     /// A part was accepted without any solid.
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),

@@ -63,6 +63,28 @@ pub enum EventKind {
     ClockSet,
     /// Messages to a receiver were dropped.
     MessagesDropped,
+    /// Copies that were printed badly wait again.
+    PutBack,
+    /// Copies of a part are not wanted any more.
+    CopiesCancelled,
+    /// More copies of a part are wanted.
+    CopiesWanted,
+    /// What was asked with a part was changed.
+    Edited,
+    /// A part was moved to another machine.
+    Moved,
+    /// A person said that a part is to be printed as it is.
+    Confirmed,
+    /// A part replaced an earlier revision.
+    Revised,
+    /// A person has seen to a failed print.
+    Seen,
+    /// A build was issued once more.
+    Requeued,
+    /// Every copy of an order was printed well.
+    OrderComplete,
+    /// An order ended with fewer copies than were wanted.
+    OrderShort,
     /// A kind that another version of nestd wrote.
     #[serde(untagged)]
     Unknown(String),

@@ -42,6 +42,7 @@ pub fn new_part(claim: &str, copies: u32) -> NewPartRow {
             order_name: String::new(),
             priority: 50,
             due_at: None,
+            due_text: String::new(),
             orientation: OrientationRule::Free,
             tilts: RequiredTilts::default(),
             clearance_mm: None,

@@ -128,9 +128,10 @@ const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_a
     b.height_mm, \
     iif(json_valid(b.profile_snapshot), json_extract(b.profile_snapshot, '$.volume_mm[2]'), NULL) AS volume_z_mm, \
     b.density, b.lower_bound_mm, b.layers, \
-    (SELECT count(DISTINCT l.part_id) FROM placement l WHERE l.build_id = b.id) AS parts, b.copies, \
+    (SELECT count(*) FROM (SELECT l.part_id FROM placement l WHERE l.build_id = b.id \
+    UNION SELECT l.part_id FROM bad_placement l WHERE l.build_id = b.id)) AS parts, b.copies, \
     b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
-    b.seed, b.method, b.version, b.fired_by, b.file_name, b.reason, \
+    b.seed, b.method, b.version, b.repeats, b.fired_by, b.file_name, b.reason, \
     coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
 
 impl HistoryRow {

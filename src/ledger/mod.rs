@@ -12,11 +12,13 @@ mod change;
 mod claim;
 mod command;
 mod consistency;
+mod customer_order;
 mod daemon;
 mod damaged;
 mod decisions;
 mod deep_check;
 mod due_dates;
+mod edit;
 mod error;
 mod event;
 mod event_kind;
@@ -34,9 +36,11 @@ mod part_list;
 mod part_row;
 mod placement;
 mod publish;
+mod put_back;
 mod receiver;
 mod refusal_cause;
 mod replace;
+mod requeue;
 mod schema;
 mod state;
 mod status;
@@ -52,11 +56,13 @@ pub use build_row::{
     BuildDocuments, BuildMeasures, BuildRow, BuildTimes, FinalSearch, OpenLayout, ProvedFile, ProvedMeasures,
     SearchEffort, StagedFile, Verified,
 };
-pub use command::{CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
+pub use command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
+pub use customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
 pub use daemon::{DaemonHeartbeat, DaemonRow, HEARTBEAT_VALID_SECS, LOCK_NAME};
 pub use decisions::ClaimDecisions;
 pub use deep_check::{BuiltPartRow, PartFileRow};
 pub use due_dates::DuePartRow;
+pub use edit::{EditedPart, PartEdit};
 pub use error::LedgerError;
 pub use event::EventRow;
 pub use event_kind::EventKind;
@@ -64,13 +70,14 @@ pub use history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistoryS
 pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
 pub use machine::{MachineRow, ObservedMachine};
-pub use outcome::{OutcomeRow, PrintOutcome};
+pub use outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use part_list::PartQuery;
 pub use part_row::{
-    ClaimedFile, NewPartRow, NewTerms, NewTicketRow, PartMeasures, PartRejection, PartRow, PartTerms, PartTimes,
-    RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
+    ClaimedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow, PartTerms,
+    PartTimes, RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
+pub use put_back::{PartCopies, PutBackReport, ReprintTarget};
 pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
 pub use replace::{clear_unfinished, replace_ledger, restoring_path};

@@ -80,7 +80,8 @@ impl Ledger {
     }
 }
 
-fn group_by_part(copies: &[(PartId, u32)]) -> BTreeMap<PartId, Vec<u32>> {
+/// Groups copies by their part.
+pub(super) fn group_by_part(copies: &[(PartId, u32)]) -> BTreeMap<PartId, Vec<u32>> {
     let mut parts: BTreeMap<PartId, Vec<u32>> = BTreeMap::new();
     for &(part, copy) in copies {
         parts.entry(part).or_default().push(copy);
@@ -117,7 +118,7 @@ async fn insert_placements(
     }
     let placed: u32 =
         sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?").bind(id).fetch_one(change.db()).await?;
-    if placed == part.copies {
+    if placed == part.wanted_copies() {
         change.move_part(id, PartState::Batched, Some(build), "").await?;
     }
     Ok(())

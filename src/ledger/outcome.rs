@@ -4,7 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Ledger, LedgerError, UtcTimestamp, error::Result, text_column::own_word};
+use super::{
+    BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, PartId, PutBackReport, UtcTimestamp,
+    change::LedgerChange, error::Result, text_column::own_word,
+};
 
 /// States of a build in which an outcome can be reported.
 const REPORTABLE_STATES: &[BuildState] = &[BuildState::Published, BuildState::Printing];
@@ -40,6 +43,8 @@ pub struct OutcomeRow {
     pub told_by: String,
     /// When it was reported.
     pub told_at: UtcTimestamp,
+    /// Whether it corrects what was told before.
+    pub is_correction: bool,
 }
 
 impl PrintOutcome {
@@ -54,29 +59,62 @@ impl PrintOutcome {
     }
 }
 
+/// What somebody tells of a print.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ToldOutcome {
+    /// The outcome.
+    pub outcome: PrintOutcome,
+    /// Free text.
+    pub note: String,
+    /// user@host.
+    pub told_by: String,
+    /// Copies that are bad although the print is complete or was interrupted: part and number.
+    pub bad: Vec<(PartId, u32)>,
+    /// Whether bad copies are not to be printed again.
+    pub keep: bool,
+    /// Whether it corrects what was told before.
+    pub is_correction: bool,
+}
+
+impl ToldOutcome {
+    /// An outcome without bad copies.
+    pub fn new(outcome: PrintOutcome, note: &str, told_by: &str) -> Self {
+        let (note, told_by) = (note.to_owned(), told_by.to_owned());
+        Self { outcome, note, told_by, bad: Vec::new(), keep: false, is_correction: false }
+    }
+}
+
 impl Ledger {
-    /// Records the reported outcome of a published build and changes its state, through printing if needed.
-    pub async fn record_outcome(&self, build: BuildId, outcome: PrintOutcome, note: &str, told_by: &str) -> Result<()> {
+    /// Records the reported outcome of a published build and changes its state, through printing if needed. Copies that
+    /// were printed badly (all of them if the print failed) wait again with all that was asked, unless told otherwise.
+    pub async fn record_outcome(&self, build: BuildId, told: &ToldOutcome) -> Result<PutBackReport> {
         let mut change = self.begin_change().await?;
-        let (_, state) = change.require_build(build).await?;
-        if state == BuildState::Nesting {
-            // Only the farm may fail a nesting build, because it then releases the copies.
-            return Err(LedgerError::WrongState { build, state, needed: REPORTABLE_STATES });
+        let mut report = PutBackReport::default();
+        move_to_outcome(&mut change, build, told).await?;
+        let (now, is_correction) = (change.now, told.is_correction);
+        sqlx::query(
+            "INSERT INTO outcome (build_id, outcome, note, told_by, told_at, is_correction) VALUES (?, ?, ?, ?, ?, ?)",
+        )
+        .bind(build)
+        .bind(told.outcome)
+        .bind(&told.note)
+        .bind(&told.told_by)
+        .bind(now)
+        .bind(is_correction)
+        .execute(change.db())
+        .await?;
+        if is_correction && told.outcome != PrintOutcome::Failed {
+            change.return_bad_copies(build, &mut report).await?;
         }
-        if state == BuildState::Published && outcome != PrintOutcome::Printing {
-            change.move_build(build, BuildState::Printing, "").await?;
-        }
-        change.move_build(build, outcome.build_state(), note).await?;
-        let now = change.now;
-        sqlx::query("INSERT INTO outcome (build_id, outcome, note, told_by, told_at) VALUES (?, ?, ?, ?, ?)")
-            .bind(build)
-            .bind(outcome)
-            .bind(note)
-            .bind(told_by)
-            .bind(now)
-            .execute(change.db())
-            .await?;
-        change.commit().await
+        let bad = match told.outcome {
+            PrintOutcome::Failed => counted_copies(&mut change, build).await?,
+            _ => bad_copies(&mut change, build, &told.bad).await?,
+        };
+        change.mark_bad(build, &bad, &told.told_by, !told.keep, &mut report).await?;
+        let parts = counted_copies(&mut change, build).await?.into_iter().map(|(part, _)| part);
+        change.update_orders_of(parts.collect::<std::collections::BTreeSet<_>>()).await?;
+        change.commit().await?;
+        Ok(report)
     }
 
     /// The reported outcomes of a build, oldest first.
@@ -84,4 +122,74 @@ impl Ledger {
         let query = sqlx::query_as("SELECT * FROM outcome WHERE build_id = ? ORDER BY id").bind(build);
         Ok(query.fetch_all(self.reader()?).await?)
     }
+
+    /// Records that somebody has seen to a failed print.
+    pub async fn mark_failure_seen(&self, build: BuildId, by: &str) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        let profile = change.ensure_build_state(build, &[BuildState::Failed]).await?;
+        let now = change.now;
+        let seen = sqlx::query("UPDATE build SET seen_at = coalesce(seen_at, ?) WHERE id = ?").bind(now).bind(build);
+        seen.execute(change.db()).await?;
+        change.write_event(EventKind::Seen, &profile, None, Some(build), &format!("{by} has seen to it")).await?;
+        change.commit().await
+    }
+
+    /// Failed prints that nobody has seen to, oldest first.
+    pub async fn unseen_failures(&self) -> Result<Vec<BuildRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM build WHERE state = 'failed' AND published_at IS NOT NULL AND seen_at IS NULL ORDER BY id",
+        );
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+}
+
+/// Moves a build to the state of its outcome.
+async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<()> {
+    let (_, state) = change.require_build(build).await?;
+    let is_published: bool = sqlx::query_scalar("SELECT published_at IS NOT NULL FROM build WHERE id = ?")
+        .bind(build)
+        .fetch_one(change.db())
+        .await?;
+    let is_told = matches!(state, BuildState::Complete | BuildState::Interrupted | BuildState::Failed);
+    if !is_published {
+        // Only the farm may fail a nesting build, because it then releases the copies.
+        return Err(LedgerError::WrongState { build, state, needed: REPORTABLE_STATES });
+    }
+    if is_told && !told.is_correction {
+        return Err(LedgerError::AlreadyTold { build, state, asked: told.outcome });
+    }
+    if is_told && state == told.outcome.build_state() {
+        return Ok(());
+    }
+    if state == BuildState::Published && told.outcome != PrintOutcome::Printing {
+        change.move_build(build, BuildState::Printing, "").await?;
+    }
+    change.move_build(build, told.outcome.build_state(), &told.note).await?;
+    Ok(())
+}
+
+/// The copies of a build that count.
+async fn counted_copies(change: &mut LedgerChange, build: BuildId) -> Result<Vec<(PartId, u32)>> {
+    let copies = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy");
+    Ok(copies.bind(build).fetch_all(change.db()).await?)
+}
+
+/// The last copies of each named part in a build.
+async fn bad_copies(change: &mut LedgerChange, build: BuildId, named: &[(PartId, u32)]) -> Result<Vec<(PartId, u32)>> {
+    let mut bad = Vec::new();
+    for &(part, asked) in named {
+        let mut copies: Vec<u32> =
+            sqlx::query_scalar("SELECT copy FROM placement WHERE build_id = ? AND part_id = ? ORDER BY copy DESC")
+                .bind(build)
+                .bind(part)
+                .fetch_all(change.db())
+                .await?;
+        let placed = copies.len() as u32;
+        if placed < asked {
+            return Err(LedgerError::TooFewInBuild { part, build, asked, placed });
+        }
+        copies.truncate(asked as usize);
+        bad.extend(copies.into_iter().map(|copy| (part, copy)));
+    }
+    Ok(bad)
 }

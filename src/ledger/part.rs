@@ -76,6 +76,16 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
+    /// The parts that are not built or rejected and whose order or file name matches a pattern with `*` and `?`, oldest
+    /// first.
+    pub async fn unbuilt_parts_matching(&self, pattern: &str) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND (name GLOB ?1 OR order_name GLOB ?1) \
+             ORDER BY id",
+        );
+        Ok(query.bind(pattern).fetch_all(self.reader()?).await?)
+    }
+
     /// All parts with this content, whatever their names.
     pub async fn parts_with_content(&self, hash: &str) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as("SELECT * FROM part WHERE content_hash = ? ORDER BY id").bind(hash);
@@ -85,8 +95,8 @@ impl Ledger {
     /// All parts with a copy in a build, in order of precedence.
     pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as(
-            "SELECT * FROM part WHERE id IN (SELECT part_id FROM placement WHERE build_id = ?) \
-             ORDER BY priority DESC, due_at IS NULL, due_at, claimed_at, id",
+            "SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = ?) \
+             ORDER BY put_back_at IS NULL, put_back_at, priority DESC, due_at IS NULL, due_at, claimed_at, id",
         );
         Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }

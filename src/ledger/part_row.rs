@@ -45,6 +45,9 @@ pub struct NewTerms {
     pub priority: u8,
     /// When it is due.
     pub due_at: Option<Timestamp>,
+    /// The due date as it was given, "" = none.
+    #[serde(default)]
+    pub due_text: String,
     /// Orientation rule.
     pub orientation: OrientationRule,
     /// Directions that must point nearly straight up.
@@ -156,8 +159,12 @@ pub struct PartRow {
     pub rejection: PartRejection,
     /// Warnings, one per line.
     pub warnings: String,
-    /// Total number of copies.
+    /// Copies ever wanted. Copy numbers are below this.
     pub copies: u32,
+    /// What became of the copies, and what the part waits for.
+    #[serde(flatten)]
+    #[sqlx(flatten)]
+    pub owed: OwedCopies,
     /// Requested terms other than the copies.
     #[serde(flatten)]
     #[sqlx(flatten)]
@@ -203,6 +210,21 @@ pub struct PartRejection {
     pub refusal: Option<RefusalCause>,
 }
 
+/// What became of the copies of a part, and what it waits for.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+pub struct OwedCopies {
+    /// How many copies are not wanted any more.
+    pub cancelled_copies: u32,
+    /// When copies that were printed badly were last put back among the waiting ones. They go first.
+    pub put_back_at: Option<UtcTimestamp>,
+    /// When its original was requested from the archive. The part waits until the store has it.
+    pub fetch_at: Option<UtcTimestamp>,
+    /// What a person must confirm before it is printed, "" = nothing.
+    pub question: String,
+    /// The newer revision that replaced it.
+    pub replaced_by: Option<PartId>,
+}
+
 /// Requested terms for a part, other than the copies.
 #[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
 pub struct PartTerms {
@@ -212,6 +234,8 @@ pub struct PartTerms {
     pub priority: u8,
     /// When it is due.
     pub due_at: Option<UtcTimestamp>,
+    /// The due date as it was given, "" = none.
+    pub due_text: String,
     /// Orientation rule.
     #[sqlx(try_from = "TextColumn<OrientationRule>")]
     pub orientation: OrientationRule,
@@ -261,6 +285,11 @@ impl PartRow {
 }
 
 impl PartRow {
+    /// Copies wanted: those ever wanted without the cancelled ones.
+    pub fn wanted_copies(&self) -> u32 {
+        self.copies.saturating_sub(self.owed.cancelled_copies)
+    }
+
     /// Name of the part together with the name of its solid.
     pub fn full_name(&self) -> String {
         match self.solid.object_name.as_str() {

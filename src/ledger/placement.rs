@@ -45,6 +45,8 @@ pub struct PlacementRow {
     pub build_state: BuildState,
     /// When the build was put into the queue.
     pub published_at: Option<UtcTimestamp>,
+    /// Whether it was told to be printed badly, so that it does not count.
+    pub is_bad: bool,
     /// How it stands there.
     #[serde(flatten)]
     #[sqlx(flatten)]
@@ -113,8 +115,8 @@ impl Ledger {
     /// The placements of a part, by copy.
     pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
         let query = sqlx::query_as(
-            "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
-             WHERE l.part_id = ? ORDER BY l.copy",
+            "SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = ? ORDER BY l.copy, l.build_id",
         );
         Ok(query.bind(part).fetch_all(self.reader()?).await?)
     }
@@ -122,7 +124,7 @@ impl Ledger {
     /// The copies in a build with their poses, by part and copy.
     pub async fn placements_of_build(&self, build: BuildId) -> Result<Vec<PlacementRow>> {
         let query = sqlx::query_as(
-            "SELECT l.*, b.state AS build_state, b.published_at FROM placement l JOIN build b ON b.id = l.build_id \
+            "SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id \
              WHERE l.build_id = ? ORDER BY l.part_id, l.copy",
         );
         Ok(query.bind(build).fetch_all(self.reader()?).await?)
@@ -130,7 +132,7 @@ impl Ledger {
 
     /// The copies taken into a build, by part and copy.
     pub async fn copies_of_build(&self, build: BuildId) -> Result<Vec<(PartId, u32)>> {
-        let query = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy");
+        let query = sqlx::query_as("SELECT part_id, copy FROM build_copy WHERE build_id = ? ORDER BY part_id, copy");
         Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }
 }

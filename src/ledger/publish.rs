@@ -69,6 +69,8 @@ impl Ledger {
         .await?;
         for part in built {
             change.move_part(part, PartState::Built, Some(build), "").await?;
+            let served = sqlx::query("UPDATE part SET put_back_at = NULL WHERE id = ?").bind(part);
+            served.execute(change.db()).await?;
         }
         change.commit().await
     }

@@ -67,7 +67,11 @@ impl PartState {
         match (self, next) {
             (Claimed, Waiting | Rejected) => Ok(next),
             (Waiting, Batched | Rejected) => Ok(next),
+            // A unit that was said later, or another machine, has it read again.
+            (Waiting, Claimed) => Ok(next),
             (Batched, Waiting | Built) => Ok(next),
+            // Copies of it were printed badly, or more are wanted.
+            (Built, Waiting) => Ok(next),
             (Rejected, Claimed) => Ok(next),
             _ => Err(IllegalMove { thing: "part", from: self.to_string(), to: next.to_string() }),
         }
@@ -107,6 +111,9 @@ impl BuildState {
             (Verified, Published | Nesting) => Ok(next),
             (Published, Printing) => Ok(next),
             (Printing, Complete | Interrupted | Failed) => Ok(next),
+            // What was told of a print is corrected.
+            (Complete, Interrupted | Failed) | (Interrupted, Complete | Failed) => Ok(next),
+            (Failed, Complete | Interrupted) => Ok(next),
             _ => Err(IllegalMove { thing: "build", from: self.to_string(), to: next.to_string() }),
         }
     }

@@ -126,7 +126,7 @@ struct NearestDue {
 
 const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_parts, \
     sum(p.state = 'waiting') AS waiting_parts, \
-    sum(CASE p.state WHEN 'waiting' THEN p.copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
+    sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
     ELSE 0 END) AS waiting_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
     min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p \

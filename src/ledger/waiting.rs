@@ -19,8 +19,9 @@ impl Ledger {
     pub async fn waiting_copies(&self, profile: &str) -> Result<Vec<WaitingPart>> {
         let mut snapshot = self.begin_snapshot().await?;
         let parts: Vec<PartRow> = sqlx::query_as(
-            "SELECT * FROM part WHERE profile = ? AND state = 'waiting' AND damaged_at IS NULL \
-             ORDER BY priority DESC, due_at IS NULL, due_at, claimed_at, id",
+            "SELECT * FROM part WHERE profile = ? AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
+             AND question = '' \
+             ORDER BY put_back_at IS NULL, put_back_at, priority DESC, due_at IS NULL, due_at, claimed_at, id",
         )
         .bind(profile)
         .fetch_all(&mut *snapshot)
@@ -38,7 +39,9 @@ impl Ledger {
         }
         let waiting = parts.into_iter().map(|part| {
             let taken = taken_copies.get(&part.id);
-            let copies = (0..part.copies).filter(|copy| !taken.is_some_and(|t| t.contains(copy))).collect();
+            let free = (0..part.copies).filter(|copy| !taken.is_some_and(|t| t.contains(copy)));
+            let most = part.wanted_copies() as usize - taken.map_or(0, HashSet::len);
+            let copies = free.take(most).collect();
             WaitingPart { part, copies }
         });
         Ok(waiting.collect())

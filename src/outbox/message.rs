@@ -26,6 +26,10 @@ pub enum MessageKind {
     Available,
     /// A due date is at risk.
     AtRisk,
+    /// Every copy of an order was printed well.
+    OrderComplete,
+    /// An order ended with fewer copies than were wanted.
+    OrderShort,
     /// Messages were dropped.
     Dropped,
     /// A test of the receivers.
@@ -59,6 +63,8 @@ pub fn event_kinds(events: &[NotificationKind]) -> Vec<EventKind> {
         NotificationKind::Refused => vec![EventKind::Rejected, EventKind::Refused],
         NotificationKind::Unavailable => vec![EventKind::Unavailable, EventKind::Available],
         NotificationKind::AtRisk => vec![EventKind::AtRisk],
+        NotificationKind::OrderComplete => vec![EventKind::OrderComplete],
+        NotificationKind::OrderShort => vec![EventKind::OrderShort],
     };
     events.iter().flat_map(kinds_of).chain([EventKind::MessagesDropped]).collect()
 }
@@ -132,6 +138,8 @@ impl MessageKind {
             EventKind::Unavailable => Self::Unavailable,
             EventKind::Available => Self::Available,
             EventKind::AtRisk => Self::AtRisk,
+            EventKind::OrderComplete => Self::OrderComplete,
+            EventKind::OrderShort => Self::OrderShort,
             _ => Self::Dropped,
         }
     }
@@ -144,6 +152,8 @@ impl MessageKind {
             Self::Unavailable => "unavailable",
             Self::Available => "available",
             Self::AtRisk => "at-risk",
+            Self::OrderComplete => "order-complete",
+            Self::OrderShort => "order-short",
             Self::Dropped => "dropped",
             Self::Test => "test",
         }
@@ -173,6 +183,8 @@ fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: O
         (MessageKind::Unavailable, ..) => first.to_owned(),
         (MessageKind::Available, ..) => format!("{profile} is available again."),
         (MessageKind::AtRisk, ..) => format!("{profile}: {first}"),
+        (MessageKind::OrderComplete, ..) => format!("Complete: {first}."),
+        (MessageKind::OrderShort, ..) => format!("Short: {first}."),
         _ => format!("Messages were dropped: {first}."),
     }
 }

@@ -174,6 +174,8 @@ impl Default for NotifyInputs {
                 NotificationKind::Refused,
                 NotificationKind::Unavailable,
                 NotificationKind::AtRisk,
+                NotificationKind::OrderComplete,
+                NotificationKind::OrderShort,
             ],
             webhook: OptionalValue::OFF,
             secret_file: OptionalValue::OFF,

@@ -14,4 +14,8 @@ pub enum NotificationKind {
     Unavailable,
     /// A due date will not be met, or is near and its machine is unavailable or paused.
     AtRisk,
+    /// Every copy of an order was printed well.
+    OrderComplete,
+    /// An order ended with fewer copies than were wanted.
+    OrderShort,
 }

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use crate::ledger::{BuildId, BuildState, PartId, PartState, PrintOutcome, UtcTimestamp};
+use crate::ledger::{BuildId, BuildState, OrderState, PartId, PartState, PrintOutcome, UtcTimestamp};
 
 /// A value in a table, not formatted yet.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -63,5 +63,6 @@ cell_from! {
     PartId => CellValue::Part,
     BuildState => |state| CellValue::Text(state.to_string()),
     PartState => |state| CellValue::Text(state.to_string()),
+    OrderState => |state| CellValue::Text(state.to_string()),
     PrintOutcome => |outcome| CellValue::Text(outcome.to_string()),
 }

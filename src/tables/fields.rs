@@ -46,8 +46,22 @@ pub const COPIES_HERE: FieldDefinition = FieldDefinition::whole("Copies here");
 pub const COPIES_WAITING: FieldDefinition = FieldDefinition::whole("Copies waiting");
 /// All copies of a part.
 pub const COPIES_OF: FieldDefinition = FieldDefinition::whole("Of");
-/// Copies of a part that are in published builds.
-pub const COPIES_PUBLISHED: FieldDefinition = FieldDefinition::whole("Published");
+/// Lines of an order.
+pub const LINES: FieldDefinition = FieldDefinition::whole("Lines");
+/// Copies wanted: = waiting + in builds + printed + good + refused.
+pub const COPIES_WANTED: FieldDefinition = FieldDefinition::whole("Wanted");
+/// Copies in builds that are being made.
+pub const COPIES_IN_BUILDS: FieldDefinition = FieldDefinition::whole("In builds");
+/// Copies in published builds of which nobody said that the print was good.
+pub const COPIES_PRINTED: FieldDefinition = FieldDefinition::whole("Printed");
+/// Copies in builds that were told complete.
+pub const COPIES_GOOD: FieldDefinition = FieldDefinition::whole("Good");
+/// Copies that are wanted and not made, because their part was refused or cancelled.
+pub const COPIES_REFUSED: FieldDefinition = FieldDefinition::whole("Refused");
+/// Copies that were printed badly.
+pub const COPIES_BAD: FieldDefinition = FieldDefinition::whole("Bad");
+/// Copies that are not wanted any more.
+pub const COPIES_CANCELLED: FieldDefinition = FieldDefinition::whole("Cancelled");
 /// Number of builds.
 pub const BUILDS: FieldDefinition = FieldDefinition::whole("Builds");
 /// Volume of parts.

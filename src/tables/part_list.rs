@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{cell_value::CellValue, fields, table_column::TableColumn};
 use crate::{
     farm::CakePart,
-    ledger::{BuildId, PartRow, PlacementRow},
+    ledger::{BuildId, LineCopies, PartRow, PlacementRow},
 };
 
 /// A part in a list that counts some of its copies.
@@ -26,6 +26,8 @@ pub struct OrderedPart {
     pub part: PartRow,
     /// The placements of its copies in builds.
     pub placements: Vec<PlacementRow>,
+    /// What became of its copies.
+    pub copies: LineCopies,
 }
 
 /// Parts with a given state or name.
@@ -68,8 +70,13 @@ pub const ORDERED_PART_COLUMNS: &[TableColumn<OrderedPart>] = &[
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
     TableColumn::new("profile", fields::PROFILE, |row| (&row.part.profile).into()),
     TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
-    TableColumn::new("copies", fields::COPIES, |row| row.part.copies.into()),
-    TableColumn::for_people("copies_published", fields::COPIES_PUBLISHED, copies_published),
+    TableColumn::new("wanted", fields::COPIES_WANTED, |row| row.copies.wanted.into()),
+    TableColumn::new("waiting", fields::COPIES_WAITING, |row| row.copies.waiting.into()),
+    TableColumn::new("in_builds", fields::COPIES_IN_BUILDS, |row| row.copies.in_builds.into()),
+    TableColumn::new("printed", fields::COPIES_PRINTED, |row| row.copies.printed.into()),
+    TableColumn::new("good", fields::COPIES_GOOD, |row| row.copies.good.into()),
+    TableColumn::new("bad", fields::COPIES_BAD, |row| row.copies.bad.into()),
+    TableColumn::new("cancelled", fields::COPIES_CANCELLED, |row| row.copies.cancelled.into()),
     TableColumn::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
     TableColumn::for_people("where", fields::WHERE, where_or_why),
 ];
@@ -96,10 +103,6 @@ fn reason_or_warning(part: &PartRow) -> CellValue {
     CellValue::Prose(why.replace('\n', "; "))
 }
 
-fn copies_published(row: &OrderedPart) -> CellValue {
-    row.placements.iter().filter(|placement| placement.published_at.is_some()).count().into()
-}
-
 fn where_or_why(row: &OrderedPart) -> CellValue {
     match row.part.rejection.reason.as_str() {
         "" => whereabouts(&row.placements).into(),
@@ -109,11 +112,12 @@ fn where_or_why(row: &OrderedPart) -> CellValue {
 
 /// `2 in build 3 (published), 1 in build 4 (nesting)`.
 pub fn whereabouts(placements: &[PlacementRow]) -> String {
-    let mut builds: BTreeMap<BuildId, (String, u32)> = BTreeMap::new();
+    let mut builds: BTreeMap<(BuildId, String), u32> = BTreeMap::new();
     for placement in placements {
-        builds.entry(placement.build_id).or_insert_with(|| (placement.build_state.to_string(), 0)).1 += 1;
+        let state = if placement.is_bad { "bad".to_owned() } else { placement.build_state.to_string() };
+        *builds.entry((placement.build_id, state)).or_default() += 1;
     }
-    let texts: Vec<String> = builds.iter().map(|(id, (state, n))| format!("{n} in build {id} ({state})")).collect();
+    let texts: Vec<String> = builds.iter().map(|((id, state), n)| format!("{n} in build {id} ({state})")).collect();
     if texts.is_empty() { "none in a build".to_owned() } else { texts.join(", ") }
 }
 

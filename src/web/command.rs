@@ -16,7 +16,7 @@ use super::{
     page,
     state::DashboardState,
 };
-use crate::ledger::{CommandKind, CommandState, NewCommand, PartId};
+use crate::ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartId};
 
 /// How long the page waits for the daemon's answer.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
@@ -81,6 +81,7 @@ pub(super) async fn post_command(
         kind: order.kind,
         profile: order.profile,
         part: order.part.map(PartId),
+        argument: CommandArgument::default(),
         asked_by: "dashboard".to_owned(),
     };
     let id = web.ledger.submit_command(&command).await?;

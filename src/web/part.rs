@@ -120,7 +120,7 @@ pub(super) async fn show_part(
         h1 { "Part " (number) ": " (part.full_name()) }
         @if !part.rejection.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.rejection.reason)) } }
         @for warning in part.warnings.lines() { p.warn { (prose_with_code(warning)) } }
-        (fact_list(&part_facts(&part, part.copies.to_string())))
+        (fact_list(&part_facts(&part, part.wanted_copies().to_string())))
         div.buttons {
             @if part.state == PartState::Rejected { (command_button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
             @if part.state == PartState::Waiting { (command_button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
@@ -153,7 +153,8 @@ async fn find_open_build(web: &DashboardState, part: &PartRow) -> HandlerResult<
 }
 
 fn copies_section(part: &PartRow, placements: &[PlacementRow], open: Option<(BuildId, u32)>) -> Markup {
-    let waiting = part.copies.saturating_sub(placements.len() as u32);
+    let live = placements.iter().filter(|placed| !placed.is_bad).count() as u32;
+    let waiting = part.wanted_copies().saturating_sub(live);
     html! {
         @if part.state == PartState::Rejected { p { "In no build: the part was refused or cancelled." } }
         @else if waiting > 0 {

@@ -167,7 +167,11 @@ async fn a_recorded_outcome_changes_the_change_token_of_the_pages() {
     let before = dashboard.web.change_token().await.ok().unwrap();
     assert_eq!(dashboard.web.change_token().await.ok().unwrap(), before);
     let printed = crate::ledger::PrintOutcome::Complete;
-    dashboard.ledger.record_outcome(crate::ledger::BuildId(1), printed, "", "me@here").await.unwrap();
+    dashboard
+        .ledger
+        .record_outcome(crate::ledger::BuildId(1), &crate::ledger::ToldOutcome::new(printed, "", "me@here"))
+        .await
+        .unwrap();
     assert_ne!(dashboard.web.change_token().await.ok().unwrap(), before);
 }
 

@@ -35,6 +35,7 @@ fn farm() -> tempfile::TempDir {
             bytes: 684,
             copies: 2,
             terms: NewTerms {
+                due_text: String::new(),
                 order_name: "kit 7".into(),
                 priority: 50,
                 due_at: None,

@@ -237,5 +237,8 @@ async fn submit_command(
     part: Option<nestd::ledger::PartId>,
 ) -> Result<(), nestd::ledger::LedgerError> {
     let profile = if matches!(kind, CommandKind::Flush) { PROFILE.to_owned() } else { String::new() };
-    ledger.submit_command(&NewCommand { kind, profile, part, asked_by: "test".to_owned() }).await.map(drop)
+    ledger
+        .submit_command(&NewCommand { kind, profile, part, argument: Default::default(), asked_by: "test".to_owned() })
+        .await
+        .map(drop)
 }

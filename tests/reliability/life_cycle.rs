@@ -226,7 +226,7 @@ impl LifeCycle {
                 CommandKind::Flush => (about.to_owned(), None),
                 _ => (String::new(), Some(part(ledger, about).await?.id)),
             };
-            let command = NewCommand { kind, profile, part, asked_by: "test".to_owned() };
+            let command = NewCommand { kind, profile, part, argument: Default::default(), asked_by: "test".to_owned() };
             self.command = Some(ledger.submit_command(&command).await?);
             self.commanded_at = Instant::now();
             return Ok(false);

@@ -157,7 +157,7 @@ impl HandDrivenFarm {
     /// Gives the daemon a command.
     pub fn order(&self, kind: CommandKind, part: Option<PartId>) -> CommandId {
         let profile = if part.is_some() { String::new() } else { PROFILE.to_owned() };
-        let command = NewCommand { kind, profile, part, asked_by: "a@test".to_owned() };
+        let command = NewCommand { kind, profile, part, argument: Default::default(), asked_by: "a@test".to_owned() };
         self.submit_command(&command)
     }
 

@@ -6,6 +6,7 @@ mod life;
 mod lists;
 mod open_build;
 mod orders;
+mod reprints;
 mod triggers;
 
 use hand_driven_farm::{HandDrivenFarm, PROFILE, QUICK, block, stl};

@@ -20,7 +20,13 @@ fn a_paused_profile_fires_nothing_until_it_is_resumed() {
 fn a_pause_by_a_user_who_is_called_like_the_daemon_is_not_a_failed_build() {
     let mut farm = HandDrivenFarm::open(QUICK);
     let asked_by = "nestd".to_owned();
-    farm.submit_command(&NewCommand { kind: CommandKind::Pause, profile: PROFILE.to_owned(), part: None, asked_by });
+    farm.submit_command(&NewCommand {
+        kind: CommandKind::Pause,
+        profile: PROFILE.to_owned(),
+        part: None,
+        argument: Default::default(),
+        asked_by,
+    });
     farm.pass_secs(10.0);
     assert_eq!(farm.ask(async |ledger| ledger.paused_profiles().await.unwrap()), [PROFILE]);
     assert!(!farm.has_alert(AlertKind::BuildFailed));

@@ -90,6 +90,10 @@ fn check_live_part(
     report: &mut InvariantReport,
 ) {
     let Err(why) = stored.verify_content(&part.content_hash, report) else { return };
+    // Copies of it are printed again, and its original is fetched from the archive.
+    if part.fetch_at.is_some() {
+        return;
+    }
     // Until it is read, the claimed original can replace the stored file: the next start stores it again.
     let in_work = folders.work.get(&part.profile).and_then(|work| work.claims.iter().find(|c| c.id == part.claim));
     if part.state == PartState::Claimed

@@ -27,6 +27,7 @@ async fn every_field_of_a_claim_comes_back_as_it_went_in() {
         order_name: "kit 7".into(),
         priority: 100,
         due_at: Some(at("2026-12-01T12:00:00Z")),
+        due_text: "2026-12-01".into(),
         orientation: OrientationRule::Upright,
         tilts: RequiredTilts(vec![TiltLimit::new(glam::DVec3::new(1.0, 2.0, 3.0), 12.5).unwrap()]),
         clearance_mm: Some(4.5),
@@ -262,7 +263,7 @@ async fn an_outcome_of_a_published_build_passes_through_printing() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 1).await;
     let build = published(&ledger, &[(id, 0)]).await;
-    ledger.record_outcome(build, PrintOutcome::Complete, "fine", "ann@farm").await.unwrap();
+    ledger.record_outcome(build, &ToldOutcome::new(PrintOutcome::Complete, "fine", "ann@farm")).await.unwrap();
     let row = ledger.find_build(build).await.unwrap().unwrap();
     assert_eq!((row.state, row.reason.as_str()), (BuildState::Complete, "fine"));
     let kinds: Vec<String> =
@@ -273,8 +274,8 @@ async fn an_outcome_of_a_published_build_passes_through_printing() {
         (recorded.len(), recorded[0].outcome, recorded[0].told_by.as_str()),
         (1, PrintOutcome::Complete, "ann@farm")
     );
-    let again = ledger.record_outcome(build, PrintOutcome::Failed, "", "ann@farm").await;
-    assert!(matches!(again, Err(LedgerError::IllegalMove(_))));
+    let again = ledger.record_outcome(build, &ToldOutcome::new(PrintOutcome::Failed, "", "ann@farm")).await;
+    assert!(matches!(again, Err(LedgerError::AlreadyTold { .. })));
     assert_eq!(part_state(&ledger, id).await, PartState::Built);
 }
 
@@ -283,9 +284,9 @@ async fn an_outcome_cannot_be_recorded_for_a_build_that_is_not_in_the_queue() {
     let ledger = fresh().await;
     let id = waiting(&ledger, "a", 1).await;
     let build = nesting(&ledger, &[(id, 0)]).await;
-    let recorded = ledger.record_outcome(build, PrintOutcome::Failed, "", "ann").await;
+    let recorded = ledger.record_outcome(build, &ToldOutcome::new(PrintOutcome::Failed, "", "ann")).await;
     assert!(matches!(recorded, Err(LedgerError::WrongState { .. })));
-    let unknown = ledger.record_outcome(BuildId(99), PrintOutcome::Failed, "", "ann").await;
+    let unknown = ledger.record_outcome(BuildId(99), &ToldOutcome::new(PrintOutcome::Failed, "", "ann")).await;
     assert!(matches!(unknown, Err(LedgerError::UnknownBuild(BuildId(99)))));
 }
 

@@ -23,8 +23,8 @@ const ROWS: &str = "
     INSERT INTO event (id, at, kind, profile, part_id, build_id, detail) VALUES (1, '2026-11-01T00:00:00.000Z', 'built', 'paper-200', 1, NULL, ''),
         (2, '2026-11-01T00:00:00.000Z', 'rejected', 'paper-200', 7, NULL, 'too large'),
         (3, '2026-11-03T00:00:00.000Z', 'complete', 'paper-200', NULL, 4, '');
-    INSERT INTO outcome VALUES (1, 4, 'complete', 'fine', 'me@here', '2026-11-03T00:00:00.000Z');
-    INSERT INTO command VALUES (1, 'retry', '', 7, 'me@here', '2026-11-03T00:00:00.000Z', 'refused', 'no', '2026-11-03T00:00:00.000Z');
+    INSERT INTO outcome (id, build_id, outcome, note, told_by, told_at) VALUES (1, 4, 'complete', 'fine', 'me@here', '2026-11-03T00:00:00.000Z');
+    INSERT INTO command (id, kind, profile, part_id, asked_by, asked_at, state, answer, answered_at) VALUES (1, 'retry', '', 7, 'me@here', '2026-11-03T00:00:00.000Z', 'refused', 'no', '2026-11-03T00:00:00.000Z');
     INSERT INTO pause (profile, paused_by, paused_at) VALUES ('paper-200', 'me@here', '2026-11-03T00:00:00.000Z');
     INSERT INTO daemon VALUES (1, 42, 'here', '0.1.0', '2026-11-03T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'idle');";
 

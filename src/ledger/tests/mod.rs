@@ -4,6 +4,7 @@ mod backup;
 mod lifecycle;
 mod migrations;
 mod opening;
+mod orders;
 mod queries;
 mod query_plans;
 mod random_walks;

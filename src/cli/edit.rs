@@ -1,0 +1,152 @@
+//! `nestd edit|cancel|move|confirm`: changes of what was asked, carried out by the daemon. `nestd reprint|requeue`: what
+//! was printed is printed again.
+
+use anyhow::Result;
+use jiff::tz::TimeZone;
+use nester::OrientationRule;
+
+use super::{
+    CommandExit, CommonArgs, UsageError,
+    command::{DaemonCommand, run_for_parts},
+    farm_context::{user_at_host, with_ledger},
+    table::print_text,
+    target::find_targets,
+    values::{parse_build_number, parse_distance, parse_prefixed_number, parse_word},
+};
+use crate::{
+    intake,
+    ledger::{BuildId, Ledger, PartEdit, PutBackReport, ReprintTarget},
+};
+
+/// Arguments of `nestd edit`.
+#[derive(Debug, clap::Args)]
+pub struct EditArgs {
+    /// Parts: numbers (5 or p5), orders, file names, patterns ('bracket*')
+    #[arg(required = true, value_name = "PART|ORDER")]
+    targets: Vec<String>,
+    /// Copies wanted in all, those in builds included
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    copies: Option<u32>,
+    /// When it is due: 2026-11-25, 25.11.2026, "2026-11-25 17:00", or none
+    #[arg(long, value_name = "DATE")]
+    due: Option<String>,
+    /// Priority from 0 to 100; a part with 100 must be in the next build
+    #[arg(long, value_name = "0-100", value_parser = clap::value_parser!(u8).range(0..=100))]
+    priority: Option<u8>,
+    /// How it may be turned: free, upright, axis or fixed
+    #[arg(long, value_name = "RULE", value_parser = parse_word::<OrientationRule>)]
+    orientation: Option<OrientationRule>,
+    /// Its own clearance in mm, or none
+    #[arg(long, value_name = "MM")]
+    clearance: Option<String>,
+    /// Unit of its file: mm, cm, m, inch, ft or micron
+    #[arg(long, value_name = "UNIT", value_parser = parse_word::<build_file::LengthUnit>)]
+    unit: Option<build_file::LengthUnit>,
+    /// A note for people
+    #[arg(long, value_name = "TEXT")]
+    note: Option<String>,
+    /// Name of its order, or "" for none
+    #[arg(long, value_name = "NAME")]
+    order: Option<String>,
+}
+
+/// Runs `nestd edit`.
+pub fn run(common: &CommonArgs, args: &EditArgs) -> Result<CommandExit> {
+    let edit = args.to_edit()?;
+    if edit.is_empty() {
+        return Err(UsageError("say what is to change, for example --copies 3 or --due 2026-11-25".to_owned()).into());
+    }
+    run_for_parts(common, &args.targets, |target| match target.copies {
+        None => Ok(DaemonCommand::Edit(target.part.id, Box::new(edit.clone()))),
+        Some(_) => Err(UsageError("an edit concerns whole parts: say --copies N for a number".to_owned()).into()),
+    })
+}
+
+impl EditArgs {
+    fn to_edit(&self) -> Result<PartEdit> {
+        let is_none = |text: &str| text.is_empty() || text.eq_ignore_ascii_case("none");
+        let due = self.due.as_deref().map(|text| match is_none(text) {
+            true => Ok(None),
+            false => intake::parse_due_text(text, &TimeZone::system()).map(Some).map_err(UsageError),
+        });
+        let clearance = self.clearance.as_deref().map(|text| match is_none(text) {
+            true => Ok(None),
+            false => parse_distance(text).map(Some).map_err(UsageError),
+        });
+        Ok(PartEdit {
+            copies: self.copies,
+            order_name: self.order.clone(),
+            priority: self.priority,
+            due: due.transpose()?,
+            orientation: self.orientation,
+            tilts: None,
+            clearance_mm: clearance.transpose()?,
+            unit: self.unit,
+            note: self.note.clone(),
+        })
+    }
+}
+
+/// Runs `nestd cancel`.
+pub fn run_cancel(common: &CommonArgs, targets: &[String]) -> Result<CommandExit> {
+    run_for_parts(common, targets, |target| Ok(DaemonCommand::Cancel(target.part.id, target.copies)))
+}
+
+/// Runs `nestd move`.
+pub fn run_move(common: &CommonArgs, targets: &[String], machine: &str) -> Result<CommandExit> {
+    run_for_parts(common, targets, |target| Ok(DaemonCommand::Move(target.part.id, machine.to_owned())))
+}
+
+/// Runs `nestd confirm`.
+pub fn run_confirm(common: &CommonArgs, targets: &[String]) -> Result<CommandExit> {
+    run_for_parts(common, targets, |target| Ok(DaemonCommand::Confirm(target.part.id)))
+}
+
+/// Runs `nestd reprint`.
+pub fn run_reprint(common: &CommonArgs, words: &[String]) -> Result<CommandExit> {
+    let reports = with_ledger(common, async |_, ledger| {
+        let mut reports = Vec::new();
+        for word in words {
+            for target in reprint_targets(ledger, word).await? {
+                reports.push(ledger.reprint_copies(&target, &user_at_host()).await?);
+            }
+        }
+        Ok(reports)
+    })?;
+    reports.iter().flat_map(PutBackReport::sentences).try_for_each(|sentence| print_text(&sentence))?;
+    Ok(CommandExit::Success)
+}
+
+/// What a word means: `b4`, `p5`, `5=2`, the name of an order or of a file.
+async fn reprint_targets(ledger: &Ledger, word: &str) -> Result<Vec<ReprintTarget>> {
+    if word.parse::<u64>().is_ok() {
+        let text = format!("say b{word} for build {word}, or p{word} for part {word}");
+        return Err(UsageError(text).into());
+    }
+    if let Some(build) = parse_prefixed_number(word, 'b') {
+        return Ok(vec![ReprintTarget::Build(BuildId(build))]);
+    }
+    if !ledger.parts_of_order(word).await?.is_empty() {
+        return Ok(vec![ReprintTarget::Order(word.to_owned())]);
+    }
+    let targets = find_targets(ledger, &[word.to_owned()]).await?;
+    Ok(targets.into_iter().map(|target| ReprintTarget::Part(target.part.id, target.copies)).collect())
+}
+
+/// Arguments of `nestd requeue`.
+#[derive(Debug, clap::Args)]
+pub struct RequeueArgs {
+    /// Build number, as history prints it (4 or b4)
+    #[arg(value_parser = parse_build_number)]
+    build: i64,
+}
+
+/// Runs `nestd requeue`.
+pub fn run_requeue(common: &CommonArgs, args: &RequeueArgs) -> Result<CommandExit> {
+    let build = BuildId(args.build);
+    let new = with_ledger(common, async |_, ledger| Ok(ledger.requeue_build(build, &user_at_host()).await?))?;
+    print_text(&format!(
+        "Build {build} is issued once more as build {new}; `nestd show b{new}` tells when it is in the queue."
+    ))?;
+    Ok(CommandExit::Success)
+}

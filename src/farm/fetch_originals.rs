@@ -1,0 +1,145 @@
+//! Copies that are printed again need their original, which lies in the archive once their part was built. A job copies
+//! it back into the store, with a note of the claim. Where no archive holds it any more, the same file must be dropped
+//! again.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use tracing::{info, warn};
+
+use super::{
+    claim_note::ClaimNote, damaged_files, failure::LostFileError, farm::Farm, folder_leases::FolderLeases,
+    jobs::BackgroundJob,
+};
+use crate::{
+    intake::{self, ContentStore, StoreError},
+    ledger::PartRow,
+};
+
+/// Copies originals back from the archive.
+#[derive(Clone)]
+pub(super) struct FetchOriginalsJob;
+
+/// What became of the originals, by content hash.
+#[derive(Debug, Default)]
+pub(super) struct FetchedOriginals {
+    /// In the store.
+    stored: Vec<String>,
+    /// In no archive, with the name of a part.
+    missing: Vec<(String, String)>,
+    /// Failures that are retried.
+    failures: Vec<String>,
+}
+
+impl BackgroundJob<Farm> for FetchOriginalsJob {
+    const KIND: &'static str = "Fetch";
+    type Outcome = FetchedOriginals;
+
+    fn subject(&self) -> String {
+        String::new()
+    }
+
+    async fn on_done(self, farm: &mut Farm, fetched: Self::Outcome) -> Result<()> {
+        on_fetched(farm, fetched).await
+    }
+}
+
+/// The original of a part, and where it may be.
+struct WantedOriginal {
+    hash: String,
+    name: String,
+    claim: String,
+    note: String,
+    decisions: u32,
+    /// The folders of its builds in the archive, newest first.
+    folders: Vec<PathBuf>,
+    leases: FolderLeases,
+}
+
+/// Starts to fetch the originals of parts that are printed again.
+pub(super) async fn fetch_originals(farm: &mut Farm) -> Result<()> {
+    if farm.jobs.is_running::<FetchOriginalsJob>("") {
+        return Ok(());
+    }
+    let mut wanted = Vec::new();
+    for part in farm.ledger.parts_to_fetch().await? {
+        // The stored file is being removed, because its part was built: it is fetched after that.
+        if !farm.completion.forgetting.is_under_way(&part.file.content_hash) {
+            wanted.extend(wanted_original(farm, part).await?);
+        }
+    }
+    if wanted.is_empty() {
+        return Ok(());
+    }
+    let store = farm.meshes.store.clone();
+    farm.jobs.start(FetchOriginalsJob, move || {
+        let mut fetched = FetchedOriginals::default();
+        for original in &wanted {
+            match original.copy_into_store(&store) {
+                Ok(true) => fetched.stored.push(original.hash.clone()),
+                Ok(false) => fetched.missing.push((original.hash.clone(), original.name.clone())),
+                Err(failure) => fetched.failures.push(format!("{}: {failure:#}", original.name)),
+            }
+        }
+        fetched
+    });
+    Ok(())
+}
+
+async fn wanted_original(farm: &Farm, part: PartRow) -> Result<Option<WantedOriginal>> {
+    let Some(machine) = farm.machines.get(&part.profile) else { return Ok(None) };
+    let mut folders = Vec::new();
+    for (profile, file_name) in farm.ledger.build_files_with_content(&part.file.content_hash).await? {
+        let stem = file_name.strip_suffix(".build.3mf").unwrap_or(&file_name);
+        folders.extend(farm.machines.get(&profile).map(|machine| machine.profile.folders.archive.join(stem)));
+    }
+    Ok(Some(WantedOriginal {
+        hash: part.file.content_hash.clone(),
+        name: part.full_name(),
+        claim: part.file.claim.clone(),
+        decisions: farm.ledger.decision_count(&part.file.claim).await?,
+        note: ClaimNote::of_part(farm.lifecycle.holder.farm_id(), &part).to_text(),
+        folders,
+        leases: machine.leases.clone(),
+    }))
+}
+
+impl WantedOriginal {
+    /// Copies the original into the store and writes its note. `false` = no archive holds it.
+    fn copy_into_store(&self, store: &ContentStore) -> Result<bool> {
+        if store.verify_hash(&self.hash).is_err() {
+            // An archive that is not mounted is never an empty one.
+            self.leases.archive.clone().check_usable()?;
+            let found = self.folders.iter().find_map(|folder| find_original(folder, &self.hash));
+            let Some(found) = found else { return Ok(false) };
+            if store.store_file(&found)?.hash != self.hash {
+                return Err(StoreError::Changed(found).into());
+            }
+        }
+        store.write_note(&self.hash, &self.claim, &self.note)?;
+        store.mark_decisions(&self.hash, &self.claim, self.decisions)?;
+        Ok(true)
+    }
+}
+
+/// The file with this content in the archive folder of a build.
+fn find_original(folder: &Path, hash: &str) -> Option<PathBuf> {
+    let files = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    files.filter(|path| path.is_file()).find(|path| intake::hash_file(path).is_ok_and(|found| found == hash))
+}
+
+async fn on_fetched(farm: &mut Farm, fetched: FetchedOriginals) -> Result<()> {
+    for hash in &fetched.stored {
+        info!("The original with the BLAKE3 {hash} is in the store again: its copies wait.");
+        farm.ledger.mark_fetched(hash).await?;
+    }
+    for (hash, name) in &fetched.missing {
+        let lost = LostFileError { name: name.clone(), content_hash: hash.clone(), aside: None };
+        damaged_files::request_file_again(farm, &lost).await?;
+        farm.ledger.mark_fetched(hash).await?;
+    }
+    for failure in &fetched.failures {
+        warn!("An original could not be fetched from the archive; it is tried again: {failure}.");
+    }
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! Commands that change what was asked with a part: edit, move, confirm, and cancel for some of its copies.
+
+use anyhow::Result;
+
+use super::{command_answer::CommandAnswer, farm::Farm, fetch_originals, mark_note};
+use crate::ledger::{CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
+
+/// Carries out a command that changes a part; `None` = it waits, because the part is being read or moved.
+pub(super) async fn execute_change(
+    farm: &mut Farm,
+    command: &CommandRow,
+    row: &PartRow,
+) -> Result<Option<CommandAnswer>> {
+    if row.state == PartState::Claimed {
+        // Its solids are not known yet. It is read within moments, or refused.
+        return Ok(None);
+    }
+    let done = match command.kind {
+        CommandKind::Edit => edit_part(farm, command, row).await,
+        CommandKind::Move => move_part(farm, command, row).await,
+        CommandKind::Confirm => confirm_part(farm, command, row.id).await,
+        _ => return Ok(None),
+    };
+    match done {
+        Ok(answer) => {
+            mark_note::update_decision_count(farm, row).await;
+            fetch_originals::fetch_originals(farm).await?;
+            Ok(Some(answer))
+        }
+        // The disk or the database failed: the command stays open and is retried.
+        Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => Err(error.into()),
+        Err(refused) => Ok(Some(CommandAnswer::NotAllowed(refused))),
+    }
+}
+
+async fn edit_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Result<CommandAnswer, LedgerError> {
+    let edit = command.read_argument().edit.unwrap_or_default();
+    let edited = farm.ledger.edit_part(row.id, &edit, &command.asked_by).await?;
+    if edit.changes_layout() {
+        forget_layout(farm, &row.profile);
+    }
+    Ok(CommandAnswer::PartEdited(row.id, edited.changes))
+}
+
+async fn move_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Result<CommandAnswer, LedgerError> {
+    let profile = &command.profile;
+    if !farm.machines.contains_key(profile) {
+        return Ok(CommandAnswer::UnknownProfile(profile.clone()));
+    }
+    if *profile == row.profile {
+        return Ok(CommandAnswer::PartIsThere(row.id, profile.clone()));
+    }
+    let parts = farm.ledger.move_to_machine(row.id, profile, &command.asked_by).await?;
+    forget_layout(farm, &row.profile);
+    Ok(CommandAnswer::PartMoved(parts, profile.clone()))
+}
+
+async fn confirm_part(farm: &mut Farm, command: &CommandRow, part: PartId) -> Result<CommandAnswer, LedgerError> {
+    Ok(match farm.ledger.confirm_part(part, &command.asked_by).await? {
+        true => CommandAnswer::PartConfirmed(part),
+        false => CommandAnswer::NothingToConfirm(part),
+    })
+}
+
+/// Takes back some of a part's copies; `None` = all of them, which is the cancellation of the part.
+pub(super) async fn cancel_copies(
+    farm: &mut Farm,
+    command: &CommandRow,
+    row: &PartRow,
+) -> Result<Option<CommandAnswer>, LedgerError> {
+    let Some(copies) = command.read_argument().copies else { return Ok(None) };
+    let waiting = farm.ledger.waiting_copies_of(row.id).await?;
+    // The whole part goes to the error folder, as it does when it is cancelled without a number.
+    if copies == waiting && row.wanted_copies() == waiting {
+        return Ok(None);
+    }
+    farm.ledger.cancel_copies(row.id, copies, &command.asked_by).await?;
+    mark_note::update_decision_count(farm, row).await;
+    Ok(Some(CommandAnswer::CopiesCancelled(row.id, copies)))
+}
+
+/// The layout of the open build was made for other rules: the next search starts anew.
+fn forget_layout(farm: &mut Farm, profile: &str) {
+    if let Some(machine) = farm.machines.get_mut(profile) {
+        machine.open.reset();
+    }
+}

@@ -1,0 +1,101 @@
+//! Issues the proved layout of a printed build once more, as a new build: the same copies at the same poses.
+
+use std::collections::BTreeSet;
+
+use super::{
+    BuildId, BuildState, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport, change::LedgerChange,
+    error::Result, nesting::group_by_part,
+};
+
+/// States of a build that may be issued again.
+const PRINTED: &[BuildState] =
+    &[BuildState::Published, BuildState::Printing, BuildState::Complete, BuildState::Interrupted, BuildState::Failed];
+
+impl Ledger {
+    /// Makes a new build of the same copies at the same poses. Copies that still count as printed are put back first.
+    /// The new build is nesting, and is written once the originals are in the store.
+    pub async fn requeue_build(&self, build: BuildId, asked_by: &str) -> Result<BuildId> {
+        let mut change = self.begin_change().await?;
+        let profile = change.ensure_build_state(build, PRINTED).await?;
+        let counted: Vec<(PartId, u32)> = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ?")
+            .bind(build)
+            .fetch_all(change.db())
+            .await?;
+        change.mark_bad(build, &counted, asked_by, true, &mut PutBackReport::default()).await?;
+        let copies: Vec<(PartId, u32)> =
+            sqlx::query_as("SELECT part_id, copy FROM bad_placement WHERE build_id = ? ORDER BY part_id, copy")
+                .bind(build)
+                .fetch_all(change.db())
+                .await?;
+        if copies.is_empty() {
+            return Err(LedgerError::NothingToNest(build));
+        }
+        let new = insert_repeated_build(&mut change, build, &profile, copies.len()).await?;
+        for (part, copies) in group_by_part(&copies) {
+            take_copies(&mut change, build, new, part, &copies).await?;
+        }
+        let detail = format!("build {build} once more, asked for by {asked_by}");
+        change.write_event(EventKind::Requeued, &profile, None, Some(new), &detail).await?;
+        let parts: BTreeSet<PartId> = copies.iter().map(|&(part, _)| part).collect();
+        change.update_orders_of(parts).await?;
+        change.commit().await?;
+        Ok(new)
+    }
+}
+
+async fn insert_repeated_build(
+    change: &mut LedgerChange,
+    build: BuildId,
+    profile: &str,
+    copies: usize,
+) -> Result<BuildId> {
+    let now = change.now;
+    let new: BuildId = sqlx::query_scalar(
+        "INSERT INTO build (profile, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats) \
+         VALUES (?1, 'nesting', 'requeue', 1, ?2, ?2, ?2, ?3, ?4) RETURNING id",
+    )
+    .bind(profile)
+    .bind(now)
+    .bind(copies as i64)
+    .bind(build)
+    .fetch_one(change.db())
+    .await?;
+    change.write_event(EventKind::Nesting, profile, None, Some(new), "requeue").await?;
+    Ok(new)
+}
+
+/// Takes copies of a part at the poses that they had in another build.
+async fn take_copies(change: &mut LedgerChange, from: BuildId, to: BuildId, id: PartId, copies: &[u32]) -> Result<()> {
+    let part = change.require_part(id).await?;
+    for &copy in copies {
+        let holder: Option<BuildId> =
+            sqlx::query_scalar("SELECT build_id FROM placement WHERE part_id = ? AND copy = ?")
+                .bind(id)
+                .bind(copy)
+                .fetch_optional(change.db())
+                .await?;
+        if let Some(build) = holder {
+            return Err(LedgerError::PrintedElsewhere { part: id, copy: copy + 1, build });
+        }
+        sqlx::query(
+            "INSERT INTO placement (build_id, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm) \
+             SELECT ?, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm FROM bad_placement \
+             WHERE build_id = ? AND part_id = ? AND copy = ?",
+        )
+        .bind(to)
+        .bind(from)
+        .bind(id)
+        .bind(copy)
+        .execute(change.db())
+        .await?;
+    }
+    if part.state != PartState::Waiting || part.wanted_copies() < part_placements(change, id).await? {
+        return Err(LedgerError::NotWaiting { part: id, state: part.state });
+    }
+    change.end_waiting(id, Some(to)).await
+}
+
+async fn part_placements(change: &mut LedgerChange, id: PartId) -> Result<u32> {
+    let count = sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?").bind(id);
+    Ok(count.fetch_one(change.db()).await?)
+}

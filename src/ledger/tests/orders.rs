@@ -1,0 +1,218 @@
+//! Orders: copies that were printed badly are owed again with all that was asked, corrections, edits, and the state of
+//! an order.
+
+use super::*;
+
+/// A waiting part of an order.
+async fn line(ledger: &Ledger, claim: &str, copies: u32, order: &str) -> PartId {
+    let part = asked(new_part(claim, copies), |terms| {
+        terms.order_name = order.to_owned();
+        terms.unit = Some(build_file::LengthUnit::Inch);
+        terms.orientation = nester::OrientationRule::Upright;
+        terms.priority = 70;
+    });
+    let id = ledger.record_claim(&part).await.unwrap().id;
+    ledger.accept_solids(id, &[solid(0, copies)]).await.unwrap();
+    id
+}
+
+fn told(outcome: PrintOutcome) -> ToldOutcome {
+    ToldOutcome::new(outcome, "", "ann@farm")
+}
+
+async fn copies(ledger: &Ledger, part: PartId) -> LineCopies {
+    ledger.line_of_part(part).await.unwrap().copies
+}
+
+#[tokio::test]
+async fn a_failed_build_puts_every_copy_back_with_all_that_was_asked_and_first_in_line() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 3, "brandt").await;
+    let build = published(&ledger, &[(part, 0), (part, 1), (part, 2)]).await;
+    let urgent = ledger.record_claim(&asked(new_part("u", 1), |terms| terms.priority = 100)).await.unwrap().id;
+    ledger.accept_solids(urgent, &[solid(0, 1)]).await.unwrap();
+    let before = ledger.find_part(part).await.unwrap().unwrap();
+    let report = ledger.record_outcome(build, &told(PrintOutcome::Failed)).await.unwrap();
+    assert_eq!((report.put_back_copies(), report.put_back.len()), (3, 1));
+    assert!(ledger.waiting_copies("paper-200").await.unwrap().iter().all(|w| w.part.id != part), "no original yet");
+    assert_eq!(ledger.parts_to_fetch().await.unwrap().len(), 1);
+    ledger.mark_fetched(&before.file.content_hash).await.unwrap();
+    let queue = ledger.waiting_copies("paper-200").await.unwrap();
+    assert_eq!((queue[0].part.id, &queue[0].copies[..]), (part, &[0, 1, 2][..]), "first in line");
+    assert_eq!(queue[0].part.terms, before.terms);
+    assert_eq!(copies(&ledger, part).await, LineCopies { wanted: 3, waiting: 3, bad: 3, ..Default::default() });
+    // The failed build still shows what was in it.
+    assert_eq!(ledger.placements_of_build(build).await.unwrap().len(), 3);
+    assert_eq!(ledger.unseen_failures().await.unwrap().len(), 1);
+    ledger.mark_failure_seen(build, "ann").await.unwrap();
+    assert!(ledger.unseen_failures().await.unwrap().is_empty());
+    let again = published(&ledger, &[(part, 0), (part, 1), (part, 2)]).await;
+    ledger.record_outcome(again, &told(PrintOutcome::Complete)).await.unwrap();
+    assert_eq!(copies(&ledger, part).await, LineCopies { wanted: 3, good: 3, bad: 3, ..Default::default() });
+    assert_eq!(ledger.find_order("brandt").await.unwrap().unwrap().state, OrderState::Complete);
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
+async fn single_bad_copies_are_put_back_and_not_more_than_were_printed() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 3, "brandt").await;
+    let build = published(&ledger, &[(part, 0), (part, 1), (part, 2)]).await;
+    let bad = ToldOutcome { bad: vec![(part, 4)], ..told(PrintOutcome::Complete) };
+    let refused = ledger.record_outcome(build, &bad).await.unwrap_err().to_string();
+    assert!(refused.contains("3 copies in build"), "{refused}");
+    let bad = ToldOutcome { bad: vec![(part, 1)], ..told(PrintOutcome::Complete) };
+    assert_eq!(ledger.record_outcome(build, &bad).await.unwrap().put_back_copies(), 1);
+    let expected = LineCopies { wanted: 3, waiting: 1, good: 2, bad: 1, ..Default::default() };
+    assert_eq!(copies(&ledger, part).await, expected);
+    assert_eq!(ledger.find_order("brandt").await.unwrap().unwrap().state, OrderState::Open);
+    // More turn out to be bad later.
+    let report = ledger.reprint_copies(&ReprintTarget::Part(part, Some(1)), "ann").await.unwrap();
+    assert_eq!(report.put_back_copies(), 1);
+    assert_eq!(copies(&ledger, part).await.waiting, 2);
+    assert!(ledger.reprint_copies(&ReprintTarget::Part(part, Some(2)), "ann").await.is_err());
+    assert_eq!(
+        ledger.reprint_copies(&ReprintTarget::Order("brandt".into()), "ann").await.unwrap().put_back_copies(),
+        1
+    );
+    assert_eq!(copies(&ledger, part).await.waiting, 3);
+}
+
+#[tokio::test]
+async fn a_wrong_outcome_is_corrected_and_nothing_is_taken_out_of_another_build() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "").await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    ledger.record_outcome(build, &told(PrintOutcome::Failed)).await.unwrap();
+    ledger.mark_fetched(&ledger.find_part(part).await.unwrap().unwrap().file.content_hash).await.unwrap();
+    let next = nesting(&ledger, &[(part, 0)]).await;
+    let refused = ledger.record_outcome(build, &told(PrintOutcome::Complete)).await.unwrap_err().to_string();
+    assert!(refused.contains("--correct"), "{refused}");
+    let correction = ToldOutcome { is_correction: true, ..told(PrintOutcome::Complete) };
+    let report = ledger.record_outcome(build, &correction).await.unwrap();
+    assert_eq!((report.returned[0].copies, report.elsewhere[0].1), (1, next));
+    let expected = LineCopies { wanted: 2, in_builds: 1, good: 1, bad: 1, ..Default::default() };
+    assert_eq!(copies(&ledger, part).await, expected);
+    assert_eq!(ledger.outcomes_of_build(build).await.unwrap().len(), 2, "history keeps both");
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
+async fn a_failed_print_that_is_not_wanted_again_ends_its_order_short() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "brandt").await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    let keep = ToldOutcome { keep: true, ..told(PrintOutcome::Failed) };
+    let report = ledger.record_outcome(build, &keep).await.unwrap();
+    assert_eq!((report.put_back_copies(), report.unwanted[0].copies), (0, 2));
+    assert_eq!(copies(&ledger, part).await, LineCopies { bad: 2, cancelled: 2, ..Default::default() });
+    assert_eq!(ledger.find_order("brandt").await.unwrap().unwrap().state, OrderState::Short);
+    let events = ledger.events_of_part(part).await.unwrap();
+    assert!(events.iter().any(|event| event.detail.contains("ann@farm") && event.detail.contains("not wanted again")));
+}
+
+#[tokio::test]
+async fn the_same_build_is_issued_once_more_with_the_same_poses() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "").await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    let new = ledger.requeue_build(build, "ann").await.unwrap();
+    let (old_rows, new_rows) =
+        (ledger.placements_of_build(build).await.unwrap(), ledger.placements_of_build(new).await.unwrap());
+    assert!(old_rows.iter().all(|row| row.is_bad) && new_rows.iter().all(|row| !row.is_bad));
+    for (old, new) in old_rows.iter().zip(&new_rows) {
+        assert_eq!((old.copy, old.pose()), (new.copy, new.pose()));
+    }
+    assert_eq!(part_state(&ledger, part).await, PartState::Batched);
+    let refused = ledger.requeue_build(build, "ann").await.unwrap_err().to_string();
+    assert!(refused.contains("by now"), "{refused}");
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
+async fn what_was_asked_changes_until_the_final_nesting_and_each_change_names_who_made_it() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "brandt").await;
+    let edit = PartEdit {
+        copies: Some(5),
+        priority: Some(100),
+        order_name: Some("meyer".into()),
+        clearance_mm: Some(Some(2.5)),
+        due: Some(Some((at("2026-11-22T23:00:00Z"), "2026-11-22".to_owned()))),
+        ..PartEdit::default()
+    };
+    let edited = ledger.edit_part(part, &edit, "ann@farm").await.unwrap();
+    assert_eq!(edited.changes[0], "5 copies instead of 2");
+    assert!(edited.changes.contains(&"due 2026-11-22 instead of none".to_owned()), "{:?}", edited.changes);
+    assert_eq!(ledger.edit_part(part, &edit, "ann@farm").await.unwrap().changes, [""; 0], "twice is once");
+    let row = ledger.find_part(part).await.unwrap().unwrap();
+    assert_eq!((row.wanted_copies(), row.terms.priority, row.terms.order_name.as_str()), (5, 100, "meyer"));
+    assert!(ledger.order_lines("brandt").await.unwrap().is_empty());
+    let events = ledger.events_of_part(part).await.unwrap();
+    assert!(
+        events.iter().any(|e| e.kind == EventKind::Edited && e.detail.starts_with("ann@farm: 5 copies instead of 2"))
+    );
+    ledger.cancel_copies(part, 3, "ann@farm").await.unwrap();
+    assert_eq!(copies(&ledger, part).await, LineCopies { wanted: 2, waiting: 2, cancelled: 3, ..Default::default() });
+    let build = nesting(&ledger, &[(part, 0)]).await;
+    let refused = ledger.edit_part(part, &PartEdit { priority: Some(1), ..Default::default() }, "ann").await;
+    assert!(matches!(refused, Err(LedgerError::BeingBuilt { .. })));
+    assert!(
+        ledger.cancel_copies(part, 2, "ann").await.unwrap_err().to_string().contains("1 copies"),
+        "one is in a build"
+    );
+    ledger.cancel_copies(part, 1, "ann").await.unwrap();
+    assert_eq!(part_state(&ledger, part).await, PartState::Batched);
+    ledger.verify_build(build, &verified(build, 1), &placed(&[(part, 0)])).await.unwrap();
+    ledger.publish_build(build).await.unwrap();
+    // More of what is built: the rest of the order waits.
+    ledger.edit_part(part, &PartEdit { copies: Some(3), ..Default::default() }, "ann").await.unwrap();
+    assert_eq!(copies(&ledger, part).await.waiting, 2);
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
+async fn a_part_moves_to_another_machine_where_it_is_read_again() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "").await;
+    assert_eq!(ledger.move_to_machine(part, "paper-300", "ann").await.unwrap(), [part]);
+    let row = ledger.find_part(part).await.unwrap().unwrap();
+    assert_eq!((row.profile.as_str(), row.state), ("paper-300", PartState::Claimed));
+    ledger.accept_solids(part, &[solid(0, 2)]).await.unwrap();
+    assert_eq!(ledger.waiting_copies("paper-300").await.unwrap()[0].copies, [0, 1]);
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
+async fn a_revision_is_the_same_name_in_the_same_order_while_the_first_waits() {
+    let ledger = fresh().await;
+    let revision = |claim: &str, order: &str| {
+        let mut part = asked(new_part(claim, 1), |terms| terms.order_name = order.to_owned());
+        part.name = "hinge.stl".to_owned();
+        part
+    };
+    let old = ledger.record_claim(&revision("a", "brandt")).await.unwrap().id;
+    let new = ledger.record_claim(&revision("b", "brandt")).await.unwrap().id;
+    assert_eq!(ledger.find_revised_part(new).await.unwrap().map(|part| part.id), Some(old));
+    let other = ledger.record_claim(&revision("c", "meyer")).await.unwrap().id;
+    assert_eq!(ledger.find_revised_part(other).await.unwrap(), None);
+    let loose = ledger.record_claim(&revision("d", "")).await.unwrap().id;
+    assert_eq!(ledger.find_revised_part(loose).await.unwrap(), None, "without an order both are made");
+    ledger.record_revision(old, new).await.unwrap();
+    assert_eq!(ledger.find_part(old).await.unwrap().unwrap().owed.replaced_by, Some(new));
+}
+
+#[tokio::test]
+async fn orders_are_found_by_any_part_of_their_name_in_any_case() {
+    let ledger = fresh().await;
+    for (claim, order) in [("a", "Brandt 1182"), ("b", "MÜLLER-7"), ("c", "meyer")] {
+        line(&ledger, claim, 1, order).await;
+    }
+    let find = async |name: &str| -> Vec<String> {
+        let query = OrderQuery { name: Some(name.to_owned()), limit: 10, ..Default::default() };
+        ledger.list_orders(&query).await.unwrap().into_iter().map(|order| order.name).collect()
+    };
+    assert_eq!(find("1182").await, ["Brandt 1182"]);
+    assert_eq!(find("müller").await, ["MÜLLER-7"]);
+    assert_eq!(find("x").await, [""; 0]);
+}

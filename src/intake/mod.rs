@@ -14,6 +14,7 @@ mod claim_notes;
 mod claimed_part;
 mod code_page;
 mod copies;
+mod copies_words;
 mod disk;
 mod dropped;
 mod emptied_folders;
@@ -54,7 +55,7 @@ pub use claim::{ReleaseOutcome, claim_for_farm, claim_part, give_back_claim, rel
 pub use claim_folder::{claim_dir, claim_id};
 pub use claim_notes::StoredContent;
 pub use claimed_part::{ClaimError, ClaimedPart};
-pub use copies::copies_in_name;
+pub use copies::{CopiesInName, copies_in_name, read_copies_in_name};
 pub use disk::{files_below, hash_file, read_start, write_file_atomically};
 pub use dropped::{open_dropped_file, read_reason};
 pub use emptied_folders::EmptiedFolders;
@@ -67,7 +68,7 @@ pub use list_tracker::{OrderListRules, OrderListTracker, TakeDecision, UnlistedP
 pub use misplaced::find_misplaced;
 pub use name::{display_name, raw_name};
 pub use order_list::{OrderList, OrderListRow};
-pub use part_spec::{PartSpec, ReceivedTicket, SpecSource};
+pub use part_spec::{PartSpec, ReceivedTicket, SpecSource, is_copies_question};
 pub use recover::{ClaimsOnDisk, list_claims, recover_claims};
 pub use refuse::{RefuseError, copy_to_error_folder, refuse_claim, refuse_entry, rewrite_reason};
 pub use scan::{InboxFolder, InboxListing, ScanError, ScanLimits, scan_inbox};

@@ -9,8 +9,8 @@ use std::{
 use super::{
     ClaimedPart, ListLookup, Ticket, TicketError,
     code_page::decode_candidates,
-    copies::{MAX_COPIES, unclear_copies},
-    copies_in_name, disk, display_name,
+    copies::{CopiesInName, MAX_COPIES, read_copies_in_name},
+    disk, display_name,
     order_list::{MAX_LIST_BYTES, OrderList},
     sidecars::{LIST_LOOKUP_NAME, LIST_NAME},
     ticket::broken_ticket,
@@ -18,6 +18,19 @@ use super::{
 
 /// A longer file is not accepted as a ticket.
 const MAX_TICKET_BYTES: u64 = 64 << 10;
+
+/// Start of a warning that asks for the number of copies.
+const COPIES_QUESTION: &str = "How many copies?";
+
+/// Asks the technician for a number of copies that was said unclearly.
+fn copies_question(why: &str) -> String {
+    format!("{COPIES_QUESTION} Taken as 1 copy, because {why}. A ticket with `copies = N` says it.")
+}
+
+/// Whether a warning of a part asks for its number of copies: something was said about it, but was not understood.
+pub fn is_copies_question(warning: &str) -> bool {
+    warning.starts_with(COPIES_QUESTION)
+}
 
 /// The source of an instruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,20 +93,18 @@ impl ClaimedPart {
             self.add_list_row(path, &mut given)?;
         }
         let name = self.display_name();
-        if let Some(copies) = copies_in_name(&name) {
-            given.merge_ticket(
-                SpecSource::Name,
-                name.clone(),
-                Ticket { copies: Some(copies), ..Ticket::default() },
-                name,
-            );
-        } else if let (None, Some(word)) = (given.ticket.copies, unclear_copies(&name)) {
-            given.warnings.push(format!(
-                "Its name ends in \"{word}\", which is no clear number of copies from 1 to {MAX_COPIES}: taken as 1 copy."
-            ));
+        match read_copies_in_name(&name) {
+            CopiesInName::Said(copies) => {
+                let ticket = Ticket { copies: Some(copies), ..Ticket::default() };
+                given.merge_ticket(SpecSource::Name, name.clone(), ticket, name);
+            }
+            CopiesInName::Unclear(words) if given.ticket.copies.is_none() => given.warnings.push(copies_question(
+                &format!("its name says {words:?}, which is no clear number of copies from 1 to {MAX_COPIES}"),
+            )),
+            CopiesInName::Unclear(_) | CopiesInName::Unsaid => {}
         }
         if given.ticket.copies.is_none() && given.sources.iter().any(|source| source.source == SpecSource::OrderList) {
-            given.warnings.push(format!("Its row in {LIST_NAME} names no number of copies: taken as 1 copy."));
+            given.warnings.push(copies_question(&format!("its row in {LIST_NAME} names no number of copies")));
         }
         Ok(given)
     }

@@ -2,7 +2,7 @@
 //! scan decides; a file-system event just triggers one. The row in the ledger follows in the event loop.
 
 use std::{
-    collections::HashMap,
+    collections::{HashMap, HashSet},
     io,
     path::Path,
     time::{Duration, Instant},
@@ -11,16 +11,16 @@ use std::{
 use super::{
     claim_note::{ClaimNote, new_part_row},
     failure::error_chain,
-    folder_lease::FolderLease,
     folder_leases::FolderLeases,
+    ready_files::{ReadyFiles, refuse_unreadable},
     refused_files::RefusedFiles,
     time_source::TimeSource,
 };
 use crate::{
     intake::{
-        self, ClaimedPart, ContentStore, EmptiedFolders, EntryKind, InboxEntry, InboxFolder, ListOutcome,
-        OrderListRules, OrderListTracker, PartSpec, ScanLimits, SettleRules, SettleTracker, SettledEntry, StoreError,
-        StoredFile, TakeDecision, TicketError,
+        self, ClaimedPart, ContentStore, ControlFile, EmptiedFolders, InboxEntry, InboxFolder, LateTicket,
+        OrderListRules, OrderListTracker, PartSpec, ScanLimits, SettleRules, SettleTracker, StoreError, StoredFile,
+        TakeDecision, TicketError,
     },
     ledger::{LedgerError, NewPartRow, PartId, PartRow, RefusalCause},
     settings::MachineProfile,
@@ -30,8 +30,6 @@ use crate::{
 /// So the first of very many files are read while the rest is claimed, and the scans do not cost more than the files.
 const CLAIMS_PER_LOOK: usize = 100;
 const SHARE_PER_LOOK: usize = 20;
-/// Rows of an order list without a file are reported when the list has not changed for this many settle times.
-const REPORT_AFTER_SETTLES: f64 = 2.0;
 /// A file that nestd may not read is refused after this time.
 const DENIED_GRACE: Duration = Duration::from_secs(5);
 
@@ -59,6 +57,8 @@ pub struct HotFolderScanner {
     inbox_identity: Option<(u64, u64)>,
     /// Claims with a file that may not be read, and since when.
     unreadable_since: HashMap<String, Instant>,
+    /// Keys of the late tickets and lists that were offered for the last time.
+    last_offers: HashSet<String>,
     /// Id of the farm that claims.
     farm_id: String,
 }
@@ -87,6 +87,12 @@ pub struct HotFolderScan {
     pub next_secs: Option<f64>,
     /// Files that were refused without becoming a part: display name, kind and reason.
     pub refused: Vec<(String, RefusalCause, String)>,
+    /// Tickets and rows of lists whose part is not in its folder. The farm looks for a part that was taken before, and
+    /// finishes them; those that it leaves are offered again at the next scan.
+    pub late_tickets: Vec<LateTicket>,
+    /// Control files, the oldest first. The farm obeys and removes them; those that it leaves are offered again at the next
+    /// scan.
+    pub controls: Vec<ControlFile>,
     /// What waits because it does not match an order list, as parts of sentences.
     pub waiting_reasons: Vec<String>,
     /// Whether more is ready than one scan takes: `waiting_reasons` is incomplete.
@@ -96,10 +102,10 @@ pub struct HotFolderScan {
     /// Refused files that somebody must handle; `None` = not counted this time.
     pub refused_file_count: Option<usize>,
     /// Whether error folder and archive may be written.
-    may_refuse: bool,
+    pub(super) may_refuse: bool,
     /// A part may be in a claim that is not listed: claims are listed again, and no order list is completed because all
     /// of its rows seem to be served.
-    may_have_unknown_claims: bool,
+    pub(super) may_have_unknown_claims: bool,
 }
 
 impl HotFolderScanner {
@@ -117,6 +123,7 @@ impl HotFolderScanner {
             counted_at: None,
             inbox_identity: None,
             unreadable_since: HashMap::new(),
+            last_offers: HashSet::new(),
             farm_id: String::new(),
         }
     }
@@ -205,6 +212,13 @@ impl HotFolderScanner {
             OrderListRules { incomplete_secs: profile.intake.incomplete_secs, unlisted: profile.intake.unlisted };
         let has_end = |file: &Path, name: &str| build_file::has_end(&mut intake::open_dropped_file(inbox, file)?, name);
         self.lists.observe_scan(seen);
+        let mut ready_files = ReadyFiles {
+            hold: &leases.inbox,
+            profile,
+            late_secs: settle_rules(profile, 0.0).late_secs(),
+            earlier_offers: std::mem::take(&mut self.last_offers),
+            last_offers: &mut self.last_offers,
+        };
         for ready in self.settler.settled_entries(seen, now_secs, has_end) {
             if claims.len() >= most || !leases.may_take_files() {
                 scan.is_truncated = true;
@@ -215,11 +229,12 @@ impl HotFolderScanner {
             };
             match self.lists.check_against_list(inbox, ready, list_rules, may_be_part) {
                 TakeDecision::Take(ready) => {
-                    claims.extend(process_ready(&leases.inbox, profile, &ready, &mut self.lists, scan))
+                    claims.extend(ready_files.process_ready(&ready, &mut self.lists, scan))
                 }
                 TakeDecision::Wait(why) => scan.waiting_reasons.push(why),
             }
         }
+        scan.controls.sort_by_key(|control| control.entry.ctime_ns);
         scan.next_secs = if scan.is_truncated { Some(0.0) } else { self.settler.next_scan_secs(now_secs) };
     }
 
@@ -307,84 +322,6 @@ impl HotFolderScanner {
     }
 }
 
-/// Handles one ready file or list; a part becomes a claim.
-fn process_ready(
-    lease: &FolderLease,
-    profile: &MachineProfile,
-    ready: &SettledEntry,
-    lists: &mut OrderListTracker,
-    scan: &mut HotFolderScan,
-) -> Option<ClaimedPart> {
-    let inbox = lease.folder_path();
-    match ready {
-        SettledEntry::Part { .. } => match intake::claim_for_farm(inbox, ready, lease.farm_id()) {
-            Ok(claim) => {
-                lists.mark_row_served(ready);
-                return Some(claim);
-            }
-            // It is still being written to, or was taken away: the next scan decides.
-            Err(intake::ClaimError::Changed(_) | intake::ClaimError::Gone(_)) => {}
-            Err(error) => {
-                scan.may_have_unknown_claims = true;
-                scan.warnings.push(error_chain(&error));
-            }
-        },
-        // It stays where it is until these folders are back; an alert reports them.
-        SettledEntry::List { .. } | SettledEntry::Refuse { .. } if !scan.may_refuse => {}
-        SettledEntry::List { .. } if scan.may_have_unknown_claims => {}
-        SettledEntry::List { list, quiet_secs } => {
-            let (folders, incomplete_secs) = (&profile.folders, profile.intake.incomplete_secs);
-            match intake::finish_order_list(inbox, lists, ready, incomplete_secs, &folders.archive, &folders.error) {
-                Ok(ListOutcome::Refused(reason)) => {
-                    scan.refused.push((file_display_name(&list.path), RefusalCause::Ticket, reason));
-                }
-                // It may be only the first of its order to be copied.
-                Ok(ListOutcome::Awaited) if *quiet_secs < REPORT_AFTER_SETTLES * profile.intake.settle_secs => {}
-                Ok(ListOutcome::Awaited) => scan.waiting_reasons.extend(lists.list_wait_reason(list)),
-                Ok(ListOutcome::Archived(_)) => {}
-                Err(error) => scan.warnings.push(error_chain(&error)),
-            }
-        }
-        SettledEntry::Refuse { seen, reason } => {
-            match intake::refuse_entry(inbox, seen, &profile.folders.error, reason) {
-                Ok(_) => scan.refused.push((file_display_name(&seen.path), refusal_kind(ready), reason.clone())),
-                Err(error) => scan.warnings.push(error_chain(&error)),
-            }
-        }
-    }
-    None
-}
-
-/// The kind of refusal of a file that is refused without being read: it describes parts, or nestd cannot read it.
-fn refusal_kind(ready: &SettledEntry) -> RefusalCause {
-    match ready {
-        SettledEntry::Refuse { seen, .. } if seen.kind == EntryKind::File && !seen.is_private_link => {
-            RefusalCause::Ticket
-        }
-        _ => RefusalCause::Unreadable,
-    }
-}
-
-/// A file that nestd may not read has no hash and so no row: it goes directly into the error folder. Returns whether
-/// that worked.
-fn refuse_unreadable(
-    profile: &MachineProfile,
-    claim: &ClaimedPart,
-    why: &std::io::Error,
-    scan: &mut HotFolderScan,
-) -> bool {
-    if !scan.may_refuse {
-        return false;
-    }
-    let reason = format!("nestd cannot read this file: {why}. Drop it again with permissions that let nestd read it.");
-    let refused = intake::refuse_claim(claim, &profile.folders.error, &reason);
-    match &refused {
-        Ok(_) => scan.refused.push((claim.display_name(), RefusalCause::Unreadable, reason)),
-        Err(error) => scan.warnings.push(error_chain(error)),
-    }
-    refused.is_ok()
-}
-
 fn settle_rules(profile: &MachineProfile, orphan_secs: f64) -> SettleRules {
     SettleRules {
         settle_secs: profile.intake.settle_secs,
@@ -393,6 +330,6 @@ fn settle_rules(profile: &MachineProfile, orphan_secs: f64) -> SettleRules {
     }
 }
 
-fn file_display_name(path: &std::path::Path) -> String {
+pub(super) fn file_display_name(path: &std::path::Path) -> String {
     path.file_name().map(intake::display_name).unwrap_or_default()
 }

@@ -70,6 +70,7 @@ mod publish_decision;
 mod queues;
 mod read;
 mod read_turn;
+mod ready_files;
 mod reconcile;
 mod reconcile_report;
 mod refused_files;

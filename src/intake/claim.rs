@@ -52,7 +52,10 @@ pub(super) fn claim_stepwise(
 ) -> Result<ClaimedPart, ClaimError> {
     let (part, tickets, listed) = match ready {
         SettledEntry::Part { part, tickets, list, lookup: said, .. } => (part, tickets, (list.as_ref(), said.as_ref())),
-        SettledEntry::List { list: seen, .. } | SettledEntry::Refuse { seen, .. } => {
+        SettledEntry::List { list: seen, .. }
+        | SettledEntry::Orphan { ticket: seen, .. }
+        | SettledEntry::Control { file: seen, .. }
+        | SettledEntry::Refuse { seen, .. } => {
             return Err(ClaimError::Gone(seen.path.clone()));
         }
     };

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     EntryKind, InboxEntry, ListLookup, SettledEntry, Ticket, disk, display_name, given_back,
     name_match::{FileNameMatch, NameMatches},
-    order_list::{MAX_LIST_BYTES, OrderList},
+    order_list::{MAX_LIST_BYTES, OrderList, OrderListRow},
     part_spec::read_ticket_file,
     served_rows::ServedRows,
     sidecars::{FileRole, LIST_NAME, file_role},
@@ -208,6 +208,16 @@ impl OrderListTracker {
         Ok((&known.list, &known.marks, is_needed))
     }
 
+    /// The rows that name no file of the folder and were not served: their parts may have been taken before the list came.
+    pub(super) fn rows_without_file(&mut self, inbox: &Path, list: &InboxEntry) -> io::Result<Vec<OrderListRow>> {
+        let known = self.load_list(inbox, list)?;
+        let rows = known.list.rows().unwrap_or_default().iter().enumerate();
+        let is_open = |(at, row): &(usize, &OrderListRow)| {
+            !row.file.is_empty() && !known.matches.named.contains(at) && !known.marks.is_served(&row.file)
+        };
+        Ok(rows.filter(is_open).map(|(_, row)| row.clone()).collect())
+    }
+
     /// Explains why a settled list waits (part of a sentence). `None` = it does not wait, or only for its parts to
     /// settle.
     pub fn list_wait_reason(&self, list: &InboxEntry) -> Option<String> {
@@ -251,7 +261,7 @@ impl LoadedList {
             self.matches = self.list.match_files(files.into_iter());
             self.names = names;
         }
-        let is_served = |row: &super::OrderListRow| !row.file.is_empty() && self.marks.is_served(&row.file);
+        let is_served = |row: &OrderListRow| !row.file.is_empty() && self.marks.is_served(&row.file);
         self.is_served = self.list.rows().is_ok_and(|rows| !rows.is_empty() && rows.iter().all(is_served));
         self.scan_number = look;
         self
@@ -264,6 +274,13 @@ impl LoadedList {
         let Some(meaning) = self.matches.files.get(name) else {
             return Err(format!("stands in none of the {} rows of {list}", rows.len()));
         };
+        if let FileNameMatch::Only(at) = meaning
+            && at.iter().any(|&at| self.marks.is_late(&rows[at].file))
+        {
+            return Err(format!(
+                "came after its row in {list} was used for a part of that name that had been taken before"
+            ));
+        }
         let unclear = matches!(meaning, FileNameMatch::Ambiguous(..));
         match self.list.matched_row(meaning, name) {
             // The claim stores only this row, so the row must parse to the same ticket by itself.

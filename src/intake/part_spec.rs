@@ -7,10 +7,11 @@ use std::{
 };
 
 use super::{
-    ClaimedPart, ListLookup, Ticket, TicketError,
+    ClaimedPart, InboxEntry, ListLookup, Ticket, TicketError,
     code_page::decode_candidates,
     copies::{CopiesInName, MAX_COPIES, read_copies_in_name},
     disk, display_name,
+    dropped::open_dropped_file,
     order_list::{MAX_LIST_BYTES, OrderList},
     sidecars::{LIST_LOOKUP_NAME, LIST_NAME},
     ticket::broken_ticket,
@@ -158,6 +159,20 @@ fn unreadable_ticket(path: &Path, error: io::Error) -> TicketError {
     }
 }
 
+/// Reads a ticket of the hot folder that has no part beside it, provided that it did not change since the scan. `None` =
+/// it changed or is gone.
+pub(super) fn read_orphan_ticket(inbox: &Path, ticket: &InboxEntry) -> Option<(String, Result<Ticket, TicketError>)> {
+    let file = open_dropped_file(inbox, &ticket.path).ok()?;
+    let mut bytes = Vec::new();
+    (&file).take(MAX_TICKET_BYTES + 1).read_to_end(&mut bytes).ok()?;
+    if !disk::is_unchanged(ticket, &file.metadata().ok()?) {
+        return None;
+    }
+    let text = ticket_text(bytes).map_err(|error| unreadable_ticket(&ticket.path, error));
+    let parsed = text.clone().and_then(|text| parse_ticket_text(&ticket.path, &text));
+    Some((text.unwrap_or_default(), parsed))
+}
+
 fn display_file_name(path: &Path) -> String {
     display_name(path.file_name().unwrap_or_default())
 }
@@ -171,7 +186,14 @@ fn parse_ticket_text(path: &Path, text: &str) -> Result<Ticket, TicketError> {
 
 /// Reads a text whose encoding is certain: UTF-8, or UTF-16 as some editors write it.
 fn read_ticket_text(path: &Path) -> io::Result<String> {
-    match &mut decode_candidates(&read_bytes_up_to(path, MAX_TICKET_BYTES)?)[..] {
+    ticket_text(read_bytes_up_to(path, MAX_TICKET_BYTES)?)
+}
+
+fn ticket_text(bytes: Vec<u8>) -> io::Result<String> {
+    match &mut decode_candidates(&bytes)[..] {
+        _ if bytes.len() as u64 > MAX_TICKET_BYTES => {
+            Err(io::Error::other(format!("it is longer than {MAX_TICKET_BYTES} bytes")))
+        }
         [text] => Ok(std::mem::take(text)),
         _ => Err(io::Error::other("it is not UTF-8 text")),
     }

@@ -98,6 +98,34 @@ pub fn refuse_entry(inbox: &Path, seen: &InboxEntry, error_dir: &Path, reason: &
     refusal.write_and_move(&seen.order, reason, &mut || {}, |to| disk::move_out_of(inbox, relative, to))
 }
 
+/// Writes a row of an order list as a list of its own to the error folder, beside its reason. The list itself stays. Safe to
+/// repeat: `key` identifies the row.
+pub(super) fn refuse_list_row(
+    list: &InboxEntry,
+    order: &Path,
+    error_dir: &Path,
+    row: &str,
+    key: String,
+    reason: &str,
+) -> Result<PathBuf, RefuseError> {
+    let folder = open_error_folder(error_dir, order)?;
+    let name = list.path.file_name().unwrap_or_default();
+    let refusal = PendingRefusal { source: &list.path, folder: &folder, name, key };
+    for n in 1..=disk::MAX_NAME_NUMBER {
+        let (to, reason_file) = refusal.numbered_paths(n);
+        let is_own = refusal.is_own_reason(&reason_file)?;
+        if !is_own && (disk::path_exists(&to) || disk::path_exists(&reason_file)) {
+            continue;
+        }
+        let write = |file: &Path, text: &str| {
+            disk::write_file_atomically(file, text.as_bytes()).map_err(|e| io_error("write", file, e))
+        };
+        write(&reason_file, &refusal.reason_text(&list.order, reason))?;
+        return write(&to, row).map(|()| to);
+    }
+    Err(io_error("find a free name in", &folder, io::ErrorKind::AlreadyExists.into()))
+}
+
 /// Creates `error_dir/order`. It is an error if somebody replaced a folder in this path by a link.
 fn open_error_folder(error_dir: &Path, order: &Path) -> Result<PathBuf, RefuseError> {
     let folder = error_dir.join(order);

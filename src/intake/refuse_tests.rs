@@ -148,7 +148,10 @@ fn an_error_folder_that_cannot_be_written_leaves_the_claim_whole() {
 
 fn refuse_all(farm: &TestInbox, error_dir: &Path) -> Vec<PathBuf> {
     let refused = farm.ready().into_iter().filter_map(|ready| match ready {
-        SettledEntry::Refuse { seen, reason } => Some(refuse_entry(&farm.inbox, &seen, error_dir, &reason).unwrap()),
+        SettledEntry::Refuse { seen, reason }
+        | SettledEntry::Orphan { ticket: seen, expiry_reason: Some(reason), .. } => {
+            Some(refuse_entry(&farm.inbox, &seen, error_dir, &reason).unwrap())
+        }
         _ => None,
     });
     refused.collect()

@@ -12,6 +12,9 @@ use std::{
 
 use super::{InboxEntry, claim_folder::CLAIMED_DIR, disk, name::MAX_NAME_BYTES};
 
+/// Content of the mark of a row that was applied to a part taken before the list came. No file has such a name.
+const LATE_MARK: &str = "/late";
+
 /// Marks of lists that somebody deleted are removed after this time.
 const STALE_MARKS: Duration = Duration::from_secs(7 * 24 * 3600);
 
@@ -25,6 +28,11 @@ pub(super) fn mark_served(inbox: &Path, list: &InboxEntry, row_file: &str, name:
     file.write_all(name.as_bytes())?;
     file.sync_all()?;
     disk::fsync_dir(&marks)
+}
+
+/// Records that a row is done with: it was applied to a part that was taken before the list came, or was refused.
+pub(super) fn mark_row_late(inbox: &Path, list: &InboxEntry, row_file: &str) -> io::Result<()> {
+    mark_served(inbox, list, row_file, OsStr::new(LATE_MARK))
 }
 
 /// The rows of a list that were served, according to the marks.
@@ -65,7 +73,12 @@ impl ServedRows {
 
     /// The files that served a row.
     pub fn serving_files(&self) -> impl Iterator<Item = &OsString> {
-        self.served.values().filter(|name| !name.is_empty())
+        self.served.values().filter(|name| !name.is_empty() && *name != LATE_MARK)
+    }
+
+    /// Whether a row was applied to a part that was taken before the list came. It is for no other part then.
+    pub fn is_late(&self, row_file: &str) -> bool {
+        self.served.get(&mark_name(row_file)).is_some_and(|name| name == LATE_MARK)
     }
 
     /// When a row was last served.

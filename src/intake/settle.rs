@@ -8,7 +8,10 @@ use std::{
 };
 
 use super::{
-    EntryKind, InboxEntry, SettledEntry, display_name,
+    EntryKind, InboxEntry, SettledEntry,
+    control_file::{ControlName, control_name, misplaced_control_reason},
+    display_name,
+    order_folders::FolderStates,
     sidecars::{FileRole, SidecarIndex, file_role},
 };
 
@@ -17,6 +20,9 @@ use super::{
 const HOLE_SETTLE_FACTOR: f64 = 6.0;
 /// Smaller files may be stored inside their inode, with no blocks allocated.
 const SMALL_BYTES: u64 = 64 << 10;
+
+/// A ticket or row of a list without a file is said to be late after this many settle times: its file may only be slower.
+const LATE_SETTLE_FACTOR: f64 = 3.0;
 
 /// How long files must stay unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +39,13 @@ pub struct SettleRules {
 impl Default for SettleRules {
     fn default() -> Self {
         Self { settle_secs: 5.0, unfinished_secs: 600.0, orphan_secs: 3600.0 }
+    }
+}
+
+impl SettleRules {
+    /// Seconds after which a ticket or row without a file in its folder is taken for one that is late.
+    pub fn late_secs(&self) -> f64 {
+        LATE_SETTLE_FACTOR * self.settle_secs
     }
 }
 
@@ -65,6 +78,13 @@ struct WatchedEntry {
     /// For a ticket: whether several parts matched it at some time. It is then used for none of them, not even for the
     /// only one that is left.
     is_ambiguous: bool,
+}
+
+impl WatchedEntry {
+    /// The state of two entries that count as one.
+    fn join(self, other: Self) -> Self {
+        Self { since_secs: self.since_secs.max(other.since_secs), scans: self.scans.min(other.scans), ..self }
+    }
 }
 
 /// Remembers for each entry of one hot folder since when it has been unchanged.
@@ -111,6 +131,7 @@ impl SettleTracker {
         }
         let this = &*self;
         let orders = this.order_folder_states(seen);
+        let is_command = |one: &InboxEntry| one.kind == EntryKind::File && control_name(one).is_some();
         let settled = seen.iter().filter(move |one| this.is_settled(one, now_secs));
         settled.filter_map(move |one| {
             let of_order = orders.get(one.path.parent().unwrap_or(Path::new("")));
@@ -124,6 +145,7 @@ impl SettleTracker {
                 (EntryKind::File, _) if one.is_private_link => {
                     Some(SettledEntry::Refuse { seen: one.clone(), reason: private_link_reason(one) })
                 }
+                (EntryKind::File, _) if is_command(one) => Some(check_control_file(one)),
                 (EntryKind::File, FileRole::Part) => this.check_part(one, &beside, now_secs, still_secs, &mut has_end),
                 (EntryKind::File, FileRole::Ticket { part }) => {
                     this.check_orphan_ticket(one, &part, &beside, still_secs)
@@ -167,16 +189,15 @@ impl SettleTracker {
         watched.scans >= 2 && now_secs - watched.since_secs >= self.rules.settle_secs
     }
 
-    /// Treats each order folder as one entry and returns since when nothing in it has changed.
+    /// Treats each order folder, with the folders above and below it, as one entry, and returns since when nothing in it
+    /// has changed.
     fn order_folder_states<'a>(&self, seen: &'a [InboxEntry]) -> HashMap<&'a Path, WatchedEntry> {
-        let mut orders: HashMap<&Path, WatchedEntry> = HashMap::new();
+        let mut states = FolderStates::default();
         for one in seen.iter().filter(|one| !one.order.is_empty()) {
             let (Some(folder), Some(&watched)) = (one.path.parent(), self.watched.get(&one.path)) else { continue };
-            let order = orders.entry(folder).or_insert(watched);
-            order.since_secs = order.since_secs.max(watched.since_secs);
-            order.scans = order.scans.min(watched.scans);
+            states.add(folder, one.order.split('/').count(), watched, WatchedEntry::join);
         }
-        orders
+        states.into_joined(WatchedEntry::join)
     }
 
     /// A settled part may be taken once its tickets and its list have settled too and the file is complete.
@@ -221,7 +242,8 @@ impl SettleTracker {
         })
     }
 
-    /// Refuses a ticket whose part did not arrive in time.
+    /// Reports a ticket that has no part in its folder, and after some time why it is refused. A ticket with a part there
+    /// belongs to that part, however often a part of that name was taken before.
     fn check_orphan_ticket(
         &self,
         ticket: &InboxEntry,
@@ -229,11 +251,14 @@ impl SettleTracker {
         beside: &SidecarIndex,
         still_secs: f64,
     ) -> Option<SettledEntry> {
-        if beside.has_part(ticket) || still_secs < self.rules.orphan_secs {
+        let is_ambiguous = self.is_ambiguous(&ticket.path);
+        let is_expired = still_secs >= self.rules.orphan_secs;
+        if beside.has_part(ticket) || !is_expired && (is_ambiguous || still_secs < self.rules.late_secs()) {
             return None;
         }
+        let part_name = part.file_name()?.to_owned();
         let name = display_name(part.file_name()?);
-        let what = match self.is_ambiguous(&ticket.path) {
+        let what = match is_ambiguous {
             true => format!("several parts were called {name:?}, so it was used for none of them"),
             false => format!("no such part came within {:.0} s", self.rules.orphan_secs),
         };
@@ -241,7 +266,21 @@ impl SettleTracker {
             "This is a ticket for a part {name:?}, but {what}. \
              Drop the part and the ticket together, the ticket named like the whole part file with .toml or .json added."
         );
-        Some(SettledEntry::Refuse { seen: ticket.clone(), reason })
+        Some(match is_ambiguous {
+            true => SettledEntry::Refuse { seen: ticket.clone(), reason },
+            false => {
+                let expiry_reason = is_expired.then_some(reason);
+                SettledEntry::Orphan { ticket: ticket.clone(), part_name, expiry_reason }
+            }
+        })
+    }
+}
+
+/// A control file gives its command if it is empty and right in the hot folder.
+fn check_control_file(file: &InboxEntry) -> SettledEntry {
+    match control_name(file) {
+        Some(ControlName::Command(kind)) => SettledEntry::Control { file: file.clone(), kind },
+        misplaced => SettledEntry::Refuse { seen: file.clone(), reason: misplaced_control_reason(misplaced, file) },
     }
 }
 

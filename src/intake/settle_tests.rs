@@ -145,7 +145,8 @@ fn a_ticket_may_come_long_before_its_part() {
     let mut settler = SettleTracker::new(RULES);
     let ticket = seen("in/a.stl.JSON", 10, 1);
     for now in [0.0, 1000.0, 3599.0] {
-        assert_eq!(settler.observe_scan(std::slice::from_ref(&ticket), now, whole), []);
+        let ready = settler.observe_scan(std::slice::from_ref(&ticket), now, whole);
+        assert!(ready.iter().all(|one| matches!(one, SettledEntry::Orphan { expiry_reason: None, .. })), "{ready:?}");
     }
     // Its part is being copied now, so it is not an orphan any more.
     for step in 0..10 {
@@ -158,12 +159,16 @@ fn a_ticket_may_come_long_before_its_part() {
 }
 
 #[test]
-fn an_orphan_ticket_is_refused_after_its_time() {
+fn a_ticket_without_its_part_is_an_orphan_and_expires() {
     let mut settler = SettleTracker::new(RULES);
     let ticket = [seen("in/a.stl.toml", 10, 1)];
     settler.observe_scan(&ticket, 0.0, whole);
+    assert_eq!(settler.observe_scan(&ticket, 14.0, whole), [], "its part may only be slower");
+    let ready = settler.observe_scan(&ticket, 15.0, whole);
+    let [SettledEntry::Orphan { part_name, expiry_reason: None, .. }] = &ready[..] else { panic!("{ready:?}") };
+    assert_eq!(part_name, "a.stl");
     let ready = settler.observe_scan(&ticket, 3600.0, whole);
-    let [SettledEntry::Refuse { reason, .. }] = &ready[..] else { panic!("{ready:?}") };
+    let [SettledEntry::Orphan { expiry_reason: Some(reason), .. }] = &ready[..] else { panic!("{ready:?}") };
     assert!(reason.contains("\"a.stl\"") && reason.contains("3600 s"), "{reason}");
 }
 
@@ -199,6 +204,41 @@ fn a_folder_is_an_order_that_is_taken_when_nothing_in_it_changes_any_more() {
     let is_without_list =
         |one: &SettledEntry| matches!(one, SettledEntry::Part { part, list: None, .. } if part.order == "k");
     assert!(!ready.iter().any(is_without_list), "{ready:?}");
+}
+
+#[test]
+fn a_folder_waits_for_a_list_that_is_copied_last_and_for_its_sub_folders() {
+    let mut settler = SettleTracker::new(RULES);
+    let in_order = |order: &str, name: &str, ctime| InboxEntry {
+        order: order.into(),
+        ..seen(&format!("in/{order}/{name}"), 84, ctime)
+    };
+    let first = [in_order("k", "a.stl", 1), in_order("k/left", "b.stl", 1), in_order("k/right", "c.stl", 1)];
+    settler.observe_scan(&first, 0.0, whole);
+    // The list of the sub-folder is copied last, then another file of its neighbour.
+    let [a, b, c] = first;
+    let second = [a.clone(), b.clone(), in_order("k/left", "order.csv", 6), c.clone()];
+    assert_eq!(parts(&settler.observe_scan(&second, 6.0, whole)), ["in/k/right/c.stl"]);
+    let third = [second.to_vec(), vec![in_order("k/right", "d.stl", 10)]].concat();
+    assert_eq!(parts(&settler.observe_scan(&third, 10.0, whole)), Vec::<String>::new());
+    assert_eq!(parts(&settler.observe_scan(&third, 11.0, whole)), ["in/k/left/b.stl"]);
+    let ready = settler.observe_scan(&third, 15.0, whole);
+    assert_eq!(parts(&ready).len(), 4, "{ready:?}");
+    let of_list =
+        |one: &SettledEntry| matches!(one, SettledEntry::Part { part, list: Some(_), .. } if part.order == "k/left");
+    assert!(ready.iter().any(of_list));
+}
+
+#[test]
+fn a_file_in_the_folder_takes_the_ticket_even_while_it_is_being_copied() {
+    let mut settler = SettleTracker::new(RULES);
+    let ticket = seen("in/a.stl.toml", 10, 1);
+    settler.observe_scan(std::slice::from_ref(&ticket), 0.0, whole);
+    assert_eq!(settler.observe_scan(std::slice::from_ref(&ticket), 20.0, whole).len(), 1);
+    for step in 0..20 {
+        let both = [seen("in/a.stl", step, i128::from(step)), ticket.clone()];
+        assert_eq!(settler.observe_scan(&both, 21.0 + step as f64 * 4.0, cut), []);
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Entries of the hot folder that have settled and may be taken or refused.
 
-use super::{InboxEntry, ListLookup};
+use std::ffi::OsString;
+
+use super::{ControlKind, InboxEntry, ListLookup};
 
 /// An entry that has settled. It is reported again at every scan while it is in the hot folder.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +32,22 @@ pub enum SettledEntry {
         /// Time that the list has been unchanged, seconds; in an order folder, time that the whole folder has been
         /// unchanged.
         quiet_secs: f64,
+    },
+    /// A ticket without a part in its folder. Its part may have been taken before, which the ledger knows.
+    Orphan {
+        /// The ticket.
+        ticket: InboxEntry,
+        /// The part that it names, perhaps without extension.
+        part_name: OsString,
+        /// Why it is refused, once it has waited for [`SettleRules::orphan_secs`](super::SettleRules::orphan_secs).
+        expiry_reason: Option<String>,
+    },
+    /// An empty file that gives a command, such as `FLUSH`.
+    Control {
+        /// The file.
+        file: InboxEntry,
+        /// Its command.
+        kind: ControlKind,
     },
     /// Not a part: to be moved to the error folder by [`refuse_path`](super::refuse_entry).
     Refuse {

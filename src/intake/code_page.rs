@@ -4,14 +4,16 @@
 
 use chardetng::{EncodingDetector, Iso2022JpDetection, Utf8Detection};
 use encoding_rs::{
-    BIG5, EUC_JP, EUC_KR, Encoding, GB18030, IBM866, MACINTOSH, SHIFT_JIS, UTF_16BE, UTF_16LE, WINDOWS_1250,
-    WINDOWS_1251, WINDOWS_1252, WINDOWS_1253, WINDOWS_1254, WINDOWS_1257,
+    BIG5, EUC_JP, EUC_KR, Encoding, GB18030, IBM866, ISO_8859_15, MACINTOSH, SHIFT_JIS, UTF_16BE, UTF_16LE,
+    WINDOWS_1250, WINDOWS_1251, WINDOWS_1252, WINDOWS_1253, WINDOWS_1254, WINDOWS_1257,
 };
 
-/// Code pages that are tried after the most likely one. `encoding_rs` has the encodings of the web, which do not
+/// Code pages that are tried after the most likely one and before those of DOS. That of the Mac is tried last, except for
+/// files whose lines end as on old Macs. `encoding_rs` has the encodings of the web, which do not
 /// include those of DOS.
 const CODE_PAGES: [&Encoding; 13] = [
     WINDOWS_1252,
+    ISO_8859_15,
     WINDOWS_1250,
     SHIFT_JIS,
     GB18030,
@@ -20,7 +22,6 @@ const CODE_PAGES: [&Encoding; 13] = [
     EUC_JP,
     WINDOWS_1251,
     IBM866,
-    MACINTOSH,
     WINDOWS_1253,
     WINDOWS_1254,
     WINDOWS_1257,
@@ -48,11 +49,13 @@ pub(super) fn decode_candidates(bytes: &[u8]) -> Vec<String> {
     detector.feed(bytes, true);
     let likely = detector.guess(None, Utf8Detection::Deny);
     let mut readings: Vec<String> = Vec::new();
-    let pages = [likely].into_iter().chain(CODE_PAGES.into_iter().filter(|&page| page != likely));
+    let is_of_mac = bytes.contains(&b'\r') && !bytes.contains(&b'\n');
+    let (before, after) = if is_of_mac { (Some(MACINTOSH), None) } else { (None, Some(MACINTOSH)) };
+    let pages = before.into_iter().chain([likely]).chain(CODE_PAGES.into_iter().filter(|&page| page != likely));
     let read =
         |page: &'static Encoding| Some(page.decode_without_bom_handling_and_without_replacement(bytes)?.into_owned());
     let dos = DOS_PAGES.iter().map(|page| decode_dos(bytes, page));
-    for reading in pages.filter_map(read).chain(dos) {
+    for reading in pages.filter_map(read).chain(dos).chain(after.and_then(read)) {
         if !readings.contains(&reading) {
             readings.push(reading);
         }
@@ -79,6 +82,41 @@ fn decode_dos(bytes: &[u8], page: &str) -> String {
         _ => upper.get(usize::from(byte) - 128).copied().unwrap_or(char::REPLACEMENT_CHARACTER),
     };
     bytes.iter().map(char_of).collect()
+}
+
+/// Letters of Western European texts.
+const WESTERN: &str = "äöüÄÖÜßéèêëàâçîïôûùÿÉÈÊÀÂÇÎÔÛœŒñÑáíóúìòåÅæÆøØ";
+
+/// How much a decoding looks like text that somebody wrote: letters of Western Europe and kana count for it, signs that
+/// only a wrong code page puts into words count against it.
+pub(super) fn text_plausibility(text: &str) -> i64 {
+    let is_kana = |c: char| matches!(c, '\u{3040}'..='\u{30ff}' | '\u{3001}'..='\u{301f}' | '\u{ff01}'..='\u{ff5e}');
+    let has_kana = text.chars().any(is_kana);
+    let chars: Vec<char> = text.chars().collect();
+    let rate = |(at, &c): (usize, &char)| {
+        let before = at.checked_sub(1).map(|at| chars[at]).filter(|c| c.is_alphabetic());
+        let is_followed_by_lower = chars.get(at + 1).is_some_and(|c| c.is_lowercase());
+        let is_case_odd =
+            c.is_uppercase() && before.is_some_and(|before| before.is_lowercase() || is_followed_by_lower);
+        let after = chars.get(at + 1).copied();
+        let is_inside = before.is_some() && after.is_some_and(char::is_alphabetic);
+        let is_accent = |c: char| !c.is_ascii() && c != 'ß' && WESTERN.contains(c) && c.is_alphabetic();
+        match c {
+            c if c.is_ascii() => 0,
+            // `“` inside a word and two accents in a row are rare, except in créé.
+            '–' | '—' | '“' | '”' | '„' | '‘' | '’' | '«' | '»' | '…' | '€' => {
+                -i64::from(is_inside && c != '’')
+            }
+            c if is_accent(c) && before.is_some_and(|before| is_accent(before) && before != c) => -2,
+            c if is_case_odd => -3 * i64::from(c < '\u{250}'),
+            c if WESTERN.contains(c) || is_kana(c) => 1,
+            '\u{4e00}'..='\u{9fff}' => i64::from(has_kana),
+            c if c.is_alphanumeric() => 0,
+            '\u{80}'..='\u{9f}' | '\u{2500}'..='\u{25ff}' => -3,
+            _ => -i64::from(before.is_some()),
+        }
+    };
+    chars.iter().enumerate().map(rate).sum()
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use std::{collections::HashMap, sync::LazyLock};
 
+use super::list_cells::bare_cell;
 use unicode_normalization::{UnicodeNormalization, char::is_combining_mark};
 
 /// Meaning of a column.
@@ -46,13 +47,14 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
         "file filename path filepath datei dateiname dateipfad fichier nomdufichier nomfichier nomdefichier archivo \
          nombredearchivo nombredelarchivo fichero nombredefichero nomefile nomedelfile arquivo nomedoarquivo ficheiro bestand \
          bestandsnaam filnamn filnavn plik nazwapliku soubor nazevsouboru tiedosto dosya dosyaadi fajl файл имяфайла ファイル \
-         ファイル名 文件 文件名 檔案 檔名 檔案名稱 파일 파일명 파일이름 stl stlfile stldatei",
+         ファイル名 文件 文件名 檔案 檔名 檔案名稱 파일 파일명 파일이름 stl stlfile stldatei stldateien stlname",
     ),
     (
         ListColumn::Copies,
-        "copies copy quantity quantities qty count pcs kopien menge stück stückzahl stk anzahl anz quantité qté exemplaires \
+        "copies copy quantity quantities qty count pcs noofpcs noofpieces noofcopies numberofpieces numberofcopies totalqty \
+         totalquantity qtytotal quantityrequired qtyrequired orderqty orderquantity kopien gesamtmenge gesamtstückzahl bestellmenge menge stück stückzahl stk anzahl anz quantité qté exemplaires \
          nbre cantidad cant unidades uds copias quantità qtà copie pezzi quantidade qtd qtde peças aantal stuks hoeveelheid \
-         antal antall ilość sztuk szt množství počet kusů kpl määrä darab mennyiség adet miktar количество колво шт 数量 個数 \
+         antal antall ilość sztuk szt množství počet kusů kpl määrä darab mennyiség adet miktar количество колво шт 数量 個数 員数 枚数 \
          部数 數量 份数 件数 수량 개수",
     ),
     (
@@ -60,7 +62,7 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
         "due duedate dueby deadline deliverydate deliveryby neededby needby fällig fälligam fälligkeit termin liefertermin \
          lieferdatum échéance datedelivraison délai fechadeentrega fechaentrega vencimiento scadenza datadiconsegna \
          dataconsegna prazo datadeentrega dataentrega leverdatum förfallodatum leveransdatum leveringsdato termindostawy termín \
-         納期 期限 期日 締切 交期 截止日期 交货日期 납기 납기일 срок срокпоставки",
+         納期 希望納期 納品日 納入日 期限 期日 締切 交期 截止日期 交货日期 납기 납기일 срок срокпоставки",
     ),
     (
         ListColumn::Priority,
@@ -75,7 +77,7 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
     (
         ListColumn::Order,
         "order orderno ordernr ordernumber orderid orderref po pono ponumber job jobno jobnumber auftrag auftragsnummer \
-         auftragsnr bestellung bestellnummer bestellnr commande numérodecommande ncommande pedido ordine encomenda bestelling \
+         auftragsnr bestellung bestellnummer bestellnr commande numérodecommande ncommande ndecommande nodecommande bondecommande pedido ordine encomenda bestelling \
          bestelnummer zamówienie objednávka tilaus sipariş 注文 注文番号 受注番号 订单 订单号 訂單 주문 주문번호 заказ",
     ),
     (
@@ -104,13 +106,15 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
 ];
 
 /// Ambiguous header words, used only for columns that no clear word names.
-const AMBIGUOUS_HEADERS: [(ListColumn, &str); 3] = [
+const AMBIGUOUS_HEADERS: [(ListColumn, &str); 4] = [
     (
         ListColumn::File,
-        "part partname partno partnumber name model item teil teilename bauteil bezeichnung modell pièce piece nom nombre pieza \
-         pezzo nome parte peça onderdeel naam detalj del część díl osa parça деталь название 部品 部品名 品名 零件 零件名称 名称 부품 품명",
+        "part parts partname partno partnumber name model item article description designation reference teil teilenummer artikel \
+         artikelnr artikelnummer artikelname benennung zeichnung zeichnungsnr désignation référence article teilename bauteil bezeichnung modell pièce piece nom nombre pieza \
+         pezzo nome parte peça onderdeel naam detalj del część díl osa parça деталь название 部品 部品名 部品番号 品番 図番 型番 品名 零件 零件名称 名称 부품 품명",
     ),
     (ListColumn::Copies, "pieces pièces piezas amount units nombre numero número number nummer stücke ks db"),
+    (ListColumn::Unit, "units unités einheiten"),
     (ListColumn::Due, "delivery livraison entrega consegna levering dostawa dodání"),
 ];
 
@@ -134,8 +138,9 @@ fn index_words(of: &[(ListColumn, &str)]) -> HeaderWords {
 
 /// Normalizes a header word: removes accents, signs and text in brackets behind it, and converts to lower case. `Stück
 /// (Stk.)` becomes `stuck`.
-fn normalize_word(word: &str) -> String {
-    let head = word.split(['(', '[', '（']).next().filter(|head| !head.trim().is_empty()).unwrap_or(word);
+pub(super) fn normalize_word(word: &str) -> String {
+    let is_closed = word.trim_end().ends_with([')', ']', '）']);
+    let head = word.split(['(', '[', '（']).next().filter(|head| is_closed && !head.trim().is_empty()).unwrap_or(word);
     let letters = head.nfkd().filter(|&c| !is_combining_mark(c)).flat_map(char::to_lowercase);
     letters.filter(|c| c.is_alphanumeric()).collect::<String>().replace('ß', "ss")
 }
@@ -146,8 +151,10 @@ pub(super) struct ColumnLayout {
     positions: HashMap<ListColumn, usize>,
     /// Number of columns.
     pub count: usize,
-    /// Headers that nestd does not know, as written.
-    pub unknown: Vec<String>,
+    /// Headers that nestd does not know, as written, with their positions.
+    unknown_at: Vec<(usize, String)>,
+    /// Further columns that may hold the files, each with its header, if the header does not tell.
+    file_choices: Vec<(usize, String)>,
 }
 
 impl ColumnLayout {
@@ -172,10 +179,16 @@ impl ColumnLayout {
                 AMBIGUOUS_WORDS.get(&normalize_word(name)).is_some_and(|columns| columns.contains(&column))
             };
             if let Some(found) = open.iter().position(|(_, name)| may_be(name)) {
-                columns.positions.insert(column, open.remove(found).0);
+                let (at, name) = open.remove(found);
+                columns.positions.insert(column, at);
+                if column == ListColumn::File {
+                    let others = open.iter().filter(|(_, name)| may_be(name));
+                    let others = others.map(|(at, name)| (*at, name.trim().to_owned()));
+                    columns.file_choices = std::iter::once((at, name.trim().to_owned())).chain(others).collect();
+                }
             }
         }
-        columns.unknown = open.iter().map(|(_, name)| name.trim().to_owned()).collect();
+        columns.unknown_at = open.iter().map(|(at, name)| (*at, name.trim().to_owned())).collect();
         match columns.positions.contains_key(&ListColumn::File) {
             true => Ok(columns),
             false => Err(NO_HEADER.to_owned()),
@@ -185,7 +198,25 @@ impl ColumnLayout {
     /// The columns of a list without a header: files and copies.
     pub fn without_header(file: usize, copies: usize) -> Self {
         let places = HashMap::from([(ListColumn::File, file), (ListColumn::Copies, copies)]);
-        Self { positions: places, count: 2, unknown: Vec::new() }
+        Self { positions: places, count: 2, ..Self::default() }
+    }
+
+    /// Takes as the column of the files the one in which most cells are names of files, if the header leaves a choice.
+    pub fn choose_file_column(&mut self, count_names: impl Fn(usize) -> usize) {
+        let Some(&first) = self.positions.get(&ListColumn::File).filter(|_| self.file_choices.len() > 1) else {
+            return;
+        };
+        // Of equals the first.
+        let best = self.file_choices.iter().rev().max_by_key(|(at, _)| count_names(*at)).map_or(first, |(at, _)| *at);
+        self.positions.insert(ListColumn::File, best);
+        self.unknown_at.retain(|(at, _)| *at != best);
+        self.unknown_at.extend(self.file_choices.iter().filter(|(at, _)| *at == first && first != best).cloned());
+        self.unknown_at.sort();
+    }
+
+    /// Headers that nestd does not know, as written.
+    pub fn unknown_headers(&self) -> Vec<String> {
+        self.unknown_at.iter().map(|(_, name)| name.clone()).collect()
     }
 
     /// Number of columns with a known meaning.
@@ -195,7 +226,7 @@ impl ColumnLayout {
 
     /// Text of a row in a column; "" if there is none.
     pub fn cell_text<'a>(&self, record: &'a csv::StringRecord, column: ListColumn) -> &'a str {
-        self.positions.get(&column).and_then(|&at| record.get(at)).unwrap_or("")
+        self.positions.get(&column).and_then(|&at| record.get(at)).map_or("", bare_cell)
     }
 }
 
@@ -241,7 +272,7 @@ mod tests {
     fn a_clear_word_wins_over_one_that_only_may_mean_it_and_the_rest_is_unknown() {
         let columns = ColumnLayout::from_header(["Name", "File", "Pieces", "Qty", "Preis"].into_iter()).unwrap();
         assert_eq!((columns.positions[&ListColumn::File], columns.positions[&ListColumn::Copies]), (1, 3));
-        assert_eq!(columns.unknown, ["Name", "Pieces", "Preis"]);
+        assert_eq!(columns.unknown_headers(), ["Name", "Pieces", "Preis"]);
     }
 
     #[test]

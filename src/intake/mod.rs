@@ -28,6 +28,7 @@ mod late_ticket;
 mod list_cells;
 mod list_columns;
 mod list_end;
+mod list_extras;
 mod list_lookup;
 mod list_tracker;
 mod misplaced;

@@ -8,10 +8,11 @@ use build_file::{escape_invisible, escape_invisible_lines};
 
 use super::{
     Ticket,
-    code_page::decode_candidates,
+    code_page::{decode_candidates, text_plausibility},
     display_name,
-    list_cells::{parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
+    list_cells::{bare_cell, is_placeholder, parse_decimal, parse_due_cell, parse_unit, parse_whole_number},
     list_columns::{ColumnLayout, ListColumn, NO_HEADER},
+    list_extras::ExtraRows,
     name::is_part_name,
     name_match::{FileNameMatch, NameMatches},
     ticket::{check_clearance, check_copies, check_priority, check_text},
@@ -55,16 +56,15 @@ impl OrderList {
             let why = format!("it is longer than {MAX_LIST_BYTES} bytes");
             return Self { content: Err(why), unknown: Vec::new() };
         }
-        let mut lists = decode_candidates(bytes).into_iter().map(|text| Self::from_text(&text));
-        let Some(first) = lists.next() else { return Self::from_text("") };
-        let mut best = (first.match_quality(files), first);
-        for list in lists {
-            let fitness = list.match_quality(files);
-            if fitness > best.0 {
-                best = (fitness, list);
+        let mut best = None;
+        for text in decode_candidates(bytes) {
+            let list = Self::from_text(&text);
+            let fitness = (list.match_quality(files), text_plausibility(&text));
+            if best.as_ref().is_none_or(|(known, _)| fitness > *known) {
+                best = Some((fitness, list));
             }
         }
-        best.1
+        best.map_or_else(|| Self::from_text(""), |(_, list)| list)
     }
 
     /// Parses the single row of [`Row::text`].
@@ -156,21 +156,37 @@ fn parse_rows(text: &str) -> Result<(Vec<OrderListRow>, Vec<String>), String> {
             (Err(_), _) => {}
         }
     }
-    let (delimiter, header) = match best {
+    let (delimiter, mut header) = match best {
         Ok(found) => found,
         Err(why) => delimiters.iter().find_map(|&d| infer_columns(text, d).map(|header| (d, header))).ok_or(why)?,
     };
-    let mut rows = Vec::new();
-    for_each_record(&text[header.end..], delimiter, |record, row| {
-        let row = match header.text {
-            "" => row.to_owned(),
-            header => format!("{header}\n{row}"),
-        };
-        let file = header.columns.cell_text(record, ListColumn::File).to_owned();
-        rows.push(OrderListRow { ticket: parse_row_ticket(&header.columns, record), file, text: row });
+    let body = &text[header.end..];
+    let mut names = vec![0; header.columns.count];
+    for_each_record(body, delimiter, |record, _| {
+        let is_name = |cell: &str| is_part_name(OsStr::new(bare_cell(cell)));
+        names.iter_mut().zip(record).for_each(|(names, cell)| *names += usize::from(is_name(cell)));
         true
     })?;
-    Ok((rows, header.columns.unknown))
+    header.columns.choose_file_column(|at| names[at]);
+    let mut rows = Vec::new();
+    let mut extras = ExtraRows::new(header.text, delimiter);
+    for_each_record(body, delimiter, |record, text| {
+        let ticket = parse_row_ticket(&header.columns, record);
+        if extras.is_extra_row(&header.columns, record, text, &ticket) {
+            return true;
+        }
+        let row = match header.text {
+            "" => text.to_owned(),
+            header => format!("{header}\n{text}"),
+        };
+        rows.push(OrderListRow {
+            ticket,
+            file: header.columns.cell_text(record, ListColumn::File).to_owned(),
+            text: row,
+        });
+        true
+    })?;
+    Ok((rows, header.columns.unknown_headers()))
 }
 
 /// The header that was found.
@@ -257,7 +273,10 @@ fn infer_columns(text: &str, delimiter: u8) -> Option<ListHeader<'_>> {
 
 /// Parses the instructions of a row.
 fn parse_row_ticket(columns: &ColumnLayout, record: &csv::StringRecord) -> Result<Ticket, String> {
-    let cell = |column| Some(columns.cell_text(record, column)).filter(|cell: &&str| !cell.is_empty());
+    // A dash for a number of copies may mean none.
+    let is_empty =
+        |column, cell: &str| if column == ListColumn::Copies { cell.is_empty() } else { is_placeholder(cell) };
+    let cell = |column| Some(columns.cell_text(record, column)).filter(|cell: &&str| !is_empty(column, cell));
     let number =
         |column: ListColumn| cell(column).map(|text| parse_whole_number(column.ticket_word(), text)).transpose();
     if record.iter().skip(columns.count).any(|cell| !cell.is_empty()) {
@@ -300,3 +319,7 @@ fn combine_notes<'a>(cell: &impl Fn(ListColumn) -> Option<&'a str>) -> Option<St
 #[cfg(test)]
 #[path = "order_list_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "list_samples_tests.rs"]
+mod list_samples_tests;

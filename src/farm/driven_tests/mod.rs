@@ -7,6 +7,7 @@ mod lists;
 mod open_build;
 mod orders;
 mod reprints;
+mod tickets;
 mod triggers;
 
 use hand_driven_farm::{HandDrivenFarm, PROFILE, QUICK, block, stl};

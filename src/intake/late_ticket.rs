@@ -17,7 +17,7 @@ use super::{
     InboxEntry, OrderListTracker, ReceivedTicket, RefuseError, SpecSource, Ticket, TicketError,
     control_file::entry_key,
     disk, display_name,
-    name_match::{FileNameMatch, NameMatches},
+    name_match::{FileNameMatch, NameMatches, fold_name},
     order_list::OrderListRow,
     part_spec::read_orphan_ticket,
     refuse::{io_error, refuse_entry, refuse_list_row},
@@ -64,6 +64,20 @@ impl LateTicket {
     /// The order that its folder stands for, as in the parts taken from there. Empty = none.
     pub fn order(&self) -> &str {
         &self.entry.order
+    }
+
+    /// Whether it may mean a part of this order: the order of its own folder, or of a folder below it, as lists name files in
+    /// sub-folders too.
+    pub fn may_mean_order(&self, order_name: &str) -> bool {
+        let is_list = self.source.source == SpecSource::OrderList;
+        let below = order_name.strip_prefix(self.order()).and_then(|rest| rest.strip_prefix('/'));
+        let said_folder = self.part_name.replace('\\', "/");
+        let said_folder = said_folder.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let is_said = match self.order() {
+            "" => fold_name(said_folder) == fold_name(order_name),
+            _ => below.is_some(),
+        };
+        order_name == self.order() || is_list && is_said
     }
 
     /// A ticket without a part in its folder. `None` = it changed since the scan, or is gone.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::intake::{
     ListOutcome, OrderListRules, ScanLimits, SettledEntry, TakeDecision, UnlistedPolicy, claim_part, finish_order_list,
-    release_claim, scan_inbox,
+    is_copies_question, release_claim, scan_inbox,
     test_inbox::{TestInbox, files},
 };
 
@@ -163,4 +163,34 @@ fn a_part_is_found_as_people_name_it() {
     ] {
         assert_eq!(find_named_part(said, &names), found, "{said}");
     }
+}
+
+#[test]
+fn a_list_may_mean_parts_of_its_sub_folders_and_a_ticket_does_not() {
+    let farm = TestInbox::new();
+    farm.drop_file("k/order.csv", "file;copies\nparts\\a.stl;5\n");
+    farm.drop_file("order.csv", "file;copies\norder-7/b.stl;2\n");
+    farm.drop_file("k/c.stl.toml", "copies = 2\n");
+    for (late, orders) in offers(&farm).iter().zip([
+        [("k", true), ("k/parts", false), ("", false), ("kk", false)],
+        [("k", true), ("k/parts", true), ("", false), ("kk", false)],
+        [("", true), ("order-7", true), ("k", false), ("order-8", false)],
+    ]) {
+        for (order, may_mean) in orders {
+            assert_eq!(late.may_mean_order(order), may_mean, "{} {order}", late.part_name);
+        }
+    }
+    // The parts themselves are asked about, since they would be one copy in silence.
+    for name in ["k/parts/a.stl", "order-7/B.stl", "order-8/b.stl", "k/parts/a_x3.stl"] {
+        farm.drop_file(name, "solid");
+    }
+    let mut asked = Vec::new();
+    for ready in farm.ready() {
+        if let SettledEntry::Part { .. } = ready {
+            let claim = claim_part(&farm.inbox, &ready).unwrap();
+            let given = claim.read_part_spec().unwrap();
+            asked.extend(given.warnings.iter().any(|one| is_copies_question(one)).then(|| claim.display_name()));
+        }
+    }
+    assert_eq!(asked, ["a.stl", "B.stl"]);
 }

@@ -23,6 +23,9 @@ pub struct ListLookup {
     pub is_unlisted: bool,
     /// Warnings for the technician, in whole sentences.
     pub warnings: Vec<String>,
+    /// Why the number of copies is asked for, unless a ticket or the name says it.
+    #[serde(default)]
+    pub question: Option<String>,
 }
 
 impl ListLookup {

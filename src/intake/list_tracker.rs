@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     EntryKind, InboxEntry, ListLookup, SettledEntry, Ticket, disk, display_name, given_back,
-    name_match::{FileNameMatch, NameMatches},
+    name_match::{FileNameMatch, NameMatches, means_file_below},
     order_list::{MAX_LIST_BYTES, OrderList, OrderListRow},
     part_spec::read_ticket_file,
     served_rows::ServedRows,
@@ -72,6 +72,8 @@ pub struct OrderListTracker {
     loaded: HashMap<PathBuf, LoadedList>,
     /// The parts in folders that have a list, with their change times.
     parts: HashMap<PathBuf, BTreeMap<OsString, i128>>,
+    /// The lists, by their folders.
+    lists: HashMap<PathBuf, InboxEntry>,
     /// Number of scans observed.
     scan_count: u64,
 }
@@ -81,10 +83,12 @@ impl OrderListTracker {
     pub fn observe_scan(&mut self, seen: &[InboxEntry]) {
         let folder_of = |one: &InboxEntry| one.path.parent().unwrap_or(Path::new("")).to_owned();
         self.parts.clear();
+        self.lists.clear();
         self.scan_count += 1;
         let files = || seen.iter().filter(|one| one.kind == EntryKind::File);
         for list in files().filter(|one| file_role(&one.path) == FileRole::List) {
             self.parts.entry(folder_of(list)).or_default();
+            self.lists.entry(folder_of(list)).or_insert_with(|| list.clone());
         }
         if self.parts.is_empty() {
             self.loaded.clear();
@@ -112,7 +116,7 @@ impl OrderListTracker {
         };
         let back = given_back::find_given_back(inbox, part);
         let said = match list {
-            None => back.map(|back| back.lookup),
+            None => back.map(|back| back.lookup).or_else(|| self.question_of_list_above(inbox, part)),
             Some(list) => {
                 let name = part.path.file_name().unwrap_or_default();
                 let asked = back.as_ref().map_or(name, |back| back.name.as_os_str());
@@ -150,6 +154,23 @@ impl OrderListTracker {
             }
             other => TakeDecision::Take(other),
         }
+    }
+
+    /// A list is for the files of its own folder. If one above a part names it all the same, it is asked how many copies
+    /// are meant, unless its ticket or name says it.
+    fn question_of_list_above(&mut self, inbox: &Path, part: &InboxEntry) -> Option<ListLookup> {
+        let above = part.path.ancestors().skip(2).take_while(|folder| folder.starts_with(inbox));
+        let lists: Vec<InboxEntry> = above.filter_map(|folder| self.lists.get(folder)).cloned().collect();
+        let names_part = |list: &InboxEntry| {
+            let folder = list.path.parent()?;
+            let relative = part.path.strip_prefix(folder).ok()?.to_str()?.to_owned();
+            let may_be_bare = folder != inbox;
+            let rows = self.load_list(inbox, list).ok()?.list.rows().ok()?;
+            rows.iter().any(|row| means_file_below(&row.file, &relative, may_be_bare)).then_some(())
+        };
+        lists.iter().find_map(names_part)?;
+        let why = format!("{LIST_NAME} in a folder above names it, but a list is for the files of its own folder");
+        Some(ListLookup { question: Some(why), ..ListLookup::default() })
     }
 
     /// Records that a part was claimed, so its row is served.
@@ -341,7 +362,8 @@ fn unlisted_refusal(what: &str, incomplete_secs: f64) -> ListLookup {
 }
 
 fn unlisted_warning(what: &str) -> ListLookup {
-    ListLookup { warnings: vec![format!("It was taken without its order list: {what}.")], ..ListLookup::default() }
+    let warnings = vec![format!("It was taken without its order list: {what}.")];
+    ListLookup { warnings, question: Some(what.to_owned()), ..ListLookup::default() }
 }
 
 /// The first few names of a long list.

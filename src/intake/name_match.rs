@@ -99,6 +99,20 @@ fn without_number(side: ComparedName<'_>) -> Option<Cow<'_, str>> {
     is_number.then(|| format!("{before}.{extension}").into())
 }
 
+/// Whether a name in a list means the file at this path below the folder of the list. `may_be_bare` = the name of the file
+/// alone means it too.
+pub(super) fn means_file_below(said: &str, relative: &str, may_be_bare: bool) -> bool {
+    let said = fold_name(&said.replace('\\', "/"));
+    let (said, relative) = (said.trim_start_matches("./"), fold_name(relative));
+    let is_same = |said: &str, path: &str| {
+        said == path || path.rsplit_once('.').is_some_and(|(stem, _)| is_part_name(OsStr::new(path)) && said == stem)
+    };
+    let last = relative.rsplit('/').next().unwrap_or(&relative);
+    is_same(said, &relative)
+        || said.ends_with(&format!("/{relative}"))
+        || may_be_bare && !said.contains('/') && is_same(said, last)
+}
+
 /// Matches between the names in a list and the files of its folder.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct NameMatches {

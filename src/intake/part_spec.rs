@@ -90,9 +90,7 @@ impl ClaimedPart {
             let text = read_ticket_text(path).map_err(|error| unreadable_ticket(path, error))?;
             given.merge_ticket(SpecSource::Sidecar, display_file_name(path), parse_ticket_text(path, &text)?, text);
         }
-        if let Some(path) = &self.list {
-            self.add_list_row(path, &mut given)?;
-        }
+        let asked = self.list.as_ref().map(|path| self.add_list_row(path, &mut given)).transpose()?.flatten();
         let name = self.display_name();
         match read_copies_in_name(&name) {
             CopiesInName::Said(copies) => {
@@ -107,10 +105,12 @@ impl ClaimedPart {
         if given.ticket.copies.is_none() && given.sources.iter().any(|source| source.source == SpecSource::OrderList) {
             given.warnings.push(copies_question(&format!("its row in {LIST_NAME} names no number of copies")));
         }
+        given.warnings.extend(asked.filter(|_| given.ticket.copies.is_none()).map(|why| copies_question(&why)));
         Ok(given)
     }
 
-    fn add_list_row(&self, path: &Path, given: &mut PartSpec) -> Result<(), TicketError> {
+    /// Adds what the list says. Returns why the number of copies is asked for, if nothing else says it.
+    fn add_list_row(&self, path: &Path, given: &mut PartSpec) -> Result<Option<String>, TicketError> {
         let said = match path.file_name() == Some(LIST_LOOKUP_NAME.as_ref()) {
             true => ListLookup::load_from(path).map_err(|error| unreadable_ticket(path, error))?.unwrap_or_default(),
             false => self.look_up_whole_list(path)?,
@@ -125,7 +125,7 @@ impl ClaimedPart {
             let ticket = OrderList::parse_single_row(&text).map_err(|why| broken_ticket(LIST_NAME, why))?;
             given.merge_ticket(SpecSource::OrderList, LIST_NAME.to_owned(), ticket, text);
         }
-        Ok(())
+        Ok(said.question)
     }
 
     /// Finds the row of the part. A claim of an older nestd holds a copy of the whole list.

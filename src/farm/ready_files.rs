@@ -62,11 +62,8 @@ impl ReadyFiles<'_> {
             SettledEntry::List { .. } if received.may_have_unknown_claims => {}
             SettledEntry::List { list, quiet_secs } => self.process_list(ready, list, *quiet_secs, lists, received),
             SettledEntry::Orphan { ticket, part_name, expiry_reason } => {
-                let Some(late) =
-                    LateTicket::from_orphan(self.hold.folder_path(), ticket, part_name, expiry_reason.is_some())
-                else {
-                    return None;
-                };
+                let is_last_offer = expiry_reason.is_some();
+                let late = LateTicket::from_orphan(self.hold.folder_path(), ticket, part_name, is_last_offer)?;
                 match expiry_reason {
                     Some(reason) if self.earlier_offers.contains(&late.key) => {
                         self.refuse_file(ticket, RefusalCause::Ticket, reason, received);

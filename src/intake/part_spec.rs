@@ -162,13 +162,18 @@ fn unreadable_ticket(path: &Path, error: io::Error) -> TicketError {
 /// Reads a ticket of the hot folder that has no part beside it, provided that it did not change since the scan. `None` =
 /// it changed or is gone.
 pub(super) fn read_orphan_ticket(inbox: &Path, ticket: &InboxEntry) -> Option<(String, Result<Ticket, TicketError>)> {
-    let file = open_dropped_file(inbox, &ticket.path).ok()?;
-    let mut bytes = Vec::new();
-    (&file).take(MAX_TICKET_BYTES + 1).read_to_end(&mut bytes).ok()?;
-    if !disk::is_unchanged(ticket, &file.metadata().ok()?) {
-        return None;
-    }
-    let text = ticket_text(bytes).map_err(|error| unreadable_ticket(&ticket.path, error));
+    let read = || -> io::Result<Option<Vec<u8>>> {
+        let file = open_dropped_file(inbox, &ticket.path)?;
+        let mut bytes = Vec::new();
+        (&file).take(MAX_TICKET_BYTES + 1).read_to_end(&mut bytes)?;
+        Ok(disk::is_unchanged(ticket, &file.metadata()?).then_some(bytes))
+    };
+    let text = match read() {
+        Ok(bytes) => ticket_text(bytes?),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return None,
+        Err(error) => Err(error),
+    };
+    let text = text.map_err(|error| unreadable_ticket(&ticket.path, error));
     let parsed = text.clone().and_then(|text| parse_ticket_text(&ticket.path, &text));
     Some((text.unwrap_or_default(), parsed))
 }

@@ -8,21 +8,22 @@ use std::{
     time::{Duration, Instant},
 };
 
+pub use super::hot_folder_scan::{ClaimedDrop, HotFolderScan};
 use super::{
     claim_note::{ClaimNote, new_part_row},
     failure::error_chain,
     folder_leases::FolderLeases,
+    hot_folder_scan::file_display_name,
     ready_files::{ReadyFiles, refuse_unreadable},
     refused_files::RefusedFiles,
     time_source::TimeSource,
 };
 use crate::{
     intake::{
-        self, ClaimedPart, ContentStore, ControlFile, EmptiedFolders, InboxEntry, InboxFolder, LateTicket,
-        OrderListRules, OrderListTracker, PartSpec, ScanLimits, SettleRules, SettleTracker, StoreError, StoredFile,
-        TakeDecision, TicketError,
+        self, ClaimedPart, ContentStore, EmptiedFolders, InboxEntry, InboxFolder, OrderListRules, OrderListTracker,
+        ScanLimits, SettleRules, SettleTracker, StoreError, TakeDecision, TicketError,
     },
-    ledger::{LedgerError, NewPartRow, PartId, PartRow, RefusalCause},
+    ledger::{LedgerError, PartId, PartRow},
     settings::MachineProfile,
 };
 
@@ -61,51 +62,6 @@ pub struct HotFolderScanner {
     last_offers: HashSet<String>,
     /// Id of the farm that claims.
     farm_id: String,
-}
-
-/// A claimed part whose file is in the store.
-#[derive(Debug)]
-pub struct ClaimedDrop {
-    /// The claim.
-    pub claim: ClaimedPart,
-    /// Its copy in the store.
-    pub stored: StoredFile,
-    /// What the ticket or list says about it.
-    pub part_spec: Result<PartSpec, TicketError>,
-    /// The row to record, which is already in the note beside the stored file.
-    pub row: NewPartRow,
-}
-
-/// Result of one scan.
-#[derive(Debug, Default)]
-pub struct HotFolderScan {
-    /// Claimed parts whose files are in the store.
-    pub drops: Vec<ClaimedDrop>,
-    /// Why the hot folder cannot be scanned.
-    pub unavailable_reason: Option<String>,
-    /// Seconds until the next useful scan, if something is settling.
-    pub next_secs: Option<f64>,
-    /// Files that were refused without becoming a part: display name, kind and reason.
-    pub refused: Vec<(String, RefusalCause, String)>,
-    /// Tickets and rows of lists whose part is not in its folder. The farm looks for a part that was taken before, and
-    /// finishes them; those that it leaves are offered again at the next scan.
-    pub late_tickets: Vec<LateTicket>,
-    /// Control files, the oldest first. The farm obeys and removes them; those that it leaves are offered again at the next
-    /// scan.
-    pub controls: Vec<ControlFile>,
-    /// What waits because it does not match an order list, as parts of sentences.
-    pub waiting_reasons: Vec<String>,
-    /// Whether more is ready than one scan takes: `waiting_reasons` is incomplete.
-    pub is_truncated: bool,
-    /// Failures that will be retried.
-    pub warnings: Vec<String>,
-    /// Refused files that somebody must handle; `None` = not counted this time.
-    pub refused_file_count: Option<usize>,
-    /// Whether error folder and archive may be written.
-    pub(super) may_refuse: bool,
-    /// A part may be in a claim that is not listed: claims are listed again, and no order list is completed because all
-    /// of its rows seem to be served.
-    pub(super) may_have_unknown_claims: bool,
 }
 
 impl HotFolderScanner {
@@ -328,8 +284,4 @@ fn settle_rules(profile: &MachineProfile, orphan_secs: f64) -> SettleRules {
         unfinished_secs: profile.intake.unfinished_secs,
         orphan_secs,
     }
-}
-
-pub(super) fn file_display_name(path: &std::path::Path) -> String {
-    path.file_name().map(intake::display_name).unwrap_or_default()
 }

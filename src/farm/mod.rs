@@ -40,6 +40,7 @@ mod folder_leases;
 mod forget;
 mod forgettable;
 mod forgotten_files;
+mod hot_folder_scan;
 mod hot_folder_scanner;
 mod intake_jobs;
 mod invariants;

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use super::{
     failure::error_chain,
     folder_lease::FolderLease,
-    hot_folder_scanner::{HotFolderScan, file_display_name},
+    hot_folder_scan::{HotFolderScan, file_display_name},
 };
 use crate::{
     intake::{

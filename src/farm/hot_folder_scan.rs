@@ -1,0 +1,58 @@
+//! The result of one scan of a hot folder, which the event loop takes in.
+
+use std::path::Path;
+
+use crate::{
+    intake::{self, ClaimedPart, ControlFile, LateTicket, PartSpec, StoredFile, TicketError},
+    ledger::{NewPartRow, RefusalCause},
+};
+
+/// A claimed part whose file is in the store.
+#[derive(Debug)]
+pub struct ClaimedDrop {
+    /// The claim.
+    pub claim: ClaimedPart,
+    /// Its copy in the store.
+    pub stored: StoredFile,
+    /// What the ticket or list says about it.
+    pub part_spec: Result<PartSpec, TicketError>,
+    /// The row to record, which is already in the note beside the stored file.
+    pub row: NewPartRow,
+}
+
+/// Result of one scan.
+#[derive(Debug, Default)]
+pub struct HotFolderScan {
+    /// Claimed parts whose files are in the store.
+    pub drops: Vec<ClaimedDrop>,
+    /// Why the hot folder cannot be scanned.
+    pub unavailable_reason: Option<String>,
+    /// Seconds until the next useful scan, if something is settling.
+    pub next_secs: Option<f64>,
+    /// Files that were refused without becoming a part: display name, kind and reason.
+    pub refused: Vec<(String, RefusalCause, String)>,
+    /// Tickets and rows of lists whose part is not in its folder. The farm looks for a part that was taken before, and
+    /// finishes them; those that it leaves are offered again at the next scan.
+    pub late_tickets: Vec<LateTicket>,
+    /// Control files, the oldest first. The farm obeys and removes them; those that it leaves are offered again at the next
+    /// scan.
+    pub controls: Vec<ControlFile>,
+    /// What waits because it does not match an order list, as parts of sentences.
+    pub waiting_reasons: Vec<String>,
+    /// Whether more is ready than one scan takes: `held` is incomplete.
+    pub is_truncated: bool,
+    /// Failures that will be retried.
+    pub warnings: Vec<String>,
+    /// Refused files that somebody must handle; `None` = not counted this time.
+    pub refused_file_count: Option<usize>,
+    /// Whether error folder and archive may be written.
+    pub(super) may_refuse: bool,
+    /// A part may be in a claim that is not listed: claims are listed again, and no order list is completed because all
+    /// of its rows seem to be served.
+    pub(super) may_have_unknown_claims: bool,
+}
+
+/// Name of a file for people.
+pub(super) fn file_display_name(path: &Path) -> String {
+    path.file_name().map(intake::display_name).unwrap_or_default()
+}

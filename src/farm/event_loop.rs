@@ -14,7 +14,7 @@ use super::{
     intake_jobs::{self, PartReadJob},
     job_events,
     jobs::LoopEvent,
-    lease_renewal, machine_setup, nest, open, publish,
+    lease_renewal, machine_setup, nest, open, publish, revisions,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
@@ -121,6 +121,7 @@ async fn run_ledger_steps(farm: &mut Farm) {
     let names: Vec<String> = farm.machines.keys().cloned().collect();
     farm.run_step("commands", commands::process_commands).await;
     farm.run_step("reading", intake_jobs::start_reading).await;
+    farm.run_step("revisions", revisions::take_out_replaced).await;
     farm.run_step("originals", fetch_originals::fetch_originals).await;
     // Fired builds come before open ones, so that they get the free slots first.
     farm.run_step("nesting", nest::nest_fired_builds).await;

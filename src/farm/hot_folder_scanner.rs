@@ -184,9 +184,7 @@ impl HotFolderScanner {
                 build_file::may_be_part(&mut intake::open_dropped_file(inbox, file)?, &file_display_name(file))
             };
             match self.lists.check_against_list(inbox, ready, list_rules, may_be_part) {
-                TakeDecision::Take(ready) => {
-                    claims.extend(ready_files.process_ready(&ready, &mut self.lists, scan))
-                }
+                TakeDecision::Take(ready) => claims.extend(ready_files.process_ready(&ready, &mut self.lists, scan)),
                 TakeDecision::Wait(why) => scan.waiting_reasons.push(why),
             }
         }

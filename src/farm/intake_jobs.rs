@@ -10,13 +10,14 @@ use super::{
     alert::AlertKind,
     claim_completion,
     claim_note::ClaimNote,
-    damaged_files,
+    control_files, damaged_files,
     duplicates::{self, DuplicateDecision},
     error_folder::{self, COPIES_UNKNOWN},
     farm::Farm,
     folder_leases::FolderLeases,
     hot_folder_scanner::{ClaimedDrop, HotFolderScan, HotFolderScanner},
     jobs::BackgroundJob,
+    late_tickets,
     mesh_source::READS_IN_THE_DAEMON,
     read::{PartReadOutcome, read_part},
     read_turn::{READERS, ReadTurn},
@@ -168,6 +169,8 @@ async fn on_scan_done(
             Err(failure) => debug!("The rows of a scan are written one by one: {failure}."),
         }
     }
+    control_files::obey_controls(farm, name, std::mem::take(&mut scan.controls)).await?;
+    late_tickets::apply_late_tickets(farm, name, std::mem::take(&mut scan.late_tickets)).await?;
     for (at, drop) in drops.into_iter().enumerate() {
         if let Err(failure) = record_claimed_file(farm, name, &drop, recorded.get(at).copied()).await {
             farm.report_failure(AlertKind::TakingFails, name, "recording a drop", &failure);
@@ -242,6 +245,10 @@ async fn record_claimed_file(
     };
     if recorded.is_new {
         farm.reading.counted_reads.insert(recorded.id);
+        if let (Ok(_), Some(old)) = (part_spec, farm.ledger.find_revised_part(recorded.id).await?) {
+            let takes_over = row.ticket.is_none() && old.solid.object_index == 0;
+            farm.ledger.record_revision(old.id, recorded.id, takes_over).await?;
+        }
     }
     let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;
     if part.file.content_hash != stored.hash {

@@ -11,6 +11,7 @@ use nester::SearchBudget;
 
 use super::{
     alert_registry::AlertRegistry,
+    control_files::ObeyedControls,
     folder_lease::LeaseHolder,
     folder_leases::FolderLeases,
     hot_folder_scanner::HotFolderScanner,
@@ -45,6 +46,8 @@ pub struct InboxState {
     pub refused_file_count: usize,
     /// `.claimed/` must be listed again: claims were adopted, or a claim could not be completed.
     pub relist: bool,
+    /// Control files that became commands.
+    pub controls: ObeyedControls,
 }
 
 /// The printer queue folder of an active profile.
@@ -140,6 +143,7 @@ impl MachineState {
                 scanned_at: None,
                 refused_file_count: 0,
                 relist: false,
+                controls: Default::default(),
             },
             leases: FolderLeases::new(holder, &profile),
             profile,

@@ -84,7 +84,8 @@ pub fn read_part(
         let mut warnings = if index == 0 { contents.warnings.clone() } else { Vec::new() };
         warnings.extend(solid.warnings.iter().cloned());
         warnings.iter_mut().for_each(|warning| *warning = build_file::escape_invisible(warning));
-        facts.push(solid_facts(&solid, index as u32, part, warnings));
+        let question = size_question(&solid, part, profile);
+        facts.push(SolidFacts { question, ..solid_facts(&solid, index as u32, part, warnings) });
         let key = MeshCacheKey {
             content_hash: part.file.content_hash.clone(),
             object_index: index as u32,
@@ -108,8 +109,37 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
         triangles: solid.mesh.triangles().len() as u64,
         volume_mm3: solid.mesh.volume_mm3(),
         size_mm: solid.mesh.bounds().size().to_array(),
+        question: String::new(),
         warnings,
     }
+}
+
+/// What a person must confirm of a solid that is hardly printable: a speck, which may be one of a wrong unit too.
+fn size_question(solid: &PartFileSolid, part: &PartRow, profile: &MachineProfile) -> String {
+    let size = solid.mesh.bounds().size();
+    let (longest, thickness) = (size.max_element(), size.min_element());
+    let is_speck = longest < profile.intake.min_size_mm;
+    if profile.intake.min_size_mm <= 0.0 || !is_speck && thickness >= profile.space.layer_mm {
+        return String::new();
+    }
+    let shown = format!("it is {:.2} x {:.2} x {:.2} mm", size.x, size.y, size.z);
+    let why = match is_speck {
+        true => format!("smaller than {} mm", profile.intake.min_size_mm),
+        false => format!("thinner than a layer of {} mm", profile.space.layer_mm),
+    };
+    let unit = match part.terms.unit {
+        None if is_speck && profile.intake.unit == LengthUnit::Millimeter => {
+            let inches = LengthUnit::Inch.mm_per_unit();
+            format!(
+                "; read in inches instead of millimetres it would be {:.1} x {:.1} x {:.1} mm",
+                size.x * inches,
+                size.y * inches,
+                size.z * inches
+            )
+        }
+        _ => String::new(),
+    };
+    format!("{shown}, {why}{unit}")
 }
 
 /// Why a solid cannot be printed on this machine.

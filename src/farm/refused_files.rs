@@ -70,7 +70,7 @@ fn is_cancelled(
     let Some(part) = find_part_number(&text, profile) else { return Some(false) };
     match find_part(part).ok()? {
         Some(row) if row.state != PartState::Rejected => None,
-        row => Some(row.is_some_and(|row| row.rejection.refusal == Some(RefusalCause::Cancelled))),
+        row => Some(row.is_some_and(|row| row.rejection.refusal.is_some_and(RefusalCause::is_intended))),
     }
 }
 

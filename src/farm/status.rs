@@ -10,8 +10,7 @@ use serde_json::json;
 
 use super::{
     alert::AlertKind,
-    alert_registry::AlertRegistry,
-    due_dates,
+    control_files, due_dates,
     farm::{Farm, TICK_INTERVAL},
     intake_jobs::HotFolderScanJob,
     job_events,
@@ -19,16 +18,14 @@ use super::{
     layout::BatchLayout,
     machine_availability,
     machine_state::MachineState,
-    machine_state::MachineStates,
-    systemd,
+    status_alerts, systemd,
     tick_tasks::TimedTask,
-    time_text::{floor_to_minute, format_with_zone},
+    time_text::{floor_to_minute, format_local, format_with_zone},
     trigger::{FireTrigger, TriggerFacts, next_timed_trigger},
 };
 use crate::{
     intake,
-    ledger::Ledger,
-    ledger::{DaemonHeartbeat, LedgerError, PauseCause, ProfileStatus},
+    ledger::{DaemonHeartbeat, LedgerError, ProfileStatus},
     settings::MachineProfile,
 };
 
@@ -39,9 +36,6 @@ const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
 /// Interval of the status updates, each of which queries the whole ledger.
 const STATUS_INTERVAL: Duration = Duration::from_secs(2);
-
-/// Maximum number of parts or builds that an alert names.
-const MAX_NAMED: usize = 3;
 
 /// Writes into a hot folder that nestd has stopped or halted.
 #[derive(Clone)]
@@ -68,13 +62,14 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
         return Ok(());
     }
     farm.display.updated_at = Some(farm.now());
+    control_files::update_answers(farm).await?;
     let rows = farm.ledger.profile_statuses().await?;
     for (name, machine) in &mut farm.machines {
         if let Some(row) = rows.iter().find(|row| row.profile == *name) {
             machine.status = (status_text(machine, row), status_json(machine, row));
         }
     }
-    update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
+    status_alerts::update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
     due_dates::check_due_dates(farm).await?;
     let line = farm_summary(farm.machines.len(), rows.iter());
     if line != farm.display.status_line {
@@ -85,69 +80,6 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
         farm.schedule.tasks.make_due(TimedTask::WriteHeartbeat, now);
     }
     Ok(())
-}
-
-/// Raises the alerts that follow from the ledger: so they are known after a restart too.
-async fn update_ledger_alerts(
-    ledger: &Ledger,
-    machines: &MachineStates,
-    alerts: &mut AlertRegistry,
-    rows: &[ProfileStatus],
-) -> Result<()> {
-    let names: Vec<String> = machines.keys().cloned().collect();
-    for name in &names {
-        let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
-        match paused.filter(|paused| paused.cause == PauseCause::BuildFailed) {
-            Some(_) => {
-                let why = ledger.last_failure(name).await?;
-                let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
-                alerts.raise(AlertKind::BuildFailed, name, "", &detail);
-            }
-            None => alerts.clear(AlertKind::BuildFailed, name, ""),
-        }
-    }
-    update_order_alerts(ledger, &names, alerts).await?;
-    let mut gone = Vec::new();
-    for row in rows.iter().filter(|row| !machines.contains_key(&row.profile)) {
-        let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
-        if parts > 0 || builds > 0 {
-            let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));
-            let detail = format!("{parts} and {builds} in work");
-            alerts.raise(AlertKind::MachineGone, &row.profile, "", &detail);
-            gone.push(row.profile.clone());
-        }
-    }
-    alerts.retain_profiles(AlertKind::MachineGone, &gone);
-    Ok(())
-}
-
-/// Raises the alerts on failed prints and on parts that wait for a yes, one of each kind for each machine.
-async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut AlertRegistry) -> Result<()> {
-    let failed = ledger.unseen_failures().await?;
-    let failed = failed.iter().map(|build| (build.profile.as_str(), format!("build {}", build.id)));
-    let failed: Vec<(&str, String)> = failed.collect();
-    let parts = ledger.parts_in_question().await?;
-    let asked = parts.iter().map(|part| {
-        (part.profile.as_str(), format!("part {} ({}): {}", part.id, part.full_name(), part.owed.question))
-    });
-    let asked: Vec<(&str, String)> = asked.collect();
-    for name in names {
-        for (kind, all) in [(AlertKind::PrintFailed, &failed), (AlertKind::Question, &asked)] {
-            let own: Vec<String> = all.iter().filter(|(of, _)| of == name).map(|(_, text)| text.clone()).collect();
-            match own.is_empty() {
-                true => alerts.clear(kind, name, ""),
-                false => alerts.raise(kind, name, "", &text_of_first(&own, MAX_NAMED)),
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The first texts, and how many more there are.
-fn text_of_first(texts: &[String], most: usize) -> String {
-    let more = texts.len().saturating_sub(most);
-    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-    texts[..texts.len().min(most)].join("; ") + &more
 }
 
 /// Stores the alerts for `nestd status`. A halted farm also writes them into the hot folders, which otherwise each
@@ -285,6 +217,9 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
             at.fire_reason(row)
         ));
     }
+    if !machine.inbox.controls.answer.is_empty() {
+        lines.push(machine.inbox.controls.answer.clone());
+    }
     for build in &row.nesting {
         lines.push(format!("Build {} is being made: {}.", build.build, format_count(build.copies, "copy", "copies")));
     }
@@ -408,8 +343,4 @@ pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<Fi
         is_date_trusted: true,
     };
     next_timed_trigger(profile, &facts).map(|(at, by)| FireForecast { at, by })
-}
-
-fn format_local(time: Timestamp) -> String {
-    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M").to_string()
 }

@@ -26,3 +26,7 @@ pub(super) fn floor_to_minute(time: Timestamp) -> Timestamp {
 pub(super) fn format_with_zone(time: Timestamp) -> String {
     time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M %Z").to_string()
 }
+
+pub(super) fn format_local(time: Timestamp) -> String {
+    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M").to_string()
+}

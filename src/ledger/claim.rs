@@ -149,6 +149,8 @@ impl Ledger {
             return Err(LedgerError::NotRejected { part: id, state });
         }
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
+        // A revision that is taken back is wanted beside the newer one.
+        sqlx::query("UPDATE part SET replaced_by = NULL WHERE id = ?").bind(id).execute(change.db()).await?;
         change.count_decision(id).await?;
         change.commit().await
     }
@@ -268,7 +270,9 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     let [x, y, z] = solid.size_mm;
     sqlx::query(
         "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN ? ELSE copies END, object_name = ?, triangles = ?, \
-         volume_mm3 = ?, size_x_mm = ?, size_y_mm = ?, size_z_mm = ?, warnings = ? WHERE id = ?",
+         volume_mm3 = ?, size_x_mm = ?, size_y_mm = ?, size_z_mm = ?, warnings = ?, \
+         question = CASE WHEN EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'confirmed') \
+         THEN '' ELSE ? END WHERE id = ?",
     )
     .bind(solid.copies)
     .bind(&solid.object_name)
@@ -278,6 +282,7 @@ async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &So
     .bind(y)
     .bind(z)
     .bind(merge_lines(&part.warnings, &solid.warnings))
+    .bind(&solid.question)
     .bind(part.id)
     .execute(change.db())
     .await?;

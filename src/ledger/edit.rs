@@ -180,14 +180,35 @@ impl Ledger {
         Ok(query.bind(new).fetch_optional(self.reader()?).await?)
     }
 
-    /// Records which part replaced an earlier revision.
-    pub async fn record_revision(&self, old: PartId, new: PartId) -> Result<()> {
+    /// Records that a part that was just claimed replaces an earlier revision. Without a ticket of its own it takes over
+    /// what was asked with that one.
+    pub async fn record_revision(&self, old: PartId, new: PartId, takes_over: bool) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let profile = change.require_part(old).await?.profile;
+        let earlier = change.require_part(old).await?;
         sqlx::query("UPDATE part SET replaced_by = ? WHERE id = ?").bind(new).bind(old).execute(change.db()).await?;
-        let detail = format!("it replaces part {old}, an earlier revision");
-        change.write_event(EventKind::Revised, &profile, Some(new), None, &detail).await?;
+        if takes_over {
+            sqlx::query(
+                "UPDATE part SET (copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
+                 (SELECT copies - cancelled_copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note \
+                 FROM part WHERE id = ?1) WHERE id = ?2 AND state = 'claimed'",
+            )
+            .bind(old)
+            .bind(new)
+            .execute(change.db())
+            .await?;
+        }
+        let asked = if takes_over { ", with all that was asked with it" } else { "" };
+        let detail = format!("it replaces part {old}, an earlier revision{asked}");
+        change.write_event(EventKind::Revised, &earlier.profile, Some(new), None, &detail).await?;
         change.commit().await
+    }
+
+    /// Earlier revisions that a newer one replaced and that are not taken out yet, oldest first.
+    pub async fn replaced_parts(&self) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE replaced_by IS NOT NULL AND state IN ('claimed', 'waiting') ORDER BY id",
+        );
+        Ok(query.fetch_all(self.reader()?).await?)
     }
 }
 

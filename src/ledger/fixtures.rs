@@ -68,6 +68,7 @@ pub fn solid(object_index: u32, copies: u32) -> SolidFacts {
         triangles: 12,
         volume_mm3: 1000.0,
         size_mm: [10.0, 20.0, 30.0],
+        question: String::new(),
         warnings: Vec::new(),
     }
 }

@@ -76,6 +76,17 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
+    /// The parts of a profile that are not built or rejected, and those built or rejected since a time, oldest first.
+    pub async fn recent_parts(&self, profile: &str, since: Timestamp) -> Result<Vec<PartRow>> {
+        let query = sqlx::query_as(
+            "SELECT * FROM part WHERE id IN (\
+             SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND profile = ?1 \
+             UNION ALL SELECT id FROM part WHERE state IN ('built', 'rejected') AND state_at >= ?2 AND +profile = ?1) \
+             ORDER BY id",
+        );
+        Ok(query.bind(profile).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
+    }
+
     /// The parts that are not built or rejected and whose order or file name matches a pattern with `*` and `?`, oldest
     /// first.
     pub async fn unbuilt_parts_matching(&self, pattern: &str) -> Result<Vec<PartRow>> {

@@ -130,6 +130,8 @@ pub struct SolidFacts {
     pub volume_mm3: f64,
     /// Bounds as dropped, mm.
     pub size_mm: [f64; 3],
+    /// What a person must confirm before it is printed, "" = nothing. It is not asked again once it was confirmed.
+    pub question: String,
     /// Warnings, one sentence each, added to those of the claim.
     pub warnings: Vec<String>,
 }

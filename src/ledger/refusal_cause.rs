@@ -26,6 +26,8 @@ pub enum RefusalCause {
     Failure,
     /// Somebody cancelled it.
     Cancelled,
+    /// A newer revision took its place.
+    Replaced,
     /// Any other cause.
     Other,
 }
@@ -33,8 +35,13 @@ pub enum RefusalCause {
 own_word!(RefusalCause);
 
 impl RefusalCause {
+    /// Whether a person wanted it so: nobody must see to it.
+    pub fn is_intended(self) -> bool {
+        matches!(self, Self::Cancelled | Self::Replaced)
+    }
+
     /// All causes.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Format,
         Self::NotClosed,
         Self::TooLarge,
@@ -44,6 +51,7 @@ impl RefusalCause {
         Self::Unreadable,
         Self::Failure,
         Self::Cancelled,
+        Self::Replaced,
         Self::Other,
     ];
 }

@@ -136,7 +136,7 @@ const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_part
 /// rejected.
 const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.state = 'rejected' AND p.state_at >= ? \
     AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'rejected' ORDER BY e.id DESC LIMIT 1), '') \
-    <> 'cancelled' GROUP BY p.profile";
+    NOT IN ('cancelled', 'replaced') GROUP BY p.profile";
 
 /// For each profile, the part that is due first. SQLite takes the other columns from the row with the minimum.
 const DUE: &str = "SELECT profile, CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of, \

@@ -20,7 +20,7 @@ impl Ledger {
         let mut snapshot = self.begin_snapshot().await?;
         let parts: Vec<PartRow> = sqlx::query_as(
             "SELECT * FROM part WHERE profile = ? AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
-             AND question = '' \
+             AND question = '' AND replaced_by IS NULL \
              ORDER BY put_back_at IS NULL, put_back_at, priority DESC, due_at IS NULL, due_at, claimed_at, id",
         )
         .bind(profile)

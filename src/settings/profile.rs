@@ -145,6 +145,8 @@ pub struct IntakeRules {
     pub duplicates: DuplicatePolicy,
     /// Policy for meshes that are not closed.
     pub mesh_errors: MeshErrorPolicy,
+    /// A solid whose longest side is shorter waits for a person's yes, mm; 0 = never.
+    pub min_size_mm: f64,
 }
 
 /// How the search works, how long it runs and how often it is tried.

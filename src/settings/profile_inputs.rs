@@ -81,6 +81,7 @@ option_group! {
         unlisted: UnlistedPolicy = UnlistedPolicy::default(),
         duplicates: DuplicatePolicy = DuplicatePolicy::default(),
         mesh_errors: MeshErrorPolicy = MeshErrorPolicy::default(),
+        min_size_mm: f64 = 1.0,
     }
 }
 

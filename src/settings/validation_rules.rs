@@ -131,6 +131,7 @@ pub(super) fn validate_profile(
             unlisted: intake.unlisted,
             duplicates: intake.duplicates,
             mesh_errors: intake.mesh_errors,
+            min_size_mm: intake.min_size_mm,
         },
         trigger: validate_trigger(&trigger, validator),
         search: SearchRules {

@@ -84,6 +84,8 @@ pub const SEED: FieldDefinition = FieldDefinition::whole("Seed");
 pub const METHOD: FieldDefinition = FieldDefinition::text("Method");
 /// Method and effort of the search.
 pub const SEARCH: FieldDefinition = FieldDefinition::text("Search");
+/// Build whose proved layout a build repeats.
+pub const REPEATS: FieldDefinition = FieldDefinition::whole("Repeats");
 /// Version of nestd.
 pub const VERSION: FieldDefinition = FieldDefinition::text("Version");
 /// Trigger that fired a build.

@@ -2,6 +2,7 @@
 //! daemon are in `tests/it/farm`.
 
 mod hand_driven_farm;
+mod late;
 mod life;
 mod lists;
 mod open_build;

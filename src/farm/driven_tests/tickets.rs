@@ -39,7 +39,7 @@ fn the_ticket_of_the_readme_copied_whole_is_accepted() {
     farm.drop_bytes("bracket.stl", &stl(&block(1.0, 0.5, 0.5)));
     farm.drop_bytes("bracket.stl.toml", ticket.as_bytes());
     let part = wait_for_part(&mut farm);
-    assert_ne!(part.state, PartState::Rejected, "{}", part.reason);
+    assert_ne!(part.state, PartState::Rejected, "{}", part.rejection.reason);
     assert_eq!((part.copies, part.terms.order_name.as_str(), part.terms.priority), (10, "1042", 80));
     assert_eq!(part.warnings, "");
 }
@@ -57,10 +57,10 @@ fn a_number_of_copies_that_is_not_clear_is_asked_for() {
 fn a_ticket_without_its_part_is_told_and_refused_in_the_end() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_bytes("order-7/a.stl.toml", b"copies = 3\n");
-    farm.pass_until("it is told", |farm| farm.tells_of(AlertKind::Incomplete));
+    farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::Incomplete));
     let refused = farm.folder("error").join("order-7/a.stl.toml.reason.txt");
     farm.pass_until("it is refused", |_| refused.exists());
-    farm.pass_until("nothing waits any more", |farm| !farm.tells_of(AlertKind::Incomplete));
+    farm.pass_until("nothing waits any more", |farm| !farm.has_alert(AlertKind::Incomplete));
 }
 
 #[test]

@@ -198,7 +198,7 @@ async fn a_revision_is_the_same_name_in_the_same_order_while_the_first_waits() {
     assert_eq!(ledger.find_revised_part(other).await.unwrap(), None);
     let loose = ledger.record_claim(&revision("d", "")).await.unwrap().id;
     assert_eq!(ledger.find_revised_part(loose).await.unwrap(), None, "without an order both are made");
-    ledger.record_revision(old, new).await.unwrap();
+    ledger.record_revision(old, new, false).await.unwrap();
     assert_eq!(ledger.find_part(old).await.unwrap().unwrap().owed.replaced_by, Some(new));
 }
 

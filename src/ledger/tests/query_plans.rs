@@ -46,10 +46,17 @@ fn walks<'a>(plan: &'a [String], aliases: &[(String, String)]) -> Vec<&'a String
         let walk = step.strip_prefix("SCAN ");
         let Some(rest) = walk.or(step.strip_prefix("SEARCH ").filter(|rest| !seeks(rest))) else { return false };
         // These indexes contain only the requested rows: few of them, or rows that the limit cuts off.
-        let is_partial =
-            ["command_asked", "one_open_build", "build_by_time", "part_to_fetch", "part_in_question", "build_unseen"]
-                .iter()
-                .any(|index| rest.ends_with(index));
+        let is_partial = [
+            "command_asked",
+            "one_open_build",
+            "build_by_time",
+            "part_to_fetch",
+            "part_in_question",
+            "part_by_replacement",
+            "build_unseen",
+        ]
+        .iter()
+        .any(|index| rest.ends_with(index));
         is_big(rest.split(' ').next().unwrap_or("")) && !is_partial
     };
     plan.iter().filter(is_walk).collect()

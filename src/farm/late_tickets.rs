@@ -1,0 +1,225 @@
+//! Tickets and rows of order lists that come after their part was taken: they change the part as long as the final
+//! nesting of its copies has not begun. Afterwards the reason says what became of the part, and how to order more.
+//!
+//! The change is applied first and the ticket is finished afterwards: after a crash in between it is applied again,
+//! which changes nothing.
+
+use anyhow::Result;
+use jiff::{SignedDuration, Timestamp, tz::TimeZone};
+use nester::OrientationLimits;
+use tracing::{info, warn};
+
+use super::{farm::Farm, fetch_originals, jobs::BackgroundJob, mark_note, time_text::format_local};
+use crate::{
+    intake::{self, LateTicket, NamedPart, Ticket},
+    ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
+    settings::MachineProfile,
+};
+
+/// A part that was built or refused longer ago is not meant by a ticket that comes now.
+const MEANT_WITHIN: SignedDuration = SignedDuration::from_hours(7 * 24);
+
+/// Moves a late ticket to where it belongs.
+#[derive(Clone)]
+pub(super) struct LateTicketJob {
+    profile: String,
+    file_name: String,
+    key: String,
+}
+
+impl BackgroundJob<Farm> for LateTicketJob {
+    const KIND: &'static str = "LateTicket";
+    type Outcome = Result<()>;
+
+    fn subject(&self) -> String {
+        self.key.clone()
+    }
+
+    async fn on_done(self, _farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
+        if let Err(failure) = ended {
+            // It is offered again, and applied again, which changes nothing.
+            warn!(profile = %self.profile, "{} could not be put where it belongs: {failure:#}.", self.file_name);
+        }
+        Ok(())
+    }
+}
+
+/// What becomes of a late ticket.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum LateDecision {
+    /// It waits: perhaps its part still comes, or is being read or nested.
+    Wait,
+    /// It was applied.
+    Accept,
+    /// It is refused for this reason.
+    Refuse(String),
+}
+
+/// Applies the late tickets of a scan.
+pub(super) async fn apply_late_tickets(farm: &mut Farm, profile: &str, tickets: Vec<LateTicket>) -> Result<()> {
+    if tickets.is_empty() {
+        return Ok(());
+    }
+    let since = farm.date().checked_sub(MEANT_WITHIN).unwrap_or(Timestamp::UNIX_EPOCH);
+    let parts = farm.ledger.recent_parts(profile, since).await?;
+    for late in tickets {
+        if farm.jobs.is_running::<LateTicketJob>(&late.key) {
+            continue;
+        }
+        let decision = apply_late_ticket(farm, profile, &late, &parts).await?;
+        finish(farm, profile, late, decision).await?;
+    }
+    fetch_originals::fetch_originals(farm).await
+}
+
+async fn apply_late_ticket(
+    farm: &mut Farm,
+    profile: &str,
+    late: &LateTicket,
+    parts: &[PartRow],
+) -> Result<LateDecision> {
+    let Some(machine) = farm.machines.get(profile) else { return Ok(LateDecision::Wait) };
+    let machine = machine.profile.clone();
+    let candidates: Vec<&PartRow> = parts.iter().filter(|part| late.may_mean_order(&part.terms.order_name)).collect();
+    let mut names: Vec<&str> = candidates.iter().map(|part| part.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let name = match intake::find_named_part(&late.part_name, &names) {
+        NamedPart::Only(at) => names[at],
+        // Perhaps its part still comes.
+        NamedPart::Missing => return Ok(LateDecision::Wait),
+        NamedPart::Several => {
+            let reason = format!(
+                "It came after its part was taken, and it may mean several parts: {}. Change the one that is meant with \
+                 `nestd edit PART`.",
+                names.join(", ")
+            );
+            return Ok(LateDecision::Refuse(reason));
+        }
+    };
+    let ticket = match &late.ticket {
+        Ok(ticket) => ticket,
+        Err(error) => return Ok(LateDecision::Refuse(format!("{error}."))),
+    };
+    let named: Vec<&PartRow> = candidates.into_iter().filter(|part| part.name == name).collect();
+    let Some(newest) = named.iter().max_by_key(|part| part.id) else { return Ok(LateDecision::Wait) };
+    let solids: Vec<&&PartRow> = named.iter().filter(|part| part.file.claim == newest.file.claim).collect();
+    if solids.iter().any(|part| part.state == PartState::Claimed) {
+        return Ok(LateDecision::Wait);
+    }
+    if newest.state == PartState::Rejected {
+        // The part and its ticket are dropped again together.
+        return Ok(LateDecision::Wait);
+    }
+    if ticket.copies.is_some() && solids.len() > 1 {
+        return Ok(LateDecision::Refuse(several_solids_reason(newest, solids.len())));
+    }
+    let edit = match ticket_to_edit(ticket, &machine) {
+        Ok(edit) => edit,
+        Err(reason) => return Ok(LateDecision::Refuse(reason)),
+    };
+    for part in solids {
+        match farm.ledger.edit_part(part.id, &edit, &late.source.file_name).await {
+            Ok(edited) if edited.changes.is_empty() => {}
+            Ok(edited) => {
+                info!(part.id = %part.id, profile, "{} came late and changed part {}: {}.", late.source.file_name, part.id, edited.changes.join(", "));
+                mark_note::update_decision_count(farm, part).await;
+                if let (true, Some(machine)) = (edit.changes_layout(), farm.machines.get_mut(profile)) {
+                    machine.open.reset();
+                }
+            }
+            // Once the build is published, the reason says so.
+            Err(LedgerError::BeingBuilt { .. }) => return Ok(LateDecision::Wait),
+            Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
+            Err(refused) => {
+                let reason = late_reason(farm, part, ticket, &refused).await?;
+                return Ok(LateDecision::Refuse(reason));
+            }
+        }
+    }
+    Ok(LateDecision::Accept)
+}
+
+fn several_solids_reason(part: &PartRow, solids: usize) -> String {
+    format!(
+        "It came after {} was taken, which holds {solids} solids, so its number of copies cannot be applied any more. Cancel \
+         its parts with `nestd cancel {}`, and drop the file again together with this ticket.",
+        part.name, part.name
+    )
+}
+
+/// What became of a part that a ticket cannot change any more, and how to order more of it.
+async fn late_reason(farm: &Farm, part: &PartRow, ticket: &Ticket, refused: &LedgerError) -> Result<String> {
+    let placements = farm.ledger.placements_of_part(part.id).await?;
+    let Some(last) = placements.iter().filter(|placed| !placed.is_bad).max_by_key(|placed| placed.build_id) else {
+        return Ok(format!("It came after its part was taken: {refused}."));
+    };
+    let copies = placements.iter().filter(|placed| !placed.is_bad).count() as u32;
+    let when = last.published_at.map_or_else(String::new, |at| format!(", published {}", format_local(at.0)));
+    let more = match ticket.copies {
+        Some(wanted) if wanted > copies => {
+            format!(" Order {} more with `nestd edit {} --copies {wanted}`.", wanted - copies, part.id)
+        }
+        _ => format!(" What differs can be ordered again: drop {} together with this ticket.", part.name),
+    };
+    let count = build_file::format_count(copies, "copy", "copies");
+    Ok(format!("It came too late: {} is in build {}{when} with {count}.{more}", part.name, last.build_id))
+}
+
+/// The changes that a ticket asks for.
+fn ticket_to_edit(ticket: &Ticket, machine: &MachineProfile) -> Result<PartEdit, String> {
+    let due = match ticket.due {
+        None => None,
+        Some(due) => {
+            let at = due
+                .to_timestamp(&TimeZone::system())
+                .map_err(|error| format!("Its due date is none here: {error}."))?;
+            Some(Some((at, due.to_string())))
+        }
+    };
+    let turning = &machine.turning;
+    let is_turned = ticket.orientation.is_some() || ticket.keep_up.is_some() || ticket.not_down.is_some();
+    let limits = OrientationLimits::new(
+        ticket.orientation.unwrap_or(turning.orientation),
+        ticket.keep_up.as_deref().unwrap_or(&turning.keep_up),
+        ticket.not_down.as_deref().unwrap_or(&turning.not_down),
+    );
+    Ok(PartEdit {
+        copies: ticket.copies,
+        order_name: ticket.order.clone(),
+        priority: ticket.priority,
+        due,
+        orientation: is_turned.then_some(limits.rule),
+        tilts: is_turned.then_some(RequiredTilts(limits.tilts)),
+        clearance_mm: ticket.clearance_mm.map(Some),
+        unit: ticket.unit,
+        note: ticket.note.clone(),
+    })
+}
+
+/// Puts a late ticket where it belongs.
+async fn finish(farm: &mut Farm, profile: &str, late: LateTicket, decision: LateDecision) -> Result<()> {
+    let Some(machine) = farm.machines.get(profile) else { return Ok(()) };
+    let (folders, leases) = (machine.profile.folders.clone(), machine.leases.clone());
+    let job =
+        LateTicketJob { profile: profile.to_owned(), file_name: late.source.file_name.clone(), key: late.key.clone() };
+    match decision {
+        LateDecision::Wait => {}
+        LateDecision::Accept => farm.jobs.start(job, move || {
+            leases.archive.clone().check_usable()?;
+            late.accept_late_ticket(&folders.inbox, &folders.archive)?;
+            Ok(())
+        }),
+        LateDecision::Refuse(reason) => {
+            warn!(profile, "Refused {} for {}: {reason}", late.source.file_name, late.part_name);
+            let detail = format!("{}: {reason}", late.source.file_name);
+            farm.ledger.record_file_refusal(profile, RefusalCause::Ticket, &detail).await?;
+            farm.jobs.start(job, move || {
+                leases.check_error_folder()?;
+                late.refuse_late_ticket(&folders.inbox, &folders.error, &reason)?;
+                Ok(())
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,28 @@
+//! Earlier revisions of a part that a newer one replaced: they are taken out, with a copy in the error folder.
+
+use anyhow::Result;
+
+use super::{claim_completion, farm::Farm};
+use crate::ledger::{PartState, RefusalCause};
+
+/// Takes out the parts that a newer revision replaced.
+pub(super) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
+    for part in farm.ledger.replaced_parts().await? {
+        if claim_completion::is_completing(&farm.completion, &farm.jobs, &part) {
+            continue;
+        }
+        let new = part.owed.replaced_by.map_or_else(String::new, |new| format!(", part {new},"));
+        let reason = format!(
+            "A newer revision{new} of the same name came for order {} while this one waited, and took its place. Where both \
+             are wanted, take this one back.",
+            part.terms.order_name
+        );
+        match part.state {
+            PartState::Waiting => {
+                claim_completion::start_refusal(farm, part, RefusalCause::Replaced, &reason, None);
+            }
+            _ => claim_completion::refuse_part(farm, &part, RefusalCause::Replaced, &reason).await?,
+        }
+    }
+    Ok(())
+}

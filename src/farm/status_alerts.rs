@@ -1,0 +1,74 @@
+//! The alerts that follow from the ledger, so that they are known after a restart too: failed builds and prints, parts
+//! that wait for a yes, and parts of machines that are not configured.
+
+use anyhow::Result;
+use build_file::format_count;
+
+use super::{alert::AlertKind, alert_registry::AlertRegistry, machine_state::MachineStates};
+use crate::ledger::{Ledger, PauseCause, ProfileStatus};
+
+/// Maximum number of parts or builds that an alert names.
+const MAX_NAMED: usize = 3;
+
+/// Raises the alerts that follow from the ledger: so they are known after a restart too.
+pub(super) async fn update_ledger_alerts(
+    ledger: &Ledger,
+    machines: &MachineStates,
+    alerts: &mut AlertRegistry,
+    rows: &[ProfileStatus],
+) -> Result<()> {
+    let names: Vec<String> = machines.keys().cloned().collect();
+    for name in &names {
+        let paused = rows.iter().find(|row| row.profile == *name).and_then(|row| row.paused.as_ref());
+        match paused.filter(|paused| paused.cause == PauseCause::BuildFailed) {
+            Some(_) => {
+                let why = ledger.last_failure(name).await?;
+                let detail = why.map(|(build, why)| format!("build {build} {why}")).unwrap_or_default();
+                alerts.raise(AlertKind::BuildFailed, name, "", &detail);
+            }
+            None => alerts.clear(AlertKind::BuildFailed, name, ""),
+        }
+    }
+    update_order_alerts(ledger, &names, alerts).await?;
+    let mut gone = Vec::new();
+    for row in rows.iter().filter(|row| !machines.contains_key(&row.profile)) {
+        let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
+        if parts > 0 || builds > 0 {
+            let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));
+            let detail = format!("{parts} and {builds} in work");
+            alerts.raise(AlertKind::MachineGone, &row.profile, "", &detail);
+            gone.push(row.profile.clone());
+        }
+    }
+    alerts.retain_profiles(AlertKind::MachineGone, &gone);
+    Ok(())
+}
+
+/// Raises the alerts on failed prints and on parts that wait for a yes, one of each kind for each machine.
+async fn update_order_alerts(ledger: &Ledger, names: &[String], alerts: &mut AlertRegistry) -> Result<()> {
+    let failed = ledger.unseen_failures().await?;
+    let failed = failed.iter().map(|build| (build.profile.as_str(), format!("build {}", build.id)));
+    let failed: Vec<(&str, String)> = failed.collect();
+    let parts = ledger.parts_in_question().await?;
+    let asked = parts.iter().map(|part| {
+        (part.profile.as_str(), format!("part {} ({}): {}", part.id, part.full_name(), part.owed.question))
+    });
+    let asked: Vec<(&str, String)> = asked.collect();
+    for name in names {
+        for (kind, all) in [(AlertKind::PrintFailed, &failed), (AlertKind::Question, &asked)] {
+            let own: Vec<String> = all.iter().filter(|(of, _)| of == name).map(|(_, text)| text.clone()).collect();
+            match own.is_empty() {
+                true => alerts.clear(kind, name, ""),
+                false => alerts.raise(kind, name, "", &text_of_first(&own, MAX_NAMED)),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The first texts, and how many more there are.
+fn text_of_first(texts: &[String], most: usize) -> String {
+    let more = texts.len().saturating_sub(most);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    texts[..texts.len().min(most)].join("; ") + &more
+}

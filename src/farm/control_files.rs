@@ -1,29 +1,13 @@
 //! Control files (`FLUSH`, `PAUSE`, `RESUME`): each becomes a command, and is removed. `STATUS.txt` shows the answer.
 
-use std::collections::VecDeque;
-
 use anyhow::Result;
 use tracing::warn;
 
 use super::{farm::Farm, jobs::BackgroundJob};
 use crate::{
     intake::{self, ControlFile, ControlKind},
-    ledger::{CommandArgument, CommandId, CommandKind, NewCommand},
+    ledger::{CommandArgument, CommandKind, NewCommand},
 };
-
-/// Number of keys of control files that a machine remembers.
-const MAX_KEYS: usize = 100;
-
-/// The control files of a machine that became commands.
-#[derive(Debug, Default)]
-pub struct ObeyedControls {
-    /// Keys of the files: one that could not be removed is not obeyed twice.
-    keys: VecDeque<String>,
-    /// The last command and the name of its file.
-    last: Option<(CommandId, &'static str)>,
-    /// The answer to the last command, for `STATUS.txt`; "" = there is none yet.
-    pub answer: String,
-}
 
 /// Removes a control file.
 #[derive(Clone)]
@@ -52,7 +36,7 @@ pub(super) async fn obey_controls(farm: &mut Farm, profile: &str, controls: Vec<
     for control in controls {
         let Some(machine) = farm.machines.get_mut(profile) else { return Ok(()) };
         let (inbox, key) = (machine.profile.folders.inbox.clone(), control.key.clone());
-        if !machine.inbox.controls.keys.contains(&key) {
+        if !machine.inbox.controls.is_obeyed(&key) {
             let name = control.kind.file_name();
             let user = control.owner_uid.map_or_else(String::new, |uid| format!(" of user {uid}"));
             let command = NewCommand {
@@ -64,13 +48,7 @@ pub(super) async fn obey_controls(farm: &mut Farm, profile: &str, controls: Vec<
             };
             let id = farm.ledger.submit_command(&command).await?;
             let Some(machine) = farm.machines.get_mut(profile) else { return Ok(()) };
-            let controls = &mut machine.inbox.controls;
-            controls.keys.push_back(key.clone());
-            if controls.keys.len() > MAX_KEYS {
-                controls.keys.pop_front();
-            }
-            controls.last = Some((id, name));
-            controls.answer.clear();
+            machine.inbox.controls.record_command(key.clone(), id, name);
         }
         farm.jobs.start(ControlFileJob { key }, move || {
             intake::finish_control_file(&inbox, &control)?;
@@ -84,7 +62,7 @@ pub(super) async fn obey_controls(farm: &mut Farm, profile: &str, controls: Vec<
 pub(super) async fn update_answers(farm: &mut Farm) -> Result<()> {
     for machine in farm.machines.values_mut() {
         let controls = &mut machine.inbox.controls;
-        let Some((id, name)) = controls.last.filter(|_| controls.answer.is_empty()) else { continue };
+        let Some((id, name)) = controls.unanswered() else { continue };
         if let Some(row) = farm.ledger.find_command(id).await?
             && let Some(at) = row.answered_at
         {

@@ -11,13 +11,13 @@ use nester::SearchBudget;
 
 use super::{
     alert_registry::AlertRegistry,
-    control_files::ObeyedControls,
     folder_lease::LeaseHolder,
     folder_leases::FolderLeases,
     hot_folder_scanner::HotFolderScanner,
     layout::{BatchLayout, CopyId, LayoutPlacement, placed_from_json},
     ledger_freshness::FolderIdentities,
     nesting_search::SharedBestLayout,
+    obeyed_controls::ObeyedControls,
     time_source::TimeSource,
     time_text::written_stamp,
     trigger::{FireTrigger, TriggerFacts},

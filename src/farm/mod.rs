@@ -66,6 +66,7 @@ mod nest;
 mod nest_decision;
 mod nesting_search;
 mod newer_decisions;
+mod obeyed_controls;
 mod open;
 mod part_changes;
 mod publish;

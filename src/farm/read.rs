@@ -64,7 +64,7 @@ pub fn read_part(
         Err(PartReadError::TryLater(why)) => return PartReadOutcome::TryLater(why),
         Err(PartReadError::Refused(cause, reason)) => return PartReadOutcome::Refused(cause, reason),
     };
-    let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.copies)).sum();
+    let copies: u64 = contents.solids.iter().map(|s| u64::from(s.copies) * u64::from(part.owed.copies)).sum();
     if copies > meshes.limits.max_copies {
         let reason = format!(
             "It asks for {copies} copies; one file may ask for {} at most (limits.max_copies). Drop it again with fewer, or \
@@ -105,7 +105,7 @@ fn solid_facts(solid: &PartFileSolid, object_index: u32, part: &PartRow, mut war
     SolidFacts {
         object_index,
         object_name: solid.name.clone(),
-        copies: solid.copies.saturating_mul(part.copies),
+        copies: solid.copies.saturating_mul(part.owed.copies),
         triangles: solid.mesh.triangles().len() as u64,
         volume_mm3: solid.mesh.volume_mm3(),
         size_mm: solid.mesh.bounds().size().to_array(),

@@ -229,7 +229,7 @@ pub enum LedgerError {
         /// Its state.
         state: super::BuildState,
         /// The outcome that was given now.
-        asked: super::PrintOutcome,
+        asked: super::BuildState,
     },
     /// Fewer copies of the part are in the build than were named as bad.
     #[error(

@@ -105,7 +105,7 @@ async fn insert_placements(
         return Err(LedgerError::NotWaiting { part: id, state: part.state });
     }
     for &copy in copies {
-        if copy >= part.copies {
+        if copy >= part.owed.copies {
             return Err(LedgerError::NoSuchCopy { part: id, copy });
         }
         let place =

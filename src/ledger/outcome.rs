@@ -156,7 +156,7 @@ async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldO
         return Err(LedgerError::WrongState { build, state, needed: REPORTABLE_STATES });
     }
     if is_told && !told.is_correction {
-        return Err(LedgerError::AlreadyTold { build, state, asked: told.outcome });
+        return Err(LedgerError::AlreadyTold { build, state, asked: told.outcome.build_state() });
     }
     if is_told && state == told.outcome.build_state() {
         return Ok(());

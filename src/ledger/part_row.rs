@@ -161,9 +161,7 @@ pub struct PartRow {
     pub rejection: PartRejection,
     /// Warnings, one per line.
     pub warnings: String,
-    /// Copies ever wanted. Copy numbers are below this.
-    pub copies: u32,
-    /// What became of the copies, and what the part waits for.
+    /// Its copies, and what the part waits for.
     #[serde(flatten)]
     #[sqlx(flatten)]
     pub owed: OwedCopies,
@@ -212,9 +210,11 @@ pub struct PartRejection {
     pub refusal: Option<RefusalCause>,
 }
 
-/// What became of the copies of a part, and what it waits for.
+/// The copies of a part, and what it waits for.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
 pub struct OwedCopies {
+    /// Copies ever wanted. Copy numbers are below this.
+    pub copies: u32,
     /// How many copies are not wanted any more.
     pub cancelled_copies: u32,
     /// When copies that were printed badly were last put back among the waiting ones. They go first.
@@ -289,7 +289,7 @@ impl PartRow {
 impl PartRow {
     /// Copies wanted: those ever wanted without the cancelled ones.
     pub fn wanted_copies(&self) -> u32 {
-        self.copies.saturating_sub(self.owed.cancelled_copies)
+        self.owed.copies.saturating_sub(self.owed.cancelled_copies)
     }
 
     /// Name of the part together with the name of its solid.

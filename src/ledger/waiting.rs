@@ -39,7 +39,7 @@ impl Ledger {
         }
         let waiting = parts.into_iter().map(|part| {
             let taken = taken_copies.get(&part.id);
-            let free = (0..part.copies).filter(|copy| !taken.is_some_and(|t| t.contains(copy)));
+            let free = (0..part.owed.copies).filter(|copy| !taken.is_some_and(|t| t.contains(copy)));
             let most = part.wanted_copies() as usize - taken.map_or(0, HashSet::len);
             let copies = free.take(most).collect();
             WaitingPart { part, copies }

@@ -35,7 +35,7 @@ pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
     TableColumn::new("part", fields::PART, |part| part.id.into()),
     TableColumn::new("profile", fields::PROFILE, |part| (&part.profile).into()),
     TableColumn::new("state", fields::STATE, |part| part.state.into()),
-    TableColumn::new("copies", fields::COPIES, |part| part.copies.into()),
+    TableColumn::new("copies", fields::COPIES, |part| part.owed.copies.into()),
     TableColumn::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
     TableColumn::new("due_at", fields::DUE, |part| part.terms.due_at.into()),
     TableColumn::new("order", fields::ORDER, |part| (&part.terms.order_name).into()),
@@ -50,7 +50,7 @@ pub const BUILD_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
     TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
     TableColumn::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
-    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
+    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.owed.copies.into()),
     TableColumn::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
     TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
 ];
@@ -61,7 +61,7 @@ pub const WAITING_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
     TableColumn::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
     TableColumn::for_people("copies_waiting", fields::COPIES_WAITING, |row| row.copies.into()),
-    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.copies.into()),
+    TableColumn::new("copies", fields::COPIES_OF, |row| row.part.owed.copies.into()),
 ];
 
 /// Parts of an order or a file name, with the builds that contain them.

@@ -278,7 +278,7 @@ impl From<PartRow> for PartResource {
             state: row.state,
             reason: row.rejection.reason,
             warnings: row.warnings.lines().map(str::to_owned).collect(),
-            copies: row.copies,
+            copies: row.owed.copies,
             terms: PartTermsFields {
                 order: terms.order_name,
                 priority: terms.priority,

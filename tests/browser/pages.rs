@@ -169,7 +169,7 @@ fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
     fs::write(&sample, stl(&sample_parts::cuboid(glam::DVec3::new(17.0, 12.0, 9.0)))).unwrap();
     let shots = std::env::var_os("NESTD_SHOTS").map(PathBuf::from);
     let history: serde_json::Value = serde_json::from_str(&dashboard.farm.nestd_ok(&["history", "--json"])).unwrap();
-    let copies: u32 = built.iter().map(|part| part.copies).sum();
+    let copies: u32 = built.iter().map(|part| part.owed.copies).sum();
     serde_json::json!({
         "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "root": dashboard.farm.root(),
         "inbox": dashboard.folder("inbox"), "queue": dashboard.folder("queue"), "sample": sample, "shots": shots,

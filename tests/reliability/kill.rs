@@ -220,7 +220,7 @@ impl KilledFarm {
             }
             ledger.parts_in_state(PartState::Built).await
         });
-        let built: BTreeMap<String, u32> = built.into_iter().map(|part| (part.name, part.copies)).collect();
+        let built: BTreeMap<String, u32> = built.into_iter().map(|part| (part.name, part.owed.copies)).collect();
         let work = intake::list_claims(&self.farm.folder("inbox")).unwrap_or_default();
         built == self.wanted && work.claims.is_empty() && work.unfinished.is_empty() && self.are_bad_parts_refused()
     }

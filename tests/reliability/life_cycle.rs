@@ -300,7 +300,7 @@ impl LifeCycle {
         let expectations = InvariantExpectations { at_rest: true, ..self.expectations.clone() };
         self.broken.extend(self.farm.broken_invariants(&expectations));
         let built: BTreeMap<String, u32> =
-            self.farm.parts(PartState::Built).into_iter().map(|part| (part.name, part.copies)).collect();
+            self.farm.parts(PartState::Built).into_iter().map(|part| (part.name, part.owed.copies)).collect();
         let asked: BTreeMap<String, u32> = PRINTED.iter().map(|&(name, copies)| (name.to_owned(), copies)).collect();
         if built != asked {
             self.broken.push(format!("I2: built are {built:?}, asked were {asked:?}"));

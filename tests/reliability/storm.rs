@@ -228,7 +228,7 @@ impl StormFarm {
     fn cancel_part(&mut self) {
         let Some(part) = self.pick_part(PartState::Waiting) else { return };
         if let Some(expected) = self.expected.get_mut(&part.file.content_hash) {
-            expected.cancelled += part.copies;
+            expected.cancelled += part.owed.copies;
         }
         self.run_command(&["cancel", &part.id.to_string()]);
     }

@@ -118,7 +118,7 @@ fn outcome(farm: &TestFarm, order: &str, parts: &[PartRow]) -> FileOutcome {
 /// The copies of a part in its file. A name such as "rail-2x" multiplies the copies, which the manifest does not
 /// consider.
 fn in_file(part: &PartRow) -> usize {
-    (part.copies / intake::copies_in_name(&part.name).unwrap_or(1)) as usize
+    (part.owed.copies / intake::copies_in_name(&part.name).unwrap_or(1)) as usize
 }
 
 /// "5 triangles without an area (3 left out, 2 kept to stay closed)", copies counted each.

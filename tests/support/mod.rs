@@ -259,7 +259,7 @@ impl TestFarm {
     pub fn assert_nothing_lost_or_doubled(&self) {
         let faults = self.query_ledger(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
-        let built: usize = self.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
+        let built: usize = self.parts(PartState::Built).iter().map(|p| p.owed.copies as usize).sum();
         assert_each_copy_once(&self.queued(), built);
     }
 }

@@ -208,7 +208,7 @@ impl HandDrivenFarm {
             invariants::check_invariants(settings, ledger, &InvariantExpectations::default()).await.unwrap()
         });
         assert!(report.violations.is_empty(), "{:#?}", report.violations);
-        let built: usize = self.parts(PartState::Built).iter().map(|p| p.copies as usize).sum();
+        let built: usize = self.parts(PartState::Built).iter().map(|p| p.owed.copies as usize).sum();
         assert_each_copy_once(&self.queued(), built);
     }
 }

@@ -93,7 +93,7 @@ fn a_build_that_is_given_up_pauses_its_profile_and_is_told_until_that_is_resumed
     farm.wait_for_parts(PartState::Waiting, 1);
     // The new build volume is too small for the part.
     let parts = farm.parts(PartState::Waiting);
-    let copies: Vec<_> = parts.iter().flat_map(|part| (0..part.copies).map(|copy| (part.id, copy))).collect();
+    let copies: Vec<_> = parts.iter().flat_map(|part| (0..part.owed.copies).map(|copy| (part.id, copy))).collect();
     farm.write_profile(PROFILE, &profile.replace("[120, 120, 120]", "[10, 10, 10]"));
     farm.ask(async |ledger| {
         let build = ledger.open_build(PROFILE).await.unwrap().id;

@@ -40,7 +40,7 @@ fn the_ticket_of_the_readme_copied_whole_is_accepted() {
     farm.drop_bytes("bracket.stl.toml", ticket.as_bytes());
     let part = wait_for_part(&mut farm);
     assert_ne!(part.state, PartState::Rejected, "{}", part.rejection.reason);
-    assert_eq!((part.copies, part.terms.order_name.as_str(), part.terms.priority), (10, "1042", 80));
+    assert_eq!((part.owed.copies, part.terms.order_name.as_str(), part.terms.priority), (10, "1042", 80));
     assert_eq!(part.warnings, "");
 }
 
@@ -49,7 +49,7 @@ fn a_number_of_copies_that_is_not_clear_is_asked_for() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("bracketx4.stl", &block(10.0, 10.0, 10.0));
     let part = wait_for_part(&mut farm);
-    assert_eq!(part.copies, 1);
+    assert_eq!(part.owed.copies, 1);
     assert!(part.warnings.lines().any(is_copies_question) && part.warnings.contains("bracketx4"), "{}", part.warnings);
 }
 

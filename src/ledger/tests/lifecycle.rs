@@ -16,7 +16,7 @@ async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {
         sqlx::query_scalar("SELECT count(*) FROM ticket").fetch_one(ledger.reader().unwrap()).await.unwrap();
     assert_eq!(tickets, 1);
     let row = ledger.find_part(first.id).await.unwrap().unwrap();
-    assert_eq!((row.copies, row.state, row.warnings.as_str()), (3, PartState::Claimed, "odd name"));
+    assert_eq!((row.owed.copies, row.state, row.warnings.as_str()), (3, PartState::Claimed, "odd name"));
     assert_eq!(ledger.events_of_part(first.id).await.unwrap().len(), 1);
 }
 
@@ -58,7 +58,7 @@ async fn further_solids_of_a_file_become_parts_of_their_own() {
     let parts = ledger.accept_solids(id, &[solid(0, 5), second]).await.unwrap();
     assert_eq!((parts.len(), parts[0]), (2, id));
     let lid = ledger.find_part(parts[1]).await.unwrap().unwrap();
-    assert_eq!((lid.copies, lid.solid.object_name.as_str(), lid.warnings.as_str()), (10, "lid", "thin"));
+    assert_eq!((lid.owed.copies, lid.solid.object_name.as_str(), lid.warnings.as_str()), (10, "lid", "thin"));
     assert_eq!((lid.terms.due_at.map(|t| t.0), lid.state), (claim.terms.due_at, PartState::Waiting));
     assert_eq!(lid.size_mm(), Some([10.0, 20.0, 30.0]));
     assert_eq!(ledger.parts_of_claim("kit").await.unwrap().len(), 2);
@@ -75,8 +75,8 @@ async fn a_part_that_is_taken_back_is_not_multiplied_and_leaves_its_siblings_alo
     assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().rejection.reason, "");
     let again = ledger.accept_solids(parts[1], &[solid(0, 25), solid(1, 100)]).await.unwrap();
     assert_eq!(again, [parts[1]]);
-    assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().copies, 10);
-    assert_eq!(ledger.find_part(parts[0]).await.unwrap().unwrap().copies, 5);
+    assert_eq!(ledger.find_part(parts[1]).await.unwrap().unwrap().owed.copies, 10);
+    assert_eq!(ledger.find_part(parts[0]).await.unwrap().unwrap().owed.copies, 5);
 }
 
 #[tokio::test]

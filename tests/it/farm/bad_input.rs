@@ -79,7 +79,7 @@ fn a_ticket_says_copies_order_and_rule() {
     );
     farm.drop_part("cube_x9.stl", &block(10.0, 10.0, 10.0));
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
-    assert_eq!((part.copies, part.terms.order_name.as_str(), part.terms.priority), (3, "A-17", 80));
+    assert_eq!((part.owed.copies, part.terms.order_name.as_str(), part.terms.priority), (3, "A-17", 80));
     assert_eq!(part.terms.orientation, nester::OrientationRule::Upright);
     assert_eq!(part.terms.tilts.to_string(), "1,0,0:135");
 }

@@ -14,7 +14,7 @@ fn farm(incomplete_secs: f64) -> TestFarm {
 /// Names and copies of the waiting parts, sorted.
 fn copies(farm: &TestFarm, count: usize) -> Vec<(String, u32)> {
     let mut parts: Vec<_> =
-        farm.wait_for_parts(PartState::Waiting, count).into_iter().map(|part| (part.name, part.copies)).collect();
+        farm.wait_for_parts(PartState::Waiting, count).into_iter().map(|part| (part.name, part.owed.copies)).collect();
     parts.sort();
     parts
 }

@@ -246,8 +246,8 @@ fn a_ledger_rolled_back_with_no_build_in_between_forgets_no_order() {
     farm.start();
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     let known = |name: &str| parts.iter().find(|part| part.name == name).unwrap();
-    assert_eq!((known("one.stl").copies, known("one.stl").terms.order_name.as_str()), (3, "kit"));
-    assert_eq!((known("two.stl").copies, known("two.stl").terms.note.as_str()), (2, "by hand"));
+    assert_eq!((known("one.stl").owed.copies, known("one.stl").terms.order_name.as_str()), (3, "kit"));
+    assert_eq!((known("two.stl").owed.copies, known("two.stl").terms.note.as_str()), (2, "by hand"));
     farm.flush();
     farm.wait_for_parts(PartState::Built, 2);
     let wanted = [(hash_of(&block(20.0, 20.0, 20.0)), 3), (hash_of(&block(21.0, 20.0, 20.0)), 2)];
@@ -271,7 +271,7 @@ fn a_write_ahead_log_that_was_removed_with_its_index_forgets_no_order() {
     if refused.contains("--repair") {
         farm.nestd_ok(&["check", "--deep", "--repair"]);
         farm.start();
-        assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].copies, 2);
+        assert_eq!(farm.wait_for_parts(PartState::Waiting, 1)[0].owed.copies, 2);
     }
 }
 
@@ -368,7 +368,7 @@ fn a_ledger_that_is_removed_or_replaced_is_left_at_once_and_saved() {
         farm.nestd_ok(&["restore", saved.to_str().unwrap()]);
         farm.start();
         let parts = farm.wait_for_parts(PartState::Waiting, 2);
-        assert_eq!(parts.iter().map(|part| part.copies).sum::<u32>(), 3);
+        assert_eq!(parts.iter().map(|part| part.owed.copies).sum::<u32>(), 3);
     }
 }
 

@@ -20,7 +20,7 @@ fn the_same_content_under_another_name_is_printed_beside_the_first_after_a_resto
             farm.wait_for_parts(PartState::Waiting, 1);
             farm.nestd_ok(&["backup", backup.to_str().unwrap()]);
             farm.drop_part("second_x3.stl", &block(20.0, 20.0, 20.0));
-            let is_taken = || farm.parts(PartState::Waiting).iter().map(|part| part.copies).sum::<u32>() == 5;
+            let is_taken = || farm.parts(PartState::Waiting).iter().map(|part| part.owed.copies).sum::<u32>() == 5;
             wait_until_or("both are taken", 30.0, || farm.log(), is_taken);
             if is_published {
                 farm.flush();

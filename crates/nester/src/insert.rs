@@ -106,7 +106,9 @@ impl NestingRun<'_> {
                     0.5 * task.room,
                 ));
             }
-            if let Some(pieces) = self.make_room(task, &pieces, height_limit_mm, &mut rng) {
+            let stop = self.stop;
+            let is_over = |evaluations: u64| stop.spent_share_at(evaluations) >= 1.0;
+            if let Some(pieces) = self.make_room(task, &pieces, height_limit_mm, &mut rng, &is_over) {
                 stack = builder.start_layout(&pieces);
             }
         }
@@ -117,23 +119,26 @@ impl NestingRun<'_> {
         self.offer_layout(BoxStacker::new(&task.outlined).stack_copies(&free, &locked));
     }
 
-    /// Searches for a position of the last piece below a height limit where the parts around it can make room.
-    fn make_room(
+    /// Searches for a position of the last piece below a height limit where the parts around it can make room. Ends
+    /// when `is_over` returns true for the evaluations made.
+    pub(super) fn make_room(
         &mut self,
         task: &PreparedInstance,
         pieces: &[PlacedItem],
         height_limit_mm: f64,
         rng: &mut ChaCha8Rng,
+        is_over: &dyn Fn(u64) -> bool,
     ) -> Option<Vec<PlacedItem>> {
         let mut layout = WorkingLayout::new(task, pieces, height_limit_mm);
-        let (poses, promised, last) = (layout.poses.clone(), layout.parts.fixed.clone(), pieces.len() - 1);
+        let (poses, proxies) = (layout.poses.clone(), layout.proxies.clone());
+        let (promised, last) = (layout.parts.fixed.clone(), pieces.len() - 1);
         let radius = layout.proxies[last].shape.radius_mm as f32;
         let patience =
             SeparationLimits { idle_rounds: 25, failed_checks: 8, near_overlap: NEAR_OVERLAP_MM * radius * radius };
         for _ in 0..MAX_PLACES {
             let before = layout.evaluations;
             layout.parts.fixed.clone_from(&promised);
-            layout.load_poses(&poses);
+            layout.restore_parts(&poses, &proxies);
             layout.age_memory();
             let mut grid = OverlapDepthGrid::new(&layout);
             relocate_part(&mut layout, &mut grid, last, EFFORT, rng);
@@ -142,15 +147,13 @@ impl NestingRun<'_> {
                 let (here, there) = (&layout.proxies[last], &layout.proxies[part]);
                 layout.parts.fixed[part] = *promised || !here.is_near(there, reach);
             }
-            let (stop, made) = (self.stop, self.evaluations);
-            let over = |looks: u64| {
-                looks > before + MAX_EVALUATIONS_PER_PLACE || stop.spent_share_at(made + looks - before) >= 1.0
-            };
+            let made = self.evaluations;
+            let over = |looks: u64| looks > before + MAX_EVALUATIONS_PER_PLACE || is_over(made + looks - before);
             let outcome = separate_parts(&mut layout, patience, rng, over);
             self.evaluations += layout.evaluations - before;
             match outcome {
                 SeparationOutcome::Clear(pieces) if task.keeps_cap(&pieces) => return Some(pieces),
-                _ if self.stop.spent_share_at(self.evaluations) >= 1.0 => return None,
+                _ if is_over(self.evaluations) => return None,
                 _ => {}
             }
         }

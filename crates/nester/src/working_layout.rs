@@ -118,6 +118,24 @@ impl<'t> WorkingLayout<'t> {
         }
     }
 
+    /// Puts all parts back to where they stood. Unlike a part that is moved, none is shifted inside the walls: a shift
+    /// by less than a micron between two fixed parts would break their clearance, and nobody checks it again.
+    pub(crate) fn restore_parts(&mut self, poses: &[CenterPose], proxies: &[CollisionProxy]) {
+        for (part, (pose, proxy)) in poses.iter().zip(proxies).enumerate() {
+            let known = self.poses[part];
+            if known.center == pose.center && known.rotation == pose.rotation {
+                continue;
+            }
+            self.move_counts[part] = self.move_counts[part].wrapping_add(1);
+            self.poses[part] = *pose;
+            let before = std::mem::replace(&mut self.proxies[part], proxy.clone());
+            if let Some(grid) = &mut self.grid {
+                grid.remove_bounds(part, &before.bounds());
+                grid.insert_bounds(part, &proxy.bounds());
+            }
+        }
+    }
+
     /// The orientation rule of a part.
     pub(crate) fn orientation_rule(&self, part: usize) -> OrientationRule {
         self.prepared.prepared_item(self.parts.copies[part].0).orientation.rule

@@ -11,6 +11,7 @@ use super::{
     interlock_check::split_separable,
     layout_builder::LayoutBuilder,
     nesting_run::NestingRun,
+    precedence::InsertionEffort,
     prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
     recipe::PlacementRecipe,
     relocation::{OverlapDepthGrid, RelocationEffort, relocate_part},
@@ -75,6 +76,7 @@ impl NestingRun<'_> {
         let standing = retained_items(&task, self.instance, start);
         self.offer_layout(standing.clone());
         self.insert_missing(&task, &standing, &missing_copies(&task, &standing));
+        self.enforce_precedence(&task, InsertionEffort::MakeRoom);
         solution_from_items(self.instance, &self.best_items, self.evaluations)
     }
 

@@ -78,7 +78,9 @@ pub enum InstanceError {
     },
 }
 
-/// The nesting problem. Items are in order of precedence: if not all copies fit, earlier items are placed first.
+/// The nesting problem. Items are in order of precedence: if not all copies fit, a copy is left out only if it found
+/// no place beside the placed copies of earlier items and of its own. (Boxes that are stacked because the budget is
+/// spent at once, and the published method, keep to the order only roughly.)
 ///
 /// ```
 /// use std::sync::Arc;

@@ -71,6 +71,11 @@ impl<'t> LayoutBuilder<'t> {
         }
     }
 
+    /// The same builder, which tries at least this number of rotations of each item.
+    pub(crate) fn with_rotations(self, least: usize) -> Self {
+        Self { max_rotations: self.max_rotations.max(least), ..self }
+    }
+
     /// A layout that contains the already placed pieces.
     pub(crate) fn start_layout(&self, standing: &[PlacedItem]) -> PartialLayout {
         let prepared = self.prepared;
@@ -96,11 +101,14 @@ impl<'t> LayoutBuilder<'t> {
             let shape = &prepared.prepared_item(zone.item).shape;
             stack.occupancy.fill_solid(shape, &zone.pose, &zone.bounds, reach_mm, half_mm);
         }
-        for piece in standing {
-            self.mark_occupied(&mut stack.occupancy, piece);
-            stack.add_item(prepared, piece.clone());
-        }
+        standing.iter().for_each(|piece| self.add_standing(&mut stack, piece.clone()));
         stack
+    }
+
+    /// Adds a piece that is already placed.
+    pub(crate) fn add_standing(&self, stack: &mut PartialLayout, piece: PlacedItem) {
+        self.mark_occupied(&mut stack.occupancy, &piece);
+        stack.add_item(self.prepared, piece);
     }
 
     /// Voxels by which every part is extended upwards, so that clearances hold when it is raised.
@@ -242,6 +250,14 @@ impl PartialLayout {
             Some(layers) => Some(layers as f64 * prepared.outlined.layer_cap.layer_mm),
             None => Some(prepared.room.z),
         }
+    }
+
+    /// Whether a piece that is inside the walls can be added as it stands: it keeps its clearance, and no layer exceeds
+    /// its cap.
+    pub(crate) fn can_take(&self, prepared: &PreparedInstance, piece: &PlacedItem) -> bool {
+        let near = self.proximity.query_near(&piece.bounds, prepared.proximity_mm());
+        near.into_iter().all(|other| prepared.is_still_clear(piece, &self.items[other]))
+            && (!self.filled.is_capped() || self.filled.can_add(&item_layer_areas(prepared, piece)))
     }
 
     fn add_item(&mut self, prepared: &PreparedInstance, piece: PlacedItem) {

@@ -35,6 +35,7 @@ mod pair_records;
 mod paper;
 mod placement;
 mod pollination;
+mod precedence;
 mod preparation;
 mod prepared_instance;
 mod prepared_meshes;
@@ -101,5 +102,7 @@ mod interlock_tests;
 mod nester_tests;
 #[cfg(test)]
 mod open_build_tests;
+#[cfg(test)]
+mod precedence_tests;
 #[cfg(test)]
 mod tie_break_tests;

@@ -14,6 +14,7 @@ use super::{
     lower_bound_mm,
     nesting_run::{COARSE_NODES, COARSE_POINTS, MAX_HEIGHT_RATIO, NestingRun},
     outline::OutlinedInstance,
+    precedence::InsertionEffort,
     prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
     recipe::PlacementRecipe,
     retained::retained_items,
@@ -83,6 +84,8 @@ pub fn nest_with_cache(
 const START_SHARE: f64 = 0.1;
 /// Share of the budget for improving the tie-break criteria after the height search.
 const TIE_BREAK_SHARE: f64 = 0.02;
+/// Share of the budget after which a search that cannot place all copies only decides which of them are in.
+const PRECEDENCE_FROM: f64 = 0.85;
 /// Number of first layouts that are kept as starting points.
 const MAX_FIRST_LAYOUTS: usize = 8;
 /// From this number of copies on, boxes are stacked in one order only.
@@ -98,11 +101,17 @@ const FINER_BATCH: usize = 8;
 
 impl NestingRun<'_> {
     fn run(mut self, start: &[ItemPlacement]) -> NestingSolution {
+        self.search_layout(start);
+        solution_from_items(self.instance, &self.best_items, self.evaluations)
+    }
+
+    /// Searches for the best layout. Returns the prepared instance, unless the budget ended before it was prepared.
+    pub(super) fn search_layout(&mut self, start: &[ItemPlacement]) -> Option<PreparedInstance> {
         let outlined = Arc::new(self.outline_instance());
         if start.is_empty() && self.instance.pinned().is_empty() {
             self.stack_boxes(&outlined);
             if self.stop.spent_share_at(0) >= 1.0 {
-                return solution_from_items(self.instance, &self.best_items, self.evaluations);
+                return None;
             }
         }
         let begun = self.stop.spent_share_at(0);
@@ -111,7 +120,7 @@ impl NestingRun<'_> {
             if self.best_items.is_empty() {
                 self.stack_boxes(&outlined);
             }
-            return solution_from_items(self.instance, &self.best_items, self.evaluations);
+            return None;
         };
         let prepared = self.stop.spent_share_at(0) - begun;
         self.build_first_layouts(&task, start);
@@ -121,9 +130,13 @@ impl NestingRun<'_> {
             self.compress_layouts(&task, 0.6);
             self.retry_unplaced(&task);
         }
-        self.compress_layouts(&task, 1.0 - TIE_BREAK_SHARE);
+        self.enforce_precedence(&task, InsertionEffort::Gap);
+        let is_overfull = self.best_items.len() < task.copies.len();
+        self.compress_layouts(&task, if is_overfull { PRECEDENCE_FROM } else { 1.0 - TIE_BREAK_SHARE });
         self.improve_tie_breaks(&task);
-        solution_from_items(self.instance, &self.best_items, self.evaluations)
+        // Whatever moved since may have made room.
+        self.enforce_precedence(&task, InsertionEffort::Rebuild);
+        Some(task)
     }
 
     /// Stacks bounding boxes in several orders. If not all copies fit, uses the order of precedence.

@@ -1,6 +1,6 @@
 //! One run of our own search: its input, the best layout so far, and the evaluations made.
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use super::{
     InterlockRule, NestingConfig, NestingInstance, PreparedMeshes, ProgressListener, StopCondition,
@@ -33,6 +33,8 @@ pub(super) struct NestingRun<'a> {
     pub(super) best_items: Vec<PlacedItem>,
     /// First layouts, the lowest first.
     pub(super) first_layouts: Vec<Vec<PlacedItem>>,
+    /// Layouts for which no room was found by insertion, by hash.
+    pub(super) failed_insertions: BTreeSet<u64>,
     pub(super) evaluations: u64,
 }
 
@@ -56,6 +58,7 @@ impl<'a> NestingRun<'a> {
             listener,
             best_items: Vec::new(),
             first_layouts: Vec::new(),
+            failed_insertions: BTreeSet::new(),
             evaluations: 0,
         }
     }

@@ -41,7 +41,8 @@ pub trait StopCondition: Sync {
 /// ```
 pub trait ProgressListener {
     /// Called for every better layout: `solution` places all copies, or more copies than before, or the same copies
-    /// at a lower height.
+    /// at a lower height. If not all copies fit, the last layouts may place fewer copies than before, but those of
+    /// higher precedence.
     fn on_improved(&mut self, solution: &NestingSolution, evaluations: u64);
 }
 

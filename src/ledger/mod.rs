@@ -35,6 +35,7 @@ mod part;
 mod part_list;
 mod part_row;
 mod placement;
+mod precedence;
 mod publish;
 mod put_back;
 mod receiver;
@@ -77,6 +78,7 @@ pub use part_row::{
     PartTimes, RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
+pub use precedence::compare_precedence;
 pub use put_back::{PartCopies, PutBackReport, ReprintTarget};
 pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
@@ -85,7 +87,7 @@ pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD};
 pub use time::UtcTimestamp;
 pub use totals::{BuildCount, FarmTotals, MeasuredBuild};
-pub use waiting::WaitingPart;
+pub use waiting::{WaitingPart, rank_waiting_copies};
 
 #[cfg(test)]
 pub(crate) mod fixtures;

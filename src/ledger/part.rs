@@ -2,7 +2,7 @@
 
 use jiff::Timestamp;
 
-use super::{BuildId, Ledger, PartId, PartRow, PartState, UtcTimestamp, error::Result};
+use super::{BuildId, Ledger, PartId, PartRow, PartState, UtcTimestamp, error::Result, precedence::sort_by_precedence};
 
 impl Ledger {
     /// Finds a part by its number.
@@ -105,11 +105,10 @@ impl Ledger {
 
     /// All parts with a copy in a build, in order of precedence.
     pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
-            "SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = ?) \
-             ORDER BY put_back_at IS NULL, put_back_at, priority DESC, due_at IS NULL, due_at, claimed_at, id",
-        );
-        Ok(query.bind(build).fetch_all(self.reader()?).await?)
+        let query = sqlx::query_as("SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = ?)");
+        let mut parts: Vec<PartRow> = query.bind(build).fetch_all(self.reader()?).await?;
+        sort_by_precedence(&mut parts);
+        Ok(parts)
     }
 
     /// The latest part of an earlier claim, not rejected, with the same content in the same profile.

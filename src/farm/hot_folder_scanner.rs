@@ -37,6 +37,13 @@ const DENIED_GRACE: Duration = Duration::from_secs(5);
 /// Interval of counting the refused files.
 const RECOUNT_INTERVAL: Duration = Duration::from_secs(2);
 
+/// The refused files that somebody must handle, and when they were last counted.
+#[derive(Debug, Default)]
+struct RefusedFileCount {
+    files: RefusedFiles,
+    counted_at: Option<Instant>,
+}
+
 /// Scans a hot folder, and remembers what it needs between two scans.
 #[derive(Debug)]
 pub struct HotFolderScanner {
@@ -51,9 +58,7 @@ pub struct HotFolderScanner {
     /// after the hot folder was unavailable, and after an error there.
     pending: Option<Vec<ClaimedPart>>,
     /// The refused files that somebody must handle.
-    refused: RefusedFiles,
-    /// When they were counted last.
-    counted_at: Option<Instant>,
+    refused: RefusedFileCount,
     /// Device and inode of the hot folder at the last scan.
     inbox_identity: Option<(u64, u64)>,
     /// Claims with a file that may not be read, and since when.
@@ -75,8 +80,7 @@ impl HotFolderScanner {
             time,
             emptied_folders: EmptiedFolders::default(),
             pending: None,
-            refused: RefusedFiles::default(),
-            counted_at: None,
+            refused: RefusedFileCount::default(),
             inbox_identity: None,
             unreadable_since: HashMap::new(),
             last_offers: HashSet::new(),
@@ -143,11 +147,13 @@ impl HotFolderScanner {
             self.store_claim(profile, claim, store, &mut scan);
         }
         self.emptied_folders.remove_empty_folders(self.inbox.path(), EmptiedFolders::MIN_AGE);
-        if self.counted_at.is_none_or(|at| self.time.passed_since(at) >= RECOUNT_INTERVAL) || !scan.refused.is_empty() {
-            self.counted_at = Some(self.time.instant());
+        if self.refused.counted_at.is_none_or(|at| self.time.passed_since(at) >= RECOUNT_INTERVAL)
+            || !scan.refused.is_empty()
+        {
+            self.refused.counted_at = Some(self.time.instant());
             scan.refused_file_count = scan
                 .may_refuse
-                .then(|| self.refused.count_unresolved(&profile.folders.error, &profile.name, find_part));
+                .then(|| self.refused.files.count_unresolved(&profile.folders.error, &profile.name, find_part));
         }
         scan
     }

@@ -105,7 +105,8 @@ impl Ledger {
 
     /// All parts with a copy in a build, in order of precedence.
     pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = ?)");
+        let query =
+            sqlx::query_as("SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = ?)");
         let mut parts: Vec<PartRow> = query.bind(build).fetch_all(self.reader()?).await?;
         sort_by_precedence(&mut parts);
         Ok(parts)

@@ -22,7 +22,16 @@ pub fn compare_precedence((one, one_stands): (&PartRow, bool), (other, other_sta
     let key = |part: &PartRow, stands: bool| {
         let due = part.terms.due_at.map(|due| due.0);
         let put_back = part.owed.put_back_at.map(|at| at.0);
-        (put_back.is_none(), put_back, Reverse(part.terms.priority), due.is_none(), due, !stands, part.times.claimed_at.0, part.id)
+        (
+            put_back.is_none(),
+            put_back,
+            Reverse(part.terms.priority),
+            due.is_none(),
+            due,
+            !stands,
+            part.times.claimed_at.0,
+            part.id,
+        )
     };
     key(one, one_stands).cmp(&key(other, other_stands))
 }

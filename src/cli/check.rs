@@ -44,6 +44,7 @@ pub fn run(common: &CommonArgs, args: &CheckArgs) -> Result<CommandExit> {
         }
         Err(error) => return Err(UsageError(error.to_string()).into()),
     };
+    crate::farm::watch_other_holders(&settings);
     if args.repair {
         deep::repair_ledger(&settings, &args.new_folder, &mut report)?;
     }

@@ -11,7 +11,8 @@ use super::{
     alert_registry::AlertRegistry,
     claim_completion,
     farm::Farm,
-    folder_lease::{FolderLease, LeaseError, LeaseHolder},
+    folder_lease::{FolderLease, LeaseError},
+    lease_holder::LeaseHolder,
     machine_state::MachineStates,
     mark_note,
 };

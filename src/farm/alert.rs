@@ -27,6 +27,8 @@ pub enum AlertKind {
     ArchiveAway,
     /// An error folder cannot be used.
     ErrorFolderAway,
+    /// Another daemon serves folders of a machine.
+    HeldByOther,
     /// Claims of another farm lie in a hot folder.
     ForeignClaims,
     /// A machine's folders cannot be made.
@@ -86,7 +88,7 @@ impl AlertKind {
     }
 
     /// Every kind.
-    pub const ALL: [Self; 28] = [
+    pub const ALL: [Self; 29] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -96,6 +98,7 @@ impl AlertKind {
         Self::QueueAway,
         Self::ArchiveAway,
         Self::ErrorFolderAway,
+        Self::HeldByOther,
         Self::ForeignClaims,
         Self::FoldersMissing,
         Self::TakingFails,
@@ -133,6 +136,7 @@ impl AlertKind {
             Self::QueueAway => "The queue folder cannot be used",
             Self::ArchiveAway => "The archive cannot be used",
             Self::ErrorFolderAway => "The error folder cannot be used",
+            Self::HeldByOther => "Another nestd serves the folders: this one takes and prints nothing there",
             Self::ForeignClaims => "Another nestd has claimed files in the hot folder, and they are left to it",
             Self::FoldersMissing => "The folders cannot be made",
             Self::TakingFails => "Files cannot be taken out of the hot folder",
@@ -186,6 +190,10 @@ impl AlertKind {
             Self::ErrorFolderAway => {
                 "Mount it again, and let nestd's user write into it. What is refused stays where it is until then. If it was \
                  replaced on purpose, accept the folder that is there now: touch its .nestd-owner."
+            }
+            Self::HeldByOther => {
+                "Stop one of the two, or give each folders of its own. When the other one has ended, this one goes on by itself \
+                 within half a minute, after it has compared the folders with its ledger."
             }
             Self::ForeignClaims => {
                 "If that nestd is still in use, start it: it takes them itself. If it is gone for good, or another one \

@@ -141,6 +141,11 @@ impl AlertRegistry {
         }
     }
 
+    /// Whether an alert is active.
+    pub fn is_active(&self, kind: AlertKind, profile: &str, about: &str) -> bool {
+        self.active.contains_key(&(kind, profile.to_owned(), about.to_owned()))
+    }
+
     /// Clears the alerts of a kind whose profile is not in the list.
     pub fn retain_profiles(&mut self, kind: AlertKind, profiles: &[String]) {
         let gone = |(of, profile, _): &&AlertKey| *of == kind && !profiles.contains(profile);

@@ -176,7 +176,7 @@ fn claims_in_work(settings: &Settings, with_hashes: bool) -> Result<(Vec<String>
 
 /// The claims of this farm that another farm has taken over.
 fn claims_taken_over(settings: &Settings) -> Result<Vec<String>> {
-    let farm = fs::read_to_string(settings.state_dir.join(super::folder_lease::FARM_ID_FILE)).unwrap_or_default();
+    let farm = fs::read_to_string(settings.state_dir.join(super::lease_holder::FARM_ID_FILE)).unwrap_or_default();
     let mut claims = Vec::new();
     for profile in settings.profiles.values().filter(|_| !farm.trim().is_empty()) {
         let inbox = &profile.folders.inbox;

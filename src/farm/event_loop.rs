@@ -166,7 +166,8 @@ pub(super) async fn shut_down(farm: &mut Farm) {
     if farm.lifecycle.is_halted {
         status::write_stopped_status(farm).await;
         // Nothing is written into a damaged ledger, and it gets no checksum.
-        lease_renewal::release_leases(&mut farm.machines);
+        lease_renewal::release_leases(&mut farm.machines, &mut farm.alerts);
+        farm.alerts.write_if_changed(&farm.settings.state_dir);
         if farm.ledger.ensure_files_in_place().is_ok() {
             farm.ledger.close().await;
         }
@@ -174,7 +175,8 @@ pub(super) async fn shut_down(farm: &mut Farm) {
     }
     save_found_layouts(farm).await;
     status::write_stopped_status(farm).await;
-    lease_renewal::release_leases(&mut farm.machines);
+    lease_renewal::release_leases(&mut farm.machines, &mut farm.alerts);
+    farm.alerts.write_if_changed(&farm.settings.state_dir);
     if let Err(failure) = farm.ledger.record_shutdown().await {
         warn!("The stop could not be recorded in the ledger: {failure}.");
     }

@@ -12,16 +12,18 @@ use crate::settings::{MachineProfile, Settings};
 
 /// A folder that must be read and cannot be.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "{} cannot be looked at ({why}), and nothing else shows what was printed. Mount it again and let nestd's user \
-     read it, then try again; if it is lost for good or truly new, \
-     say so with `--new-folder {}`", .folder.display(), .folder.display()
-)]
+#[error("{} cannot be looked at ({why}), and nothing else shows what was printed{remedy}", .folder.display())]
 pub struct FolderUnavailableError {
     /// The folder.
     pub folder: PathBuf,
     /// Why not.
     pub why: String,
+    /// Whether the whole folder is not there, is another one, or is served by another daemon.
+    pub is_away: bool,
+    /// Whether another daemon serves it.
+    pub is_served_by_other: bool,
+    /// What to do about it, as the rest of the sentence; "" = whoever reports it says so.
+    remedy: String,
 }
 
 /// A build that was found in the folders.
@@ -57,8 +59,28 @@ impl FolderExpectations {
             }
             // It is another directory than the one that was served, but a person has declared it as new.
             Err(LeaseError::Replaced(_)) if self.is_declared_new(folder) => Ok(true),
-            Err(LeaseError::Io { why, .. }) => Err(unavailable_error(folder, &why)),
-            Err(error) => Err(FolderUnavailableError { folder: folder.to_owned(), why: error.to_string() }),
+            Err(error) => {
+                let why = match &error {
+                    LeaseError::Io { why, .. } => why.to_string(),
+                    other => other.to_string(),
+                };
+                let remedy = match &error {
+                    LeaseError::HeldByOther { .. } => String::new(),
+                    _ => format!(
+                        ". Mount it again and let nestd's user read it, then try again; if it is lost for good or truly \
+                         new, say so with `--new-folder {}`",
+                        folder.display()
+                    ),
+                };
+                let is_served_by_other = matches!(error, LeaseError::HeldByOther { .. });
+                Err(FolderUnavailableError {
+                    folder: folder.to_owned(),
+                    why,
+                    is_away: true,
+                    is_served_by_other,
+                    remedy,
+                })
+            }
         }
     }
 
@@ -82,7 +104,13 @@ impl FolderExpectations {
 }
 
 fn unavailable_error(folder: &Path, error: &io::Error) -> FolderUnavailableError {
-    FolderUnavailableError { folder: folder.to_owned(), why: error.to_string() }
+    FolderUnavailableError {
+        folder: folder.to_owned(),
+        why: error.to_string(),
+        is_away: false,
+        is_served_by_other: false,
+        remedy: String::new(),
+    }
 }
 
 /// The builds in a machine's archive and queue, oldest first.

@@ -15,6 +15,8 @@ use super::{
 #[derive(Clone)]
 pub(super) struct FolderComparisonJob {
     profile: String,
+    /// Count of the interruptions of the leases when it began: what was compared before a later one says nothing.
+    interruptions: u32,
 }
 
 impl BackgroundJob<Farm> for FolderComparisonJob {
@@ -26,7 +28,11 @@ impl BackgroundJob<Farm> for FolderComparisonJob {
     }
 
     async fn on_done(self, farm: &mut Farm, compared: Self::Outcome) -> Result<()> {
-        on_folders_compared(farm, &self.profile, compared);
+        let leases = farm.machines.get(&self.profile).map(|machine| &machine.leases);
+        match leases.is_some_and(|leases| leases.interruption_count() != self.interruptions) {
+            true => start_folder_comparison(farm),
+            false => on_folders_compared(farm, &self.profile, compared),
+        }
         Ok(())
     }
 }
@@ -39,8 +45,9 @@ pub(super) fn start_folder_comparison(farm: &mut Farm) {
     for (name, machine) in &farm.machines {
         let store = store.clone();
         let (settings, ledger, profile) = (farm.settings.clone(), farm.ledger.clone(), machine.profile.clone());
+        let interruptions = machine.leases.interruption_count();
         let (before, runtime) = (machine.agreed_folders, tokio::runtime::Handle::current());
-        farm.jobs.start(FolderComparisonJob { profile: name.clone() }, move || {
+        farm.jobs.start(FolderComparisonJob { profile: name.clone(), interruptions }, move || {
             runtime.block_on(compare_machine_folders(&settings, &ledger, &store, &profile, before))
         });
     }
@@ -49,8 +56,10 @@ pub(super) fn start_folder_comparison(farm: &mut Farm) {
 /// Takes in the result.
 fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) {
     let Some(machine) = farm.machines.get_mut(name) else { return };
-    let (behind, away) = match compared {
+    let is_away = matches!(compared, FolderComparison::FolderAway);
+    let (behind, unreadable) = match compared {
         FolderComparison::Unchanged => return,
+        FolderComparison::FolderAway => (None, None),
         FolderComparison::LedgerCurrent(seen) => {
             machine.agreed_folders = Some(seen);
             machine.next_batch_at = farm.schedule.time.instant();
@@ -59,11 +68,16 @@ fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) 
         FolderComparison::LedgerBehind(detail) => (Some(detail), None),
         FolderComparison::Unavailable(why) => (None, Some(why)),
     };
+    if is_away && farm.alerts.is_active(AlertKind::LedgerBehind, name, "comparison") {
+        // What it held is not settled by its absence.
+        machine.agreed_folders = None;
+        return;
+    }
     machine.may_claim = behind.is_none();
-    if behind.is_some() || away.is_some() {
+    if behind.is_some() || unreadable.is_some() || is_away {
         machine.agreed_folders = None;
     }
-    for (kind, detail) in [(AlertKind::LedgerBehind, behind), (AlertKind::FoldersMissing, away)] {
+    for (kind, detail) in [(AlertKind::LedgerBehind, behind), (AlertKind::ArchiveAway, unreadable)] {
         match detail {
             Some(detail) => farm.alerts.raise(kind, name, "comparison", &detail),
             None => farm.alerts.clear(kind, name, "comparison"),

@@ -8,49 +8,20 @@
 //! knows across restarts which folders had one.
 
 use std::{
-    fs::{self, File, OpenOptions},
-    io::{self, Read, Write},
-    os::unix::fs::{FileExt, MetadataExt, OpenOptionsExt},
+    io,
     path::{Path, PathBuf},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     time::Instant,
 };
 
-use jiff::Timestamp;
-use rustix::fs::{FlockOperation, flock};
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::{
     known_folders,
     lease_clock::{LeaseTimestamp, takeover_delay},
-    state_lock,
+    lease_holder::LeaseHolder,
+    lease_marker::{self, LeaseMarker, folder_identity, read_marker, write_marker},
 };
-
-/// Name of the marker in each folder: a dot-file, which no scan and no printer takes.
-pub(super) const NAME: &str = ".nestd-owner";
-/// Name of the file with the farm's id in the state directory.
-pub const FARM_ID_FILE: &str = "nestd.farm";
-/// Fixed length of the marker, so that a renewal is a single write that never shortens it.
-const BYTES: usize = 1024;
-
-/// A daemon, as named in its marker.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LeaseHolder {
-    /// Id of its farm: a random number in its state directory.
-    farm: String,
-    /// Name of its server.
-    host: String,
-    /// Its state directory.
-    state_dir: PathBuf,
-    /// Process id.
-    pid: u32,
-    /// Start time.
-    since: Timestamp,
-    /// Changes as long as the daemon lives.
-    beat: u64,
-    /// The daemon has stopped in order.
-    stopped: bool,
-}
 
 /// Why a folder cannot be used.
 #[derive(Debug, Error)]
@@ -77,8 +48,8 @@ pub enum LeaseError {
     },
     /// It is another directory than before and has no marker: an empty mount point.
     #[error(
-        "{} is not the folder that was there before: its marker {NAME} is missing. Mount it again; if it was replaced or \
-         emptied on purpose: touch {}", .0.display(), .0.join(NAME).display()
+        "{} is not the folder that was there before: its marker {} is missing. Mount it again; if it was replaced or \
+         emptied on purpose: touch {}", .0.display(), lease_marker::NAME, .0.join(lease_marker::NAME).display()
     )]
     Replaced(PathBuf),
     /// Files of the parts are still claimed, by this farm or by one that took them over.
@@ -110,92 +81,27 @@ pub struct FolderLease {
     is_remembered: bool,
     /// The marker of another daemon, and since when it has not changed.
     other_holder: Option<(LeaseHolder, Instant)>,
-}
-
-/// What the marker of a folder says.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum LeaseMarker {
-    /// There is no marker.
-    Missing,
-    /// The marker names no daemon: a person has accepted the folder as it is, or a crash tore the file.
-    NoHolder,
-    /// The daemon that served the folder last.
-    HeldBy(Box<LeaseHolder>),
-}
-
-impl LeaseHolder {
-    /// Id of its farm.
-    pub fn farm_id(&self) -> &str {
-        &self.farm
-    }
-
-    /// The daemon of this process.
-    pub fn for_this_process(state_dir: &Path, since: Timestamp) -> io::Result<Self> {
-        let farm = read_or_create_farm_id(state_dir)?;
-        let state_dir = fs::canonicalize(state_dir)?;
-        Ok(Self {
-            farm,
-            host: state_lock::host_name(),
-            state_dir,
-            pid: std::process::id(),
-            since,
-            beat: 0,
-            stopped: false,
-        })
-    }
-
-    /// Whether the state directory has a farm id.
-    pub(super) fn has_farm_id(state_dir: &Path) -> bool {
-        state_dir.join(FARM_ID_FILE).exists()
-    }
-
-    /// Its state directory.
-    pub(super) fn state_dir(&self) -> &Path {
-        &self.state_dir
-    }
-
-    /// Whether the daemon ran on this server.
-    pub(super) fn is_on_this_host(&self) -> bool {
-        self.host == state_lock::host_name()
-    }
-
-    /// Whether the daemon may be alive, as far as this can be decided at once: it has not stopped, and it holds its
-    /// lock or is on another server.
-    pub(super) fn may_be_alive(&self) -> bool {
-        !(self.stopped || self.is_on_this_host() && self.is_state_lock_held() == Some(false))
-    }
-
-    /// Whether both are the same farm: this process holds the lock of its state directory, so an earlier daemon of it
-    /// is dead. A copied state directory, or one that was moved to another server, is another farm.
-    fn is_same_farm(&self, other: &Self) -> bool {
-        (&self.farm, &self.host, &self.state_dir) == (&other.farm, &other.host, &other.state_dir)
-    }
-
-    /// Whether the daemon holds the lock of its state directory; `None` = this cannot be decided from here. (Containers
-    /// may share the name of their server and each have a folder of their own under the same path.)
-    fn holds_state_lock(&self, asks: &Self) -> Option<bool> {
-        if self.host != asks.host || self.state_dir == asks.state_dir {
-            return None;
-        }
-        self.is_state_lock_held()
-    }
-
-    fn is_state_lock_held(&self) -> Option<bool> {
-        let nofollow = (rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK).bits();
-        let path = self.state_dir.join(state_lock::NAME);
-        let file = OpenOptions::new().read(true).custom_flags(nofollow as i32).open(path).ok()?;
-        match flock(&file, FlockOperation::NonBlockingLockShared) {
-            Ok(()) => Some(false),
-            Err(rustix::io::Errno::WOULDBLOCK) => Some(true),
-            Err(_) => None,
-        }
-    }
+    /// The last two markers that this process wrote or tried to write, shared by all clones of the lease. Any other
+    /// marker was written by somebody else: by another farm, by a copy of this farm with the same id, or by this very
+    /// process before its machine was put back to a snapshot.
+    written: Arc<Mutex<[Option<LeaseHolder>; 2]>>,
+    /// How often the lease was interrupted: somebody else served the folder, or may have, since this process wrote its
+    /// marker.
+    interruptions: u32,
 }
 
 impl FolderLease {
     /// A lease that is not acquired yet.
     pub fn new(me: LeaseHolder, folder: &Path) -> Self {
-        Self { holder: me, folder: folder.to_owned(), held_identity: None, is_remembered: false, other_holder: None }
+        Self {
+            holder: me,
+            folder: folder.to_owned(),
+            held_identity: None,
+            is_remembered: false,
+            other_holder: None,
+            written: Arc::default(),
+            interruptions: 0,
+        }
     }
 
     /// Path of the folder.
@@ -208,12 +114,18 @@ impl FolderLease {
         &self.holder.farm
     }
 
-    /// Checks that the marker names this farm right now, so that the next operation does not work in another farm's
-    /// folder.
+    /// How often somebody else served the folder, or may have, since this process first held it. What the ledger knew of
+    /// the folder before the last time says nothing any more.
+    pub fn interruption_count(&self) -> u32 {
+        self.interruptions
+    }
+
+    /// Checks that the marker is the one that this process wrote last, so that the next operation does not work in
+    /// another farm's folder.
     pub fn check_held(&self) -> Result<(), LeaseError> {
         let folder = self.folder.clone();
         match read_marker(&self.folder).map_err(|source| self.io_error(source))? {
-            LeaseMarker::HeldBy(holder) if self.holder.is_same_farm(&holder) => Ok(()),
+            LeaseMarker::HeldBy(holder) if self.is_own_marker(&holder) => Ok(()),
             LeaseMarker::HeldBy(holder) => Err(LeaseError::HeldByOther { folder, holder }),
             LeaseMarker::Missing | LeaseMarker::NoHolder => Err(LeaseError::Replaced(folder)),
         }
@@ -238,8 +150,21 @@ impl FolderLease {
     /// Acquires the lease or renews it. Call this at every renewal interval.
     pub fn renew(&mut self) -> Result<(), LeaseError> {
         let checked_at = LeaseTimestamp::now();
-        self.check_usable()?;
-        self.holder.beat += 1;
+        let seen = match self.accept_marker() {
+            Ok(seen) => seen,
+            Err(refused) => {
+                let is_held = matches!(refused, LeaseError::HeldByOther { .. } | LeaseError::HolderUnclear { .. });
+                self.interruptions += u32::from(is_held && self.has_written());
+                return Err(refused);
+            }
+        };
+        let is_own = matches!(&seen, LeaseMarker::HeldBy(holder) if self.is_own_marker(holder));
+        self.interruptions += u32::from(self.has_written() && !is_own);
+        self.holder.change_beat();
+        *self.written_markers() = match seen {
+            LeaseMarker::HeldBy(holder) if is_own => [Some(*holder), Some(self.holder.clone())],
+            _ => [None, Some(self.holder.clone())],
+        };
         write_marker(&self.folder, &self.holder, checked_at).map_err(|source| self.io_error(source))?;
         let now = folder_identity(&self.folder).map_err(|source| self.io_error(source))?;
         if !self.is_remembered || self.held_identity != Some(now) {
@@ -252,31 +177,37 @@ impl FolderLease {
 
     /// Checks that the folder may be used: it is available, it is the same as before, and no other daemon serves it.
     pub fn check_usable(&mut self) -> Result<(), LeaseError> {
+        self.accept_marker().map(drop)
+    }
+
+    /// Reads the marker, and checks that the folder may be used.
+    fn accept_marker(&mut self) -> Result<LeaseMarker, LeaseError> {
         let now = folder_identity(&self.folder).map_err(|source| self.io_error(source))?;
         let holder = match read_marker(&self.folder).map_err(|source| self.io_error(source))? {
             LeaseMarker::HeldBy(holder) => *holder,
             mark => {
                 self.other_holder = None;
                 return match self.is_expected_folder(&mark, now) {
-                    true => Ok(()),
+                    true => Ok(mark),
                     false => Err(LeaseError::Replaced(self.folder.clone())),
                 };
             }
         };
-        if holder.stopped || self.holder.is_same_farm(&holder) {
+        let marker = || LeaseMarker::HeldBy(Box::new(holder.clone()));
+        if holder.stopped || self.is_own_marker(&holder) {
             self.other_holder = None;
             // A share may have another device number after it was mounted again.
             self.held_identity = self.held_identity.map(|_| now);
-            return Ok(());
+            return Ok(marker());
         }
         let (folder, boxed) = (self.folder.clone(), Box::new(holder.clone()));
         match holder.holds_state_lock(&self.holder) {
             Some(true) => return Err(LeaseError::HeldByOther { folder, holder: boxed }),
-            Some(false) => return Ok(()),
+            Some(false) => return Ok(marker()),
             None => {}
         }
         match &self.other_holder {
-            Some((known, since)) if *known == holder && since.elapsed() >= takeover_delay() => Ok(()),
+            Some((known, since)) if *known == holder && since.elapsed() >= takeover_delay() => Ok(marker()),
             Some((known, _)) if *known == holder => Err(LeaseError::HolderUnclear { folder, holder: boxed }),
             known => {
                 let moved = known.as_ref().is_some_and(|(known, _)| known.beat != holder.beat);
@@ -289,10 +220,28 @@ impl FolderLease {
         }
     }
 
+    /// Whether a marker is this daemon's: one that this process wrote, or, before it wrote any, one of an earlier daemon
+    /// of the same farm.
+    fn is_own_marker(&self, marker: &LeaseHolder) -> bool {
+        let written = self.written_markers();
+        match written.iter().all(Option::is_none) {
+            true => self.holder.is_same_farm(marker),
+            false => written.iter().flatten().any(|own| own == marker),
+        }
+    }
+
+    fn has_written(&self) -> bool {
+        self.written_markers().iter().any(Option::is_some)
+    }
+
+    fn written_markers(&self) -> MutexGuard<'_, [Option<LeaseHolder>; 2]> {
+        self.written.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Records that this daemon no longer serves the folder. A folder of another farm is left alone.
     pub fn release(&mut self) {
         let checked_at = LeaseTimestamp::now();
-        let is_ours = |mark| matches!(mark, LeaseMarker::HeldBy(holder) if self.holder.is_same_farm(&holder));
+        let is_ours = |mark| matches!(mark, LeaseMarker::HeldBy(holder) if self.is_own_marker(&holder));
         if self.held_identity.is_some() && read_marker(&self.folder).is_ok_and(is_ours) {
             self.holder.stopped = true;
             // Without this entry the daemon looks as if it had been killed.
@@ -308,76 +257,6 @@ impl FolderLease {
 
     fn io_error(&self, source: io::Error) -> LeaseError {
         LeaseError::Io { folder: self.folder.clone(), why: source }
-    }
-}
-
-/// The id of a farm, created at its first start.
-fn read_or_create_farm_id(state_dir: &Path) -> io::Result<String> {
-    let path = state_dir.join(FARM_ID_FILE);
-    match fs::read_to_string(&path) {
-        Ok(number) if !number.trim().is_empty() => return Ok(number.trim().to_owned()),
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-        _ => {}
-    }
-    let number = format!("{:032x}", rand::random::<u128>());
-    let mut file = tempfile::Builder::new().prefix(".nestd-farm-").tempfile_in(state_dir)?;
-    writeln!(file, "{number}")?;
-    file.as_file().sync_all()?;
-    file.persist(&path)?;
-    File::open(state_dir)?.sync_all()?;
-    Ok(number)
-}
-
-/// Device and inode of a folder.
-pub(super) fn folder_identity(folder: &Path) -> io::Result<(u64, u64)> {
-    let meta = fs::metadata(folder)?;
-    match meta.is_dir() {
-        true => Ok((meta.dev(), meta.ino())),
-        false => Err(io::ErrorKind::NotADirectory.into()),
-    }
-}
-
-/// Reads the marker of a folder; an unreadable text counts as a marker without a holder.
-pub(super) fn read_marker(folder: &Path) -> io::Result<LeaseMarker> {
-    let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
-    let mut text = String::new();
-    match OpenOptions::new().read(true).custom_flags(flags.bits() as i32).open(folder.join(NAME)) {
-        Ok(file) => match file.take(BYTES as u64).read_to_string(&mut text) {
-            Err(error) if error.raw_os_error().is_some() => return Err(error),
-            _ => {}
-        },
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(LeaseMarker::Missing),
-        Err(error) => return Err(error),
-    }
-    Ok(serde_json::from_str(text.trim_end())
-        .map_or(LeaseMarker::NoHolder, |holder| LeaseMarker::HeldBy(Box::new(holder))))
-}
-
-/// Writes the marker in place and at full length: a reader sees the old or the new number. Fails if `checked_at` is too
-/// old: after a long pause the daemon would overwrite the name of another one that has taken the folder meanwhile.
-fn write_marker(folder: &Path, holder: &LeaseHolder, checked_at: LeaseTimestamp) -> io::Result<()> {
-    let mut text = serde_json::to_string(holder).map_err(io::Error::other)?;
-    text.extend(std::iter::repeat_n(' ', BYTES.saturating_sub(text.len() + 1)));
-    text.push('\n');
-    let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
-    let mut open = OpenOptions::new();
-    open.write(true).create(true).truncate(false).custom_flags(flags.bits() as i32);
-    let file = match open.open(folder.join(NAME)) {
-        // An administrator created it to accept the folder: the folder is ours, so the marker may be replaced.
-        Err(error)
-            if error.kind() == io::ErrorKind::PermissionDenied && read_marker(folder)? == LeaseMarker::NoHolder =>
-        {
-            fs::remove_file(folder.join(NAME))?;
-            open.open(folder.join(NAME))?
-        }
-        other => other?,
-    };
-    if file.metadata()?.len() == 0 {
-        crate::access::apply_file_permissions(&file)?;
-    }
-    match checked_at.is_valid() {
-        true => file.write_all_at(text.as_bytes(), 0),
-        false => Err(io::ErrorKind::TimedOut.into()),
     }
 }
 

@@ -1,9 +1,18 @@
 //! Leases on folders: one daemon at a time, and never on an empty directory in the place of a folder.
 
-use super::{super::folder_check, *};
+use std::fs;
+
+use jiff::Timestamp;
+
+use super::{
+    super::{folder_check, lease_holder::FARM_ID_FILE, state_lock},
+    lease_marker::{BYTES, NAME},
+    *,
+};
 
 fn holder(host: &str, state_dir: &Path) -> LeaseHolder {
-    LeaseHolder { host: host.to_owned(), ..LeaseHolder::for_this_process(state_dir, Timestamp::UNIX_EPOCH).unwrap() }
+    let here = LeaseHolder::for_this_process(state_dir, Timestamp::UNIX_EPOCH).unwrap();
+    LeaseHolder { host: host.to_owned(), place: format!("{host} {}", here.place), ..here }
 }
 
 #[test]
@@ -120,4 +129,71 @@ fn who_stood_still_after_its_look_does_not_write_over_the_name_of_another() {
         FolderLease::new(holder("far", dir.path()), dir.path()).check_held(),
         Err(LeaseError::HeldByOther { .. })
     ));
+}
+
+/// Renews until it is clear that the other daemon is dead.
+fn renew_after_takeover_delay(lease: &mut FolderLease) {
+    let (_, since) = lease.other_holder.as_mut().unwrap();
+    *since -= takeover_delay();
+    lease.renew().unwrap();
+}
+
+#[test]
+fn whoever_served_a_folder_in_between_has_interrupted_the_lease_even_if_it_has_stopped_or_has_the_same_id() {
+    let dir = tempfile::tempdir().unwrap();
+    let me = holder("here", dir.path());
+    let mut lease = FolderLease::new(me.clone(), dir.path());
+    lease.renew().unwrap();
+    lease.renew().unwrap();
+    lease.clone().check_held().unwrap();
+    assert_eq!(lease.interruption_count(), 0);
+    // A copy of the farm on another server, which has stopped in order meanwhile.
+    let mut copy =
+        FolderLease::new(LeaseHolder { host: "far".to_owned(), place: "far".to_owned(), ..me.clone() }, dir.path());
+    let _ = copy.renew();
+    renew_after_takeover_delay(&mut copy);
+    assert!(lease.clone().check_held().is_err());
+    copy.release();
+    assert!(lease.clone().check_held().is_err());
+    lease.renew().unwrap();
+    assert_eq!(lease.interruption_count(), 1);
+    // A copy of the running machine: same name, same folder, same process; only its beat differs.
+    let mut twin = FolderLease { written: Arc::default(), ..lease.clone() };
+    twin.holder.pid += 1;
+    twin.renew().unwrap();
+    assert!(matches!(lease.renew(), Err(LeaseError::HolderUnclear { .. })));
+    assert!(lease.clone().check_held().is_err());
+    twin.renew().unwrap();
+    assert!(matches!(lease.renew(), Err(LeaseError::HeldByOther { .. })));
+    renew_after_takeover_delay(&mut lease);
+    assert!(lease.interruption_count() > 2);
+    // Its own marker of before, as after the share was put back to a snapshot.
+    let (before, count) = (fs::read(dir.path().join(NAME)).unwrap(), lease.interruption_count());
+    for _ in 0..3 {
+        lease.renew().unwrap();
+    }
+    fs::write(dir.path().join(NAME), before).unwrap();
+    assert!(lease.clone().check_held().is_err());
+    assert!(lease.renew().is_err());
+    renew_after_takeover_delay(&mut lease);
+    assert!(lease.interruption_count() > count);
+    // A marker that was removed says nothing of who was here.
+    let count = lease.interruption_count();
+    fs::remove_file(dir.path().join(NAME)).unwrap();
+    lease.renew().unwrap();
+    assert_eq!(lease.interruption_count(), count + 1);
+}
+
+#[test]
+fn a_copied_machine_of_the_same_name_is_another_daemon_and_a_container_of_another_name_is_not() {
+    let dir = tempfile::tempdir().unwrap();
+    let (state, folder) = (dir.path().join("state"), dir.path().join("inbox"));
+    fs::create_dir(&state).unwrap();
+    fs::create_dir(&folder).unwrap();
+    let me = LeaseHolder::for_this_process(&state, Timestamp::UNIX_EPOCH).unwrap();
+    FolderLease::new(me.clone(), &folder).renew().unwrap();
+    let copy = LeaseHolder { place: "another boot".to_owned(), ..me.clone() };
+    assert!(matches!(FolderLease::new(copy, &folder).renew(), Err(LeaseError::HolderUnclear { .. })));
+    FolderLease::new(LeaseHolder { host: "0f3a".to_owned(), ..me }, &folder).renew().unwrap();
+    folder_check::check_readable(&state, &folder).unwrap();
 }

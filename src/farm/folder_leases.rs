@@ -1,13 +1,41 @@
 //! The leases on the folders of a machine, acquired and renewed together.
 
 use super::{
-    folder_lease::{FolderLease, LeaseError, LeaseHolder},
+    folder_lease::{FolderLease, LeaseError},
     lease_clock::LeaseTimestamp,
+    lease_holder::LeaseHolder,
 };
 use crate::{
     intake,
     settings::{MachineFolders, MachineProfile},
 };
+
+/// Why a folder cannot be used, for alerts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum LeaseProblem {
+    /// It is not there, is not the expected one, or cannot be read or written.
+    Unavailable(String),
+    /// Another daemon serves it.
+    HeldByOther(String),
+    /// It names another daemon, and it is not clear yet whether that one is alive.
+    HolderUnclear(String),
+}
+
+impl LeaseProblem {
+    fn new(error: &LeaseError) -> Self {
+        match error {
+            LeaseError::HeldByOther { .. } => Self::HeldByOther(error.to_string()),
+            LeaseError::HolderUnclear { .. } => Self::HolderUnclear(error.to_string()),
+            _ => Self::Unavailable(error.to_string()),
+        }
+    }
+
+    /// The error in plain words.
+    pub fn text(&self) -> &str {
+        let (Self::Unavailable(text) | Self::HeldByOther(text) | Self::HolderUnclear(text)) = self;
+        text
+    }
+}
 
 /// The leases on the folders of a profile.
 #[derive(Debug, Clone)]
@@ -20,8 +48,8 @@ pub struct FolderLeases {
     pub archive: FolderLease,
     /// Lease on the error folder.
     pub error: FolderLease,
-    /// The error of each lease, in plain words.
-    pub errors: [Option<String>; 4],
+    /// The problem of each lease.
+    pub errors: [Option<LeaseProblem>; 4],
     /// When the leases were last renewed; `None` = never.
     renewed_at: Option<LeaseTimestamp>,
     /// Claims of this farm that another farm has taken over.
@@ -57,10 +85,15 @@ impl FolderLeases {
         self.renewed_at.is_some_and(LeaseTimestamp::is_valid)
     }
 
+    /// How often somebody else served one of the folders, or may have, since this process first held them.
+    pub fn interruption_count(&self) -> u32 {
+        [&self.inbox, &self.queue, &self.archive, &self.error].iter().map(|lease| lease.interruption_count()).sum()
+    }
+
     /// Renews all leases, and checks what other farms have done in the hot folder.
     pub fn renew_all(&mut self) {
         self.renewed_at = Some(LeaseTimestamp::now());
-        self.errors = self.all_leases().map(|lease| lease.renew().err().map(|error| error.to_string()));
+        self.errors = self.all_leases().map(|lease| lease.renew().err().as_ref().map(LeaseProblem::new));
         if let Ok(taken_over) = intake::taken_over_claims(self.inbox.folder_path(), self.inbox.farm_id()) {
             self.taken_over = taken_over;
         }
@@ -81,7 +114,7 @@ impl FolderLeases {
                 Err(refused @ LeaseError::HeldByOther { .. }) => return Err(refused),
                 Err(error) => {
                     is_clear &= !matches!(error, LeaseError::HolderUnclear { .. });
-                    Some(error.to_string())
+                    Some(LeaseProblem::new(&error))
                 }
             };
         }

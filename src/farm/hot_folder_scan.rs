@@ -27,6 +27,8 @@ pub struct HotFolderScan {
     pub drops: Vec<ClaimedDrop>,
     /// Why the hot folder cannot be scanned.
     pub unavailable_reason: Option<String>,
+    /// Its lease is the reason, which the renewal of the leases reports.
+    pub is_lease_refused: bool,
     /// Seconds until the next useful scan, if something is settling.
     pub next_secs: Option<f64>,
     /// Files that were refused without becoming a part: display name, kind and reason.

@@ -115,7 +115,7 @@ impl HotFolderScanner {
         let mut scan = HotFolderScan::default();
         let lease = &mut leases.inbox;
         if let Err(error) = lease.check_usable() {
-            scan.unavailable_reason = Some(error.to_string());
+            (scan.unavailable_reason, scan.is_lease_refused) = (Some(error.to_string()), true);
             self.pending = None;
             return scan;
         }

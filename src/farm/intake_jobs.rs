@@ -200,6 +200,7 @@ async fn on_scan_done(
         }
     }
     match &scan.unavailable_reason {
+        Some(_) if scan.is_lease_refused => farm.alerts.clear(AlertKind::HotFolderAway, name, ""),
         Some(why) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", why),
         None => mark_scanned(farm, name),
     }

@@ -49,7 +49,11 @@ async fn check_ledger_knows_folders(settings: &Settings, ledger: &Ledger, report
     }
     for away in away {
         let text = format!("{} cannot be looked at ({})", away.folder.display(), away.why);
-        report.add_violation(Invariant::I1, text, "mount it again, let nestd's user read it, and look once more");
+        let remedy = match away.is_served_by_other {
+            true => "let one farm alone serve it",
+            false => "mount it again, let nestd's user read it, and look once more",
+        };
+        report.add_violation(Invariant::I1, text, remedy);
     }
     Ok(())
 }

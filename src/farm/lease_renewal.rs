@@ -3,11 +3,20 @@
 use std::time::Duration;
 
 use anyhow::Result;
-use tracing::info;
+use tracing::{info, warn};
 
 use super::{
-    adopt, alert::AlertKind, alert_registry::AlertRegistry, farm::Farm, folder_lease::FolderLease,
-    folder_leases::FolderLeases, jobs::BackgroundJob, lease_clock, machine_state::MachineStates, tick_tasks::TimedTask,
+    adopt,
+    alert::AlertKind,
+    alert_registry::AlertRegistry,
+    farm::Farm,
+    folder_comparison,
+    folder_lease::FolderLease,
+    folder_leases::{FolderLeases, LeaseProblem},
+    jobs::BackgroundJob,
+    lease_clock,
+    machine_state::MachineStates,
+    tick_tasks::TimedTask,
 };
 
 /// The alert for each folder, in the order of [`FolderLeases::all_leases`].
@@ -42,7 +51,9 @@ pub(super) fn acquire_leases_at_start(machines: &mut MachineStates, alerts: &mut
         let mut unclear = None;
         for machine in machines.values_mut() {
             if !machine.leases.acquire_missing()? {
-                unclear = machine.leases.errors.iter().flatten().next().cloned();
+                let unclear_lease = |problem: &&LeaseProblem| matches!(problem, LeaseProblem::HolderUnclear(_));
+                let problem = machine.leases.errors.iter().flatten().find(unclear_lease);
+                unclear = problem.map(|problem| problem.text().to_owned());
             }
         }
         let Some(unclear) = unclear else { break };
@@ -86,30 +97,58 @@ async fn on_leases_renewed(farm: &mut Farm, name: &str, leases: FolderLeases, is
     let (before, now) = (machine.leases.foreign_claims, leases.foreign_claims);
     let taken_over = leases.taken_over.clone();
     adopt::give_up_taken_over_claims(farm, name, &taken_over).await?;
+    let mut is_interrupted = false;
     // The folders count as checked only from here on.
     if let Some(machine) = farm.machines.get_mut(name) {
+        is_interrupted = machine.leases.interruption_count() != leases.interruption_count();
+        if is_interrupted {
+            // Another daemon, perhaps a copy of this farm, may have taken and printed the same parts: nothing is taken or
+            // printed before the folders were compared with the ledger again.
+            (machine.agreed_folders, machine.may_claim) = (None, false);
+        }
         if !is_same_queue || !leases.can_publish() {
             // It is opened anew; until then nothing is nested for it.
             machine.queue.opened = None;
         }
         machine.leases = leases;
     }
+    if is_interrupted {
+        warn!(
+            profile = name,
+            "Another nestd may have served the folders of {name} meanwhile: they are compared with the ledger."
+        );
+        folder_comparison::start_folder_comparison(farm);
+    }
     adopt::update_foreign_claims_alert(&mut farm.machines, &mut farm.alerts, name, before, now);
     Ok(())
 }
 
-/// Releases all leases.
-pub(super) fn release_leases(machines: &mut MachineStates) {
-    for machine in machines.values_mut() {
+/// Releases all leases. Whether another daemon serves the folders does not concern a farm that has stopped.
+pub(super) fn release_leases(machines: &mut MachineStates, alerts: &mut AlertRegistry) {
+    for (name, machine) in machines {
         machine.leases.all_leases().into_iter().for_each(FolderLease::release);
+        alerts.clear(AlertKind::HeldByOther, name, "");
     }
 }
 
 fn update_lease_alerts(alerts: &mut AlertRegistry, name: &str, leases: &FolderLeases) {
-    for (kind, wrong) in LEASE_ALERTS.into_iter().zip(&leases.errors) {
-        match wrong {
-            Some(why) => alerts.raise(kind, name, "lease", why),
-            None => alerts.clear(kind, name, "lease"),
+    let mut held = Vec::new();
+    for (kind, problem) in LEASE_ALERTS.into_iter().zip(&leases.errors) {
+        if let Some(LeaseProblem::HeldByOther(why)) = problem {
+            held.push(why.as_str());
         }
+        match problem {
+            Some(LeaseProblem::Unavailable(why)) => alerts.raise(kind, name, "lease", why),
+            // Within seconds it is clear: nobody needs to act on it.
+            Some(LeaseProblem::HolderUnclear(_) | LeaseProblem::HeldByOther(_)) | None => {
+                alerts.clear(kind, name, "lease");
+            }
+        }
+    }
+    let is_unclear = leases.errors.iter().flatten().any(|problem| matches!(problem, LeaseProblem::HolderUnclear(_)));
+    match held.first() {
+        Some(why) => alerts.raise(AlertKind::HeldByOther, name, "", why),
+        None if is_unclear => {}
+        None => alerts.clear(AlertKind::HeldByOther, name, ""),
     }
 }

@@ -142,6 +142,8 @@ pub enum FolderComparison {
     LedgerCurrent(FolderIdentities),
     /// They hold something that the ledger does not know.
     LedgerBehind(String),
+    /// One is not there, or is not the one that this farm served. The leases report it.
+    FolderAway,
     /// They cannot be read.
     Unavailable(String),
 }
@@ -180,14 +182,14 @@ pub(super) async fn compare_machine_folders(
     before: Option<FolderIdentities>,
 ) -> FolderComparison {
     let identity = |folder: &Path| {
-        let meta = std::fs::metadata(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        Ok::<_, String>((meta.dev(), meta.ino()))
+        let meta = std::fs::metadata(folder)?;
+        Ok::<_, std::io::Error>((meta.dev(), meta.ino()))
     };
     let seen = identity(&profile.folders.archive).and_then(|a| Ok([a, identity(&profile.folders.queue)?]));
     let seen = match seen {
         Ok(seen) if before == Some(seen) => return FolderComparison::Unchanged,
         Ok(seen) => seen,
-        Err(why) => return FolderComparison::Unavailable(why),
+        Err(_) => return FolderComparison::FolderAway,
     };
     let unknown = async {
         let mut unknown = find_unknown_build_names(settings, ledger, profile).await?;
@@ -198,6 +200,9 @@ pub(super) async fn compare_machine_folders(
         Ok(unknown) => {
             summarize_unknown(&unknown).map_or(FolderComparison::LedgerCurrent(seen), FolderComparison::LedgerBehind)
         }
-        Err(error) => FolderComparison::Unavailable(format!("{error:#}")),
+        Err(error) => match error.downcast_ref::<FolderUnavailableError>() {
+            Some(unavailable) if unavailable.is_away => FolderComparison::FolderAway,
+            _ => FolderComparison::Unavailable(format!("{error:#}")),
+        },
     }
 }

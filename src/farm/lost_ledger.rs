@@ -1,6 +1,6 @@
 //! A missing, damaged or outdated ledger: how it is detected, and which alert it raises.
 
-use super::{alert::AlertKind, folder_lease, ledger_freshness::LedgerBehindError};
+use super::{alert::AlertKind, lease_holder, ledger_freshness::LedgerBehindError};
 use crate::{intake, ledger::LedgerError, settings::Settings};
 
 /// The ledger is missing, although its farm has worked before.
@@ -40,7 +40,7 @@ pub fn detect_lost_ledger(settings: &Settings) -> Option<String> {
         |folder: &str| intake::files_below(&settings.state_dir.join(folder)).is_ok_and(|files| !files.is_empty());
     let known_by = if is_in_use("store") {
         "files that were taken are in the store"
-    } else if settings.state_dir.join(folder_lease::FARM_ID_FILE).exists() {
+    } else if settings.state_dir.join(lease_holder::FARM_ID_FILE).exists() {
         "this farm has worked before"
     } else {
         return None;

@@ -14,11 +14,12 @@ use crate::ledger::ObservedMachine;
 const UNAVAILABLE_AFTER: SignedDuration = SignedDuration::from_secs(10);
 
 /// Alerts that keep a machine from claiming parts or publishing builds.
-const UNAVAILABLE_KINDS: [AlertKind; 7] = [
+const UNAVAILABLE_KINDS: [AlertKind; 8] = [
     AlertKind::HotFolderAway,
     AlertKind::QueueAway,
     AlertKind::ArchiveAway,
     AlertKind::ErrorFolderAway,
+    AlertKind::HeldByOther,
     AlertKind::QueueReplaced,
     AlertKind::FoldersMissing,
     AlertKind::BuildFailed,

@@ -11,10 +11,10 @@ use nester::SearchBudget;
 
 use super::{
     alert_registry::AlertRegistry,
-    folder_lease::LeaseHolder,
     folder_leases::FolderLeases,
     hot_folder_scanner::HotFolderScanner,
     layout::{BatchLayout, CopyId, LayoutPlacement, placed_from_json},
+    lease_holder::LeaseHolder,
     ledger_freshness::FolderIdentities,
     nesting_search::SharedBestLayout,
     obeyed_controls::ObeyedControls,

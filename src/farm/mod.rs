@@ -52,6 +52,8 @@ mod known_folders;
 mod late_tickets;
 mod layout;
 mod lease_clock;
+mod lease_holder;
+mod lease_marker;
 mod lease_renewal;
 mod ledger_changes;
 mod ledger_freshness;
@@ -109,7 +111,7 @@ pub use cake::{
 pub use disk_cache::DiskPreparationCache;
 pub use event_loop::run;
 pub use farm::halt_summary;
-pub use folder_check::check_readable;
+pub use folder_check::{check_readable, watch_other_holders};
 pub use folder_lease::LeaseError;
 pub use invariants::{Invariant, InvariantExpectations, InvariantReport, InvariantViolation, check_invariants};
 pub use isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};

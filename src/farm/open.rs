@@ -12,8 +12,9 @@ use super::{
     failure::is_disk_failure,
     farm::{Farm, TICK_INTERVAL},
     folder_comparison,
-    folder_lease::{LeaseError, LeaseHolder},
+    folder_lease::LeaseError,
     jobs::JobRunner,
+    lease_holder::LeaseHolder,
     lease_renewal,
     ledger_freshness::check_ledger_current,
     lost_ledger::{LostLedgerError, detect_lost_ledger, ledger_alert},
@@ -96,8 +97,10 @@ async fn open_machines(farm: &mut Farm) -> Result<()> {
     machine_setup::set_up_machines(farm).await?;
     watching::make_folders_at_start(farm);
     watching::start_watcher(farm);
+    lease_renewal::acquire_leases_at_start(&mut farm.machines, &mut farm.alerts)?;
+    // After the leases: a folder whose last daemon died on another server is read only once that is clear.
     folder_comparison::start_folder_comparison(farm);
-    lease_renewal::acquire_leases_at_start(&mut farm.machines, &mut farm.alerts)
+    Ok(())
 }
 
 fn build_farm(load: Load, settings: Settings, parts: OpenedState, time: TimeSource) -> Farm {

@@ -28,8 +28,8 @@ pub(super) struct OpenQueueJob {
 
 impl BackgroundJob<Farm> for OpenQueueJob {
     const KIND: &'static str = "Queue";
-    /// The folder, or the reason why it cannot be used.
-    type Outcome = Result<QueueFolder, String>;
+    /// The folder, or the reason why it cannot be used; `None` = its lease says so.
+    type Outcome = Result<Option<QueueFolder>, String>;
 
     fn subject(&self) -> String {
         self.profile.clone()
@@ -97,13 +97,15 @@ fn on_queue_opened(
     machines: &mut MachineStates,
     alerts: &mut AlertRegistry,
     name: &str,
-    opened: Result<QueueFolder, String>,
+    opened: Result<Option<QueueFolder>, String>,
 ) {
     let Some(machine) = machines.get_mut(name) else { return };
     match opened {
+        // The renewal of the leases reports it.
+        Ok(None) => alerts.clear(AlertKind::QueueAway, name, ""),
         // After a reload, the profile may have another queue folder.
-        Ok(queue) if queue.folder_path() != machine.profile.folders.queue => {}
-        Ok(queue) => {
+        Ok(Some(queue)) if queue.folder_path() != machine.profile.folders.queue => {}
+        Ok(Some(queue)) => {
             machine.queue.opened = Some(queue);
             alerts.clear(AlertKind::QueueAway, name, "");
         }
@@ -151,9 +153,11 @@ struct QueueOpening {
 
 impl QueueOpening {
     /// Opens the folder and removes the half-written files that a crash left in it.
-    async fn open_and_sweep(mut self) -> Result<QueueFolder, String> {
+    async fn open_and_sweep(mut self) -> Result<Option<QueueFolder>, String> {
         // This check comes first, so that an empty mount point is not marked as a queue.
-        self.lease.check_usable().map_err(|error| error.to_string())?;
+        if self.lease.check_usable().is_err() {
+            return Ok(None);
+        }
         let queue = QueueFolder::open(self.lease.folder_path()).map_err(|error| error_chain(&error))?;
         // Another farm staged the builds that this farm has not fired. Their files are kept.
         for file in queue.staged_build_names().unwrap_or_default() {
@@ -165,7 +169,7 @@ impl QueueOpening {
         if !swept.is_empty() {
             info!(profile = %self.profile, files = swept.len(), "Removed half-written files of an earlier run.");
         }
-        Ok(queue)
+        Ok(Some(queue))
     }
 }
 

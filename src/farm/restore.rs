@@ -9,7 +9,7 @@ use std::{
 use anyhow::{Context, Result, ensure};
 
 use super::{
-    folder_builds::FolderExpectations, reconcile::reconcile_ledger, reconcile_report::ReconcileReport,
+    folder_builds::FolderExpectations, folder_check, reconcile::reconcile_ledger, reconcile_report::ReconcileReport,
     state_lock::StateDirLock,
 };
 use crate::{
@@ -68,6 +68,7 @@ async fn rebuild_ledger(
     let _lock = StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())?;
     ledger::clear_unfinished(&settings.ledger)?;
     let known = FolderExpectations { state_dir: settings.state_dir.clone(), new_folders: new_folders.to_vec() };
+    folder_check::watch_other_holders(settings);
     known.check_all_available(settings)?;
     let new = ledger::restoring_path(&settings.ledger);
     match begin {

@@ -11,7 +11,7 @@ use jiff::Timestamp;
 use nester::SearchBudget;
 
 use super::{
-    alert_registry::ServiceBridge, folder_lease::LeaseHolder, forgettable::ForgettingState,
+    alert_registry::ServiceBridge, forgettable::ForgettingState, lease_holder::LeaseHolder,
     ledger_changes::LedgerChangeDetector, nesting_search::SharedBestLayout, retry_backoff::RetryBackoff,
     standing_claim::StandingClaim, state_lock::StateDirLock, tick_tasks::TaskTimes, time_source::TimeSource,
     wall_clock::WallClockMonitor,

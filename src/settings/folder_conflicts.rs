@@ -1,11 +1,22 @@
 //! Finds folders that conflict: if one folder has two purposes, a file in it is taken twice or lost.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs,
+    os::unix::fs::MetadataExt,
+    path::{Path, PathBuf},
+    sync::mpsc,
+    thread,
+    time::Duration,
+};
 
 use super::ConfigProblem;
 
+/// A share that does not answer within this time is not compared: its folders cannot be used now, and each keeps its
+/// lease for one machine.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
+
 /// A configured folder with its purpose and its position in the configuration.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct FolderClaim {
     /// The folder.
     pub folder: PathBuf,
@@ -46,4 +57,48 @@ fn conflict_problem(inner: &FolderClaim, outer: &FolderClaim, relation: &str) ->
         text: format!("{} ({}) {relation} {}", inner.description, inner.folder.display(), outer.description),
         remedy: "give each a folder of its own, none inside another".into(),
     }
+}
+
+/// Reports folders that are used twice, or are inside one another, through a link or a mount.
+pub(super) fn find_linked_conflicts(profiles: Vec<FolderClaim>, state: FolderClaim) -> Vec<ConfigProblem> {
+    let (sender, receiver) = mpsc::channel();
+    let look = move || {
+        let real: Vec<FolderClaim> = profiles.iter().map(resolve_claim).collect();
+        let mut problems = find_conflicts(&real, &resolve_claim(&state));
+        if problems.is_empty() {
+            problems = find_same_directories(&profiles);
+        }
+        drop(sender.send(problems));
+    };
+    let started = thread::Builder::new().name("folders".to_owned()).spawn(look);
+    let mut problems = match started {
+        Ok(_) => receiver.recv_timeout(ANSWER_TIMEOUT).unwrap_or_default(),
+        Err(_) => Vec::new(),
+    };
+    for problem in &mut problems {
+        problem.text += ", through a link or a mount";
+    }
+    problems
+}
+
+/// Reports folders that are one directory, as a mount can make them.
+fn find_same_directories(profiles: &[FolderClaim]) -> Vec<ConfigProblem> {
+    let identity = |claim: &FolderClaim| fs::metadata(&claim.folder).ok().map(|meta| (meta.dev(), meta.ino()));
+    let seen: Vec<Option<(u64, u64)>> = profiles.iter().map(identity).collect();
+    let mut problems = Vec::new();
+    for (at, claim) in profiles.iter().enumerate().filter(|(at, _)| seen[*at].is_some()) {
+        let same = profiles[..at].iter().zip(&seen).find(|(_, id)| **id == seen[at]);
+        problems.extend(same.map(|(earlier, _)| conflict_problem(claim, earlier, "is also")));
+    }
+    problems
+}
+
+/// The claim with the real path of its folder, as far as that exists.
+fn resolve_claim(claim: &FolderClaim) -> FolderClaim {
+    let real = claim.folder.ancestors().find_map(|above| {
+        let rest = claim.folder.strip_prefix(above).ok()?;
+        let real = fs::canonicalize(above).ok()?;
+        Some(if rest.as_os_str().is_empty() { real } else { real.join(rest) })
+    });
+    FolderClaim { folder: real.unwrap_or_else(|| claim.folder.clone()), ..claim.clone() }
 }

@@ -55,7 +55,7 @@ fn not_found_text(searched: &[PathBuf]) -> String {
 pub fn load_settings(config: Option<&Path>, root: Option<&Path>) -> Result<Settings, SettingsError> {
     let file = find_config_file(config)?;
     let mut problems = Vec::new();
-    let settings = read_settings(&file, root, &mut problems);
+    let settings = read_settings(&file, root, &mut problems, true);
     match settings {
         Some(settings) if problems.is_empty() => Ok(settings),
         _ => Err(SettingsError::Invalid(problems)),
@@ -72,7 +72,8 @@ pub fn load_for_viewing(
 ) -> Result<(Settings, Vec<ConfigProblem>), SettingsError> {
     let file = find_config_file(config)?;
     let mut problems = Vec::new();
-    match read_settings(&file, root, &mut problems) {
+    // Links are not followed: a share that hangs must not hold up whoever only looks.
+    match read_settings(&file, root, &mut problems, false) {
         Some(settings) if problems.iter().all(|problem| problem.file != file) => Ok((settings, problems)),
         _ => Err(SettingsError::Invalid(problems)),
     }
@@ -90,7 +91,12 @@ fn find_config_file(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
 }
 
 /// Runs all stages. `None` if the farm file cannot be used.
-fn read_settings(file: &Path, root: Option<&Path>, problems: &mut Vec<ConfigProblem>) -> Option<Settings> {
+fn read_settings(
+    file: &Path,
+    root: Option<&Path>,
+    problems: &mut Vec<ConfigProblem>,
+    follows_links: bool,
+) -> Option<Settings> {
     let farm_text = read_config_text(file, problems);
     let machine_texts = read_machine_files(file, problems);
     let machines: Vec<(&str, Option<ConfigFragment>)> = (machine_texts.iter())
@@ -131,7 +137,11 @@ fn read_settings(file: &Path, root: Option<&Path>, problems: &mut Vec<ConfigProb
         validator.problems.retain(|problem| !problems.contains(problem));
         problems.append(&mut validator.problems);
     }
-    problems.extend(folder_conflicts::find_conflicts(&claims, &state));
+    let conflicts = folder_conflicts::find_conflicts(&claims, &state);
+    if conflicts.is_empty() && follows_links {
+        problems.extend(folder_conflicts::find_linked_conflicts(claims, state));
+    }
+    problems.extend(conflicts);
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {
         file: file.to_owned(),

@@ -316,6 +316,31 @@ fn no_folder_lies_inside_another() {
 }
 
 #[test]
+fn two_machines_that_share_a_folder_through_a_link_are_refused() {
+    let link = std::os::unix::fs::symlink::<PathBuf, PathBuf>;
+    for (kind, name) in [("inbox", "the inbox"), ("queue", "the queue folder")] {
+        let config = TestConfig::new("", &[("a.toml", CUBE), ("b.toml", CUBE)]);
+        fs::write(config.file("nestd.toml"), format!("root = {:?}\n", config.file("farm"))).unwrap();
+        config.load().unwrap();
+        fs::create_dir_all(config.file("farm").join(kind).join("a")).unwrap();
+        link("a".into(), config.file("farm").join(kind).join("b")).unwrap();
+        let problems = config.problems();
+        let also = format!("{name} of b (farm/{kind}/a) is also {name} of a, through a link or a mount");
+        assert!(problems.len() == 1 && problems[0].contains(&also), "{problems:?}");
+        // What does not exist yet lies behind a link above it.
+        fs::remove_file(config.file("farm").join(kind).join("b")).unwrap();
+        link(config.file("farm").join(kind).join("a"), config.file("farm/other")).unwrap();
+        fs::write(
+            config.file("profiles/b.toml"),
+            format!("{CUBE}[folders]\n{kind} = {:?}\n", config.file("farm/other/deep")),
+        )
+        .unwrap();
+        let problems = config.problems();
+        assert!(problems[0].contains("lies inside") && problems[0].contains("through a link"), "{problems:?}");
+    }
+}
+
+#[test]
 fn a_file_name_that_cannot_be_a_folder_name_is_refused() {
     for name in ["MJF.toml", "a b.toml", "ä.toml", &format!("{}.toml", "x".repeat(41))] {
         let problems = TestConfig::new("", &[(name, CUBE)]).problems();

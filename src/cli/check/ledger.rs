@@ -102,7 +102,11 @@ async fn compare_with_folders(ledger: &Ledger, settings: &Settings, report: &mut
             }
             for folder in away {
                 let text = format!("{} cannot be looked at: {}", folder.folder.display(), folder.why);
-                report.add_problem(SUBJECT, text, "mount it again, and let nestd's user read it");
+                let remedy = match folder.is_served_by_other {
+                    true => "let one farm alone serve it",
+                    false => "mount it again, and let nestd's user read it",
+                };
+                report.add_problem(SUBJECT, text, remedy);
             }
         }
         Err(error) => {

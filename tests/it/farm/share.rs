@@ -77,7 +77,8 @@ fn an_empty_directory_in_the_place_of_the_hot_folder_is_unavailable_until_the_fo
     fs::rename(&inbox, &away).unwrap();
     says(&farm, "The hot folder is unavailable");
     fs::create_dir(&inbox).unwrap();
-    says(&farm, "is not the folder that was there before: its marker .nestd-owner is missing");
+    let replaced = "is not the folder that was there before: its marker .nestd-owner is missing";
+    wait_until_or("status says so", 20.0, || farm.log(), || farm.nestd_ok(&["status"]).contains(replaced));
     fs::write(inbox.join("b.stl"), super::support::stl(&block(10.0, 20.0, 10.0))).unwrap();
     std::thread::sleep(Duration::from_secs(2));
     assert_eq!(farm.parts(PartState::Waiting).len(), 1, "a part was taken out of an empty mount point");

@@ -35,7 +35,7 @@ pub fn lookup_text(found: &LookupResult) -> String {
 fn build_text(sheet: &BuildDetails) -> String {
     let row = &sheet.build;
     let file = sheet.file.as_ref().map(|file| file.display().to_string());
-    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), Timestamp::now());
+    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), Some(Timestamp::now()));
     facts.splice(0..0, fields::REASON.fact(&row.reason));
     let mut text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, align_fields(&facts));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;

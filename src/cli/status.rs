@@ -11,7 +11,7 @@ use super::{
     watch::watch_terminal,
 };
 use crate::{
-    farm::{self, AlertSummary, FarmAlert},
+    farm::{self, AlertKind, AlertSummary, FarmAlert},
     intake,
     ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
     settings::Settings,
@@ -185,6 +185,11 @@ impl FarmStatus {
     fn activity_text(&self) -> String {
         if let Some(halted) = farm::halt_summary(&self.attention) {
             return halted;
+        }
+        // The files name other machines than the daemon serves.
+        let is_rejected = self.attention.iter().any(|alert| alert.kind == AlertKind::ConfigurationWrong);
+        if let Some(daemon) = self.daemon.as_ref().filter(|daemon| is_rejected && !daemon.status.is_empty()) {
+            return daemon.status.clone();
         }
         let machines = self.profiles.iter().filter(|machine| machine.configured).count();
         farm::farm_summary(machines, self.profiles.iter().map(|machine| &machine.forecast.status))

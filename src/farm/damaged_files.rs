@@ -52,7 +52,7 @@ pub(super) async fn continue_without_lost_file(farm: &mut Farm, build: BuildId, 
     let gone: Vec<(PartId, u32)> = all.iter().copied().filter(|(part, _)| parts.contains(part)).collect();
     match gone.len() < all.len() {
         true => {
-            farm.ledger.release_copies(build, &gone).await?;
+            farm.ledger.release_copies(build, &gone, "its stored file is damaged").await?;
             // Not a fault of the build: it does not count as an attempt.
             farm.nesting.just_fired.insert(build);
         }

@@ -86,6 +86,10 @@ async fn nest_build(farm: &mut Farm, build: BuildRow) -> Result<()> {
         return Ok(());
     }
     let parts = farm.ledger.parts_of_build(build.id).await?;
+    if parts.is_empty() {
+        // A repair of the ledger has taken its copies out: no fault that a person must mend.
+        return Ok(farm.ledger.fail_build(build.id, "none of its copies is left in it").await?);
+    }
     // The originals of a build that is issued once more are being fetched from the archive.
     if parts.iter().any(|part| part.owed.fetch_at.is_some()) {
         return Ok(());
@@ -181,7 +185,7 @@ async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<Written
     }
     if !written.unplaced.is_empty() {
         info!(build.id = %build, "{} in build {build}: left for the next.", format_count(written.unplaced.len(), "copy found no place", "copies found no place"));
-        farm.ledger.release_copies(build, &written.unplaced).await?;
+        farm.ledger.release_copies(build, &written.unplaced, "found no place").await?;
     }
     farm.ledger.verify_build(build, &written.verified, &written.placed).await?;
     if !written.locked.is_empty() {
@@ -221,8 +225,12 @@ async fn on_search_failed(farm: &mut Farm, build: BuildId, failure: &anyhow::Err
 
 /// Fails a build that cannot be made. Its parts wait again, and its profile is paused, since a person must act.
 async fn give_up_build(farm: &mut Farm, build: &BuildRow, attempts: u32) -> Result<()> {
-    let (_, last) = farm.nesting.failures.remove(&build.id).unwrap_or((0, "nestd stopped each time".to_owned()));
-    let reason = format!("gave up after {attempts} attempts: {last}");
+    let reason = match farm.nesting.failures.remove(&build.id) {
+        Some((failures, last)) => {
+            format!("gave up after {}: {last}", format_count(failures, "failed attempt", "failed attempts"))
+        }
+        None => format!("gave up after {attempts} attempts: nestd stopped each time"),
+    };
     warn!(build.id = %build.id, profile = %build.profile, "Build {} failed, and its profile is paused: {reason}.", build.id);
     queues::discard_staged(&farm.machines, &mut farm.jobs, build);
     farm.ledger.fail_build(build.id, &reason).await?;

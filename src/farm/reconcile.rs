@@ -22,7 +22,7 @@ use super::{
 use crate::{
     intake,
     intake::ContentStore,
-    ledger::{BuildState, ImportOutcome, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause},
+    ledger::{BuildRow, BuildState, ImportOutcome, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause},
     queue::{QueueFolder, StagedState},
     settings::{MachineProfile, Settings},
 };
@@ -40,6 +40,16 @@ pub struct UnknownBuild {
     /// Path of its record, if it has one.
     record_file: Option<PathBuf>,
     is_published: bool,
+}
+
+impl UnknownBuild {
+    /// Whether it is the record of a build that the ledger still nests. Builds of another farm may have the same number.
+    fn is_record_of(&self, build: &BuildRow) -> bool {
+        let record: serde_json::Value = serde_json::from_str(&self.record).unwrap_or_default();
+        let row = &record["builds"][0];
+        let opened_at = row["opened_at"].as_str().and_then(|at| at.parse::<jiff::Timestamp>().ok());
+        self.profile == build.profile && row["id"] == build.id.0 && opened_at == Some(build.times.opened_at.0)
+    }
 }
 
 /// Records what the folders hold in a ledger that is not in use yet.
@@ -213,10 +223,9 @@ async fn record_from_build_file(
 /// again.
 async fn give_up_nesting_builds(ledger: &Ledger, unknown: &[UnknownBuild], found: &mut ReconcileReport) -> Result<()> {
     for build in ledger.builds_in_state(BuildState::Nesting).await? {
-        let number = |name: &str| build_record::parse_build_file_name(name).map(|(_, number)| number);
-        if unknown.iter().any(|one| one.profile == build.profile && number(&one.name) == Some(build.id.0)) {
+        if unknown.iter().any(|one| one.is_record_of(&build)) {
             let copies = ledger.copies_of_build(build.id).await?;
-            ledger.release_copies(build.id, &copies).await?;
+            ledger.release_copies(build.id, &copies, "its build was published after the backup was made").await?;
         } else {
             ledger.fail_build(build.id, "the ledger was put back from a backup").await?;
             found.done.push(format!("build {} was being nested and is given up; its copies wait", build.id));

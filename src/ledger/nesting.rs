@@ -53,11 +53,11 @@ impl Ledger {
         change.commit().await
     }
 
-    /// Releases copies of a nesting build. Their parts wait again and keep their age.
-    pub async fn release_copies(&self, build: BuildId, copies: &[(PartId, u32)]) -> Result<()> {
+    /// Releases copies of a nesting build; `why` is told in the events of their parts, which wait again and keep their age.
+    pub async fn release_copies(&self, build: BuildId, copies: &[(PartId, u32)], why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Nesting]).await?;
-        delete_placements(&mut change, build, copies, "found no place").await?;
+        delete_placements(&mut change, build, copies, why).await?;
         change.commit().await
     }
 

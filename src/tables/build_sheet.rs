@@ -30,12 +30,13 @@ pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
 ];
 
 /// The facts of a build. `machine` is its machine profile at the time of the build. An open build has fewer facts.
-/// `copies` is the text with its number of copies, `file` the path of its file.
+/// `copies` is the text with its number of copies, `file` the path of its file. `now` =
+/// `None` for a sheet that is kept: it tells no ages.
 pub fn build_facts(
     row: &BuildRow,
     machine: Option<&MachineProfile>,
     (copies, file): (String, Option<String>),
-    now: Timestamp,
+    now: Option<Timestamp>,
 ) -> Vec<SheetFact> {
     let layers =
         row.measures.layers.or_else(|| Some((row.measures.height_mm? / machine?.space.layer_mm).ceil() as u32));
@@ -44,7 +45,8 @@ pub fn build_facts(
     let fired_by = (!row.fired_by.is_empty()).then(|| format!("{}, nested {}", row.fired_by, times(row.attempts)));
     let content = row.staged.file_hash.as_ref().map(|hash| content(row.staged.file_bytes.unwrap_or_default(), hash));
     let bound = fields::LOWER_BOUND.with_unit(row.measures.lower_bound_mm);
-    let ago = |at: UtcTimestamp| at.age_text(now).map_or_else(String::new, |age| format!(", {age} ago"));
+    let ago =
+        |at: UtcTimestamp| now.and_then(|now| at.age_text(now)).map_or_else(String::new, |age| format!(", {age} ago"));
     let published = row.times.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [

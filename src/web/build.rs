@@ -44,7 +44,7 @@ pub(super) async fn show_build(
         @if copies > 0 { (view_section(build.id.0, copies, &view_version(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
-        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), Timestamp::now())))
+        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), Some(Timestamp::now()))))
         (height_curve(&build.height_curve()))
         (outcome_list(&outcomes))
         h2 { "Parts" }

@@ -5,7 +5,6 @@ use std::{borrow::Cow, path::Path};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use build_file::{BuildMetadata, Viewpoint};
-use jiff::Timestamp;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::{
@@ -127,7 +126,7 @@ impl HtmlReport<'_> {
     fn facts_markup(&self, copies: u32) -> Markup {
         match self.source {
             ReportSource::Ledger(build, profile) => {
-                fact_list(&build_facts(build, Some(profile), (copies.to_string(), None), Timestamp::now()))
+                fact_list(&build_facts(build, Some(profile), (copies.to_string(), None), None))
             }
             ReportSource::File(file, info) => fact_list(&file_facts(file, info, self.cake)),
         }

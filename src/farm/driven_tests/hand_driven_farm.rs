@@ -12,10 +12,11 @@ use tempfile::TempDir;
 use tokio::runtime::{Builder, Runtime};
 
 use super::super::{
-    AlertKind, InvariantExpectations, event_loop,
+    AlertKind, InvariantExpectations, ReconcileReport, event_loop,
     farm::Farm,
     invariants, job_events, machine_setup,
     open::open_farm,
+    restore::repair_ledger,
     time_source::{ClockHands, TimeSource},
 };
 use crate::{
@@ -87,6 +88,13 @@ impl HandDrivenFarm {
     pub fn stop(&mut self) {
         let mut farm = self.farm.take().unwrap();
         self.runtime.block_on(event_loop::shut_down(&mut farm));
+    }
+
+    /// Repairs the ledger of a closed farm from its folders.
+    pub fn repair(&self) -> ReconcileReport {
+        let settings =
+            settings::load_settings(Some(&self.root().join("config/nestd.toml")), Some(self.root())).unwrap();
+        self.runtime.block_on(repair_ledger(&settings, &[])).unwrap()
     }
 
     /// Reads the configuration again.
@@ -201,6 +209,12 @@ impl HandDrivenFarm {
     /// Asserts that the ledger is consistent and agrees with the folders, and that each published copy is in exactly
     /// one build file.
     pub fn assert_nothing_lost_or_doubled(&self) {
+        self.assert_ledger_agrees_with_folders();
+        self.assert_each_copy_is_queued_once();
+    }
+
+    /// Asserts that the ledger is consistent and agrees with the folders.
+    pub fn assert_ledger_agrees_with_folders(&self) {
         let faults = self.ask(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
         let settings = &self.farm.as_ref().unwrap().settings;
@@ -208,6 +222,9 @@ impl HandDrivenFarm {
             invariants::check_invariants(settings, ledger, &InvariantExpectations::default()).await.unwrap()
         });
         assert!(report.violations.is_empty(), "{:#?}", report.violations);
+    }
+
+    fn assert_each_copy_is_queued_once(&self) {
         let built: usize = self.parts(PartState::Built).iter().map(|p| p.owed.copies as usize).sum();
         assert_each_copy_once(&self.queued(), built);
     }

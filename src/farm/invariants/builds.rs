@@ -1,6 +1,10 @@
 //! I2 and I3: every build file in a queue folder matches its row, including the copies in it.
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{
+    collections::{BTreeSet, HashMap},
+    fs,
+    path::Path,
+};
 
 use anyhow::Result;
 
@@ -10,7 +14,7 @@ use super::report::{
 };
 use crate::{
     intake,
-    ledger::{BuildRow, BuildState, Ledger},
+    ledger::{BuildRow, BuildState, Ledger, PartId},
     settings::{MachineProfile, Settings},
 };
 
@@ -107,6 +111,20 @@ async fn check_same_copies(
     };
     let rows: BTreeSet<(String, u32)> =
         ledger.copies_of_build(row.id).await?.into_iter().map(|(part, copy)| (part.to_string(), copy + 1)).collect();
+    // A build that was taken in from its record may have other numbers of parts here than in its file: then the contents
+    // tell which copies it holds.
+    let contents: HashMap<PartId, String> =
+        ledger.parts_of_build(row.id).await?.into_iter().map(|part| (part.id, part.file.content_hash)).collect();
+    let mut known: Vec<(String, u32)> = (ledger.copies_of_build(row.id).await?.into_iter())
+        .map(|(part, copy)| (contents.get(&part).cloned().unwrap_or_default(), copy + 1))
+        .collect();
+    let mut read: Vec<(String, u32)> =
+        placed.iter().map(|p| (p.source_hash.clone().unwrap_or_default(), p.copy.unwrap_or_default())).collect();
+    known.sort();
+    read.sort();
+    if known == read {
+        return Ok(());
+    }
     let held: Vec<(String, u32)> =
         placed.into_iter().map(|p| (p.part_number.unwrap_or_default(), p.copy.unwrap_or_default())).collect();
     let distinct: BTreeSet<(String, u32)> = held.iter().cloned().collect();

@@ -185,10 +185,10 @@ async fn copies_that_find_no_place_wait_again() {
     let ledger = fresh().await;
     let (a, b) = (waiting(&ledger, "a", 1).await, waiting(&ledger, "b", 2).await);
     let build = nesting(&ledger, &[(a, 0), (b, 0), (b, 1)]).await;
-    ledger.release_copies(build, &[(b, 1)]).await.unwrap();
+    ledger.release_copies(build, &[(b, 1)], "found no place").await.unwrap();
     assert_eq!(part_state(&ledger, b).await, PartState::Waiting);
     assert_eq!(part_state(&ledger, a).await, PartState::Batched);
-    let twice = ledger.release_copies(build, &[(b, 1)]).await;
+    let twice = ledger.release_copies(build, &[(b, 1)], "found no place").await;
     assert!(matches!(twice, Err(LedgerError::NotInBuild { copy: 1, .. })));
     assert_eq!(ledger.begin_attempt(build).await.unwrap(), 2);
     let wrong = ledger.verify_build(build, &verified(build, 3), &placed(&[(a, 0), (b, 0), (b, 1)])).await;

@@ -114,7 +114,7 @@ impl RandomWalk {
                 let build = self.build(build);
                 let copies = ledger.copies_of_build(build).await?;
                 let chosen: Vec<(PartId, u32)> = copies.into_iter().skip(copy % 3).step_by(2).collect();
-                ledger.release_copies(build, &chosen).await
+                ledger.release_copies(build, &chosen, "found no place").await
             }
             WalkStep::Fail(build) => ledger.fail_build(self.build(build), "no layout").await,
             WalkStep::Verify(build) => {

@@ -141,7 +141,9 @@ fn mention_in_pieces(words: &[NameWord], at: usize) -> Option<(CopiesMention, us
     if !rest.is_empty() {
         // `1st` and `21st` are ordinal numbers.
         let is_ordinal = rest == "st" && digits.ends_with('1');
-        let is_clear = is_pieces(rest) || is_word_of(WordKind::AttachedPieces, rest) && !is_ordinal;
+        let is_clear = is_pieces(rest)
+            || is_word_of(WordKind::WantsNumber, rest)
+            || is_word_of(WordKind::AttachedPieces, rest) && !is_ordinal;
         let may_be = !is_ordinal && is_word_of(WordKind::MaybePieces, rest) || rest.starts_with(is_counter);
         let is_group = rest == "er" && words.get(at + 1).is_some_and(|next| is_word_of(WordKind::Group, &next.text));
         return match (is_clear, may_be || is_group) {
@@ -155,12 +157,14 @@ fn mention_in_pieces(words: &[NameWord], at: usize) -> Option<(CopiesMention, us
     if is_word_of(WordKind::MaybePieces, &next.text) || next.text == "of" && !is_followed_by_number {
         return in_words(words, at, 2, None);
     }
-    if !is_pieces(&next.text) {
+    // `12 qty`, but not `12 qty 5`.
+    let is_qty = is_word_of(WordKind::WantsNumber, &next.text) && !is_followed_by_number;
+    if !is_pieces(&next.text) && !is_qty {
         return None;
     }
     // `3_Stk_5` may be three or five, `10 mal 20` is a size.
     let is_at_edge = at == 0 || (at + 2..words.len()).all(|at| is_tail_word(words, at));
-    let is_clear = !is_followed_by_number && (is_at_edge || is_word_of(WordKind::Pieces, &next.text));
+    let is_clear = !is_followed_by_number && (is_at_edge || is_qty || is_word_of(WordKind::Pieces, &next.text));
     in_words(words, at, 2, copies.filter(|_| is_clear))
 }
 
@@ -246,12 +250,12 @@ fn unclear_mention(words: &[NameWord], at: usize) -> Option<(CopiesMention, usiz
     let word = words[at].text.as_str();
     let next = words.get(at + 1).map(|next| next.text.as_str());
     let is_number_next = words.get(at + 1).is_some_and(|word| word.number().is_some());
-    if is_word_of(WordKind::Repeat, word)
-        || is_east_asian_count(word)
-        || is_word_before_x(word)
-        || is_x_before_word(word)
-    {
-        return in_words(words, at, 1, None);
+    if is_word_before_x(word) || is_x_before_word(word) || is_x_behind_word(word) || is_x_behind_version(word) {
+        return Some((CopiesMention { copies: None, text: word.to_owned(), is_in_words: false }, 1));
+    }
+    let is_last_no = next == Some("no") && words[at].number().is_some() && at + 2 == words.len();
+    if is_word_of(WordKind::Repeat, word) || is_east_asian_count(word) || is_last_no {
+        return in_words(words, at, 1 + usize::from(is_last_no), None);
     }
     let is_number_word = |word: &str| is_word_of(WordKind::NumberWord, word);
     if is_number_word(word) && next.is_some_and(is_pieces)
@@ -274,6 +278,24 @@ fn is_word_before_x(word: &str) -> bool {
         && before.chars().count() >= MIN_LETTERS_BEFORE_X
         && before.chars().all(char::is_alphabetic)
         && !ends_in_own_x(letters)
+}
+
+/// `bracket4x`, but not `v10x`.
+fn is_x_behind_word(word: &str) -> bool {
+    let Some(rest) = word.strip_suffix('x') else { return false };
+    let letters = rest.trim_end_matches(|c: char| c.is_ascii_digit());
+    (1..=MAX_DIGITS_BEHIND_WORD).contains(&(rest.len() - letters.len()))
+        && letters.chars().count() >= MIN_LETTERS_BEFORE_X
+        && letters.chars().all(char::is_alphabetic)
+}
+
+/// `ver2x4` may be four of version 2.
+fn is_x_behind_version(word: &str) -> bool {
+    let is_version = |head: &str| {
+        let letters = head.trim_end_matches(|c: char| c.is_ascii_digit());
+        letters.len() < head.len() && ["v", "ver", "rev"].iter().any(|version| letters.ends_with(version))
+    };
+    word.split_once(['x', '×']).is_some_and(|(head, tail)| is_digits(tail) && is_version(head))
 }
 
 /// `4xbracket`, `2xM3`, but not a size such as `2xl` or `2x4`.

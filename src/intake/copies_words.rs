@@ -4,7 +4,7 @@
 use unicode_normalization::UnicodeNormalization;
 
 /// Words for pieces that may stand behind a number in any place: `4pcs`, `4 Stk`.
-const PIECES: &str = "pcs nos pce pces pieces pièces pieces stk stck stück stueck kopien copies exemplare exemplaires szt uds шт \
+const PIECES: &str = "pcs nos no's pce pces pieces pièces pieces stk stck stück stueck kopien copies exemplare exemplaires szt uds шт \
                       個 枚 本 コ ヶ ケ 点 台 つ 件 个 份";
 /// Words that mean pieces behind a number only at the start or the end of a name: `4 off`, but not `4 off axis`.
 const PIECES_AT_EDGES: &str = "off ea each ex mal fois times units unités";
@@ -16,8 +16,7 @@ const BEFORE_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz
 /// Those of them that say a number of copies even if no number is beside them.
 const WANTS_NUMBER: &str = "qty qté qte quantity quantité quantite anzahl anz stückzahl stueckzahl 数量 個数 部数 枚数";
 /// Words that behind a number may mean copies or something else: `4-fach` may be a socket for four plugs.
-const MAYBE_PIECES: &str =
-    "fach fold set sets teile parts pc st drucken imprimer required req needed benötigt nötig セット 組";
+const MAYBE_PIECES: &str = "fach fold set sets pk pack packs pair pairs paar paare paire paires prints count teile parts pc st drucken imprimer required req needed benötigt nötig セット 組";
 /// Words before which a number may be meant as copies: `please print 4`.
 const ASKS: &str = "need needs please print brauche benötige bitte drucke drucken imprimer";
 const GROUPS: &str = "set lot pack satz jeu";
@@ -32,7 +31,7 @@ const SCALES: &str = "scale scaled scaling scal skaliert skalierung massstab ma�
 /// Words that may follow `x4`: version, material, colour, state of the file.
 const TAILS: &str = "v ver version rev revision final finale neu new nouveau kopie copy copie コピー のコピー date stl 3mf export \
                      print druck drucken imprimer fixed repaired repariert corrigé mm pa pa6 pa11 pa12 pa12gf tpu tpa pp abs pla petg asa pc \
-                     nylon polyamid gf cf gb raw dyed bead blasted natural natur black white grey gray red blue green yellow orange schwarz \
+                     nylon polyamid gf cf gb raw dyed bead blasted mat matt matte glossy natural natur black white grey gray red blue green yellow orange schwarz \
                      weiß weiss grau rot blau grün gruen gelb noir blanc gris rouge bleu vert jaune 黒 白 赤 青 灰 黄 緑";
 /// Words before the number of a version or of a file manager's copy.
 const NUMBERED: &str = "v ver version rev revision kopie copy copie コピー のコピー";
@@ -103,7 +102,8 @@ pub(super) fn is_digits(text: &str) -> bool {
 /// multiplication sign and an East Asian counter begin a word of their own.
 pub(super) fn split_name_words(stem: &str) -> Vec<NameWord> {
     let text: String = stem.nfkc().flat_map(char::to_lowercase).map(|c| if c == '*' { '×' } else { c }).collect();
-    let chars: Vec<char> = replace_dates(&text).replace("q.ty", "qty").chars().collect();
+    let chars: Vec<char> =
+        replace_dates(&text).replace("q.ty", "qty").replace("q'ty", "qty").replace("q’ty", "qty").chars().collect();
     let mut words: Vec<NameWord> = Vec::new();
     let mut gap = String::new();
     let mut is_open = false;

@@ -101,7 +101,7 @@ const CLEAR_HEADERS: [(ListColumn, &str); 11] = [
     ),
     (
         ListColumn::Material,
-        "material werkstoff matière matériau materiale materiaal materiál materiaali malzeme 材料 材質 材质 재료 소재 материал",
+        "material mat werkstoff matière matériau materiale materiaal materiál materiaali malzeme 材料 材質 材质 재료 소재 материал",
     ),
 ];
 
@@ -111,14 +111,41 @@ const AMBIGUOUS_HEADERS: [(ListColumn, &str); 4] = [
         ListColumn::File,
         "part parts partname partno partnumber name model item article description designation reference teil teilenummer artikel \
          artikelnr artikelnummer artikelname benennung zeichnung zeichnungsnr désignation référence article teilename bauteil bezeichnung modell pièce piece nom nombre pieza \
-         pezzo nome parte peça onderdeel naam detalj del część díl osa parça деталь название 部品 部品名 部品番号 品番 図番 型番 品名 零件 零件名称 名称 부품 품명",
+         pezzo nome parte peça onderdeel naam detalj del część díl osa parça деталь название 部品 部品名 部品番号 図面番号 図面 品番 図番 型番 品名 零件 零件名称 名称 부품 품명",
     ),
     (ListColumn::Copies, "pieces pièces piezas amount units nombre numero número number nummer stücke ks db"),
     (ListColumn::Unit, "units unités einheiten"),
     (ListColumn::Due, "delivery livraison entrega consegna levering dostawa dodání"),
 ];
 
+/// Starts of header words for a due date, with whatever is said beside it: `Wunschtermin`, `Délai souhaité`.
+const DUE_PARTS: &str =
+    "termin duedate lieferdat deliverydate deliverby requiredby neededby needby délai datedelivraison 納期 納入日";
+/// Words that may stand behind a word for copies; a price or a weight of a piece must not.
+const COPIES_TAILS: &str = "required needed ordered requested total parts pieces pcs teile stück stk gesamt bestellt benötigt soll \
+                            gewünscht demandée commandée souhaitée totale pièces 個";
+/// Words that may stand behind a word for the file.
+const FILE_TAILS: &str = "stl 3mf cad name stp";
+
 type HeaderWords = HashMap<String, Vec<ListColumn>>;
+
+/// The meaning of a header of several words, such as `Quantity required`, if the first is clear.
+fn meaning_of_phrase(header: &str) -> Option<ListColumn> {
+    let whole = normalize_word(header);
+    let words: Vec<String> = header.split_whitespace().map(normalize_word).filter(|word| !word.is_empty()).collect();
+    let are_tails = |tails: &str| {
+        let tails: Vec<String> = tails.split_whitespace().map(normalize_word).collect();
+        words.len() > 1 && words[1..].iter().all(|word| tails.contains(word))
+    };
+    match words.first().and_then(|first| CLEAR_WORDS.get(first)).and_then(|columns| columns.first()) {
+        Some(ListColumn::Copies) if are_tails(COPIES_TAILS) => Some(ListColumn::Copies),
+        Some(ListColumn::File) if are_tails(FILE_TAILS) => Some(ListColumn::File),
+        _ => {
+            let is_due = DUE_PARTS.split_whitespace().any(|part| whole.contains(&normalize_word(part)));
+            is_due.then_some(ListColumn::Due)
+        }
+    }
+}
 
 static CLEAR_WORDS: LazyLock<HeaderWords> = LazyLock::new(|| index_words(&CLEAR_HEADERS));
 static AMBIGUOUS_WORDS: LazyLock<HeaderWords> = LazyLock::new(|| index_words(&AMBIGUOUS_HEADERS));
@@ -171,6 +198,14 @@ impl ColumnLayout {
                 None => open.push((at, name)),
             }
         }
+        // Of several phrases that mean the same, the first is taken, and the others are told as unknown.
+        open.retain(|(at, name)| match meaning_of_phrase(name) {
+            Some(column) if !columns.positions.contains_key(&column) => {
+                columns.positions.insert(column, *at);
+                false
+            }
+            _ => true,
+        });
         for (column, _) in AMBIGUOUS_HEADERS {
             if columns.positions.contains_key(&column) {
                 continue;

@@ -232,10 +232,11 @@ fn for_each_record(
     }
 }
 
+/// Finds the header. Where two lines one below the other are headers, the one that says more is taken.
 fn find_header(text: &str, delimiter: u8) -> Result<ListHeader<'_>, String> {
-    let mut found = Err(NO_HEADER.to_owned());
+    let mut found: Result<ListHeader, String> = Err(NO_HEADER.to_owned());
     let mut lines = 0;
-    let end = for_each_record(text, delimiter, |record, row| {
+    for_each_record(text, delimiter, |record, row| {
         lines += 1;
         let columns = ColumnLayout::from_header(record.iter());
         let is_header = match &columns {
@@ -243,13 +244,18 @@ fn find_header(text: &str, delimiter: u8) -> Result<ListHeader<'_>, String> {
             Ok(columns) => columns.known_count() > 1 || record.len() == 1,
             Err(why) => why != NO_HEADER,
         };
-        if is_header {
+        let is_first = found.as_ref().is_err_and(|why| why == NO_HEADER);
+        let says_more = |columns: &ColumnLayout| {
+            found.as_ref().is_ok_and(|above| columns.known_count() >= above.columns.known_count())
+        };
+        if is_header && (is_first || columns.as_ref().is_ok_and(says_more)) {
             let from = row.as_ptr() as usize - text.as_ptr() as usize;
-            found = columns.map(|columns| ListHeader { columns, text: &text[from..from + row.len()], end: 0 });
+            let end = from + row.len();
+            found = columns.map(|columns| ListHeader { columns, text: &text[from..end], end });
         }
-        !is_header && lines < HEADER_WITHIN
+        is_first && lines < HEADER_WITHIN + usize::from(is_header)
     })?;
-    found.map(|header| ListHeader { end, ..header })
+    found
 }
 
 /// Recognises a list of two columns without a header, where it is clear which column holds files and which holds

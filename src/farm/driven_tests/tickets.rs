@@ -72,3 +72,35 @@ fn a_control_file_is_no_part_and_one_with_content_is_refused() {
     assert!(fs::read_to_string(reason).unwrap().contains("Put an empty file of that name"));
     assert!(farm.parts(PartState::Rejected).is_empty());
 }
+
+/// A farm with a list beside loose files: one is named, one is not, and one row has no file.
+fn farm_with_loose_list(unlisted: &str) -> HandDrivenFarm {
+    let mut farm = HandDrivenFarm::open(&format!(
+        "{QUICK}incomplete_secs = 8\nunlisted = \"{unlisted}\"\n[trigger]\nmax_wait_secs = \"24h\"\n"
+    ));
+    farm.drop_bytes("order.csv", b"file;copies\na.stl;2\nlost.stl;1\n");
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    farm.drop_part("new.stl", &block(12.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_until("it is told", |farm| farm.tells_of(AlertKind::Incomplete));
+    assert_eq!(farm.parts(PartState::Waiting)[0].name, "a.stl");
+    farm
+}
+
+#[test]
+fn a_loose_part_that_its_list_does_not_name_waits_and_is_refused() {
+    let mut farm = farm_with_loose_list("reject");
+    let reason = farm.folder("error").join("new.stl.reason.txt");
+    farm.pass_until("it is refused", |_| reason.exists());
+    assert!(fs::read_to_string(reason).unwrap().contains("stands in none of the 2 rows of order.csv"));
+    assert_eq!(farm.parts(PartState::Waiting).len(), 1);
+}
+
+#[test]
+fn a_loose_part_that_its_list_does_not_name_is_asked_about_where_it_is_taken() {
+    let mut farm = farm_with_loose_list("warn");
+    let parts = farm.wait_for_parts(PartState::Waiting, 2);
+    let new = parts.iter().find(|part| part.name == "new.stl").unwrap();
+    assert_eq!(new.copies, 1);
+    assert!(new.warnings.lines().any(is_copies_question), "{}", new.warnings);
+}

@@ -173,6 +173,7 @@ impl HotFolderScanner {
         let list_rules =
             OrderListRules { incomplete_secs: profile.intake.incomplete_secs, unlisted: profile.intake.unlisted };
         let has_end = |file: &Path, name: &str| build_file::has_end(&mut intake::open_dropped_file(inbox, file)?, name);
+        self.lists.set_time(now_secs);
         self.lists.observe_scan(seen);
         let mut ready_files = ReadyFiles {
             hold: &leases.inbox,

@@ -9,9 +9,10 @@ use std::{
 
 use super::{
     InboxEntry, OrderListTracker, RefuseError, SettledEntry, disk, display_name,
+    list_tracker::ListProgress,
     order_list::{OrderList, OrderListRow},
     refuse::{io_error, refuse_entry},
-    served_rows::{ServedRows, age_secs},
+    served_rows::ServedRows,
 };
 
 /// Sub-folder of the archive for lists whose rows were all served.
@@ -41,8 +42,8 @@ pub fn finish_order_list(
 ) -> Result<ListOutcome, RefuseError> {
     let SettledEntry::List { list, quiet_secs } = ready else { return Ok(ListOutcome::Awaited) };
     let standing = lists.list_progress(inbox, list, incomplete_secs).map_err(|e| io_error("read", &list.path, e))?;
-    let (content, marks, is_needed) = standing;
-    let idle_secs = quiet_secs.min(age_secs(&marks.dir).unwrap_or(f64::MAX));
+    let ListProgress { content, marks, is_needed, idle_secs } = standing;
+    let idle_secs = quiet_secs.min(idle_secs);
     let verdict = match is_needed {
         true => ListDecision::Wait,
         false => decide_list_outcome(content, marks, idle_secs >= incomplete_secs, incomplete_secs),

@@ -15,7 +15,7 @@ use super::{
     name_match::{FileNameMatch, NameMatches, means_file_below},
     order_list::{MAX_LIST_BYTES, OrderList, OrderListRow},
     part_spec::read_ticket_file,
-    served_rows::ServedRows,
+    served_rows::{ServedRows, age_secs},
     sidecars::{FileRole, LIST_NAME, file_role},
 };
 
@@ -60,6 +60,8 @@ struct LoadedList {
     names: Vec<OsString>,
     matches: NameMatches,
     marks: ServedRows,
+    /// When this process saw a row served, seconds.
+    served_secs: Option<f64>,
     /// Whether every row is served.
     is_served: bool,
     /// Number of the scan that this was computed for.
@@ -76,9 +78,26 @@ pub struct OrderListTracker {
     lists: HashMap<PathBuf, InboxEntry>,
     /// Number of scans observed.
     scan_count: u64,
+    /// Time of the last scan. `None` = the clock of the file system is used.
+    now_secs: Option<f64>,
+}
+
+/// How far the order of a list has come.
+pub(super) struct ListProgress<'a> {
+    pub content: &'a OrderList,
+    pub marks: &'a ServedRows,
+    /// Whether it must stay because of parts in its folder.
+    pub is_needed: bool,
+    /// Seconds since a row was last served.
+    pub idle_secs: f64,
 }
 
 impl OrderListTracker {
+    /// Sets the time of the next scan, in seconds of any monotonic clock.
+    pub fn set_time(&mut self, now_secs: f64) {
+        self.now_secs = Some(now_secs);
+    }
+
     /// Takes in a scan and records the parts in folders with a list. Lists are read only when a part needs them.
     pub fn observe_scan(&mut self, seen: &[InboxEntry]) {
         let folder_of = |one: &InboxEntry| one.path.parent().unwrap_or(Path::new("")).to_owned();
@@ -182,6 +201,7 @@ impl OrderListTracker {
         };
         if let (Some(known), Some(name)) = (self.loaded.get_mut(&list.path), part.path.file_name()) {
             known.marks.add_served(file, name);
+            known.served_secs = self.now_secs;
         }
     }
 
@@ -198,7 +218,7 @@ impl OrderListTracker {
                 let known = match known {
                     // A claim that failed midway may still be complete on disk; then its mark exists only on disk.
                     Some(known) if !known.marks.are_complete() => {
-                        LoadedList { marks: ServedRows::load_marks(inbox, seen), ..known }
+                        LoadedList { marks: ServedRows::load_marks(inbox, seen), served_secs: self.now_secs, ..known }
                     }
                     Some(known) => known,
                     None => LoadedList::new(print, read_settled_list(seen)?, ServedRows::load_marks(inbox, seen)),
@@ -212,21 +232,24 @@ impl OrderListTracker {
         Ok(self.loaded.entry(seen.path.clone()).or_insert(known))
     }
 
-    /// Returns the content and the marks of a list for [`end_list`](super::end_list), and whether it must stay because
-    /// of parts in its folder.
+    /// Returns how far the order of a list has come, for [`finish_order_list`](super::finish_order_list).
     pub(super) fn list_progress(
         &mut self,
         inbox: &Path,
         list: &InboxEntry,
         incomplete_secs: f64,
-    ) -> io::Result<(&OrderList, &ServedRows, bool)> {
+    ) -> io::Result<ListProgress<'_>> {
+        let now_secs = self.now_secs;
         let folder = list.path.parent().unwrap_or(Path::new(""));
         let parts = self.parts.get(folder).cloned().unwrap_or_default();
         let known = self.load_list(inbox, list)?;
         let is_needed = parts.iter().any(|(name, &ctime_ns)| {
             known.matches.files.contains_key(name) || known.may_cover_part(list, ctime_ns, incomplete_secs)
         });
-        Ok((&known.list, &known.marks, is_needed))
+        let served_ago =
+            now_secs.map_or_else(|| age_secs(&known.marks.dir), |now_secs| known.served_secs.map(|at| now_secs - at));
+        let idle_secs = served_ago.unwrap_or(f64::MAX);
+        Ok(ListProgress { content: &known.list, marks: &known.marks, is_needed, idle_secs })
     }
 
     /// The rows that name no file of the folder and were not served: their parts may have been taken before the list came.
@@ -269,6 +292,7 @@ impl LoadedList {
             names: Vec::new(),
             matches: NameMatches::default(),
             marks,
+            served_secs: None,
             is_served: false,
             scan_number: 0,
         }

@@ -91,7 +91,9 @@ fn farm_with_loose_list(unlisted: &str) -> HandDrivenFarm {
 fn a_loose_part_that_its_list_does_not_name_waits_and_is_refused() {
     let mut farm = farm_with_loose_list("reject");
     let reason = farm.folder("error").join("new.stl.reason.txt");
-    farm.pass_until("it is refused", |_| reason.exists());
+    let list = farm.folder("error").join("order.csv.reason.txt");
+    farm.pass_until("both are refused", |_| reason.exists() && list.exists());
+    assert!(fs::read_to_string(list).unwrap().contains("lost.stl"));
     assert!(fs::read_to_string(reason).unwrap().contains("stands in none of the 2 rows of order.csv"));
     assert_eq!(farm.parts(PartState::Waiting).len(), 1);
 }

@@ -107,8 +107,9 @@ async fn apply_late_ticket(
     if solids.iter().any(|part| part.state == PartState::Claimed) {
         return Ok(LateDecision::Wait);
     }
-    if newest.state == PartState::Rejected {
-        // The part and its ticket are dropped again together.
+    // A refused part is dropped again together with its ticket; a new file of the name of a part that is printed may
+    // still come.
+    if newest.state == PartState::Rejected || newest.state == PartState::Built && !late.is_last_offer {
         return Ok(LateDecision::Wait);
     }
     if ticket.copies.is_some() && solids.len() > 1 {

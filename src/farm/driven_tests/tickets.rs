@@ -82,7 +82,7 @@ fn farm_with_loose_list(unlisted: &str) -> HandDrivenFarm {
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.drop_part("new.stl", &block(12.0, 10.0, 10.0));
     farm.wait_for_parts(PartState::Waiting, 1);
-    farm.pass_until("it is told", |farm| farm.tells_of(AlertKind::Incomplete));
+    farm.pass_until("it is told", |farm| farm.has_alert(AlertKind::Incomplete));
     assert_eq!(farm.parts(PartState::Waiting)[0].name, "a.stl");
     farm
 }
@@ -103,6 +103,6 @@ fn a_loose_part_that_its_list_does_not_name_is_asked_about_where_it_is_taken() {
     let mut farm = farm_with_loose_list("warn");
     let parts = farm.wait_for_parts(PartState::Waiting, 2);
     let new = parts.iter().find(|part| part.name == "new.stl").unwrap();
-    assert_eq!(new.copies, 1);
+    assert_eq!(new.owed.copies, 1);
     assert!(new.warnings.lines().any(is_copies_question), "{}", new.warnings);
 }

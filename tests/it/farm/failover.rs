@@ -43,8 +43,13 @@ fn says(farm: &TestFarm, words: &str) {
 }
 
 fn order_flush(farm: &TestFarm) {
-    let command =
-        NewCommand { kind: CommandKind::Flush, profile: PROFILE.to_owned(), part: None, asked_by: "a@test".to_owned() };
+    let command = NewCommand {
+        kind: CommandKind::Flush,
+        profile: PROFILE.to_owned(),
+        part: None,
+        argument: Default::default(),
+        asked_by: "a@test".to_owned(),
+    };
     farm.query_ledger(async |ledger| ledger.submit_command(&command).await.unwrap());
 }
 

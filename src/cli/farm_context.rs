@@ -1,12 +1,13 @@
 //! What a command needs to work on a farm: its settings and its ledger; and times in the format that people write and
 //! read.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use jiff::{Span, Timestamp, civil::Date, tz::TimeZone};
 
 use super::{CommonArgs, UsageError, table::print_to_stderr};
 use crate::{
-    ledger::{Ledger, UtcTimestamp},
+    farm,
+    ledger::{Ledger, LedgerError, UtcTimestamp},
     settings::{self, Settings},
     tables::fields,
 };
@@ -46,7 +47,13 @@ pub fn with_ledger_to_read<T>(
 pub fn run_with_ledger<T>(settings: Settings, work: impl AsyncFnOnce(&Settings, &Ledger) -> Result<T>) -> Result<T> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("cannot start")?;
     runtime.block_on(async {
-        let ledger = Ledger::open_existing(&settings.ledger).await?;
+        let ledger = match Ledger::open_existing(&settings.ledger).await {
+            Err(missing @ LedgerError::Missing { .. }) => {
+                let lost = farm::lost_ledger_text(&settings).map(|text| anyhow!("{text}"));
+                return Err(lost.unwrap_or_else(|| missing.into()));
+            }
+            other => other?,
+        };
         let done = work(&settings, &ledger).await;
         ledger.close().await;
         done

@@ -114,13 +114,24 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
 /// Reads the status from a ledger; `configured` are the profiles of the settings.
 pub async fn read_status(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
     let known = ledger.profile_statuses().await?;
-    let machine = |configured: bool, status| MachineStatus { configured, forecast: MachineForecast::new(status, None) };
+    let machine = |configured: bool, status: ProfileStatus| MachineStatus {
+        configured,
+        forecast: MachineForecast::new(status, None),
+    };
     let mut profiles: Vec<MachineStatus> = (configured.iter())
         .filter(|name| !known.iter().any(|k| k.profile == **name))
         .map(|name| ProfileStatus { profile: (*name).to_owned(), ..ProfileStatus::default() })
         .map(|status| machine(true, status))
         .collect();
-    profiles.extend(known.into_iter().map(|status| machine(configured.contains(&status.profile.as_str()), status)));
+    // A removed machine for which nothing is left to do is history.
+    let is_of_interest = |status: &ProfileStatus| {
+        configured.contains(&status.profile.as_str())
+            || status.paused.is_some()
+            || status.waiting_parts + status.claimed_parts > 0
+            || !status.nesting.is_empty()
+    };
+    let known = known.into_iter().filter(is_of_interest);
+    profiles.extend(known.map(|status| machine(configured.contains(&status.profile.as_str()), status)));
     profiles.sort_by(|a, b| a.forecast.status.profile.cmp(&b.forecast.status.profile));
     let parts = if with_parts { Some(list_parts(ledger).await?) } else { None };
     let (daemon, is_served) = (ledger.last_daemon().await?, ledger.is_served().await?);
@@ -163,6 +174,12 @@ impl FarmStatus {
                     .to_owned()
             }
             None => "The daemon does not run.".to_owned(),
+            // Its last sign of life is an earlier daemon's: this one could not write any.
+            Some(d) if !d.alive && self.is_served => format!(
+                "A daemon runs, but nothing was written into the ledger for {}: this status may be that old. Where the \
+                 disk of the state folder is full, free some room; `nestd check` says more.",
+                format_age(Some(d.beat_at), now)
+            ),
             Some(d) if !d.alive => {
                 format!("The daemon does not run; its last sign of life was {} ago.", format_age(Some(d.beat_at), now))
             }

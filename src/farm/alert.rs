@@ -74,7 +74,7 @@ const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once 
      order. Without it, `nestd cancel PART` ends the part. Check the disk of the state folder; what was damaged lies in \
      its folder damaged/.";
 /// What to do about a missing ledger.
-const PUT_BACK: &str = "Put the newest backup back with `nestd restore FILE`; without one, \
+const PUT_BACK: &str = "Put the newest backup back, or the newer copy that nestd saved, with `nestd restore FILE`; without one, \
      `nestd restore --empty` creates a new ledger from the folders.";
 
 impl AlertKind {

@@ -5,6 +5,7 @@ use std::{
     collections::BTreeMap,
     fs, io,
     io::Write,
+    os::unix::fs::FileExt,
     path::Path,
     sync::{Arc, Mutex, PoisonError},
     time::{Duration, Instant},
@@ -22,6 +23,8 @@ use crate::intake;
 
 /// Name of the file in the state folder.
 const FILE: &str = "attention.json";
+/// The length of the file is a multiple of this.
+const ROOM_BYTES: usize = 1 << 14;
 /// A failure that ends within this time needs no person.
 const ALERT_AFTER: Duration = Duration::from_secs(10);
 /// The same failure is logged again after this time.
@@ -246,11 +249,31 @@ impl AlertRegistry {
     }
 }
 
+/// Writes the alerts into a file with some room at its end: on a full disk, of all times, the next ones are written into
+/// that room.
 fn write_alerts(state_dir: &Path, alerts: &[FarmAlert]) -> io::Result<()> {
-    let mut file = tempfile::Builder::new().prefix(".attention-").tempfile_in(state_dir)?;
-    file.write_all(serde_json::to_string_pretty(alerts)?.as_bytes())?;
-    file.persist(state_dir.join(FILE))?;
-    Ok(())
+    let mut text = serde_json::to_string_pretty(alerts)?.into_bytes();
+    text.resize(text.len().next_multiple_of(ROOM_BYTES), b' ');
+    let written = tempfile::Builder::new().prefix(".attention-").tempfile_in(state_dir).and_then(|mut file| {
+        file.write_all(&text)?;
+        Ok(file.persist(state_dir.join(FILE))?)
+    });
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::StorageFull => overwrite_alerts(&state_dir.join(FILE), &text),
+        other => other.map(drop),
+    }
+}
+
+/// Overwrites the file where it is. A crash may leave it torn: it then counts as empty until the next alert.
+fn overwrite_alerts(path: &Path, text: &[u8]) -> io::Result<()> {
+    let file = fs::File::options().write(true).open(path)?;
+    let room = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
+    if text.len() > room {
+        return Err(io::ErrorKind::StorageFull.into());
+    }
+    let mut padded = text.to_vec();
+    padded.resize(room, b' ');
+    file.write_all_at(&padded, 0)
 }
 
 /// The alerts that the daemon stored last; empty if there are none or they cannot be read.
@@ -326,7 +349,12 @@ mod tests {
         alerts.write_if_changed(dir.path());
         assert_eq!(read_stored_alerts(dir.path()), alerts.active_alerts().collect::<Vec<_>>());
         assert_eq!(read_stored_alerts(dir.path()).len(), AlertKind::ALL.len());
-        fs::write(dir.path().join(FILE), "{").expect("can be written");
+        // As on a full disk.
+        let path = dir.path().join(FILE);
+        overwrite_alerts(&path, b"[]").expect("there is room");
+        assert_eq!(read_stored_alerts(dir.path()), []);
+        assert!(overwrite_alerts(&path, &vec![b' '; 10 * ROOM_BYTES]).is_err());
+        fs::write(path, "{").expect("can be written");
         assert_eq!(read_stored_alerts(dir.path()), []);
     }
 }

@@ -84,8 +84,8 @@ pub(super) fn find_part_number(text: &str, profile: &str) -> Option<PartId> {
 /// The complete text of a reason file.
 pub(super) fn reason_text(part: &PartRow, cause: Option<RefusalCause>, reason: &str) -> String {
     let again = match cause {
-        // Its copies would be guessed.
-        Some(RefusalCause::Ticket) => String::new(),
+        // Its copies would be guessed; and the same bytes are no other format the next time.
+        Some(RefusalCause::Ticket | RefusalCause::Format) => String::new(),
         _ => format!(" To take it back: nestd retry {}", part.id),
     };
     format!("{}\n\n{}{again}\n", reason.trim_end(), part_line(part))

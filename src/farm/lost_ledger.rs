@@ -1,6 +1,8 @@
 //! A missing, damaged or outdated ledger: how it is detected, and which alert it raises.
 
-use super::{alert::AlertKind, lease_holder, ledger_freshness::LedgerBehindError};
+use std::path::{Path, PathBuf};
+
+use super::{alert::AlertKind, lease_holder, ledger_freshness::LedgerBehindError, state_lock};
 use crate::{intake, ledger::LedgerError, settings::Settings};
 
 /// The ledger is missing, although its farm has worked before.
@@ -45,5 +47,29 @@ pub fn detect_lost_ledger(settings: &Settings) -> Option<String> {
     } else {
         return None;
     };
-    Some(format!("there is no ledger at {}, but {known_by}", path.display()))
+    let saved = newest_saved_ledger(path)
+        .map(|saved| format!("; nestd saved all that it knew as {}, which is newer than any backup", saved.display()));
+    Some(format!("there is no ledger at {}, but {known_by}{}", path.display(), saved.unwrap_or_default()))
+}
+
+/// The name of a copy that the daemon saves when its ledger is removed: this, after the ledger's name, and the time.
+pub(super) const SAVED: &str = ".saved-";
+
+/// The copy of the ledger that the daemon saved last when the ledger was removed.
+fn newest_saved_ledger(ledger: &Path) -> Option<PathBuf> {
+    let start = format!("{}{SAVED}", ledger.file_name()?.to_str()?);
+    let names =
+        std::fs::read_dir(ledger.parent()?).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let newest = names.filter(|name| name.starts_with(&start) && name.ends_with('Z')).max()?;
+    Some(ledger.with_file_name(newest))
+}
+
+/// Why a command cannot use the ledger of a farm that has lost it: what is known, what helps, and whether a daemon runs.
+pub fn lost_ledger_text(settings: &Settings) -> Option<String> {
+    let detail = detect_lost_ledger(settings)?;
+    let daemon = match state_lock::is_held(&settings.state_dir) {
+        true => "A daemon runs and takes and publishes nothing: stop it first.",
+        false => "No daemon runs, and none starts.",
+    };
+    Some(format!("{detail}. {daemon} {}", AlertKind::LedgerLost.remedy()))
 }

@@ -117,7 +117,7 @@ pub use invariants::{Invariant, InvariantExpectations, InvariantReport, Invarian
 pub use isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};
 pub use known_folders::is_known_folder;
 pub use ledger_freshness::{find_abandoned_claims, find_unknown_to_ledger as unknown_to_ledger};
-pub use lost_ledger::detect_lost_ledger as lost_ledger;
+pub use lost_ledger::{detect_lost_ledger as lost_ledger, lost_ledger_text};
 pub use reconcile_report::ReconcileReport;
 pub use refused_files::dismiss_refused;
 pub use restore::{RestoreOutcome, repair_ledger, restore_ledger};

@@ -17,6 +17,9 @@ use crate::{
     settings::{MachineProfile, MeshErrorPolicy},
 };
 
+/// A part that would be smaller than this in another unit was not meant in it.
+const SMALLEST_MEANT_MM: f64 = 1.0;
+
 /// Result of reading a part's file.
 #[derive(Debug)]
 pub enum PartReadOutcome {
@@ -205,8 +208,10 @@ fn find_misfit(solid: &PartFileSolid, part: &PartRow, profile: &MachineProfile) 
     );
     // A wrong unit is the most common reason: give the size in a smaller unit, and let people decide.
     let read_in = profile.intake.unit.mm_per_unit();
-    let fits_in =
-        |unit: &LengthUnit| unit.mm_per_unit() < read_in && (needs * (unit.mm_per_unit() / read_in)).cmple(has).all();
+    let fits_in = |unit: &LengthUnit| {
+        let size = needs * (unit.mm_per_unit() / read_in);
+        unit.mm_per_unit() < read_in && size.cmple(has).all() && size.max_element() >= SMALLEST_MEANT_MM
+    };
     let smaller = [LengthUnit::Millimeter, LengthUnit::Micron].into_iter().find(fits_in);
     reason.push_str(&match smaller.filter(|_| part.terms.unit.is_none()) {
         Some(unit) => {

@@ -279,7 +279,12 @@ async fn reject_refused_parts(
         {
             copy_to_error_folder(settings, profile, &part)?;
         }
-        let doubt = format!("part {} ({}) is taken out. {why} `nestd retry {0}` takes it back", part.id, part.name);
+        let back = match is_stored {
+            true => format!("`nestd retry {}` takes it back", part.id),
+            false if is_in_error => "To print it, drop the file that lies in the error folder again".to_owned(),
+            false => "To print it all the same, drop its file again".to_owned(),
+        };
+        let doubt = format!("part {} ({}) is taken out. {why} {back}", part.id, part.name);
         since.report_doubt(&part, found, doubt);
     }
     Ok(())

@@ -69,6 +69,12 @@ impl StateDirLock {
     }
 }
 
+/// Whether a daemon holds the lock of a state directory; `false` if this cannot be determined.
+pub fn is_held(state_dir: &Path) -> bool {
+    let lock = File::open(state_dir.join(NAME));
+    lock.is_ok_and(|lock| flock(&lock, FlockOperation::NonBlockingLockShared) == Err(rustix::io::Errno::WOULDBLOCK))
+}
+
 /// The name of this server. `NESTD_TEST_HOST` replaces it in tests of two servers; it is for tests only.
 pub fn host_name() -> String {
     if let Ok(name) = std::env::var("NESTD_TEST_HOST") {

@@ -16,7 +16,7 @@ use super::{
     job_events,
     jobs::BackgroundJob,
     layout::BatchLayout,
-    machine_availability,
+    lost_ledger, machine_availability,
     machine_state::MachineState,
     status_alerts, systemd,
     tick_tasks::TimedTask,
@@ -101,11 +101,8 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
     }
     farm.display.updated_at = Some(farm.now());
     for (name, machine) in &farm.machines {
-        let (profile, inbox, (text, json)) = (
-            name.clone(),
-            machine.profile.folders.inbox.clone(),
-            machine.status_files(&farm.alerts, farm.settings.scan_secs),
-        );
+        let (profile, inbox, (text, json)) =
+            (name.clone(), machine.profile.folders.inbox.clone(), halted_status(machine, &farm.alerts, true));
         farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
             if let Err(error) = intake::write_status(&inbox, &text, &json) {
                 tracing::debug!(profile, "STATUS.txt could not be written: {error}.");
@@ -117,7 +114,8 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
 /// The ledger's file was removed or replaced: saves what the daemon knows beside it, and halts.
 pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) {
     let mut file = farm.settings.ledger.clone().into_os_string();
-    file.push(Timestamp::now().strftime(".saved-%Y%m%dT%H%M%SZ").to_string());
+    file.push(lost_ledger::SAVED);
+    file.push(Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string());
     let (file, ledger) = (std::path::PathBuf::from(file), farm.ledger.clone());
     let saving = ledger.write_backup(&file);
     tokio::pin!(saving);
@@ -152,7 +150,10 @@ pub(super) async fn write_stopped_status(farm: &mut Farm) {
             continue;
         }
         let row = rows.iter().find(|row| row.profile == *name).cloned().unwrap_or_default();
-        let (text, json) = stopped_status(machine, &row);
+        let (text, json) = match farm.lifecycle.is_halted {
+            true => halted_status(machine, &farm.alerts, false),
+            false => stopped_status(machine, &row),
+        };
         let (profile, inbox) = (name.clone(), machine.profile.folders.inbox.clone());
         let mut lease = machine.leases.inbox.clone();
         farm.jobs.start(WriteStatusJob { profile: name.clone() }, move || {
@@ -172,17 +173,13 @@ pub(super) async fn write_stopped_status(farm: &mut Farm) {
 pub(super) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
     let heartbeat = DaemonHeartbeat {
         pid: std::process::id(),
-        host: host_name(),
+        host: rustix::system::uname().nodename().to_string_lossy().into_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         started_at: farm.lifecycle.started_at,
         status: farm.display.status_line.clone(),
         machines: machine_availability::observed_machines(farm),
     };
     Ok(farm.ledger.write_heartbeat(&heartbeat).await?)
-}
-
-fn host_name() -> String {
-    rustix::system::uname().nodename().to_string_lossy().into_owned()
 }
 
 /// The status for the technician at the shared folder; lengths in mm, local times.
@@ -301,6 +298,25 @@ fn stopped_status(machine: &MachineState, row: &ProfileStatus) -> (String, Strin
         "written_at": floor_to_minute(now).to_string(),
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
+        "fires_at_latest": null,
+    });
+    (text, format!("{json:#}\n"))
+}
+
+/// `STATUS.txt` and `status.json` of a farm that cannot rely on its ledger: what waits is not known.
+fn halted_status(machine: &MachineState, alerts: &AlertRegistry, is_running: bool) -> (String, String) {
+    let (name, now) = (&machine.profile.name, Timestamp::now());
+    let text = format!(
+        "{}{name}: this folder is not scanned, and nothing is built, until that is mended. What is dropped here stays \
+         here.\nWritten {}.\n",
+        alerts.status_text_for(name),
+        format_with_zone(now)
+    );
+    let json = json!({
+        "profile": name,
+        "running": is_running,
+        "written_at": floor_to_minute(now).to_string(),
+        "attention": alerts.status_json_for(name),
         "fires_at_latest": null,
     });
     (text, format!("{json:#}\n"))

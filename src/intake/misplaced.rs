@@ -24,12 +24,25 @@ pub fn find_misplaced(inbox_base: &Path, hot_folders: &[PathBuf]) -> io::Result<
     let mut stray = Vec::new();
     for entry in entries {
         let entry = entry?;
-        if !is_ignored(&entry.file_name()) && !leads_to_hot_folder(&entry.path(), hot_folders) {
-            stray.push(entry.path());
+        let path = entry.path();
+        if !is_ignored(&entry.file_name()) && !leads_to_hot_folder(&path, hot_folders) && !is_left_by_machine(&path) {
+            stray.push(path);
         }
     }
     stray.sort();
     Ok(stray)
+}
+
+/// Whether the entry was the hot folder of a machine that is not configured any more, and holds nothing but nestd's own
+/// files.
+fn is_left_by_machine(entry: &Path) -> bool {
+    const OWN: [&str; 4] = [".nestd-owner", "STATUS.txt", "status.json", ".claimed"];
+    let Ok(entries) = fs::read_dir(entry) else { return false };
+    let Ok(names) = entries.map(|inner| inner.map(|inner| inner.file_name())).collect::<io::Result<Vec<_>>>() else {
+        return false;
+    };
+    let has_claims = fs::read_dir(entry.join(".claimed")).is_ok_and(|mut claims| claims.next().is_some());
+    !has_claims && names.iter().any(|name| name == OWN[0]) && names.iter().all(|name| OWN.iter().any(|own| name == own))
 }
 
 /// Whether the entry is a hot folder or contains one, perhaps through a link that somebody made.
@@ -54,6 +67,10 @@ mod tests {
         }
         for file in ["inbox/lost.stl", "inbox/cube/a.stl", "inbox/.DS_Store", "inbox/b.stl.part", "inbox/Thumbs.db"] {
             fs::write(at(file), "x").unwrap();
+        }
+        for file in [".nestd-owner", "STATUS.txt", "status.json"] {
+            fs::create_dir_all(at("inbox/removed/.claimed")).unwrap();
+            fs::write(at("inbox/removed").join(file), "x").unwrap();
         }
         symlink(at("elsewhere"), at("inbox/mounted")).unwrap();
         symlink("nowhere", at("inbox/dangling")).unwrap();

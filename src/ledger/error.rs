@@ -9,8 +9,8 @@ use super::{BuildId, CommandId, IllegalMove, PartId};
 /// Why an operation of the ledger failed. A failed change leaves nothing behind.
 #[derive(Debug, Error)]
 pub enum LedgerError {
-    /// There is no ledger yet.
-    #[error("there is no ledger at {}: the daemon makes it when it first runs", .path.display())]
+    /// There is no ledger.
+    #[error("there is no ledger at {}; a daemon that starts for the first time makes it", .path.display())]
     Missing {
         /// Where it should be.
         path: PathBuf,
@@ -109,7 +109,7 @@ pub enum LedgerError {
     #[error("it is not a valid record of a build: {0}")]
     InvalidRecord(String),
     /// A query failed: the disk, the database or a fault in nestd.
-    #[error("a query of the ledger failed: {0}")]
+    #[error("a query of the ledger failed: {}", query_failure(.0))]
     Sql(sqlx::Error),
     /// This user may only read the ledger.
     #[error("you may read the ledger but not write to it: run this as the user of the daemon, or as root")]
@@ -339,6 +339,14 @@ impl LedgerError {
     /// Whether the ledger file is damaged, so retrying does not help.
     pub fn is_damage(&self) -> bool {
         matches!(self, Self::Damaged { .. } | Self::Corrupt(_))
+    }
+}
+
+/// Why a query failed, with the remedy where there is one.
+fn query_failure(error: &sqlx::Error) -> String {
+    match sqlite_code(error) {
+        Some(SQLITE_FULL) => "the disk is full. Free some room on the disk of the state folder".to_owned(),
+        _ => error.to_string(),
     }
 }
 

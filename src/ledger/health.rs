@@ -32,7 +32,8 @@ pub async fn check_files(path: &Path) -> Result<bool> {
         Ok(ChecksumStatus::Matches) => return Ok(true),
         Ok(ChecksumStatus::Missing) => {}
         Ok(ChecksumStatus::Differs) => {
-            let what = "it changed since nestd shut down in an orderly way";
+            let what =
+                "it changed since nestd shut down in an orderly way, perhaps because a backup was copied over it";
             return Err(damaged(what.to_owned()));
         }
         Err(source) => return Err(LedgerError::Folder { path: path.to_owned(), source }),

@@ -28,7 +28,7 @@ pub(super) struct FolderClaim {
 
 /// Reports folders that are used twice or are inside one another. The state directory may contain folders of profiles,
 /// as a farm on one disk may need, but must not be inside one of them.
-pub(super) fn find_conflicts(profiles: &[FolderClaim], state: &FolderClaim) -> Vec<ConfigProblem> {
+fn find_conflicts(profiles: &[FolderClaim], state: &FolderClaim) -> Vec<ConfigProblem> {
     let mut problems = Vec::new();
     for (at, claim) in profiles.iter().enumerate() {
         problems.extend(profiles[..at].iter().filter_map(|earlier| find_conflict(claim, earlier)));
@@ -59,8 +59,18 @@ fn conflict_problem(inner: &FolderClaim, outer: &FolderClaim, relation: &str) ->
     }
 }
 
+/// Reports folders that conflict by their names and, unless they do, through links and mounts.
+pub(super) fn find_all_conflicts(
+    profiles: Vec<FolderClaim>,
+    state: FolderClaim,
+    follows_links: bool,
+) -> Vec<ConfigProblem> {
+    let named = find_conflicts(&profiles, &state);
+    if named.is_empty() && follows_links { find_linked_conflicts(profiles, state) } else { named }
+}
+
 /// Reports folders that are used twice, or are inside one another, through a link or a mount.
-pub(super) fn find_linked_conflicts(profiles: Vec<FolderClaim>, state: FolderClaim) -> Vec<ConfigProblem> {
+fn find_linked_conflicts(profiles: Vec<FolderClaim>, state: FolderClaim) -> Vec<ConfigProblem> {
     let (sender, receiver) = mpsc::channel();
     let look = move || {
         let real: Vec<FolderClaim> = profiles.iter().map(resolve_claim).collect();

@@ -137,11 +137,7 @@ fn read_settings(
         validator.problems.retain(|problem| !problems.contains(problem));
         problems.append(&mut validator.problems);
     }
-    let conflicts = folder_conflicts::find_conflicts(&claims, &state);
-    if conflicts.is_empty() && follows_links {
-        problems.extend(folder_conflicts::find_linked_conflicts(claims, state));
-    }
-    problems.extend(conflicts);
+    problems.extend(folder_conflicts::find_all_conflicts(claims, state, follows_links));
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {
         file: file.to_owned(),

@@ -41,6 +41,12 @@ async fn open_and_check(settings: &Settings, report: &mut CheckReport) {
             return report.add_problem(SUBJECT, error_chain(&error), remedy);
         }
     };
+    // A ledger that the daemon would not open is not compared: what would be said of it could not be followed.
+    let is_served = ledger.is_served().await.unwrap_or(true);
+    if !is_served && let Err(error @ LedgerError::Damaged { .. }) = Ledger::check_files(&settings.ledger).await {
+        report.add_problem(SUBJECT, error_chain(&error), "put a backup back with `nestd restore FILE`");
+        return ledger.close().await;
+    }
     if let Err(error) = check_rows(&ledger, settings, report).await {
         report.add_problem(
             SUBJECT,
@@ -66,6 +72,14 @@ async fn check_rows(ledger: &Ledger, settings: &Settings, report: &mut CheckRepo
     match ledger.last_daemon().await? {
         Some(daemon) if daemon.alive => {
             report.add_ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host))
+        }
+        _ if ledger.is_served().await? => {
+            let text = "runs, but could not write into the ledger since it was started";
+            report.add_problem(
+                "daemon",
+                text.to_owned(),
+                "free some room on the disk of the state folder; its log says more",
+            );
         }
         _ => {
             report.add_note("daemon", "does not run");

@@ -53,6 +53,39 @@ impl SmallDisk {
     }
 }
 
+#[test]
+fn a_daemon_that_starts_on_a_full_disk_is_not_called_dead_and_what_it_needs_is_told() {
+    let mut farm = TestFarm::new(QUICK);
+    let Some(disk) = SmallDisk::new(&farm.root().join("state"), 4 << 20) else { return };
+    farm.start();
+    farm.drop_part("a.stl", &block(20.0, 20.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    disk.fill();
+    farm.kill();
+    farm.start();
+    farm.drop_part("b.stl", &block(10.0, 20.0, 10.0));
+    let status = || String::from_utf8_lossy(&farm.nestd(&["status"]).stdout).into_owned();
+    wait_until_or(
+        "status tells of the daemon and of its trouble",
+        30.0,
+        || format!("{}\n{}", status(), farm.log()),
+        || {
+            let said = status();
+            said.contains("A daemon runs, but nothing was written")
+                && said.contains("Free some room where the disk is full")
+        },
+    );
+    let checked = farm.nestd(&["check"]);
+    assert!(String::from_utf8_lossy(&checked.stdout).contains("could not write into the ledger"), "{checked:?}");
+    let flushed = farm.nestd(&["flush", "test"]);
+    let said = String::from_utf8_lossy(&flushed.stderr).into_owned();
+    assert!(said.contains("Free some room on the disk of the state folder") && !said.contains("code: 13"), "{said}");
+    disk.free();
+    farm.wait_for_parts(PartState::Waiting, 2);
+    farm.stop();
+    drop(disk);
+}
+
 impl Drop for SmallDisk {
     fn drop(&mut self) {
         let _ = Command::new("umount").arg("-l").arg(&self.at).stderr(Stdio::null()).status();

@@ -11,6 +11,7 @@ mod interlock;
 mod kept_time;
 mod life;
 mod lists;
+mod lost_ledger;
 mod memory;
 mod names;
 mod open;

@@ -109,7 +109,7 @@ fn two_names_of_one_folder_are_a_problem() {
     fs::create_dir_all(farm.path("farm/queue")).unwrap();
     symlink(farm.path("farm/inbox/cube"), farm.path("farm/queue/cube")).unwrap();
     let (code, problems, _) = farm.check();
-    assert_eq!(code, 1);
+    assert_eq!(code, 2);
     assert!(problems.len() == 1 && problems[0].contains("also the inbox of cube"), "{problems:?}");
 }
 

@@ -16,6 +16,7 @@ use super::{
     farm::Farm,
     jobs::BackgroundJob,
     layout::{BatchLayout, CopyId, waiting_copy_ids},
+    left_out::{LeftOutNotice, find_cut_off, find_left_out},
     machine_state::RunningSearch,
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
     state::ReadingState,
@@ -95,9 +96,15 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     if waiting.is_empty() {
         machine.open.reset();
     }
+    let waiting_ids: BTreeSet<CopyId> = waiting_copy_ids(&waiting).into_iter().collect();
+    machine.left_out.retain_copies(|copy| waiting_ids.contains(copy));
+    let waiting = machine.open.rank_queue(waiting);
     let head = machine.open.truncate_queue(&waiting, &machine.profile);
     let wanted: BTreeSet<CopyId> = waiting_copy_ids(&head).into_iter().collect();
     machine.is_idle = waiting.is_empty() || machine.open.covers_copies(&wanted);
+    let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
+    report_left_out(farm, name, None, cut_off).await?;
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     let open = machine.trigger_facts(&waiting, &wanted, flush, farm.schedule.clock.is_date_trusted());
     let facts = BatchFacts { open, has_unread_claims, is_paused: machine.paused };
     match decide_batch(&machine.profile, &facts, farm.schedule.time.date()) {
@@ -155,7 +162,7 @@ async fn start_layout_search(
         seed: machine.profile.search.nest.seed.wrapping_add(round),
         best_layout: best.clone(),
     };
-    open.search = Some(RunningSearch { round, budget, best, copies: wanted });
+    open.search = Some(RunningSearch { round, budget, best, copies: wanted, is_cancelled: false });
     let profile = name.to_owned();
     farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
         lower_thread_priority();
@@ -169,9 +176,8 @@ async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Res
     let build = farm.ledger.open_build(name).await?;
     crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    if machine.open.search.as_ref().is_none_or(|search| search.round != round) {
-        return Ok(());
-    }
+    let Some(search) = machine.open.search.as_ref().filter(|search| search.round == round) else { return Ok(()) };
+    let is_complete = !search.is_cancelled;
     let nested = match nested {
         Ok(nested) => nested,
         Err(failure) => {
@@ -183,10 +189,32 @@ async fn on_layout_improved(farm: &mut Farm, name: &str, round: u64, nested: Res
             return Ok(());
         }
     };
+    let stood = machine.open.standing.clone();
     machine.open.take_search_result(round, Some(nested.layout.clone()), farm.schedule.time.instant());
+    if is_complete {
+        let placed = machine.open.standing.clone();
+        machine.left_out.retain_copies(|copy| !placed.contains(copy));
+        let parts: Vec<_> = nested.batch.parts.iter().map(|part| (&part.part, &part.copies[..])).collect();
+        report_left_out(farm, name, Some(build.id), find_left_out(&parts, &placed, &stood)).await?;
+    }
     save_layout(&farm.ledger, build.id, &nested.layout).await?;
     farm.ledger.add_cpu_secs(build.id, nested.cpu_secs).await?;
     refuse_unplaceable_part(farm, name, &nested.layout).await
+}
+
+/// Tells of copies that are not in the next build, each once.
+pub(super) async fn report_left_out(
+    farm: &mut Farm,
+    name: &str,
+    build: Option<BuildId>,
+    notices: Vec<LeftOutNotice>,
+) -> Result<()> {
+    let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
+    for notice in machine.left_out.add_new(notices) {
+        warn!(part.id = %notice.part, profile = %name, "{}", notice.text);
+        farm.ledger.write_event(notice.cause.event_kind(), name, Some(notice.part), build, &notice.text).await?;
+    }
+    Ok(())
 }
 
 /// A part that finds no place in an empty volume would wait for ever: it is refused once it was tried alone.

@@ -46,7 +46,8 @@ pub struct BatchLayout {
     pub evaluations: u64,
 }
 
-/// Parts with their meshes and the copies of them that are to be nested, in order of precedence.
+/// Parts with their meshes and the copies of them that are to be nested, in order of precedence. A part may be there
+/// twice: copies that stand in the open build go before its others.
 #[derive(Debug, Clone)]
 pub struct NestingBatch {
     /// Parts in order of precedence.
@@ -141,6 +142,28 @@ impl NestingBatch {
         let mut batch = self.clone();
         batch.parts.iter_mut().for_each(|p| p.copies.retain(|&copy| placed.contains(&(p.part.id, copy))));
         batch
+    }
+}
+
+impl NestingBatch {
+    /// The batch with each part once, as a build file holds it.
+    #[must_use]
+    pub fn merge_parts(self) -> Self {
+        let mut parts: Vec<NestingPart> = Vec::with_capacity(self.parts.len());
+        let mut index: HashMap<PartId, usize> = HashMap::new();
+        for more in self.parts {
+            match index.get(&more.part.id) {
+                Some(&at) => {
+                    parts[at].copies.extend(more.copies);
+                    parts[at].copies.sort_unstable();
+                }
+                None => {
+                    index.insert(more.part.id, parts.len());
+                    parts.push(more);
+                }
+            }
+        }
+        Self { parts }
     }
 }
 

@@ -16,6 +16,7 @@ use super::{
     layout::{BatchLayout, CopyId, LayoutPlacement, placed_from_json},
     lease_holder::LeaseHolder,
     ledger_freshness::FolderIdentities,
+    left_out::LeftOutNotices,
     nesting_search::SharedBestLayout,
     obeyed_controls::ObeyedControls,
     time_source::TimeSource,
@@ -23,7 +24,7 @@ use super::{
     trigger::{FireTrigger, TriggerFacts},
 };
 use crate::{
-    ledger::{BuildRow, CommandId, UtcTimestamp, WaitingPart},
+    ledger::{BuildRow, CommandId, UtcTimestamp, WaitingPart, rank_waiting_copies},
     queue::QueueFolder,
     settings::MachineProfile,
 };
@@ -89,6 +90,8 @@ pub struct MachineState {
     pub next_batch_at: Instant,
     /// Whether an operator has paused the machine.
     pub paused: bool,
+    /// Copies that are not in the next build although somebody counts on it.
+    pub left_out: LeftOutNotices,
     /// Contents of `STATUS.txt` and `status.json`.
     pub status: (String, serde_json::Value),
 }
@@ -104,6 +107,8 @@ pub struct RunningSearch {
     pub best: SharedBestLayout,
     /// The copies to nest.
     pub copies: BTreeSet<CopyId>,
+    /// Whether it was cancelled, since other copies wait now. Its layout may lack copies that would have fitted.
+    pub is_cancelled: bool,
 }
 
 /// The layout of the waiting copies that were tried so far.
@@ -113,6 +118,8 @@ pub struct OpenBuildState {
     pub layout: BatchLayout,
     /// The copies of the last completed search.
     pub tried: BTreeSet<CopyId>,
+    /// The copies that have stood in the open build since the last completed search.
+    pub standing: BTreeSet<CopyId>,
     /// The running search.
     pub search: Option<RunningSearch>,
     /// Number of searches started.
@@ -151,6 +158,7 @@ impl MachineState {
             may_claim: false,
             queue: MachineQueue { opened: None, open_at: now },
             open: OpenBuildState {
+                standing: placed.iter().map(|placed| placed.copy).collect(),
                 layout: BatchLayout { placed, ..BatchLayout::default() },
                 ..OpenBuildState::default()
             },
@@ -158,6 +166,7 @@ impl MachineState {
             is_idle: false,
             next_batch_at: now,
             paused: false,
+            left_out: LeftOutNotices::default(),
             status: Default::default(),
         }
     }
@@ -233,9 +242,10 @@ impl OpenBuildState {
                 now
             }
         };
-        if let Some(search) = &self.search {
+        if let Some(search) = &mut self.search {
             if search.copies != *wanted {
                 search.budget.cancel();
+                search.is_cancelled = true;
             }
             return false;
         }
@@ -249,7 +259,8 @@ impl OpenBuildState {
         self.retry_at = Some(now + RETRY_AFTER);
     }
 
-    /// Records the result of a search.
+    /// Records the result of a search. After a cancelled one, the copies count as not tried: which of them are in was
+    /// not decided.
     pub fn take_search_result(&mut self, round: u64, layout: Option<BatchLayout>, now: Instant) {
         if self.search.as_ref().is_none_or(|s| s.round != round) {
             return;
@@ -257,8 +268,12 @@ impl OpenBuildState {
         let Some(search) = self.search.take() else { return };
         match layout {
             Some(layout) => {
+                self.tried.clear();
+                if !search.is_cancelled {
+                    self.standing = layout.placed.iter().map(|placed| placed.copy).collect();
+                    self.tried = search.copies;
+                }
                 self.layout = layout;
-                self.tried = search.copies;
                 self.retry_at = None;
             }
             None => self.retry_at = Some(now + RETRY_AFTER),
@@ -272,6 +287,11 @@ impl OpenBuildState {
             search.best.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map(|l| l.placed.clone())
         });
         running.unwrap_or_else(|| self.layout.placed.clone())
+    }
+
+    /// The waiting copies in order of precedence, by where they stand now.
+    pub fn rank_queue(&self, waiting: Vec<WaitingPart>) -> Vec<WaitingPart> {
+        rank_waiting_copies(waiting, |part, copy| self.standing.contains(&(part, copy)))
     }
 
     /// The parts at the head of the queue that are tried together.

@@ -57,6 +57,7 @@ mod lease_marker;
 mod lease_renewal;
 mod ledger_changes;
 mod ledger_freshness;
+mod left_out;
 mod lost_ledger;
 mod machine_availability;
 mod machine_setup;

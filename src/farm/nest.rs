@@ -1,7 +1,10 @@
 //! The steps "nested" and "verified" of a fired build: one job searches, writes and proves. Each check of the ledger
 //! finds the builds that need nesting, so that work continues where a crash interrupted it.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{
+    collections::{BTreeSet, HashMap, HashSet},
+    sync::Arc,
+};
 
 use anyhow::{Context, Result, ensure};
 use build_file::format_count;
@@ -14,7 +17,8 @@ use super::{
     farm::Farm,
     folder_lease::FolderLease,
     jobs::BackgroundJob,
-    layout::{placed_from_json, placed_from_rows},
+    layout::{CopyId, placed_from_json, placed_from_rows},
+    left_out::find_left_out,
     mesh_source::MeshSource,
     nest_decision::{AttemptDecision, AttemptFacts, FailedSearch, classify_failure, decide_attempt},
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
@@ -26,7 +30,7 @@ use super::{
 use crate::{
     intake,
     ledger::Ledger,
-    ledger::{BuildId, BuildRow, BuildState, EventKind, PartId, PartRow, PauseCause},
+    ledger::{BuildId, BuildRow, BuildState, EventKind, PartId, PartRow, PauseCause, WaitingPart, rank_waiting_copies},
     settings::MachineProfile,
 };
 
@@ -130,15 +134,17 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
         // The build was proved before, but its file was damaged.
         None => placed_from_rows(&farm.ledger.placements_of_build(build.id).await?, profile.origin_mm()),
     };
+    let stands: HashSet<CopyId> = start.iter().map(|placed| placed.copy).collect();
+    let wanted = rank_waiting_copies(wanted, |part, copy| stands.contains(&(part, copy)));
     let mut leases = machine.leases.clone();
     let unsure = wanted
         .iter()
-        .map(|(part, _)| part.file.claim.clone())
+        .map(|wanted| wanted.part.file.claim.clone())
         .filter(|claim| !farm.completion.released.contains(claim))
         .collect();
     let request = NestingRequest {
         profile: profile.clone(),
-        wanted,
+        wanted: wanted.into_iter().map(|wanted| (wanted.part, wanted.copies)).collect(),
         start_placements: start,
         budget: budget.clone(),
         seed,
@@ -155,13 +161,27 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
 }
 
 /// The parts of a build with their copies in it, in order of precedence.
-async fn parts_with_copies(ledger: &Ledger, build: BuildId) -> Result<Vec<(PartRow, Vec<u32>)>> {
+async fn parts_with_copies(ledger: &Ledger, build: BuildId) -> Result<Vec<WaitingPart>> {
     let mut copies: HashMap<PartId, Vec<u32>> = HashMap::new();
     for (part, copy) in ledger.copies_of_build(build).await? {
         copies.entry(part).or_default().push(copy);
     }
     let parts = ledger.parts_of_build(build).await?;
-    Ok((parts.into_iter()).filter_map(|part| copies.remove(&part.id).map(|copies| (part, copies))).collect())
+    let with_copies = |part: PartRow| Some(WaitingPart { copies: copies.remove(&part.id)?, part });
+    Ok(parts.into_iter().filter_map(with_copies).collect())
+}
+
+/// Tells of the copies that the final search of a build left out although they stood in the open build, or must be in
+/// the next one.
+async fn report_left_out_of_build(farm: &mut Farm, build: BuildId, unplaced: &[CopyId]) -> Result<()> {
+    let parts = parts_with_copies(&farm.ledger, build).await?;
+    let Some(row) = farm.ledger.find_build(build).await? else { return Ok(()) };
+    let parts: Vec<_> = parts.iter().map(|wanted| (&wanted.part, &wanted.copies[..])).collect();
+    let all = parts.iter().flat_map(|(part, copies)| copies.iter().map(|&copy| (part.id, copy)));
+    let placed: BTreeSet<CopyId> = all.filter(|copy| !unplaced.contains(copy)).collect();
+    let stood = row.kept.layout.as_deref().map(placed_from_json).unwrap_or_default();
+    let stood: BTreeSet<CopyId> = stood.iter().map(|placed| placed.copy).collect();
+    batch::report_left_out(farm, &row.profile, Some(build), find_left_out(&parts, &placed, &stood)).await
 }
 
 /// Commits a written and proved build; publishing follows in the same tick.
@@ -185,6 +205,7 @@ async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<Written
     }
     if !written.unplaced.is_empty() {
         info!(build.id = %build, "{} in build {build}: left for the next.", format_count(written.unplaced.len(), "copy found no place", "copies found no place"));
+        report_left_out_of_build(farm, build, &written.unplaced).await?;
         farm.ledger.release_copies(build, &written.unplaced, "found no place").await?;
     }
     farm.ledger.verify_build(build, &written.verified, &written.placed).await?;

@@ -19,7 +19,7 @@ pub type SharedBestLayout = Arc<Mutex<Option<BatchLayout>>>;
 pub struct NestingRequest {
     /// The machine.
     pub profile: Arc<MachineProfile>,
-    /// Parts with their wanted copies, in order of precedence.
+    /// Parts with their wanted copies, in order of precedence; a part may be there twice.
     pub wanted: Vec<(PartRow, Vec<u32>)>,
     /// An earlier layout to continue from.
     pub start_placements: Vec<LayoutPlacement>,
@@ -69,7 +69,7 @@ impl NestingRequest {
         *self.best_layout.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
         let lower_bound_mm =
             nester::lower_bound_mm(&batch.placed_only(&layout).create_instance(&self.profile).unwrap_or(instance));
-        let wall_secs = self.budget.elapsed_secs();
+        let (batch, wall_secs) = (batch.merge_parts(), self.budget.elapsed_secs());
         Ok(NestingResult { batch, layout, lower_bound_mm, cpu_secs: cpu_secs(config.threads) - cpu, wall_secs, curve })
     }
 

@@ -217,6 +217,7 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
     if !machine.inbox.controls.answer.is_empty() {
         lines.push(machine.inbox.controls.answer.clone());
     }
+    lines.extend(machine.left_out.texts().map(str::to_owned));
     for build in &row.nesting {
         lines.push(format!("Build {} is being made: {}.", build.build, format_count(build.copies, "copy", "copies")));
     }
@@ -274,6 +275,7 @@ fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value
         },
         "fires_at_latest": fires.map(|fires| fires.at.to_string()),
         "fires_by": fires.map(|fires| fires.by),
+        "left_out": machine.left_out.texts().collect::<Vec<_>>(),
         "in_work": row.nesting.iter().map(|b| json!({ "build": b.build, "copies": b.copies })).collect::<Vec<_>>(),
         "last_published": row.last_published.as_ref().map(|b| json!({
             "build": b.build, "height_mm": b.height_mm, "at": b.published_at, "file": b.file_name,

@@ -59,6 +59,10 @@ pub enum EventKind {
     ProofFailed,
     /// Parts of a build are locked into each other.
     Locked,
+    /// Copies that stood in the open build were put out of it.
+    PutOut,
+    /// Copies of the highest priority find no room in the next build.
+    NoRoom,
     /// The clock was set.
     ClockSet,
     /// Messages to a receiver were dropped.

@@ -2,6 +2,7 @@
 //! process, no event loop and no waiting. Its clocks move only when the test advances them.
 
 use std::{
+    collections::BTreeSet,
     fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
@@ -14,7 +15,9 @@ use tokio::runtime::{Builder, Runtime};
 use super::super::{
     AlertKind, InvariantExpectations, ReconcileReport, event_loop,
     farm::Farm,
-    invariants, job_events, machine_setup,
+    invariants, job_events,
+    layout::CopyId,
+    machine_setup,
     open::open_farm,
     restore::repair_ledger,
     time_source::{ClockHands, TimeSource},
@@ -194,6 +197,16 @@ impl HandDrivenFarm {
     pub fn wait_for_parts(&mut self, state: PartState, count: usize) -> Vec<PartRow> {
         self.pass_until(&format!("{count} parts are {state}"), |farm| farm.parts(state).len() == count);
         self.parts(state)
+    }
+
+    /// The copies that stand in the open build.
+    pub fn open_copies(&self) -> BTreeSet<CopyId> {
+        self.farm.as_ref().unwrap().machines[PROFILE].open.standing.clone()
+    }
+
+    /// What `STATUS.txt` says next.
+    pub fn status_text(&self) -> String {
+        self.farm.as_ref().unwrap().machines[PROFILE].status.0.clone()
     }
 
     /// The published build files in the queue.

@@ -7,6 +7,7 @@ mod life;
 mod lists;
 mod open_build;
 mod orders;
+mod precedence;
 mod repair;
 mod reprints;
 mod tickets;

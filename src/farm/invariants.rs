@@ -3,9 +3,13 @@
 //!
 //! - I1: every file that ever left the hot folder is in exactly one of work, store, error and archive, and is
 //!   byte-identical.
-//! - I2: each copy of a part is in at most one published build, and in exactly one once its batch is done.
+//! - I2: each copy of a part is in at most one published build where it is not told bad, and in exactly one once its
+//!   batch is done.
 //! - I3: a build file that is visible in a queue folder is complete, proved, and has its row.
 //! - I4: the daemon deletes nothing but its own temporary files and what is past its retention.
+//! - I5: for each line of each order, copies wanted = waiting + in builds whose print is not told bad + told good, +
+//!   refused; no copy leaves that sum without an event. Its rules are among those of `ledger::consistency`, whose
+//!   violations are reported as I2.
 
 mod builds;
 mod files;
@@ -18,7 +22,7 @@ pub use report::{Invariant, InvariantExpectations, InvariantReport, InvariantVio
 
 use crate::{ledger::Ledger, settings::Settings};
 
-/// Looks for violations of I1 to I4. While a daemon works on the farm, a file may be seen between two places: a
+/// Looks for violations of I1 to I5. While a daemon works on the farm, a file may be seen between two places: a
 /// violation is certain only if a second check finds it too.
 pub async fn check_invariants(
     settings: &Settings,

@@ -119,8 +119,13 @@ pub fn run_reprint(common: &CommonArgs, words: &[String]) -> Result<CommandExit>
 
 /// What a word means: `b4`, `p5`, `5=2`, the name of an order or of a file.
 async fn reprint_targets(ledger: &Ledger, word: &str) -> Result<Vec<ReprintTarget>> {
+    if let Some(order) = word.strip_prefix("order:") {
+        return Ok(vec![ReprintTarget::Order(order.to_owned())]);
+    }
     if word.parse::<u64>().is_ok() {
-        let text = format!("say b{word} for build {word}, or p{word} for part {word}");
+        let text = format!(
+            "say b{word} for build {word}, p{word} for part {word}, or order:{word} for the order of that name"
+        );
         return Err(UsageError(text).into());
     }
     if let Some(build) = parse_prefixed_number(word, 'b') {

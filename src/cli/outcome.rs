@@ -21,7 +21,7 @@ pub struct OutcomeArgs {
     /// A remark, kept in the history
     #[arg(long, default_value = "", value_name = "TEXT")]
     note: String,
-    /// Copies that are bad although the rest is good: they are printed again (part number, or several as 7=2,9=1)
+    /// Copies that are bad although the rest is good: they are printed again (part and number of copies: 7=2, or several: 7=2,9=1)
     #[arg(long, value_name = "PART=N", value_delimiter = ',', value_parser = parse_part_copies)]
     bad: Vec<(i64, u32)>,
     /// Do not print bad copies again

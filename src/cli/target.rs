@@ -1,5 +1,5 @@
 //! The parts that a command means: numbers, names of orders and of files, patterns with `*` and `?`; `5=2` = two copies
-//! of part 5.
+//! of part 5, `order:1042` = the order 1042, whose name is a number.
 
 use anyhow::Result;
 
@@ -50,6 +50,9 @@ fn split_copies(word: &str) -> (&str, Option<u32>) {
 /// The parts that one word means: a number, else an order, else a file name; patterns match orders and names of parts
 /// that are not built.
 async fn find_parts(ledger: &Ledger, word: &str) -> Result<Vec<PartRow>> {
+    if let Some(order) = word.strip_prefix("order:") {
+        return Ok(ledger.parts_of_order(order).await?);
+    }
     if let Some(number) = parse_prefixed_number(word, 'p') {
         return Ok(ledger.find_part(PartId(number)).await?.into_iter().collect());
     }

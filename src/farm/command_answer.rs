@@ -98,7 +98,7 @@ impl fmt::Display for CommandAnswer {
             Self::CopiesCancelled(part, copies) => {
                 write!(f, "{} of part {part} cancelled", format_count(*copies, "copy", "copies"))
             }
-            Self::PartEdited(part, changes) if changes.is_empty() => write!(f, "part {part} was so already"),
+            Self::PartEdited(part, changes) if changes.is_empty() => write!(f, "part {part} has these values already"),
             Self::PartEdited(part, changes) => write!(f, "part {part}: {}", changes.join(", ")),
             Self::PartMoved(parts, name) => {
                 let numbers: Vec<String> = parts.iter().map(ToString::to_string).collect();

@@ -246,9 +246,13 @@ async fn record_claimed_file(
     };
     if recorded.is_new {
         farm.reading.counted_reads.insert(recorded.id);
-        if let (Ok(_), Some(old)) = (part_spec, farm.ledger.find_revised_part(recorded.id).await?) {
-            let takes_over = row.ticket.is_none() && old.solid.object_index == 0;
-            farm.ledger.record_revision(old.id, recorded.id, takes_over).await?;
+        if part_spec.is_ok() {
+            let earlier = farm.ledger.find_revised_parts(recorded.id).await?;
+            // What was asked with a file of several solids is not known any more for the file as a whole.
+            let takes_over = row.ticket.is_none() && earlier.len() == 1;
+            for old in earlier {
+                farm.ledger.record_revision(old.id, recorded.id, takes_over).await?;
+            }
         }
     }
     let part = farm.ledger.find_part(recorded.id).await?.context("a recorded part has no row")?;

@@ -80,7 +80,7 @@ async fn apply_late_ticket(
 ) -> Result<LateDecision> {
     let Some(machine) = farm.machines.get(profile) else { return Ok(LateDecision::Wait) };
     let machine = machine.profile.clone();
-    let candidates: Vec<&PartRow> = parts.iter().filter(|part| late.may_mean_order(&part.terms.order_name)).collect();
+    let candidates: Vec<&PartRow> = parts.iter().filter(|part| may_mean(late, part)).collect();
     let mut names: Vec<&str> = candidates.iter().map(|part| part.name.as_str()).collect();
     names.sort_unstable();
     names.dedup();
@@ -141,6 +141,12 @@ async fn apply_late_ticket(
     Ok(LateDecision::Accept)
 }
 
+/// Whether a ticket may mean a part: one of the order of its folder, or of the order that the ticket itself names.
+fn may_mean(late: &LateTicket, part: &PartRow) -> bool {
+    let named = late.ticket.as_ref().ok().and_then(|ticket| ticket.order.as_deref());
+    late.may_mean_order(&part.terms.order_name) || named == Some(part.terms.order_name.as_str())
+}
+
 fn several_solids_reason(part: &PartRow, solids: usize) -> String {
     format!(
         "It came after {} was taken, which holds {solids} solids, so its number of copies cannot be applied any more. Cancel \
@@ -161,7 +167,10 @@ async fn late_reason(farm: &Farm, part: &PartRow, ticket: &Ticket, refused: &Led
         Some(wanted) if wanted > copies => {
             format!(" Order {} more with `nestd edit {} --copies {wanted}`.", wanted - copies, part.id)
         }
-        _ => format!(" What differs can be ordered again: drop {} together with this ticket.", part.name),
+        _ => format!(
+            " What differs can be ordered again: drop {} together with this ticket, which prints it once more.",
+            part.name
+        ),
     };
     let count = build_file::format_count(copies, "copy", "copies");
     Ok(format!("It came too late: {} is in build {}{when} with {count}.{more}", part.name, last.build_id))

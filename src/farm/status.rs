@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::{
     alert::AlertKind,
+    alert_registry::AlertRegistry,
     control_files, due_dates,
     farm::{Farm, TICK_INTERVAL},
     intake_jobs::HotFolderScanJob,

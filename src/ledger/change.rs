@@ -73,6 +73,7 @@ impl LedgerChange {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
         let profile = self.set_part_state(id, PartState::Rejected, Some(cause), reason).await?;
         self.count_decision(id).await?;
+        self.update_orders_of([id]).await?;
         self.write_refusal_event(EventKind::Rejected, &profile, Some(id), cause, reason).await
     }
 

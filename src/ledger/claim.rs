@@ -152,6 +152,7 @@ impl Ledger {
         // A revision that is taken back is wanted beside the newer one.
         sqlx::query("UPDATE part SET replaced_by = NULL WHERE id = ?").bind(id).execute(change.db()).await?;
         change.count_decision(id).await?;
+        change.update_orders_of([id]).await?;
         change.commit().await
     }
 }

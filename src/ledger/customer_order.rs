@@ -16,9 +16,9 @@ use super::{
 pub enum OrderState {
     /// Copies wait, stand in builds, or were printed and nobody said how.
     Open,
-    /// Every copy wanted was told good.
+    /// Every copy that is still wanted was told good.
     Complete,
-    /// Nothing of it is under way any more, and lines of it were refused or copies of it cancelled.
+    /// Nothing of it is under way any more, and a line of it was refused, or nothing of it is wanted any more.
     Short,
 }
 
@@ -96,7 +96,7 @@ impl LineCopies {
     pub fn order_state(&self) -> OrderState {
         match self {
             _ if self.waiting + self.in_builds + self.printed > 0 => OrderState::Open,
-            _ if self.good > 0 && self.refused == 0 && self.cancelled == 0 => OrderState::Complete,
+            _ if self.good > 0 && self.refused == 0 => OrderState::Complete,
             _ => OrderState::Short,
         }
     }

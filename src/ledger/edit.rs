@@ -168,16 +168,16 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The part that a newly claimed one is a revision of: the same name in the same named order, still waiting, with
+    /// The parts that a newly claimed one is a revision of, oldest first: the same name in the same named order, still waiting, with
     /// other content, and no copy of it in a build.
-    pub async fn find_revised_part(&self, new: PartId) -> Result<Option<PartRow>> {
+    pub async fn find_revised_parts(&self, new: PartId) -> Result<Vec<PartRow>> {
         let query = sqlx::query_as(
             "SELECT p.* FROM part n JOIN part p ON p.order_name = n.order_name \
              WHERE n.id = ? AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile AND p.id < n.id \
              AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
-             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id) ORDER BY p.id DESC LIMIT 1",
+             AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id) ORDER BY p.id",
         );
-        Ok(query.bind(new).fetch_optional(self.reader()?).await?)
+        Ok(query.bind(new).fetch_all(self.reader()?).await?)
     }
 
     /// Records that a part that was just claimed replaces an earlier revision. Without a ticket of its own it takes over

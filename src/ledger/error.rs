@@ -221,7 +221,7 @@ pub enum LedgerError {
     },
     /// An outcome was told already, and differs.
     #[error(
-        "build {build} was told to be {state} already; if that was wrong, say `nestd outcome {build} {asked} --correct`"
+        "the outcome of build {build} is recorded as {state} already; if that is wrong, say `nestd outcome {build} {asked} --correct`"
     )]
     AlreadyTold {
         /// The build.
@@ -232,9 +232,7 @@ pub enum LedgerError {
         asked: super::BuildState,
     },
     /// Fewer copies of the part are in the build than were named as bad.
-    #[error(
-        "part {part} has {placed} copies in build {build}, and {asked} were named; `nestd show {build}` lists them"
-    )]
+    #[error("build {build} holds {} of part {part}, and {asked} were named; `nestd show b{build}` lists them", copies_text(*.placed))]
     TooFewInBuild {
         /// The part.
         part: PartId,
@@ -246,9 +244,7 @@ pub enum LedgerError {
         placed: u32,
     },
     /// Fewer copies of the part were printed than are to be printed again.
-    #[error(
-        "{printed} copies of part {part} were printed, and {asked} are to be printed again; `nestd show p{part}` lists them"
-    )]
+    #[error("{} of part {part} printed, and {asked} are to be printed again; `nestd show p{part}` lists them", copies_text(*.printed))]
     TooFewPrinted {
         /// The part.
         part: PartId,
@@ -258,12 +254,12 @@ pub enum LedgerError {
         printed: u32,
     },
     /// No printed copy is meant.
-    #[error("no copy of it was printed; what was not printed yet waits already")]
+    #[error(
+        "no copy of it counts as printed: `nestd show` says what waits, and `nestd edit PART --copies N` orders more"
+    )]
     NothingPrinted,
     /// Fewer copies of the part wait than are to be taken back.
-    #[error(
-        "{waiting} copies of part {part} wait, and {asked} are to be cancelled; the others are in builds: `nestd show p{part}`"
-    )]
+    #[error("{} of part {part} can be cancelled, not {asked}; the others are in builds: `nestd show p{part}` lists them", copies_text(*.waiting))]
     TooFewWaiting {
         /// The part.
         part: PartId,
@@ -273,9 +269,7 @@ pub enum LedgerError {
         waiting: u32,
     },
     /// Fewer copies are wanted than stand in builds.
-    #[error(
-        "{placed} copies of part {part} are in builds already, so {asked} cannot be the whole number; `nestd show p{part}` lists them"
-    )]
+    #[error("{} of part {part} in builds already, so the whole number cannot be {asked}; `nestd show p{part}` lists them", copies_text(*.placed))]
     TooManyPlaced {
         /// The part.
         part: PartId,
@@ -285,14 +279,23 @@ pub enum LedgerError {
         placed: u32,
     },
     /// What is asked with a part cannot change any more.
-    #[error(
-        "part {part} is {state}: only what still waits can be changed; order more of it with `nestd edit {part} --copies N`"
-    )]
+    #[error("part {part} is {state}, and only what waits can be changed; {}", edit_remedy(*.part, *.state))]
     NotEditable {
         /// The part.
         part: PartId,
         /// Its state.
         state: super::PartState,
+    },
+    /// Fewer copies of the part are wanted than the build holds.
+    #[error(
+        "part {part} has fewer copies wanted than build {build} holds, so the same build cannot be issued again; \
+         `nestd edit {part} --copies N` orders more"
+    )]
+    FewerWanted {
+        /// The part.
+        part: PartId,
+        /// The build.
+        build: BuildId,
     },
     /// A copy of the build is in another build by now.
     #[error("copy {copy} of part {part} is in build {build} by now, so the same build cannot be issued again")]
@@ -307,6 +310,17 @@ pub enum LedgerError {
     /// A part was accepted without any solid.
     #[error("part {0} was read without a solid")]
     NoSolid(PartId),
+}
+
+fn copies_text(copies: u32) -> String {
+    build_file::format_count(copies, "copy", "copies")
+}
+
+fn edit_remedy(part: PartId, state: super::PartState) -> String {
+    match state {
+        super::PartState::Rejected => format!("`nestd retry {part}` takes it back first"),
+        _ => format!("`nestd edit {part} --copies N` orders more of it"),
+    }
 }
 
 impl LedgerError {

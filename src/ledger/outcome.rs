@@ -106,6 +106,10 @@ impl Ledger {
         if is_correction && told.outcome != PrintOutcome::Failed {
             change.return_bad_copies(build, &mut report).await?;
         }
+        if told.outcome == PrintOutcome::Failed {
+            let unseen = sqlx::query("UPDATE build SET seen_at = NULL WHERE id = ?").bind(build);
+            unseen.execute(change.db()).await?;
+        }
         let bad = match told.outcome {
             PrintOutcome::Failed => counted_copies(&mut change, build).await?,
             _ => bad_copies(&mut change, build, &told.bad).await?,

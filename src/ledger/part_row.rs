@@ -217,7 +217,7 @@ pub struct OwedCopies {
     pub copies: u32,
     /// How many copies are not wanted any more.
     pub cancelled_copies: u32,
-    /// When copies that were printed badly were last put back among the waiting ones. They go first.
+    /// When copies that were printed badly were first put back among the waiting ones since it was last built. They go first.
     pub put_back_at: Option<UtcTimestamp>,
     /// When its original was requested from the archive. The part waits until the store has it.
     pub fetch_at: Option<UtcTimestamp>,

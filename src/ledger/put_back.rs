@@ -49,13 +49,14 @@ impl PutBackReport {
             format!("{copies} of {}", format_count(parts.len(), "part", "parts"))
         };
         if !self.put_back.is_empty() {
-            told.push(format!("{}: they wait again, first in line, with all that was asked.", of(&self.put_back)));
+            let wait = if count_all(&self.put_back) == 1 { "waits" } else { "wait" };
+            told.push(format!("{} {wait} again, first in line, with all that was asked.", of(&self.put_back)));
         }
         if !self.unwanted.is_empty() {
-            told.push(format!("{}: they are not printed again.", of(&self.unwanted)));
+            told.push(format!("Not printed again: {}.", of(&self.unwanted)));
         }
         if !self.returned.is_empty() {
-            told.push(format!("{}: they count as printed again, and wait no more.", of(&self.returned)));
+            told.push(format!("Counted as printed again, and waiting no more: {}.", of(&self.returned)));
         }
         for (part, build) in &self.elsewhere {
             told.push(format!(
@@ -188,15 +189,14 @@ impl LedgerChange {
             let text = format_count(number, "copy", "copies");
             match (is_owed, part.state) {
                 (true, state) => {
-                    let detail = format!("{text} printed badly in build {build} wait again, as {told_by} said");
+                    let detail = format!("{text} put back from build {build} by {told_by}");
                     self.put_part_back(id, state, build, &detail).await?;
                     report.put_back.push(counted);
                 }
                 (false, PartState::Rejected) => report.unwanted.push(counted),
                 (false, _) => {
                     self.change_cancelled(id, i64::from(number)).await?;
-                    let detail =
-                        format!("{text} printed badly in build {build} are not wanted again, as {told_by} said");
+                    let detail = format!("{text} of build {build} not wanted again, as {told_by} said");
                     self.write_event(EventKind::CopiesCancelled, &part.profile, Some(id), Some(build), &detail).await?;
                     self.note_wanted_change(-i64::from(number)).await?;
                     report.unwanted.push(counted);

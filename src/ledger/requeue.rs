@@ -32,7 +32,7 @@ impl Ledger {
         }
         let new = insert_repeated_build(&mut change, build, &profile, copies.len()).await?;
         for (part, copies) in group_by_part(&copies) {
-            take_copies(&mut change, build, new, part, &copies).await?;
+            take_copies(&mut change, build, new, (part, &profile), &copies).await?;
         }
         let detail = format!("build {build} once more, asked for by {asked_by}");
         change.write_event(EventKind::Requeued, &profile, None, Some(new), &detail).await?;
@@ -65,8 +65,17 @@ async fn insert_repeated_build(
 }
 
 /// Takes copies of a part at the poses that they had in another build.
-async fn take_copies(change: &mut LedgerChange, from: BuildId, to: BuildId, id: PartId, copies: &[u32]) -> Result<()> {
+async fn take_copies(
+    change: &mut LedgerChange,
+    from: BuildId,
+    to: BuildId,
+    (id, profile): (PartId, &str),
+    copies: &[u32],
+) -> Result<()> {
     let part = change.require_part(id).await?;
+    if part.profile != profile {
+        return Err(LedgerError::WrongProfile { part: id, profile: part.profile, build: from });
+    }
     for &copy in copies {
         let holder: Option<BuildId> =
             sqlx::query_scalar("SELECT build_id FROM placement WHERE part_id = ? AND copy = ?")
@@ -90,7 +99,7 @@ async fn take_copies(change: &mut LedgerChange, from: BuildId, to: BuildId, id: 
         .await?;
     }
     if part.state != PartState::Waiting || part.wanted_copies() < part_placements(change, id).await? {
-        return Err(LedgerError::NotWaiting { part: id, state: part.state });
+        return Err(LedgerError::FewerWanted { part: id, build: from });
     }
     change.end_waiting(id, Some(to)).await
 }

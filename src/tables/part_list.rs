@@ -75,6 +75,7 @@ pub const ORDERED_PART_COLUMNS: &[TableColumn<OrderedPart>] = &[
     TableColumn::new("in_builds", fields::COPIES_IN_BUILDS, |row| row.copies.in_builds.into()),
     TableColumn::new("printed", fields::COPIES_PRINTED, |row| row.copies.printed.into()),
     TableColumn::new("good", fields::COPIES_GOOD, |row| row.copies.good.into()),
+    TableColumn::new("refused", fields::COPIES_REFUSED, |row| row.copies.refused.into()),
     TableColumn::new("bad", fields::COPIES_BAD, |row| row.copies.bad.into()),
     TableColumn::new("cancelled", fields::COPIES_CANCELLED, |row| row.copies.cancelled.into()),
     TableColumn::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),

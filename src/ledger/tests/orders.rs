@@ -60,7 +60,7 @@ async fn single_bad_copies_are_put_back_and_not_more_than_were_printed() {
     let build = published(&ledger, &[(part, 0), (part, 1), (part, 2)]).await;
     let bad = ToldOutcome { bad: vec![(part, 4)], ..told(PrintOutcome::Complete) };
     let refused = ledger.record_outcome(build, &bad).await.unwrap_err().to_string();
-    assert!(refused.contains("3 copies in build"), "{refused}");
+    assert!(refused.contains("3 copies of part"), "{refused}");
     let bad = ToldOutcome { bad: vec![(part, 1)], ..told(PrintOutcome::Complete) };
     assert_eq!(ledger.record_outcome(build, &bad).await.unwrap().put_back_copies(), 1);
     let expected = LineCopies { wanted: 3, waiting: 1, good: 2, bad: 1, ..Default::default() };
@@ -158,7 +158,7 @@ async fn what_was_asked_changes_until_the_final_nesting_and_each_change_names_wh
     let refused = ledger.edit_part(part, &PartEdit { priority: Some(1), ..Default::default() }, "ann").await;
     assert!(matches!(refused, Err(LedgerError::BeingBuilt { .. })));
     assert!(
-        ledger.cancel_copies(part, 2, "ann").await.unwrap_err().to_string().contains("1 copies"),
+        ledger.cancel_copies(part, 2, "ann").await.unwrap_err().to_string().contains("1 copy of part"),
         "one is in a build"
     );
     ledger.cancel_copies(part, 1, "ann").await.unwrap();
@@ -193,11 +193,11 @@ async fn a_revision_is_the_same_name_in_the_same_order_while_the_first_waits() {
     };
     let old = ledger.record_claim(&revision("a", "brandt")).await.unwrap().id;
     let new = ledger.record_claim(&revision("b", "brandt")).await.unwrap().id;
-    assert_eq!(ledger.find_revised_part(new).await.unwrap().map(|part| part.id), Some(old));
+    assert_eq!(ledger.find_revised_parts(new).await.unwrap().iter().map(|part| part.id).collect::<Vec<_>>(), [old]);
     let other = ledger.record_claim(&revision("c", "meyer")).await.unwrap().id;
-    assert_eq!(ledger.find_revised_part(other).await.unwrap(), None);
+    assert!(ledger.find_revised_parts(other).await.unwrap().is_empty());
     let loose = ledger.record_claim(&revision("d", "")).await.unwrap().id;
-    assert_eq!(ledger.find_revised_part(loose).await.unwrap(), None, "without an order both are made");
+    assert!(ledger.find_revised_parts(loose).await.unwrap().is_empty(), "without an order both are made");
     ledger.record_revision(old, new, false).await.unwrap();
     assert_eq!(ledger.find_part(old).await.unwrap().unwrap().owed.replaced_by, Some(new));
 }

@@ -1,7 +1,7 @@
 //! What the independent proof says of bodies on a machine: walls, clearance, keep-out boxes, layers, and whether they
 //! can be taken apart.
 
-use nester::{Disassembly, InterlockRule, LayerAreas, LayoutProof, PlacedSolid, Separability};
+use nester::{Disassembly, InterlockRule, LayerAreas, LayoutProof, LayoutProver, PlacedSolid, Separability};
 
 use super::MachineSpec;
 
@@ -21,13 +21,15 @@ impl MachineSpec {
     /// Checks bodies in the build volume's frame.
     pub fn verify_placements(&self, bodies: &[PlacedSolid]) -> PlacementVerification {
         let room_mm = self.build_volume().size_mm;
-        let proof = nester::prove_with_keep_out(bodies, room_mm, self.clearance_z_extra_mm, &self.keep_out_in_volume());
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let prover = LayoutProver::new(bodies, threads);
+        let proof = prover.prove_layout(room_mm, self.clearance_z_extra_mm, &self.keep_out_in_volume());
         // A body outside is reported anyway; it would give a layer list of unlimited length, so the layers are not
         // counted.
         let is_counted = self.layer_cap.cap_mm2().is_some() && proof.outside.is_empty();
         let placed = bodies.iter().map(|body| (&*body.mesh, body.pose));
         let layers = is_counted.then(|| LayerAreas::from_meshes(placed, self.layer_cap));
-        let apart = Separability::disassemble_under(self.interlock, bodies);
+        let apart = Separability::disassemble_under(self.interlock, &prover);
         PlacementVerification { proof, layers, disassembly: apart, interlock: self.interlock }
     }
 }

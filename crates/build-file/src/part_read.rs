@@ -6,13 +6,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use glam::DVec3;
-
 use super::{
     FileReadError, LengthUnit, PartFileContents, ReadLimits,
     sniff::{FileFormat, ForeignFormat, HEAD_BYTES, detect_format},
-    solid,
-    stl_read::{StlTriangleSoup, read_ascii, read_binary},
+    stl_read::{StlContents, read_ascii, read_binary},
     threemf_read,
 };
 
@@ -41,8 +38,8 @@ pub fn read_part_file(
     let stl_unit = unit.unwrap_or(default_unit);
     let contents = match detect_format(&head, len, name) {
         FileFormat::Package => threemf_read::read_threemf_parts(file, &stem, unit, limits),
-        FileFormat::TextStl => stl_contents(read_ascii(File::open(file)?, limits)?, stem, stl_unit),
-        FileFormat::BinaryStl => stl_contents(read_binary(opened, &head, len, limits)?, stem, stl_unit),
+        FileFormat::TextStl => stl_contents(read_ascii(File::open(file)?, stl_unit, limits)?, stem),
+        FileFormat::BinaryStl => stl_contents(read_binary(opened, (&head, len), stl_unit, limits)?, stem),
         FileFormat::Other(ForeignFormat { what, remedy }) => Err(FileReadError::Unknown { what, remedy }),
     }?;
     for solid in &contents.solids {
@@ -56,17 +53,6 @@ pub fn read_part_file(
 }
 
 /// A whole STL file is one part, even with several `solid` blocks.
-fn stl_contents(soup: StlTriangleSoup, name: String, unit: LengthUnit) -> Result<PartFileContents, FileReadError> {
-    let StlTriangleSoup { mut corners, warnings } = soup;
-    if let Some(vertex) = corners.iter().position(|c| !c.is_finite()) {
-        return Err(FileReadError::invalid_stl(format!(
-            "triangle {} has a coordinate that is not a finite number",
-            vertex / 3 + 1
-        )));
-    }
-    let scale = unit.mm_per_unit();
-    corners.iter_mut().for_each(|c: &mut DVec3| *c *= scale);
-    let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    let solid = solid::check_solid(name, corners, triangles, 1, unit)?;
-    Ok(PartFileContents { solids: vec![solid], warnings })
+fn stl_contents(read: StlContents, name: String) -> Result<PartFileContents, FileReadError> {
+    Ok(PartFileContents { solids: vec![read.surface.into_solid(name)?], warnings: read.warnings })
 }

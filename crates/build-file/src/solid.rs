@@ -1,7 +1,7 @@
 //! The contents of a dropped file: turns vertices and triangles from any reader into checked parts with warnings.
 
 use glam::DVec3;
-use solids::{Mesh, MeshError};
+use solids::{Mesh, MeshBuilder, MeshError};
 
 use super::{FileReadError, LengthUnit, format_count};
 
@@ -43,6 +43,11 @@ pub(super) fn check_solid(
     unit: LengthUnit,
 ) -> Result<PartFileSolid, FileReadError> {
     let mesh = checked_mesh(&name, vertices, triangles)?;
+    Ok(described_solid(name, mesh, copies, unit))
+}
+
+/// A mesh with warnings about what was mended; `unit` is the unit of the file.
+fn described_solid(name: String, mesh: Mesh, copies: u32, unit: LengthUnit) -> PartFileSolid {
     let mut warnings = Vec::new();
     if mesh.defects().inverted {
         warnings.push("the surface was inside out and has been turned".to_owned());
@@ -70,17 +75,69 @@ pub(super) fn check_solid(
         ));
     }
     warnings.extend(suspicious_size(mesh.bounds().size().max_element(), unit));
-    Ok(PartFileSolid { name, mesh, copies, warnings })
+    PartFileSolid { name, mesh, copies, warnings }
+}
+
+/// The triangles of an STL file while it is read: welded and checked one by one.
+#[derive(Debug)]
+pub(super) struct StlSurface {
+    builder: MeshBuilder,
+    unit: LengthUnit,
+    scale: f64,
+    /// The first corner beyond [`MAX_COORDINATE_MM`].
+    far: Option<usize>,
+}
+
+impl StlSurface {
+    /// An empty surface with room for so many triangles, whose coordinates are in a unit.
+    pub(super) fn new(unit: LengthUnit, triangles: usize) -> Self {
+        Self { builder: MeshBuilder::with_capacity(triangles), unit, scale: unit.mm_per_unit(), far: None }
+    }
+
+    /// Adds a triangle in the file's unit.
+    pub(super) fn add_triangle(&mut self, corners: [DVec3; 3]) {
+        let corners = corners.map(|corner| corner * self.scale);
+        if self.far.is_none() {
+            let at = corners.iter().position(is_far);
+            self.far = at.map(|at| 3 * self.builder.triangle_count() + at);
+        }
+        self.builder.add_triangle(corners);
+    }
+
+    /// Checks the whole surface.
+    pub(super) fn into_solid(self, name: String) -> Result<PartFileSolid, FileReadError> {
+        let (far, unit) = (self.far, self.unit);
+        let made = self.builder.into_mesh();
+        if let Err(MeshError::NotFinite { vertex }) = made {
+            return Err(FileReadError::invalid_stl(format!(
+                "triangle {} has a coordinate that is not a finite number",
+                vertex / 3 + 1
+            )));
+        }
+        if let Some(vertex) = far {
+            return Err(far_error(&name, vertex));
+        }
+        let mesh = made.map_err(|source| FileReadError::NoSolid { name: format!("{name:?}"), source })?;
+        Ok(described_solid(name, mesh, 1, unit))
+    }
+}
+
+fn is_far(place: &DVec3) -> bool {
+    place.is_finite() && place.abs().max_element() > MAX_COORDINATE_MM
+}
+
+fn far_error(name: &str, vertex: usize) -> FileReadError {
+    FileReadError::Unsupported {
+        what: format!("vertex {} of {name:?} lies farther than 10 km from the origin", vertex + 1),
+        remedy: "Move the part to the origin in the CAD program, or give the right unit in a ticket; then drop it again.",
+    }
 }
 
 /// Creates a mesh from a file's data, in mm.
 pub(super) fn checked_mesh(name: &str, vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Mesh, FileReadError> {
     let no_solid = |source: MeshError| FileReadError::NoSolid { name: format!("{name:?}"), source };
-    if let Some(far) = vertices.iter().position(|v| v.is_finite() && v.abs().max_element() > MAX_COORDINATE_MM) {
-        return Err(FileReadError::Unsupported {
-            what: format!("vertex {} of {name:?} lies farther than 10 km from the origin", far + 1),
-            remedy: "Move the part to the origin in the CAD program, or give the right unit in a ticket; then drop it again.",
-        });
+    if let Some(vertex) = vertices.iter().position(is_far) {
+        return Err(far_error(name, vertex));
     }
     Mesh::new(vertices, triangles).map_err(no_solid)
 }

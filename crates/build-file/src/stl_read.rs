@@ -1,4 +1,4 @@
-//! Reads STL, binary and ASCII, as triangle soup. The file's size decides whether it is binary, not the header: every
+//! Reads STL, binary and ASCII, as a welded surface. The file's size decides whether it is binary, not the header: every
 //! seventh binary file starts with `solid`.
 
 use std::{
@@ -6,10 +6,11 @@ use std::{
     io::{BufReader, Read, Seek, SeekFrom},
 };
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::{
-    FileReadError, ReadLimits, format_count,
+    FileReadError, LengthUnit, ReadLimits, format_count,
+    solid::StlSurface,
     stl_text::{TextStlContents, read_text_stl},
 };
 
@@ -20,10 +21,13 @@ pub(super) const STL_FACET_BYTES: u64 = 50;
 /// Bytes of a trailer that are checked.
 const MAX_TRAILER_BYTES: u64 = 1 << 16;
 
-/// Three corners per triangle in the file's unit, and warnings for people.
+/// Facets that are read at once.
+const FACETS_PER_READ: usize = 2000;
+
+/// The surface of a file, and warnings for people.
 #[derive(Debug)]
-pub(super) struct StlTriangleSoup {
-    pub(super) corners: Vec<DVec3>,
+pub(super) struct StlContents {
+    pub(super) surface: StlSurface,
     pub(super) warnings: Vec<String>,
 }
 
@@ -39,30 +43,33 @@ pub(super) fn binary_len(count: u64) -> u64 {
 }
 
 /// Reads ASCII.
-pub(super) fn read_ascii(mut file: File, limits: &ReadLimits) -> Result<StlTriangleSoup, FileReadError> {
+pub(super) fn read_ascii(mut file: File, unit: LengthUnit, limits: &ReadLimits) -> Result<StlContents, FileReadError> {
     let mut mark = [0; 3];
     let got = file.read(&mut mark)?;
     if mark[..got] != *b"\xef\xbb\xbf" {
         file.seek(SeekFrom::Start(0))?;
     }
-    let TextStlContents { corners, solids, ended } = read_text_stl(BufReader::with_capacity(1 << 16, file), limits)?;
+    let mut surface = StlSurface::new(unit, 0);
+    let input = BufReader::with_capacity(1 << 16, file);
+    let TextStlContents { facets, solids, ended } =
+        read_text_stl(input, limits, &mut |corners| surface.add_triangle(corners))?;
     let mut warnings = Vec::new();
-    if !ended && !corners.is_empty() {
+    if !ended && facets > 0 {
         warnings.push("the file has no `endsolid`: its end may be missing".to_owned());
     }
     if solids > 1 {
-        warnings.push(format!("the file holds {solids} solids; they are one part of {} triangles", corners.len() / 3));
+        warnings.push(format!("the file holds {solids} solids; they are one part of {facets} triangles"));
     }
-    Ok(StlTriangleSoup { corners, warnings })
+    Ok(StlContents { surface, warnings })
 }
 
-/// Reads binary STL; `len` is the file's size. Memory is allocated only after the size was found to match the count.
+/// Reads binary STL; `len` is the file's size and `head` its first bytes. Memory is allocated only after the size was found to match the count.
 pub(super) fn read_binary(
     mut file: File,
-    head: &[u8],
-    len: u64,
+    (head, len): (&[u8], u64),
+    unit: LengthUnit,
     limits: &ReadLimits,
-) -> Result<StlTriangleSoup, FileReadError> {
+) -> Result<StlContents, FileReadError> {
     let count = claimed_count(head)
         .ok_or_else(|| FileReadError::Truncated(format!("{len} bytes are too few for a binary STL header")))?;
     let wanted = binary_len(count);
@@ -86,15 +93,25 @@ pub(super) fn read_binary(
             format_count(len - wanted, "byte after the last triangle is", "bytes after the last triangle are")
         ));
     }
-    let mut neutral = NeutralHeader { file, at: 0 };
-    neutral.seek(SeekFrom::Start(0))?;
-    let mut corners = Vec::with_capacity(3 * count as usize);
-    for triangle in stl_io::create_stl_reader(&mut neutral)? {
-        for corner in triangle?.vertices {
-            corners.push(DVec3::from_array(corner.0.map(f64::from)));
-        }
+    file.seek(SeekFrom::Start(STL_HEAD_BYTES))?;
+    let mut surface = StlSurface::new(unit, count as usize);
+    let mut bytes = vec![0; FACETS_PER_READ * STL_FACET_BYTES as usize];
+    let mut left = (wanted - STL_HEAD_BYTES) as usize;
+    while left > 0 {
+        let piece = left.min(bytes.len());
+        file.read_exact(&mut bytes[..piece])?;
+        bytes[..piece]
+            .chunks_exact(STL_FACET_BYTES as usize)
+            .for_each(|facet| surface.add_triangle(facet_corners(facet)));
+        left -= piece;
     }
-    Ok(StlTriangleSoup { corners, warnings })
+    Ok(StlContents { surface, warnings })
+}
+
+/// The corners of a facet: twelve numbers, of which the first three are a normal that is not trusted, and two bytes more.
+fn facet_corners(facet: &[u8]) -> [DVec3; 3] {
+    let number = |at: usize| f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]]);
+    [12, 24, 36].map(|at| Vec3::new(number(at), number(at + 4), number(at + 8)).as_dvec3())
 }
 
 /// Refuses a trailer that consists of whole facets and not only of zeros: it is geometry that the count omits, and it
@@ -108,28 +125,4 @@ fn check_trailer(file: &mut File, at: u64, length: u64, count: u64) -> Result<()
         return Err(FileReadError::invalid_stl(format!("{count} triangles are counted, but {more} more follow")));
     }
     Ok(())
-}
-
-/// Hides the header from `stl_io`. It would parse a binary file as text if the header starts with `solid `, and it
-/// searches for the end of the first line without a limit.
-struct NeutralHeader {
-    file: File,
-    at: u64,
-}
-
-impl Read for NeutralHeader {
-    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
-        let got = self.file.read(out)?;
-        let masked = 80_u64.saturating_sub(self.at).min(got as u64) as usize;
-        out[..masked].fill(b'\n');
-        self.at += got as u64;
-        Ok(got)
-    }
-}
-
-impl Seek for NeutralHeader {
-    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
-        self.at = self.file.seek(to)?;
-        Ok(self.at)
-    }
 }

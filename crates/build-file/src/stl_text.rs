@@ -15,20 +15,34 @@ const MAX_WORD: usize = 256;
 /// Length of an unexpected word in an error message; binary data would fill a page.
 const MAX_EXCERPT: usize = 40;
 
-/// The contents of an ASCII STL file: three vertices per facet.
+/// What an ASCII STL file holds beside its facets.
 #[derive(Debug, Default)]
 pub(super) struct TextStlContents {
-    pub(super) corners: Vec<DVec3>,
+    /// Number of facets.
+    pub(super) facets: u64,
     /// Number of `solid` headers.
     pub(super) solids: u32,
     /// Whether the last solid is closed by `endsolid`.
     pub(super) ended: bool,
 }
 
-/// Reads facets until the end of the file.
-pub(super) fn read_text_stl(input: impl BufRead, limits: &ReadLimits) -> Result<TextStlContents, FileReadError> {
+/// Reads facets until the end of the file and hands on the corners of each.
+pub(super) fn read_text_stl(
+    input: impl BufRead,
+    limits: &ReadLimits,
+    hand_on: &mut dyn FnMut([DVec3; 3]),
+) -> Result<TextStlContents, FileReadError> {
     let mut words = StlTokenizer::new(input);
     let mut soup = TextStlContents::default();
+    let mut add_facet = |words: &mut StlTokenizer<_>, facets: &mut u64, in_loop: bool| {
+        if *facets >= limits.max_triangles {
+            let what = "it has too many triangles".to_owned();
+            return Err(FileReadError::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" });
+        }
+        *facets += 1;
+        hand_on(read_facet(words, *facets, in_loop)?);
+        words.next_token()
+    };
     let mut next = words.next_token()?;
     loop {
         next = match (next, words.word.as_slice()) {
@@ -37,7 +51,7 @@ pub(super) fn read_text_stl(input: impl BufRead, limits: &ReadLimits) -> Result<
                 // A name line that continues with facets: another solid, if the previous one was closed.
                 soup.solids += u32::from(soup.ended);
                 soup.ended = false;
-                read_facet(&mut words, &mut soup.corners, true, limits)?
+                add_facet(&mut words, &mut soup.facets, true)?
             }
             (NextToken::Word, b"solid") => {
                 soup.solids += 1;
@@ -48,7 +62,7 @@ pub(super) fn read_text_stl(input: impl BufRead, limits: &ReadLimits) -> Result<
                 soup.ended = true;
                 words.skip_name()?
             }
-            (NextToken::Word, b"facet") => read_facet(&mut words, &mut soup.corners, false, limits)?,
+            (NextToken::Word, b"facet") => add_facet(&mut words, &mut soup.facets, false)?,
             (NextToken::Word, _) => return Err(words.unexpected_word("`facet` or `endsolid`")),
         };
     }
@@ -68,25 +82,25 @@ enum NextToken {
 /// Keywords that may follow a solid's name on the same line; they are never numbers of a normal.
 const KEYWORDS: [&[u8]; 8] = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"vertex"];
 
-/// Reads everything after the word `facet` up to `endfacet`, and the next word. The normal is not trusted, so it is not
-/// read.
+/// Reads everything after the word `facet` up to `endfacet`. The normal is not trusted, so it is not read.
 fn read_facet<R: BufRead>(
     words: &mut StlTokenizer<R>,
-    corners: &mut Vec<DVec3>,
+    number: u64,
     mut in_loop: bool,
-    limits: &ReadLimits,
-) -> Result<NextToken, FileReadError> {
-    if corners.len() as u64 / 3 >= limits.max_triangles {
-        let what = "it has too many triangles".to_owned();
-        return Err(FileReadError::TooLarge { what, limit: limits.max_triangles, key: "max_triangles" });
-    }
-    let first = corners.len();
+) -> Result<[DVec3; 3], FileReadError> {
+    let (mut corners, mut found) = ([DVec3::ZERO; 3], 0);
     loop {
         if !words.advance_word()? {
-            return Err(FileReadError::Truncated(format!("it ends within facet {}", first / 3 + 1)));
+            return Err(FileReadError::Truncated(format!("it ends within facet {number}")));
         }
         match words.word.as_slice() {
-            b"vertex" => corners.push(read_vertex(words)?),
+            b"vertex" => {
+                let corner = read_vertex(words)?;
+                if let Some(place) = corners.get_mut(found) {
+                    *place = corner;
+                }
+                found += 1;
+            }
             b"loop" => in_loop = true,
             b"endfacet" => break,
             b"outer" | b"endloop" => {}
@@ -95,11 +109,10 @@ fn read_facet<R: BufRead>(
             _ => {}
         }
     }
-    let found = corners.len() - first;
     if found != 3 {
-        return Err(words.invalid_line(format!("facet {} has {found} vertices instead of 3", first / 3 + 1)));
+        return Err(words.invalid_line(format!("facet {number} has {found} vertices instead of 3")));
     }
-    words.next_token()
+    Ok(corners)
 }
 
 fn read_vertex<R: BufRead>(words: &mut StlTokenizer<R>) -> Result<DVec3, FileReadError> {
@@ -244,8 +257,15 @@ impl<R: BufRead> StlTokenizer<R> {
 mod tests {
     use super::*;
 
+    fn corners(text: &str) -> Result<(TextStlContents, Vec<DVec3>), FileReadError> {
+        let mut corners = Vec::new();
+        let read = read_text_stl(text.as_bytes(), &ReadLimits::for_testing(), &mut |facet| corners.extend(facet))?;
+        assert_eq!(read.facets as usize, corners.len() / 3);
+        Ok((read, corners))
+    }
+
     fn text(text: &str) -> Result<TextStlContents, FileReadError> {
-        read_text_stl(text.as_bytes(), &ReadLimits::for_testing())
+        Ok(corners(text)?.0)
     }
 
     const FACET: &str = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
@@ -253,28 +273,28 @@ mod tests {
     #[test]
     fn odd_white_space_case_and_comments_are_read() {
         let odd = format!("SOLID x # a\n{}endSolid", FACET.replace('\n', "\r").replace(' ', "\t\x0b ").to_uppercase());
-        let soup = text(&odd).unwrap();
-        assert_eq!((soup.corners.len(), soup.ended), (3, true));
-        assert_eq!(soup.corners[1], DVec3::X);
+        let (read, corners) = corners(&odd).unwrap();
+        assert_eq!((read.facets, read.ended), (1, true));
+        assert_eq!(corners[1], DVec3::X);
     }
 
     #[test]
     fn several_solids_are_all_read() {
         let soup =
             text(&format!("solid a\n{FACET}endsolid a\nsolid facet normal vertex\n{FACET}endsolid b\n")).unwrap();
-        assert_eq!((soup.corners.len(), soup.solids), (6, 2));
+        assert_eq!((soup.facets, soup.solids), (2, 2));
     }
 
     #[test]
     fn a_file_in_one_line_is_read() {
         let two = format!("solid a part {FACET}{FACET}endsolid a part solid b {FACET}endsolid b\n").replace('\n', " ");
         let soup = text(&two).unwrap();
-        assert_eq!((soup.corners.len(), soup.solids, soup.ended), (9, 2, true));
-        assert_eq!(text(&two.replace("normal 0 0 1", "")).unwrap().corners.len(), 9);
-        assert_eq!(text(&format!("solid my facet\n{FACET}endsolid my facet normal\n")).unwrap().corners.len(), 3);
-        assert_eq!(text(&format!("solid {}\n{FACET}endsolid", "x".repeat(3000))).unwrap().corners.len(), 3);
+        assert_eq!((soup.facets, soup.solids, soup.ended), (3, 2, true));
+        assert_eq!(text(&two.replace("normal 0 0 1", "")).unwrap().facets, 3);
+        assert_eq!(text(&format!("solid my facet\n{FACET}endsolid my facet normal\n")).unwrap().facets, 1);
+        assert_eq!(text(&format!("solid {}\n{FACET}endsolid", "x".repeat(3000))).unwrap().facets, 1);
         let broken = format!("solid a facet normal 0 0\n1 {}", &FACET[19..]);
-        assert_eq!(text(&broken).unwrap().corners.len(), 3);
+        assert_eq!(text(&broken).unwrap().facets, 1);
     }
 
     #[test]
@@ -306,8 +326,8 @@ mod tests {
 
     #[test]
     fn of_binary_junk_a_short_excerpt_is_reported() {
-        let error =
-            read_text_stl(&[b"solid\n".as_slice(), &[7; 200]].concat()[..], &ReadLimits::for_testing()).unwrap_err();
+        let junk = [b"solid\n".as_slice(), &[7; 200]].concat();
+        let error = read_text_stl(&junk[..], &ReadLimits::for_testing(), &mut |_| {}).unwrap_err();
         let message = error.to_string();
         assert!(message.contains(r"found `\x07\x07") && message.ends_with("`...") && message.len() < 130, "{message}");
     }
@@ -321,6 +341,6 @@ mod tests {
     fn more_triangles_than_the_limit_are_refused() {
         let limits = ReadLimits { max_triangles: 2, ..ReadLimits::for_testing() };
         let many = format!("solid\n{}", FACET.repeat(3));
-        assert!(matches!(read_text_stl(many.as_bytes(), &limits), Err(FileReadError::TooLarge { .. })));
+        assert!(matches!(read_text_stl(many.as_bytes(), &limits, &mut |_| {}), Err(FileReadError::TooLarge { .. })));
     }
 }

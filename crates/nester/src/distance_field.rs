@@ -8,6 +8,8 @@ use super::byte_codec::{ByteReader, ByteWriter};
 
 /// Triangles between two checks of the clock; each triangle may fill the whole grid.
 const TRIANGLES_PER_CHECK: usize = 64;
+/// Of meshes with more triangles, not every one is tested.
+const MAX_TESTED_TRIANGLES: usize = 200_000;
 
 /// Signed distance to a solid's surface, negative inside and in sealed cavities, in the solid's frame relative to
 /// `center`.
@@ -63,10 +65,9 @@ impl DistanceField {
         is_over: &dyn Fn() -> bool,
     ) -> Option<Self> {
         let lattice = lattice_around(mesh, center, reach_mm, node_target);
-        let corners = |t: usize| mesh.corners(t).map(|c| c - center);
-        let triangles: Vec<[DVec3; 3]> = (0..mesh.triangles().len()).map(corners).collect();
-        let distances = node_distances(&lattice, &triangles, is_over)?;
-        let inside = super::solid_nodes::solid_nodes(lattice.dims, lattice.origin, lattice.step, &triangles);
+        let triangles = || (0..mesh.triangles().len()).map(|t| mesh.corners(t).map(|c| c - center));
+        let distances = node_distances(&lattice, triangles(), is_over)?;
+        let inside = super::solid_nodes::solid_nodes(lattice.dims, lattice.origin, lattice.step, triangles());
         let greatest = distances.iter().fold(0.0_f32, |most, &d| most.max(d));
         let scale = greatest.max(1e-6) / 32_000.0;
         let node = |(d, inside): (&f32, &bool)| (if *inside { -d } else { *d } / scale).round() as i16;
@@ -159,37 +160,21 @@ fn lattice_around(mesh: &Mesh, center: DVec3, reach_mm: f64, node_target: usize)
     GridGeometry { origin: bounds.min - center - pad + off, step, dims }
 }
 
-/// Distance of every node to the surface, mm: exact near the surface, propagated outwards by closest points.
-fn node_distances(lattice: &GridGeometry, triangles: &[[DVec3; 3]], is_over: &dyn Fn() -> bool) -> Option<Vec<f32>> {
+/// Distance of every node to the surface, mm: exact near the surface, propagated outwards by closest points. Of a mesh with
+/// very many triangles, one of those that are small beside the lattice stands for its neighbours.
+fn node_distances(
+    lattice: &GridGeometry,
+    triangles: impl ExactSizeIterator<Item = [DVec3; 3]>,
+    is_over: &dyn Fn() -> bool,
+) -> Option<Vec<f32>> {
     let mut nearest = vec![(Vec3::ZERO, f32::INFINITY); lattice.node_count()];
-    let band = 1.2 * lattice.step;
-    for (at, triangle) in triangles.iter().enumerate() {
+    let mut thinned = (triangles.len() > MAX_TESTED_TRIANGLES).then(|| ThinnedTriangles::new(lattice));
+    for (at, triangle) in triangles.enumerate() {
         if at % TRIANGLES_PER_CHECK == 0 && is_over() {
             return None;
         }
-        let min = triangle[0].min(triangle[1]).min(triangle[2]) - band;
-        let max = triangle[0].max(triangle[1]).max(triangle[2]) + band;
-        let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or(DVec3::ZERO);
-        // Of many small triangles in a cell, most are farther away than one that was already tested.
-        let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
-        let radius = triangle.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
-        let [xs, ys, zs] = lattice.node_ranges(min, max);
-        for z in zs.0..=zs.1 {
-            for y in ys.0..=ys.1 {
-                for x in xs.0..=xs.1 {
-                    let place = lattice.node_position([x, y, z]);
-                    let known = f64::from(nearest[lattice.node_index([x, y, z])].1);
-                    if normal.dot(place - triangle[0]).abs() > band || place.distance(middle) - radius > known + 1e-6 {
-                        continue;
-                    }
-                    let closest = closest_point(place, triangle);
-                    let distance = closest.distance(place) as f32;
-                    let node = &mut nearest[lattice.node_index([x, y, z])];
-                    if distance < node.1 {
-                        *node = (closest.as_vec3(), distance);
-                    }
-                }
-            }
+        if thinned.as_mut().is_none_or(|thinned| thinned.takes_triangle(&triangle)) {
+            note_triangle(lattice, &mut nearest, &triangle);
         }
     }
     for backwards in [[false, false, false], [true, true, true], [true, false, true], [false, true, false]] {
@@ -199,6 +184,72 @@ fn node_distances(lattice: &GridGeometry, triangles: &[[DVec3; 3]], is_over: &dy
         propagate_nearest(lattice, &mut nearest, backwards);
     }
     Some(nearest.into_iter().map(|(_, distance)| distance).collect())
+}
+
+/// Takes a triangle into account for the nodes near it.
+fn note_triangle(lattice: &GridGeometry, nearest: &mut [(Vec3, f32)], triangle: &[DVec3; 3]) {
+    let band = 1.2 * lattice.step;
+    let min = triangle[0].min(triangle[1]).min(triangle[2]) - band;
+    let max = triangle[0].max(triangle[1]).max(triangle[2]) + band;
+    let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalize_or(DVec3::ZERO);
+    // Of many small triangles in a cell, most are farther away than one that was already tested.
+    let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+    let radius = triangle.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
+    let [xs, ys, zs] = lattice.node_ranges(min, max);
+    for z in zs.0..=zs.1 {
+        for y in ys.0..=ys.1 {
+            for x in xs.0..=xs.1 {
+                let place = lattice.node_position([x, y, z]);
+                let known = f64::from(nearest[lattice.node_index([x, y, z])].1);
+                if normal.dot(place - triangle[0]).abs() > band || place.distance(middle) - radius > known + 1e-6 {
+                    continue;
+                }
+                let closest = closest_point(place, triangle);
+                let distance = closest.distance(place) as f32;
+                let node = &mut nearest[lattice.node_index([x, y, z])];
+                if distance < node.1 {
+                    *node = (closest.as_vec3(), distance);
+                }
+            }
+        }
+    }
+}
+
+/// Of many triangles that are small beside the lattice, the first in each small cell: the others are no farther from it than
+/// the cell is wide.
+struct ThinnedTriangles {
+    origin: DVec3,
+    cells_per_mm: f64,
+    dims: [usize; 3],
+    /// A bit for each cell.
+    taken: Vec<u64>,
+}
+
+impl ThinnedTriangles {
+    /// Cells along the step of the lattice.
+    const CELLS_PER_STEP: usize = 5;
+
+    fn new(lattice: &GridGeometry) -> Self {
+        let dims = lattice.dims.map(|n| n * Self::CELLS_PER_STEP);
+        let cells_per_mm = Self::CELLS_PER_STEP as f64 / lattice.step;
+        let cells: usize = dims.iter().product();
+        Self { origin: lattice.origin, cells_per_mm, dims, taken: vec![0; cells.div_ceil(64)] }
+    }
+
+    /// Whether a triangle is larger than a cell, or the first one in its cell.
+    fn takes_triangle(&mut self, &[a, b, c]: &[DVec3; 3]) -> bool {
+        let size = (a.max(b).max(c) - a.min(b).min(c)).max_element();
+        if size * self.cells_per_mm > 1.0 {
+            return true;
+        }
+        let at = ((a - self.origin) * self.cells_per_mm).max(DVec3::ZERO).as_usizevec3().to_array();
+        let [x, y, z] = [0, 1, 2].map(|axis| at[axis].min(self.dims[axis] - 1));
+        let cell = (z * self.dims[1] + y) * self.dims[0] + x;
+        let (word, bit) = (&mut self.taken[cell / 64], 1 << (cell % 64));
+        let is_first = *word & bit == 0;
+        *word |= bit;
+        is_first
+    }
 }
 
 /// One pass in which every node tries the closest points of the three nodes before it.

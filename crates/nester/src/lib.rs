@@ -84,8 +84,8 @@ pub use paper::PaperConfig;
 pub use placement::ItemPlacement;
 pub use prepared_meshes::PreparedMeshes;
 pub use proof::{
-    ClearanceViolation, Disassembly, LayoutProof, PlacedSolid, find_removal_order, obeys_orientation, prove_layout,
-    prove_placed_solids, prove_with_keep_out, prove_with_z_extra,
+    ClearanceViolation, Disassembly, LayoutProof, LayoutProver, PlacedSolid, find_removal_order, obeys_orientation,
+    prove_layout, prove_placed_solids, prove_with_keep_out, prove_with_z_extra,
 };
 pub use report::{
     ClearanceMeasures, LockedCopy, NestingReport, PackingMeasures, PlacedPart, RemovedCopy, SearchCost, SearchSummary,

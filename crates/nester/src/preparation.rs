@@ -46,30 +46,32 @@ impl<'a> MeshPreparation<'a> {
     /// Outlines of meshes, in their order.
     pub(crate) fn prepare_outlines(&self, meshes: &[Arc<Mesh>]) -> Vec<Arc<MeshOutline>> {
         // Outlines are always computed: there is no layout without them.
-        self.prepare_each(meshes, |mesh| Some(self.prepared.outline(mesh))).unwrap_or_default()
+        self.prepare_each(meshes, |mesh, _| Some(self.prepared.outline(mesh))).unwrap_or_default()
     }
 
     /// Shapes of meshes at a detail, in the order of the meshes; `None` when the time runs out first.
     pub(crate) fn prepare_shapes(&self, meshes: &[Arc<Mesh>], detail: ShapeDetail) -> Option<Vec<Arc<PreparedShape>>> {
-        self.prepare_each(meshes, |mesh| self.prepared.shape(mesh, detail, &|| self.is_over()))
+        self.prepare_each(meshes, |mesh, threads| self.prepared.shape(mesh, detail, threads, &|| self.is_over()))
     }
 
-    /// Runs `work` on every distinct mesh, on whichever thread is free; `None` when any of them failed.
+    /// Runs `work` on every distinct mesh, on whichever thread is free; `None` when any of them failed. `work` may use as
+    /// many threads as it is told: where there are fewer meshes than threads, one mesh takes several.
     fn prepare_each<T: Send + Sync>(
         &self,
         meshes: &[Arc<Mesh>],
-        work: impl Fn(&Arc<Mesh>) -> Option<Arc<T>> + Sync,
+        work: impl Fn(&Arc<Mesh>, usize) -> Option<Arc<T>> + Sync,
     ) -> Option<Vec<Arc<T>>> {
         let mut distinct: Vec<&Arc<Mesh>> = meshes.iter().collect();
         distinct.sort_by_key(|mesh| Arc::as_ptr(mesh));
         distinct.dedup_by_key(|mesh| Arc::as_ptr(mesh));
         // Large meshes first, so that no thread is left with a large one at the end.
         distinct.sort_by_key(|mesh| std::cmp::Reverse(mesh.triangles().len()));
+        let threads_each = (self.threads / distinct.len().max(1)).max(1);
         let next = AtomicUsize::new(0);
         let prepare_meshes = || {
             let mut done: Vec<(usize, Arc<T>)> = Vec::new();
             while let Some(mesh) = distinct.get(next.fetch_add(1, Ordering::Relaxed)) {
-                done.push((Arc::as_ptr(mesh) as usize, work(mesh)?));
+                done.push((Arc::as_ptr(mesh) as usize, work(mesh, threads_each)?));
             }
             Some(done)
         };

@@ -91,11 +91,13 @@ impl PreparedMeshes {
         self.with_memo(mesh, |memo| memo.outline.get_or_insert(outline).clone())
     }
 
-    /// The shape of a mesh at a level of detail; `None` if it is not known and the search ends before it is prepared.
+    /// The shape of a mesh at a level of detail, prepared on at most `threads` threads; `None` if it is not known and the
+    /// search ends before it is prepared.
     pub(crate) fn shape(
         &self,
         mesh: &Arc<Mesh>,
         detail: ShapeDetail,
+        threads: usize,
         is_over: &dyn Fn() -> bool,
     ) -> Option<Arc<PreparedShape>> {
         // Use exactly this detail: a finer one in memory would make a build depend on earlier builds.
@@ -110,7 +112,7 @@ impl PreparedMeshes {
         }
         let outline = self.outline(mesh);
         let tree = self.with_memo(mesh, |memo| memo.tree.clone()).unwrap_or_else(|| {
-            let tree = Arc::new(ClearanceTree::with_obb(mesh.clone(), outline.obb));
+            let tree = Arc::new(ClearanceTree::with_obb(mesh.clone(), outline.obb, threads));
             self.with_memo(mesh, |memo| memo.tree.get_or_insert(tree).clone())
         });
         let name = self.cache().map(|_| self.name_of(mesh));

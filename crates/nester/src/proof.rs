@@ -2,10 +2,12 @@
 //! vertices. It shares only the distance computation with the search: it finds the neighbouring pairs itself and does
 //! not rely on any result of the search.
 
-use std::{collections::HashMap, sync::Arc};
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
-use solids::{Bounds, ClearanceTree, Mesh, Pose};
+use solids::{Bounds, ClearanceTree, Pose};
+
+use body_trees::PlacedBodyTrees;
 
 use super::{
     ItemPlacement, NestingInstance, OrientationLimits, OrientationRule, TiltLimit, reserved::box_mesh,
@@ -13,6 +15,7 @@ use super::{
 };
 
 pub use disassembly::{Disassembly, find_removal_order};
+pub use placed_solid::PlacedSolid;
 
 /// Allowed shortfall of a clearance, mm.
 const CLEARANCE_TOLERANCE_MM: f64 = 1e-6;
@@ -22,35 +25,6 @@ const WALL_TOLERANCE_MM: f64 = 1e-6;
 const ZONE_TOLERANCE_MM: f64 = 1e-6;
 /// Allowed deviation of a rotation from its rule, radians.
 const ANGLE_TOLERANCE: f64 = 1e-6;
-
-/// One placed solid, as input of the proof.
-#[derive(Debug, Clone)]
-pub struct PlacedSolid {
-    /// Name for reports.
-    pub name: String,
-    /// The solid. Equal meshes should share one `Arc`, so that their preparation is shared.
-    pub mesh: Arc<Mesh>,
-    /// Mesh frame -> build frame.
-    pub pose: Pose,
-    /// Clearance required for this body, mm. Between two bodies the greater one applies.
-    pub clearance_mm: f64,
-}
-
-impl PlacedSolid {
-    /// The placed copies of an instance, in the order of the placements, named `part #1`, `part #2`, ..
-    pub fn of_layout(instance: &NestingInstance, placements: &[ItemPlacement]) -> Vec<Self> {
-        let body = |placement: &ItemPlacement| {
-            let item = &instance.items()[placement.item];
-            Self {
-                name: format!("{} #{}", item.name, placement.copy + 1),
-                mesh: item.mesh.clone(),
-                pose: placement.pose,
-                clearance_mm: instance.clearance_between_mm(placement.item, placement.item),
-            }
-        };
-        placements.iter().map(body).collect()
-    }
-}
 
 /// Two bodies that are too close to each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,27 +110,117 @@ pub fn prove_with_keep_out(
     extra_mm: f64,
     keep_out: &[Bounds],
 ) -> LayoutProof {
-    let trees = build_trees(bodies);
-    // The walls are checked on every vertex, not on the tree's bounds.
-    let bounds: Vec<Bounds> = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
-    let outside: Vec<(usize, f64)> = (bounds.iter().map(|b| excess_mm(b, volume_mm)).enumerate())
-        .filter(|&(_, excess_mm)| excess_mm > WALL_TOLERANCE_MM)
-        .collect();
-    let mut proof = LayoutProof {
-        height_mm: bounds.iter().map(|b| b.max.z).fold(0.0, f64::max),
-        clearance_proved_mm: None,
-        too_close: Vec::new(),
-        outside,
-        inside: Vec::new(),
-        intruding: find_intrusions(bodies, &trees, &bounds, keep_out),
-    };
-    let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
-    for (first, second) in nearby_pairs(&bounds, cap_mm + extra_mm) {
-        check_pair(bodies, &trees, &bounds, (first, second), (cap_mm, extra_mm), &mut proof);
+    LayoutProver::new(bodies, 1).prove_layout(volume_mm, extra_mm, keep_out)
+}
+
+/// Proves bodies in several ways. What is prepared for a mesh is prepared once, when the first question needs it.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::{DQuat, DVec3};
+/// use nester::{LayoutProver, PlacedSolid};
+/// use solids::Pose;
+///
+/// let cube = Arc::new(sample_parts::cuboid(DVec3::splat(10.0)));
+/// let body = |x: f64| PlacedSolid {
+///     name: String::new(),
+///     mesh: cube.clone(),
+///     pose: Pose::new(DQuat::IDENTITY, DVec3::X * x),
+///     clearance_mm: 2.0,
+/// };
+/// let bodies = [body(0.0), body(12.5)];
+/// let prover = LayoutProver::new(&bodies, 1);
+/// assert!(prover.prove_layout(DVec3::splat(40.0), 0.0, &[]).is_proved());
+/// assert!(prover.find_removal_order().locked.is_empty());
+/// ```
+#[derive(Debug)]
+pub struct LayoutProver<'a> {
+    bodies: &'a [PlacedSolid],
+    trees: PlacedBodyTrees<'a>,
+    /// The bounds of the bodies, of every vertex and not of the trees.
+    bounds: Vec<Bounds>,
+}
+
+impl<'a> LayoutProver<'a> {
+    /// Measures the bodies. `threads` is the number of threads for what is prepared for a mesh.
+    pub fn new(bodies: &'a [PlacedSolid], threads: usize) -> Self {
+        let bounds = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose)).collect();
+        Self { bodies, trees: PlacedBodyTrees::new(bodies, threads), bounds }
     }
-    proof.too_close.sort_by_key(|p| (p.first, p.second));
-    proof.inside.sort_unstable();
-    proof
+
+    /// Like [`prove_with_keep_out`].
+    pub fn prove_layout(&self, volume_mm: DVec3, extra_mm: f64, keep_out: &[Bounds]) -> LayoutProof {
+        let (bodies, bounds) = (self.bodies, &self.bounds);
+        let outside: Vec<(usize, f64)> = (bounds.iter().map(|b| excess_mm(b, volume_mm)).enumerate())
+            .filter(|&(_, excess_mm)| excess_mm > WALL_TOLERANCE_MM)
+            .collect();
+        let mut proof = LayoutProof {
+            height_mm: bounds.iter().map(|b| b.max.z).fold(0.0, f64::max),
+            clearance_proved_mm: None,
+            too_close: Vec::new(),
+            outside,
+            inside: Vec::new(),
+            intruding: self.find_intrusions(keep_out),
+        };
+        let cap_mm = 2.0 * bodies.iter().map(|b| b.clearance_mm).fold(0.0, f64::max) + 1.0;
+        for (first, second) in nearby_pairs(bounds, cap_mm + extra_mm) {
+            self.check_pair((first, second), (cap_mm, extra_mm), &mut proof);
+        }
+        proof.too_close.sort_by_key(|p| (p.first, p.second));
+        proof.inside.sort_unstable();
+        proof
+    }
+
+    /// Bodies that extend into a zone, each with the index of the zone.
+    fn find_intrusions(&self, keep_out: &[Bounds]) -> Vec<(usize, usize)> {
+        let mut found = Vec::new();
+        for (number, zone) in keep_out.iter().enumerate() {
+            let zone = Bounds { min: zone.min + ZONE_TOLERANCE_MM, max: zone.max - ZONE_TOLERANCE_MM };
+            let Some(solid) = box_mesh(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
+            let stands_in = |body: usize| {
+                let pose = &self.bodies[body].pose;
+                self.bounds[body].distance(&zone) <= 0.0
+                    && (solid.distance_capped_mm(self.trees.tree(body), pose, 1.0) <= 0.0
+                        || solid.contains_part(self.trees.tree(body), pose)
+                        || self.trees.tree(body).contains_part(&solid, &pose.inverse()))
+            };
+            found.extend((0..self.bodies.len()).filter(|&body| stands_in(body)).map(|body| (body, number)));
+        }
+        found.sort_unstable();
+        found
+    }
+
+    /// Measures one pair and records its violations.
+    fn check_pair(&self, (first, second): (usize, usize), (cap_mm, extra_mm): (f64, f64), proof: &mut LayoutProof) {
+        let (body1, body2) = (&self.bodies[first], &self.bodies[second]);
+        let (tree1, tree2) = (self.trees.tree(first), self.trees.tree(second));
+        let pose12 = body1.pose.relative_pose_of(&body2.pose);
+        let distance_mm = tree1.distance_capped_mm(tree2, &pose12, cap_mm);
+        if distance_mm < cap_mm {
+            proof.clearance_proved_mm =
+                Some(proof.clearance_proved_mm.map_or(distance_mm, |least| least.min(distance_mm)));
+        }
+        let wanted_mm = body1.clearance_mm.max(body2.clearance_mm);
+        if extra_mm > 0.0 && distance_mm > 0.0 {
+            let slide1 = body1.pose.inverse().transform_direction(DVec3::Z * extra_mm);
+            let raised_mm = tree1.distance_sliding_mm(tree2, &pose12, slide1, cap_mm);
+            if raised_mm <= 0.0 || raised_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
+                return proof.too_close.push(ClearanceViolation { first, second, distance_mm: raised_mm, wanted_mm });
+            }
+        }
+        if distance_mm <= 0.0 || distance_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
+            proof.too_close.push(ClearanceViolation { first, second, distance_mm, wanted_mm });
+        }
+        if distance_mm <= 0.0 || self.bounds[first].distance(&self.bounds[second]) > 0.0 {
+            return;
+        }
+        if tree1.contains_part(tree2, &pose12) {
+            proof.inside.push((first, second));
+        }
+        if tree2.contains_part(tree1, &pose12.inverse()) {
+            proof.inside.push((second, first));
+        }
+    }
 }
 
 /// Whether the rotation of a pose obeys the orientation limits of a part (within 1e-6 radian).
@@ -193,37 +257,6 @@ pub fn obeys_orientation(orientation: &OrientationLimits, pose: &Pose) -> bool {
     obeys && orientation.tilts.iter().all(poses)
 }
 
-/// Bodies that extend into a zone, each with the index of the zone.
-fn find_intrusions(
-    bodies: &[PlacedSolid],
-    trees: &[Arc<ClearanceTree>],
-    bounds: &[Bounds],
-    keep_out: &[Bounds],
-) -> Vec<(usize, usize)> {
-    let mut found = Vec::new();
-    for (number, zone) in keep_out.iter().enumerate() {
-        let zone = Bounds { min: zone.min + ZONE_TOLERANCE_MM, max: zone.max - ZONE_TOLERANCE_MM };
-        let Some(solid) = box_mesh(&zone).map(|mesh| ClearanceTree::new(Arc::new(mesh))) else { continue };
-        let stands_in = |body: usize| {
-            let pose = &bodies[body].pose;
-            bounds[body].distance(&zone) <= 0.0
-                && (solid.distance_capped_mm(&trees[body], pose, 1.0) <= 0.0
-                    || solid.contains_part(&trees[body], pose)
-                    || trees[body].contains_part(&solid, &pose.inverse()))
-        };
-        found.extend((0..bodies.len()).filter(|&body| stands_in(body)).map(|body| (body, number)));
-    }
-    found.sort_unstable();
-    found
-}
-
-/// The trees of the bodies, in their order. Bodies with the same mesh share one tree.
-fn build_trees(bodies: &[PlacedSolid]) -> Vec<Arc<ClearanceTree>> {
-    let mut known: HashMap<*const Mesh, Arc<ClearanceTree>> = HashMap::new();
-    let tree = |mesh: &Arc<Mesh>| Arc::new(ClearanceTree::new(mesh.clone()));
-    bodies.iter().map(|b| known.entry(Arc::as_ptr(&b.mesh)).or_insert_with(|| tree(&b.mesh)).clone()).collect()
-}
-
 /// Greatest excess of bounds over the volume, mm; infinite for numbers that are not finite.
 fn excess_mm(bounds: &Bounds, volume_mm: DVec3) -> f64 {
     if !(bounds.min.is_finite() && bounds.max.is_finite()) {
@@ -248,42 +281,8 @@ fn nearby_pairs(bounds: &[Bounds], cap_mm: f64) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Measures one pair and records its violations.
-fn check_pair(
-    bodies: &[PlacedSolid],
-    trees: &[Arc<ClearanceTree>],
-    bounds: &[Bounds],
-    (first, second): (usize, usize),
-    (cap_mm, extra_mm): (f64, f64),
-    proof: &mut LayoutProof,
-) {
-    let pose12 = bodies[first].pose.relative_pose_of(&bodies[second].pose);
-    let distance_mm = trees[first].distance_capped_mm(&trees[second], &pose12, cap_mm);
-    if distance_mm < cap_mm {
-        proof.clearance_proved_mm = Some(proof.clearance_proved_mm.map_or(distance_mm, |least| least.min(distance_mm)));
-    }
-    let wanted_mm = bodies[first].clearance_mm.max(bodies[second].clearance_mm);
-    if extra_mm > 0.0 && distance_mm > 0.0 {
-        let slide1 = bodies[first].pose.inverse().transform_direction(DVec3::Z * extra_mm);
-        let raised_mm = trees[first].distance_sliding_mm(&trees[second], &pose12, slide1, cap_mm);
-        if raised_mm <= 0.0 || raised_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
-            return proof.too_close.push(ClearanceViolation { first, second, distance_mm: raised_mm, wanted_mm });
-        }
-    }
-    if distance_mm <= 0.0 || distance_mm < wanted_mm - CLEARANCE_TOLERANCE_MM {
-        proof.too_close.push(ClearanceViolation { first, second, distance_mm, wanted_mm });
-    }
-    if distance_mm <= 0.0 || bounds[first].distance(&bounds[second]) > 0.0 {
-        return;
-    }
-    if trees[first].contains_part(&trees[second], &pose12) {
-        proof.inside.push((first, second));
-    }
-    if trees[second].contains_part(&trees[first], &pose12.inverse()) {
-        proof.inside.push((second, first));
-    }
-}
-
+mod body_trees;
 mod disassembly;
+mod placed_solid;
 #[cfg(test)]
 mod tests;

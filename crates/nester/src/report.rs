@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use solids::{Bounds, Mesh, Pose};
 
 use super::{
-    Disassembly, InterlockRule, LayerAreaCap, LayerAreas, NestingInstance, NestingSolution, PlacedSolid,
-    find_removal_order, lower_bound_mm, removal_gap_mm, tie_break::packing_measures,
+    Disassembly, InterlockRule, LayerAreaCap, LayerAreas, LayoutProver, NestingInstance, NestingSolution, PlacedSolid,
+    lower_bound_mm, removal_gap_mm, tie_break::packing_measures,
 };
 
 /// The pose of one copy.
@@ -82,8 +82,8 @@ impl Separability {
     }
 
     /// Takes bodies apart if a rule requires it; `None` if interlocking is not checked.
-    pub fn disassemble_under(rule: InterlockRule, bodies: &[PlacedSolid]) -> Option<Disassembly> {
-        (rule != InterlockRule::Allow).then(|| find_removal_order(bodies))
+    pub fn disassemble_under(rule: InterlockRule, layout: &LayoutProver<'_>) -> Option<Disassembly> {
+        (rule != InterlockRule::Allow).then(|| layout.find_removal_order())
     }
 
     /// The result of [`Separability::disassemble_under`], with names.
@@ -93,7 +93,7 @@ impl Separability {
         clearance_mm: f64,
         name: impl Fn(usize) -> (String, u32),
     ) -> Option<Self> {
-        Self::disassemble_under(rule, bodies).map(|found| Self::new(&found, clearance_mm, name))
+        Self::disassemble_under(rule, &LayoutProver::new(bodies, 1)).map(|found| Self::new(&found, clearance_mm, name))
     }
 
     /// Whether the result obeys a rule.

@@ -9,7 +9,7 @@ use super::{
     cache::{self, PreparedMeshCache},
     distance_field::DistanceField,
     outline::MeshOutline,
-    sphere_tree::SphereTree,
+    sphere_tree::{MeasuredSurface, SphereTree},
 };
 
 /// Number of points of the coarse set, by which candidates are compared.
@@ -104,7 +104,9 @@ fn prepare_proxies(
     if is_over() {
         return None;
     }
-    let (fine, coarse) = (SphereTree::new(mesh, center, detail.points), SphereTree::new(mesh, center, FEW_POINTS));
+    let surface = MeasuredSurface::new(mesh);
+    let (fine, coarse) =
+        (SphereTree::new(&surface, center, detail.points), SphereTree::new(&surface, center, FEW_POINTS));
     if let Some((cache, key)) = slot {
         cache.store_bytes(&key, &cache::pack_proxies(&field, &fine, &coarse));
     }

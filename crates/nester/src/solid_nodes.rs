@@ -4,8 +4,18 @@
 use glam::DVec3;
 
 /// For every node, whether it is inside the solid or in a sealed cavity. Nodes are in x, then y, then z order.
-pub(crate) fn solid_nodes(dims: [usize; 3], origin: DVec3, step: f64, triangles: &[[DVec3; 3]]) -> Vec<bool> {
-    let rays = [0, 1, 2].map(|axis| AxisCrossings::new(axis, dims, origin, step, triangles));
+pub(crate) fn solid_nodes(
+    dims: [usize; 3],
+    origin: DVec3,
+    step: f64,
+    triangles: impl Iterator<Item = [DVec3; 3]>,
+) -> Vec<bool> {
+    let mut rays = [0, 1, 2].map(|axis| AxisCrossings::new(axis, dims));
+    for triangle in triangles {
+        let corners = triangle.map(|c| ((c - origin) / step).to_array());
+        rays.iter_mut().for_each(|rays| rays.add_triangle(&corners));
+    }
+    rays.iter_mut().for_each(AxisCrossings::accumulate_windings);
     let count: usize = dims.iter().product();
     let votes = |node: usize| rays.iter().filter(|r| r.winding[node] > 0).count();
     let mut solid: Vec<bool> = (0..count).map(|node| votes(node) >= 2).collect();
@@ -16,6 +26,9 @@ pub(crate) fn solid_nodes(dims: [usize; 3], origin: DVec3, step: f64, triangles:
 
 /// Crossings of all lattice lines along one axis with the surface.
 struct AxisCrossings {
+    axis: usize,
+    dims: [usize; 3],
+    strides: [usize; 3],
     /// At each node, the number of times that the surface was entered minus the number of times that it was left.
     winding: Vec<i16>,
     /// Whether the surface crosses the line between the previous node and this one.
@@ -23,49 +36,52 @@ struct AxisCrossings {
 }
 
 impl AxisCrossings {
-    fn new(axis: usize, dims: [usize; 3], origin: DVec3, step: f64, triangles: &[[DVec3; 3]]) -> Self {
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let strides = [1, dims[0], dims[0] * dims[1]];
+    fn new(axis: usize, dims: [usize; 3]) -> Self {
         let count: usize = dims.iter().product();
-        let mut rays = Self { winding: vec![0; count], crossed: vec![false; count] };
-        for triangle in triangles {
-            let corners = triangle.map(|c| ((c - origin) / step).to_array());
-            let flat = corners.map(|c| [c[u], c[v]]);
-            let area = cross_2d(flat[0], flat[1], flat[2]);
-            if area.abs() < 1e-12 {
-                continue;
-            }
-            let span = |k: usize| {
-                let all = flat.map(|c| c[k]);
-                (
-                    all.iter().copied().fold(f64::INFINITY, f64::min),
-                    all.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                )
-            };
-            let ((u0, u1), (v0, v1)) = (span(0), span(1));
-            let first = |low: f64| low.ceil().max(0.0) as usize;
-            let last = |high: f64, n: usize| high.floor().min(n as f64 - 1.0);
-            for at_v in first(v0)..(last(v1, dims[v]) + 1.0).max(0.0) as usize {
-                for at_u in first(u0)..(last(u1, dims[u]) + 1.0).max(0.0) as usize {
-                    let place = [at_u as f64, at_v as f64];
-                    let Some(shares) = barycentric_shares(place, &flat, area) else { continue };
-                    let depth: f64 = (0..3).map(|k| shares[k] * corners[k][axis]).sum();
-                    let node = depth.ceil().max(0.0) as usize;
-                    if node < dims[axis] {
-                        let at = node * strides[axis] + at_u * strides[u] + at_v * strides[v];
-                        // Seen along +axis, a counter-clockwise projection means that the ray leaves the solid.
-                        rays.winding[at] += if area > 0.0 { -1 } else { 1 };
-                        rays.crossed[at] = true;
-                    }
+        let strides = [1, dims[0], dims[0] * dims[1]];
+        Self { axis, dims, strides, winding: vec![0; count], crossed: vec![false; count] }
+    }
+
+    /// Adds the crossings with a triangle, whose corners are in steps of the lattice.
+    fn add_triangle(&mut self, corners: &[[f64; 3]; 3]) {
+        let (axis, dims) = (self.axis, self.dims);
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let flat = corners.map(|c| [c[u], c[v]]);
+        let span = |k: usize| {
+            let all = flat.map(|c| c[k]);
+            (all.iter().copied().fold(f64::INFINITY, f64::min), all.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+        };
+        let ((u0, u1), (v0, v1)) = (span(0), span(1));
+        let first = |low: f64| low.ceil().max(0.0) as usize;
+        let end = |high: f64, n: usize| (high.floor().min(n as f64 - 1.0) + 1.0).max(0.0) as usize;
+        let (range_u, range_v) = (first(u0)..end(u1, dims[u]), first(v0)..end(v1, dims[v]));
+        // Most triangles of a fine mesh cross no line.
+        if range_u.is_empty() || range_v.is_empty() {
+            return;
+        }
+        let area = cross_2d(flat[0], flat[1], flat[2]);
+        if area.abs() < 1e-12 {
+            return;
+        }
+        for at_v in range_v {
+            for at_u in range_u.clone() {
+                let place = [at_u as f64, at_v as f64];
+                let Some(shares) = barycentric_shares(place, &flat, area) else { continue };
+                let depth: f64 = (0..3).map(|k| shares[k] * corners[k][axis]).sum();
+                let node = depth.ceil().max(0.0) as usize;
+                if node < dims[axis] {
+                    let at = node * self.strides[axis] + at_u * self.strides[u] + at_v * self.strides[v];
+                    // Seen along +axis, a counter-clockwise projection means that the ray leaves the solid.
+                    self.winding[at] += if area > 0.0 { -1 } else { 1 };
+                    self.crossed[at] = true;
                 }
             }
         }
-        rays.accumulate_windings(dims[axis], strides[axis]);
-        rays
     }
 
     /// Sums crossings to winding numbers, from each line's start to its end.
-    fn accumulate_windings(&mut self, length: usize, stride: usize) {
+    fn accumulate_windings(&mut self) {
+        let (length, stride) = (self.dims[self.axis], self.strides[self.axis]);
         for at in 0..self.winding.len() {
             if !(at / stride).is_multiple_of(length) {
                 self.winding[at] += self.winding[at - stride];

@@ -35,17 +35,19 @@ pub(crate) struct SphereTree {
 
 impl SphereTree {
     /// Samples about `wanted` points: first along sharp edges, where parts meet, then over the faces.
-    pub(crate) fn new(mesh: &Mesh, center: DVec3, wanted: usize) -> Self {
-        let area = surface_area(mesh);
-        let sharp = sharp_edges(mesh);
+    pub(crate) fn new(
+        &MeasuredSurface { mesh, area, ref sharp }: &MeasuredSurface<'_>,
+        center: DVec3,
+        wanted: usize,
+    ) -> Self {
         let mut spacing = (area / (0.7 * wanted as f64)).sqrt().max(1e-3);
-        let mut points = sample_surface(mesh, &sharp, spacing);
+        let mut points = sample_surface(mesh, sharp, spacing);
         for _ in 0..8 {
             if points.len() <= wanted + wanted / 2 {
                 break;
             }
             spacing *= 1.3;
-            points = sample_surface(mesh, &sharp, spacing);
+            points = sample_surface(mesh, sharp, spacing);
         }
         let mut points: Vec<Vec3> = points.into_iter().map(|p| (p - center).as_vec3()).collect();
         let mut spheres = Vec::with_capacity(points.len());
@@ -112,21 +114,55 @@ fn triangle_area([a, b, c]: [DVec3; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
+/// What every sampling of a surface needs of it.
+pub(crate) struct MeasuredSurface<'a> {
+    mesh: &'a Mesh,
+    /// mm2.
+    area: f64,
+    sharp: Vec<[DVec3; 2]>,
+}
+
+impl<'a> MeasuredSurface<'a> {
+    /// Measures the surface of a mesh.
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
+        Self { mesh, area: surface_area(mesh), sharp: sharp_edges(mesh) }
+    }
+}
+
 /// Edges whose two faces meet at more than about 30 degrees.
 fn sharp_edges(mesh: &Mesh) -> Vec<[DVec3; 2]> {
-    let mut edges: Vec<(u32, u32, usize)> = (mesh.triangles().iter().enumerate())
-        .flat_map(|(t, &[a, b, c])| [(a, b), (b, c), (c, a)].map(|(a, b)| (a.min(b), a.max(b), t)))
-        .collect();
-    edges.sort_unstable();
-    let normal = |t: usize| {
-        let [a, b, c] = mesh.corners(t);
+    let edges = || {
+        let of_triangle = |(t, &[a, b, c]): (usize, &[u32; 3])| [(a, b, t), (b, c, t), (c, a, t)];
+        mesh.triangles().iter().enumerate().flat_map(of_triangle)
+    };
+    // A counting sort by the lower vertex leaves a handful of edges in each bucket.
+    let mut ends = vec![0_u32; mesh.vertices().len() + 1];
+    edges().for_each(|(a, b, _)| ends[a.min(b) as usize + 1] += 1);
+    (1..ends.len()).for_each(|vertex| ends[vertex] += ends[vertex - 1]);
+    let mut sorted = vec![(0_u32, 0_u32); 3 * mesh.triangles().len()];
+    for (a, b, t) in edges() {
+        let next = &mut ends[a.min(b) as usize];
+        sorted[*next as usize] = (a.max(b), t as u32);
+        *next += 1;
+    }
+    let normal = |t: u32| {
+        let [a, b, c] = mesh.corners(t as usize);
         (b - a).cross(c - a).normalize_or(DVec3::ZERO)
     };
     let place = |v: u32| mesh.vertices()[v as usize];
-    (edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)))
-        .filter(|edge| edge.len() != 2 || normal(edge[0].2).dot(normal(edge[1].2)) < 0.86)
-        .map(|edge| [place(edge[0].0), place(edge[0].1)])
-        .collect()
+    let mut sharp = Vec::new();
+    let mut start = 0;
+    for (vertex, &end) in ends[..mesh.vertices().len()].iter().enumerate() {
+        let bucket = &mut sorted[start..end as usize];
+        bucket.sort_unstable();
+        let of_vertex = bucket
+            .chunk_by(|x, y| x.0 == y.0)
+            .filter(|edge| edge.len() != 2 || normal(edge[0].1).dot(normal(edge[1].1)) < 0.86)
+            .map(|edge| [place(vertex as u32), place(edge[0].0)]);
+        sharp.extend(of_vertex);
+        start = end as usize;
+    }
+    sharp
 }
 
 /// Samples points that are no closer to each other than `spacing` (Poisson disk sampling by dart throwing): edges

@@ -4,6 +4,7 @@
 //! signed distance functions and marching tetrahedra. Every sample is one closed, consistently oriented surface.
 
 mod blocks;
+mod boulder;
 mod distance_functions;
 mod extruded;
 mod fan;
@@ -21,6 +22,7 @@ mod workload;
 use solids::Mesh;
 
 pub use blocks::{lattice_block, tray};
+pub use boulder::boulder;
 pub use extruded::{bracket, clip, cuboid, hinge, honeycomb, rail, ribbed_bracket, spur_gear};
 pub use fan::axial_fan;
 pub use implicit::{connecting_rod, gyroid_ball, pipe_tee};

@@ -4,37 +4,41 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::{Bounds, Mesh, Obb, Pose, box_tree::TriangleBoxTree, tree_pair_walk::TreePairWalk, winding_number};
 
 /// Surfaces nearer than this count as meeting, mm: far above rounding, far below any printer's resolution.
 const MEET_MM: f64 = 1e-9;
 
-/// A box tree over a mesh's triangles. Built once per mesh, shared by all its copies.
+/// A box tree over a mesh's triangles. Built once per mesh, shared by all its copies; the triangles stay in the mesh.
 #[derive(Debug, Clone)]
 pub struct ClearanceTree {
-    mesh: Arc<Mesh>,
     obb: Obb,
     pub(super) tree: TriangleBoxTree,
 }
 
 impl ClearanceTree {
-    /// Builds the tree; time grows with n log n of the triangles.
+    /// Builds the tree on this thread; time grows with n log n of the triangles.
     pub fn new(mesh: Arc<Mesh>) -> Self {
+        Self::on_threads(mesh, 1)
+    }
+
+    /// Builds the tree on at most `threads` threads. It is the same for any number of them.
+    pub fn on_threads(mesh: Arc<Mesh>, threads: usize) -> Self {
         let obb = Obb::smallest_around(&mesh);
-        Self::with_obb(mesh, obb)
+        Self::with_obb(mesh, obb, threads)
     }
 
     /// The same, with boxes along a known `obb`. Any box around the mesh gives correct results; a small one is faster.
-    pub fn with_obb(mesh: Arc<Mesh>, obb: Obb) -> Self {
-        let tree = TriangleBoxTree::new(&mesh, &obb.pose.inverse());
-        Self { mesh, obb, tree }
+    pub fn with_obb(mesh: Arc<Mesh>, obb: Obb, threads: usize) -> Self {
+        let tree = TriangleBoxTree::new(mesh, &obb.pose.inverse(), threads);
+        Self { obb, tree }
     }
 
     /// The mesh of the tree.
     pub fn mesh(&self) -> &Arc<Mesh> {
-        &self.mesh
+        self.tree.mesh()
     }
 
     /// The smallest box found around the part, in the mesh's frame. All boxes of the tree have its axes, from long to
@@ -61,52 +65,47 @@ impl ClearanceTree {
     /// Whether a point (mesh frame) lies inside the solid, by the winding number of the surface. The inside of a sealed
     /// cavity is not inside the solid. On the surface itself the result is undefined.
     pub fn contains_point(&self, point: DVec3) -> bool {
-        let point = self.to_box(point);
-        winding_number::winding_numbers(&self.tree, point, self.mesh.defects().is_closed()).iter().sum::<i32>() > 0
+        self.windings_about(point).iter().sum::<i32>() > 0
     }
 
     /// Whether `other`, whose surface does not meet this one, lies inside this solid or inside a sealed cavity of it
     /// (which it could never leave): whether any closed shell of this surface encloses any shell of the other.
     pub fn contains_part(&self, other: &Self, pose12: &Pose) -> bool {
-        if !self.mesh.bounds().contains_bounds(&other.bounds_at(pose12), 0.0) && other.tree.shells().len() == 1 {
+        let mut corners = other.tree.shell_corners();
+        if !self.mesh().bounds().contains_bounds(&other.bounds_at(pose12), 0.0) && corners.len() == 1 {
             return false;
         }
-        other.tree.shells().iter().any(|&corner| {
-            let point = self.to_box(pose12.transform_point(other.obb.pose.transform_point(corner)));
-            self.tree.root_contains(point)
-                && winding_number::winding_numbers(&self.tree, point, self.mesh.defects().is_closed())
-                    .iter()
-                    .any(|&w| w != 0)
+        corners.any(|corner| {
+            let point = pose12.transform_point(corner);
+            self.tree.root_contains(self.obb.pose.inverse().transform_point(point))
+                && self.windings_about(point).iter().any(|&w| w != 0)
         })
+    }
+
+    /// The winding number of each shell about a point (mesh frame).
+    fn windings_about(&self, point: DVec3) -> Vec<i32> {
+        winding_number::winding_numbers(&self.tree, &self.obb.pose, point, self.mesh().defects().is_closed())
     }
 
     /// Exact axis-aligned bounds of the mesh at a pose; much faster than [`Mesh::bounds_at`] on large meshes.
     pub fn bounds_at(&self, pose: &Pose) -> Bounds {
-        let pose = pose.compose_with(&self.obb.pose);
-        let rows: DMat3 = pose.rotation_matrix().transpose();
-        let reach = DVec3::from_array([rows.x_axis, rows.y_axis, rows.z_axis].map(|d| self.tree.support_value(d)));
-        let back = DVec3::from_array([rows.x_axis, rows.y_axis, rows.z_axis].map(|d| self.tree.support_value(-d)));
-        Bounds { min: pose.translation - back, max: pose.translation + reach }
+        let rows = pose.rotation_matrix().transpose();
+        let reach = |direction: DVec3| self.reach_mm(direction);
+        let max = DVec3::new(reach(rows.x_axis), reach(rows.y_axis), reach(rows.z_axis));
+        let min = DVec3::new(-reach(-rows.x_axis), -reach(-rows.y_axis), -reach(-rows.z_axis));
+        Bounds { min: pose.translation + min, max: pose.translation + max }
     }
 
     /// How far the part reaches from the mesh frame's origin along a direction, in mm for a unit vector.
     pub fn reach_mm(&self, direction: DVec3) -> f64 {
         let direction_in_box = self.obb.pose.rotation.conjugate() * direction;
-        self.tree.support_value(direction_in_box) + self.obb.pose.translation.dot(direction)
+        self.tree.support_value(direction, direction_in_box, self.obb.pose.translation.dot(direction))
     }
 
     /// A simultaneous traversal of this tree and another one; `pose12` is the mesh frame of the other seen from this
     /// one.
     pub(super) fn pair_walk<'a>(&'a self, other: &'a Self, pose12: &Pose) -> TreePairWalk<'a> {
-        TreePairWalk::new(
-            &self.tree,
-            &other.tree,
-            &self.obb.pose.inverse().compose_with(&pose12.compose_with(&other.obb.pose)),
-        )
-    }
-
-    /// Transforms a point of the mesh frame to the frame of the tree's boxes.
-    fn to_box(&self, point: DVec3) -> DVec3 {
-        self.obb.pose.inverse().transform_point(point)
+        let boxes12 = self.obb.pose.inverse().compose_with(&pose12.compose_with(&other.obb.pose));
+        TreePairWalk::new(&self.tree, &other.tree, pose12, &boxes12)
     }
 }

@@ -28,14 +28,8 @@ impl ClearanceTree {
     /// Calls `each` with the places at which the surfaces are nearer than `limit_mm` without meeting: the nearest
     /// points of every two leaves of the trees that come so near. `pose12` is the frame of `other` seen from this one.
     pub fn visit_contacts(&self, other: &Self, pose12: &Pose, limit_mm: f64, each: &mut dyn FnMut(SurfaceContact)) {
-        let frame = &self.obb().pose;
-        self.pair_walk(other, pose12).visit_near_leaves(limit_mm * limit_mm, &mut |one, two| {
-            let contact = closest_points(one, two);
-            each(SurfaceContact {
-                point1: frame.transform_point(contact.point1),
-                point2: frame.transform_point(contact.point2),
-            });
-        });
+        self.pair_walk(other, pose12)
+            .visit_near_leaves(limit_mm * limit_mm, &mut |one, two| each(closest_points(one, two)));
     }
 }
 

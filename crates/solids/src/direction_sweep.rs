@@ -5,9 +5,8 @@
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
 use super::{
-    ClearanceTree, Pose,
-    box_tree::{BoxTreeNode, MAX_LEAF_TRIANGLES, TriangleBoxTree},
-    triangle::Triangle,
+    ClearanceTree, Pose, box_tree::TriangleBoxTree, box_tree_build::MAX_LEAF_TRIANGLES, node_box::TreeNodeLink,
+    normal_bounds::NormalBounds, tree_pair_walk::opens_first, triangle::Triangle,
 };
 
 /// A face that leans less than this towards the direction (the cosine) counts as parallel to it: its neighbours sweep
@@ -45,22 +44,26 @@ const AXIS_COUNT: usize = 11;
 /// A tree in the frame of the motion.
 struct SweepFrameTree<'a> {
     tree: &'a TriangleBoxTree,
+    normals: &'a [NormalBounds],
+    /// From the mesh's frame to the frame of the motion.
     turn: DMat3,
     shift: DVec3,
-    /// The axes in the tree's own frame.
+    /// The axes in the frame of the tree's boxes.
     axes: [DVec3; AXIS_COUNT],
     /// Absolute values of the axes: they convert half edges to half widths.
     spread: [DVec3; AXIS_COUNT],
     shifts: [f64; AXIS_COUNT],
-    /// The direction in the tree's own frame, and its absolute values.
-    direction: Vec3,
-    direction_spread: Vec3,
+    /// The direction in the mesh's frame.
+    direction: DVec3,
+    /// The same in single precision, and its absolute values.
+    flat_direction: Vec3,
+    flat_direction_spread: Vec3,
 }
 
 /// A node with its box projected on the axes.
 #[derive(Clone, Copy)]
-struct ProjectedNode<'a> {
-    node: &'a BoxTreeNode,
+struct ProjectedNode {
+    node: usize,
     low: [f64; AXIS_COUNT],
     high: [f64; AXIS_COUNT],
 }
@@ -84,8 +87,8 @@ impl<'a> DirectionSweep<'a> {
         let axes = [x, y, (x + y) * diagonal, (x - y) * diagonal, direction, a, b, c, d, e, f];
         let rows = DMat3::from_cols(x, y, direction).transpose();
         Self {
-            moving: SweepFrameTree::new(&part1.tree, rows, &box1, &axes),
-            standing: SweepFrameTree::new(&part2.tree, rows, &box2, &axes),
+            moving: SweepFrameTree::new(&part1.tree, rows, &Pose::IDENTITY, &box1, &axes),
+            standing: SweepFrameTree::new(&part2.tree, rows, pose12, &box2, &axes),
             gap_mm: gap_mm.max(ROUNDING_MM),
             solid: part1.mesh().defects().is_closed() && part2.mesh().defects().is_closed(),
         }
@@ -98,7 +101,7 @@ impl<'a> DirectionSweep<'a> {
 
     /// Whether the boxes allow the first part to sweep over the second.
     #[inline]
-    fn may_collide(&self, shadow1: &ProjectedNode<'_>, shadow2: &ProjectedNode<'_>) -> bool {
+    fn may_collide(&self, shadow1: &ProjectedNode, shadow2: &ProjectedNode) -> bool {
         shadow2.high[SWEEP_AXIS] > shadow1.low[SWEEP_AXIS]
             && (0..SWEEP_AXIS).all(|k| {
                 shadow2.low[k] - shadow1.high[k] < self.gap_mm && shadow1.low[k] - shadow2.high[k] < self.gap_mm
@@ -106,22 +109,23 @@ impl<'a> DirectionSweep<'a> {
             && (SWEEP_AXIS + 1..AXIS_COUNT).all(|k| shadow1.low[k] - shadow2.high[k] < self.gap_mm)
     }
 
-    fn visit_pair(&self, shadow1: &ProjectedNode<'_>, shadow2: &ProjectedNode<'_>) -> bool {
+    fn visit_pair(&self, shadow1: &ProjectedNode, shadow2: &ProjectedNode) -> bool {
         let (node1, node2) = (shadow1.node, shadow2.node);
-        if node1.is_leaf() && node2.is_leaf() {
-            return self.compare_leaves(node1, node2);
+        let (link1, link2) = (self.moving.tree.links[node1], self.standing.tree.links[node2]);
+        if link1.is_leaf() && link2.is_leaf() {
+            return self.compare_leaves(link1, link2);
         }
-        let open1 = !node1.is_leaf() && (node2.is_leaf() || node1.half.length_squared() >= node2.half.length_squared());
+        let open1 = opens_first(self.moving.tree, self.standing.tree, node1, node2);
         (0..2).any(|child| {
             if open1 {
-                let at = node1.first as usize + child;
+                let at = link1.first_child() + child;
                 if self.solid && self.moving.facing_range(at).1 <= MIN_LEAN as f32 {
                     return false;
                 }
                 let shadow1 = self.moving.project_node(at);
                 self.may_collide(&shadow1, shadow2) && self.visit_pair(&shadow1, shadow2)
             } else {
-                let at = node2.first as usize + child;
+                let at = link2.first_child() + child;
                 if self.solid && self.standing.facing_range(at).0 >= -MIN_LEAN as f32 {
                     return false;
                 }
@@ -131,20 +135,17 @@ impl<'a> DirectionSweep<'a> {
         })
     }
 
-    fn compare_leaves(&self, leaf1: &BoxTreeNode, leaf2: &BoxTreeNode) -> bool {
+    fn compare_leaves(&self, leaf1: TreeNodeLink, leaf2: TreeNodeLink) -> bool {
         let (moving, standing) = (&self.moving, &self.standing);
         let counts = |normal: DVec3, lean: f64| !self.solid || lean > MIN_LEAN || normal == DVec3::ZERO;
-        let direction = (moving.axes[SWEEP_AXIS], standing.axes[SWEEP_AXIS]);
-        let ahead = moving.tree.triangles[leaf1.triangle_range()]
-            .iter()
-            .filter(|t| counts(t.normal, t.normal.dot(direction.0)));
+        let ahead = leaf1.triangle_range().map(|place| moving.tree.triangle(place));
+        let ahead = ahead.filter(|t| counts(t.normal, t.normal.dot(moving.direction)));
         let mut ahead = ahead.map(|t| t.transformed_by(&moving.turn, moving.shift)).peekable();
         if ahead.peek().is_none() {
             return false;
         }
-        let against = standing.tree.triangles[leaf2.triangle_range()]
-            .iter()
-            .filter(|t| counts(t.normal, -t.normal.dot(direction.1)));
+        let against = leaf2.triangle_range().map(|place| standing.tree.triangle(place));
+        let against = against.filter(|t| counts(t.normal, -t.normal.dot(standing.direction)));
         let mut room = [None; MAX_LEAF_TRIANGLES];
         for (place, triangle) in room.iter_mut().zip(against) {
             *place = Some(triangle.transformed_by(&standing.turn, standing.shift));
@@ -154,30 +155,34 @@ impl<'a> DirectionSweep<'a> {
 }
 
 impl<'a> SweepFrameTree<'a> {
-    fn new(tree: &'a TriangleBoxTree, rows: DMat3, pose: &Pose, axes: &[DVec3; AXIS_COUNT]) -> Self {
-        let matrix = pose.rotation_matrix();
-        let back = matrix.transpose();
+    /// `mesh` and `boxes` are the frames of the mesh and of the tree's boxes.
+    fn new(tree: &'a TriangleBoxTree, rows: DMat3, mesh: &Pose, boxes: &Pose, axes: &[DVec3; AXIS_COUNT]) -> Self {
+        let back = boxes.rotation_matrix().transpose();
         let own = axes.map(|axis| back * axis);
-        let direction = own[SWEEP_AXIS].as_vec3();
+        let direction = mesh.rotation.conjugate() * axes[SWEEP_AXIS];
+        let flat_direction = direction.as_vec3();
         Self {
             tree,
-            turn: rows * matrix,
-            shift: rows * pose.translation,
+            normals: tree.normal_bounds(),
+            turn: rows * mesh.rotation_matrix(),
+            shift: rows * mesh.translation,
             axes: own,
             spread: own.map(DVec3::abs),
-            shifts: axes.map(|axis| axis.dot(pose.translation)),
+            shifts: axes.map(|axis| axis.dot(boxes.translation)),
             direction,
-            direction_spread: direction.abs(),
+            flat_direction,
+            flat_direction_spread: flat_direction.abs(),
         }
     }
 
     #[inline]
-    fn project_node(&self, node: usize) -> ProjectedNode<'a> {
-        let node = &self.tree.nodes[node];
+    fn project_node(&self, node: usize) -> ProjectedNode {
+        let of_node = &self.tree.boxes[node];
+        let (center, half) = (of_node.center.as_dvec3(), of_node.half.as_dvec3());
         let mut shadow = ProjectedNode { node, low: [0.0; AXIS_COUNT], high: [0.0; AXIS_COUNT] };
         for k in 0..AXIS_COUNT {
-            let (middle, half) = (self.axes[k].dot(node.center) + self.shifts[k], self.spread[k].dot(node.half));
-            (shadow.low[k], shadow.high[k]) = (middle - half, middle + half);
+            let (middle, reach) = (self.axes[k].dot(center) + self.shifts[k], self.spread[k].dot(half));
+            (shadow.low[k], shadow.high[k]) = (middle - reach, middle + reach);
         }
         shadow
     }
@@ -185,7 +190,7 @@ impl<'a> SweepFrameTree<'a> {
     /// The least and the greatest dot product of a node's normals with the direction.
     #[inline]
     fn facing_range(&self, node: usize) -> (f32, f32) {
-        self.tree.normal_bounds[node].dot_range(self.direction, self.direction_spread)
+        self.normals[node].dot_range(self.flat_direction, self.flat_direction_spread)
     }
 }
 

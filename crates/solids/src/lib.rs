@@ -3,6 +3,7 @@
 
 mod bounds;
 mod box_tree;
+mod box_tree_build;
 mod clearance;
 mod contact;
 mod defects;
@@ -10,8 +11,12 @@ mod direction_sweep;
 mod eigen;
 mod equal_pieces;
 mod extreme_points;
+mod local_order;
 mod mesh;
+mod mesh_builder;
 mod mesh_serde;
+mod node_box;
+mod normal_bounds;
 mod obb;
 #[cfg(feature = "obb-tree")]
 mod obb_tree;
@@ -40,6 +45,7 @@ pub use contact::SurfaceContact;
 pub use defects::MeshDefects;
 pub use extreme_points::ExtremePoints;
 pub use mesh::{Mesh, MeshError};
+pub use mesh_builder::MeshBuilder;
 pub use obb::Obb;
 #[cfg(feature = "obb-tree")]
 pub use obb_tree::ObbTree;

@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::{
     Bounds, MeshDefects, Pose,
     equal_pieces::keep_one_of_equal_pieces,
+    local_order::put_in_local_order,
     weld::{edge_defects, weld_equal_vertices, weld_open_edges},
 };
 
@@ -48,8 +49,9 @@ pub struct Mesh {
 
 impl Mesh {
     /// Checks the input; welds vertices at equal places (along edges that stay open, also at places that differ by the
-    /// rounding of 32-bit coordinates); drops triangles that use a vertex twice; reverses an inside-out surface. Holes
-    /// and the like are not errors; [`Mesh::defects`] reports them.
+    /// rounding of 32-bit coordinates); drops triangles that use a vertex twice; reverses an inside-out surface. The
+    /// triangles keep their order, unless there are very many in a scattered order. Holes and the like are not errors;
+    /// [`Mesh::defects`] reports them.
     pub fn new(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if let Some(vertex) = vertices.iter().position(|v| !v.is_finite()) {
             return Err(MeshError::NotFinite { vertex });
@@ -60,7 +62,17 @@ impl Mesh {
             }
         }
         let given = triangles.len();
-        let (mut vertices, mut triangles) = weld_equal_vertices(&vertices, triangles);
+        let (vertices, triangles) = weld_equal_vertices(&vertices, triangles);
+        Self::from_welded(vertices, triangles, given)
+    }
+
+    /// Finishes a surface without equal vertices and collapsed triangles; `given` is the number of triangles before.
+    pub(super) fn from_welded(
+        mut vertices: Vec<DVec3>,
+        mut triangles: Vec<[u32; 3]>,
+        given: usize,
+    ) -> Result<Self, MeshError> {
+        put_in_local_order(&mut vertices, &mut triangles);
         let mut defects = edge_defects(&triangles, vertices.len(), |_, _| {});
         if !defects.is_closed() {
             let apart = vertices.len();
@@ -86,6 +98,8 @@ impl Mesh {
             defects.inverted = true;
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
+        vertices.shrink_to_fit();
+        triangles.shrink_to_fit();
         Ok(Self { vertices, triangles, bounds, volume_mm3, defects })
     }
 

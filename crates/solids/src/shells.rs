@@ -1,20 +1,60 @@
-//! Counts the shells of a surface: triangles that share a vertex belong to the same shell.
+//! The shells of a surface: triangles that share a vertex belong to the same shell.
 
 use super::Mesh;
+
+/// The shells of a mesh.
+#[derive(Debug, Clone)]
+pub(super) struct MeshShells {
+    /// The shell of each vertex; empty where there is only one.
+    shell_of: Vec<u32>,
+    /// A vertex of each shell.
+    first_vertices: Vec<u32>,
+}
+
+impl MeshShells {
+    /// A vertex of each shell.
+    pub fn first_vertices(&self) -> &[u32] {
+        &self.first_vertices
+    }
+
+    /// The shell to which a vertex belongs.
+    pub fn shell_of_vertex(&self, vertex: u32) -> usize {
+        self.shell_of.get(vertex as usize).map_or(0, |&shell| shell as usize)
+    }
+}
 
 impl Mesh {
     /// Number of shells: pieces of the surface that share no vertex. Time grows with the triangles.
     pub fn shell_count(&self) -> usize {
-        let mut above: Vec<u32> = (0..self.vertices().len() as u32).collect();
-        for &[a, b, c] in self.triangles() {
-            let top = find_root(&mut above, a);
-            for other in [b, c] {
-                let other = find_root(&mut above, other);
-                above[other as usize] = top;
-            }
-        }
+        let above = joined_vertices(self);
         above.iter().enumerate().filter(|&(vertex, &above)| vertex as u32 == above).count()
     }
+}
+
+/// Finds the shells of a mesh.
+pub(super) fn find_shells(mesh: &Mesh) -> MeshShells {
+    let mut above = joined_vertices(mesh);
+    let is_root = |&vertex: &u32| above[vertex as usize] == vertex;
+    let first_vertices: Vec<u32> = (0..above.len() as u32).filter(is_root).collect();
+    if first_vertices.len() == 1 {
+        return MeshShells { shell_of: Vec::new(), first_vertices };
+    }
+    let number = |root: u32| first_vertices.partition_point(|&vertex| vertex < root) as u32;
+    let shell_of = (0..above.len() as u32).map(|vertex| number(find_root(&mut above, vertex))).collect();
+    MeshShells { shell_of, first_vertices }
+}
+
+/// For each vertex one above it in its shell; the topmost one of a shell is above itself.
+fn joined_vertices(mesh: &Mesh) -> Vec<u32> {
+    let mut above: Vec<u32> = (0..mesh.vertices().len() as u32).collect();
+    for &[a, b, c] in mesh.triangles() {
+        let top = find_root(&mut above, a);
+        for other in [b, c] {
+            let other = find_root(&mut above, other);
+            above[other as usize] = top;
+        }
+    }
+    above
 }
 
 /// The representative vertex of a piece (union-find with path halving).

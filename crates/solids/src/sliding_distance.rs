@@ -5,7 +5,9 @@ use glam::{DMat3, DVec3};
 
 use super::{
     ClearanceTree, Pose,
-    box_tree::{BoxTreeNode, TriangleBoxTree},
+    box_tree::TriangleBoxTree,
+    node_box::{TreeNodeBox, TreeNodeLink},
+    tree_pair_walk::opens_first,
     triangle::Triangle,
 };
 
@@ -18,64 +20,82 @@ impl ClearanceTree {
     /// mm in this part's mesh frame; `pose12` is the frame of `other` seen from this one.
     pub fn distance_sliding_mm(&self, other: &Self, pose12: &Pose, slide1: DVec3, cap_mm: f64) -> f64 {
         let to_box1 = self.obb().pose.inverse();
-        let pose12 = to_box1.compose_with(&pose12.compose_with(&other.obb().pose));
-        let rotation12 = pose12.rotation_matrix();
+        let boxes12 = to_box1.compose_with(&pose12.compose_with(&other.obb().pose));
+        let rotation12 = boxes12.rotation_matrix();
         let spread12 = DMat3::from_cols(rotation12.x_axis.abs(), rotation12.y_axis.abs(), rotation12.z_axis.abs());
-        let slide1 = to_box1.transform_direction(slide1);
+        let slide_in_box1 = to_box1.transform_direction(slide1);
         let walk = SlidingWalk {
             tree1: &self.tree,
             tree2: &other.tree,
-            rotation12,
-            spread12,
+            boxes: BoxTreeFrames {
+                rotation12,
+                spread12,
+                translation12: boxes12.translation,
+                reach1: slide_in_box1.abs(),
+                reach2: (rotation12.transpose() * slide_in_box1).abs(),
+            },
+            rotation12: pose12.rotation_matrix(),
             translation12: pose12.translation,
             slide1,
-            reach1: slide1.abs(),
-            reach2: (rotation12.transpose() * slide1).abs(),
         };
         let mut best_sq = cap_mm * cap_mm;
-        let (root1, root2) = (&walk.tree1.nodes[0], &walk.tree2.nodes[0]);
-        if walk.lower_bound_sq(root1, root2) < best_sq {
-            walk.visit_pair(root1, root2, &mut best_sq);
+        if walk.boxes.lower_bound_sq(&self.tree.boxes[0], &other.tree.boxes[0]) < best_sq {
+            walk.visit_pair(0, 0, &mut best_sq);
         }
         if best_sq <= MEET_MM * MEET_MM { 0.0 } else { best_sq.sqrt().min(cap_mm) }
     }
 }
 
-/// Two trees, frame 2 seen from frame 1 (the frames of the trees' boxes), and the slide of the second tree.
-struct SlidingWalk<'a> {
-    tree1: &'a TriangleBoxTree,
-    tree2: &'a TriangleBoxTree,
+/// Frame 2 seen from frame 1, where both are the frames of the trees' boxes, and the slide of the second tree.
+struct BoxTreeFrames {
     rotation12: DMat3,
     spread12: DMat3,
     translation12: DVec3,
-    /// In frame 1.
-    slide1: DVec3,
     /// The slide along the axes of frame 1 and of frame 2.
     reach1: DVec3,
     reach2: DVec3,
 }
 
-impl SlidingWalk<'_> {
+impl BoxTreeFrames {
     /// A lower bound of the squared distance of a box and the volume that another box sweeps.
-    fn lower_bound_sq(&self, node1: &BoxTreeNode, node2: &BoxTreeNode) -> f64 {
-        let apart = self.rotation12 * node2.center + self.translation12 - node1.center;
-        let gaps1 = (apart.abs() - node1.half - self.spread12 * node2.half - self.reach1).max(DVec3::ZERO);
+    fn lower_bound_sq(&self, box1: &TreeNodeBox, box2: &TreeNodeBox) -> f64 {
+        let (center1, half1) = (box1.center.as_dvec3(), box1.half.as_dvec3());
+        let (center2, half2) = (box2.center.as_dvec3(), box2.half.as_dvec3());
+        let apart = self.rotation12 * center2 + self.translation12 - center1;
+        let gaps1 = (apart.abs() - half1 - self.spread12 * half2 - self.reach1).max(DVec3::ZERO);
         let seen2 = self.rotation12.transpose() * apart;
-        let gaps2 = (seen2.abs() - node2.half - self.spread12.transpose() * node1.half - self.reach2).max(DVec3::ZERO);
+        let gaps2 = (seen2.abs() - half2 - self.spread12.transpose() * half1 - self.reach2).max(DVec3::ZERO);
         gaps1.length_squared().max(gaps2.length_squared())
     }
+}
 
-    fn visit_pair(&self, node1: &BoxTreeNode, node2: &BoxTreeNode, best_sq: &mut f64) {
-        if node1.is_leaf() && node2.is_leaf() {
-            return self.compare_leaves(node1, node2, best_sq);
+/// Two trees, and the slide of the second one.
+struct SlidingWalk<'a> {
+    tree1: &'a TriangleBoxTree,
+    tree2: &'a TriangleBoxTree,
+    boxes: BoxTreeFrames,
+    /// Mesh frame 2 seen from mesh frame 1.
+    rotation12: DMat3,
+    translation12: DVec3,
+    /// In mesh frame 1.
+    slide1: DVec3,
+}
+
+impl SlidingWalk<'_> {
+    fn visit_pair(&self, node1: usize, node2: usize, best_sq: &mut f64) {
+        let (link1, link2) = (self.tree1.links[node1], self.tree2.links[node2]);
+        if link1.is_leaf() && link2.is_leaf() {
+            return self.compare_leaves(link1, link2, best_sq);
         }
-        let open1 = !node1.is_leaf() && (node2.is_leaf() || node1.half.length_squared() >= node2.half.length_squared());
-        let (opened, tree) = if open1 { (node1, self.tree1) } else { (node2, self.tree2) };
-        let pair = |child: usize| {
-            let child = &tree.nodes[opened.first as usize + child];
-            if open1 { (child, node2) } else { (node1, child) }
+        let open1 = opens_first(self.tree1, self.tree2, node1, node2);
+        let pair = |child: usize| match open1 {
+            true => (link1.first_child() + child, node2),
+            false => (node1, link2.first_child() + child),
         };
-        let bounds = [0, 1].map(|child| self.lower_bound_sq(pair(child).0, pair(child).1));
+        let bounds = [0, 1].map(|child| {
+            let (node1, node2) = pair(child);
+            self.boxes.lower_bound_sq(&self.tree1.boxes[node1], &self.tree2.boxes[node2])
+        });
         let order = if bounds[0] <= bounds[1] { [0, 1] } else { [1, 0] };
         for child in order {
             if bounds[child] < *best_sq && *best_sq > MEET_MM * MEET_MM {
@@ -85,11 +105,12 @@ impl SlidingWalk<'_> {
         }
     }
 
-    fn compare_leaves(&self, leaf1: &BoxTreeNode, leaf2: &BoxTreeNode, best_sq: &mut f64) {
-        for triangle2 in &self.tree2.triangles[leaf2.triangle_range()] {
-            let swept = SweptPrism::new(&triangle2.transformed_by(&self.rotation12, self.translation12), self.slide1);
-            for triangle1 in &self.tree1.triangles[leaf1.triangle_range()] {
-                *best_sq = swept.distance_sq_below(triangle1, *best_sq);
+    fn compare_leaves(&self, leaf1: TreeNodeLink, leaf2: TreeNodeLink, best_sq: &mut f64) {
+        for place2 in leaf2.triangle_range() {
+            let triangle2 = self.tree2.triangle(place2).transformed_by(&self.rotation12, self.translation12);
+            let swept = SweptPrism::new(&triangle2, self.slide1);
+            for place1 in leaf1.triangle_range() {
+                *best_sq = swept.distance_sq_below(&self.tree1.triangle(place1), *best_sq);
                 if *best_sq <= MEET_MM * MEET_MM {
                     return;
                 }

@@ -1,147 +1,289 @@
-//! Traverses two box trees at once to find the least distance between their triangles.
+//! Traverses two box trees at once to find the least distance between their triangles. Boxes are compared in single
+//! precision with a margin for its rounding, triangles in double precision in the first mesh's frame.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Mat3A, Vec3A};
 
 use super::{
     Pose,
-    box_tree::{BoxTreeNode, TriangleBoxTree},
-    triangle::Triangle,
+    box_tree::TriangleBoxTree,
+    box_tree_build::MAX_LEAF_TRIANGLES,
+    node_box::{TreeNodeBox, TreeNodeLink},
+    triangle::{CornerSpan, Triangle},
 };
 
-/// Two trees, and frame 2 (of the second tree's boxes) seen from frame 1.
+/// Rounding errors of a comparison of two boxes, as a share of the lengths that enter it: 16 roundings and more.
+const ROUNDING_SHARE: f32 = 1e-6;
+
+/// Two trees, and the second mesh's frame seen from the first one's.
 pub(super) struct TreePairWalk<'a> {
     tree1: &'a TriangleBoxTree,
     tree2: &'a TriangleBoxTree,
     rotation12: DMat3,
-    /// Absolute values of the rotation: they convert half edges of a box to the other frame.
-    spread12: DMat3,
-    spread21: DMat3,
     translation12: DVec3,
+    /// The first tree's boxes seen from the second's frame, and the other way round.
+    view1: TreeBoxView,
+    view2: TreeBoxView,
+}
+
+/// How the boxes of a tree are seen from the frame of the other tree's boxes.
+struct TreeBoxView {
+    rotation: Mat3A,
+    /// Absolute values of the rotation: they convert half edges of a box to the other frame.
+    spread: Mat3A,
+    translation: Vec3A,
+    /// What rounding may add to a gap, mm.
+    margin: Vec3A,
+}
+
+impl TreeBoxView {
+    fn new(pose: &Pose, margin: f32) -> Self {
+        let rotation = Mat3A::from(pose.rotation_matrix().as_mat3());
+        let spread = Mat3A::from_cols(rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
+        Self { rotation, spread, translation: pose.translation.as_vec3a(), margin: Vec3A::splat(margin) }
+    }
+
+    #[inline]
+    fn seen_node(&self, tree: &TriangleBoxTree, node: usize) -> SeenTreeNode {
+        let TreeNodeBox { center, half } = tree.boxes[node];
+        SeenTreeNode {
+            link: tree.links[node],
+            center,
+            half,
+            center_seen: self.rotation * center + self.translation,
+            half_seen: self.spread * half + self.margin,
+            size_sq: half.length_squared(),
+        }
+    }
+}
+
+/// A node with its box in its own frame and as seen from the other tree's.
+#[derive(Clone, Copy)]
+struct SeenTreeNode {
+    link: TreeNodeLink,
+    center: Vec3A,
+    half: Vec3A,
+    center_seen: Vec3A,
+    half_seen: Vec3A,
+    size_sq: f32,
+}
+
+impl SeenTreeNode {
+    /// A lower bound of the squared distance of the boxes of two nodes: the gaps along one box's axes are a part of any
+    /// connecting line. May return early with a first bound that reaches `enough_sq`.
+    #[inline]
+    fn lower_bound_sq(&self, other: &Self, enough_sq: f32) -> f32 {
+        let gaps1 = ((other.center_seen - self.center).abs() - (self.half + other.half_seen)).max(Vec3A::ZERO);
+        let bound_sq = gaps1.length_squared();
+        if bound_sq >= enough_sq {
+            return bound_sq;
+        }
+        let gaps2 = ((self.center_seen - other.center).abs() - (other.half + self.half_seen)).max(Vec3A::ZERO);
+        bound_sq.max(gaps2.length_squared())
+    }
+
+    /// Whether to open this node and not the other one, which are not both leaves.
+    #[inline]
+    fn opens_before(&self, other: &Self) -> bool {
+        !self.link.is_leaf() && (other.link.is_leaf() || self.size_sq >= other.size_sq)
+    }
+}
+
+/// A bound of boxes that reaches this cannot belong to triangles that are nearer than the root of `limit_sq`.
+#[inline]
+fn rounded_up(limit_sq: f64) -> f32 {
+    (limit_sq * (1.0 + 1e-6)) as f32
 }
 
 impl<'a> TreePairWalk<'a> {
-    /// `pose12` is the frame of the second tree's boxes seen from that of the first's.
-    pub fn new(tree1: &'a TriangleBoxTree, tree2: &'a TriangleBoxTree, pose12: &Pose) -> Self {
-        let rotation12 = pose12.rotation_matrix();
-        let spread12 = DMat3::from_cols(rotation12.x_axis.abs(), rotation12.y_axis.abs(), rotation12.z_axis.abs());
-        Self { tree1, tree2, rotation12, spread12, spread21: spread12.transpose(), translation12: pose12.translation }
+    /// `pose12` is the second mesh's frame seen from the first one's, `boxes12` the same of the frames of their boxes.
+    pub fn new(tree1: &'a TriangleBoxTree, tree2: &'a TriangleBoxTree, pose12: &Pose, boxes12: &Pose) -> Self {
+        let length = |v: Vec3A| v.abs().element_sum();
+        let reach = |root: &TreeNodeBox| length(root.center) + length(root.half);
+        let lengths = length(boxes12.translation.as_vec3a()) + reach(&tree1.boxes[0]) + reach(&tree2.boxes[0]);
+        let margin = ROUNDING_SHARE * lengths;
+        Self {
+            tree1,
+            tree2,
+            rotation12: pose12.rotation_matrix(),
+            translation12: pose12.translation,
+            view1: TreeBoxView::new(&boxes12.inverse(), margin),
+            view2: TreeBoxView::new(boxes12, margin),
+        }
     }
 
     /// The least squared distance below `cap_sq`, or `cap_sq`; stops as soon as one at or below `goal_sq` is found,
     /// mm2.
     pub fn nearest_sq(&self, cap_sq: f64, goal_sq: f64) -> f64 {
-        let mut search = NearestSearch { walk: self, best_sq: cap_sq, goal_sq };
-        let (root1, root2) = (&self.tree1.nodes[0], &self.tree2.nodes[0]);
-        if self.lower_bound_sq(root1, root2, cap_sq) < cap_sq {
-            search.visit_pair(root1, root2);
+        let mut search = NearestSearch { walk: self, best_sq: cap_sq, reach_sq: rounded_up(cap_sq), goal_sq };
+        let (root1, root2) = self.seen_roots();
+        if root1.lower_bound_sq(&root2, search.reach_sq) < search.reach_sq {
+            search.visit_pair(&root1, &root2);
         }
         search.best_sq
     }
 
     /// Calls `each` with the nearest two triangles of every two leaves that come nearer than the root of `limit_sq`
-    /// (mm2) without meeting. The second triangle is given in frame 1.
+    /// (mm2) without meeting, both in the first mesh's frame.
     pub fn visit_near_leaves(&self, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) {
-        let mut open = vec![(0_usize, 0_usize)];
-        while let Some((at1, at2)) = open.pop() {
-            let (node1, node2) = (&self.tree1.nodes[at1], &self.tree2.nodes[at2]);
-            if self.lower_bound_sq(node1, node2, limit_sq) >= limit_sq {
+        let reach_sq = rounded_up(limit_sq);
+        let mut open = vec![self.seen_roots()];
+        while let Some((node1, node2)) = open.pop() {
+            if node1.lower_bound_sq(&node2, reach_sq) >= reach_sq {
                 continue;
             }
-            if node1.is_leaf() && node2.is_leaf() {
-                self.visit_nearest_triangles(node1, node2, limit_sq, each);
-            } else if opens_first(node1, node2) {
-                open.extend([0, 1].map(|child| (node1.first as usize + child, at2)));
+            if node1.link.is_leaf() && node2.link.is_leaf() {
+                let mut best_sq = limit_sq;
+                let mut best = None;
+                self.compare_leaves(node1.link, node2.link, &mut best_sq, 0.0, &mut |one, two| {
+                    best = Some((*one, *two))
+                });
+                if let Some((one, two)) = best.filter(|_| best_sq > 0.0) {
+                    each(&one, &two);
+                }
+            } else if node1.opens_before(&node2) {
+                open.extend(self.children1(&node1).map(|child| (child, node2)));
             } else {
-                open.extend([0, 1].map(|child| (at1, node2.first as usize + child)));
+                open.extend(self.children2(&node2).map(|child| (node1, child)));
             }
         }
     }
 
-    fn visit_nearest_triangles(
+    fn seen_roots(&self) -> (SeenTreeNode, SeenTreeNode) {
+        (self.view1.seen_node(self.tree1, 0), self.view2.seen_node(self.tree2, 0))
+    }
+
+    #[inline]
+    fn children1(&self, node: &SeenTreeNode) -> [SeenTreeNode; 2] {
+        [0, 1].map(|child| self.view1.seen_node(self.tree1, node.link.first_child() + child))
+    }
+
+    #[inline]
+    fn children2(&self, node: &SeenTreeNode) -> [SeenTreeNode; 2] {
+        [0, 1].map(|child| self.view2.seen_node(self.tree2, node.link.first_child() + child))
+    }
+
+    /// Compares the triangles of two leaves until a squared distance at or below `goal_sq` is found. Calls `nearer` with
+    /// any two that are nearer than all before.
+    #[inline]
+    fn compare_leaves(
         &self,
-        leaf1: &BoxTreeNode,
-        leaf2: &BoxTreeNode,
-        limit_sq: f64,
-        each: &mut dyn FnMut(&Triangle, &Triangle),
+        leaf1: TreeNodeLink,
+        leaf2: TreeNodeLink,
+        best_sq: &mut f64,
+        goal_sq: f64,
+        nearer: &mut impl FnMut(&Triangle, &Triangle),
     ) {
-        let mut best_sq = limit_sq;
-        let mut best = None;
-        for triangle2 in &self.tree2.triangles[leaf2.triangle_range()] {
-            let triangle2 = triangle2.transformed_by(&self.rotation12, self.translation12);
-            for triangle1 in &self.tree1.triangles[leaf1.triangle_range()] {
-                let found_sq = triangle1.distance_sq_below(&triangle2, best_sq);
-                if found_sq < best_sq {
-                    (best_sq, best) = (found_sq, Some((triangle1, triangle2)));
+        let mut first = [const { None::<LeafTriangle> }; MAX_LEAF_TRIANGLES];
+        let mut around = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (slot, place) in first.iter_mut().zip(leaf1.triangle_range()) {
+            let triangle = LeafTriangle::new(self.tree1.corners(place), place);
+            around = (around.0.min(triangle.span.0), around.1.max(triangle.span.1));
+            *slot = Some(triangle);
+        }
+        for place in leaf2.triangle_range() {
+            let corners = self.tree2.corners(place).map(|c| self.rotation12 * c + self.translation12);
+            let mut second = LeafTriangle::new(corners, place);
+            if spans_distance_sq(around, second.span) >= *best_sq {
+                continue;
+            }
+            for one in first.iter_mut().flatten() {
+                let spans = (one.span, second.span);
+                if spans_distance_sq(spans.0, spans.1) >= *best_sq {
+                    continue;
+                }
+                let normal = |place: usize| self.tree1.ready_triangle(place).map(|t| t.normal);
+                let one = one.whole_triangle(normal);
+                let normal = |place: usize| self.tree2.ready_triangle(place).map(|t| self.rotation12 * t.normal);
+                let two = second.whole_triangle(normal);
+                let found_sq = one.near_distance_sq(two, *best_sq, spans);
+                if found_sq < *best_sq {
+                    *best_sq = found_sq;
+                    nearer(one, two);
+                    if found_sq <= goal_sq {
+                        return;
+                    }
                 }
             }
         }
-        if let Some((triangle1, triangle2)) = best.filter(|_| best_sq > 0.0) {
-            each(triangle1, &triangle2);
-        }
+    }
+}
+
+/// A triangle of a leaf, whose normal is asked for when another triangle comes near.
+struct LeafTriangle {
+    corners: [DVec3; 3],
+    span: CornerSpan,
+    place: usize,
+    whole: Option<Triangle>,
+}
+
+impl LeafTriangle {
+    #[inline]
+    fn new(corners: [DVec3; 3], place: usize) -> Self {
+        let [a, b, c] = corners;
+        Self { corners, span: (a.min(b).min(c), a.max(b).max(c)), place, whole: None }
     }
 
-    /// A lower bound of the squared distance of two boxes: the gaps along one box's axes are a part of any connecting
-    /// line. May return early with a first bound that reaches `enough_sq`.
+    /// The triangle with its normal, which `known_normal` may give.
     #[inline]
-    fn lower_bound_sq(&self, node1: &BoxTreeNode, node2: &BoxTreeNode, enough_sq: f64) -> f64 {
-        let apart = self.rotation12 * node2.center + self.translation12 - node1.center;
-        let gaps1 = (apart.abs() - node1.half - self.spread12 * node2.half).max(DVec3::ZERO);
-        let bound_sq = gaps1.length_squared();
-        if bound_sq >= enough_sq {
-            return bound_sq;
-        }
-        let seen2 = DVec3::new(
-            self.rotation12.x_axis.dot(apart),
-            self.rotation12.y_axis.dot(apart),
-            self.rotation12.z_axis.dot(apart),
-        );
-        let gaps2 = (seen2.abs() - node2.half - self.spread21 * node1.half).max(DVec3::ZERO);
-        bound_sq.max(gaps2.length_squared())
+    fn whole_triangle(&mut self, known_normal: impl FnOnce(usize) -> Option<DVec3>) -> &Triangle {
+        let (corners, place) = (self.corners, self.place);
+        self.whole.get_or_insert_with(|| match known_normal(place) {
+            Some(normal) => Triangle { corners, normal },
+            None => Triangle::new(corners),
+        })
     }
+}
+
+/// The squared distance of the boxes around two triangles.
+#[inline]
+fn spans_distance_sq(one: CornerSpan, other: CornerSpan) -> f64 {
+    (other.0 - one.1).max(one.0 - other.1).max(DVec3::ZERO).length_squared()
 }
 
 /// Whether to open the first of two nodes that are not both leaves: the one with the larger box, since that improves
 /// the bound most.
 #[inline]
-fn opens_first(node1: &BoxTreeNode, node2: &BoxTreeNode) -> bool {
-    !node1.is_leaf() && (node2.is_leaf() || node1.half.length_squared() >= node2.half.length_squared())
+pub(super) fn opens_first(tree1: &TriangleBoxTree, tree2: &TriangleBoxTree, node1: usize, node2: usize) -> bool {
+    let size = |node: &TreeNodeBox| node.half.length_squared();
+    !tree1.links[node1].is_leaf()
+        && (tree2.links[node2].is_leaf() || size(&tree1.boxes[node1]) >= size(&tree2.boxes[node2]))
 }
 
 struct NearestSearch<'a> {
     walk: &'a TreePairWalk<'a>,
     best_sq: f64,
+    /// Boxes at this squared distance cannot hold anything nearer.
+    reach_sq: f32,
     goal_sq: f64,
 }
 
 impl NearestSearch<'_> {
-    fn visit_pair(&mut self, node1: &BoxTreeNode, node2: &BoxTreeNode) {
-        if node1.is_leaf() && node2.is_leaf() {
-            return self.compare_leaves(node1, node2);
-        }
-        let open1 = opens_first(node1, node2);
+    fn visit_pair(&mut self, node1: &SeenTreeNode, node2: &SeenTreeNode) {
         let walk = self.walk;
-        let (opened, nodes) = if open1 { (node1, &walk.tree1.nodes) } else { (node2, &walk.tree2.nodes) };
-        let children = [&nodes[opened.first as usize], &nodes[opened.first as usize + 1]];
-        let pair = |child: usize| if open1 { (children[child], node2) } else { (node1, children[child]) };
-        let bounds = [0, 1].map(|c| walk.lower_bound_sq(pair(c).0, pair(c).1, self.best_sq));
-        let order = if bounds[0] <= bounds[1] { [0, 1] } else { [1, 0] };
-        for child in order {
-            if bounds[child] < self.best_sq && self.best_sq > self.goal_sq {
-                let (node1, node2) = pair(child);
-                self.visit_pair(node1, node2);
-            }
+        if node1.link.is_leaf() && node2.link.is_leaf() {
+            walk.compare_leaves(node1.link, node2.link, &mut self.best_sq, self.goal_sq, &mut |_, _| {});
+            self.reach_sq = rounded_up(self.best_sq);
+        } else if node1.opens_before(node2) {
+            let children = walk.children1(node1);
+            self.visit_nearer_first(&children, node2, |search, child, other| search.visit_pair(child, other));
+        } else {
+            let children = walk.children2(node2);
+            self.visit_nearer_first(&children, node1, |search, child, other| search.visit_pair(other, child));
         }
     }
 
-    fn compare_leaves(&mut self, leaf1: &BoxTreeNode, leaf2: &BoxTreeNode) {
-        let walk = self.walk;
-        for triangle2 in &walk.tree2.triangles[leaf2.triangle_range()] {
-            let triangle2 = triangle2.transformed_by(&walk.rotation12, walk.translation12);
-            for triangle1 in &walk.tree1.triangles[leaf1.triangle_range()] {
-                self.best_sq = triangle1.distance_sq_below(&triangle2, self.best_sq);
-                if self.best_sq <= self.goal_sq {
-                    return;
-                }
+    #[inline]
+    fn visit_nearer_first(
+        &mut self,
+        children: &[SeenTreeNode; 2],
+        other: &SeenTreeNode,
+        mut visit: impl FnMut(&mut Self, &SeenTreeNode, &SeenTreeNode),
+    ) {
+        let bounds = [0, 1].map(|at: usize| children[at].lower_bound_sq(other, self.reach_sq));
+        let order = if bounds[0] <= bounds[1] { [0, 1] } else { [1, 0] };
+        for at in order {
+            if bounds[at] < self.reach_sq && self.best_sq > self.goal_sq {
+                visit(self, &children[at], other);
             }
         }
     }

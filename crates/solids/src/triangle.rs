@@ -6,6 +6,9 @@ use glam::{DMat3, DVec3};
 /// A triangle whose height is below this share of its longest edge has no reliable normal; only its edges are used.
 const SLIVER: f64 = 1e-7;
 
+/// Least and greatest corner of the box around a triangle.
+pub(crate) type CornerSpan = (DVec3, DVec3);
+
 /// A triangle with its unit normal, which is zero for a sliver.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Triangle {
@@ -29,7 +32,8 @@ impl Triangle {
         } else {
             ca.cross(-bc)
         };
-        let normal = if cross.length() > SLIVER * longest_sq { cross.normalize() } else { DVec3::ZERO };
+        let length = cross.length();
+        let normal = if length > SLIVER * longest_sq { cross * length.recip() } else { DVec3::ZERO };
         Self { corners, normal }
     }
 
@@ -56,7 +60,7 @@ impl Triangle {
     }
 
     /// Least and greatest corner of the triangle's box.
-    pub fn corner_span(&self) -> (DVec3, DVec3) {
+    pub fn corner_span(&self) -> CornerSpan {
         let [a, b, c] = self.corners;
         (a.min(b).min(c), a.max(b).max(c))
     }
@@ -67,6 +71,11 @@ impl Triangle {
         if (span2.0 - span1.1).max(span1.0 - span2.1).max(DVec3::ZERO).length_squared() >= cap_sq {
             return cap_sq;
         }
+        self.near_distance_sq(other, cap_sq, (span1, span2))
+    }
+
+    /// The same for triangles whose spans, as [`Triangle::corner_span`] gives them, are nearer than the cap.
+    pub fn near_distance_sq(&self, other: &Self, cap_sq: f64, (span1, span2): (CornerSpan, CornerSpan)) -> f64 {
         let cap = cap_sq.sqrt();
         let heights2 = self.heights(&other.corners);
         let heights1 = other.heights(&self.corners);

@@ -17,11 +17,7 @@ pub(super) fn weld_equal_vertices(vertices: &[DVec3], triangles: Vec<[u32; 3]>) 
     let mut welder = VertexWelder::default();
     let mut welded = vec![UNSEEN; vertices.len()];
     let mut out = triangles;
-    // -0.0 equals 0.0, so both are merged; NaN was refused before.
-    out.retain(|corners| {
-        let [a, b, c] = corners.map(|v| vertices[v as usize]);
-        a != b && b != c && c != a
-    });
+    out.retain(|corners| !is_collapsed(corners.map(|v| vertices[v as usize])));
     for corner in out.iter_mut().flatten() {
         let known = &mut welded[*corner as usize];
         if *known == UNSEEN {
@@ -32,9 +28,42 @@ pub(super) fn weld_equal_vertices(vertices: &[DVec3], triangles: Vec<[u32; 3]>) 
     (welder.kept, out)
 }
 
+/// Whether two corners are the same. -0.0 equals 0.0, so both are merged; NaN was refused before.
+fn is_collapsed([a, b, c]: [DVec3; 3]) -> bool {
+    a == b || b == c || c == a
+}
+
+/// Triangles without common vertices, as STL files hold them, welded while they are read.
+#[derive(Debug, Default)]
+pub(super) struct SoupWelder {
+    welder: VertexWelder,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl SoupWelder {
+    /// Makes room for so many triangles.
+    pub(super) fn reserve(&mut self, triangles: usize) {
+        self.triangles.reserve_exact(triangles);
+        // A closed surface has half as many vertices as triangles.
+        self.welder.kept.reserve_exact(triangles / 2 + 2);
+    }
+
+    /// Adds a triangle of finite corners, unless it collapses.
+    pub(super) fn add_triangle(&mut self, corners: [DVec3; 3]) {
+        if !is_collapsed(corners) {
+            self.triangles.push(corners.map(|corner| self.welder.vertex_index(corner)));
+        }
+    }
+
+    /// The vertices and the triangles.
+    pub(super) fn into_welded(self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        (self.welder.kept, self.triangles)
+    }
+}
+
 /// Numbers different places in the order of their first occurrence. An open-addressing hash table of indices: a third
 /// of the time and memory of a map that stores the places a second time.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct VertexWelder {
     kept: Vec<DVec3>,
     /// Index + 1 of a kept vertex, 0 if free; the length is a power of two.

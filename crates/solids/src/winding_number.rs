@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::box_tree::TriangleBoxTree;
+use super::{Pose, box_tree::TriangleBoxTree};
 
 /// Ray directions that no drawing uses, so that a ray rarely hits an edge; then the next one is tried.
 const DIRECTIONS: [DVec3; 9] = [
@@ -17,13 +17,14 @@ const DIRECTIONS: [DVec3; 9] = [
     DVec3::new(0.548_821, -0.359_913, -0.754_31),
 ];
 
-/// The winding number of each connected shell about a point of the tree's frame: 1 inside a solid's outer shell, -1
+/// The winding number of each connected shell about a point of the mesh's frame: 1 inside a solid's outer shell, -1
 /// inside a cavity's, 0 outside. A closed surface needs one ray that hits no edge; for an open one, three rays vote.
-pub(super) fn winding_numbers(tree: &TriangleBoxTree, point: DVec3, is_closed: bool) -> Vec<i32> {
+/// `boxes` is the frame of the boxes seen from the mesh's.
+pub(super) fn winding_numbers(tree: &TriangleBoxTree, boxes: &Pose, point: DVec3, is_closed: bool) -> Vec<i32> {
     let votes_wanted = if is_closed { 1 } else { 3 };
-    let clean = DIRECTIONS.iter().filter_map(|&direction| cast_ray(tree, point, direction));
+    let clean = DIRECTIONS.iter().filter_map(|&direction| cast_ray(tree, boxes, point, direction));
     let votes: Vec<Vec<i32>> = clean.take(votes_wanted).collect();
-    (0..tree.shells().len())
+    (0..tree.shell_corners().len())
         .map(|shell| {
             let mut counts: Vec<i32> = votes.iter().map(|v| v[shell]).collect();
             counts.sort_unstable();
@@ -32,21 +33,25 @@ pub(super) fn winding_numbers(tree: &TriangleBoxTree, point: DVec3, is_closed: b
         .collect()
 }
 
-/// Counts the crossings of a ray per connected shell, +1 out and -1 in; `None` when it hits an edge.
-fn cast_ray(tree: &TriangleBoxTree, point: DVec3, direction: DVec3) -> Option<Vec<i32>> {
-    let mut counts = vec![0; tree.shells().len()];
+/// Counts the crossings of a ray per connected shell, +1 out and -1 in; `None` when it hits an edge. The direction is in
+/// the frame of the boxes.
+fn cast_ray(tree: &TriangleBoxTree, boxes: &Pose, point: DVec3, direction: DVec3) -> Option<Vec<i32>> {
+    let point_in_box = boxes.inverse().transform_point(point);
+    let direction_in_mesh = boxes.transform_direction(direction);
+    let mut counts = vec![0; tree.shell_corners().len()];
     let mut stack = vec![0usize];
     while let Some(node) = stack.pop() {
-        let node = &tree.nodes[node];
-        if !ray_meets_box(point, direction, node.center, node.half) {
+        let of_node = &tree.boxes[node];
+        if !ray_meets_box(point_in_box, direction, of_node.center.as_dvec3(), of_node.half.as_dvec3()) {
             continue;
         }
-        if !node.is_leaf() {
-            stack.extend([node.first as usize, node.first as usize + 1]);
+        let link = tree.links[node];
+        if !link.is_leaf() {
+            stack.extend([link.first_child(), link.first_child() + 1]);
             continue;
         }
-        for index in node.triangle_range() {
-            counts[tree.shell_of[index] as usize] += ray_crossing(&tree.triangles[index].corners, point, direction)?;
+        for place in link.triangle_range() {
+            counts[tree.shell_of(place)] += ray_crossing(&tree.corners(place), point, direction_in_mesh)?;
         }
     }
     Some(counts)

@@ -1,12 +1,12 @@
 //! The independent proof of separability: can the bodies of a finished layout be removed one after the other? It tests
 //! every relevant pair itself and relies on no result of the search.
 
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
 
 use glam::{DVec3, IVec3};
-use solids::{Bounds, ClearanceTree};
+use solids::Bounds;
 
-use super::{PlacedSolid, build_trees};
+use super::{LayoutProver, placed_solid::PlacedSolid};
 use crate::disassembly::removal_gap_mm;
 
 /// The order in which a layout comes apart.
@@ -41,15 +41,22 @@ pub struct Disassembly {
 /// assert_eq!(apart.order[0], (0, DVec3::Z)); // removed straight up
 /// ```
 pub fn find_removal_order(bodies: &[PlacedSolid]) -> Disassembly {
-    let mut prover = DisassemblyProver::new(bodies);
-    let mut order = Vec::new();
-    while let Some((at, direction)) = prover.next_removal() {
-        let body = prover.remaining.remove(at);
-        order.push((body, prover.directions[direction]));
+    LayoutProver::new(bodies, 1).find_removal_order()
+}
+
+impl LayoutProver<'_> {
+    /// Like [`find_removal_order`].
+    pub fn find_removal_order(&self) -> Disassembly {
+        let mut prover = DisassemblyProver::new(self);
+        let mut order = Vec::new();
+        while let Some((at, direction)) = prover.next_removal() {
+            let body = prover.remaining.remove(at);
+            order.push((body, prover.directions[direction]));
+        }
+        let mut locked = prover.remaining;
+        locked.sort_unstable();
+        Disassembly { order, locked }
     }
-    let mut locked = prover.remaining;
-    locked.sort_unstable();
-    Disassembly { order, locked }
 }
 
 /// The first of [`all_ways`] that points downwards.
@@ -66,9 +73,7 @@ fn removal_directions() -> Vec<DVec3> {
 }
 
 struct DisassemblyProver<'a> {
-    bodies: &'a [PlacedSolid],
-    trees: Vec<Arc<ClearanceTree>>,
-    bounds: Vec<Bounds>,
+    layout: &'a LayoutProver<'a>,
     directions: Vec<DVec3>,
     /// Bodies that remain, from the highest top to the lowest.
     remaining: Vec<usize>,
@@ -84,13 +89,13 @@ struct KnownObstacles {
 }
 
 impl<'a> DisassemblyProver<'a> {
-    fn new(bodies: &'a [PlacedSolid]) -> Self {
-        let bounds: Vec<Bounds> = bodies.iter().map(|body| body.mesh.bounds_at(&body.pose)).collect();
-        let mut left: Vec<usize> = (0..bodies.len()).collect();
+    fn new(layout: &'a LayoutProver<'a>) -> Self {
+        let bounds = &layout.bounds;
+        let mut left: Vec<usize> = (0..bounds.len()).collect();
         left.sort_by(|&a, &b| bounds[b].max.z.total_cmp(&bounds[a].max.z));
         let directions = removal_directions();
-        let known = vec![vec![KnownObstacles::default(); directions.len()]; bodies.len()];
-        Self { bodies, trees: build_trees(bodies), bounds, directions, remaining: left, known }
+        let known = vec![vec![KnownObstacles::default(); directions.len()]; bounds.len()];
+        Self { layout, directions: directions, remaining: left, known }
     }
 
     /// The next body that can be removed, as its index among the remaining bodies, and its direction.
@@ -130,14 +135,18 @@ impl<'a> DisassemblyProver<'a> {
     }
 
     fn blocks_removal(&self, standing: usize, moving: usize, direction: DVec3) -> bool {
-        let (one, other) = (&self.bodies[moving], &self.bodies[standing]);
+        let (one, other) = (&self.layout.bodies[moving], &self.layout.bodies[standing]);
         let gap_mm = removal_gap_mm(one.clearance_mm.max(other.clearance_mm));
+        if !sweep_may_meet(&self.layout.bounds[moving], &self.layout.bounds[standing], direction, gap_mm) {
+            return false;
+        }
         if self.contains_body(standing, moving) || self.contains_body(moving, standing) {
             return true;
         }
         let direction1 = one.pose.rotation.conjugate() * direction;
-        !self.trees[moving].is_free_along(
-            &self.trees[standing],
+        let trees = &self.layout.trees;
+        !trees.tree(moving).is_free_along(
+            trees.tree(standing),
             &one.pose.relative_pose_of(&other.pose),
             direction1,
             gap_mm,
@@ -146,10 +155,31 @@ impl<'a> DisassemblyProver<'a> {
 
     /// Whether one body lies inside the other's solid or in a sealed cavity of it.
     fn contains_body(&self, outer: usize, inner: usize) -> bool {
-        let pose12 = || self.bodies[outer].pose.relative_pose_of(&self.bodies[inner].pose);
-        self.bounds[outer].contains_bounds(&self.bounds[inner], 0.0)
-            && self.trees[outer].contains_part(&self.trees[inner], &pose12())
+        let pose12 = || self.layout.bodies[outer].pose.relative_pose_of(&self.layout.bodies[inner].pose);
+        let trees = &self.layout.trees;
+        self.layout.bounds[outer].contains_bounds(&self.layout.bounds[inner], 0.0)
+            && trees.tree(outer).contains_part(trees.tree(inner), &pose12())
     }
+}
+
+/// Whether a box moved without limit along `way` comes nearer to another box than a gap along every axis at once.
+fn sweep_may_meet(moving: &Bounds, standing: &Bounds, way: DVec3, gap_mm: f64) -> bool {
+    const ROUNDING_MM: f64 = 1e-6;
+    let (mut begin, mut end) = (0.0_f64, f64::INFINITY);
+    for axis in 0..3 {
+        let low = standing.min[axis] - moving.max[axis] - gap_mm - ROUNDING_MM;
+        let high = standing.max[axis] - moving.min[axis] + gap_mm + ROUNDING_MM;
+        if way[axis] == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return false;
+            }
+        } else {
+            let (one, two) = (low / way[axis], high / way[axis]);
+            (begin, end) = (begin.max(one.min(two)), end.min(one.max(two)));
+        }
+    }
+    // Bounds that are no numbers are never out of reach.
+    begin.partial_cmp(&end) != Some(std::cmp::Ordering::Greater)
 }
 
 #[cfg(test)]

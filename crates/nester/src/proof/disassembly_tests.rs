@@ -7,7 +7,8 @@ use proptest::prelude::*;
 use solids::{Mesh, Pose};
 
 use super::{
-    super::PlacedSolid, Disassembly, DisassemblyProver, FIRST_FALLING, find_removal_order, removal_directions,
+    super::{LayoutProver, PlacedSolid},
+    Disassembly, DisassemblyProver, FIRST_FALLING, find_removal_order, removal_directions,
 };
 use crate::testing::{block, cells, hollow, range};
 
@@ -217,7 +218,8 @@ fn build(places: Vec<Place>) -> Vec<PlacedSolid> {
 /// The bodies that cannot be removed when always the first possible body is removed, with directions in any order and
 /// without remembering results.
 fn locked_along(bodies: &[PlacedSolid], directions: &[DVec3]) -> Vec<usize> {
-    let prover = DisassemblyProver::new(bodies);
+    let layout = LayoutProver::new(bodies, 1);
+    let prover = DisassemblyProver::new(&layout);
     let mut left: Vec<usize> = (0..bodies.len()).collect();
     while let Some(at) =
         (0..left.len()).find(|&at| directions.iter().any(|&direction| is_free(&prover, &left, left[at], direction)))
@@ -248,7 +250,8 @@ proptest! {
         places in proptest::collection::vec(place(), 4..12)
     ) {
         let bodies = build(places);
-        let prover = DisassemblyProver::new(&bodies);
+        let layout = LayoutProver::new(&bodies, 1);
+        let prover = DisassemblyProver::new(&layout);
         let mut left: Vec<usize> = (0..bodies.len()).collect();
         for (leaver, direction) in find_removal_order(&bodies).order {
             prop_assert!(is_free(&prover, &left, leaver, direction));

@@ -3,7 +3,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use proptest::prelude::*;
-use solids::fixtures::{block, bucket, hollow_box, star};
+use solids::{
+    Mesh,
+    fixtures::{block, bucket, hollow_box, star},
+};
 
 use super::*;
 

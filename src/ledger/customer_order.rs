@@ -7,7 +7,7 @@ use sqlx::FromRow;
 
 use super::{
     EventKind, Ledger, LedgerError, PartId, PartState, UtcTimestamp, change::LedgerChange, error::Result,
-    text_column::own_word,
+    part_row::name_with_solid, text_column::own_word,
 };
 
 /// State of an order.
@@ -77,6 +77,13 @@ pub struct LineCopies {
     pub bad: u32,
     /// Copies that are not wanted any more. They are not part of the sum.
     pub cancelled: u32,
+}
+
+impl OrderLine {
+    /// Name of the part together with the name of its solid.
+    pub fn full_name(&self) -> String {
+        name_with_solid(&self.name, &self.object_name)
+    }
 }
 
 impl LineCopies {
@@ -159,11 +166,11 @@ impl Ledger {
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
-    /// Lists the orders that match the query, newest first.
+    /// Lists the orders that match the query, open ones first, newest first.
     pub async fn list_orders(&self, query: &OrderQuery) -> Result<Vec<OrderRow>> {
         let rows = sqlx::query_as(
             "SELECT * FROM customer_order WHERE (?1 IS NULL OR instr(folded, ?1) > 0) AND (?2 IS NULL OR state = ?2) \
-             ORDER BY opened_at DESC, name LIMIT ?3",
+             ORDER BY state <> 'open', opened_at DESC, name LIMIT ?3",
         );
         let folded = query.name.as_ref().map(|name| name.to_lowercase());
         Ok(rows.bind(folded).bind(query.state).bind(query.limit).fetch_all(self.reader()?).await?)
@@ -171,7 +178,7 @@ impl Ledger {
 }
 
 impl Ledger {
-    /// Lists the orders that match the query with the sums over their lines, newest first.
+    /// Lists the orders that match the query with the sums over their lines, open ones first, newest first.
     pub async fn order_summaries(&self, query: &OrderQuery) -> Result<Vec<OrderSummary>> {
         let mut summaries = Vec::new();
         for order in self.list_orders(query).await? {

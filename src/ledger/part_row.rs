@@ -286,6 +286,16 @@ impl PartRow {
     }
 }
 
+/// Name of a file together with the name of its solid.
+pub(super) fn name_with_solid(name: &str, solid: &str) -> String {
+    match solid {
+        "" => name.to_owned(),
+        // In a file with one solid, the solid often has the name of the file.
+        _ if name.rsplit_once('.').is_some_and(|(stem, _)| stem == solid) => name.to_owned(),
+        _ => format!("{name} ({solid})"),
+    }
+}
+
 impl PartRow {
     /// Copies wanted: those ever wanted without the cancelled ones.
     pub fn wanted_copies(&self) -> u32 {
@@ -294,12 +304,7 @@ impl PartRow {
 
     /// Name of the part together with the name of its solid.
     pub fn full_name(&self) -> String {
-        match self.solid.object_name.as_str() {
-            "" => self.name.clone(),
-            // In a file with one solid, the solid often has the name of the file.
-            object if self.name.rsplit_once('.').is_some_and(|(stem, _)| stem == object) => self.name.clone(),
-            object => format!("{} ({object})", self.name),
-        }
+        name_with_solid(&self.name, &self.solid.object_name)
     }
 
     /// The complete orientation rules: rule and tilts.

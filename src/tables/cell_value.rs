@@ -27,6 +27,8 @@ pub enum CellValue {
     BuildWithPart(BuildId, #[serde(skip)] PartId),
     /// A part, shown by its number.
     Part(PartId),
+    /// An order, shown by its name; "" = none.
+    Order(String),
     /// A part, shown by its name.
     NamedPart(#[serde(skip)] PartId, String),
 }

@@ -106,8 +106,10 @@ impl FieldDefinition {
     pub fn cell_text(&self, value: &CellValue) -> Option<String> {
         Some(match value {
             CellValue::Missing => return None,
-            CellValue::Text(text) | CellValue::Prose(text) if text.is_empty() => return None,
-            CellValue::Text(text) | CellValue::Prose(text) | CellValue::NamedPart(_, text) => text.clone(),
+            CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) if text.is_empty() => return None,
+            CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) | CellValue::NamedPart(_, text) => {
+                text.clone()
+            }
             CellValue::Whole(number) => number.to_string(),
             CellValue::Real(number) => self.real_text(*number),
             CellValue::Time(time) => time.strftime("%Y-%m-%d %H:%M:%S").to_string(),

@@ -19,7 +19,7 @@ pub use cell_value::CellValue;
 pub use field_definition::{FieldDefinition, SheetFact};
 pub use history::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS};
 pub use machine_status::{MACHINE_COLUMNS, MachineForecast, MachineNow};
-pub use order_list::ORDER_COLUMNS;
+pub use order_list::{BuiltCopies, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_LINE_COLUMNS};
 pub use part_list::{
     BUILD_PART_COLUMNS, CAKE_PART_COLUMNS, CountedPart, ORDERED_PART_COLUMNS, OrderedPart, PART_COLUMNS,
     PLACEMENT_COLUMNS, WAITING_PART_COLUMNS, whereabouts,

@@ -38,7 +38,7 @@ pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
     TableColumn::new("copies", fields::COPIES, |part| part.owed.copies.into()),
     TableColumn::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
     TableColumn::new("due_at", fields::DUE, |part| part.terms.due_at.into()),
-    TableColumn::new("order", fields::ORDER, |part| (&part.terms.order_name).into()),
+    TableColumn::new("order", fields::ORDER, |part| CellValue::Order(part.terms.order_name.clone())),
     TableColumn::new("name", fields::NAME, |part| part.full_name().into()),
     TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
 ];
@@ -47,7 +47,7 @@ pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
 pub const BUILD_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("part", fields::PART, |row| row.part.id.into()),
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
-    TableColumn::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
+    TableColumn::new("order", fields::ORDER, |row| CellValue::Order(row.part.terms.order_name.clone())),
     TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
     TableColumn::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
     TableColumn::new("copies", fields::COPIES_OF, |row| row.part.owed.copies.into()),
@@ -59,7 +59,7 @@ pub const BUILD_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
 pub const WAITING_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("part", fields::PART, |row| row.part.id.into()),
     TableColumn::new("name", fields::NAME, |row| row.part.full_name().into()),
-    TableColumn::new("order", fields::ORDER, |row| (&row.part.terms.order_name).into()),
+    TableColumn::new("order", fields::ORDER, |row| CellValue::Order(row.part.terms.order_name.clone())),
     TableColumn::for_people("copies_waiting", fields::COPIES_WAITING, |row| row.copies.into()),
     TableColumn::new("copies", fields::COPIES_OF, |row| row.part.owed.copies.into()),
 ];

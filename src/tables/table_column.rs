@@ -79,6 +79,7 @@ fn harmless(value: CellValue) -> CellValue {
     match value {
         CellValue::Text(text) => CellValue::Text(csv_cell(&text)),
         CellValue::Prose(text) => CellValue::Prose(csv_cell(&text)),
+        CellValue::Order(name) => CellValue::Order(csv_cell(&name)),
         CellValue::NamedPart(part, name) => CellValue::NamedPart(part, csv_cell(&name)),
         other => other,
     }

@@ -21,6 +21,9 @@ fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
         program_fields(HEIGHT_SUM_COLUMNS),
         program_fields(PART_COLUMNS),
         program_fields(PICK_COLUMNS),
+        program_fields(ORDER_COLUMNS),
+        program_fields(ORDER_LINE_COLUMNS),
+        program_fields(ORDER_BUILD_COLUMNS),
         program_fields(MACHINE_COLUMNS),
     ];
     for (key, field) in tables.into_iter().flatten() {
@@ -61,6 +64,9 @@ fn no_table_has_two_columns_of_one_label_or_one_key() {
     check_columns(MACHINE_COLUMNS);
     check_columns(PICK_COLUMNS);
     check_columns(CAKE_PART_COLUMNS);
+    check_columns(ORDER_COLUMNS);
+    check_columns(ORDER_LINE_COLUMNS);
+    check_columns(ORDER_BUILD_COLUMNS);
 }
 
 #[tokio::test]

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     ledger::OpenLayout,
-    tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, PART_COLUMNS, TableColumn, for_people},
+    tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, ORDER_COLUMNS, PART_COLUMNS, TableColumn, for_people},
     web::openapi::described,
 };
 
@@ -85,8 +85,11 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/parts", "/api/v1/parts?state=built&profile=cube"),
         ("/api/v1/parts", "/api/v1/parts?name=bracket.stl"),
         ("/api/v1/parts/{part}", "/api/v1/parts/1"),
+        ("/api/v1/orders", "/api/v1/orders?find=RACK&state=open&limit=7"),
+        ("/api/v1/orders/{order}", "/api/v1/orders/bracket.stl"),
     ] {
         let value: serde_json::Value = serde_json::from_str(&dashboard.get(asked).await.text).unwrap();
+        assert!(!path.contains("orders") || value != serde_json::json!([]), "{asked} finds nothing");
         let schema = &all["paths"][path]["get"]["responses"]["200"]["content"]["application/json"]["schema"];
         unlike(schema, &value, &all, path, &mut faults);
     }
@@ -95,6 +98,9 @@ async fn every_answer_of_the_json_interface_is_as_described() {
         ("/api/v1/builds/{build}/pick", "/api/v1/builds/one/pick", StatusCode::BAD_REQUEST),
         ("/api/v1/parts", "/api/v1/parts?state=lost", StatusCode::BAD_REQUEST),
         ("/api/v1/heights", "/api/v1/heights?since=today", StatusCode::BAD_REQUEST),
+        ("/api/v1/orders", "/api/v1/orders?state=lost", StatusCode::BAD_REQUEST),
+        ("/api/v1/orders", "/api/v1/orders?limit=many", StatusCode::BAD_REQUEST),
+        ("/api/v1/orders/{order}", "/api/v1/orders/none", StatusCode::NOT_FOUND),
     ] {
         let answer = dashboard.get(asked).await;
         assert_eq!(answer.status, status, "{asked}");
@@ -124,7 +130,9 @@ async fn the_description_says_each_address_each_parameter_and_the_words_of_each_
     assert_eq!(sorted("/api/v1/builds"), ["after", "part", "profile", "since", "sort", "state", "until"]);
     assert_eq!(sorted("/api/v1/heights"), ["part", "profile", "since", "state", "until"]);
     assert_eq!(sorted("/api/v1/parts"), ["after", "name", "profile", "state"]);
+    assert_eq!(sorted("/api/v1/orders"), ["find", "limit", "state"]);
     assert_eq!(parameters("/api/v1/parts/{part}"), ["part"]);
+    assert_eq!(document["paths"]["/api/v1/orders/{order}"]["get"]["parameters"][0]["schema"]["type"], "string");
     let text = document.to_string();
     for words in [
         crate::ledger::PartState::ALL.map(|state| state.to_string()).to_vec(),
@@ -161,6 +169,8 @@ async fn pages_head_their_columns_as_the_tables_say_and_files_and_json_by_the_sa
     assert!(history.contains(&heads(HISTORY_COLUMNS)) && history.contains(&heads(HEIGHT_SUM_COLUMNS)), "{history}");
     let parts = dashboard.get("/parts?state=built").await.text;
     assert!(parts.contains(&heads(PART_COLUMNS)), "{parts}");
+    let orders = dashboard.get("/orders").await.text;
+    assert!(orders.contains(&heads(ORDER_COLUMNS)), "{orders}");
     let csv = dashboard.get("/history.csv").await.text;
     let mut keys: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     keys.sort_unstable();

@@ -7,6 +7,7 @@ use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
+    build_forms::{build_forms, unseen_failure},
     cached_render::{find_build, layout_version},
     chart,
     error::HandlerResult,
@@ -36,15 +37,19 @@ pub(super) async fn show_build(
     let here = |(part, copies): (PartRow, Vec<CakeCopy>)| CountedPart { part, copies: copies.len() as u32 };
     let rows: Vec<CountedPart> = parts.into_iter().map(here).collect();
     let outcomes = web.ledger.outcomes_of_build(build.id).await?;
+    let placements = web.ledger.placements_of_build(build.id).await?;
+    let is_unseen = web.ledger.unseen_failures().await?.iter().any(|failed| failed.id == build.id);
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
-        @if !build.reason.is_empty() {
+        @if is_unseen { (unseen_failure(&web, &build)) }
+        @else if !build.reason.is_empty() {
             p class=(if is_failure(build.state) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
         }
         @if copies > 0 { (view_section(build.id.0, copies, &view_version(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
         (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), Some(Timestamp::now()))))
+        (build_forms(&web, &build, &placements))
         (height_curve(&build.height_curve()))
         (outcome_list(&outcomes))
         h2 { "Parts" }

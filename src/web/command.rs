@@ -13,15 +13,18 @@ use serde::Deserialize;
 
 use super::{
     error::{HandlerError, HandlerResult},
+    format::prose_with_code,
     page,
     state::DashboardState,
 };
-use crate::ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartId};
+use crate::ledger::{CommandArgument, CommandKind, CommandState, LedgerError, NewCommand, PartId};
 
 /// How long the page waits for the daemon's answer.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between two checks for the answer.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
+/// Who gives the orders of the pages: they have no login.
+pub(super) const ASKED_BY: &str = "dashboard";
 
 /// The form that a command button sends.
 #[derive(Debug, Deserialize)]
@@ -44,7 +47,7 @@ pub(super) fn command_button(
 ) -> Markup {
     html! {
         @if web.orders {
-            form.order method="post" action="/orders" {
+            form.order method="post" action="/commands" {
                 input type="hidden" name="key" value=(web.form_key);
                 input type="hidden" name="kind" value=(kind);
                 @if !profile.is_empty() { input type="hidden" name="profile" value=(profile); }
@@ -60,16 +63,11 @@ pub(super) async fn post_command(
     State(web): State<Arc<DashboardState>>,
     Form(order): Form<CommandForm>,
 ) -> HandlerResult<Response> {
-    if !web.orders {
-        let text = "this farm takes no orders from pages; see web.orders".to_owned();
-        return Err(HandlerError::Refused(StatusCode::FORBIDDEN, text));
-    }
-    if order.key != web.form_key {
-        let text = "the page is older than the daemon: load it again and press once more".to_owned();
-        return Err(HandlerError::Refused(StatusCode::FORBIDDEN, text));
-    }
+    check_form_key(&web, &order.key)?;
     let back = match (order.part, order.kind) {
-        (Some(part), CommandKind::Retry | CommandKind::Cancel) => format!("/parts/{part}"),
+        (Some(part), CommandKind::Retry | CommandKind::Cancel | CommandKind::Confirm | CommandKind::Move) => {
+            format!("/parts/{part}")
+        }
         (None, CommandKind::Flush | CommandKind::Pause | CommandKind::Resume)
             if web.current_settings().profiles.contains_key(&order.profile) =>
         {
@@ -82,29 +80,73 @@ pub(super) async fn post_command(
         profile: order.profile,
         part: order.part.map(PartId),
         argument: CommandArgument::default(),
-        asked_by: "dashboard".to_owned(),
+        asked_by: ASKED_BY.to_owned(),
     };
-    let id = web.ledger.submit_command(&command).await?;
-    let asked = std::time::Instant::now();
-    while asked.elapsed() < ANSWER_TIMEOUT {
-        tokio::time::sleep(POLL_INTERVAL).await;
-        match web.ledger.find_command(id).await? {
-            Some(row) if row.state == CommandState::Done => return Ok(Redirect::to(&back).into_response()),
-            Some(row) if row.state == CommandState::Refused => return Ok(result_page("Refused", &row.answer, &back)),
-            _ => {}
-        }
-    }
-    Ok(result_page(
-        "Not answered yet",
-        "the daemon has not answered; the order is noted and is done when it runs",
-        &back,
-    ))
+    send_commands(&web, vec![command], &back).await
 }
 
-fn result_page(title: &str, text: &str, back: &str) -> Response {
+/// Refuses a form where the farm takes none, or that comes from no page of this daemon.
+pub(super) fn check_form_key(web: &DashboardState, key: &str) -> HandlerResult<()> {
+    let refused = |text: &str| Err(HandlerError::Refused(StatusCode::FORBIDDEN, text.to_owned()));
+    match () {
+        () if !web.orders => refused("this farm takes no orders from pages; see web.orders"),
+        () if key != web.form_key => refused("the page is older than the daemon: load it again and press once more"),
+        () => Ok(()),
+    }
+}
+
+/// Sends commands to the daemon and waits for the answers; then shows the page `back` again, or what was refused.
+pub(super) async fn send_commands(
+    web: &DashboardState,
+    commands: Vec<NewCommand>,
+    back: &str,
+) -> HandlerResult<Response> {
+    let mut open = Vec::new();
+    for command in &commands {
+        open.push(web.ledger.submit_command(command).await?);
+    }
+    let (asked, mut refusals) = (std::time::Instant::now(), Vec::new());
+    while !open.is_empty() && asked.elapsed() < ANSWER_TIMEOUT {
+        tokio::time::sleep(POLL_INTERVAL).await;
+        let mut unanswered = Vec::new();
+        for id in open {
+            match web.ledger.find_command(id).await? {
+                Some(row) if row.state == CommandState::Done => {}
+                Some(row) if row.state == CommandState::Refused => refusals.push(format!("{}.", row.answer)),
+                _ => unanswered.push(id),
+            }
+        }
+        open = unanswered;
+    }
+    if !open.is_empty() {
+        refusals.push("The daemon has not answered; the order is noted and is done when it runs.".to_owned());
+        return Ok(result_page("Not answered yet", &refusals, back));
+    }
+    match refusals.is_empty() {
+        true => Ok(Redirect::to(back).into_response()),
+        false => Ok(result_page("Refused", &refusals, back)),
+    }
+}
+
+/// What the ledger answers to a form that it carries out itself: sentences, or why it refuses.
+pub(super) fn answer_page(answer: Result<Vec<String>, LedgerError>, back: &str) -> HandlerResult<Response> {
+    match answer {
+        Ok(sentences) if sentences.is_empty() => Ok(Redirect::to(back).into_response()),
+        Ok(sentences) => Ok(result_page("Done", &sentences, back)),
+        Err(error) if is_failure_of_ledger(&error) => Err(error.into()),
+        Err(refused) => Ok(result_page("Refused", &[format!("{refused}.")], back)),
+    }
+}
+
+/// Whether the ledger could not be read or written, so that nothing was refused.
+fn is_failure_of_ledger(error: &LedgerError) -> bool {
+    error.is_disk_failure() || error.is_damage() || matches!(error, LedgerError::Sql(_))
+}
+
+fn result_page(title: &str, sentences: &[String], back: &str) -> Response {
     let content = html! {
         h1 { (title) }
-        p role="status" { (text) "." }
+        div #answer role="status" { @for sentence in sentences { p { (prose_with_code(sentence)) } } }
         p { a href=(back) { "Back" } }
     };
     page::html_page(title, "", None, &content).into_response()

@@ -7,6 +7,7 @@ use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
+    build_forms::unseen_failure,
     command::command_button,
     error::HandlerResult,
     format::{DASH, count, format_age, format_time_utc, prose_with_code},
@@ -37,12 +38,14 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         cards.push(machine_card(&web, profile, (&status, observed), &picture_html, now));
     }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
+    let failures = web.ledger.unseen_failures().await?;
     let alerts = read_stored_alerts(&settings.state_dir);
     let activity = halt_summary(&alerts).unwrap_or_else(|| farm_summary(settings.profiles.len(), status.iter()));
     let content = html! {
         h1 { "Farm" }
         (daemon_line(daemon.as_ref(), &activity, now))
         (alerts_section(&alerts, now))
+        @for build in &failures { (unseen_failure(&web, build)) }
         div.cards {
             @for card in &cards { (card) }
         }

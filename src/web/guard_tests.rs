@@ -60,7 +60,7 @@ async fn an_order_is_taken_from_our_own_pages_only() {
 async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin() {
     let dashboard = TestDashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
     let ask = async |host: &str, headers: &[(&str, &str)]| {
-        let mut request = Request::post("/orders").header("host", host);
+        let mut request = Request::post("/commands").header("host", host);
         for (name, value) in headers {
             request = request.header(*name, *value);
         }

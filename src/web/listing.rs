@@ -2,7 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::format::{DASH, prose_with_code};
+use super::{
+    format::{DASH, prose_with_code},
+    query::order_address,
+};
 use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, for_people};
 
 /// A table of rows with the columns that people see. `name` is its label for screen readers.
@@ -46,6 +49,7 @@ fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup 
         CellValue::Part(part) | CellValue::NamedPart(part, _) if has_pages => {
             html! { a href=(format!("/parts/{part}")) { (text) } }
         }
+        CellValue::Order(name) if has_pages && !name.is_empty() => html! { a href=(order_address(name)) { (text) } },
         CellValue::Prose(_) => prose_with_code(text),
         _ => html! { (text) },
     }

@@ -6,6 +6,7 @@
 mod api;
 mod assets;
 mod build;
+mod build_forms;
 mod cache;
 mod cached_render;
 mod chart;
@@ -26,8 +27,10 @@ mod live;
 mod mesh_reduction;
 mod metrics;
 mod openapi;
+mod order;
 mod page;
 mod part;
+mod part_forms;
 mod pick_map;
 mod pick_page;
 mod picture;

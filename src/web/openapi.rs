@@ -16,11 +16,11 @@ use super::{
     api,
     dto::{BuildResponse, PartResource, PartResponse},
     error::ApiError,
-    history, part, pick_page,
+    history, order, part, pick_page,
     state::DashboardState,
 };
 use crate::{
-    ledger::{HeightSummary, HistoryRow},
+    ledger::{HeightSummary, HistoryRow, OrderSummary},
     tables::PickList,
 };
 
@@ -49,7 +49,7 @@ struct ApiRoute {
     handler: HandlerMaker,
 }
 
-const ROUTES: [ApiRoute; 7] = [
+const ROUTES: [ApiRoute; 9] = [
     ApiRoute {
         path: "/api/v1/farm",
         name: "farm",
@@ -114,6 +114,24 @@ const ROUTES: [ApiRoute; 7] = [
         without: &[],
         handler: || get(api::get_part),
     },
+    ApiRoute {
+        path: "/api/v1/orders",
+        name: "orders",
+        summary: "Orders with what became of their copies, open ones first, newest first",
+        answer: schema_of::<Vec<OrderSummary>>,
+        query: Some(schema_of::<order::OrderFilter>),
+        without: &[],
+        handler: || get(order::get_orders),
+    },
+    ApiRoute {
+        path: "/api/v1/orders/{order}",
+        name: "order",
+        summary: "An order with its lines: what became of their copies, and the builds that hold them",
+        answer: schema_of::<order::OrderResponse>,
+        query: None,
+        without: &[],
+        handler: || get(order::get_order),
+    },
 ];
 
 /// The addresses of the interface, and of the document that describes them.
@@ -166,10 +184,14 @@ pub(super) fn described() -> Value {
 
 fn operation(route: &ApiRoute, error: &Schema, generator: &mut SchemaGenerator) -> Value {
     let mut parameters = Vec::new();
-    let number = route.path.split(['{', '}']).nth(1);
-    parameters.extend(number.map(
-        |name| json!({ "name": name, "in": "path", "required": true, "schema": { "type": "integer", "format": "int64" } }),
-    ));
+    let subject = route.path.split(['{', '}']).nth(1);
+    parameters.extend(subject.map(|name| {
+        let schema = match name {
+            "order" => json!({ "type": "string" }),
+            _ => json!({ "type": "integer", "format": "int64" }),
+        };
+        json!({ "name": name, "in": "path", "required": true, "schema": schema })
+    }));
     if let Some(query) = route.query {
         let schema = query(generator);
         parameters.extend(query_parameters(&schema, route.without));
@@ -185,8 +207,8 @@ fn operation(route: &ApiRoute, error: &Schema, generator: &mut SchemaGenerator) 
         fails("400", "A date, a state or a number is none.");
     }
     fails("401", "The farm asks for a bearer token.");
-    if number.is_some() {
-        fails("404", "There is none of that number.");
+    if subject.is_some() {
+        fails("404", "There is none of that number or name.");
     }
     fails("421", "The farm does not answer to the name it was asked by.");
     fails("503", "The ledger does not answer.");

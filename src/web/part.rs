@@ -13,7 +13,8 @@ use super::{
     format::{count, prose_with_code},
     listing::{fact_list, table_of},
     page::html_page,
-    query::{parse_field, query_string},
+    part_forms::part_forms,
+    query::{order_address, parse_field, query_string},
     state::DashboardState,
 };
 use crate::{
@@ -109,6 +110,7 @@ pub(super) async fn show_part(
     let id = PartId(number);
     let part = web.ledger.find_part(id).await?.ok_or_else(|| HandlerError::NotFound(format!("part {number}")))?;
     let placements = web.ledger.placements_of_part(id).await?;
+    let printed = placements.iter().filter(|placed| placed.published_at.is_some() && !placed.is_bad).count() as u32;
     let events = web.ledger.events_of_part(id).await?;
     let others = |parts: Vec<PartRow>| parts.into_iter().filter(|other| other.id != id).collect::<Vec<_>>();
     let same = others(web.ledger.parts_with_content(&part.file.content_hash).await?);
@@ -118,13 +120,23 @@ pub(super) async fn show_part(
     let about = format!("part {number}");
     let content = html! {
         h1 { "Part " (number) ": " (part.full_name()) }
+        @if !part.terms.order_name.is_empty() {
+            p { "Part of the order " a href=(order_address(&part.terms.order_name)) { (part.terms.order_name) } "." }
+        }
         @if !part.rejection.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.rejection.reason)) } }
         @for warning in part.warnings.lines() { p.warn { (prose_with_code(warning)) } }
+        @if !part.owed.question.is_empty() && part.state == PartState::Waiting {
+            p.bad role="status" { "It waits for a yes: " (prose_with_code(&part.owed.question)) }
+        }
         (fact_list(&part_facts(&part, part.wanted_copies().to_string())))
         div.buttons {
+            @if !part.owed.question.is_empty() && part.state == PartState::Waiting {
+                (command_button(&web, CommandKind::Confirm, "Print as it is", &about, "", Some(id)))
+            }
             @if part.state == PartState::Rejected { (command_button(&web, CommandKind::Retry, "Retry", &about, "", Some(id))) }
             @if part.state == PartState::Waiting { (command_button(&web, CommandKind::Cancel, "Cancel", &about, "", Some(id))) }
         }
+        (part_forms(&web, &part, printed))
         h2 { "Where its copies are" }
         (copies_section(&part, &placements, open))
         h2 { "What happened" }

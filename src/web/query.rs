@@ -10,6 +10,13 @@ pub(super) fn query_string(asked: &impl Serialize) -> HandlerResult<String> {
     Ok(serde_urlencoded::to_string(asked).map_err(anyhow::Error::from)?)
 }
 
+/// The address of the page of an order.
+pub(super) fn order_address(name: &str) -> String {
+    let encoded = serde_urlencoded::to_string([("", name)]).unwrap_or_default();
+    // A plus sign means a blank in a query only.
+    format!("/orders/{}", encoded.trim_start_matches('=').replace('+', "%20"))
+}
+
 /// Parses a field of a query; `None` when the field is empty. `what` says in the error what was expected.
 pub(super) fn parse_field<T: DeserializeOwned>(text: &str, what: &str) -> HandlerResult<Option<T>> {
     let value = || text.parse::<i64>().map_or_else(|_| text.into(), serde_json::Value::from);

@@ -13,14 +13,14 @@ use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{
-    assets, build,
+    assets, build, build_forms,
     cache::RecentCache,
     command,
     connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
     error::HandlerError,
     farm as farm_page, guard, history,
     listener::DashboardListener,
-    live, metrics, openapi, part, pick_page, picture, scene,
+    live, metrics, openapi, order, part, part_forms, pick_page, picture, scene,
     state::{DashboardState, PageCaches},
 };
 use crate::{
@@ -76,6 +76,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
     openapi::routes()
         .route("/", get(farm_page::show_farm))
         .route("/builds/{build}", get(build::show_build))
+        .route("/builds/{build}/told", post(build_forms::post_told))
         .route("/builds/{build}/pick", get(pick_page::show_pick_map))
         .route("/builds/{build}/picture", get(picture::get_picture))
         .route("/builds/{build}/scene", get(scene::get_scene))
@@ -84,8 +85,14 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/history.json", get(history::download_json))
         .route("/parts", get(part::list_parts))
         .route("/parts/{part}", get(part::show_part))
+        .route("/parts/{part}/edit", post(part_forms::post_edit))
+        .route("/parts/{part}/reprint", post(part_forms::post_reprint))
         .route("/live", get(live::stream_changes))
-        .route("/orders", post(command::post_command))
+        .route("/commands", post(command::post_command))
+        .route("/orders", get(order::list_orders))
+        .route("/orders/{order}", get(order::show_order))
+        .route("/orders/{order}/cancel", post(order::post_cancel))
+        .route("/orders/{order}/reprint", post(order::post_reprint))
         .route("/assets/{name}", get(assets::get_asset))
         .route("/metrics", get(metrics::get_metrics))
         .route("/healthz", get(|| async { "alive\n" }))

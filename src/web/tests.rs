@@ -23,6 +23,8 @@ use crate::{
 mod api;
 #[path = "guard_tests.rs"]
 mod guard;
+#[path = "order_tests.rs"]
+mod order_tests;
 
 struct TestResponse {
     status: StatusCode,
@@ -80,7 +82,7 @@ impl TestDashboard {
     }
 
     async fn post(&self, form: &str, site: &str) -> TestResponse {
-        let request = Request::post("/orders")
+        let request = Request::post("/commands")
             .header("host", "localhost")
             .header("sec-fetch-site", site)
             .header("content-type", "application/x-www-form-urlencoded")
@@ -89,7 +91,8 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 6] = ["/", "/history", "/parts", "/builds/1", "/builds/1/pick", "/parts/1"];
+const PAGES: [&str; 8] =
+    ["/", "/history", "/parts", "/builds/1", "/builds/1/pick", "/parts/1", "/orders", "/orders/bracket.stl"];
 
 async fn with_a_build(named: &str) -> TestDashboard {
     let dashboard = TestDashboard::new(|_| ()).await;
@@ -131,7 +134,9 @@ async fn every_page_is_whole_and_forbids_what_it_does_not_need() {
 async fn a_name_that_is_code_is_shown_as_text() {
     for name in ["<script>alert(1)</script>.stl", "=HYPERLINK(\"x\").stl", "\"onload=\"x.stl", "a'b&amp;.stl"] {
         let dashboard = with_a_build(name).await;
-        for page in PAGES {
+        let order = super::query::order_address(name);
+        assert_eq!(dashboard.get(&order).await.status, StatusCode::OK, "{order}");
+        for page in PAGES.into_iter().chain([order.as_str()]) {
             let text = dashboard.get(page).await.text;
             assert!(!text.contains("<script>alert") && !text.contains("\"onload=\""), "{page} {name}");
         }

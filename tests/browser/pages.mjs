@@ -8,7 +8,7 @@ const farm = JSON.parse(process.argv[2]);
 const { base } = farm;
 const browser = await start(farm.chromium);
 const PAGES = { farm: "/", build: `/builds/${farm.build}`, pick: `/builds/${farm.build}/pick`, open: `/builds/${farm.open}`, history: "/history",
-  parts: "/parts", part: `/parts/${farm.part}`, refused: `/parts/${farm.refused}`, missing: "/parts/999999" };
+  parts: "/parts", part: `/parts/${farm.part}`, orders: "/orders", order: `/orders/${encodeURIComponent(farm.order)}`, refused: `/parts/${farm.refused}`, missing: "/parts/999999" };
 const SPATIAL = ["build", "open"];
 const WIDTHS = [360, 1280, 2560];
 const builds = () => readdirSync(farm.queue).filter((name) => name.endsWith(".build.3mf")).length;
@@ -218,9 +218,9 @@ const checks = {
 
   async "an order without the form's key is refused"() {
     const body = new URLSearchParams({ key: "guessed", kind: "flush", profile: farm.profile });
-    const answer = await fetch(`${base}/orders`, { method: "POST", body, headers: { origin: base } });
+    const answer = await fetch(`${base}/commands`, { method: "POST", body, headers: { origin: base } });
     assert.equal(answer.status, 403);
-    const foreign = await fetch(`${base}/orders`, { method: "POST", body, headers: { origin: "https://elsewhere.example" } });
+    const foreign = await fetch(`${base}/commands`, { method: "POST", body, headers: { origin: "https://elsewhere.example" } });
     assert.equal(foreign.status, 403);
   },
 

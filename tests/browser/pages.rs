@@ -174,7 +174,7 @@ fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
         "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "root": dashboard.farm.root(),
         "inbox": dashboard.folder("inbox"), "queue": dashboard.folder("queue"), "sample": sample, "shots": shots,
         "build": 1, "copies": copies, "open": open, "part": built[0].id, "refused": refused[0].id, "nasty": NASTY[1..],
-        "history": history,
+        "order": built[0].terms.order_name, "history": history,
     })
 }
 

@@ -4,7 +4,7 @@ const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000;
 const main = document.querySelector("#main");
 let events = null, again = 0, busy = false, dirty = false, lost = null;
 
-const isTyping = () => main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
+const isTyping = () => main.querySelector("details[open] form") || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
   && !document.activeElement.closest("#view");
 
 function say(id, text, link) {
@@ -86,8 +86,9 @@ function listen() {
   });
 }
 
-// An error page is not updated.
-if (main && !document.querySelector("#problem")) {
+// An error page and the answer to a form are not updated.
+if (main && !document.querySelector("#problem, #answer")) {
+  main.addEventListener("toggle", () => { if (dirty) refresh(); }, true);
   main.addEventListener("focusout", () => setTimeout(() => { if (dirty) refresh(); }));
   document.addEventListener("visibilitychange", () => { listen(); if (!document.hidden) refresh(); });
   addEventListener("online", listen);

@@ -1,0 +1,173 @@
+//! Tests of the order pages, and of the forms that tell outcomes, print again and change what was asked.
+
+use super::*;
+use crate::{
+    ledger::{BuildId, BuildState, CommandKind, NewPartRow, PartId},
+    web::query::order_address,
+};
+
+impl TestDashboard {
+    async fn post_to(&self, path: &str, fields: &[(&str, &str)]) -> TestResponse {
+        let request = Request::post(path)
+            .header("host", "localhost")
+            .header("sec-fetch-site", "same-origin")
+            .header("content-type", "application/x-www-form-urlencoded")
+            .body(Body::from(serde_urlencoded::to_string(fields).unwrap()));
+        self.send(request.unwrap()).await
+    }
+
+    /// Tells something of build 1.
+    async fn tell(&self, fields: &[(&str, &str)]) -> TestResponse {
+        let all: Vec<_> = [("key", "key")].into_iter().chain(fields.iter().copied()).collect();
+        self.post_to("/builds/1/told", &all).await
+    }
+
+    async fn claim(&self, claim: &str, order: &str) -> PartId {
+        let part = NewPartRow {
+            profile: "cube".to_owned(),
+            ..fixtures::asked(fixtures::new_part(claim, 1), |terms| terms.order_name = order.to_owned())
+        };
+        let id = self.ledger.record_claim(&part).await.unwrap().id;
+        self.ledger.accept_solids(id, &[fixtures::solid(0, 1)]).await.unwrap();
+        id
+    }
+
+    async fn json(&self, path: &str) -> serde_json::Value {
+        serde_json::from_str(&self.get(path).await.text).unwrap()
+    }
+}
+
+#[tokio::test]
+async fn orders_are_found_by_any_part_of_their_name_and_open_ones_come_first() {
+    let dashboard = with_a_build("Old Möbel.stl").await;
+    assert_eq!(dashboard.tell(&[("act", "complete")]).await.status, StatusCode::OK);
+    let nasty = "A/B + 50 % ü?x=1#y";
+    dashboard.claim("b", nasty).await;
+    let names = async |asked: &str| -> Vec<String> {
+        let orders = dashboard.json(&format!("/api/v1/orders{asked}")).await;
+        orders.as_array().unwrap().iter().map(|order| order["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names("").await, [nasty, "Old Möbel.stl"]);
+    assert_eq!(names("?find=m%C3%96BEL").await, ["Old Möbel.stl"]);
+    assert_eq!(names("?state=open").await, [nasty]);
+    assert_eq!(names("?limit=1").await, [nasty]);
+    assert_eq!(names("?find=none").await, [""; 0]);
+    let page = dashboard.get("/orders?find=MÖB").await;
+    assert!(page.status == StatusCode::OK && page.text.contains("1 order<"), "{}", page.text);
+    let list = dashboard.get("/orders").await.text;
+    assert!(list.contains(&format!("href=\"{}\"", order_address(nasty))), "{list}");
+    for path in [order_address(nasty), format!("/api/v1{}", order_address(nasty))] {
+        assert_eq!(dashboard.get(&path).await.status, StatusCode::OK, "{path}");
+    }
+    assert_eq!(dashboard.get("/orders/none").await.status, StatusCode::NOT_FOUND);
+}
+
+#[tokio::test]
+async fn an_order_shows_each_line_with_its_copies_its_part_and_its_builds() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let page = dashboard.get("/orders/bracket.stl").await.text;
+    assert!(page.contains("href=\"/parts/1\"") && page.contains("href=\"/builds/1#part-1\""), "{page}");
+    assert!(page.contains("0 good of 2 copies wanted"), "{page}");
+    let order = dashboard.json("/api/v1/orders/bracket.stl").await;
+    assert_eq!((&order["state"], &order["printed"]), (&"open".into(), &2.into()));
+    let line = &order["lines"][0];
+    assert_eq!((&line["part"], &line["wanted"], &line["printed"]), (&1.into(), &2.into(), &2.into()));
+    assert_eq!((&line["builds"][0]["build"], &line["builds"][0]["copies"]), (&1.into(), &2.into()));
+    for path in ["/parts?state=built", "/parts/1", "/builds/1"] {
+        assert!(dashboard.get(path).await.text.contains("href=\"/orders/bracket.stl\""), "{path} links to the order");
+    }
+}
+
+#[tokio::test]
+async fn a_failed_print_stands_out_until_somebody_has_seen_to_it() {
+    let dashboard = with_a_build("bracket.stl").await;
+    assert!(dashboard.get("/builds/1").await.text.contains("Tell how it printed"));
+    let told = dashboard.tell(&[("act", "failed"), ("note", "blade hit it")]).await.text;
+    assert!(told.contains("Build 1 is failed.") && told.contains("2 copies of 1 part: they wait again"), "{told}");
+    for path in ["/", "/builds/1"] {
+        let page = dashboard.get(path).await.text;
+        assert!(page.contains("Nobody has seen to it yet") && page.contains("blade hit it"), "{path}: {page}");
+    }
+    let outcomes = dashboard.ledger.outcomes_of_build(BuildId(1)).await.unwrap();
+    assert_eq!((outcomes[0].told_by.as_str(), outcomes[0].note.as_str()), ("dashboard", "blade hit it"));
+    let refused = dashboard.tell(&[("act", "complete")]).await.text;
+    assert!(refused.contains("Refused") && refused.contains("was told to be failed already"), "{refused}");
+    assert_eq!(dashboard.tell(&[("act", "seen")]).await.status, StatusCode::SEE_OTHER);
+    for path in ["/", "/builds/1"] {
+        assert!(!dashboard.get(path).await.text.contains("Nobody has seen to it yet"), "{path}");
+    }
+    assert!(dashboard.get("/builds/1").await.text.contains("Correct what was told"));
+    let corrected = dashboard.tell(&[("act", "complete"), ("correct", "yes")]).await.text;
+    assert!(corrected.contains("they count as printed again"), "{corrected}");
+    assert_eq!(dashboard.json("/api/v1/orders/bracket.stl").await["good"], 2);
+}
+
+#[tokio::test]
+async fn bad_copies_and_whole_builds_are_printed_again_by_form() {
+    let dashboard = with_a_build("bracket.stl").await;
+    let order = async || dashboard.json("/api/v1/orders/bracket.stl").await;
+    assert_eq!(dashboard.tell(&[("act", "complete"), ("bad", "seven")]).await.status, StatusCode::BAD_REQUEST);
+    assert!(dashboard.tell(&[("act", "complete"), ("bad", "1=3")]).await.text.contains("has 2 copies in build 1"));
+    dashboard.tell(&[("act", "complete"), ("bad", "1=1")]).await;
+    assert_eq!((&order().await["good"], &order().await["waiting"]), (&1.into(), &1.into()));
+    let page = dashboard.get("/builds/1").await.text;
+    assert!(page.contains("value=\"1=1\""), "a correction starts from what was told: {page}");
+    let part = dashboard.post_to("/parts/1/reprint", &[("key", "key"), ("copies", "1")]).await;
+    assert!(part.text.contains("1 copy of 1 part: they wait again"), "{}", part.text);
+    assert_eq!(order().await["waiting"], 2);
+    let nothing = dashboard.post_to("/orders/bracket.stl/reprint", &[("key", "key")]).await.text;
+    assert!(nothing.contains("Refused") && nothing.contains("no copy of it was printed"), "{nothing}");
+    let again = dashboard.tell(&[("act", "requeue")]).await.text;
+    assert!(again.contains("Build 1 is issued once more as build 2."), "{again}");
+    let build = dashboard.ledger.find_build(BuildId(2)).await.unwrap().unwrap();
+    assert_eq!((build.state, build.search.repeats), (BuildState::Nesting, Some(BuildId(1))));
+    let other = with_a_build("bracket.stl").await;
+    assert!(other.tell(&[("act", "reprint")]).await.text.contains("2 copies of 1 part: they wait again"));
+}
+
+#[tokio::test]
+async fn a_form_sends_only_what_a_person_changed_and_shows_why_it_was_refused() {
+    let dashboard = TestDashboard::new(|_| ()).await;
+    let part = dashboard.claim("a", "kit").await;
+    let page = dashboard.get("/parts/1").await.text;
+    assert!(page.contains("name=\"was_copies\" value=\"1\"") && page.contains("name=\"due\""), "{page}");
+    let ledger = (*dashboard.ledger).clone();
+    let daemon = tokio::spawn(async move {
+        let mut seen = Vec::new();
+        while seen.len() < 2 {
+            for command in ledger.pending_commands().await.unwrap() {
+                ledger.answer_command(command.id, seen.is_empty(), "it is `being` nested").await.unwrap();
+                seen.push((command.kind, command.part_id, command.asked_by.clone(), command.read_argument()));
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+        seen
+    });
+    let fields = [("key", "key"), ("copies", "4"), ("was_copies", "1"), ("priority", "0"), ("was_priority", "0")];
+    assert_eq!(dashboard.post_to("/parts/1/edit", &fields).await.status, StatusCode::SEE_OTHER);
+    let refused = dashboard.post_to("/orders/kit/cancel", &[("key", "key")]).await.text;
+    assert!(refused.contains("Refused") && refused.contains("it is <code>being</code> nested."), "{refused}");
+    let seen = daemon.await.unwrap();
+    let edit = crate::ledger::PartEdit { copies: Some(4), ..Default::default() };
+    assert_eq!((seen[0].0, seen[0].1, seen[0].2.as_str()), (CommandKind::Edit, Some(part), "dashboard"));
+    assert_eq!((seen[0].3.edit.as_ref(), seen[1].0), (Some(&edit), CommandKind::Cancel));
+    let wrong = dashboard.post_to("/parts/1/edit", &[("key", "key"), ("due", "soon"), ("was_due", "")]).await;
+    assert_eq!(wrong.status, StatusCode::BAD_REQUEST);
+}
+
+#[tokio::test]
+async fn forms_need_the_key_of_the_page_and_a_farm_that_takes_orders() {
+    let (dashboard, silent) = (with_a_build("bracket.stl").await, TestDashboard::new(|web| web.orders = false).await);
+    silent.claim("a", "kit").await;
+    let forms = ["/builds/1/told", "/parts/1/edit", "/parts/1/reprint", "/orders/kit/cancel", "/orders/kit/reprint"];
+    for path in forms {
+        let fields = [("act", "failed"), ("copies", "1")];
+        let with_key = |key| [("key", key)].into_iter().chain(fields).collect::<Vec<_>>();
+        assert_eq!(dashboard.post_to(path, &with_key("wrong")).await.status, StatusCode::FORBIDDEN, "{path}");
+        assert_eq!(silent.post_to(path, &with_key("key")).await.status, StatusCode::FORBIDDEN, "{path}");
+    }
+    for path in ["/parts/1", "/orders/kit"] {
+        assert!(!silent.get(path).await.text.contains("method=\"post\""), "{path}");
+    }
+    assert!(dashboard.ledger.outcomes_of_build(BuildId(1)).await.unwrap().is_empty());
+}

@@ -72,13 +72,13 @@ impl BackgroundJob<Farm> for ImproveLayoutJob {
 pub(super) async fn batch_if_rested(farm: &mut Farm, name: &str) -> Result<()> {
     let (began, now) = (Instant::now(), farm.now());
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    if now < machine.next_batch_at || machine.agreed_folders.is_none() {
-        machine.is_idle = false;
+    if now < machine.pacing.next_batch_at || machine.agreed_folders.is_none() {
+        machine.pacing.is_idle = false;
         return Ok(());
     }
     let result = update_open_build(farm, name).await;
     if let Some(machine) = farm.machines.get_mut(name) {
-        machine.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
+        machine.pacing.next_batch_at = farm.schedule.time.instant() + BATCH_REST_FACTOR * began.elapsed();
     }
     result
 }
@@ -101,7 +101,7 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let waiting = machine.open.rank_queue(waiting);
     let head = machine.open.truncate_queue(&waiting, &machine.profile);
     let wanted: BTreeSet<CopyId> = waiting_copy_ids(&head).into_iter().collect();
-    machine.is_idle = waiting.is_empty() || machine.open.covers_copies(&wanted);
+    machine.pacing.is_idle = waiting.is_empty() || machine.open.covers_copies(&wanted);
     let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
     report_left_out(farm, name, None, cut_off).await?;
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };

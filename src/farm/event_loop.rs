@@ -135,7 +135,7 @@ async fn run_ledger_steps(farm: &mut Farm) {
 /// Whether a step may find work: a job runs, a machine is not idle, or the ledger has changed.
 fn may_have_work(farm: &mut Farm) -> bool {
     let is_busy = !farm.jobs.is_idle() || !farm.nesting.just_fired.is_empty();
-    let is_settled = farm.machines.values().all(|machine| machine.is_idle && machine.pending_flushes.is_empty());
+    let is_settled = farm.machines.values().all(|machine| machine.pacing.is_idle && machine.pending_flushes.is_empty());
     let now = farm.now();
     let news = farm.schedule.ledger_changes.has_changed(&farm.settings.ledger, now);
     is_busy || !is_settled || news

@@ -62,7 +62,7 @@ fn on_folders_compared(farm: &mut Farm, name: &str, compared: FolderComparison) 
         FolderComparison::FolderAway => (None, None),
         FolderComparison::LedgerCurrent(seen) => {
             machine.agreed_folders = Some(seen);
-            machine.next_batch_at = farm.schedule.time.instant();
+            machine.pacing.next_batch_at = farm.schedule.time.instant();
             (None, None)
         }
         FolderComparison::LedgerBehind(detail) => (Some(detail), None),

@@ -20,15 +20,22 @@ pub struct ClaimedDrop {
     pub row: NewPartRow,
 }
 
+/// Why a hot folder cannot be scanned.
+#[derive(Debug)]
+pub struct UnavailableInbox {
+    /// The reason in words.
+    pub reason: String,
+    /// Its lease is the reason, which the renewal of the leases reports.
+    pub is_lease_refused: bool,
+}
+
 /// Result of one scan.
 #[derive(Debug, Default)]
 pub struct HotFolderScan {
     /// Claimed parts whose files are in the store.
     pub drops: Vec<ClaimedDrop>,
     /// Why the hot folder cannot be scanned.
-    pub unavailable_reason: Option<String>,
-    /// Its lease is the reason, which the renewal of the leases reports.
-    pub is_lease_refused: bool,
+    pub unavailable: Option<UnavailableInbox>,
     /// Seconds until the next useful scan, if something is settling.
     pub next_secs: Option<f64>,
     /// Files that were refused without becoming a part: display name, kind and reason.

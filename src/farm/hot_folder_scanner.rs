@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-pub use super::hot_folder_scan::{ClaimedDrop, HotFolderScan};
+pub use super::hot_folder_scan::{ClaimedDrop, HotFolderScan, UnavailableInbox};
 use super::{
     claim_note::{ClaimNote, new_part_row},
     failure::error_chain,
@@ -115,7 +115,7 @@ impl HotFolderScanner {
         let mut scan = HotFolderScan::default();
         let lease = &mut leases.inbox;
         if let Err(error) = lease.check_usable() {
-            (scan.unavailable_reason, scan.is_lease_refused) = (Some(error.to_string()), true);
+            scan.unavailable = Some(UnavailableInbox { reason: error.to_string(), is_lease_refused: true });
             self.pending = None;
             return scan;
         }
@@ -134,7 +134,9 @@ impl HotFolderScanner {
                 scan.warnings.extend(listing.warnings.iter().map(|(path, why)| format!("{}: {why}", path.display())));
                 self.claim_ready_files(profile, leases, &listing.entries, &mut claims, &mut scan);
             }
-            Err(error) => scan.unavailable_reason = Some(error.to_string()),
+            Err(error) => {
+                scan.unavailable = Some(UnavailableInbox { reason: error.to_string(), is_lease_refused: false })
+            }
         }
         // After an error there may be a claim that is not listed: the next scan lists all of them.
         self.pending = (!scan.may_have_unknown_claims).then(Vec::new);

@@ -119,7 +119,7 @@ pub(super) fn start_scans(farm: &mut Farm) {
             let find_part = |part| runtime.block_on(ledger.find_part(part));
             let mut scan = scanner.scan_and_claim(&profile, &mut leases, &store, orphan_secs, find_part);
             // The status is not written into an empty mount point that has replaced the folder meanwhile.
-            if status.1.is_empty() || scan.unavailable_reason.is_some() || leases.inbox.check_usable().is_err() {
+            if status.1.is_empty() || scan.unavailable.is_some() || leases.inbox.check_usable().is_err() {
                 return (scanner, scan);
             }
             if let Err(failure) = intake::write_status(&profile.folders.inbox, &status.0, &status.1) {
@@ -186,7 +186,7 @@ async fn on_scan_done(
         machine.inbox.next_scan_at = now + Duration::from_secs_f64(next_secs);
         machine.inbox.refused_file_count = scan.refused_file_count.unwrap_or(machine.inbox.refused_file_count);
         let error_dir = machine.profile.folders.error.display();
-        match scan.is_truncated || scan.unavailable_reason.is_some() {
+        match scan.is_truncated || scan.unavailable.is_some() {
             true => {}
             false if scan.waiting_reasons.is_empty() => farm.alerts.clear(AlertKind::Incomplete, name, ""),
             false => farm.alerts.raise(AlertKind::Incomplete, name, "", &join_first_few(&scan.waiting_reasons)),
@@ -199,9 +199,9 @@ async fn on_scan_done(
             }
         }
     }
-    match &scan.unavailable_reason {
-        Some(_) if scan.is_lease_refused => farm.alerts.clear(AlertKind::HotFolderAway, name, ""),
-        Some(why) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", why),
+    match &scan.unavailable {
+        Some(away) if away.is_lease_refused => farm.alerts.clear(AlertKind::HotFolderAway, name, ""),
+        Some(away) => farm.alerts.raise(AlertKind::HotFolderAway, name, "", &away.reason),
         None => mark_scanned(farm, name),
     }
     if let Some(warning) = scan.warnings.first() {

@@ -60,6 +60,16 @@ pub struct MachineQueue {
     pub open_at: Instant,
 }
 
+/// When the open build of a profile is looked at.
+#[derive(Debug)]
+pub struct BatchPacing {
+    /// Whether the search for all waiting copies is done: only a change of the ledger or the passing of time brings new
+    /// work.
+    pub is_idle: bool,
+    /// No batch starts before this time.
+    pub next_batch_at: Instant,
+}
+
 /// The machines by the names of their profiles.
 pub type MachineStates = BTreeMap<String, MachineState>;
 
@@ -83,11 +93,8 @@ pub struct MachineState {
     pub open: OpenBuildState,
     /// Flush commands that have not been carried out.
     pub pending_flushes: Vec<CommandId>,
-    /// Whether the search for all waiting copies is done: only a change of the ledger or the passing of time brings new
-    /// work.
-    pub is_idle: bool,
-    /// No batch starts before this time.
-    pub next_batch_at: Instant,
+    /// When its open build is looked at.
+    pub pacing: BatchPacing,
     /// Whether an operator has paused the machine.
     pub paused: bool,
     /// Copies that are not in the next build although somebody counts on it.
@@ -163,8 +170,7 @@ impl MachineState {
                 ..OpenBuildState::default()
             },
             pending_flushes: Vec::new(),
-            is_idle: false,
-            next_batch_at: now,
+            pacing: BatchPacing { is_idle: false, next_batch_at: now },
             paused: false,
             left_out: LeftOutNotices::default(),
             status: Default::default(),

@@ -24,6 +24,7 @@ mod interlock_memory;
 mod layer_cap;
 mod layers;
 mod layout_builder;
+mod layout_parts;
 mod lowest_layers;
 mod nester;
 mod nesting_run;

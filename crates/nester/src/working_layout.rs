@@ -8,6 +8,7 @@ use super::{
     OrientationRule, exact_contacts,
     fit_check::shift_inside,
     interlock_memory::InterlockMemory,
+    layout_parts::LayoutParts,
     pair_records::{PairConstraint, PairRecordTable},
     prepared_instance::{PlacedItem, PreparedInstance, clearance_of_pair},
     proximity_grid::ProximityGrid,
@@ -34,18 +35,6 @@ const MAX_MARGIN_MM: f32 = 1.5;
 pub(crate) struct CenterPose {
     pub(crate) rotation: DQuat,
     pub(crate) center: DVec3,
-}
-
-/// The parts of a layout: copies of items, then zones.
-#[derive(Debug, Clone)]
-pub(crate) struct LayoutParts {
-    /// Item and copy number of each part.
-    pub(crate) copies: Vec<(usize, u32)>,
-    clearances: Vec<f32>,
-    /// Parts that must not move: fixed copies and zones.
-    pub(crate) fixed: Vec<bool>,
-    /// Number of parts that are copies, not zones.
-    copy_count: usize,
 }
 
 /// The layout during the search.

@@ -95,7 +95,7 @@ impl<'a> DisassemblyProver<'a> {
         left.sort_by(|&a, &b| bounds[b].max.z.total_cmp(&bounds[a].max.z));
         let directions = removal_directions();
         let known = vec![vec![KnownObstacles::default(); directions.len()]; bounds.len()];
-        Self { layout, directions: directions, remaining: left, known }
+        Self { layout, directions, remaining: left, known }
     }
 
     /// The next body that can be removed, as its index among the remaining bodies, and its direction.

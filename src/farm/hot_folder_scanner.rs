@@ -194,6 +194,8 @@ impl HotFolderScanner {
             };
             match self.lists.check_against_list(inbox, ready, list_rules, may_be_part) {
                 TakeDecision::Take(ready) => claims.extend(ready_files.process_ready(&ready, &mut self.lists, scan)),
+                // Lists that wait for the same person say the same.
+                TakeDecision::Wait(why) if scan.waiting_reasons.last() == Some(&why) => {}
                 TakeDecision::Wait(why) => scan.waiting_reasons.push(why),
             }
         }

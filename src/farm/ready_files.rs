@@ -76,6 +76,8 @@ impl ReadyFiles<'_> {
                     }
                 }
             }
+            // It waits, or was made into a refusal, before it comes here.
+            SettledEntry::RivalList { .. } => {}
             SettledEntry::Refuse { seen, reason } => self.refuse_file(seen, refusal_kind(seen), reason, received),
         }
         None

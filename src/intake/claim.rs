@@ -16,10 +16,11 @@ use super::{
     ClaimError, ClaimedPart, InboxEntry, ListLookup, SettledEntry,
     claim_folder::{CLAIMED_DIR, UNFINISHED_PREFIX, claim_folder_name, lock_claims, takeover_trace_path},
     claimed_part::io_error,
-    disk, given_back,
+    disk,
+    file_role::LIST_LOOKUP_NAME,
+    given_back,
     recover::{give_back_files, remove_claim_dir},
     served_rows::mark_served,
-    sidecars::LIST_LOOKUP_NAME,
 };
 
 /// Result of releasing a claimed file.
@@ -53,6 +54,7 @@ pub(super) fn claim_stepwise(
     let (part, tickets, listed) = match ready {
         SettledEntry::Part { part, tickets, list, lookup: said, .. } => (part, tickets, (list.as_ref(), said.as_ref())),
         SettledEntry::List { list: seen, .. }
+        | SettledEntry::RivalList { rival: seen, .. }
         | SettledEntry::Orphan { ticket: seen, .. }
         | SettledEntry::Control { file: seen, .. }
         | SettledEntry::Refuse { seen, .. } => {

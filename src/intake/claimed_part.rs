@@ -11,8 +11,8 @@ use thiserror::Error;
 use super::{
     claim_folder::{CLAIMED_DIR, parse_folder_name},
     disk, display_name,
+    file_role::{FileRole, file_role},
     name::order_display_name,
-    sidecars::{FileRole, file_role},
 };
 
 /// A claimed part.

@@ -43,4 +43,6 @@ pub struct InboxEntry {
     pub dev: u64,
     /// Whether this is one of several hard links to a file that is not readable by everyone.
     pub is_private_link: bool,
+    /// Whether this is a text file whose content is an order list that names a file beside it, or one that was taken.
+    pub is_text_list: bool,
 }

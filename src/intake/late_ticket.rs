@@ -22,7 +22,6 @@ use super::{
     part_spec::read_orphan_ticket,
     refuse::{io_error, refuse_entry, refuse_list_row},
     served_rows::mark_row_late,
-    sidecars::LIST_NAME,
     ticket::broken_ticket,
 };
 
@@ -105,9 +104,10 @@ impl LateTicket {
         is_last_offer: bool,
     ) -> io::Result<Vec<Self>> {
         let rows = lists.rows_without_file(inbox, list)?;
+        let list_name = display_name(list.path.file_name().unwrap_or_default());
         let of_row = |row: OrderListRow| Self {
-            ticket: row.ticket.map_err(|why| broken_ticket(LIST_NAME, why)),
-            source: ReceivedTicket { source: SpecSource::OrderList, file_name: LIST_NAME.to_owned(), text: row.text },
+            ticket: row.ticket.map_err(|why| broken_ticket(&list_name, why)),
+            source: ReceivedTicket { source: SpecSource::OrderList, file_name: list_name.clone(), text: row.text },
             key: format!("{}-{}", entry_key(list), &blake3::hash(row.file.as_bytes()).to_hex()[..16]),
             part_name: row.file,
             is_last_offer,

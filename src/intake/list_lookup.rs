@@ -7,13 +7,16 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::{disk, order_list::MAX_LIST_BYTES};
+use super::{disk, file_role::LIST_NAME, order_list::MAX_LIST_BYTES};
 
 /// What an order list says about one part. It is stored in the claim of the part.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ListLookup {
     /// The header of the list and the row of the part: a valid list with only this row.
     pub row: Option<String>,
+    /// Name of the list, escaped for display; "" = `order.csv`.
+    #[serde(default)]
+    pub list_name: String,
     /// File name as written in the row.
     pub file: Option<String>,
     /// Why the number of copies is unknown.
@@ -29,6 +32,11 @@ pub struct ListLookup {
 }
 
 impl ListLookup {
+    /// The name of the list.
+    pub(super) fn shown_list_name(&self) -> &str {
+        if self.list_name.is_empty() { LIST_NAME } else { &self.list_name }
+    }
+
     /// Writes it into a claim.
     pub(super) fn save_to(&self, path: &Path) -> io::Result<()> {
         let mut file = disk::create_fresh_file(path)?;

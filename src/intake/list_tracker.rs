@@ -4,19 +4,21 @@
 use std::{
     collections::{BTreeMap, HashMap},
     ffi::{OsStr, OsString},
-    io::{self, Read},
+    io,
     path::{Path, PathBuf},
 };
 
 use serde::{Deserialize, Serialize};
 
 use super::{
-    EntryKind, InboxEntry, ListLookup, SettledEntry, Ticket, disk, display_name, given_back,
-    name_match::{FileNameMatch, NameMatches, means_file_below},
-    order_list::{MAX_LIST_BYTES, OrderList, OrderListRow},
+    InboxEntry, ListLookup, SettledEntry, Ticket, display_name,
+    folder_lists::{FolderLists, is_part_entry, is_spreadsheet, read_seen_list, rival_refusal, shown_name},
+    given_back,
+    loaded_list::LoadedList,
+    name_match::means_file_below,
+    order_list::{OrderList, OrderListRow},
     part_spec::read_ticket_file,
     served_rows::{ServedRows, age_secs},
-    sidecars::{FileRole, LIST_NAME, file_role},
 };
 
 /// Policy for a part in the folder of a list that does not name it.
@@ -49,23 +51,20 @@ pub struct OrderListRules {
     pub unlisted: UnlistedPolicy,
 }
 
-/// A loaded list and its matches among the files of its folder.
+/// Lists of one folder that do not count, and hold its parts until a person settles it.
 #[derive(Debug)]
-struct LoadedList {
-    /// Inode, change time and size of the file that was read.
-    fingerprint: (u64, i128, u64),
-    bytes: Vec<u8>,
-    list: OrderList,
-    /// The files that `meant` was computed for.
-    names: Vec<OsString>,
-    matches: NameMatches,
-    marks: ServedRows,
-    /// When this process saw a row served, seconds.
-    served_secs: Option<f64>,
-    /// Whether every row is served.
-    is_served: bool,
-    /// Number of the scan that this was computed for.
-    scan_number: u64,
+struct RivalLists {
+    rivals: Vec<InboxEntry>,
+    /// What the parts wait for (part of a sentence).
+    reason: String,
+}
+
+impl RivalLists {
+    /// Whether a part may belong to one of them, because it did not come long after it.
+    fn may_cover_part(&self, part_ctime_ns: i128, incomplete_secs: f64) -> bool {
+        let wait_ns = (incomplete_secs * 1e9) as i128;
+        self.rivals.iter().any(|rival| part_ctime_ns <= rival.ctime_ns.saturating_add(wait_ns))
+    }
 }
 
 /// The order lists of one hot folder.
@@ -76,6 +75,8 @@ pub struct OrderListTracker {
     parts: HashMap<PathBuf, BTreeMap<OsString, i128>>,
     /// The lists, by their folders.
     lists: HashMap<PathBuf, InboxEntry>,
+    /// The lists beside them that do not count, by their folders.
+    rivals: HashMap<PathBuf, RivalLists>,
     /// Number of scans observed.
     scan_count: u64,
     /// Time of the last scan. `None` = the clock of the file system is used.
@@ -100,20 +101,25 @@ impl OrderListTracker {
 
     /// Takes in a scan and records the parts in folders with a list. Lists are read only when a part needs them.
     pub fn observe_scan(&mut self, seen: &[InboxEntry]) {
-        let folder_of = |one: &InboxEntry| one.path.parent().unwrap_or(Path::new("")).to_owned();
         self.parts.clear();
         self.lists.clear();
         self.scan_count += 1;
-        let files = || seen.iter().filter(|one| one.kind == EntryKind::File);
-        for list in files().filter(|one| file_role(&one.path) == FileRole::List) {
-            self.parts.entry(folder_of(list)).or_default();
-            self.lists.entry(folder_of(list)).or_insert_with(|| list.clone());
+        self.rivals.clear();
+        for (folder, lists) in FolderLists::by_folder(seen) {
+            self.parts.entry(folder.to_owned()).or_default();
+            if let Some(list) = lists.list {
+                self.lists.insert(folder.to_owned(), list.clone());
+            }
+            if let Some(reason) = lists.rival_reason() {
+                let rivals = lists.rivals.into_iter().cloned().collect();
+                self.rivals.insert(folder.to_owned(), RivalLists { rivals, reason });
+            }
         }
         if self.parts.is_empty() {
             self.loaded.clear();
             return;
         }
-        for part in files().filter(|one| file_role(&one.path) == FileRole::Part) {
+        for part in seen.iter().filter(|one| is_part_entry(one)) {
             let Some(folder) = part.path.parent() else { continue };
             if let (Some(names), Some(name)) = (self.parts.get_mut(folder), part.path.file_name()) {
                 names.insert(name.to_owned(), part.ctime_ns);
@@ -128,40 +134,47 @@ impl OrderListTracker {
         inbox: &Path,
         ready: SettledEntry,
         rules: OrderListRules,
-        may_be_part: impl FnOnce(&Path) -> io::Result<bool>,
+        may_be_part: impl Fn(&Path) -> io::Result<bool>,
     ) -> TakeDecision {
-        let SettledEntry::Part { part, tickets, list, still_secs, .. } = &ready else {
-            return TakeDecision::Take(ready);
+        let (part, tickets, list, still_secs) = match &ready {
+            SettledEntry::Part { part, tickets, list, still_secs, .. } => (part, tickets, list, *still_secs),
+            SettledEntry::RivalList { rival, quiet_secs } => return self.check_rival(rival, *quiet_secs, rules),
+            _ => return TakeDecision::Take(ready),
         };
         let back = given_back::find_given_back(inbox, part);
-        let said = match list {
-            None => back.map(|back| back.lookup).or_else(|| self.question_of_list_above(inbox, part)),
-            Some(list) => {
-                let name = part.path.file_name().unwrap_or_default();
-                let asked = back.as_ref().map_or(name, |back| back.name.as_os_str());
+        let has_copies = || tickets.iter().any(|ticket| ticket_sets_copies(&ticket.path));
+        let needs_no_list = || has_copies() || !may_be_part(&part.path).unwrap_or(true);
+        let name = shown_name(part);
+        let is_over = still_secs >= rules.incomplete_secs;
+        let rival = self.rival_reason(part, rules).filter(|_| back.is_none() && !needs_no_list());
+        let rival = rival.map(|why| format!("{name} stands beside {why}"));
+        if let Some(what) = rival.as_ref().filter(|_| !is_over) {
+            return TakeDecision::Wait(with_order_prefix(part, what));
+        }
+        let lookup = match (list, rival) {
+            (None, Some(what)) => Some(unlisted_lookup(&what, rules)),
+            (None, None) => back.map(|back| back.lookup).or_else(|| self.question_of_list_above(inbox, part)),
+            (Some(list), rival) => {
+                let file_name = part.path.file_name().unwrap_or_default();
+                let asked = back.as_ref().map_or(file_name, |back| back.name.as_os_str());
                 let known = match self.load_list(inbox, list) {
                     Ok(known) => known,
                     Err(error) => {
-                        return TakeDecision::Wait(format!(
-                            "{} cannot be read: {error}",
-                            display_file_name(&list.path)
-                        ));
+                        return TakeDecision::Wait(format!("{} cannot be read: {error}", shown_name(list)));
                     }
                 };
                 match (known.look_up_part(asked), &back) {
                     (Ok(said), _) => Some(said),
                     (Err(_), Some(back)) => Some(back.lookup.clone()),
                     (Err(why), None) => {
-                        let is_unclear = known.matches.files.contains_key(asked);
-                        let is_free = !(is_unclear || known.may_cover_part(list, part.ctime_ns, rules.incomplete_secs))
-                            || tickets.iter().any(|ticket| ticket_sets_copies(&ticket.path))
-                            || !may_be_part(&part.path).unwrap_or(true);
-                        let what = format!("{} {why}", display_name(name));
-                        match (is_free, *still_secs >= rules.incomplete_secs, rules.unlisted) {
-                            (true, ..) => None,
-                            (_, false, _) => return TakeDecision::Wait(with_order_prefix(part, &what)),
-                            (_, true, UnlistedPolicy::Reject) => Some(unlisted_refusal(&what, rules.incomplete_secs)),
-                            (_, true, UnlistedPolicy::Warn) => Some(unlisted_warning(&what)),
+                        let is_covered = rival.is_some()
+                            || known.matches.files.contains_key(asked)
+                            || known.may_cover_part(list, part.ctime_ns, rules.incomplete_secs);
+                        let what = format!("{name} {why}");
+                        match is_covered && !needs_no_list() {
+                            false => None,
+                            true if !is_over => return TakeDecision::Wait(with_order_prefix(part, &what)),
+                            true => Some(unlisted_lookup(&what, rules)),
                         }
                     }
                 }
@@ -169,10 +182,32 @@ impl OrderListTracker {
         };
         match ready {
             SettledEntry::Part { part, tickets, list, unfinished, still_secs, .. } => {
-                TakeDecision::Take(SettledEntry::Part { part, tickets, list, unfinished, still_secs, lookup: said })
+                TakeDecision::Take(SettledEntry::Part { part, tickets, list, unfinished, still_secs, lookup })
             }
             other => TakeDecision::Take(other),
         }
+    }
+
+    /// A list beside another one waits like the parts that may belong to it, and is refused after the last of them.
+    fn check_rival(&self, rival: &InboxEntry, quiet_secs: f64, rules: OrderListRules) -> TakeDecision {
+        let folder = rival.path.parent().unwrap_or(Path::new(""));
+        let reason = self.rivals.get(folder).map_or("", |rivals| &rivals.reason);
+        let covers = |ctime_ns: &i128| {
+            self.rivals.get(folder).is_some_and(|rivals| rivals.may_cover_part(*ctime_ns, rules.incomplete_secs))
+        };
+        let is_needed = self.parts.get(folder).is_some_and(|parts| parts.values().any(covers));
+        match quiet_secs < rules.incomplete_secs || is_needed {
+            true => TakeDecision::Wait(with_order_prefix(rival, reason)),
+            false => {
+                TakeDecision::Take(SettledEntry::Refuse { seen: rival.clone(), reason: rival_refusal(rival, reason) })
+            }
+        }
+    }
+
+    /// What a part waits for because of lists that do not count.
+    fn rival_reason(&self, part: &InboxEntry, rules: OrderListRules) -> Option<String> {
+        let rivals = self.rivals.get(part.path.parent()?)?;
+        rivals.may_cover_part(part.ctime_ns, rules.incomplete_secs).then(|| rivals.reason.clone())
     }
 
     /// A list is for the files of its own folder. If one above a part names it all the same, it is asked how many copies
@@ -185,11 +220,22 @@ impl OrderListTracker {
             let relative = part.path.strip_prefix(folder).ok()?.to_str()?.to_owned();
             let may_be_bare = folder != inbox;
             let rows = self.load_list(inbox, list).ok()?.list.rows().ok()?;
-            rows.iter().any(|row| means_file_below(&row.file, &relative, may_be_bare)).then_some(())
+            let is_named = rows.iter().any(|row| means_file_below(&row.file, &relative, may_be_bare));
+            is_named.then(|| shown_name(list))
         };
-        lists.iter().find_map(names_part)?;
-        let why = format!("{LIST_NAME} in a folder above names it, but a list is for the files of its own folder");
+        let why = match lists.iter().find_map(names_part) {
+            Some(list) => format!("{list} in a folder above names it, but a list is for the files of its own folder"),
+            None => self.sheet_above(inbox, part)?,
+        };
         Some(ListLookup { question: Some(why), ..ListLookup::default() })
+    }
+
+    /// A spreadsheet in an order folder above a part may name it.
+    fn sheet_above(&self, inbox: &Path, part: &InboxEntry) -> Option<String> {
+        let above = part.path.ancestors().skip(2).take_while(|folder| *folder != inbox && folder.starts_with(inbox));
+        let mut rivals = above.filter_map(|folder| self.rivals.get(folder)).flat_map(|rivals| &rivals.rivals);
+        let sheet = rivals.find(|rival| is_spreadsheet(rival))?;
+        Some(format!("{} in a folder above is a spreadsheet, which nestd does not read", shown_name(sheet)))
     }
 
     /// Records that a part was claimed, so its row is served.
@@ -217,11 +263,18 @@ impl OrderListTracker {
                 let mut names: Vec<OsString> = beside.into_iter().flat_map(BTreeMap::keys).cloned().collect();
                 let known = match known {
                     // A claim that failed midway may still be complete on disk; then its mark exists only on disk.
-                    Some(known) if !known.marks.are_complete() => {
-                        LoadedList { marks: ServedRows::load_marks(inbox, seen), served_secs: self.now_secs, ..known }
+                    Some(mut known) if !known.marks.are_complete() => {
+                        known.marks = ServedRows::load_marks(inbox, seen);
+                        known.served_secs = self.now_secs;
+                        known
                     }
                     Some(known) => known,
-                    None => LoadedList::new(print, read_settled_list(seen)?, ServedRows::load_marks(inbox, seen)),
+                    None => LoadedList::new(
+                        print,
+                        shown_name(seen),
+                        read_seen_list(seen)?,
+                        ServedRows::load_marks(inbox, seen),
+                    ),
                 };
                 names.extend(known.marks.serving_files().cloned());
                 names.sort();
@@ -266,7 +319,7 @@ impl OrderListTracker {
     /// settle.
     pub fn list_wait_reason(&self, list: &InboxEntry) -> Option<String> {
         let known = self.loaded.get(&list.path)?;
-        let name = display_file_name(&list.path);
+        let name = shown_name(list);
         let rows = match known.list.rows() {
             Err(why) => return Some(with_order_prefix(list, &format!("{name} is not understood: {why}"))),
             Ok(rows) => rows.iter().enumerate(),
@@ -282,97 +335,9 @@ impl OrderListTracker {
     }
 }
 
-impl LoadedList {
-    fn new(print: (u64, i128, u64), bytes: Vec<u8>, marks: ServedRows) -> Self {
-        let list = OrderList::parse_for_files(&bytes, &[]);
-        Self {
-            fingerprint: print,
-            bytes,
-            list,
-            names: Vec::new(),
-            matches: NameMatches::default(),
-            marks,
-            served_secs: None,
-            is_served: false,
-            scan_number: 0,
-        }
-    }
-
-    /// Matches the list with these files, unless that was done before.
-    fn match_files(mut self, names: Vec<OsString>, look: u64) -> Self {
-        if self.names != names {
-            let files: Vec<&OsStr> = names.iter().map(OsString::as_os_str).collect();
-            self.list = OrderList::parse_for_files(&self.bytes, &files);
-            self.matches = self.list.match_files(files.into_iter());
-            self.names = names;
-        }
-        let is_served = |row: &OrderListRow| !row.file.is_empty() && self.marks.is_served(&row.file);
-        self.is_served = self.list.rows().is_ok_and(|rows| !rows.is_empty() && rows.iter().all(is_served));
-        self.scan_number = look;
-        self
-    }
-
-    /// Returns what the list says about a file. `Err` says why it says nothing.
-    fn look_up_part(&self, name: &OsStr) -> Result<ListLookup, String> {
-        let list = LIST_NAME;
-        let rows = self.list.rows().map_err(|why| format!("stands beside {list}, which is not understood: {why}"))?;
-        let Some(meaning) = self.matches.files.get(name) else {
-            return Err(format!("stands in none of the {} rows of {list}", rows.len()));
-        };
-        if let FileNameMatch::Only(at) = meaning
-            && at.iter().any(|&at| self.marks.is_late(&rows[at].file))
-        {
-            return Err(format!(
-                "came after its row in {list} was used for a part of that name that had been taken before"
-            ));
-        }
-        let unclear = matches!(meaning, FileNameMatch::Ambiguous(..));
-        match self.list.matched_row(meaning, name) {
-            // The claim stores only this row, so the row must parse to the same ticket by itself.
-            Ok(row) if OrderList::parse_single_row(&row.text) != row.ticket => {
-                let why = "the list cannot be split into rows; save it again as UTF-8, with a header and commas";
-                Ok(ListLookup { problem: Some(why.to_owned()), ..ListLookup::default() })
-            }
-            Ok(row) => Ok(ListLookup {
-                row: Some(row.text.clone()),
-                file: Some(row.file.clone()),
-                warnings: self.list.warnings(),
-                ..ListLookup::default()
-            }),
-            Err(why) if unclear => Err(format!("is not clear in {list}: {why}")),
-            Err(why) => Ok(ListLookup { problem: Some(why), ..ListLookup::default() }),
-        }
-    }
-
-    /// Whether a part that the list does not name may still belong to it, because the part arrived while the list was
-    /// being served. A part that arrived after all rows were served, or long after the list, is unrelated to it.
-    fn may_cover_part(&self, list: &InboxEntry, part_ctime_ns: i128, incomplete_secs: f64) -> bool {
-        let last_ns = self.marks.last_served_ns().unwrap_or(list.ctime_ns).max(list.ctime_ns);
-        match self.is_served {
-            true => part_ctime_ns <= last_ns,
-            false => part_ctime_ns <= last_ns.saturating_add((incomplete_secs * 1e9) as i128),
-        }
-    }
-}
-
-/// Reads a list, provided that it did not change since it settled.
-fn read_settled_list(list: &InboxEntry) -> io::Result<Vec<u8>> {
-    let file = disk::open_regular_file(&list.path)?;
-    let mut bytes = Vec::new();
-    (&file).take(MAX_LIST_BYTES + 1).read_to_end(&mut bytes)?;
-    match disk::is_unchanged(list, &file.metadata()?) {
-        true => Ok(bytes),
-        false => Err(io::Error::other("it is being written to")),
-    }
-}
-
 fn ticket_sets_copies(ticket: &Path) -> bool {
     // A broken ticket counts too: its part is refused with it.
     read_ticket_file(ticket).map_or(true, |ticket: Ticket| ticket.copies.is_some())
-}
-
-fn display_file_name(path: &Path) -> String {
-    display_name(path.file_name().unwrap_or_default())
 }
 
 /// Prefixes a text with the order name, if there is one.
@@ -380,14 +345,18 @@ fn with_order_prefix(seen: &InboxEntry, what: &str) -> String {
     if seen.order.is_empty() { what.to_owned() } else { format!("{}/{what}", seen.order) }
 }
 
-fn unlisted_refusal(what: &str, incomplete_secs: f64) -> ListLookup {
-    let problem = Some(format!("{what}, and that did not change for {incomplete_secs:.0} s"));
-    ListLookup { problem, is_unlisted: true, ..ListLookup::default() }
-}
-
-fn unlisted_warning(what: &str) -> ListLookup {
-    let warnings = vec![format!("It was taken without its order list: {what}.")];
-    ListLookup { warnings, question: Some(what.to_owned()), ..ListLookup::default() }
+/// What the policy says about a part that waited long enough for a list that names it.
+fn unlisted_lookup(what: &str, rules: OrderListRules) -> ListLookup {
+    match rules.unlisted {
+        UnlistedPolicy::Reject => {
+            let problem = Some(format!("{what}, and that did not change for {:.0} s", rules.incomplete_secs));
+            ListLookup { problem, is_unlisted: true, ..ListLookup::default() }
+        }
+        UnlistedPolicy::Warn => {
+            let warnings = vec![format!("It was taken without its order list: {what}.")];
+            ListLookup { warnings, question: Some(what.to_owned()), ..ListLookup::default() }
+        }
+    }
 }
 
 /// The first few names of a long list.

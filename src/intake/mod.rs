@@ -19,6 +19,10 @@ mod copies_words;
 mod disk;
 mod dropped;
 mod emptied_folders;
+mod file_role;
+mod folder_lists;
+#[cfg(test)]
+mod folder_lists_tests;
 mod given_back;
 #[cfg(test)]
 mod hostile_files_tests;
@@ -31,6 +35,7 @@ mod list_end;
 mod list_extras;
 mod list_lookup;
 mod list_tracker;
+mod loaded_list;
 mod misplaced;
 mod name;
 mod name_match;
@@ -74,7 +79,7 @@ pub use list_tracker::{OrderListRules, OrderListTracker, TakeDecision, UnlistedP
 pub use misplaced::find_misplaced;
 pub use name::{display_name, raw_name};
 pub use order_list::{OrderList, OrderListRow};
-pub use part_spec::{PartSpec, ReceivedTicket, SpecSource, is_copies_question};
+pub use part_spec::{COPIES_QUESTION, PartSpec, ReceivedTicket, SpecSource, is_copies_question};
 pub use recover::{ClaimsOnDisk, list_claims, recover_claims};
 pub use refuse::{RefuseError, copy_to_error_folder, refuse_claim, refuse_entry, rewrite_reason};
 pub use scan::{InboxFolder, InboxListing, ScanError, ScanLimits, scan_inbox};

@@ -1,4 +1,4 @@
-//! Order lists: an `order.csv` gives copies, due date, priority and more for the files of its own folder. It accepts
+//! Order lists: an `order.csv` (or the only list of its folder) gives copies, due date, priority and more for the files of its own folder. It accepts
 //! lists as people write them: in any code page, with any delimiter, with headers in their own words or without a
 //! header.
 
@@ -96,6 +96,11 @@ impl OrderList {
     pub(super) fn match_files<'a>(&self, files: impl Iterator<Item = &'a OsStr>) -> NameMatches {
         let said: Vec<&str> = self.rows().unwrap_or_default().iter().map(|row| row.file.as_str()).collect();
         NameMatches::new(&said, files)
+    }
+
+    /// Whether a row names one of these files.
+    pub(super) fn names_any(&self, files: &[&OsStr]) -> bool {
+        self.match_quality(files).1 > 0
     }
 
     /// Finds the row for a single file. `Err` says why its number of copies is unknown: its row is broken, two rows

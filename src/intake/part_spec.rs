@@ -12,8 +12,8 @@ use super::{
     copies::{CopiesInName, MAX_COPIES, read_copies_in_name},
     disk, display_name,
     dropped::open_dropped_file,
+    file_role::LIST_LOOKUP_NAME,
     order_list::{MAX_LIST_BYTES, OrderList},
-    sidecars::{LIST_LOOKUP_NAME, LIST_NAME},
     ticket::broken_ticket,
 };
 
@@ -21,7 +21,7 @@ use super::{
 const MAX_TICKET_BYTES: u64 = 64 << 10;
 
 /// Start of a warning that asks for the number of copies.
-const COPIES_QUESTION: &str = "How many copies?";
+pub const COPIES_QUESTION: &str = "How many copies?";
 
 /// Asks the technician for a number of copies that was said unclearly.
 fn copies_question(why: &str) -> String {
@@ -40,7 +40,7 @@ pub enum SpecSource {
     Name,
     /// A sidecar ticket.
     Sidecar,
-    /// An `order.csv`.
+    /// An order list.
     OrderList,
 }
 
@@ -102,8 +102,10 @@ impl ClaimedPart {
             )),
             CopiesInName::Unclear(_) | CopiesInName::Unsaid => {}
         }
-        if given.ticket.copies.is_none() && given.sources.iter().any(|source| source.source == SpecSource::OrderList) {
-            given.warnings.push(copies_question(&format!("its row in {LIST_NAME} names no number of copies")));
+        let row = given.sources.iter().find(|source| source.source == SpecSource::OrderList);
+        if let Some(row) = row.filter(|_| given.ticket.copies.is_none()) {
+            let why = format!("its row in {} names no number of copies", row.file_name);
+            given.warnings.push(copies_question(&why));
         }
         given.warnings.extend(asked.filter(|_| given.ticket.copies.is_none()).map(|why| copies_question(&why)));
         Ok(given)
@@ -115,15 +117,16 @@ impl ClaimedPart {
             true => ListLookup::load_from(path).map_err(|error| unreadable_ticket(path, error))?.unwrap_or_default(),
             false => self.look_up_whole_list(path)?,
         };
-        given.warnings.extend(said.warnings);
-        match said.problem {
+        given.warnings.extend(said.warnings.iter().cloned());
+        match said.problem.clone() {
             Some(why) if said.is_unlisted => return Err(TicketError::Unlisted(why)),
-            Some(why) => return Err(broken_ticket(LIST_NAME, why)),
+            Some(why) => return Err(broken_ticket(said.shown_list_name(), why)),
             None => {}
         }
+        let list_name = said.shown_list_name().to_owned();
         if let Some(text) = said.row {
-            let ticket = OrderList::parse_single_row(&text).map_err(|why| broken_ticket(LIST_NAME, why))?;
-            given.merge_ticket(SpecSource::OrderList, LIST_NAME.to_owned(), ticket, text);
+            let ticket = OrderList::parse_single_row(&text).map_err(|why| broken_ticket(&list_name, why))?;
+            given.merge_ticket(SpecSource::OrderList, list_name, ticket, text);
         }
         Ok(said.question)
     }

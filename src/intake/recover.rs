@@ -11,11 +11,13 @@ use super::{
     ClaimError, ClaimedPart, ListLookup,
     claim_folder::{CLAIMED_DIR, REMOVED_PREFIX, UNFINISHED_PREFIX, is_foreign_claim, lock_claims},
     claimed_part::io_error,
-    disk, given_back,
+    disk,
+    file_role::{FileRole, LIST_LOOKUP_NAME, file_role},
+    given_back,
     name::numbered_name,
     name_match::fold_path,
     served_rows::sweep_marks,
-    sidecars::{FileRole, LIST_LOOKUP_NAME, file_role, short_name},
+    sidecars::short_name,
 };
 
 /// Returns the complete claims of a farm in `.claimed/`, oldest first, and messages about claims that could not be

@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use super::{
     EntryKind, InboxEntry, disk,
+    folder_lists::mark_text_lists,
     ignore::{is_ignored, is_status_file},
     name::{is_part_name, order_display_name},
     sidecars::UnreadableSidecars,
@@ -106,6 +107,7 @@ pub fn scan_inbox(inbox: &Path, limits: ScanLimits) -> Result<InboxListing, Scan
     let unseen = UnreadableSidecars::from_paths(walk.listing.warnings.iter().map(|(path, _)| path.as_path()));
     walk.listing.entries.retain(|one| !unseen.may_belong_to(&one.path));
     walk.listing.entries.sort_by(|a, b| a.path.cmp(&b.path));
+    mark_text_lists(inbox, &mut walk.listing.entries);
     Ok(walk.listing)
 }
 
@@ -180,6 +182,7 @@ impl InboxWalker<'_> {
             inode: meta.ino(),
             dev: meta.dev(),
             is_private_link: disk::is_hard_link_to_private_file(&meta),
+            is_text_list: false,
         });
         Ok(())
     }

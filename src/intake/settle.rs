@@ -11,8 +11,10 @@ use super::{
     EntryKind, InboxEntry, SettledEntry,
     control_file::{ControlName, control_name, misplaced_control_reason},
     display_name,
+    file_role::{FileRole, file_role},
+    folder_lists::{entry_list_format, surplus_refusal},
     order_folders::FolderStates,
-    sidecars::{FileRole, SidecarIndex, file_role},
+    sidecars::SidecarIndex,
 };
 
 /// A file with a hole may be an unfinished copy, or may be on a disk that compresses. It must stay unchanged for this
@@ -146,11 +148,12 @@ impl SettleTracker {
                     Some(SettledEntry::Refuse { seen: one.clone(), reason: private_link_reason(one) })
                 }
                 (EntryKind::File, _) if is_command(one) => Some(check_control_file(one)),
+                (EntryKind::File, _) if entry_list_format(one).is_some() => check_list(one, &beside, still_secs),
                 (EntryKind::File, FileRole::Part) => this.check_part(one, &beside, now_secs, still_secs, &mut has_end),
                 (EntryKind::File, FileRole::Ticket { part }) => {
                     this.check_orphan_ticket(one, &part, &beside, still_secs)
                 }
-                (EntryKind::File, FileRole::List) => check_list(one, &beside, still_secs),
+                (EntryKind::File, FileRole::List) => None,
                 (kind, _) => Some(SettledEntry::Refuse { seen: one.clone(), reason: non_file_reason(kind).to_owned() }),
             }
         })
@@ -210,13 +213,17 @@ impl SettleTracker {
         has_end: &mut impl FnMut(&Path, &str) -> io::Result<bool>,
     ) -> Option<SettledEntry> {
         let tickets = beside.tickets_of(&part.path);
-        let list = beside.list_of(&part.path);
-        if !tickets.iter().copied().chain(list).all(|ticket| self.is_settled(ticket, now_secs)) {
+        let beside = beside.lists_beside(&part.path);
+        let list = beside.and_then(|lists| lists.list);
+        let rivals = beside.into_iter().flat_map(|lists| lists.rivals.iter().copied());
+        let lists: Vec<&InboxEntry> = list.into_iter().chain(rivals).collect();
+        let sidecars = || tickets.iter().chain(&lists).copied();
+        if !sidecars().all(|sidecar| self.is_settled(sidecar, now_secs)) {
             return None;
         }
         // The part is refused in the same scan as its ticket or list. Without them it would be printed in a guessed
         // number of copies.
-        if let Some(linked) = tickets.iter().copied().chain(list).find(|beside| beside.is_private_link) {
+        if let Some(linked) = sidecars().find(|sidecar| sidecar.is_private_link) {
             return Some(SettledEntry::Refuse { seen: part.clone(), reason: private_link_reason(linked) });
         }
         let still_secs = now_secs - self.watched[&part.path].since_secs;
@@ -229,8 +236,8 @@ impl SettleTracker {
         if unfinished && still_secs < self.rules.unfinished_secs {
             return None;
         }
-        let list_since = list.and_then(|list| self.watched.get(&list.path)).map(|watched| watched.since_secs);
-        let still_secs = list_since.map_or(order_still_secs, |since| order_still_secs.min(now_secs - since));
+        let list_still = lists.iter().map(|list| now_secs - self.watched[&list.path].since_secs);
+        let still_secs = list_still.fold(order_still_secs, f64::min);
         let tickets = tickets.into_iter().cloned().collect();
         Some(SettledEntry::Part {
             part: part.clone(),
@@ -286,11 +293,13 @@ fn check_control_file(file: &InboxEntry) -> SettledEntry {
 
 /// An order list is not claimed. It is read as long as its rows are needed. A folder has only one list.
 fn check_list(list: &InboxEntry, beside: &SidecarIndex, still_secs: f64) -> Option<SettledEntry> {
-    if beside.list_of(&list.path) != Some(list) {
-        let reason = "This folder has another order.csv, in other upper or lower case. Put all rows into one list.";
-        return Some(SettledEntry::Refuse { seen: list.clone(), reason: reason.to_owned() });
-    }
-    Some(SettledEntry::List { list: list.clone(), quiet_secs: still_secs })
+    let lists = beside.lists_beside(&list.path)?;
+    let (seen, quiet_secs) = (list.clone(), still_secs);
+    Some(match lists.list {
+        Some(chosen) if chosen == list => SettledEntry::List { list: seen, quiet_secs },
+        chosen if lists.surplus.contains(&list) => SettledEntry::Refuse { seen, reason: surplus_refusal(list, chosen) },
+        _ => SettledEntry::RivalList { rival: seen, quiet_secs },
+    })
 }
 
 /// Why a hard link to a private file is refused: the user who made the link may not be allowed to read the file.

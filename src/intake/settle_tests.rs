@@ -7,6 +7,7 @@ const RULES: SettleRules = SettleRules { settle_secs: 5.0, unfinished_secs: 600.
 fn seen(path: &str, size: u64, ctime_secs: i128) -> InboxEntry {
     InboxEntry {
         is_private_link: false,
+        is_text_list: false,
         path: path.into(),
         order: String::new(),
         kind: EntryKind::File,

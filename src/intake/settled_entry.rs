@@ -15,7 +15,7 @@ pub enum SettledEntry {
         /// Its sidecar tickets: `part.stl.toml`, or `part.toml` if no other part has that short name, or the same with
         /// `.json`. None or one; two are refused when they are read.
         tickets: Vec<InboxEntry>,
-        /// The `order.csv` of its folder.
+        /// The order list of its folder.
         list: Option<InboxEntry>,
         /// What that list says about the part; set by [`OrderListTracker::judge`](super::OrderListTracker::check_against_list).
         lookup: Option<ListLookup>,
@@ -25,12 +25,20 @@ pub enum SettledEntry {
         /// [`SettleRules::unfinished_secs`](super::SettleRules::unfinished_secs): the file is probably truncated.
         unfinished: bool,
     },
-    /// An `order.csv` that has settled, for [`end_list`](super::finish_order_list).
+    /// An order list that has settled, for [`end_list`](super::finish_order_list).
     List {
         /// The list.
         list: InboxEntry,
         /// Time that the list has been unchanged, seconds; in an order folder, time that the whole folder has been
         /// unchanged.
+        quiet_secs: f64,
+    },
+    /// A list beside another one, or a spreadsheet. The parts of its folder wait;
+    /// [`OrderListTracker::check_against_list`](super::OrderListTracker::check_against_list) refuses it in the end.
+    RivalList {
+        /// The list.
+        rival: InboxEntry,
+        /// Time that the list, or its whole order folder, has been unchanged, seconds.
         quiet_secs: f64,
     },
     /// A ticket without a part in its folder. Its part may have been taken before, which the ledger knows.

@@ -5,37 +5,13 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{EntryKind, InboxEntry, name::is_part_name, name_match::fold_path};
-
-/// The name of an order list.
-pub(super) const LIST_NAME: &str = "order.csv";
-/// File in a claim that holds what the order list says about its part. Its name begins with a dot, so it is never taken
-/// from a hot folder.
-pub(super) const LIST_LOOKUP_NAME: &str = ".said.json";
-
-/// Role of a file, judged by its name.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) enum FileRole {
-    Part,
-    /// `part` is the ticket's path without its extension: the part, or its short name.
-    Ticket {
-        part: PathBuf,
-    },
-    List,
-}
-
-/// Distinguishes parts, tickets and order lists, ignoring case.
-pub(super) fn file_role(path: &Path) -> FileRole {
-    let Some(name) = path.file_name() else { return FileRole::Part };
-    if name.eq_ignore_ascii_case(LIST_NAME) || name == LIST_LOOKUP_NAME {
-        return FileRole::List;
-    }
-    let is_ticket = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml") || e.eq_ignore_ascii_case("json"));
-    match is_ticket {
-        true => FileRole::Ticket { part: path.with_extension("") },
-        false => FileRole::Part,
-    }
-}
+use super::{
+    EntryKind, InboxEntry,
+    file_role::{FileRole, file_role},
+    folder_lists::{FolderLists, entry_list_format, list_format},
+    name::is_part_name,
+    name_match::fold_path,
+};
 
 /// The short name that a ticket may use for a part, such as `plain` for `plain.stl`. A name that still ends like a part
 /// file is not a short name: `a.stl.toml` waits for `a.stl`, even if `a.stl.3mf` is there.
@@ -63,7 +39,7 @@ pub(super) struct SidecarIndex<'a> {
     by_short_name: HashMap<PathBuf, Vec<&'a Path>>,
     all_tickets: Vec<&'a InboxEntry>,
     tickets: HashMap<&'a Path, Vec<&'a InboxEntry>>,
-    lists: HashMap<&'a Path, &'a InboxEntry>,
+    lists: HashMap<&'a Path, FolderLists<'a>>,
 }
 
 impl<'a> SidecarIndex<'a> {
@@ -75,9 +51,9 @@ impl<'a> SidecarIndex<'a> {
             by_short_name: HashMap::new(),
             all_tickets: Vec::new(),
             tickets: HashMap::new(),
-            lists: HashMap::new(),
+            lists: FolderLists::by_folder(seen),
         };
-        let files = || seen.iter().filter(|one| one.kind == EntryKind::File);
+        let files = || seen.iter().filter(|one| one.kind == EntryKind::File && entry_list_format(one).is_none());
         let has_tickets = files().any(|one| matches!(file_role(&one.path), FileRole::Ticket { .. }));
         for one in files() {
             match file_role(&one.path) {
@@ -88,9 +64,7 @@ impl<'a> SidecarIndex<'a> {
                     }
                 }
                 FileRole::Ticket { .. } => beside.all_tickets.push(one),
-                FileRole::List => {
-                    beside.lists.entry(one.path.parent().unwrap_or(Path::new(""))).or_insert(one);
-                }
+                FileRole::List => {}
             }
         }
         for ticket in beside.all_tickets.clone() {
@@ -150,8 +124,9 @@ impl<'a> SidecarIndex<'a> {
         self.tickets.get(part).cloned().unwrap_or_default()
     }
 
-    pub fn list_of(&self, part: &Path) -> Option<&'a InboxEntry> {
-        self.lists.get(part.parent()?).copied()
+    /// The lists in the folder of an entry.
+    pub fn lists_beside(&self, entry: &Path) -> Option<&FolderLists<'a>> {
+        self.lists.get(entry.parent()?)
     }
 }
 
@@ -173,6 +148,9 @@ impl UnreadableSidecars {
         let mut unseen = Self::default();
         for path in paths {
             match file_role(path) {
+                _ if list_format(path).is_some() => {
+                    unseen.folders.insert(path.parent().unwrap_or(Path::new("")).to_owned());
+                }
                 FileRole::List => _ = unseen.folders.insert(path.parent().unwrap_or(Path::new("")).to_owned()),
                 FileRole::Ticket { part } => _ = unseen.names.insert(fold_path(&part)),
                 FileRole::Part => unseen.short_names.extend(short_name(&fold_path(path))),
@@ -205,9 +183,16 @@ mod tests {
         let waits = |unseen: &str, part: &str| {
             UnreadableSidecars::from_paths(std::iter::once(Path::new(unseen))).may_belong_to(Path::new(part))
         };
-        for unseen in
-            ["in/ring.stl.toml", "in/ring.stl.JSON", "in/ring.toml", "in/order.csv", "in/Order.CSV", "in/ring.3mf"]
-        {
+        for unseen in [
+            "in/ring.stl.toml",
+            "in/ring.stl.JSON",
+            "in/ring.toml",
+            "in/order.csv",
+            "in/Order.CSV",
+            "in/ring.3mf",
+            "in/BOM.tsv",
+            "in/b.xlsx",
+        ] {
             assert!(waits(unseen, "in/ring.stl"), "{unseen}");
         }
         for unseen in

@@ -55,7 +55,7 @@ pub enum AlertKind {
     QueueReplaced,
     /// Parts wait for a machine that is not configured.
     MachineGone,
-    /// Parts and order lists do not match, and wait.
+    /// Parts, tickets and order lists do not match, and wait.
     Incomplete,
     /// Refused files lie in an error folder.
     Refused,
@@ -150,7 +150,7 @@ impl AlertKind {
             Self::PublishingFails => "A proved build cannot be published",
             Self::QueueReplaced => "A proved build was staged in a queue folder that is not there any more",
             Self::MachineGone => "Parts wait for a machine that is not configured",
-            Self::Incomplete => "Files and order lists do not fit together, and wait",
+            Self::Incomplete => "Parts, tickets and order lists do not fit together, and wait",
             Self::Refused => "Refused files lie in the error folder",
             Self::Stray => "Files lie beside the hot folders, where nobody prints them",
             Self::DashboardDown => "The dashboard is not served; the farm works without it",
@@ -241,7 +241,8 @@ impl AlertKind {
                  them."
             }
             Self::Incomplete => {
-                "Add the rows or files that are missing; after `incomplete_secs` the rest is refused, each with its reason."
+                "Add the rows or files that are missing, and leave one list in each folder; what is left is refused, each with its \
+                 reason: lists and parts after `incomplete_secs`, tickets without a part after `orphan_ticket_secs`."
             }
             Self::Refused => {
                 "Read the .reason.txt beside each; mend the file and drop it again, or take it back with `nestd retry PART`. Then \

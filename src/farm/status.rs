@@ -26,7 +26,7 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{DaemonHeartbeat, LedgerError, ProfileStatus},
+    ledger::{CopiesQuestion, DaemonHeartbeat, LedgerError, ProfileStatus},
     settings::MachineProfile,
 };
 
@@ -35,6 +35,8 @@ const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Failures that did not occur again for this long, or for three scans, are over.
 const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
+/// Maximum number of questions in `STATUS.txt`.
+const MAX_QUESTIONS: u32 = 3;
 /// Interval of the status updates, each of which queries the whole ledger.
 const STATUS_INTERVAL: Duration = Duration::from_secs(2);
 
@@ -65,9 +67,11 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
     farm.display.updated_at = Some(farm.now());
     control_files::update_answers(farm).await?;
     let rows = farm.ledger.profile_statuses().await?;
+    let asked = farm.ledger.copies_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
     for (name, machine) in &mut farm.machines {
         if let Some(row) = rows.iter().find(|row| row.profile == *name) {
-            machine.status = (status_text(machine, row), status_json(machine, row));
+            let text = status_text(machine, row) + &copies_questions_text(name, &asked);
+            machine.status = (text, status_json(machine, row));
         }
     }
     status_alerts::update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
@@ -227,6 +231,29 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
         lines.push(format!("Last build: {} on {}, {height_mm:.1} mm.", last.build, format_local(last.published_at.0)));
     }
     lines.join("\n") + "\n"
+}
+
+/// The parts of a profile whose number of copies is asked for, a line for each of the first. (Parts that wait for a yes are
+/// in an alert.)
+fn copies_questions_text(profile: &str, asked: &[CopiesQuestion]) -> String {
+    let own: Vec<&CopiesQuestion> = asked.iter().filter(|part| part.profile == profile).collect();
+    let mut lines: Vec<String> = own
+        .iter()
+        .map(|part| {
+            format!(
+                "Question: {} part {} ({}) is taken as 1; answer with `nestd edit {} --copies N`.\n",
+                intake::COPIES_QUESTION,
+                part.id,
+                part.name,
+                part.id
+            )
+        })
+        .collect();
+    let more = own.first().map_or(0, |part| part.total.saturating_sub(own.len() as u32));
+    if more > 0 {
+        lines.push(format!("The same is asked of {}.\n", format_count(more, "more part", "more parts")));
+    }
+    lines.concat()
 }
 
 /// The waiting copies and parts, in words.

@@ -46,11 +46,24 @@ fn the_ticket_of_the_readme_copied_whole_is_accepted() {
 
 #[test]
 fn a_number_of_copies_that_is_not_clear_is_asked_for() {
-    let mut farm = HandDrivenFarm::open(QUICK);
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\nmax_wait_secs = \"24h\"\n"));
     farm.drop_part("bracketx4.stl", &block(10.0, 10.0, 10.0));
     let part = wait_for_part(&mut farm);
     assert_eq!(part.owed.copies, 1);
     assert!(part.warnings.lines().any(is_copies_question) && part.warnings.contains("bracketx4"), "{}", part.warnings);
+    let status =
+        |farm: &HandDrivenFarm| fs::read_to_string(farm.folder("inbox").join("STATUS.txt")).unwrap_or_default();
+    let asked = format!(
+        "Question: How many copies? part {0} (bracketx4.stl) is taken as 1; answer with `nestd edit {0} --copies N`.",
+        part.id
+    );
+    farm.pass_until("it is asked", |farm| status(farm).contains(&asked));
+    for (at, name) in ["clipx4.stl", "hookx4.stl", "plugx4.stl", "coverx4.stl"].into_iter().enumerate() {
+        farm.drop_part(name, &block(10.0, 10.0, 11.0 + at as f64));
+    }
+    farm.wait_for_parts(PartState::Waiting, 5);
+    farm.pass_until("the rest is counted", |farm| status(farm).contains("The same is asked of 2 more parts."));
+    assert_eq!(status(&farm).matches("Question:").count(), 3);
 }
 
 #[test]

@@ -83,7 +83,7 @@ async fn a_failed_print_stands_out_until_somebody_has_seen_to_it() {
     let dashboard = with_a_build("bracket.stl").await;
     assert!(dashboard.get("/builds/1").await.text.contains("Tell how it printed"));
     let told = dashboard.tell(&[("act", "failed"), ("note", "blade hit it")]).await.text;
-    assert!(told.contains("Build 1 is failed.") && told.contains("2 copies of 1 part: they wait again"), "{told}");
+    assert!(told.contains("Build 1 is failed.") && told.contains("2 copies of 1 part wait again"), "{told}");
     for path in ["/", "/builds/1"] {
         let page = dashboard.get(path).await.text;
         assert!(page.contains("Nobody has seen to it yet") && page.contains("blade hit it"), "{path}: {page}");
@@ -107,7 +107,9 @@ async fn bad_copies_and_whole_builds_are_printed_again_by_form() {
     let dashboard = with_a_build("bracket.stl").await;
     let order = async || dashboard.json("/api/v1/orders/bracket.stl").await;
     assert_eq!(dashboard.tell(&[("act", "complete"), ("bad", "seven")]).await.status, StatusCode::BAD_REQUEST);
-    assert!(dashboard.tell(&[("act", "complete"), ("bad", "1=3")]).await.text.contains("has 2 copies in build 1"));
+    assert!(
+        dashboard.tell(&[("act", "complete"), ("bad", "1=3")]).await.text.contains("build 1 holds 2 copies of part 1")
+    );
     dashboard.tell(&[("act", "complete"), ("bad", "1=1")]).await;
     assert_eq!((&order().await["good"], &order().await["waiting"]), (&1.into(), &1.into()));
     let page = dashboard.get("/builds/1").await.text;
@@ -122,7 +124,7 @@ async fn bad_copies_and_whole_builds_are_printed_again_by_form() {
     let build = dashboard.ledger.find_build(BuildId(2)).await.unwrap().unwrap();
     assert_eq!((build.state, build.search.repeats), (BuildState::Nesting, Some(BuildId(1))));
     let other = with_a_build("bracket.stl").await;
-    assert!(other.tell(&[("act", "reprint")]).await.text.contains("2 copies of 1 part: they wait again"));
+    assert!(other.tell(&[("act", "reprint")]).await.text.contains("2 copies of 1 part wait again"));
 }
 
 #[tokio::test]

@@ -91,14 +91,14 @@ async fn a_failed_print_stands_out_until_somebody_has_seen_to_it() {
     let outcomes = dashboard.ledger.outcomes_of_build(BuildId(1)).await.unwrap();
     assert_eq!((outcomes[0].told_by.as_str(), outcomes[0].note.as_str()), ("dashboard", "blade hit it"));
     let refused = dashboard.tell(&[("act", "complete")]).await.text;
-    assert!(refused.contains("Refused") && refused.contains("was told to be failed already"), "{refused}");
+    assert!(refused.contains("Refused") && refused.contains("is recorded as failed already"), "{refused}");
     assert_eq!(dashboard.tell(&[("act", "seen")]).await.status, StatusCode::SEE_OTHER);
     for path in ["/", "/builds/1"] {
         assert!(!dashboard.get(path).await.text.contains("Nobody has seen to it yet"), "{path}");
     }
     assert!(dashboard.get("/builds/1").await.text.contains("Correct what was told"));
     let corrected = dashboard.tell(&[("act", "complete"), ("correct", "yes")]).await.text;
-    assert!(corrected.contains("they count as printed again"), "{corrected}");
+    assert!(corrected.contains("Counted as printed again"), "{corrected}");
     assert_eq!(dashboard.json("/api/v1/orders/bracket.stl").await["good"], 2);
 }
 
@@ -115,10 +115,10 @@ async fn bad_copies_and_whole_builds_are_printed_again_by_form() {
     let page = dashboard.get("/builds/1").await.text;
     assert!(page.contains("value=\"1=1\""), "a correction starts from what was told: {page}");
     let part = dashboard.post_to("/parts/1/reprint", &[("key", "key"), ("copies", "1")]).await;
-    assert!(part.text.contains("1 copy of 1 part: they wait again"), "{}", part.text);
+    assert!(part.text.contains("1 copy of 1 part waits again"), "{}", part.text);
     assert_eq!(order().await["waiting"], 2);
     let nothing = dashboard.post_to("/orders/bracket.stl/reprint", &[("key", "key")]).await.text;
-    assert!(nothing.contains("Refused") && nothing.contains("no copy of it was printed"), "{nothing}");
+    assert!(nothing.contains("Refused") && nothing.contains("no copy of it counts as printed"), "{nothing}");
     let again = dashboard.tell(&[("act", "requeue")]).await.text;
     assert!(again.contains("Build 1 is issued once more as build 2."), "{again}");
     let build = dashboard.ledger.find_build(BuildId(2)).await.unwrap().unwrap();

@@ -165,7 +165,7 @@ impl RestoredFarm {
                 self.farm.flush();
                 self.farm.wait_for_parts(PartState::Built, 1);
                 if self.later == LaterAction::Outcome {
-                    self.farm.nestd_ok(&["outcome", "1", "failed"]);
+                    self.farm.nestd_ok(&["outcome", "1", "complete"]);
                 }
                 if self.later != LaterAction::Publish {
                     self.printed = self.in_queue();

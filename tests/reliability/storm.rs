@@ -239,9 +239,11 @@ impl StormFarm {
     }
 
     fn record_outcome(&mut self) {
-        let outcome = ["complete", "interrupted", "failed"][self.rng.random_range(0..3)];
+        // The copies of a failed print are printed again unless it is told otherwise; this section counts each once.
+        let outcomes: [&[&str]; 3] = [&["complete"], &["interrupted"], &["failed", "--keep"]];
+        let outcome = outcomes[self.rng.random_range(0..3)];
         let build = self.rng.random_range(1..=self.printer.taken.len().max(1)).to_string();
-        self.run_command(&["outcome", &build, outcome]);
+        self.run_command(&[&["outcome", build.as_str()], outcome].concat());
     }
 
     fn make_backup(&mut self) {

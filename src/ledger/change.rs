@@ -54,6 +54,27 @@ impl LedgerChange {
         query.bind(id).fetch_optional(self.db()).await?.ok_or(LedgerError::UnknownBuild(id))
     }
 
+    /// Number of copies of a part that are in builds and count.
+    pub async fn placed_count(&mut self, id: PartId) -> Result<u32> {
+        let count = sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?").bind(id);
+        Ok(count.fetch_one(self.db()).await?)
+    }
+
+    /// Fails if a copy of the part is in a build that is not published yet.
+    pub async fn ensure_not_being_built(&mut self, part: PartId) -> Result<()> {
+        let nested: Option<(BuildId, BuildState)> = sqlx::query_as(
+            "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
+             WHERE l.part_id = ? AND b.published_at IS NULL LIMIT 1",
+        )
+        .bind(part)
+        .fetch_optional(self.db())
+        .await?;
+        match nested {
+            Some((build, state)) => Err(LedgerError::BeingBuilt { part, build, state }),
+            None => Ok(()),
+        }
+    }
+
     /// Fails unless the build is in one of these states. Returns its profile.
     pub async fn ensure_build_state(&mut self, build: BuildId, needed: &'static [BuildState]) -> Result<String> {
         match self.require_build(build).await? {

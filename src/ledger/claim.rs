@@ -1,9 +1,8 @@
 //! The first steps of a part: claimed, read, refused, cancelled, retried.
 
 use super::{
-    BuildId, BuildState, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow,
-    PartState, RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result,
-    text_column::TextColumn,
+    BuildId, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
+    RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, text_column::TextColumn,
 };
 
 impl Ledger {
@@ -158,16 +157,7 @@ impl Ledger {
 }
 
 async fn ensure_part_cancellable(change: &mut LedgerChange, id: PartId) -> Result<()> {
-    let nested: Option<(BuildId, BuildState)> = sqlx::query_as(
-        "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
-         WHERE l.part_id = ? AND b.published_at IS NULL LIMIT 1",
-    )
-    .bind(id)
-    .fetch_optional(change.db())
-    .await?;
-    if let Some((build, state)) = nested {
-        return Err(LedgerError::BeingBuilt { part: id, build, state });
-    }
+    change.ensure_not_being_built(id).await?;
     match change.require_part(id).await?.state {
         PartState::Rejected => Err(LedgerError::AlreadyRejected(id)),
         PartState::Built => Err(LedgerError::AlreadyBuilt(id)),

@@ -7,8 +7,8 @@ use nester::OrientationRule;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    BuildId, BuildState, EventKind, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause, RequiredTilts,
-    UtcTimestamp, change::LedgerChange, error::Result, text_column::TextColumn,
+    EventKind, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause, RequiredTilts, UtcTimestamp,
+    change::LedgerChange, error::Result, text_column::TextColumn,
 };
 
 /// Requested changes of a part; `None` = unchanged.
@@ -214,17 +214,10 @@ impl Ledger {
 
 /// Terms can change while no copy is being nested and copies wait.
 async fn ensure_terms_editable(change: &mut LedgerChange, part: &PartRow) -> Result<()> {
-    let nested: Option<(BuildId, BuildState)> = sqlx::query_as(
-        "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
-         WHERE l.part_id = ? AND b.published_at IS NULL LIMIT 1",
-    )
-    .bind(part.id)
-    .fetch_optional(change.db())
-    .await?;
-    match (nested, part.state) {
-        (Some((build, state)), _) => Err(LedgerError::BeingBuilt { part: part.id, build, state }),
-        (None, PartState::Claimed | PartState::Waiting) => Ok(()),
-        (None, state) => Err(LedgerError::NotEditable { part: part.id, state }),
+    change.ensure_not_being_built(part.id).await?;
+    match part.state {
+        PartState::Claimed | PartState::Waiting => Ok(()),
+        state => Err(LedgerError::NotEditable { part: part.id, state }),
     }
 }
 
@@ -308,10 +301,7 @@ fn describe_changes(old: &super::PartTerms, new: &super::PartTerms) -> Vec<Strin
 
 /// Changes the number of copies wanted. More of a part that is built make it wait again.
 async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by: &str) -> Result<()> {
-    let placed: u32 = sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?")
-        .bind(part.id)
-        .fetch_one(change.db())
-        .await?;
+    let placed = change.placed_count(part.id).await?;
     let wanted = part.wanted_copies();
     if copies < placed || copies == 0 {
         return Err(LedgerError::TooManyPlaced { part: part.id, asked: copies, placed });

@@ -116,8 +116,7 @@ async fn insert_placements(
             return Err(LedgerError::CopyTaken { part: id, copy, build });
         }
     }
-    let placed: u32 =
-        sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?").bind(id).fetch_one(change.db()).await?;
+    let placed = change.placed_count(id).await?;
     if placed == part.wanted_copies() {
         change.move_part(id, PartState::Batched, Some(build), "").await?;
     }

@@ -315,10 +315,7 @@ impl LedgerChange {
     /// Number of copies of a part that wait for a build.
     pub async fn waiting_count(&mut self, id: PartId) -> Result<u32> {
         let wanted = self.require_part(id).await?.wanted_copies();
-        let placed: u32 = sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?")
-            .bind(id)
-            .fetch_one(self.db())
-            .await?;
+        let placed = self.placed_count(id).await?;
         Ok(wanted.saturating_sub(placed))
     }
 

@@ -98,13 +98,8 @@ async fn take_copies(
         .execute(change.db())
         .await?;
     }
-    if part.state != PartState::Waiting || part.wanted_copies() < part_placements(change, id).await? {
+    if part.state != PartState::Waiting || part.wanted_copies() < change.placed_count(id).await? {
         return Err(LedgerError::FewerWanted { part: id, build: from });
     }
     change.end_waiting(id, Some(to)).await
-}
-
-async fn part_placements(change: &mut LedgerChange, id: PartId) -> Result<u32> {
-    let count = sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?").bind(id);
-    Ok(count.fetch_one(change.db()).await?)
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use build_file::OrderWords;
 use nester::{NestingItem, OrientationLimits};
 use solids::{Mesh, Pose};
 
@@ -28,8 +29,8 @@ pub struct BuildPart {
     pub orientation: OrientationLimits,
     /// Clearance of this part, mm; `None` = that of the machine.
     pub clearance_mm: Option<f64>,
-    /// Order or kit that it belongs to.
-    pub order: Option<String>,
+    /// What its order says of it.
+    pub words: OrderWords,
 }
 
 impl BuildPart {

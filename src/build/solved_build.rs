@@ -90,7 +90,7 @@ impl SolvedBuild {
         BuildFileItem {
             object,
             pose: self.machine.machine_pose(&placed.pose),
-            order: part.order.clone(),
+            words: part.words.clone(),
             copy: placed.copy + 1,
             source_name: part.source_name.clone(),
             source_hash: part.source_hash.clone(),

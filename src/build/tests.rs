@@ -38,7 +38,7 @@ pub fn one_cube() -> SolvedBuild {
         copies: vec![4],
         orientation: OrientationLimits::new(OrientationRule::Upright, &[], &[]),
         clearance_mm: None,
-        order: None,
+        words: Default::default(),
     };
     let pose = Pose::new(DQuat::from_rotation_z(0.3), DVec3::splat(20.0));
     SolvedBuild {

@@ -2,13 +2,12 @@
 //! was printed is printed again.
 
 use anyhow::Result;
-use jiff::tz::TimeZone;
 use nester::OrientationRule;
 
 use super::{
     CommandExit, CommonArgs, UsageError,
     command::{DaemonCommand, run_for_parts},
-    farm_context::{user_at_host, with_ledger},
+    farm_context::{load_settings, user_at_host, with_ledger},
     table::print_text,
     target::find_targets,
     values::{parse_build_number, parse_distance, parse_prefixed_number, parse_word},
@@ -16,6 +15,7 @@ use super::{
 use crate::{
     intake,
     ledger::{BuildId, Ledger, PartEdit, PutBackReport, ReprintTarget},
+    settings::FarmZone,
 };
 
 /// Arguments of `nestd edit`.
@@ -27,7 +27,7 @@ pub struct EditArgs {
     /// Copies wanted in all, those in builds included
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     copies: Option<u32>,
-    /// When it is due: 2026-11-25, 25.11.2026, "2026-11-25 17:00", or none
+    /// When it is due: 2026-11-25 or 25.11.2026 (the end of that day), "2026-11-25 17:00", or none
     #[arg(long, value_name = "DATE")]
     due: Option<String>,
     /// Priority from 0 to 100; a part with 100 must be in the next build
@@ -52,7 +52,7 @@ pub struct EditArgs {
 
 /// Runs `nestd edit`.
 pub fn run(common: &CommonArgs, args: &EditArgs) -> Result<CommandExit> {
-    let edit = args.to_edit()?;
+    let edit = args.to_edit(&load_settings(common)?.time_zone)?;
     if edit.is_empty() {
         return Err(UsageError("say what is to change, for example --copies 3 or --due 2026-11-25".to_owned()).into());
     }
@@ -63,11 +63,11 @@ pub fn run(common: &CommonArgs, args: &EditArgs) -> Result<CommandExit> {
 }
 
 impl EditArgs {
-    fn to_edit(&self) -> Result<PartEdit> {
+    fn to_edit(&self, zone: &FarmZone) -> Result<PartEdit> {
         let is_none = |text: &str| text.is_empty() || text.eq_ignore_ascii_case("none");
         let due = self.due.as_deref().map(|text| match is_none(text) {
             true => Ok(None),
-            false => intake::parse_due_text(text, &TimeZone::system()).map(Some).map_err(UsageError),
+            false => intake::parse_due_text(text, zone.time_zone()).map(Some).map_err(UsageError),
         });
         let clearance = self.clearance.as_deref().map(|text| match is_none(text) {
             true => Ok(None),

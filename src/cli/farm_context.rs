@@ -2,14 +2,13 @@
 //! read.
 
 use anyhow::{Context, Result, anyhow};
-use jiff::{Span, Timestamp, civil::Date, tz::TimeZone};
+use jiff::{Span, Timestamp, civil::Date};
 
 use super::{CommonArgs, UsageError, table::print_to_stderr};
 use crate::{
     farm,
     ledger::{Ledger, LedgerError, UtcTimestamp},
-    settings::{self, Settings},
-    tables::fields,
+    settings::{self, FarmZone, Settings},
 };
 
 /// Loads the farm's settings; any error is a usage error.
@@ -77,28 +76,18 @@ pub fn user_at_host() -> String {
     format!("{user}@{}", host.trim())
 }
 
-/// Parses a time as a person writes it: `7d` (ago), `2026-11-01` (start of the day, UTC) or RFC 3339.
-pub fn parse_time(text: &str, now: Timestamp) -> Result<Timestamp, String> {
+/// Parses a time as a person writes it: `7d` (ago), `2026-11-01` (start of the day in the farm's zone) or RFC 3339.
+pub fn parse_time(text: &str, now: Timestamp, zone: &FarmZone) -> Result<Timestamp, String> {
     if let Ok(time) = text.parse::<Timestamp>() {
         return Ok(time);
     }
-    let utc = TimeZone::UTC;
+    let zone = zone.time_zone();
     if let Ok(date) = text.parse::<Date>() {
-        return date.to_zoned(utc).map(|z| z.timestamp()).map_err(|e| e.to_string());
+        return date.to_zoned(zone.clone()).map(|z| z.timestamp()).map_err(|e| e.to_string());
     }
     let ago: Span =
         text.parse().map_err(|_| format!("'{text}' is no age (7d, 12h), date (2026-11-01) or RFC 3339 time"))?;
-    now.to_zoned(utc).checked_sub(ago.abs()).map(|z| z.timestamp()).map_err(|e| e.to_string())
-}
-
-/// [`time_of`] relative to the current time, as a parser of command line values.
-pub fn parse_time_argument(text: &str) -> Result<Timestamp, String> {
-    parse_time(text, Timestamp::now())
-}
-
-/// A time with its zone: '2026-11-20 04:49:00 UTC'.
-pub fn format_time_utc(time: Option<UtcTimestamp>) -> String {
-    fields::TIME.with_unit(time).unwrap_or_else(|| "-".to_owned())
+    now.to_zoned(zone.clone()).checked_sub(ago.abs()).map(|z| z.timestamp()).map_err(|e| e.to_string())
 }
 
 /// The time since `since` in two units: '3h 5m'.
@@ -108,18 +97,24 @@ pub fn format_age(since: Option<UtcTimestamp>, now: Timestamp) -> String {
 
 #[cfg(test)]
 mod tests {
+    use jiff::tz::TimeZone;
+
     use super::*;
 
     #[test]
     fn a_time_is_an_age_a_date_or_rfc_3339() {
         let now: Timestamp = "2026-11-20T04:49:00Z".parse().unwrap();
-        let is = |text: &str, time: &str| assert_eq!(parse_time(text, now).unwrap(), time.parse().unwrap(), "{text}");
+        let zone = |name: &str| FarmZone::from(TimeZone::get(name).unwrap());
+        let (utc, berlin) = (zone("UTC"), zone("Europe/Berlin"));
+        let is =
+            |text: &str, time: &str| assert_eq!(parse_time(text, now, &utc).unwrap(), time.parse().unwrap(), "{text}");
         is("7d", "2026-11-13T04:49:00Z");
         is("90m", "2026-11-20T03:19:00Z");
         is("2w", "2026-11-06T04:49:00Z");
         is("2026-11-01", "2026-11-01T00:00:00Z");
         is("2026-11-01T06:00:00+02:00", "2026-11-01T04:00:00Z");
-        assert!(parse_time("yesterday", now).is_err() && parse_time("7", now).is_err());
+        assert_eq!(parse_time("2026-11-01", now, &berlin).unwrap().to_string(), "2026-10-31T23:00:00Z");
+        assert!(parse_time("yesterday", now, &utc).is_err() && parse_time("7", now, &utc).is_err());
     }
 
     #[test]

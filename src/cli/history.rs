@@ -5,23 +5,23 @@ use jiff::Timestamp;
 
 use super::{
     CommandExit, CommonArgs, UsageError,
-    farm_context::{parse_time_argument, with_ledger_to_read},
+    farm_context::{parse_time, with_ledger_to_read},
     table::{TextTable, print_json, print_text},
 };
 use crate::{
     ledger::{HeightSummary, HistoryQuery},
-    tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, csv_of},
+    tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of},
 };
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
 pub struct HistoryArgs {
-    /// Builds since then: an age (7d, 12h), a date (2026-11-01, UTC) or an RFC 3339 time
-    #[arg(long, value_name = "TIME", value_parser = parse_time_argument)]
-    since: Option<Timestamp>,
+    /// Builds since then: an age (7d, 12h), a date (2026-11-01) or an RFC 3339 time
+    #[arg(long, value_name = "TIME")]
+    since: Option<String>,
     /// Builds before then
-    #[arg(long, value_name = "TIME", value_parser = parse_time_argument)]
-    until: Option<Timestamp>,
+    #[arg(long, value_name = "TIME")]
+    until: Option<String>,
     /// Builds of one machine profile
     #[arg(long, value_name = "P")]
     profile: Option<String>,
@@ -49,31 +49,37 @@ enum HistoryFormat {
 
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &HistoryArgs) -> Result<CommandExit> {
-    let query = HistoryQuery {
-        since: args.since,
-        until: args.until,
-        profile: args.profile.clone(),
-        limit: args.limit,
-        ..HistoryQuery::default()
-    };
-    let (rows, sums) = with_ledger_to_read(common, async |settings, ledger| {
+    let (rows, sums, view) = with_ledger_to_read(common, async |settings, ledger| {
+        let time = |text: &Option<String>| {
+            let time = text.as_ref().map(|text| parse_time(text, Timestamp::now(), &settings.time_zone));
+            time.transpose().map_err(UsageError)
+        };
+        let query = HistoryQuery {
+            since: time(&args.since)?,
+            until: time(&args.until)?,
+            profile: args.profile.clone(),
+            limit: args.limit,
+            ..HistoryQuery::default()
+        };
         let rows = ledger.read_history(&query).await?;
         match &args.profile {
             // The history of a profile that is no longer configured stays readable.
             Some(profile) if rows.is_empty() && !settings.profiles.contains_key(profile) => {
                 Err(UsageError(format!("there is no profile '{profile}', and no build of one")).into())
             }
-            _ => Ok((rows, ledger.height_summaries(&query).await?)),
+            _ => Ok((rows, ledger.height_summaries(&query).await?, TimeView::current(&settings.time_zone))),
         }
     })?;
     match if args.json { HistoryFormat::Json } else { args.format } {
         HistoryFormat::Table if rows.is_empty() => print_text("No builds.")?,
         HistoryFormat::Table => {
-            let mut text = TextTable::of(HISTORY_COLUMNS, &rows).to_string();
+            let mut text = TextTable::of(HISTORY_COLUMNS, &rows, &view).to_string();
             // No sums with --limit: a reader would take them for the sums of all builds.
             if args.limit.is_none() {
-                text +=
-                    &format!("\nPublished\n{}", TextTable::of(HEIGHT_SUM_COLUMNS, &HeightSummary::with_total(sums)));
+                text += &format!(
+                    "\nPublished\n{}",
+                    TextTable::of(HEIGHT_SUM_COLUMNS, &HeightSummary::with_total(sums), &view)
+                );
             }
             print_text(&text)?;
         }

@@ -5,7 +5,7 @@ use anyhow::Result;
 
 use super::{
     CommandExit, CommonArgs,
-    farm_context::{format_time_utc, load_settings, with_ledger_to_read},
+    farm_context::{load_settings, with_ledger_to_read},
     table::{print_text, print_to_stderr},
 };
 use crate::{
@@ -48,7 +48,7 @@ fn send_trial(notify: &NotifySettings) -> Result<CommandExit> {
 
 fn show_delivery(common: &CommonArgs, notify: &NotifySettings) -> Result<CommandExit> {
     let kinds = event_kinds(&notify.events);
-    let lines = with_ledger_to_read(common, async |_, ledger| {
+    let lines = with_ledger_to_read(common, async |settings, ledger| {
         let rows = ledger.list_receivers().await?;
         let mut lines = Vec::new();
         for receiver in configured_receivers(notify) {
@@ -58,7 +58,9 @@ fn show_delivery(common: &CommonArgs, notify: &NotifySettings) -> Result<Command
             };
             let waiting = ledger.count_events_after(row.delivered_id, &kinds).await?;
             let failing = match row.failing_at {
-                Some(since) => format!("; delivery fails since {}: {}", format_time_utc(Some(since)), row.failure),
+                Some(since) => {
+                    format!("; delivery fails since {}: {}", settings.time_zone.format_time(since.0), row.failure)
+                }
                 None => String::new(),
             };
             lines.push(format!("{receiver}: {waiting} messages wait, {} were dropped{failing}", row.dropped));

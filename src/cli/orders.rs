@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     ledger::{OrderQuery, OrderState},
-    tables::ORDER_COLUMNS,
+    tables::{ORDER_COLUMNS, TimeView},
 };
 
 /// Arguments of the command.
@@ -33,13 +33,15 @@ pub struct OrdersArgs {
 pub fn run(common: &CommonArgs, args: &OrdersArgs) -> Result<CommandExit> {
     let state = (!args.all && args.find.is_none()).then_some(OrderState::Open);
     let query = OrderQuery { name: args.find.clone(), state, limit: args.limit };
-    let sheets = with_ledger_to_read(common, async |_, ledger| Ok(ledger.order_summaries(&query).await?))?;
+    let (sheets, view) = with_ledger_to_read(common, async |settings, ledger| {
+        Ok((ledger.order_summaries(&query).await?, TimeView::current(&settings.time_zone)))
+    })?;
     if args.json {
         return print_json(&sheets).map(|()| CommandExit::Success);
     }
     match sheets.is_empty() {
         true => print_text("No such orders.")?,
-        false => print_text(&TextTable::of(ORDER_COLUMNS, &sheets).to_string())?,
+        false => print_text(&TextTable::of(ORDER_COLUMNS, &sheets, &view).to_string())?,
     }
     Ok(CommandExit::Success)
 }

@@ -9,7 +9,7 @@ use super::{
     show_text,
     table::{print_json, print_text, print_to_stderr},
 };
-use crate::settings::MachineProfile;
+use crate::{settings::MachineProfile, tables::TimeView};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -26,7 +26,7 @@ pub struct ShowArgs {
 /// Runs the command.
 pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
     let wanted = LookupQuery::from_words(&args.what);
-    let found = with_ledger_to_read(common, async |settings, ledger| {
+    let (found, view) = with_ledger_to_read(common, async |settings, ledger| {
         let mut found = look_up(ledger, &wanted).await?;
         if let Some(sheet) = &mut found.build {
             let build = &sheet.build;
@@ -36,7 +36,7 @@ pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
             sheet.machine =
                 Some(MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now));
         }
-        Ok(found)
+        Ok((found, TimeView::current(&settings.time_zone)))
     })?;
     if found.is_empty() {
         // With --json, the output is JSON even when nothing was found; the exit code says so.
@@ -48,7 +48,7 @@ pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
     }
     match args.json {
         true => print_json(&found)?,
-        false => print_text(&show_text::lookup_text(&found))?,
+        false => print_text(&show_text::lookup_text(&found, &view))?,
     }
     Ok(CommandExit::Success)
 }

@@ -1,50 +1,50 @@
 //! The output of `nestd show` for people.
 
 use build_file::escape_invisible;
-use jiff::Timestamp;
 
 use super::{
     lookup::{BuildDetails, LookupResult, PartDetails},
     table::TextTable,
 };
 use crate::{
+    farm::PartQuestion,
     ledger::{BuildState, EventRow},
     tables::{
         BUILD_PART_COLUMNS, CountedPart, EVENT_COLUMNS, ORDERED_PART_COLUMNS, OUTCOME_COLUMNS, OrderedPart, SheetFact,
-        TableColumn, WAITING_PART_COLUMNS, build_facts, fields, part_facts, whereabouts,
+        TableColumn, TimeView, WAITING_PART_COLUMNS, build_facts, fields, part_facts, whereabouts,
     },
 };
 
 /// Everything that was found.
-pub fn lookup_text(found: &LookupResult) -> String {
+pub fn lookup_text(found: &LookupResult, view: &TimeView) -> String {
     let mut sheets = Vec::new();
-    sheets.extend(found.build.as_ref().map(build_text));
-    sheets.extend(found.part.as_ref().map(part_text));
+    sheets.extend(found.build.as_ref().map(|build| build_text(build, view)));
+    sheets.extend(found.part.as_ref().map(|part| part_text(part, view)));
     if let Some(first) = found.order.first() {
         let name = &first.part.terms.order_name;
-        sheets.push(format!("Order {name}\n\n{}", parts_table(&found.order)));
+        sheets.push(format!("Order {name}\n\n{}", parts_table(&found.order, view)));
     }
     match found.named.as_slice() {
         [] => {}
-        [one] => sheets.push(part_text(one)),
-        [first, ..] => sheets.push(format!("Parts named {}\n\n{}", first.part.name, parts_table(&found.named))),
+        [one] => sheets.push(part_text(one, view)),
+        [first, ..] => sheets.push(format!("Parts named {}\n\n{}", first.part.name, parts_table(&found.named, view))),
     }
     sheets.join("\n")
 }
 
-fn build_text(sheet: &BuildDetails) -> String {
+fn build_text(sheet: &BuildDetails, view: &TimeView) -> String {
     let row = &sheet.build;
     let file = sheet.file.as_ref().map(|file| file.display().to_string());
-    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), Some(Timestamp::now()));
+    let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), view);
     facts.splice(0..0, fields::REASON.fact(&row.reason));
     let mut text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, align_fields(&facts));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;
     let parts: Vec<CountedPart> =
         sheet.parts.iter().map(|part| CountedPart { part: part.clone(), copies: here(part.id) }).collect();
-    text += &table_below(BUILD_PART_COLUMNS, &parts);
-    text += &table_below(WAITING_PART_COLUMNS, &sheet.waiting);
-    text += &table_below(OUTCOME_COLUMNS, &sheet.outcomes);
-    text + &events_text(&sheet.events)
+    text += &table_below(BUILD_PART_COLUMNS, &parts, view);
+    text += &table_below(WAITING_PART_COLUMNS, &sheet.waiting, view);
+    text += &table_below(OUTCOME_COLUMNS, &sheet.outcomes, view);
+    text + &events_text(&sheet.events, view)
 }
 
 /// The number of copies in a build. An open build has only a forecast: it takes no copies before it fires.
@@ -59,10 +59,15 @@ fn copies_text(sheet: &BuildDetails) -> String {
     }
 }
 
-fn part_text(sheet: &PartDetails) -> String {
+fn part_text(sheet: &PartDetails, view: &TimeView) -> String {
     let row = &sheet.part;
-    let mut facts = part_facts(row, format!("{}, {}", row.wanted_copies(), whereabouts(&sheet.placements)));
+    let mut facts = part_facts(row, format!("{}, {}", row.wanted_copies(), whereabouts(&sheet.placements)), view);
     facts.extend(fields::REASON.fact(&row.rejection.reason));
+    facts.extend(
+        PartQuestion::of_part(row)
+            .iter()
+            .map(|question| fields::QUESTION.fact_of(format!("{} {}", question.text, question.remedy))),
+    );
     facts.extend(row.warnings.lines().filter_map(|warning| fields::WARNING.fact(warning)));
     format!(
         "Part {}, {}: {}\n{}{}",
@@ -70,26 +75,26 @@ fn part_text(sheet: &PartDetails) -> String {
         row.full_name(),
         row.state,
         align_fields(&facts),
-        events_text(&sheet.events)
+        events_text(&sheet.events, view)
     )
 }
 
-fn parts_table(sheets: &[PartDetails]) -> TextTable {
+fn parts_table(sheets: &[PartDetails], view: &TimeView) -> TextTable {
     let row = |sheet: &PartDetails| OrderedPart {
         part: sheet.part.clone(),
         placements: sheet.placements.clone(),
         copies: sheet.copies,
     };
-    TextTable::of(ORDERED_PART_COLUMNS, &sheets.iter().map(row).collect::<Vec<_>>())
+    TextTable::of(ORDERED_PART_COLUMNS, &sheets.iter().map(row).collect::<Vec<_>>(), view)
 }
 
-fn events_text(events: &[EventRow]) -> String {
-    table_below(EVENT_COLUMNS, events)
+fn events_text(events: &[EventRow], view: &TimeView) -> String {
+    table_below(EVENT_COLUMNS, events, view)
 }
 
 /// A table after an empty line; nothing where it has no row.
-fn table_below<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> String {
-    if rows.is_empty() { String::new() } else { format!("\n{}", TextTable::of(columns, rows)) }
+fn table_below<Row>(columns: &[TableColumn<Row>], rows: &[Row], view: &TimeView) -> String {
+    if rows.is_empty() { String::new() } else { format!("\n{}", TextTable::of(columns, rows, view)) }
 }
 
 fn align_fields(facts: &[SheetFact]) -> String {

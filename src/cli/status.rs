@@ -14,8 +14,8 @@ use crate::{
     farm::{self, AlertKind, AlertSummary, FarmAlert},
     intake,
     ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
-    settings::Settings,
-    tables::{MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS},
+    settings::{FarmZone, Settings},
+    tables::{MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS, TimeView},
 };
 
 /// This many rejected parts are listed; `nestd show` finds the older ones.
@@ -74,11 +74,12 @@ pub fn run(common: &CommonArgs, args: &StatusArgs) -> Result<CommandExit> {
                 text if text.is_empty() => error,
                 text => anyhow::anyhow!("{error:#}\n\n{text}"),
             })?;
-            Ok(FarmStatus { attention, ..status }.to_text(Timestamp::now(), columns))
+            Ok(FarmStatus { attention, ..status }.to_text(Timestamp::now(), &settings.time_zone, columns))
         })?;
         return Ok(CommandExit::Success);
     }
     let attention = farm::read_stored_alerts(&settings.state_dir);
+    let zone = settings.time_zone.clone();
     let status = match read_farm_status(settings, args.parts) {
         Ok(status) => FarmStatus { attention, ..status },
         Err(error) => {
@@ -93,7 +94,7 @@ pub fn run(common: &CommonArgs, args: &StatusArgs) -> Result<CommandExit> {
     };
     match args.json {
         true => print_json(&status)?,
-        false => print_text(&status.to_text(Timestamp::now(), usize::MAX))?,
+        false => print_text(&status.to_text(Timestamp::now(), &zone, usize::MAX))?,
     }
     Ok(CommandExit::Success)
 }
@@ -151,18 +152,19 @@ async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
 
 impl FarmStatus {
     /// The status as text; tables wider than `columns` become lists.
-    pub fn to_text(&self, now: Timestamp, columns: usize) -> String {
+    pub fn to_text(&self, now: Timestamp, zone: &FarmZone, columns: usize) -> String {
+        let view = TimeView::at(zone, now);
         let machine = |machine: &MachineStatus| MachineNow {
             forecast: machine.forecast.clone(),
             is_configured: machine.configured,
-            now,
+            view: view.clone(),
         };
-        let table = TextTable::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>());
+        let table = TextTable::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>(), &view);
         let attention = attention_text(&self.attention);
         let gap = if attention.is_empty() { "" } else { "\n" };
         let mut text = format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_columns(columns));
         if let Some(parts) = &self.parts {
-            text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts).fit_columns(columns));
+            text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts, &view).fit_columns(columns));
         }
         text
     }

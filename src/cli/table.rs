@@ -9,7 +9,7 @@ use std::{
 use anyhow::{Context, Result};
 use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
-use crate::tables::{FieldDefinition, TableColumn, for_people};
+use crate::tables::{FieldDefinition, TableColumn, TimeView, for_people};
 
 /// A text table. Numbers are aligned to the right.
 #[derive(Debug, Clone)]
@@ -32,10 +32,10 @@ impl TableHead {
 }
 
 impl TextTable {
-    /// Creates a table of rows with the columns that people see.
-    pub fn of<Row>(columns: &[TableColumn<Row>], rows: &[Row]) -> Self {
+    /// Creates a table of rows with the columns that people see; `view` is how times are shown.
+    pub fn of<Row>(columns: &[TableColumn<Row>], rows: &[Row], view: &TimeView) -> Self {
         let cell = |column: &TableColumn<Row>, row: &Row| {
-            escape_invisible(&column.field.cell_text(&(column.value)(row)).unwrap_or_else(|| "-".to_owned()))
+            escape_invisible(&column.field.cell_text(&(column.value)(row), view).unwrap_or_else(|| "-".to_owned()))
         };
         Self {
             headings: for_people(columns).map(|column| TableHead::of(&column.field)).collect(),
@@ -139,7 +139,7 @@ fn escaped_json(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tables::fields;
+    use crate::{settings::FarmZone, tables::fields};
 
     /// (name, waiting copies, next build, current activity)
     type Sample = (&'static str, u32, &'static str, &'static str);
@@ -154,7 +154,11 @@ mod tests {
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell_and_numbers_stand_to_the_right() {
-        let table = TextTable::of(COLUMNS, &[("größe.stl", 3, "", "waiting"), ("a\u{1b}", 12, "", "")]);
+        let table = TextTable::of(
+            COLUMNS,
+            &[("größe.stl", 3, "", "waiting"), ("a\u{1b}", 12, "", "")],
+            &TimeView::kept(&FarmZone::default()),
+        );
         let text = "NAME       COPIES  NEXT BUILD  NOW\ngröße.stl       3  -           waiting\na\\u{1b}        12  -           -\n";
         assert_eq!(table.to_string(), text);
     }
@@ -162,7 +166,7 @@ mod tests {
     #[test]
     fn a_table_that_is_too_wide_is_a_list_that_leaves_nothing_out() {
         let rows = [("mjf", 3, "55.61 mm, 11 copies", "collecting"), ("sls", 0, "", "idle")];
-        let table = TextTable::of(COLUMNS, &rows);
+        let table = TextTable::of(COLUMNS, &rows, &TimeView::kept(&FarmZone::default()));
         let width = table.to_string().lines().map(|line| line.chars().count()).max().unwrap();
         assert_eq!(table.fit_columns(width), table.to_string());
         let list = "NAME: mjf  COPIES: 3\n  NEXT BUILD: 55.61 mm, 11 copies\n  NOW: collecting\n\

@@ -8,10 +8,18 @@ use nester::TiltLimit;
 use super::{
     CommandExit, CommandLine, command, command::DaemonCommand, lookup, lookup::LookupQuery, show_text, status, table,
 };
-use crate::ledger::{
-    CommandKind, DaemonHeartbeat, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause, RequiredTilts,
-    fixtures::*,
+use crate::{
+    ledger::{
+        CommandKind, DaemonHeartbeat, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause,
+        RequiredTilts, fixtures::*,
+    },
+    settings::FarmZone,
+    tables::TimeView,
 };
+
+fn kept_view() -> TimeView {
+    TimeView::kept(&FarmZone::default())
+}
 
 fn words(text: &str) -> Vec<String> {
     text.split(' ').map(str::to_owned).collect()
@@ -82,14 +90,15 @@ async fn status_shows_every_machine_and_what_it_does() {
     nesting(&ledger, &[(a, 1)]).await;
     ledger.cancel_part(b, RefusalCause::Cancelled, "not\nneeded").await.unwrap();
     ledger.pause_profile("sold", "ann@farm", crate::ledger::PauseCause::Person).await.unwrap();
-    let stopped = status::read_status(&ledger, &["fuse-1", "paper-200"], false)
-        .await
-        .unwrap()
-        .to_text(Timestamp::now(), usize::MAX);
+    let stopped = status::read_status(&ledger, &["fuse-1", "paper-200"], false).await.unwrap().to_text(
+        Timestamp::now(),
+        &FarmZone::default(),
+        usize::MAX,
+    );
     assert!(stopped.starts_with("The daemon does not run.\n"), "{stopped}");
     write_heartbeat(&ledger).await;
     let farm = status::read_status(&ledger, &["fuse-1", "paper-200"], true).await.unwrap();
-    let text = farm.to_text(Timestamp::now(), usize::MAX);
+    let text = farm.to_text(Timestamp::now(), &FarmZone::default(), usize::MAX);
     assert!(text.starts_with("The daemon runs on farm (process 4711, version 0.1.0)"), "{text}");
     let line = |name: &str| text.lines().find(|l| l.starts_with(name)).unwrap().split_whitespace().collect::<Vec<_>>();
     assert_eq!(line("fuse-1")[..7], ["fuse-1", "0", "0", "-", "-", "-", "idle"]);
@@ -109,7 +118,7 @@ async fn history_is_a_table_json_or_csv_with_the_same_heights() {
     let id = waiting(&ledger, "a", 2).await;
     published(&ledger, &[(id, 0), (id, 1)]).await;
     let rows = ledger.read_history(&HistoryQuery::default()).await.unwrap();
-    let table = table::TextTable::of(crate::tables::HISTORY_COLUMNS, &rows).to_string();
+    let table = table::TextTable::of(crate::tables::HISTORY_COLUMNS, &rows, &kept_view()).to_string();
     assert!(table.lines().nth(1).unwrap().contains("87.50"), "{table}");
     let heads: Vec<String> =
         crate::tables::for_people(crate::tables::HISTORY_COLUMNS).map(|c| c.field.terminal_heading()).collect();
@@ -170,7 +179,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
         .unwrap();
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
     let found = lookup::look_up(&ledger, &LookupQuery::from_words(&words("1"))).await.unwrap();
-    let text = show_text::lookup_text(&found);
+    let text = show_text::lookup_text(&found, &kept_view());
     for expected in [
         "Build 1 of paper-200: complete",
         "height      87.50 mm",
@@ -189,13 +198,16 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     assert_eq!(json["build"]["placements"][1]["tx_mm"], 2.0);
     assert_eq!(json["part"]["part"]["state"], "waiting");
     let order = lookup::look_up(&ledger, &LookupQuery::from_words(&words("kit 7"))).await.unwrap();
-    assert!(show_text::lookup_text(&order).starts_with("Order kit 7\n\n"));
-    let named =
-        show_text::lookup_text(&lookup::look_up(&ledger, &LookupQuery::from_words(&words("fan.stl"))).await.unwrap());
+    assert!(show_text::lookup_text(&order, &kept_view()).starts_with("Order kit 7\n\n"));
+    let named = show_text::lookup_text(
+        &lookup::look_up(&ledger, &LookupQuery::from_words(&words("fan.stl"))).await.unwrap(),
+        &kept_view(),
+    );
     assert!(named.starts_with("Part 1, fan.stl: waiting") && named.contains("clearance   4.50 mm"), "{named}");
     let open = ledger.open_build("paper-200").await.unwrap().id;
     let open = show_text::lookup_text(
         &lookup::look_up(&ledger, &LookupQuery::from_words(&[format!("b{open}")])).await.unwrap(),
+        &kept_view(),
     );
     assert!(open.contains("0 in the layout so far, 1 wait"), "{open}");
     assert!(open.contains("COPIES WAITING") && open.contains("fan.stl"), "{open}");

@@ -4,6 +4,7 @@ use std::{collections::BTreeSet, time::Instant};
 
 use anyhow::{Context, Result};
 use build_file::format_count;
+use jiff::Timestamp;
 use nester::SearchBudget;
 use tracing::{info, warn};
 
@@ -104,8 +105,9 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     machine.pacing.is_idle = waiting.is_empty() || machine.open.covers_copies(&wanted);
     let cut_off = if machine.open.covers_copies(&wanted) { find_cut_off(&waiting, &wanted) } else { Vec::new() };
     report_left_out(farm, name, None, cut_off).await?;
+    let newest = farm.ledger.newest_arrival(name).await?.map_or(Timestamp::UNIX_EPOCH, |at| at.0);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
-    let open = machine.trigger_facts(&waiting, &wanted, flush, farm.schedule.clock.is_date_trusted());
+    let open = machine.trigger_facts(&waiting, &wanted, newest, flush, farm.schedule.clock.is_date_trusted());
     let facts = BatchFacts { open, has_unread_claims, is_paused: machine.paused };
     match decide_batch(&machine.profile, &facts, farm.schedule.time.date()) {
         BatchDecision::AwaitClaims => Ok(()),

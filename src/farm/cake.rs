@@ -12,7 +12,11 @@ use build_file::{BuildMetadata, PictureBody, PlacedMesh, Viewpoint};
 use glam::DVec3;
 use solids::{Bounds, Mesh, Pose};
 
-use super::{layout::placed_from_json, mesh_cache::MeshCache, mesh_source::MeshSource};
+use super::{
+    layout::{due_words, placed_from_json},
+    mesh_cache::MeshCache,
+    mesh_source::MeshSource,
+};
 use crate::{
     intake::ContentStore,
     ledger::{BuildRow, BuildState, Ledger, LedgerError, PartId, PartRow, RemovalStep},
@@ -37,6 +41,10 @@ pub struct CakePart {
     pub name: String,
     /// Order or kit, "" = none.
     pub order: String,
+    /// When it is due, as people read it, "" = no date.
+    pub due: String,
+    /// The customer's note, "" = none.
+    pub note: String,
     /// The mesh; `None` = its original is past its retention.
     pub mesh: Option<Arc<Mesh>>,
     /// The placed copies.
@@ -104,6 +112,8 @@ impl CakeContents {
             part: row.id.0,
             name: row.full_name(),
             order: row.terms.order_name.clone(),
+            due: due_words(&row.terms, &profile.time_zone),
+            note: row.terms.note.clone(),
             mesh: originals.load_mesh(&row),
             copies,
         };
@@ -113,15 +123,19 @@ impl CakeContents {
     /// Built from a build file. Parts are distinguished by their numbers, or by their meshes if they have none.
     pub fn from_placed_meshes(placed: &[PlacedMesh], volume_mm: DVec3) -> Self {
         let mut parts: Vec<CakePart> = Vec::new();
+        let shown = |word: &Option<String>| build_file::escape_invisible(word.as_deref().unwrap_or_default());
         let mut known: HashMap<(Option<&str>, &str, *const Mesh), usize> = HashMap::new();
         for item in placed {
-            let key = (item.part_number.as_deref(), item.order.as_deref().unwrap_or_default(), Arc::as_ptr(&item.mesh));
+            let key =
+                (item.part_number.as_deref(), item.words.order.as_deref().unwrap_or_default(), Arc::as_ptr(&item.mesh));
             let at = *known.entry(key).or_insert_with(|| {
                 let number = item.part_number.as_deref().and_then(|n| n.parse().ok());
                 parts.push(CakePart {
                     part: number.unwrap_or(parts.len() as i64 + 1),
                     name: placed_mesh_name(item),
-                    order: build_file::escape_invisible(item.order.as_deref().unwrap_or_default()),
+                    order: shown(&item.words.order),
+                    due: shown(&item.words.due),
+                    note: shown(&item.words.note),
                     mesh: Some(item.mesh.clone()),
                     copies: Vec::new(),
                 });

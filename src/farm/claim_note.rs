@@ -8,7 +8,6 @@ use std::{
 };
 
 use anyhow::{Context, Result};
-use jiff::tz::TimeZone;
 use nester::OrientationLimits;
 use serde::{Deserialize, Serialize};
 
@@ -224,7 +223,7 @@ pub(super) fn new_part_row(
 ) -> NewPartRow {
     let ticket = part_spec.map(|g| g.ticket.clone()).unwrap_or_default();
     let mut warnings = part_spec.map(|g| g.warnings.clone()).unwrap_or_default();
-    let due_at = ticket.due.and_then(|due| match due.to_timestamp(&TimeZone::system()) {
+    let due_at = ticket.due.and_then(|due| match due.to_timestamp(profile.time_zone.time_zone()) {
         Ok(at) => Some(at),
         Err(error) => {
             warnings.push(format!("Its due date is no date here: {error}."));

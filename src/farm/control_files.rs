@@ -66,7 +66,7 @@ pub(super) async fn update_answers(farm: &mut Farm) -> Result<()> {
         if let Some(row) = farm.ledger.find_command(id).await?
             && let Some(at) = row.answered_at
         {
-            controls.answer = format!("{name}, {}: {}.", super::time_text::format_local(at.0), row.answer);
+            controls.answer = format!("{name}, {}: {}.", machine.profile.time_zone.format_minute(at.0), row.answer);
         }
     }
     Ok(())

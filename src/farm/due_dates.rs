@@ -57,7 +57,9 @@ pub(super) async fn check_due_dates(farm: &mut Farm) -> Result<()> {
     for ((profile, order, due), parts) in orders {
         let height_mm = parts.iter().filter_map(|part| part.height_mm).fold(0.0, f64::max);
         let Some(why) = due_date_outlook(farm, &profile, height_mm).risk_reason(due.0, now) else { continue };
-        let detail = format!("{} due {}: {why}.", describe_parts(&order, &parts), due.0.strftime("%Y-%m-%d %H:%M UTC"));
+        let text = parts.first().map_or("", |part| part.due_text.as_str());
+        let date = farm.settings.time_zone.format_due(due.0, text);
+        let detail = format!("{} due {date}: {why}.", describe_parts(&order, &parts));
         warn!(profile, "A due date is at risk: {detail}");
         let ids: Vec<PartId> = parts.iter().map(|part| part.id).collect();
         farm.ledger.record_at_risk(&profile, &ids, &detail).await?;

@@ -5,11 +5,11 @@
 //! which changes nothing.
 
 use anyhow::Result;
-use jiff::{SignedDuration, Timestamp, tz::TimeZone};
+use jiff::{SignedDuration, Timestamp};
 use nester::OrientationLimits;
 use tracing::{info, warn};
 
-use super::{farm::Farm, fetch_originals, jobs::BackgroundJob, mark_note, time_text::format_local};
+use super::{farm::Farm, fetch_originals, jobs::BackgroundJob, mark_note};
 use crate::{
     intake::{self, LateTicket, NamedPart, Ticket},
     ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
@@ -162,7 +162,9 @@ async fn late_reason(farm: &Farm, part: &PartRow, ticket: &Ticket, refused: &Led
         return Ok(format!("It came after its part was taken: {refused}."));
     };
     let copies = placements.iter().filter(|placed| !placed.is_bad).count() as u32;
-    let when = last.published_at.map_or_else(String::new, |at| format!(", published {}", format_local(at.0)));
+    let when = last
+        .published_at
+        .map_or_else(String::new, |at| format!(", published {}", farm.settings.time_zone.format_minute(at.0)));
     let more = match ticket.copies {
         Some(wanted) if wanted > copies => {
             format!(" Order {} more with `nestd edit {} --copies {wanted}`.", wanted - copies, part.id)
@@ -182,7 +184,7 @@ fn ticket_to_edit(ticket: &Ticket, machine: &MachineProfile) -> Result<PartEdit,
         None => None,
         Some(due) => {
             let at = due
-                .to_timestamp(&TimeZone::system())
+                .to_timestamp(machine.time_zone.time_zone())
                 .map_err(|error| format!("Its due date is none here: {error}."))?;
             Some(Some((at, due.to_string())))
         }

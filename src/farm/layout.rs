@@ -6,6 +6,7 @@ use std::{
     sync::Arc,
 };
 
+use build_file::OrderWords;
 use glam::{DQuat, DVec3};
 use nester::{InstanceError, ItemPlacement, NestingInstance, NestingItem, NestingSolution};
 use serde::{Deserialize, Serialize};
@@ -13,8 +14,8 @@ use solids::{Mesh, Pose};
 
 use crate::{
     build::{BuildPart, PartPlacement},
-    ledger::{PartId, PartRow, PlacementRow, WaitingPart},
-    settings::MachineProfile,
+    ledger::{PartId, PartRow, PartTerms, PlacementRow, WaitingPart},
+    settings::{FarmZone, MachineProfile},
 };
 
 /// A copy of a part: the unit that is never lost and never printed twice.
@@ -27,6 +28,21 @@ pub struct LayoutPlacement {
     pub copy: CopyId,
     /// Mesh frame -> build volume frame.
     pub pose: Pose,
+}
+
+/// What the order of a part says for the people who unpack it. Due dates are those of `zone`.
+fn order_words(terms: &PartTerms, zone: &FarmZone) -> OrderWords {
+    let some = |text: String| Some(text).filter(|text| !text.is_empty());
+    OrderWords {
+        order: some(terms.order_name.clone()),
+        due: some(due_words(terms, zone)),
+        note: some(terms.note.clone()),
+    }
+}
+
+/// The due date of a part as people read it, "" = none.
+pub(super) fn due_words(terms: &PartTerms, zone: &FarmZone) -> String {
+    terms.due_at.map_or_else(String::new, |at| zone.format_due(at.0, &terms.due_text))
 }
 
 /// A layout of a batch.
@@ -78,8 +94,8 @@ impl NestingBatch {
         profile.to_machine().create_instance(items.collect())
     }
 
-    /// The parts for a build file, in the same order.
-    pub fn build_parts(&self) -> Vec<BuildPart> {
+    /// The parts for a build file, in the same order. Due dates are those of `zone`.
+    pub fn build_parts(&self, zone: &FarmZone) -> Vec<BuildPart> {
         let build_part = |NestingPart { part, mesh, copies }: &NestingPart| BuildPart {
             name: part.name.clone(),
             object_name: if part.solid.object_name.is_empty() {
@@ -95,7 +111,7 @@ impl NestingBatch {
             copies: copies.clone(),
             orientation: part.orientation_limits(),
             clearance_mm: part.terms.clearance_mm,
-            order: (!part.terms.order_name.is_empty()).then(|| part.terms.order_name.clone()),
+            words: order_words(&part.terms, zone),
         };
         self.parts.iter().map(build_part).collect()
     }

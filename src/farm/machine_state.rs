@@ -7,6 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
+use jiff::Timestamp;
 use nester::SearchBudget;
 
 use super::{
@@ -21,10 +22,10 @@ use super::{
     obeyed_controls::ObeyedControls,
     time_source::TimeSource,
     time_text::written_stamp,
-    trigger::{FireTrigger, TriggerFacts},
+    trigger::{DueFacts, FireTrigger, TriggerFacts},
 };
 use crate::{
-    ledger::{BuildRow, CommandId, UtcTimestamp, WaitingPart, rank_waiting_copies},
+    ledger::{BuildRow, CommandId, DueArrival, UtcTimestamp, WaitingPart, rank_waiting_copies},
     queue::QueueFolder,
     settings::MachineProfile,
 };
@@ -186,7 +187,7 @@ impl MachineState {
             return Default::default();
         }
         let mut json = json.clone();
-        let (stamp, written_at, renewed_within_secs) = written_stamp(scan_secs);
+        let (stamp, written_at, renewed_within_secs) = written_stamp(scan_secs, &self.profile.time_zone);
         json["attention"] = alerts.status_json_for(&self.profile.name);
         json["running"] = true.into();
         json["written_at"] = written_at.to_string().into();
@@ -196,20 +197,26 @@ impl MachineState {
 }
 
 impl MachineState {
-    /// The facts for the triggers, from the waiting parts, the copies that are tried together, and the open build.
+    /// The facts for the triggers, from the waiting parts, the copies that are tried together, and the open build. `newest`
+    /// is when the newest part of the machine arrived.
     pub fn trigger_facts(
         &self,
         waiting: &[WaitingPart],
         wanted: &BTreeSet<CopyId>,
+        newest: Timestamp,
         flush: bool,
         knows_the_date: bool,
     ) -> TriggerFacts {
         let (copies, layout) = (waiting.iter().map(|w| w.copies.len()).sum(), &self.open.layout);
+        let due = |waits: &WaitingPart| {
+            Some(DueArrival { due_at: waits.part.terms.due_at?, arrived_at: waits.part.arrived_at() })
+        };
+        let dues: Vec<DueArrival> = waiting.iter().filter_map(due).collect();
         let has_more = wanted.len() < copies || !layout.unplaced.is_empty();
         TriggerFacts {
             copies,
             oldest: waiting.iter().map(|w| w.part.times.claimed_at.0).min().unwrap_or_default(),
-            due: waiting.iter().filter_map(|w| w.part.terms.due_at.map(|d| d.0)).min(),
+            due: DueFacts::of_arrivals(&self.profile, layout.height_mm, &dues, newest),
             height_mm: layout.height_mm,
             density: layout.part_volume_mm3 / self.profile.build_volume().size_mm.element_product(),
             full: self.open.covers_copies(wanted) && !layout.placed.is_empty() && has_more,

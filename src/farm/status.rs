@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use build_file::format_count;
-use jiff::{Timestamp, tz::TimeZone};
+use jiff::Timestamp;
 use serde_json::json;
 
 use super::{
@@ -13,21 +13,20 @@ use super::{
     alert_registry::AlertRegistry,
     control_files, due_dates,
     farm::{Farm, TICK_INTERVAL},
+    fire_forecast::forecast_fire,
     intake_jobs::HotFolderScanJob,
     job_events,
     jobs::BackgroundJob,
     layout::BatchLayout,
     lost_ledger, machine_availability,
     machine_state::MachineState,
-    status_alerts, systemd,
+    part_questions, status_alerts, systemd,
     tick_tasks::TimedTask,
-    time_text::{floor_to_minute, format_local, format_with_zone},
-    trigger::{FireTrigger, TriggerFacts, next_timed_trigger},
+    time_text::floor_to_minute,
 };
 use crate::{
     intake,
-    ledger::{CopiesQuestion, DaemonHeartbeat, LedgerError, ProfileStatus},
-    settings::MachineProfile,
+    ledger::{DaemonHeartbeat, LedgerError, ProfileStatus},
 };
 
 /// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
@@ -35,8 +34,8 @@ const STOPPED_STATUS_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Failures that did not occur again for this long, or for three scans, are over.
 const FAILURE_EXPIRY: Duration = Duration::from_secs(150);
-/// Maximum number of questions in `STATUS.txt`.
-const MAX_QUESTIONS: u32 = 3;
+/// Maximum number of parts with an open question in `status.json`, of each kind.
+const MAX_QUESTIONS: u32 = 100;
 /// Interval of the status updates, each of which queries the whole ledger.
 const STATUS_INTERVAL: Duration = Duration::from_secs(2);
 
@@ -67,11 +66,13 @@ pub(super) async fn update_status(farm: &mut Farm) -> Result<()> {
     farm.display.updated_at = Some(farm.now());
     control_files::update_answers(farm).await?;
     let rows = farm.ledger.profile_statuses().await?;
-    let asked = farm.ledger.copies_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
+    let asked = farm.ledger.parts_with_questions(intake::COPIES_QUESTION, MAX_QUESTIONS).await?;
     for (name, machine) in &mut farm.machines {
         if let Some(row) = rows.iter().find(|row| row.profile == *name) {
-            let text = status_text(machine, row) + &copies_questions_text(name, &asked);
-            machine.status = (text, status_json(machine, row));
+            let text = status_text(machine, row) + &part_questions::questions_text(name, &asked);
+            let mut json = status_json(machine, row);
+            json["questions"] = part_questions::questions_json(name, &asked);
+            machine.status = (text, json);
         }
     }
     status_alerts::update_ledger_alerts(&farm.ledger, &farm.machines, &mut farm.alerts, &rows).await?;
@@ -187,15 +188,15 @@ pub(super) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
     Ok(farm.ledger.write_heartbeat(&heartbeat).await?)
 }
 
-/// The status for the technician at the shared folder; lengths in mm, local times.
+/// The status for the technician at the shared folder; lengths in mm, times in the zone of the farm.
 fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
-    let profile = &machine.profile;
+    let (profile, zone) = (&machine.profile, &machine.profile.time_zone);
     let mut lines = vec![format!("{}: drop STL or 3MF files here.", profile.name)];
     if let Some(paused) = &row.paused {
         lines.push(format!(
             "PAUSED by {} since {}: nothing is fired.",
             paused.paused_by,
-            format_local(paused.paused_at.0)
+            zone.format_minute(paused.paused_at.0)
         ));
     }
     lines.push(match row.waiting_parts {
@@ -212,12 +213,8 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
             100.0 * height_mm / volume_z_mm
         ));
     }
-    if let Some(at) = forecast_fire(profile, row) {
-        lines.push(format!(
-            "It fires when it is full, at the latest {}: {}.",
-            format_local(at.at),
-            at.fire_reason(row)
-        ));
+    if let Some(fires) = forecast_fire(profile, row) {
+        lines.push(format!("It fires {}.", fires.fire_text(profile, row)));
     }
     if !machine.inbox.controls.answer.is_empty() {
         lines.push(machine.inbox.controls.answer.clone());
@@ -228,32 +225,13 @@ fn status_text(machine: &MachineState, row: &ProfileStatus) -> String {
     }
     if let Some(last) = &row.last_published {
         let height_mm = last.height_mm.unwrap_or_default();
-        lines.push(format!("Last build: {} on {}, {height_mm:.1} mm.", last.build, format_local(last.published_at.0)));
+        lines.push(format!(
+            "Last build: {} on {}, {height_mm:.1} mm.",
+            last.build,
+            zone.format_minute(last.published_at.0)
+        ));
     }
     lines.join("\n") + "\n"
-}
-
-/// The parts of a profile whose number of copies is asked for, a line for each of the first. (Parts that wait for a yes are
-/// in an alert.)
-fn copies_questions_text(profile: &str, asked: &[CopiesQuestion]) -> String {
-    let own: Vec<&CopiesQuestion> = asked.iter().filter(|part| part.profile == profile).collect();
-    let mut lines: Vec<String> = own
-        .iter()
-        .map(|part| {
-            format!(
-                "Question: {} part {} ({}) is taken as 1; answer with `nestd edit {} --copies N`.\n",
-                intake::COPIES_QUESTION,
-                part.id,
-                part.name,
-                part.id
-            )
-        })
-        .collect();
-    let more = own.first().map_or(0, |part| part.total.saturating_sub(own.len() as u32));
-    if more > 0 {
-        lines.push(format!("The same is asked of {}.\n", format_count(more, "more part", "more parts")));
-    }
-    lines.concat()
 }
 
 /// The waiting copies and parts, in words.
@@ -301,7 +279,8 @@ fn status_json(machine: &MachineState, row: &ProfileStatus) -> serde_json::Value
             "copies": open.placed.len(),
             "height_share": open.height_mm / machine.profile.build_volume().size_mm.z,
         },
-        "fires_at_latest": fires.map(|fires| fires.at.to_string()),
+        "fires_at": fires.map(|fires| fires.at.to_string()),
+        "fires_at_latest": fires.map(|fires| fires.latest.to_string()),
         "fires_by": fires.map(|fires| fires.by),
         "left_out": machine.left_out.texts().collect::<Vec<_>>(),
         "in_work": row.nesting.iter().map(|b| json!({ "build": b.build, "copies": b.copies })).collect::<Vec<_>>(),
@@ -317,7 +296,7 @@ fn stopped_status(machine: &MachineState, row: &ProfileStatus) -> (String, Strin
     let mut text = format!(
         "{name}: nestd was stopped on {}: this folder is not scanned, and nothing is built. Files dropped here are \
          taken when it runs again.\n",
-        format_with_zone(now)
+        machine.profile.time_zone.format_minute(now)
     );
     if row.waiting_parts > 0 {
         text += &format!("{} until then.\n", waiting_text(row));
@@ -340,7 +319,7 @@ fn halted_status(machine: &MachineState, alerts: &AlertRegistry, is_running: boo
         "{}{name}: this folder is not scanned, and nothing is built, until that is mended. What is dropped here stays \
          here.\nWritten {}.\n",
         alerts.status_text_for(name),
-        format_with_zone(now)
+        machine.profile.time_zone.format_minute(now)
     );
     let json = json!({
         "profile": name,
@@ -350,43 +329,4 @@ fn halted_status(machine: &MachineState, alerts: &AlertRegistry, is_running: boo
         "fires_at_latest": null,
     });
     (text, format!("{json:#}\n"))
-}
-
-/// When a machine's next build fires at the latest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FireForecast {
-    /// The time; a time in the past means at once.
-    pub at: Timestamp,
-    /// The trigger that fires it.
-    pub by: FireTrigger,
-}
-
-impl FireForecast {
-    /// The reason in words.
-    pub fn fire_reason(&self, row: &ProfileStatus) -> String {
-        match self.by {
-            FireTrigger::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
-            FireTrigger::Due => format!("deadline of {}", row.due_of),
-            FireTrigger::At => format!("at {}", self.at.to_zoned(TimeZone::system()).strftime("%H:%M %Z")),
-            _ => "waited long enough".to_owned(),
-        }
-    }
-}
-
-/// When the next build of a profile fires at the latest, unless it is full before or an operator flushes it.
-pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<FireForecast> {
-    if row.paused.is_some() || row.waiting_parts == 0 {
-        return None;
-    }
-    let facts = TriggerFacts {
-        copies: row.waiting_copies.max(1) as usize,
-        oldest: row.oldest_at?.0,
-        due: row.due_at.map(|due| due.0),
-        height_mm: row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0),
-        density: 0.0,
-        full: false,
-        flush: false,
-        is_date_trusted: true,
-    };
-    next_timed_trigger(profile, &facts).map(|(at, by)| FireForecast { at, by })
 }

@@ -1,17 +1,19 @@
-//! Times as people read them.
+//! The line in `STATUS.txt` that shows whether the file is current.
 
-use jiff::{Timestamp, tz::TimeZone};
+use jiff::Timestamp;
 
 use build_file::format_count;
 
+use crate::settings::FarmZone;
+
 /// The line in `STATUS.txt` that shows whether the file is current, and the values for `status.json`.
-pub(super) fn written_stamp(scan_secs: f64) -> (String, Timestamp, u64) {
+pub(super) fn written_stamp(scan_secs: f64, zone: &FarmZone) -> (String, Timestamp, u64) {
     // A scan of very many files takes time too.
     let minutes = (scan_secs / 60.0).ceil() as u64 + 1;
     let now = floor_to_minute(Timestamp::now());
     let line = format!(
         "Written {}, and renewed at least every {} while nestd runs: if this is older, nestd is not running.\n",
-        format_with_zone(now),
+        zone.format_minute(now),
         format_count(minutes, "minute", "minutes")
     );
     (line, now, 60 * minutes)
@@ -20,13 +22,4 @@ pub(super) fn written_stamp(scan_secs: f64) -> (String, Timestamp, u64) {
 /// Rounds down to the minute: an unchanged status is written at most once a minute.
 pub(super) fn floor_to_minute(time: Timestamp) -> Timestamp {
     Timestamp::from_second(time.as_second().div_euclid(60) * 60).unwrap_or(time)
-}
-
-/// Local time with its zone.
-pub(super) fn format_with_zone(time: Timestamp) -> String {
-    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M %Z").to_string()
-}
-
-pub(super) fn format_local(time: Timestamp) -> String {
-    time.to_zoned(TimeZone::system()).strftime("%Y-%m-%d %H:%M").to_string()
 }

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use jiff::{SignedDuration, Timestamp, civil::Date, tz::TimeZone};
+use jiff::{SignedDuration, Timestamp, civil::Date};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::settings::MachineProfile;
+use crate::{ledger::DueArrival, settings::MachineProfile};
 
 /// Why a batch fired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
@@ -49,8 +49,8 @@ pub struct TriggerFacts {
     pub copies: usize,
     /// When the oldest waiting part was claimed.
     pub oldest: Timestamp,
-    /// The earliest due date among the waiting parts.
-    pub due: Option<Timestamp>,
+    /// What fires a batch for a due date; `None` = no waiting part has one, or they fire nothing.
+    pub due: Option<DueFacts>,
     /// Height of the open build, mm; 0 when there is no layout yet.
     pub height_mm: f64,
     /// Part volume of the open build / volume of the whole build volume.
@@ -61,6 +61,51 @@ pub struct TriggerFacts {
     pub flush: bool,
     /// Whether the clock was not set recently, so that dates may be acted on.
     pub is_date_trusted: bool,
+}
+
+/// The gathering before a batch fires for a due date: parts that are dropped one after another go into one build.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DueFacts {
+    /// Since when a due date is near: its date minus print time and margin, or the arrival of a part whose date is nearer.
+    pub near_at: Timestamp,
+    /// When printing must begin to meet the nearest due date.
+    pub start_by: Timestamp,
+    /// When the newest part arrived.
+    pub newest: Timestamp,
+}
+
+/// A batch gathers for at most this many times `gather_secs`, however many parts arrive.
+const MAX_GATHERS: f64 = 4.0;
+
+impl DueFacts {
+    /// The facts of the due dates of waiting parts, for an open build of this height; `newest` is when the newest part
+    /// arrived.
+    pub fn of_arrivals(
+        profile: &MachineProfile,
+        height_mm: f64,
+        dues: &[DueArrival],
+        newest: Timestamp,
+    ) -> Option<Self> {
+        let print_secs = height_mm * profile.space.print_hours_per_mm * 3600.0;
+        let margin_secs = profile.trigger.due_margin_secs?;
+        let near_at =
+            |due: &DueArrival| Some(add_secs(due.due_at.0, -(print_secs + margin_secs))?.max(due.arrived_at.0));
+        let nearest = dues.iter().map(|due| due.due_at.0).min()?;
+        Some(Self {
+            near_at: dues.iter().filter_map(near_at).min()?,
+            start_by: add_secs(nearest, -print_secs)?,
+            newest,
+        })
+    }
+
+    /// When the batch fires if nothing more arrives. A due date that can still be met is never missed by gathering.
+    pub fn fires_at(&self, profile: &MachineProfile) -> Timestamp {
+        let gather_secs = profile.trigger.gather_secs;
+        let later = |time: Timestamp, secs: f64| add_secs(time, secs).unwrap_or(Timestamp::MAX);
+        let longest = later(self.near_at, MAX_GATHERS * gather_secs);
+        let longest = if self.start_by > self.near_at { longest.min(self.start_by) } else { longest };
+        later(self.newest, gather_secs).min(longest).max(self.near_at)
+    }
 }
 
 /// The first trigger that holds, if any.
@@ -98,8 +143,8 @@ fn trigger_times(profile: &MachineProfile, facts: &TriggerFacts) -> Vec<(Timesta
         // When the clock is set, the times of the waiting parts are adjusted: this is how long the part has really
         // waited.
         (add_secs(facts.oldest, trigger.max_wait_secs), FireTrigger::MaxWait),
-        (due_trigger_time(profile, facts).filter(|_| knows), FireTrigger::Due),
-        (first_daily_time_after(&trigger.at, facts.oldest).filter(|_| knows), FireTrigger::At),
+        (facts.due.filter(|_| knows).map(|due| due.fires_at(profile)), FireTrigger::Due),
+        (first_daily_time_after(profile, facts.oldest).filter(|_| knows), FireTrigger::At),
     ];
     moments.into_iter().filter_map(|(at, by)| Some((at?, by))).collect()
 }
@@ -114,16 +159,10 @@ pub fn secs_between(earlier: Timestamp, later: Timestamp) -> f64 {
     later.duration_since(earlier).as_secs_f64()
 }
 
-/// When printing must begin to meet the earliest due date, with the margin.
-fn due_trigger_time(profile: &MachineProfile, facts: &TriggerFacts) -> Option<Timestamp> {
-    let print_secs = facts.height_mm * profile.space.print_hours_per_mm * 3600.0;
-    add_secs(facts.due?, -(print_secs + profile.trigger.due_margin_secs?))
-}
-
 /// The first of the local times of day after the oldest part's arrival; so a time that passed while the daemon was down
 /// still counts.
-fn first_daily_time_after(at: &[jiff::civil::Time], oldest: Timestamp) -> Option<Timestamp> {
-    let zone = TimeZone::system();
+fn first_daily_time_after(profile: &MachineProfile, oldest: Timestamp) -> Option<Timestamp> {
+    let (at, zone) = (&profile.trigger.at, profile.time_zone.time_zone());
     let today = oldest.to_zoned(zone.clone()).date();
     let days = [Some(today), today.tomorrow().ok()];
     let on = |day: Date, time: &jiff::civil::Time| day.to_datetime(*time).to_zoned(zone.clone()).ok();
@@ -159,7 +198,7 @@ pub(super) mod tests {
         TriggerFacts {
             copies: 1,
             oldest,
-            due,
+            due: due_facts(&machine(), 0.0, due, oldest),
             height_mm: 0.0,
             density: 0.0,
             full: false,
@@ -168,8 +207,23 @@ pub(super) mod tests {
         }
     }
 
+    /// The facts of a part that is due then and is the only one that arrived.
+    fn due_facts(
+        machine: &MachineProfile,
+        height_mm: f64,
+        due: Option<Timestamp>,
+        arrived: Timestamp,
+    ) -> Option<DueFacts> {
+        let due = DueArrival { due_at: due?.into(), arrived_at: arrived.into() };
+        DueFacts::of_arrivals(machine, height_mm, &[due], arrived)
+    }
+
     fn at(hour: i8, minute: i8) -> Timestamp {
-        jiff::civil::date(2026, 11, 20).at(hour, minute, 0, 0).to_zoned(TimeZone::system()).unwrap().timestamp()
+        jiff::civil::date(2026, 11, 20)
+            .at(hour, minute, 0, 0)
+            .to_zoned(jiff::tz::TimeZone::system())
+            .unwrap()
+            .timestamp()
     }
 
     #[tokio::test]
@@ -208,6 +262,39 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn overdue_parts_are_gathered_until_nothing_came_for_a_while_and_not_for_ever() {
+        let machine = machine_with_triggers("gather_secs = \"15m\"\nmax_wait_secs = \"24h\"\n");
+        let overdue = |arrived: Timestamp| DueArrival { due_at: at(0, 0).into(), arrived_at: arrived.into() };
+        let fires = |dues: &[DueArrival], newest: Timestamp| {
+            DueFacts::of_arrivals(&machine, 10.0, dues, newest).unwrap().fires_at(&machine)
+        };
+        assert_eq!(fires(&[overdue(at(8, 0))], at(8, 0)), at(8, 15));
+        // Any part that arrives counts, also one without a date.
+        assert_eq!(fires(&[overdue(at(8, 0))], at(8, 14)), at(8, 29));
+        // A drizzle, in which each part is longer overdue than the one before.
+        let earlier = DueArrival { due_at: at(0, 0).checked_sub(24.hours()).unwrap().into(), ..overdue(at(8, 50)) };
+        assert_eq!(fires(&[overdue(at(8, 0)), earlier], at(8, 50)), at(9, 0));
+        let at_once = machine_with_triggers("gather_secs = 0\n");
+        let due = DueFacts::of_arrivals(&at_once, 10.0, &[overdue(at(8, 0))], at(8, 14)).unwrap();
+        assert_eq!(due.fires_at(&at_once), at(8, 0));
+    }
+
+    #[test]
+    fn gathering_does_not_cost_a_due_date_that_can_still_be_met() {
+        let machine = machine_with_triggers("gather_secs = \"15m\"\ndue_margin_secs = \"30m\"\n");
+        // 10 mm take an hour: it must begin at 11:00, and is near from 10:30 on.
+        let due = |arrived: Timestamp| DueArrival { due_at: at(12, 0).into(), arrived_at: arrived.into() };
+        let fires = |arrived: Timestamp, newest: Timestamp| {
+            DueFacts::of_arrivals(&machine, 10.0, &[due(arrived)], newest).unwrap().fires_at(&machine)
+        };
+        assert_eq!(fires(at(8, 0), at(8, 0)), at(10, 30));
+        assert_eq!(fires(at(8, 0), at(10, 20)), at(10, 35));
+        assert_eq!(fires(at(8, 0), at(10, 50)), at(11, 0), "not after it must begin");
+        assert_eq!(fires(at(10, 55), at(10, 55)), at(11, 0));
+        assert_eq!(fires(at(11, 5), at(11, 5)), at(11, 20), "it is late in any case");
+    }
+
+    #[test]
     fn a_batch_fires_at_the_moment_that_was_told_and_not_a_second_before() {
         let (day, second) = (SignedDuration::from_hours(24), SignedDuration::from_secs(1));
         let mut seen = std::collections::BTreeSet::new();
@@ -223,7 +310,10 @@ pub(super) mod tests {
             machine.trigger.due_margin_secs = (case % 5 != 0).then_some(case as f64 * 1.7);
             machine.space.print_hours_per_mm = 0.013 * (case % 7) as f64;
             let due = (case % 2 == 0).then(|| arrived.checked_add(day * (case % 4) as i32).unwrap());
-            let facts = TriggerFacts { height_mm: (case % 90) as f64 * 0.37, ..facts(arrived, due, case % 11 != 0) };
+            machine.trigger.gather_secs = (case % 13) as f64 * 700.3;
+            let height_mm = (case % 90) as f64 * 0.37;
+            let due = due_facts(&machine, height_mm, due, arrived);
+            let facts = TriggerFacts { height_mm, due, ..facts(arrived, None, case % 11 != 0) };
             let (then, by) = next_timed_trigger(&machine, &facts).unwrap();
             assert_eq!(find_trigger(&machine, &facts, then), Some(by), "case {case}");
             assert_eq!(find_trigger(&machine, &facts, then.checked_sub(second).unwrap()), None, "case {case}");

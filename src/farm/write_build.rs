@@ -153,7 +153,7 @@ fn create_solved_build(request: &BuildWriteRequest, nested: &NestingResult) -> S
     SolvedBuild {
         heading,
         machine: request.profile.to_machine(),
-        parts: nested.batch.build_parts(),
+        parts: nested.batch.build_parts(&request.profile.time_zone),
         placed: nested.batch.part_placements(&nested.layout),
         height_mm: nested.layout.height_mm,
         density: nested.layout.density,

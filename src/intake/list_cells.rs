@@ -119,7 +119,8 @@ pub(super) fn parse_due_cell(cell: &str) -> Result<DueDate, String> {
     .map_err(|_| format!("due = {cell:?}{NO_DATE}"))
 }
 
-/// Parses a due date as people write it. Returns the instant, and the date as it is shown.
+/// Parses a due date as people write it, in the time zone of the farm. Returns the instant, and the date as it was given: a
+/// day, a local time or an instant.
 ///
 /// # Errors
 /// It is no date; the error says how to write one.

@@ -42,7 +42,11 @@ impl DueDate {
         match self {
             Self::At(instant) => Ok(instant),
             Self::Local(time) => Ok(time.to_zoned(zone.clone())?.timestamp()),
-            Self::Day(day) => Ok(day.tomorrow()?.to_zoned(zone.clone())?.timestamp()),
+            // The last second of the day, so that it is that day for whoever shows only the date of the instant.
+            Self::Day(day) => {
+                let end = day.to_zoned(zone.clone())?.end_of_day()?.timestamp();
+                Timestamp::from_second(end.as_second())
+            }
         }
     }
 
@@ -359,11 +363,32 @@ mod tests {
     fn a_day_is_due_at_its_end_and_a_local_time_in_the_zone_of_the_farm() {
         let zone = TimeZone::fixed(jiff::tz::offset(1));
         let at = |text: &str| parse_due(text).unwrap().to_timestamp(&zone).unwrap().to_string();
-        assert_eq!(at("2026-11-25"), "2026-11-25T23:00:00Z");
+        assert_eq!(at("2026-11-25"), "2026-11-25T22:59:59Z");
         assert_eq!(at("2026-11-25T17:00"), "2026-11-25T16:00:00Z");
         assert_eq!(at("2026-11-25 17:00:00"), "2026-11-25T16:00:00Z");
         assert_eq!(at("2026-11-25T17:00:00Z"), "2026-11-25T17:00:00Z");
         assert_eq!(at("2026-11-25T17:00:00-05:00"), "2026-11-25T22:00:00Z");
+    }
+
+    #[test]
+    fn a_day_ends_in_its_own_zone_also_where_the_clocks_change() {
+        let berlin = TimeZone::get("Europe/Berlin").unwrap();
+        let at = |text: &str| parse_due(text).unwrap().to_timestamp(&berlin).unwrap().to_string();
+        assert_eq!(at("2026-12-24"), "2026-12-24T22:59:59Z");
+        assert_eq!(
+            (at("2026-03-28"), at("2026-03-29")),
+            ("2026-03-28T22:59:59Z".into(), "2026-03-29T21:59:59Z".into())
+        );
+        assert_eq!(
+            (at("2026-10-24"), at("2026-10-25")),
+            ("2026-10-24T21:59:59Z".into(), "2026-10-25T22:59:59Z".into())
+        );
+        // A time that the clocks skip, and one that they show twice.
+        assert_eq!(at("2026-03-29 02:30"), "2026-03-29T01:30:00Z");
+        assert_eq!(at("2026-10-25 02:30"), "2026-10-25T00:30:00Z");
+        // Midnight is shown twice there; the day ends at the second one.
+        let cuba = TimeZone::get("America/Havana").unwrap();
+        assert_eq!(parse_due("2026-10-31").unwrap().to_timestamp(&cuba).unwrap().to_string(), "2026-11-01T03:59:59Z");
     }
 
     #[test]

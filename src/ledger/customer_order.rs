@@ -52,6 +52,8 @@ pub struct OrderLine {
     pub state: PartState,
     /// When it is due.
     pub due_at: Option<UtcTimestamp>,
+    /// The due date as it was given, "" = none.
+    pub due_text: String,
     /// What became of its copies.
     #[serde(flatten)]
     #[sqlx(flatten)]
@@ -119,6 +121,8 @@ pub struct OrderSummary {
     pub lines: u32,
     /// The earliest due date among the lines that are not good.
     pub due_at: Option<UtcTimestamp>,
+    /// That date as it was given, "" = none.
+    pub due_text: String,
     /// What became of its copies.
     #[serde(flatten)]
     pub copies: LineCopies,
@@ -130,8 +134,9 @@ impl OrderSummary {
         let mut copies = LineCopies::default();
         lines.iter().for_each(|line| copies.add(&line.copies));
         let open = lines.iter().filter(|line| line.copies.good < line.copies.wanted);
-        let due_at = open.filter_map(|line| line.due_at).min_by_key(|due| due.0);
-        Self { order, lines: lines.len() as u32, due_at, copies }
+        let first_due = open.filter(|line| line.due_at.is_some()).min_by_key(|line| line.due_at);
+        let (due_at, due_text) = first_due.map(|line| (line.due_at, line.due_text.clone())).unwrap_or_default();
+        Self { order, lines: lines.len() as u32, due_at, due_text, copies }
     }
 }
 

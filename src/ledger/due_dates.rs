@@ -18,6 +18,8 @@ pub struct DuePartRow {
     pub order_name: String,
     /// When it is due.
     pub due_at: UtcTimestamp,
+    /// The due date as it was given, "" = not known.
+    pub due_text: String,
     /// Height of the build that holds the part, mm, if known.
     pub height_mm: Option<f64>,
 }
@@ -26,7 +28,7 @@ impl Ledger {
     /// The parts that are due until a time, by due date.
     pub async fn due_parts(&self, until: Timestamp) -> Result<Vec<DuePartRow>> {
         let query = sqlx::query_as(
-            "SELECT p.id, p.profile, p.name, p.order_name, p.due_at, \
+            "SELECT p.id, p.profile, p.name, p.order_name, p.due_at, p.due_text, \
              (SELECT max(b.height_mm) FROM placement l JOIN build b ON b.id = l.build_id \
              WHERE l.part_id = p.id AND b.published_at IS NULL) AS height_mm \
              FROM part p WHERE p.due_at IS NOT NULL AND p.at_risk_at IS NULL \

@@ -63,12 +63,13 @@ impl Ledger {
         Ok(sqlx::query_scalar(query).fetch_one(self.reader()?).await?)
     }
 
-    /// Adjusts to a clock that was set by `jump`: shifts the claim times of the parts in the farm, so their ages stay
-    /// the same.
+    /// Adjusts to a clock that was set by `jump`: shifts the times at which the parts in the farm were claimed or put back, so
+    /// their ages stay the same.
     pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {
         let mut change = self.begin_change().await?;
         sqlx::query(
-            "UPDATE part SET claimed_at = strftime('%Y-%m-%dT%H:%M:%fZ', claimed_at, ? || ' seconds') \
+            "UPDATE part SET claimed_at = strftime('%Y-%m-%dT%H:%M:%fZ', claimed_at, ?1 || ' seconds'), \
+             put_back_at = strftime('%Y-%m-%dT%H:%M:%fZ', put_back_at, ?1 || ' seconds') \
              WHERE state IN ('claimed', 'waiting', 'batched')",
         )
         .bind(format!("{:+.3}", jump.as_secs_f64()))

@@ -12,7 +12,6 @@ mod change;
 mod claim;
 mod command;
 mod consistency;
-mod copies_question;
 mod customer_order;
 mod daemon;
 mod damaged;
@@ -34,6 +33,7 @@ mod nesting;
 mod outcome;
 mod part;
 mod part_list;
+mod part_question;
 mod part_row;
 mod placement;
 mod precedence;
@@ -59,7 +59,6 @@ pub use build_row::{
     SearchEffort, StagedFile, Verified,
 };
 pub use command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
-pub use copies_question::CopiesQuestion;
 pub use customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
 pub use daemon::{DaemonHeartbeat, DaemonRow, HEARTBEAT_VALID_SECS, LOCK_NAME};
 pub use decisions::ClaimDecisions;
@@ -75,6 +74,7 @@ pub use ledger::Ledger;
 pub use machine::{MachineRow, ObservedMachine};
 pub use outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use part_list::PartQuery;
+pub use part_question::{QuestionKind, QuestionedPart};
 pub use part_row::{
     ClaimedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow, PartTerms,
     PartTimes, RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
@@ -86,7 +86,9 @@ pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
 pub use replace::{clear_unfinished, replace_ledger, restoring_path};
 pub use state::{BuildState, IllegalMove, PartState};
-pub use status::{NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD};
+pub use status::{
+    DueArrival, NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD,
+};
 pub use time::UtcTimestamp;
 pub use totals::{BuildCount, FarmTotals, MeasuredBuild};
 pub use waiting::{WaitingPart, rank_waiting_copies};

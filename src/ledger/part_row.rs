@@ -297,6 +297,11 @@ pub(super) fn name_with_solid(name: &str, solid: &str) -> String {
 }
 
 impl PartRow {
+    /// When it arrived among the waiting parts: it was claimed, or copies of it were put back.
+    pub fn arrived_at(&self) -> UtcTimestamp {
+        self.owed.put_back_at.unwrap_or(self.times.claimed_at).max(self.times.claimed_at)
+    }
+
     /// Copies wanted: those ever wanted without the cancelled ones.
     pub fn wanted_copies(&self) -> u32 {
         self.owed.copies.saturating_sub(self.owed.cancelled_copies)

@@ -11,7 +11,7 @@ use super::{LedgerError, error::Result};
 
 /// Version, description and text of each file of `migrations`; a test compares the two. They are listed, because
 /// `sqlx::migrate!`, which reads the folder, has SQLite compiled a second time, for the compiler's own use.
-const FILES: [(i64, &str, &str); 13] = [
+const FILES: [(i64, &str, &str); 14] = [
     (1, "ledger", include_str!("../../migrations/0001_ledger.sql")),
     (2, "tilts", include_str!("../../migrations/0002_tilts.sql")),
     (3, "a million builds", include_str!("../../migrations/0003_a_million_builds.sql")),
@@ -25,6 +25,7 @@ const FILES: [(i64, &str, &str); 13] = [
     (15, "why refused", include_str!("../../migrations/0015_why_refused.sql")),
     (17, "why paused", include_str!("../../migrations/0017_why_paused.sql")),
     (18, "orders", include_str!("../../migrations/0018_orders.sql")),
+    (19, "dates", include_str!("../../migrations/0019_dates.sql")),
 ];
 
 pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| {

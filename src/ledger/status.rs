@@ -29,8 +29,16 @@ pub struct ProfileStatus {
     pub oldest_at: Option<UtcTimestamp>,
     /// The nearest due date of the waiting parts.
     pub due_at: Option<UtcTimestamp>,
-    /// What is due at that time: the order, or else the file; "" = nothing.
+    /// That date as it was given, "" = none, or not known.
+    pub due_text: String,
+    /// What is due first of what can be built: the order, or else the file; "" = nothing.
     pub due_of: String,
+    /// The due dates of the waiting parts that can be built, the earliest first.
+    #[serde(skip)]
+    pub due_arrivals: Vec<DueArrival>,
+    /// When the newest part arrived, be it read or not.
+    #[serde(skip)]
+    pub newest_at: Option<UtcTimestamp>,
     /// The open build.
     pub open: Option<OpenBuildForecast>,
     /// Builds that are being nested or published.
@@ -39,6 +47,15 @@ pub struct ProfileStatus {
     pub paused: Option<PauseStatus>,
     /// The build that was published last.
     pub last_published: Option<PublishedBuild>,
+}
+
+/// A due date, and when the first waiting part with that date arrived.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DueArrival {
+    /// The due date.
+    pub due_at: UtcTimestamp,
+    /// When the part was claimed, or copies of it were put back.
+    pub arrived_at: UtcTimestamp,
 }
 
 /// The forecast of the next build.
@@ -115,12 +132,21 @@ struct PartCounts {
     waiting_parts: u32,
     waiting_copies: u32,
     oldest_at: Option<UtcTimestamp>,
-    due_at: Option<UtcTimestamp>,
+    newest_at: Option<UtcTimestamp>,
 }
 
-/// The part or order that is due first.
+/// The nearest due date.
 #[derive(FromRow)]
 struct NearestDue {
+    due_at: UtcTimestamp,
+    due_text: String,
+}
+
+/// A due date of parts that can be built.
+#[derive(FromRow)]
+struct DueDateRow {
+    due_at: UtcTimestamp,
+    arrived_at: UtcTimestamp,
     due_of: String,
 }
 
@@ -129,7 +155,7 @@ const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_part
     sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
     ELSE 0 END) AS waiting_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
-    min(CASE p.state WHEN 'waiting' THEN p.due_at END) AS due_at FROM part p \
+    max(max(p.claimed_at, coalesce(p.put_back_at, ''))) AS newest_at FROM part p \
     WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
 
 /// Counts only rejected parts that can still be retried and were not cancelled; over the years, many parts are
@@ -139,8 +165,14 @@ const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.
     NOT IN ('cancelled', 'replaced') GROUP BY p.profile";
 
 /// For each profile, the part that is due first. SQLite takes the other columns from the row with the minimum.
-const DUE: &str = "SELECT profile, CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of, \
-    min(due_at) AS at FROM part WHERE state = 'waiting' AND due_at IS NOT NULL GROUP BY profile";
+const DUE: &str = "SELECT profile, due_text, min(due_at) AS due_at FROM part \
+    WHERE state = 'waiting' AND due_at IS NOT NULL GROUP BY profile";
+
+/// The due dates of what can be built, each with its earliest arrival and the part or order of that.
+const DUE_ARRIVALS: &str = "SELECT profile, due_at, min(max(claimed_at, coalesce(put_back_at, ''))) AS arrived_at, \
+    CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of FROM part \
+    WHERE state = 'waiting' AND due_at IS NOT NULL AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' \
+    AND replaced_by IS NULL GROUP BY profile, due_at ORDER BY profile, due_at";
 
 const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
 
@@ -176,7 +208,7 @@ impl Ledger {
                 waiting_parts: row.waiting_parts,
                 waiting_copies: row.waiting_copies,
                 oldest_at: row.oldest_at,
-                due_at: row.due_at,
+                newest_at: row.newest_at,
                 ..profile_entry(&mut profiles, &profile).clone()
             };
             profiles.insert(profile, counted);
@@ -187,7 +219,15 @@ impl Ledger {
             profile_entry(&mut profiles, &profile).rejected_parts = parts;
         }
         for WithProfile { profile, row } in fetch_by_profile::<NearestDue>(db, DUE).await? {
-            profile_entry(&mut profiles, &profile).due_of = row.due_of;
+            let status = profile_entry(&mut profiles, &profile);
+            (status.due_at, status.due_text) = (Some(row.due_at), row.due_text);
+        }
+        for WithProfile { profile, row } in fetch_by_profile::<DueDateRow>(db, DUE_ARRIVALS).await? {
+            let status = profile_entry(&mut profiles, &profile);
+            if status.due_arrivals.is_empty() {
+                status.due_of = row.due_of;
+            }
+            status.due_arrivals.push(DueArrival { due_at: row.due_at, arrived_at: row.arrived_at });
         }
         for WithProfile { profile, row } in fetch_by_profile::<OpenBuildForecast>(db, OPEN).await? {
             let status = profile_entry(&mut profiles, &profile);
@@ -209,6 +249,15 @@ impl Ledger {
             profile_entry(&mut profiles, &profile).last_published = Some(row);
         }
         Ok(profiles.into_values().collect())
+    }
+}
+
+impl Ledger {
+    /// When the newest part of a profile that waits or is read arrived.
+    pub async fn newest_arrival(&self, profile: &str) -> Result<Option<UtcTimestamp>> {
+        let query = "SELECT max(max(claimed_at, coalesce(put_back_at, ''))) FROM part \
+            WHERE profile = ? AND state IN ('claimed', 'waiting')";
+        Ok(sqlx::query_scalar(query).bind(profile).fetch_one(self.reader()?).await?)
     }
 }
 

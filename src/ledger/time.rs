@@ -30,6 +30,16 @@ impl UtcTimestamp {
     }
 }
 
+impl UtcTimestamp {
+    /// How far away this timestamp is: `in 3h 5m`, or `2d 2h overdue`. `None` = too far to express.
+    pub fn distance_text(self, now: Timestamp) -> Option<String> {
+        match self.0 >= now {
+            true => Some(format!("in {}", Self(now).age_text(self.0)?)),
+            false => Some(format!("{} overdue", self.age_text(now)?)),
+        }
+    }
+}
+
 fn day_rounding() -> SpanRound<'static> {
     SpanRound::new().largest(Unit::Day).days_are_24_hours()
 }
@@ -110,5 +120,14 @@ mod tests {
         assert_eq!(early.to_string(), "2026-11-20T04:49:00.000Z");
         assert_eq!(late.to_string(), "2026-11-20T04:49:00.001Z");
         assert!(early.to_string() < late.to_string());
+    }
+
+    #[test]
+    fn how_far_a_due_date_is_away_is_said_in_two_units() {
+        let due = UtcTimestamp("2026-12-24T22:59:59Z".parse().unwrap());
+        let at = |text: &str| due.distance_text(text.parse().unwrap()).unwrap();
+        assert_eq!(at("2026-12-24T19:54:59Z"), "in 3h 5m");
+        assert_eq!(at("2026-11-22T18:59:59Z"), "in 32d 4h");
+        assert_eq!(at("2026-12-27T00:59:59Z"), "2d 2h overdue");
     }
 }

@@ -17,6 +17,7 @@ use super::{
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct FarmInputs {
     pub root: PathBuf,
+    pub time_zone: String,
     pub scan_secs: DurationSecs,
     pub orphan_ticket_secs: DurationSecs,
     #[serde(flatten)]
@@ -35,6 +36,7 @@ impl Default for FarmInputs {
     fn default() -> Self {
         Self {
             root: "./farm".into(),
+            time_zone: "system".to_owned(),
             scan_secs: DurationSecs(10.0),
             orphan_ticket_secs: DurationSecs(3600.0),
             resources: ResourceInputs::default(),
@@ -51,7 +53,7 @@ impl Default for FarmInputs {
 }
 
 read_options!(
-    FarmInputs: root scan_secs orphan_ticket_secs folders files log web metrics notify limits defaults,
+    FarmInputs: root time_zone scan_secs orphan_ticket_secs folders files log web metrics notify limits defaults,
     groups resources: ResourceInputs
 );
 

@@ -12,6 +12,7 @@ use toml::{Table, Value};
 
 use super::{
     ConfigProblem, InterfaceSettings, LogSettings, MachineFolders, MachineProfile, ResourceSettings, Settings,
+    farm_zone,
     folder_conflicts::{self, FolderClaim},
     folders,
     fragment::{ConfigFragment, read_config_text},
@@ -107,6 +108,7 @@ fn read_settings(
     let inputs: FarmInputs = from_table(farm.to_table(), file, problems)?;
     let mut validator = ConfigValidator::new(vec![(&farm, "")]);
     validation_rules::validate_farm(&inputs, &mut validator);
+    let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
     let web = super::web::validate_web(&inputs.web, &mut validator);
     let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut validator);
@@ -129,7 +131,8 @@ fn read_settings(
         let Some(own) = own else { continue };
         let validator = &mut ConfigValidator::new(vec![(&own, ""), (&farm, "defaults."), (&farm, "")]);
         let profile = build_profile(name, &own, &farm, &root, &inputs, validator);
-        if let Some(profile) = profile {
+        if let Some(mut profile) = profile {
+            profile.time_zone = time_zone.clone();
             claims.extend(folder_claims(name, &profile.folders, validator));
             profiles.insert(name.to_owned(), profile);
         }
@@ -144,6 +147,7 @@ fn read_settings(
         ledger: folders::path_below(&state_dir, &inputs.folders.ledger),
         inbox_base: folders::path_below(&root, &inputs.folders.inbox),
         root,
+        time_zone,
         state_dir,
         scan_secs: inputs.scan_secs.0,
         orphan_ticket_secs: inputs.orphan_ticket_secs.0,

@@ -2,6 +2,7 @@
 //! (merged, with defaults) -> [`Settings`] (validated, the only type that the daemon uses).
 
 mod duration;
+mod farm_zone;
 mod folder_conflicts;
 mod folders;
 mod fragment;
@@ -25,6 +26,7 @@ mod validator;
 mod web;
 
 pub use duration::parse_secs;
+pub use farm_zone::FarmZone;
 pub use keep_out::KeepOutZone;
 pub use load::{SettingsError, load_for_viewing, load_settings};
 pub use logging::{LogFormat, LogSettings, parse_log_filter};

@@ -6,7 +6,7 @@ use build_file::LengthUnit;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::KeepOutZone;
+use super::{FarmZone, KeepOutZone};
 use crate::{build::MachineSpec, intake::UnlistedPolicy};
 
 /// The folders of a machine profile.
@@ -60,7 +60,9 @@ pub struct TriggerRules {
     pub max_wait_secs: f64,
     /// Fires when the time until a due date is less than the print time plus this margin, seconds; `None` = off.
     pub due_margin_secs: Option<f64>,
-    /// Times of day at which the waiting parts fire, local time.
+    /// Before it fires for a due date, no part may have arrived for this time, seconds; 0 = it fires at once.
+    pub gather_secs: f64,
+    /// Times of day at which the waiting parts fire, in the time zone of the farm.
     pub at: Vec<jiff::civil::Time>,
 }
 
@@ -71,6 +73,9 @@ pub struct MachineProfile {
     pub name: String,
     /// Its folders.
     pub folders: MachineFolders,
+    /// The time zone of the farm: of its due dates and times of day.
+    #[serde(skip)]
+    pub time_zone: FarmZone,
     /// Its build space, and the distances between parts there.
     #[serde(flatten)]
     pub space: BuildSpace,

@@ -128,6 +128,7 @@ pub(super) struct TriggerInputs {
     pub copies: OptionalValue<u32>,
     pub max_wait_secs: DurationSecs,
     pub due_margin_secs: OptionalValue<DurationSecs>,
+    pub gather_secs: DurationSecs,
     pub at: Vec<String>,
 }
 
@@ -139,6 +140,7 @@ impl Default for TriggerInputs {
             copies: OptionalValue::OFF,
             max_wait_secs: DurationSecs(86_400.0),
             due_margin_secs: OptionalValue(Some(DurationSecs(3600.0))),
+            gather_secs: DurationSecs(900.0),
             at: Vec::new(),
         }
     }

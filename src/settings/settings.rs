@@ -6,7 +6,7 @@ use std::{
     sync::{Arc, RwLock},
 };
 
-use super::{LogSettings, MachineFolders, MachineProfile, MetricsFile, NotifySettings, WebSettings};
+use super::{FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NotifySettings, WebSettings};
 use crate::access::FilePermissions;
 
 /// The settings that the daemon loaded last, shared with the other tasks. A reload replaces them.
@@ -19,6 +19,8 @@ pub struct Settings {
     pub file: PathBuf,
     /// Absolute root of the farm. Relative folders are below it.
     pub root: PathBuf,
+    /// Its time zone.
+    pub time_zone: FarmZone,
     /// The folder that contains the hot folders, except those that a profile sets itself.
     pub inbox_base: PathBuf,
     /// The state directory: ledger, content-addressed store, caches. On a local disk.

@@ -231,6 +231,7 @@ fn values_out_of_range_are_refused_each_by_itself() {
         ("[trigger]\nfill_height = 0", "trigger.fill_height"),
         ("[trigger]\ncopies = 0", "trigger.copies"),
         ("[trigger]\nmax_wait_secs = \"off\"", "trigger.max_wait_secs"),
+        ("[trigger]\ngather_secs = \"2d\"", "trigger.gather_secs"),
         ("[nest.paper]\nswitch_probability = 1.2", "nest.paper.switch_probability"),
         ("[nest.paper]\nlevy_exponent = 2", "nest.paper.levy_exponent"),
         ("[folders]\ninbox = \"\"", "folders.inbox"),
@@ -261,6 +262,24 @@ fn a_wrong_default_is_reported_once_also_where_every_machine_has_a_value_of_its_
                 "nestd.toml:6: trigger.copies = 0 would always fire",
             ],
         );
+    }
+}
+
+#[test]
+fn the_time_zone_of_the_farm_is_that_of_its_machines_and_an_unknown_one_is_refused_with_its_line() {
+    let settings = TestConfig::new("time_zone = \"Europe/Berlin\"\n", &[("a.toml", CUBE)]).load().unwrap();
+    assert_eq!(
+        (settings.time_zone.name(), settings.profiles["a"].time_zone.name()),
+        ("Europe/Berlin", "Europe/Berlin")
+    );
+    let settings = TestConfig::new("", &[("a.toml", CUBE)]).load().unwrap();
+    assert_eq!(settings.time_zone, FarmZone::default());
+    for wrong in ["Europe/Bärlin", "CEST", "", "Etc/Unknown", "../etc/passwd"] {
+        let farm = format!("scan_secs = 1\ntime_zone = \"{wrong}\"\n");
+        let problems = TestConfig::new(&farm, &[("a.toml", CUBE), ("b.toml", CUBE)]).problems();
+        assert_eq!(problems.len(), 1, "{problems:?}");
+        assert!(problems[0].starts_with("nestd.toml:2: time_zone = "), "{problems:?}");
+        assert!(problems[0].contains("name a zone as in \"Europe/Berlin\""), "{problems:?}");
     }
 }
 

@@ -6,7 +6,8 @@ use glam::DVec3;
 use jiff::civil::Time;
 
 use super::{
-    BuildSpace, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules, TurningRules,
+    BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules,
+    TurningRules,
     inputs::{FarmInputs, FileInputs},
     logging::parse_log_filter,
     profile_inputs::{
@@ -22,6 +23,8 @@ const MAX_EDGE_MM: f64 = 10_000.0;
 const MAX_SEARCH_SECS: f64 = 604_800.0;
 /// Longest waiting time of a part, seconds: a year. A farm must never wait forever.
 const MAX_WAIT_SECS: f64 = 31_536_000.0;
+/// Longest time without news before a build fires for a due date, seconds: a day.
+const MAX_GATHER_SECS: f64 = 86_400.0;
 /// Maximum number of threads of a search.
 const MAX_THREADS: usize = 1024;
 
@@ -106,6 +109,7 @@ pub(super) fn validate_profile(
     MachineProfile {
         name: name.to_owned(),
         folders,
+        time_zone: FarmZone::default(),
         space: BuildSpace {
             volume_mm,
             wall_margin_mm: space.wall_margin_mm,
@@ -281,12 +285,14 @@ fn validate_trigger(inputs: &TriggerInputs, validator: &mut ConfigValidator) -> 
     if let Some(margin) = inputs.due_margin_secs.0 {
         validator.require_within("trigger.due_margin_secs", margin.0, 0.0..=MAX_WAIT_SECS);
     }
+    validator.require_within("trigger.gather_secs", inputs.gather_secs.0, 0.0..=MAX_GATHER_SECS);
     TriggerRules {
         fill_height: inputs.fill_height.0,
         fill_density: inputs.fill_density.0,
         copies: inputs.copies.0,
         max_wait_secs: inputs.max_wait_secs.0,
         due_margin_secs: inputs.due_margin_secs.0.map(|margin| margin.0),
+        gather_secs: inputs.gather_secs.0,
         at: parse_times(&inputs.at, validator),
     }
 }

@@ -1,12 +1,11 @@
 //! The facts of a build, line by line, with its recorded outcomes and its events.
 
-use jiff::Timestamp;
-
 use super::{
     cell_value::CellValue,
     field_definition::{FieldDefinition, SheetFact},
     fields,
     table_column::TableColumn as Column,
+    time_view::TimeView,
 };
 use crate::{
     ledger::{BuildRow, EventRow, OutcomeRow, UtcTimestamp},
@@ -30,13 +29,12 @@ pub const EVENT_COLUMNS: &[Column<EventRow>] = &[
 ];
 
 /// The facts of a build. `machine` is its machine profile at the time of the build. An open build has fewer facts.
-/// `copies` is the text with its number of copies, `file` the path of its file. `now` =
-/// `None` for a sheet that is kept: it tells no ages.
+/// `copies` is the text with its number of copies, `file` the path of its file.
 pub fn build_facts(
     row: &BuildRow,
     machine: Option<&MachineProfile>,
     (copies, file): (String, Option<String>),
-    now: Option<Timestamp>,
+    view: &TimeView,
 ) -> Vec<SheetFact> {
     let layers =
         row.measures.layers.or_else(|| Some((row.measures.height_mm? / machine?.space.layer_mm).ceil() as u32));
@@ -45,9 +43,10 @@ pub fn build_facts(
     let fired_by = (!row.fired_by.is_empty()).then(|| format!("{}, nested {}", row.fired_by, times(row.attempts)));
     let content = row.staged.file_hash.as_ref().map(|hash| content(row.staged.file_bytes.unwrap_or_default(), hash));
     let bound = fields::LOWER_BOUND.with_unit(row.measures.lower_bound_mm);
-    let ago =
-        |at: UtcTimestamp| now.and_then(|now| at.age_text(now)).map_or_else(String::new, |age| format!(", {age} ago"));
-    let published = row.times.published_at.and_then(|at| Some(fields::PUBLISHED.with_unit(at)? + &ago(at)));
+    let ago = |at: UtcTimestamp| {
+        view.now().and_then(|now| at.age_text(now)).map_or_else(String::new, |age| format!(", {age} ago"))
+    };
+    let published = row.times.published_at.map(|at| view.time_text(at) + &ago(at));
     let optional_fact = |field: FieldDefinition, text: Option<String>| text.map(|text| field.fact_of(text));
     let lines = [
         optional_fact(fields::HEIGHT, height(row.measures.height_mm, machine.map(|machine| machine.space.volume_mm.z))),
@@ -58,9 +57,9 @@ pub fn build_facts(
         optional_fact(fields::CLEARANCE, clearance(row, machine)),
         optional_fact(fields::SEARCH, row.search.method.as_ref().map(|method| search(method, row))),
         optional_fact(fields::FIRED_BY, fired_by),
-        fields::OPENED.fact(row.times.opened_at),
-        fields::NESTING.fact(row.times.nesting_at),
-        fields::VERIFIED.fact(row.times.verified_at),
+        view.time_fact(fields::OPENED, row.times.opened_at),
+        view.time_fact(fields::NESTING, row.times.nesting_at),
+        view.time_fact(fields::VERIFIED, row.times.verified_at),
         optional_fact(fields::PUBLISHED, published),
         fields::FILE.fact(file.as_ref().or(row.staged.file_name.as_ref())),
         optional_fact(fields::CONTENT, content),
@@ -90,8 +89,8 @@ fn search(method: &str, row: &BuildRow) -> String {
         Some(method.to_owned()),
         row.search.seed.map(|seed| format!("seed {seed}")),
         row.search.evaluations.map(|evaluations| format!("{evaluations} evaluations")),
-        fields::CPU.cell_text(&row.search.cpu_secs.into()).map(|secs| format!("{secs} CPU s")),
-        fields::WALL.cell_text(&row.search.wall_secs.into()).map(|secs| format!("{secs} wall s")),
+        fields::CPU.plain_text(&row.search.cpu_secs.into()).map(|secs| format!("{secs} CPU s")),
+        fields::WALL.plain_text(&row.search.wall_secs.into()).map(|secs| format!("{secs} wall s")),
         row.search.version.as_ref().map(|version| format!("nestd {version}")),
     ];
     joined(pieces, ", ")

@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use super::time_view::GivenDate;
 use crate::ledger::{BuildId, BuildState, OrderState, PartId, PartState, PrintOutcome, UtcTimestamp};
 
 /// A value in a table, not formatted yet.
@@ -21,6 +22,9 @@ pub enum CellValue {
     Real(f64),
     /// A point in time.
     Time(UtcTimestamp),
+    /// A due date. Programs get its instant.
+    #[serde(serialize_with = "due_instant")]
+    Due(GivenDate),
     /// A build, shown by its number.
     Build(BuildId),
     /// A build, shown by its number, with the part to find in it.
@@ -31,6 +35,10 @@ pub enum CellValue {
     Order(String),
     /// A part, shown by its name.
     NamedPart(#[serde(skip)] PartId, String),
+}
+
+fn due_instant<S: serde::Serializer>(due: &GivenDate, serializer: S) -> Result<S::Ok, S::Error> {
+    due.due_at.serialize(serializer)
 }
 
 impl<T: Into<CellValue>> From<Option<T>> for CellValue {
@@ -61,6 +69,7 @@ cell_from! {
     usize => |number| CellValue::Whole(i64::try_from(number).unwrap_or(i64::MAX)),
     f64 => CellValue::Real,
     UtcTimestamp => CellValue::Time,
+    GivenDate => CellValue::Due,
     BuildId => CellValue::Build,
     PartId => CellValue::Part,
     BuildState => |state| CellValue::Text(state.to_string()),

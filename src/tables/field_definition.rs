@@ -1,7 +1,7 @@
 //! A field that people see: its label, its unit and its number format. In a table the heading contains the unit, so
 //! that the cells are plain numbers. Elsewhere the unit follows the value.
 
-use super::cell_value::CellValue;
+use super::{cell_value::CellValue, time_view::TimeView};
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ enum FieldKind {
     Exact { unit: &'static str },
     /// Shares between 0 and 1, printed in percent.
     Share,
-    /// Points in time, UTC.
+    /// Points in time, shown with their zone.
     Time,
 }
 
@@ -71,10 +71,9 @@ impl FieldDefinition {
     /// The unit of its values; "" = none.
     pub fn unit(&self) -> &'static str {
         match self.kind {
-            FieldKind::Text | FieldKind::Whole => "",
+            FieldKind::Text | FieldKind::Whole | FieldKind::Time => "",
             FieldKind::Real { unit, .. } | FieldKind::Exact { unit } => unit,
             FieldKind::Share => "%",
-            FieldKind::Time => "UTC",
         }
     }
 
@@ -87,7 +86,6 @@ impl FieldDefinition {
     pub fn page_heading(&self) -> String {
         match self.unit() {
             "" => self.label.to_owned(),
-            "UTC" => format!("{} (UTC)", self.label),
             unit => format!("{}, {unit}", self.label),
         }
     }
@@ -97,37 +95,45 @@ impl FieldDefinition {
         let label = self.label.to_uppercase();
         match self.unit() {
             "" => label,
-            "UTC" => format!("{label} (UTC)"),
             unit => format!("{label} {unit}"),
         }
     }
 
     /// The text of a value in a table cell, without the unit; `None` if there is no value.
-    pub fn cell_text(&self, value: &CellValue) -> Option<String> {
+    pub fn cell_text(&self, value: &CellValue, view: &TimeView) -> Option<String> {
+        match value {
+            CellValue::Time(at) => Some(view.time_text(*at)),
+            CellValue::Due(due) => Some(view.due_text(due)),
+            other => self.plain_text(other),
+        }
+    }
+
+    /// The text of a value that is no time, without the unit; `None` if there is no value.
+    pub fn plain_text(&self, value: &CellValue) -> Option<String> {
         Some(match value {
-            CellValue::Missing => return None,
+            // A time is shown by a `TimeView`, which knows the zone.
+            CellValue::Missing | CellValue::Time(_) | CellValue::Due(_) => return None,
             CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) if text.is_empty() => return None,
             CellValue::Text(text) | CellValue::Prose(text) | CellValue::Order(text) | CellValue::NamedPart(_, text) => {
                 text.clone()
             }
             CellValue::Whole(number) => number.to_string(),
             CellValue::Real(number) => self.real_text(*number),
-            CellValue::Time(time) => time.strftime("%Y-%m-%d %H:%M:%S").to_string(),
             CellValue::Build(build) | CellValue::BuildWithPart(build, _) => build.to_string(),
             CellValue::Part(part) => part.to_string(),
         })
     }
 
-    /// A value with its unit: `87.50 mm`; `None` if there is no value.
+    /// A value that is no time, with its unit: `87.50 mm`; `None` if there is no value.
     pub fn with_unit(&self, value: impl Into<CellValue>) -> Option<String> {
-        let text = self.cell_text(&value.into())?;
+        let text = self.plain_text(&value.into())?;
         Some(match self.unit() {
             "" => text,
             unit => format!("{text} {unit}"),
         })
     }
 
-    /// A line of a fact sheet with a value of this field; `None` if there is no value.
+    /// A line of a fact sheet with a value of this field that is no time; `None` if there is no value.
     pub fn fact(&self, value: impl Into<CellValue>) -> Option<SheetFact> {
         Some(self.fact_of(self.with_unit(value)?))
     }

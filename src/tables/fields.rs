@@ -13,6 +13,8 @@ pub const PROFILE: FieldDefinition = FieldDefinition::text("Profile");
 pub const STATE: FieldDefinition = FieldDefinition::text("State");
 /// When a build was published; before that, when it entered its state.
 pub const TIME: FieldDefinition = FieldDefinition::time("Time");
+/// What a person must say or do for a part, and how.
+pub const QUESTION: FieldDefinition = FieldDefinition::text("Question");
 /// Why something failed or was refused.
 pub const REASON: FieldDefinition = FieldDefinition::text("Reason");
 /// Why a part was refused; otherwise its warnings.

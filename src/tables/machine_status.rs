@@ -5,7 +5,12 @@ use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{build_sheet::joined, cell_value::CellValue, fields, table_column::TableColumn};
+use super::{
+    build_sheet::joined,
+    fields,
+    table_column::TableColumn,
+    time_view::{GivenDate, TimeView},
+};
 use crate::{
     farm::{FireTrigger, forecast_fire},
     ledger::{OpenBuildForecast, ProfileStatus, UtcTimestamp},
@@ -18,10 +23,13 @@ pub struct MachineForecast {
     /// Its state in the ledger.
     #[serde(flatten)]
     pub status: ProfileStatus,
-    /// When its next build fires at the latest. It fires earlier if it is full.
+    /// When its next build fires if nothing more arrives. It fires earlier if it is full.
+    #[schemars(with = "Option<UtcTimestamp>")]
+    pub fires_at: Option<Timestamp>,
+    /// When its next build fires at the latest, whatever arrives.
     #[schemars(with = "Option<UtcTimestamp>")]
     pub fires_at_latest: Option<Timestamp>,
-    /// The trigger that fires the build at that time.
+    /// The trigger that fires the build at these times.
     pub fires_by: Option<FireTrigger>,
 }
 
@@ -32,8 +40,8 @@ pub struct MachineNow {
     pub forecast: MachineForecast,
     /// Whether the machine is (still) in the configuration.
     pub is_configured: bool,
-    /// The point in time.
-    pub now: Timestamp,
+    /// How its times are shown.
+    pub view: TimeView,
 }
 
 /// The machines of a farm.
@@ -41,19 +49,30 @@ pub const MACHINE_COLUMNS: &[TableColumn<MachineNow>] = &[
     TableColumn::new("profile", fields::PROFILE, |row| (&row.forecast.status.profile).into()),
     TableColumn::new("waiting_parts", fields::WAITING, |row| row.forecast.status.waiting_parts.into()),
     TableColumn::new("waiting_copies", fields::COPIES, |row| row.forecast.status.waiting_copies.into()),
-    TableColumn::for_people("oldest", fields::OLDEST, |row| row.forecast.oldest(row.now).into()),
-    TableColumn::new("due_at", fields::DUE, |row| row.forecast.status.due_at.into()),
-    TableColumn::for_people("next_build", fields::NEXT_BUILD, |row| row.forecast.next_build().into()),
+    TableColumn::for_people("oldest", fields::OLDEST, |row| {
+        row.view.now().and_then(|now| row.forecast.oldest(now)).into()
+    }),
+    TableColumn::new("due_at", fields::DUE, |row| {
+        GivenDate::new(row.forecast.status.due_at, &row.forecast.status.due_text).into()
+    }),
+    TableColumn::for_people("next_build", fields::NEXT_BUILD, |row| row.forecast.next_build(&row.view).into()),
     TableColumn::for_people("now", fields::NOW, |row| row.doing().into()),
     TableColumn::new("rejected_parts", fields::REJECTED, |row| row.forecast.status.rejected_parts.into()),
-    TableColumn::for_people("last_published", fields::LAST_PUBLISHED, |row| row.forecast.last_published().into()),
+    TableColumn::for_people("last_published", fields::LAST_PUBLISHED, |row| {
+        row.forecast.last_published(&row.view).into()
+    }),
 ];
 
 impl MachineForecast {
     /// Creates the forecast. `profile` is the machine's configuration, if it has one.
     pub fn new(status: ProfileStatus, profile: Option<&MachineProfile>) -> Self {
         let fires = profile.and_then(|profile| forecast_fire(profile, &status));
-        Self { fires_at_latest: fires.map(|fires| fires.at), fires_by: fires.map(|fires| fires.by), status }
+        Self {
+            fires_at: fires.map(|fires| fires.at),
+            fires_at_latest: fires.map(|fires| fires.latest),
+            fires_by: fires.map(|fires| fires.by),
+            status,
+        }
     }
 
     /// The open build, if its layout contains a copy.
@@ -66,23 +85,25 @@ impl MachineForecast {
         self.status.oldest_at.and_then(|at| at.age_text(now))
     }
 
-    /// `55.61 mm, 11 copies, by 2026-11-20 06:00:00 (max_wait)`.
-    fn next_build(&self) -> String {
+    /// `55.61 mm, 11 copies, by 2026-11-20 06:00:00 CET (max_wait)`; where parts are gathered for a due date, also when it
+    /// fires if nothing more arrives.
+    fn next_build(&self, view: &TimeView) -> String {
         let open = self.forecast_build();
         let height = open.and_then(|open| fields::HEIGHT.with_unit(open.height_mm));
         let copies = open.map(|open| format_count(open.copies.unwrap_or(0), "copy", "copies"));
-        let fires = self.fires_at_latest.zip(self.fires_by).and_then(|(at, by)| {
-            Some(format!("by {} ({by})", fields::TIME.cell_text(&CellValue::Time(UtcTimestamp(at)))?))
-        });
-        joined([height, copies, fires], ", ")
+        let time = |at: Timestamp| view.time_text(UtcTimestamp(at));
+        let gathers = self.fires_at.filter(|at| Some(*at) < self.fires_at_latest);
+        let gathers = gathers.map(|at| format!("at {} if nothing more arrives", time(at)));
+        let fires = self.fires_at_latest.zip(self.fires_by).map(|(at, by)| format!("by {} ({by})", time(at)));
+        joined([height, copies, gathers, fires], ", ")
     }
 
-    /// `build 3, 87.50 mm, 2026-11-20 04:49:00`.
-    fn last_published(&self) -> Option<String> {
+    /// `build 3, 87.50 mm, 2026-11-20 04:49:00 CET`.
+    fn last_published(&self, view: &TimeView) -> Option<String> {
         let last = self.status.last_published.as_ref()?;
         let height = fields::HEIGHT.with_unit(last.height_mm);
-        let at = fields::LAST_PUBLISHED.cell_text(&last.published_at.into());
-        Some(joined([Some(format!("build {}", last.build)), height, at], ", "))
+        let at = view.time_text(last.published_at);
+        Some(joined([Some(format!("build {}", last.build)), height, Some(at)], ", "))
     }
 }
 

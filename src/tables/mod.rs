@@ -13,6 +13,7 @@ mod part_list;
 mod part_sheet;
 mod pick_list;
 mod table_column;
+mod time_view;
 
 pub use build_sheet::{EVENT_COLUMNS, OUTCOME_COLUMNS, build_facts, height as height_in_volume};
 pub use cell_value::CellValue;
@@ -27,6 +28,7 @@ pub use part_list::{
 pub use part_sheet::part_facts;
 pub use pick_list::{PICK_COLUMNS, PickList, PickedCopy, points_down};
 pub use table_column::{TableColumn, csv_of, for_people};
+pub use time_view::{GivenDate, TimeView};
 
 #[cfg(test)]
 mod tests;

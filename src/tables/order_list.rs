@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn};
+use super::{cell_value::CellValue, fields, table_column::TableColumn, time_view::GivenDate};
 use crate::ledger::{BuildId, BuildState, OrderLine, OrderSummary, PartId, PlacementRow, UtcTimestamp};
 
 /// Orders, with what became of their copies.
@@ -21,7 +21,7 @@ pub const ORDER_COLUMNS: &[TableColumn<OrderSummary>] = &[
     TableColumn::new("refused", fields::COPIES_REFUSED, |order| order.copies.refused.into()),
     TableColumn::new("bad", fields::COPIES_BAD, |order| order.copies.bad.into()),
     TableColumn::new("cancelled", fields::COPIES_CANCELLED, |order| order.copies.cancelled.into()),
-    TableColumn::new("due_at", fields::DUE, |order| order.due_at.into()),
+    TableColumn::new("due_at", fields::DUE, |order| GivenDate::new(order.due_at, &order.due_text).into()),
     TableColumn::new("opened_at", fields::OPENED, |order| order.order.opened_at.into()),
 ];
 
@@ -39,7 +39,7 @@ pub const ORDER_LINE_COLUMNS: &[TableColumn<OrderLine>] = &[
     TableColumn::new("bad", fields::COPIES_BAD, |line| line.copies.bad.into()),
     TableColumn::new("cancelled", fields::COPIES_CANCELLED, |line| line.copies.cancelled.into()),
     TableColumn::new("refused", fields::COPIES_REFUSED, |line| line.copies.refused.into()),
-    TableColumn::new("due_at", fields::DUE, |line| line.due_at.into()),
+    TableColumn::new("due_at", fields::DUE, |line| GivenDate::new(line.due_at, &line.due_text).into()),
 ];
 
 /// Copies of a part in one build.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{cell_value::CellValue, fields, table_column::TableColumn};
+use super::{cell_value::CellValue, fields, table_column::TableColumn, time_view::GivenDate};
 use crate::{
     farm::CakePart,
     ledger::{BuildId, LineCopies, PartRow, PlacementRow},
@@ -37,7 +37,7 @@ pub const PART_COLUMNS: &[TableColumn<PartRow>] = &[
     TableColumn::new("state", fields::STATE, |part| part.state.into()),
     TableColumn::new("copies", fields::COPIES, |part| part.owed.copies.into()),
     TableColumn::new("priority", fields::PRIORITY, |part| part.terms.priority.into()),
-    TableColumn::new("due_at", fields::DUE, |part| part.terms.due_at.into()),
+    TableColumn::new("due_at", fields::DUE, |part| GivenDate::of_terms(&part.terms).into()),
     TableColumn::new("order", fields::ORDER, |part| CellValue::Order(part.terms.order_name.clone())),
     TableColumn::new("name", fields::NAME, |part| part.full_name().into()),
     TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, reason_or_warning),
@@ -51,7 +51,7 @@ pub const BUILD_PART_COLUMNS: &[TableColumn<CountedPart>] = &[
     TableColumn::new("state", fields::STATE, |row| row.part.state.into()),
     TableColumn::for_people("copies_here", fields::COPIES_HERE, |row| row.copies.into()),
     TableColumn::new("copies", fields::COPIES_OF, |row| row.part.owed.copies.into()),
-    TableColumn::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
+    TableColumn::new("due_at", fields::DUE, |row| GivenDate::of_terms(&row.part.terms).into()),
     TableColumn::for_people("reason_or_warning", fields::REASON_OR_WARNING, |row| reason_or_warning(&row.part)),
 ];
 
@@ -78,7 +78,7 @@ pub const ORDERED_PART_COLUMNS: &[TableColumn<OrderedPart>] = &[
     TableColumn::new("refused", fields::COPIES_REFUSED, |row| row.copies.refused.into()),
     TableColumn::new("bad", fields::COPIES_BAD, |row| row.copies.bad.into()),
     TableColumn::new("cancelled", fields::COPIES_CANCELLED, |row| row.copies.cancelled.into()),
-    TableColumn::new("due_at", fields::DUE, |row| row.part.terms.due_at.into()),
+    TableColumn::new("due_at", fields::DUE, |row| GivenDate::of_terms(&row.part.terms).into()),
     TableColumn::for_people("where", fields::WHERE, where_or_why),
 ];
 
@@ -87,6 +87,8 @@ pub const CAKE_PART_COLUMNS: &[TableColumn<CakePart>] = &[
     TableColumn::new("name", fields::NAME, |part| (&part.name).into()),
     TableColumn::new("order", fields::ORDER, |part| (&part.order).into()),
     TableColumn::for_people("copies_here", fields::COPIES_HERE, |part| part.copies.len().into()),
+    TableColumn::new("due", fields::DUE, |part| (&part.due).into()),
+    TableColumn::new("note", fields::NOTE, |part| (&part.note).into()),
 ];
 
 /// Copies of a part that are in builds.
@@ -124,7 +126,7 @@ pub fn whereabouts(placements: &[PlacementRow]) -> String {
 
 fn origin(placed: &PlacementRow) -> CellValue {
     let Some(pose) = placed.pose() else { return CellValue::Text("not placed yet".to_owned()) };
-    let number = |mm: f64| fields::ORIGIN.cell_text(&mm.into()).unwrap_or_default();
+    let number = |mm: f64| fields::ORIGIN.plain_text(&mm.into()).unwrap_or_default();
     let [x, y, z] = pose.translation.to_array().map(number);
     format!("{x}, {y}, {z}").into()
 }

@@ -4,13 +4,15 @@ use super::{
     build_sheet::{content, joined},
     field_definition::{FieldDefinition, SheetFact},
     fields,
+    time_view::{GivenDate, TimeView},
 };
 use crate::ledger::PartRow;
 
 /// The facts of a part. `copies` is the text that says how many copies there are and where they are.
-pub fn part_facts(row: &PartRow, copies: String) -> Vec<SheetFact> {
-    let state = joined([Some(row.state.to_string()), fields::TIME.with_unit(row.times.state_at)], " since ");
-    let size = row.size_mm().map(|size_mm| joined(size_mm.map(|mm| fields::SIZE.cell_text(&mm.into())), " x ") + " mm");
+pub fn part_facts(row: &PartRow, copies: String, view: &TimeView) -> Vec<SheetFact> {
+    let state = joined([Some(row.state.to_string()), Some(view.time_text(row.times.state_at))], " since ");
+    let size =
+        row.size_mm().map(|size_mm| joined(size_mm.map(|mm| fields::SIZE.plain_text(&mm.into())), " x ") + " mm");
     let triangles = row.measures.triangles.map(|triangles| format!("{triangles} triangles"));
     let volume = row.measures.volume_mm3.and_then(|mm3| fields::PART_VOLUME.with_unit(mm3 / 1000.0));
     let volume = volume.unwrap_or_else(|| "not read yet".to_owned());
@@ -22,14 +24,14 @@ pub fn part_facts(row: &PartRow, copies: String) -> Vec<SheetFact> {
         fields::ORDER.fact(&row.terms.order_name),
         Some(fields::COPIES.fact_of(copies)),
         fields::PRIORITY.fact(row.terms.priority),
-        fields::DUE.fact(row.terms.due_at),
+        view.due_fact(fields::DUE, GivenDate::of_terms(&row.terms)),
         Some(fields::ORIENTATION.fact_of(orientation(row))),
         optional_fact(fields::CLEARANCE, clearance.map(|clearance| clearance + ", as its ticket says")),
         optional_fact(fields::SIZE, size.map(|size| joined([Some(size), triangles], ", "))),
         Some(fields::PART_VOLUME.fact_of(volume)),
         fields::NOTE.fact(&row.terms.note),
         Some(fields::CONTENT.fact_of(content(row.file.bytes, &row.file.content_hash))),
-        fields::CLAIMED.fact(row.times.claimed_at),
+        view.time_fact(fields::CLAIMED, row.times.claimed_at),
     ];
     lines.into_iter().flatten().collect()
 }

@@ -33,6 +33,10 @@ pub struct PickedCopy {
     pub name: String,
     /// Name of the order or kit; empty = none.
     pub order: String,
+    /// When it is due, as people read it: the day that was given, or the time in the farm's zone; empty = no date.
+    pub due: String,
+    /// The customer's note; empty = none.
+    pub note: String,
     /// Number of the copy, from 1.
     pub copy: u32,
     /// Its highest point above the floor, mm; null if its original file is no longer kept.
@@ -59,6 +63,8 @@ pub const PICK_COLUMNS: &[TableColumn<PickedCopy>] = &[
     TableColumn::new("name", fields::PART_NAME, |copy| CellValue::NamedPart(PartId(copy.part), copy.name.clone())),
     TableColumn::new("order", fields::ORDER, |copy| (&copy.order).into()),
     TableColumn::new("copy", fields::COPY, |copy| copy.copy.into()),
+    TableColumn::new("due", fields::DUE, |copy| (&copy.due).into()),
+    TableColumn::new("note", fields::NOTE, |copy| (&copy.note).into()),
 ];
 
 /// Whether a removal direction points down, through the floor of the cake.

@@ -6,7 +6,10 @@ use super::{
     table_column::{ColumnAudience, TableColumn},
     *,
 };
-use crate::ledger::{HistoryQuery, HistoryRow, fixtures::*};
+use crate::{
+    ledger::{HistoryQuery, HistoryRow, fixtures::*},
+    settings::FarmZone,
+};
 
 /// Key and field of the columns of a table that programs see.
 fn program_fields<Row>(columns: &[TableColumn<Row>]) -> Vec<(&'static str, FieldDefinition)> {
@@ -29,8 +32,6 @@ fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
     for (key, field) in tables.into_iter().flatten() {
         let unit = match key {
             "density" | "mean_density" => "%",
-            "at" => "UTC",
-            _ if key.ends_with("_at") => "UTC",
             _ if key.ends_with("_mm") => "mm",
             _ if key.ends_with("_mm3") => "mm3",
             _ if key.ends_with("_secs") => "s",
@@ -91,7 +92,7 @@ async fn each_field_of_the_history_in_json_is_a_column_with_the_same_value() {
 
 #[test]
 fn what_rounds_to_nothing_has_no_sign_and_what_is_not_known_has_no_text() {
-    let shown = |field: FieldDefinition, value: f64| field.cell_text(&value.into()).unwrap();
+    let shown = |field: FieldDefinition, value: f64| field.plain_text(&value.into()).unwrap();
     assert_eq!((shown(fields::TOP, -1e-9), shown(fields::TOP, -0.06)), ("0.0".to_owned(), "-0.1".to_owned()));
     assert_eq!((shown(fields::CENTER_X, -0.2), shown(fields::DENSITY, 0.2149)), ("0".to_owned(), "21.5".to_owned()));
     assert_eq!(fields::HEIGHT.with_unit(87.5).unwrap(), "87.50 mm");
@@ -107,4 +108,24 @@ fn texts_of_a_csv_are_no_formulas_and_numbers_stay_numbers() {
         TableColumn::for_people("shown", fields::NOTE, |row| row.0.into()),
     ];
     assert_eq!(csv_of(COLUMNS, &[("=1+1", -2.0), ("a,b", 0.1)]).unwrap(), "name,height_mm\n'=1+1,-2.0\n\"a,b\",0.1\n");
+}
+
+#[test]
+fn times_are_shown_in_the_zone_of_the_farm_and_programs_get_the_instant() {
+    let zone = FarmZone::from(jiff::tz::TimeZone::get("Europe/Berlin").unwrap());
+    let at = |text: &str| crate::ledger::UtcTimestamp(text.parse().unwrap());
+    let (end, now) = (at("2026-12-24T22:59:59Z"), at("2026-12-24T19:54:59Z"));
+    let view = TimeView::at(&zone, now.0);
+    let cell =
+        |due: &str, view: &TimeView| fields::DUE.cell_text(&GivenDate::new(Some(end), due).into(), view).unwrap();
+    assert_eq!(cell("2026-12-24", &view), "2026-12-24, in 3h 5m");
+    assert_eq!(cell("2026-12-24 23:59", &TimeView::kept(&zone)), "2026-12-24 23:59 CET");
+    assert_eq!(fields::TIME.cell_text(&now.into(), &view).unwrap(), "2026-12-24 20:54:59 CET");
+    let due: CellValue = GivenDate::new(Some(end), "2026-12-24").into();
+    assert_eq!(serde_json::to_value(due).unwrap(), "2026-12-24T22:59:59.000Z");
+    const COLUMNS: &[TableColumn<GivenDate>] = &[TableColumn::new("due_at", fields::DUE, |due| due.clone().into())];
+    assert_eq!(
+        csv_of(COLUMNS, &[GivenDate { due_at: end, text: String::new() }]).unwrap(),
+        "due_at\n2026-12-24T22:59:59.000Z\n"
+    );
 }

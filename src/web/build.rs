@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
-use jiff::Timestamp;
 use maud::{Markup, html};
 
 use super::{
@@ -22,7 +21,7 @@ use crate::{
     farm::{CakeCopy, load_placed_parts},
     ledger::{BuildRow, BuildState, OutcomeRow, PartRow},
     settings::MachineProfile,
-    tables::{BUILD_PART_COLUMNS, CountedPart, OUTCOME_COLUMNS, build_facts},
+    tables::{BUILD_PART_COLUMNS, CountedPart, OUTCOME_COLUMNS, TimeView, build_facts},
 };
 
 /// The page of a build.
@@ -39,6 +38,7 @@ pub(super) async fn show_build(
     let outcomes = web.ledger.outcomes_of_build(build.id).await?;
     let placements = web.ledger.placements_of_build(build.id).await?;
     let is_unseen = web.ledger.unseen_failures().await?.iter().any(|failed| failed.id == build.id);
+    let view = web.time_view();
     let content = html! {
         h1 { "Build " (build.id) " on " (build.profile) ": " (build.state) }
         @if is_unseen { (unseen_failure(&web, &build)) }
@@ -48,12 +48,12 @@ pub(super) async fn show_build(
         @if copies > 0 { (view_section(build.id.0, copies, &view_version(&build))) } @else { p { "Nothing stands in it yet." } }
         p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
-        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), Some(Timestamp::now()))))
+        (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), &view)))
         (build_forms(&web, &build, &placements))
         (height_curve(&build.height_curve()))
-        (outcome_list(&outcomes))
+        (outcome_list(&outcomes, &view))
         h2 { "Parts" }
-        (table_of("Parts", None, BUILD_PART_COLUMNS, &rows))
+        (table_of("Parts", None, BUILD_PART_COLUMNS, &rows, &view))
     };
     Ok(html_page(&format!("Build {}", build.id), "", Some("/assets/view.js"), &content))
 }
@@ -118,11 +118,11 @@ pub(super) fn height_curve(points: &Vec<(f64, f64)>) -> Markup {
     }
 }
 
-fn outcome_list(outcomes: &[OutcomeRow]) -> Markup {
+fn outcome_list(outcomes: &[OutcomeRow], view: &TimeView) -> Markup {
     html! {
         @if !outcomes.is_empty() {
             h2 { "What became of it" }
-            (table_of("Outcomes", None, OUTCOME_COLUMNS, outcomes))
+            (table_of("Outcomes", None, OUTCOME_COLUMNS, outcomes, view))
         }
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, PreEscaped, html};
 
 use super::format::count;
-use crate::ledger::HistoryRow;
+use crate::{ledger::HistoryRow, settings::FarmZone};
 
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 180.0;
@@ -18,8 +18,8 @@ const MAX_LINES: usize = 6;
 /// A machine's points: seconds since 1970 and a value.
 type ChartLines = BTreeMap<String, Vec<(f64, f64)>>;
 
-/// The three charts of published builds; empty when there are fewer than two.
-pub(super) fn history_charts(rows: &[HistoryRow]) -> Markup {
+/// The three charts of published builds; empty when there are fewer than two. The times are those of `zone`.
+pub(super) fn history_charts(rows: &[HistoryRow], zone: &FarmZone) -> Markup {
     let published: Vec<&HistoryRow> = rows.iter().filter(|row| row.published_at.is_some()).collect();
     if published.len() < 2 {
         return html! {};
@@ -36,15 +36,15 @@ pub(super) fn history_charts(rows: &[HistoryRow]) -> Markup {
     };
     html! {
         div.charts {
-            (line_chart("Build height", "mm", &lines(&|row| row.measures.height_mm)))
-            (line_chart("Density", "%", &lines(&|row| row.measures.density.map(|d| 100.0 * d))))
-            (line_chart("Height used of the machine's", "%", &lines(&|row| row.height_share().map(|share| 100.0 * share))))
+            (line_chart("Build height", "mm", &lines(&|row| row.measures.height_mm), zone))
+            (line_chart("Density", "%", &lines(&|row| row.measures.density.map(|d| 100.0 * d)), zone))
+            (line_chart("Height used of the machine's", "%", &lines(&|row| row.height_share().map(|share| 100.0 * share)), zone))
         }
     }
 }
 
 /// A line chart with axes, units and a legend.
-fn line_chart(title: &str, unit: &str, lines: &ChartLines) -> Markup {
+fn line_chart(title: &str, unit: &str, lines: &ChartLines, zone: &FarmZone) -> Markup {
     let points = || lines.values().flatten();
     let (first, last) = points().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
     // Dates, with the time of day when the chart covers only a few days.
@@ -54,7 +54,8 @@ fn line_chart(title: &str, unit: &str, lines: &ChartLines) -> Markup {
         _ => "%Y-%m-%d",
     };
     let date = |secs: f64| {
-        jiff::Timestamp::from_second(secs as i64).map_or_else(|_| String::new(), |t| t.strftime(format).to_string())
+        let time = jiff::Timestamp::from_second(secs as i64).map(|time| time.to_zoned(zone.time_zone().clone()));
+        time.map_or_else(|_| String::new(), |time| time.strftime(format).to_string())
     };
     let legend = lines.keys().take(MAX_LINES).enumerate();
     let more = lines.len().saturating_sub(MAX_LINES) as u32;

@@ -10,7 +10,7 @@ use super::{
     build_forms::unseen_failure,
     command::command_button,
     error::HandlerResult,
-    format::{DASH, count, format_age, format_time_utc, prose_with_code},
+    format::{DASH, count, format_age, prose_with_code},
     listing::fact_list,
     page::html_page,
     picture,
@@ -18,9 +18,9 @@ use super::{
 };
 use crate::{
     farm::{FarmAlert, farm_summary, forecast_fire, halt_summary, read_stored_alerts},
-    ledger::{CommandKind, DaemonRow, MachineRow, OpenBuildForecast, ProfileStatus, UtcTimestamp},
+    ledger::{CommandKind, DaemonRow, MachineRow, OpenBuildForecast, ProfileStatus},
     settings::MachineProfile,
-    tables::{MachineForecast, SheetFact, fields, height_in_volume},
+    tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, height_in_volume},
 };
 
 /// The farm page.
@@ -28,6 +28,7 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
     let (status, daemon) = (web.ledger.profile_statuses().await?, web.ledger.last_daemon().await?);
     let machines = web.ledger.list_machines().await?;
     let (settings, now) = (web.current_settings(), Timestamp::now());
+    let view = TimeView::at(&settings.time_zone, now);
     let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
     let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
     let mut cards = Vec::with_capacity(settings.profiles.len());
@@ -35,7 +36,7 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         let status = of(name);
         let picture_html = picture::profile_picture(&web, &status).await?;
         let observed = machines.iter().find(|observed| observed.profile == *name);
-        cards.push(machine_card(&web, profile, (&status, observed), &picture_html, now));
+        cards.push(machine_card(&web, profile, (&status, observed), &picture_html, &view));
     }
     let gone = status.iter().filter(|s| !settings.profiles.contains_key(&s.profile));
     let failures = web.ledger.unseen_failures().await?;
@@ -92,12 +93,12 @@ fn daemon_line(daemon: Option<&DaemonRow>, activity: &str, now: Timestamp) -> Ma
 }
 
 /// Why a machine takes no parts, if so: an operator paused it, or the daemon found it unavailable.
-fn machine_warnings(status: &ProfileStatus, observed: Option<&MachineRow>) -> Vec<String> {
+fn machine_warnings(status: &ProfileStatus, observed: Option<&MachineRow>, view: &TimeView) -> Vec<String> {
     let paused = status.paused.as_ref().map(|paused| {
-        format!("Paused by {} since {}: nothing is fired.", paused.paused_by, format_time_utc(paused.paused_at))
+        format!("Paused by {} since {}: nothing is fired.", paused.paused_by, view.time_text(paused.paused_at))
     });
     let unavailable = observed.filter(|observed| !observed.trouble.is_empty()).map(|observed| {
-        let since = observed.trouble_at.map(|at| format!(", since {}", format_time_utc(at))).unwrap_or_default();
+        let since = observed.trouble_at.map(|at| format!(", since {}", view.time_text(at))).unwrap_or_default();
         format!("Unavailable{since}: {}", observed.trouble)
     });
     paused.into_iter().chain(unavailable).collect()
@@ -105,8 +106,7 @@ fn machine_warnings(status: &ProfileStatus, observed: Option<&MachineRow>) -> Ve
 
 /// When the open build of a machine fires, and which trigger fires it.
 pub(super) fn fire_forecast_text(profile: &MachineProfile, status: &ProfileStatus) -> Option<String> {
-    let fires = forecast_fire(profile, status)?;
-    Some(format!("when full, at the latest {}: {}", format_time_utc(UtcTimestamp(fires.at)), fires.fire_reason(status)))
+    Some(forecast_fire(profile, status)?.fire_text(profile, status))
 }
 
 fn machine_card(
@@ -114,7 +114,7 @@ fn machine_card(
     profile: &MachineProfile,
     (status, observed): (&ProfileStatus, Option<&MachineRow>),
     picture_html: &Markup,
-    now: Timestamp,
+    view: &TimeView,
 ) -> Markup {
     let name = profile.name.as_str();
     let machine = MachineForecast::new(status.clone(), Some(profile));
@@ -122,10 +122,10 @@ fn machine_card(
     html! {
         section.card aria-label=(name) {
             h2 { (name) }
-            @for text in machine_warnings(status, observed) { p.bad role="status" { (text) } }
+            @for text in machine_warnings(status, observed, view) { p.bad role="status" { (text) } }
             (picture_html)
             @if let Some(open) = open { (open_build(open, profile.space.volume_mm.z)) } @else { p { "No open build." } }
-            (fact_list(&waiting(&machine, fire_forecast_text(profile, status), now)))
+            (fact_list(&waiting(&machine, fire_forecast_text(profile, status), view)))
             @if status.rejected_parts > 0 {
                 p { a href=(format!("/parts?state=rejected&profile={name}")) { (fields::REJECTED.label) ": " (status.rejected_parts) } }
             }
@@ -136,7 +136,7 @@ fn machine_card(
             @if let Some(last) = &status.last_published {
                 p { (fields::LAST_PUBLISHED.label) ": build " a href=(format!("/builds/{}", last.build)) { (last.build) }
                     @if let Some(height) = fields::HEIGHT.with_unit(last.height_mm) { ", " (height) }
-                    ", " (format_time_utc(last.published_at)) }
+                    ", " (view.time_text(last.published_at)) }
             }
             div.buttons {
                 (command_button(web, CommandKind::Flush, "Flush", &format!("{name}: publish what waits now"), name, None))
@@ -159,13 +159,13 @@ fn open_build(open: &OpenBuildForecast, volume_z_mm: f64) -> Markup {
 }
 
 /// What waits for a machine, and until when.
-fn waiting(machine: &MachineForecast, fires: Option<String>, now: Timestamp) -> Vec<SheetFact> {
+fn waiting(machine: &MachineForecast, fires: Option<String>, view: &TimeView) -> Vec<SheetFact> {
     let status = &machine.status;
     let parts = count(status.waiting_parts, "part", "parts");
     let lines = [
         Some(fields::WAITING.fact_of(format!("{} of {parts}", count(status.waiting_copies, "copy", "copies")))),
-        fields::OLDEST.fact(machine.oldest(now)),
-        fields::DUE.fact(status.due_at),
+        fields::OLDEST.fact(view.now().and_then(|now| machine.oldest(now))),
+        view.due_fact(fields::DUE, GivenDate::new(status.due_at, &status.due_text)),
         fields::FIRES.fact(fires),
         Some(fields::BEING_READ.fact_of(count(status.claimed_parts, "file", "files"))),
     ];

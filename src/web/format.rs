@@ -3,18 +3,13 @@
 use jiff::Timestamp;
 use maud::{Markup, html};
 
-use crate::{ledger::UtcTimestamp, tables::fields};
+use crate::ledger::UtcTimestamp;
 
 /// Stands for a value that is not known.
 pub(super) const DASH: &str = "\u{2013}";
 
 /// '1 copy', '2 copies'.
 pub(super) use build_file::format_count as count;
-
-/// A time with its zone.
-pub(super) fn format_time_utc(moment: UtcTimestamp) -> String {
-    fields::TIME.with_unit(moment).unwrap_or_default()
-}
 
 /// A text whose commands and options in backticks become `<code>` elements.
 pub(super) fn prose_with_code(text: &str) -> Markup {

@@ -8,7 +8,7 @@ use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
 };
-use jiff::{Timestamp, ToSpan, civil::Date, tz::TimeZone};
+use jiff::{Timestamp, ToSpan, civil::Date};
 use maud::{Markup, html};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,8 @@ use super::{
 };
 use crate::{
     ledger::{BuildId, BuildState, HeightSummary, HistoryQuery, HistoryRow, HistorySort},
-    tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, csv_of, fields},
+    settings::FarmZone,
+    tables::{FieldDefinition, HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of, fields},
 };
 
 /// Greatest number of builds on a page.
@@ -45,11 +46,11 @@ pub(super) struct HistoryFilter {
     /// Only builds that contain a part with this file name or order.
     #[serde(skip_serializing_if = "String::is_empty")]
     part: String,
-    /// Only builds from this day (UTC) on.
+    /// Only builds from this day on, in the time zone of the farm.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(extend("format" = "date"))]
     since: String,
-    /// Only builds up to and including this day (UTC).
+    /// Only builds up to and including this day, in the time zone of the farm.
     #[serde(skip_serializing_if = "String::is_empty")]
     #[schemars(extend("format" = "date"))]
     until: String,
@@ -77,11 +78,12 @@ pub(super) async fn list_rows(web: &DashboardState, filter: &HistoryFilter) -> H
 }
 
 /// Translates the filter into a query of the ledger.
-fn ledger_query(filter: &HistoryFilter) -> HandlerResult<HistoryQuery> {
+fn ledger_query(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<HistoryQuery> {
     let some = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty());
+    let zone = &web.current_settings().time_zone;
     Ok(HistoryQuery {
-        since: parse_day(&filter.since, 0)?,
-        until: parse_day(&filter.until, 1)?,
+        since: parse_day(&filter.since, 0, zone)?,
+        until: parse_day(&filter.until, 1, zone)?,
         profile: some(&filter.profile),
         state: parse_field(&filter.state, "a state of a build")?,
         part: some(&filter.part),
@@ -96,18 +98,19 @@ fn ledger_query(filter: &HistoryFilter) -> HandlerResult<HistoryQuery> {
 
 /// The rows of one page, and whether more rows follow.
 async fn read_page(web: &DashboardState, filter: &HistoryFilter) -> HandlerResult<(Vec<HistoryRow>, bool)> {
-    let mut rows = web.ledger.read_history(&ledger_query(filter)?).await?;
+    let mut rows = web.ledger.read_history(&ledger_query(web, filter)?).await?;
     let more = rows.len() > MAX_ROWS as usize;
     rows.truncate(MAX_ROWS as usize);
     Ok((rows, more))
 }
 
-/// Parses a date; returns the start (UTC) of the day that is `later` days after it.
-fn parse_day(text: &str, later: i64) -> HandlerResult<Option<Timestamp>> {
+/// Parses a date; returns the start of the day that is `later` days after it.
+fn parse_day(text: &str, later: i64, zone: &FarmZone) -> HandlerResult<Option<Timestamp>> {
     if text.is_empty() {
         return Ok(None);
     }
-    let moment = text.parse::<Date>().and_then(|date| date.checked_add(later.days())?.to_zoned(TimeZone::UTC));
+    let moment =
+        text.parse::<Date>().and_then(|date| date.checked_add(later.days())?.to_zoned(zone.time_zone().clone()));
     match moment {
         Ok(zoned) => Ok(Some(zoned.timestamp())),
         Err(_) => {
@@ -121,7 +124,7 @@ pub(super) async fn read_height_sums(
     web: &DashboardState,
     filter: &HistoryFilter,
 ) -> HandlerResult<Vec<HeightSummary>> {
-    Ok(web.ledger.height_summaries(&ledger_query(filter)?).await?)
+    Ok(web.ledger.height_summaries(&ledger_query(web, filter)?).await?)
 }
 
 /// The history page.
@@ -134,6 +137,7 @@ pub(super) async fn show_history(
     let next =
         rows.last().filter(|_| more).map(|last| HistoryFilter { after: last.build.to_string(), ..filter.clone() });
     let settings = web.current_settings();
+    let view = web.time_view();
     let next = next.map(|next| query_string(&next)).transpose()?;
     let query = query_string(&filter)?;
     let content = html! {
@@ -141,9 +145,9 @@ pub(super) async fn show_history(
         (filter_form(&filter, settings.profiles.keys()))
         p { a href=(format!("/history.csv?{query}")) download { "CSV" } " · "
             a href=(format!("/history.json?{query}")) download { "JSON" } " of what is shown" }
-        (sums_table(&sums))
-        (chart::history_charts(&rows))
-        (history_table(&rows, &filter))
+        (sums_table(&sums, &view))
+        (chart::history_charts(&rows, &settings.time_zone))
+        (history_table(&rows, &filter, &view))
         @if let Some(next) = next {
             p { a rel="next" href=(format!("/history?{next}")) { "The builds that come after these" } }
         }
@@ -176,19 +180,19 @@ fn filter_form<'a>(filter: &HistoryFilter, profiles: impl Iterator<Item = &'a St
     }
 }
 
-fn sums_table(sums: &[HeightSummary]) -> Markup {
+fn sums_table(sums: &[HeightSummary], view: &TimeView) -> Markup {
     let caption = "What was published in that time".to_owned();
-    html! { @if !sums.is_empty() { (table_of("Heights", Some(caption), HEIGHT_SUM_COLUMNS, sums)) } }
+    html! { @if !sums.is_empty() { (table_of("Heights", Some(caption), HEIGHT_SUM_COLUMNS, sums, view)) } }
 }
 
-fn history_table(rows: &[HistoryRow], filter: &HistoryFilter) -> Markup {
+fn history_table(rows: &[HistoryRow], filter: &HistoryFilter, view: &TimeView) -> Markup {
     let order = match filter.sort.as_str() {
         "" => "the newest first".to_owned(),
         sort => format!("sorted by {sort}"),
     };
     let caption = format!("{}, {order}", count(rows.len() as u32, "build", "builds"));
     html! {
-        @if rows.is_empty() { p { "No builds." } } @else { (table_of("Builds", Some(caption), HISTORY_COLUMNS, rows)) }
+        @if rows.is_empty() { p { "No builds." } } @else { (table_of("Builds", Some(caption), HISTORY_COLUMNS, rows, view)) }
     }
 }
 

@@ -6,17 +6,23 @@ use super::{
     format::{DASH, prose_with_code},
     query::order_address,
 };
-use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, for_people};
+use crate::tables::{CellValue, FieldDefinition, SheetFact, TableColumn, TimeView, for_people};
 
-/// A table of rows with the columns that people see. `name` is its label for screen readers.
-pub(super) fn table_of<Row>(name: &str, caption: Option<String>, columns: &[TableColumn<Row>], rows: &[Row]) -> Markup {
+/// A table of rows with the columns that people see. `name` is its label for screen readers, `view` how times are shown.
+pub(super) fn table_of<Row>(
+    name: &str,
+    caption: Option<String>,
+    columns: &[TableColumn<Row>],
+    rows: &[Row],
+    view: &TimeView,
+) -> Markup {
     html! {
         div.wide tabindex="0" role="region" aria-label=(name) {
             table {
                 @if let Some(caption) = caption { caption { (caption) } }
                 thead { tr { @for column in for_people(columns) { (heading(&column.field)) } } }
                 tbody { @for row in rows { tr {
-                    @for column in for_people(columns) { (cell(&column.field, &(column.value)(row), true)) }
+                    @for column in for_people(columns) { (cell(&column.field, &(column.value)(row), true, view)) }
                 } } }
             }
         }
@@ -34,12 +40,12 @@ fn class_of(field: &FieldDefinition) -> Option<&'static str> {
 }
 
 /// A table cell. If `has_pages`, parts and builds are links to their pages.
-pub(super) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup {
-    html! { td class=[class_of(field)] { (shown(field, value, has_pages)) } }
+pub(super) fn cell(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {
+    html! { td class=[class_of(field)] { (shown(field, value, has_pages, view)) } }
 }
 
-fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool) -> Markup {
-    let text = field.cell_text(value);
+fn shown(field: &FieldDefinition, value: &CellValue, has_pages: bool, view: &TimeView) -> Markup {
+    let text = field.cell_text(value, view);
     let text = text.as_deref().unwrap_or(DASH);
     match value {
         CellValue::Build(build) if has_pages => html! { a href=(format!("/builds/{build}")) { (text) } },

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::{
     command::{ASKED_BY, answer_page, check_form_key, send_commands},
     error::{HandlerError, HandlerResult},
-    format::{count, format_time_utc},
+    format::count,
     listing::table_of,
     page::html_page,
     query::{order_address, parse_field},
@@ -25,7 +25,7 @@ use crate::{
         CommandArgument, CommandKind, NewCommand, OrderLine, OrderQuery, OrderState, OrderSummary, PartState,
         ReprintTarget,
     },
-    tables::{BuiltCopies, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_LINE_COLUMNS, fields},
+    tables::{BuiltCopies, GivenDate, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_LINE_COLUMNS, TimeView, fields},
 };
 
 /// Orders on a page unless asked otherwise.
@@ -138,7 +138,7 @@ pub(super) async fn list_orders(
         }
         p { "Open orders come first. Copies wanted are those that wait, are in builds, were printed, are good, or were refused." }
         @if orders.is_empty() { p { "No orders." } }
-        @else { (table_of("Orders", Some(caption), ORDER_COLUMNS, &orders)) }
+        @else { (table_of("Orders", Some(caption), ORDER_COLUMNS, &orders, &web.time_view())) }
     };
     Ok(html_page("Orders", "/orders", None, &content))
 }
@@ -153,27 +153,28 @@ pub(super) async fn show_order(
         lines.into_iter().map(|line| (line.line, line.builds)).unzip();
     let mut builds = builds.concat();
     builds.sort_by_key(|row| (row.build.0, row.part.0));
+    let view = web.time_view();
     let content = html! {
         h1 { "Order " (name) ": " (summary.order.state) }
-        (state_sentence(&summary))
+        (state_sentence(&summary, &view))
         (order_buttons(&web, &name, &lines))
         h2 { "Lines" }
-        (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines))
+        (table_of("Lines", Some(count(lines.len() as u32, "line", "lines")), ORDER_LINE_COLUMNS, &lines, &view))
         h2 { "Builds" }
         @if builds.is_empty() { p { "No copy of it is in a build yet." } }
-        @else { (table_of("Builds", None, ORDER_BUILD_COLUMNS, &builds)) }
+        @else { (table_of("Builds", None, ORDER_BUILD_COLUMNS, &builds, &view)) }
     };
     Ok(html_page(&format!("Order {name}"), "/orders", None, &content))
 }
 
 /// How far the order is.
-fn state_sentence(summary: &OrderSummary) -> Markup {
+fn state_sentence(summary: &OrderSummary, view: &TimeView) -> Markup {
     let copies = &summary.copies;
     let wanted = count(copies.wanted, "copy", "copies");
     html! {
         p class=[(summary.order.state == OrderState::Short).then_some("warn")] {
-            (copies.good) " good of " (wanted) " wanted, since " (format_time_utc(summary.order.opened_at)) "."
-            @if let Some(due) = summary.due_at { " Due " (format_time_utc(due)) "." }
+            (copies.good) " good of " (wanted) " wanted, since " (view.time_text(summary.order.opened_at)) "."
+            @if let Some(due) = GivenDate::new(summary.due_at, &summary.due_text) { " Due " (view.due_text(&due)) "." }
         }
     }
 }

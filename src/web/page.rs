@@ -31,7 +31,7 @@ pub(super) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                 }
                 main #main tabindex="-1" { (content) }
                 footer {
-                    p { "nestd " (env!("CARGO_PKG_VERSION")) ". Times are UTC, lengths mm. "
+                    p { "nestd " (env!("CARGO_PKG_VERSION")) ". Lengths are mm. "
                         a href="/api/v1/openapi.json" { "JSON interface" } " · " a href="/metrics" { "Metrics" } }
                 }
             }

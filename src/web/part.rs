@@ -18,9 +18,9 @@ use super::{
     state::DashboardState,
 };
 use crate::{
-    farm::count_copies_in_layout,
+    farm::{PartQuestion, count_copies_in_layout},
     ledger::{BuildId, BuildState, CommandKind, PartId, PartQuery, PartRow, PartState, PlacementRow},
-    tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, fields, part_facts},
+    tables::{EVENT_COLUMNS, PART_COLUMNS, PLACEMENT_COLUMNS, TimeView, fields, part_facts},
 };
 
 /// Parts on a page.
@@ -90,16 +90,16 @@ pub(super) async fn list_parts(
         @if filter.name.is_empty() && filter.state.is_empty() {
             p { "Parts that are claimed, wait, are in a build that is being made, or were refused in the last 30 days. Ask for others by state or name." }
         }
-        (parts_table(&parts, more))
+        (parts_table(&parts, more, &web.time_view()))
         @if let Some(next) = next { p { a rel="next" href=(format!("/parts?{next}")) { "The parts before these" } } }
     };
     Ok(html_page("Parts", "/parts", None, &content))
 }
 
 /// Parts as a table, of which there are more or not.
-fn parts_table(parts: &[PartRow], more: bool) -> Markup {
+fn parts_table(parts: &[PartRow], more: bool, view: &TimeView) -> Markup {
     let caption = count(parts.len() as u32, "part", "parts") + if more { ", the newest of more" } else { "" };
-    html! { @if parts.is_empty() { p { "No parts." } } @else { (table_of("Parts", Some(caption), PART_COLUMNS, parts)) } }
+    html! { @if parts.is_empty() { p { "No parts." } } @else { (table_of("Parts", Some(caption), PART_COLUMNS, parts, view)) } }
 }
 
 /// The page of one part.
@@ -117,7 +117,7 @@ pub(super) async fn show_part(
     let mut named = others(web.ledger.parts_named(&part.name).await?);
     named.retain(|other| other.file.content_hash != part.file.content_hash);
     let open = find_open_build(&web, &part).await?;
-    let about = format!("part {number}");
+    let (about, view) = (format!("part {number}"), web.time_view());
     let content = html! {
         h1 { "Part " (number) ": " (part.full_name()) }
         @if !part.terms.order_name.is_empty() {
@@ -125,10 +125,10 @@ pub(super) async fn show_part(
         }
         @if !part.rejection.reason.is_empty() { p.bad role="status" { (prose_with_code(&part.rejection.reason)) } }
         @for warning in part.warnings.lines() { p.warn { (prose_with_code(warning)) } }
-        @if !part.owed.question.is_empty() && part.state == PartState::Waiting {
-            p.bad role="status" { "It waits for a yes: " (prose_with_code(&part.owed.question)) }
+        @for question in PartQuestion::of_part(&part) {
+            p.bad role="status" { (prose_with_code(&format!("{} {}", question.text, question.remedy))) }
         }
-        (fact_list(&part_facts(&part, part.wanted_copies().to_string())))
+        (fact_list(&part_facts(&part, part.wanted_copies().to_string(), &view)))
         div.buttons {
             @if !part.owed.question.is_empty() && part.state == PartState::Waiting {
                 (command_button(&web, CommandKind::Confirm, "Print as it is", &about, "", Some(id)))
@@ -138,20 +138,20 @@ pub(super) async fn show_part(
         }
         (part_forms(&web, &part, printed))
         h2 { "Where its copies are" }
-        (copies_section(&part, &placements, open))
+        (copies_section(&part, &placements, open, &view))
         h2 { "What happened" }
-        (table_of("Events", None, EVENT_COLUMNS, &events))
-        @if !same.is_empty() { h2 { "The same file at other times" } (newest_table(same)) }
-        @if !named.is_empty() { h2 { "Other files of this name" } (newest_table(named)) }
+        (table_of("Events", None, EVENT_COLUMNS, &events, &view))
+        @if !same.is_empty() { h2 { "The same file at other times" } (newest_table(same, &view)) }
+        @if !named.is_empty() { h2 { "Other files of this name" } (newest_table(named, &view)) }
     };
     Ok(html_page(&format!("Part {number}"), "/parts", None, &content))
 }
 
-fn newest_table(mut parts: Vec<PartRow>) -> Markup {
+fn newest_table(mut parts: Vec<PartRow>, view: &TimeView) -> Markup {
     let more = parts.len() > MAX_PARTS as usize;
     parts.reverse();
     parts.truncate(MAX_PARTS as usize);
-    parts_table(&parts, more)
+    parts_table(&parts, more, view)
 }
 
 /// The open build whose current layout holds copies of a part, and how many copies it holds.
@@ -164,7 +164,12 @@ async fn find_open_build(web: &DashboardState, part: &PartRow) -> HandlerResult<
     Ok(build.map(|build| (build.id, count_copies_in_layout(&build, part.id))).filter(|(_, copies)| *copies > 0))
 }
 
-fn copies_section(part: &PartRow, placements: &[PlacementRow], open: Option<(BuildId, u32)>) -> Markup {
+fn copies_section(
+    part: &PartRow,
+    placements: &[PlacementRow],
+    open: Option<(BuildId, u32)>,
+    view: &TimeView,
+) -> Markup {
     let live = placements.iter().filter(|placed| !placed.is_bad).count() as u32;
     let waiting = part.wanted_copies().saturating_sub(live);
     html! {
@@ -178,7 +183,7 @@ fn copies_section(part: &PartRow, placements: &[PlacementRow], open: Option<(Bui
             }
         }
         @if !placements.is_empty() {
-            (table_of("Copies", None, PLACEMENT_COLUMNS, placements))
+            (table_of("Copies", None, PLACEMENT_COLUMNS, placements, view))
         }
     }
 }

@@ -9,7 +9,6 @@ use axum::{
     http::StatusCode,
     response::Response,
 };
-use jiff::tz::TimeZone;
 use maud::{Markup, html};
 use serde::Deserialize;
 
@@ -22,6 +21,7 @@ use super::{
 use crate::{
     intake,
     ledger::{CommandArgument, CommandKind, NewCommand, PartEdit, PartId, PartRow, PartState, ReprintTarget},
+    settings::FarmZone,
 };
 
 /// Greatest number of copies of a part.
@@ -86,7 +86,7 @@ fn edit_form(web: &DashboardState, part: &PartRow) -> Markup {
                 input type="hidden" name="key" value=(web.form_key);
                 (number("Copies wanted in all, those in builds included", "copies", part.wanted_copies(), (1, MAX_COPIES)))
                 @if part.state == PartState::Waiting {
-                    (field("Due, for example 2026-11-25 or 25.11.2026 17:00; empty = no date", "due", &due_text(part)))
+                    (field("Due, for example 2026-11-25 (the end of that day) or 25.11.2026 17:00; empty = no date", "due", &due_text(part)))
                     (number("Priority, 0 to 100", "priority", part.terms.priority.into(), (0, MAX_PRIORITY.into())))
                     (field("Note", "note", &part.terms.note))
                 } @else {
@@ -146,7 +146,9 @@ pub(super) async fn post_edit(
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
     let part = require_part(&web, number).await?;
-    let edit = form.to_edit().map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
+    let edit = form
+        .to_edit(&web.current_settings().time_zone)
+        .map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
     let command = (!edit.is_empty()).then(|| NewCommand {
         kind: CommandKind::Edit,
         profile: String::new(),
@@ -178,11 +180,11 @@ async fn require_part(web: &DashboardState, number: i64) -> HandlerResult<PartId
 
 impl PartEditForm {
     /// The fields that differ from what the page showed.
-    fn to_edit(&self) -> Result<PartEdit, String> {
+    fn to_edit(&self, zone: &FarmZone) -> Result<PartEdit, String> {
         let changed = |new: &str, old: &str| Some(new.trim().to_owned()).filter(|new| new != old.trim());
         let due = |text: String| match text.is_empty() || text.eq_ignore_ascii_case("none") {
             true => Ok(None),
-            false => intake::parse_due_text(&text, &TimeZone::system()).map(Some),
+            false => intake::parse_due_text(&text, zone.time_zone()).map(Some),
         };
         let copies = changed(&self.copies, &self.was_copies);
         let priority = changed(&self.priority, &self.was_priority);
@@ -220,15 +222,17 @@ mod tests {
             was_note: "a".to_owned(),
             ..PartEditForm::default()
         };
-        assert!(shown().to_edit().unwrap().is_empty());
-        let edit = PartEditForm { copies: "5".to_owned(), due: String::new(), ..shown() }.to_edit().unwrap();
+        assert!(shown().to_edit(&FarmZone::default()).unwrap().is_empty());
+        let edit = PartEditForm { copies: "5".to_owned(), due: String::new(), ..shown() }
+            .to_edit(&FarmZone::default())
+            .unwrap();
         assert_eq!(edit, PartEdit { copies: Some(5), due: Some(None), ..PartEdit::default() });
         for wrong in [
             PartEditForm { copies: "0".to_owned(), ..shown() },
             PartEditForm { priority: "101".to_owned(), ..shown() },
             PartEditForm { due: "soon".to_owned(), ..shown() },
         ] {
-            assert!(wrong.to_edit().is_err(), "{wrong:?}");
+            assert!(wrong.to_edit(&FarmZone::default()).is_err(), "{wrong:?}");
         }
     }
 }

@@ -15,7 +15,8 @@ use super::{
 use crate::{
     farm::{CakeContents, CakeCopy, CakePart},
     ledger::RemovalStep,
-    tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, for_people, points_down},
+    settings::FarmZone,
+    tables::{PICK_COLUMNS, PickList, PickedCopy, TableColumn, TimeView, for_people, points_down},
 };
 
 /// Least distance between two corners of a footprint, mm.
@@ -78,6 +79,8 @@ fn pick_list_row(number: usize, pick: &PickEntry<'_>) -> PickedCopy {
         part: pick.part.part,
         name: pick.part.name.clone(),
         order: pick.part.order.clone(),
+        due: pick.part.due.clone(),
+        note: pick.part.note.clone(),
         copy: pick.copy,
         top_mm: pick.top_mm(),
         bottom_mm: pick.bottom_mm(),
@@ -98,6 +101,7 @@ pub(super) fn map_without_links(cake: &CakeContents) -> Markup {
 
 /// Sheet by sheet; parts are links where there are pages.
 fn map_sheets(cake: &CakeContents, (picks, is_proved): (&[PickEntry<'_>], bool), has_pages: bool) -> Markup {
+    let columns = shown_columns(cake, is_proved);
     let sheets = if is_proved { sheets_by_number(picks) } else { sheets_by_height(picks) };
     let mut first = 1;
     html! {
@@ -113,8 +117,8 @@ fn map_sheets(cake: &CakeContents, (picks, is_proved): (&[PickEntry<'_>], bool),
                 div.sheet {
                     (sheet_plan(first, band, cake.volume_mm.x, cake.volume_mm.y))
                     div.wide tabindex="0" role="region" aria-label=(format!("Copies: {title}")) { table {
-                        thead { tr { th scope="col" { "Done" } @for column in columns(is_proved) { (heading(&column.field)) } } }
-                        tbody { @for (number, pick) in (first..).zip(band) { (table_row(&pick_list_row(number, pick), is_proved, has_pages)) } }
+                        thead { tr { th scope="col" { "Done" } @for column in &columns { (heading(&column.field)) } } }
+                        tbody { @for (number, pick) in (first..).zip(band) { (table_row(&pick_list_row(number, pick), &columns, has_pages)) } }
                     } }
                 }
             }
@@ -162,16 +166,25 @@ fn sheets_by_height<'p, 'c>(picks: &'p [PickEntry<'c>]) -> Vec<(String, &'p [Pic
 }
 
 /// A row of the list, with a box to tick.
-fn table_row(copy: &PickedCopy, is_proved: bool, has_pages: bool) -> Markup {
+fn table_row(copy: &PickedCopy, columns: &[&TableColumn<PickedCopy>], has_pages: bool) -> Markup {
+    // The due date of a copy is a text here.
+    let view = TimeView::kept(&FarmZone::default());
     html! { tr {
         td { "\u{2610}" }
-        @for column in columns(is_proved) { (cell(&column.field, &(column.value)(copy), has_pages)) }
+        @for column in columns { (cell(&column.field, &(column.value)(copy), has_pages, &view)) }
     } }
 }
 
-/// The columns of the list; without a proved order nobody knows the way.
-fn columns(is_proved: bool) -> impl Iterator<Item = &'static TableColumn<PickedCopy>> {
-    for_people(PICK_COLUMNS).filter(move |column| is_proved || column.key != "way")
+/// The columns of the list; without a proved order nobody knows the way, and where no copy has a due date or a note, their
+/// columns are left out.
+fn shown_columns(cake: &CakeContents, is_proved: bool) -> Vec<&'static TableColumn<PickedCopy>> {
+    let is_shown = |column: &&'static TableColumn<PickedCopy>| match column.key {
+        "way" => is_proved,
+        "due" => cake.parts.iter().any(|part| !part.due.is_empty()),
+        "note" => cake.parts.iter().any(|part| !part.note.is_empty()),
+        _ => true,
+    };
+    for_people(PICK_COLUMNS).filter(is_shown).collect()
 }
 
 /// The outlines of a sheet's copies from above with their numbers, starting at `first`. The machine's front is at the

@@ -15,6 +15,8 @@ fn cake(is_kept: bool) -> CakeContents {
         part: number,
         name: name.to_owned(),
         order: String::new(),
+        due: String::new(),
+        note: String::new(),
         mesh,
         copies,
     };

@@ -11,7 +11,7 @@ use maud::{Markup, html};
 use super::{
     cached_render::{CacheLocation, find_build, layout_version, render_cached},
     error::HandlerResult,
-    format::{count, format_time_utc},
+    format::count,
     page::html_page,
     pick_map::{CachedPickMap, PICTURE_ALT_TEXT},
     state::DashboardState,
@@ -37,7 +37,7 @@ pub(super) async fn show_pick_map(
     let content = html! {
         h1 { (title) }
         p { (build.profile) ", " @if let Some(height) = fields::HEIGHT.with_unit(build.measures.height_mm) { (height) ", " } (count(copies as u32, "copy", "copies")) ", " (build.state)
-            @if let Some(at) = build.times.published_at { " " (format_time_utc(at)) }
+            @if let Some(at) = build.times.published_at { " " (web.time_view().time_text(at)) }
             @if let Some(file) = &build.staged.file_name { ": " (file) } "." }
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
             p.warn { "A forecast: what stands where changes until the build is published. Not for breaking out." }
@@ -64,7 +64,13 @@ async fn cached_map(
     build: &BuildRow,
     profile: &MachineProfile,
 ) -> HandlerResult<CachedPickMap> {
-    let kept = CacheLocation { cache: |web| &web.caches.picks, key: layout_version(build) };
+    // Words of orders can change until the build is verified.
+    let news = match build.state {
+        BuildState::Open | BuildState::Nesting => web.ledger.last_event_id().await?,
+        _ => 0,
+    };
+    let key = format!("{} {news} {}", layout_version(build), profile.time_zone.name());
+    let kept = CacheLocation { cache: |web| &web.caches.picks, key };
     let number_of_build = build.id.0;
     render_cached(web, build, profile, kept, move |cake: &CakeContents| {
         Ok(CachedPickMap::from_cake(cake, number_of_build))

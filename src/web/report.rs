@@ -18,8 +18,8 @@ use super::{
 use crate::{
     farm::CakeContents,
     ledger::BuildRow,
-    settings::MachineProfile,
-    tables::{CAKE_PART_COLUMNS, SheetFact, build_facts, fields, height_in_volume},
+    settings::{FarmZone, MachineProfile},
+    tables::{CAKE_PART_COLUMNS, SheetFact, TimeView, build_facts, fields, height_in_volume},
 };
 
 /// Approximate limit of the triangles in the 3D view, so that the file can be mailed.
@@ -70,7 +70,7 @@ impl HtmlReport<'_> {
                 }
                 body {
                     main #main { (self.body_markup(&title, number)) }
-                    footer { p { "Made by nestd " (env!("CARGO_PKG_VERSION")) ". Times are UTC, lengths mm." } }
+                    footer { p { "Made by nestd " (env!("CARGO_PKG_VERSION")) ". Lengths are mm." } }
                     // Base64 text cannot contain `</script>`.
                     script #scene type="text/plain" { (PreEscaped(&scene)) }
                     script type="module" nonce=(key) { (PreEscaped(SCRIPT)) }
@@ -92,10 +92,18 @@ impl HtmlReport<'_> {
             (self.facts_markup(copies))
             (height_curve(&points))
             h2 { "Parts" }
-            (table_of("Parts", None, CAKE_PART_COLUMNS, &self.cake.parts))
+            (table_of("Parts", None, CAKE_PART_COLUMNS, &self.cake.parts, &self.time_view()))
             h2 { "Pick map" }
             img.cake alt=(pick_map::PICTURE_ALT_TEXT) width=(PICTURE_SIZE.0) height=(PICTURE_SIZE.1) src=(self.picture_data_url());
             (pick_map::map_without_links(&cake))
+        }
+    }
+
+    /// A report is kept: it tells no ages. The metadata of a build file are texts.
+    fn time_view(&self) -> TimeView {
+        match self.source {
+            ReportSource::Ledger(_, profile) => TimeView::kept(&profile.time_zone),
+            ReportSource::File(..) => TimeView::kept(&FarmZone::default()),
         }
     }
 
@@ -126,7 +134,7 @@ impl HtmlReport<'_> {
     fn facts_markup(&self, copies: u32) -> Markup {
         match self.source {
             ReportSource::Ledger(build, profile) => {
-                fact_list(&build_facts(build, Some(profile), (copies.to_string(), None), None))
+                fact_list(&build_facts(build, Some(profile), (copies.to_string(), None), &self.time_view()))
             }
             ReportSource::File(file, info) => fact_list(&file_facts(file, info, self.cake)),
         }

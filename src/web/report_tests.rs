@@ -22,6 +22,8 @@ fn cake(name: &str) -> CakeContents {
         part: 7,
         name: name.to_owned(),
         order: name.to_owned(),
+        due: name.to_owned(),
+        note: name.to_owned(),
         mesh: Some(mesh),
         copies: vec![standing(1), standing(2)],
     };

@@ -11,6 +11,7 @@ use crate::{
     ledger::Ledger,
     metrics::MetricsExporter,
     settings::{Settings, SharedSettings},
+    tables::TimeView,
 };
 
 /// The state that all request handlers share.
@@ -42,6 +43,11 @@ impl DashboardState {
     /// The current settings.
     pub(super) fn current_settings(&self) -> Arc<Settings> {
         self.settings.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// How the pages show times.
+    pub(super) fn time_view(&self) -> TimeView {
+        TimeView::current(&self.current_settings().time_zone)
     }
 
     /// A text that changes whenever anything changes that the pages show.

@@ -56,7 +56,11 @@ fn build(instances: InstanceSharing, arrangement: Arrangement) -> BuildFile {
             DQuat::from_euler(glam::EulerRot::XYZ, 0.3 * f64::from(copy), 1.0, -2.0),
             DVec3::new(60.0 * f64::from(copy), 50.0 + 80.0 * object as f64, 40.0),
         ),
-        order: Some("Müller & Söhne <4711>".to_owned()),
+        words: build_file::OrderWords {
+            order: Some("Müller & Söhne <4711>".to_owned()),
+            due: Some("2026-12-24".to_owned()),
+            note: Some("nicht <strahlen>\n& nicht färben".to_owned()),
+        },
         copy,
         source_name: "Клипса 'für' \"☠\".stl".to_owned(),
         source_hash: "00".to_owned(),

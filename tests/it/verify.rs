@@ -48,7 +48,7 @@ fn written(
             DQuat::from_rotation_y(tilt),
             DVec3::new(10.0 + f64::from(copy - 1) * (10.0 + gap_mm), 5.0, 20.0),
         ),
-        order: None,
+        words: Default::default(),
         copy,
         source_name: "cube.stl".to_owned(),
         source_hash: "00".to_owned(),
@@ -220,7 +220,7 @@ fn chain(dir: &tempfile::TempDir, interlock: &str) -> PathBuf {
     let item = |copy: u32, turn: f64, at: DVec3| BuildFileItem {
         object: 0,
         pose: Pose::new(DQuat::from_rotation_x(turn), at),
-        order: None,
+        words: Default::default(),
         copy,
         source_name: "ring.stl".to_owned(),
         source_hash: "00".to_owned(),

@@ -82,6 +82,17 @@ pub struct BuildFileObject {
     pub content_hash: String,
 }
 
+/// What the order of a copy says, for the people who unpack the build.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct OrderWords {
+    /// Order or kit to which the copy belongs.
+    pub order: Option<String>,
+    /// When it is due, as people read it.
+    pub due: Option<String>,
+    /// The customer's note.
+    pub note: Option<String>,
+}
+
 /// One placed copy.
 #[derive(Debug, Clone)]
 pub struct BuildFileItem {
@@ -89,8 +100,8 @@ pub struct BuildFileItem {
     pub object: usize,
     /// Mesh frame -> machine frame (origin bottom front left, z up), mm.
     pub pose: Pose,
-    /// Order or kit to which the copy belongs.
-    pub order: Option<String>,
+    /// What its order says of it.
+    pub words: OrderWords,
     /// Copy number, from 1.
     pub copy: u32,
     /// File name under which the part was dropped.
@@ -118,8 +129,8 @@ pub struct PlacedMesh {
     pub part_number: Option<String>,
     /// Copy number, from 1.
     pub copy: Option<u32>,
-    /// Order or kit to which the copy belongs.
-    pub order: Option<String>,
+    /// What its order says of it.
+    pub words: OrderWords,
     /// File name under which the part was dropped.
     pub source_name: Option<String>,
     /// BLAKE3 of the dropped file.

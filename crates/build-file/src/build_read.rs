@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use solids::{Bounds, Mesh, Pose};
 
 use super::{
-    BuildMetadata, FileReadError, HeadingMetadata, PlacedMesh, ReadLimits, RulesMetadata,
+    BuildMetadata, FileReadError, HeadingMetadata, OrderWords, PlacedMesh, ReadLimits, RulesMetadata,
     document::{ModelDocument, ObjectKey},
     flatten::ComponentFlattener,
     model::{ModelItem, ModelMetadata, ObjectBody, ObjectReference},
@@ -169,7 +169,11 @@ impl BuildFileReader<'_> {
             pose,
             part_number: part_number.or_else(|| object.part_number.clone()),
             copy: metadata.nestd_value("copy").and_then(|text| text.parse().ok()),
-            order: metadata.nestd_value("order"),
+            words: OrderWords {
+                order: metadata.nestd_value("order"),
+                due: metadata.nestd_value("due"),
+                note: metadata.nestd_value("note"),
+            },
             source_name: metadata.nestd_value("source"),
             source_hash: metadata.nestd_value("source_hash"),
             clearance_mm: metadata.nestd_value("clearance_mm").and_then(|text| text.parse().ok()),

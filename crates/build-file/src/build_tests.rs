@@ -29,7 +29,11 @@ fn item(object: usize, copy: u32, pose: Pose) -> BuildFileItem {
     BuildFileItem {
         object,
         pose,
-        order: (copy == 1).then(|| "order 7".to_owned()),
+        words: OrderWords {
+            order: (copy == 1).then(|| "order 7".to_owned()),
+            due: (copy == 1).then(|| "2026-12-24".to_owned()),
+            note: (copy == 1).then(|| "nicht strahlen".to_owned()),
+        },
         copy,
         source_name: "a & b <ü>.stl".to_owned(),
         source_hash: "0123".to_owned(),
@@ -117,7 +121,7 @@ fn what_is_written_is_read_back_exactly() {
             assert!(read.pose.transform_point(corner).distance(item.pose.transform_point(corner)) < 1e-10);
             assert_eq!((read.name.as_str(), read.copy), (object.name.as_str(), Some(item.copy)));
             assert_eq!(read.part_number.as_deref(), Some(object.part_number.as_str()));
-            assert_eq!((&read.order, &read.orientation), (&item.order, &item.orientation));
+            assert_eq!((&read.words, &read.orientation), (&item.words, &item.orientation));
             assert_eq!(read.tilts, item.tilts);
             assert_eq!(read.source_name.as_deref(), Some("a _ b _ü_.stl"));
             assert_eq!((read.source_hash.as_deref(), read.clearance_mm), (Some("0123"), item.clearance_mm));

@@ -46,7 +46,7 @@ mod xml;
 
 pub use build_file::{
     BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, BuildMetadata, HeadingMetadata,
-    PlacedMesh, RulesMetadata,
+    OrderWords, PlacedMesh, RulesMetadata,
 };
 pub use build_read::{read_build, read_build_and_metadata};
 pub use build_write::write_build;

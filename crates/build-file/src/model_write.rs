@@ -8,7 +8,7 @@ use glam::DVec3;
 use solids::Mesh;
 
 use super::{
-    Arrangement, BuildFile, BuildFileItem, InstanceSharing, is_invisible,
+    Arrangement, BuildFile, BuildFileItem, InstanceSharing, OrderWords, is_invisible,
     uuid::derive_uuid,
     xml::{CORE, NESTD, PRODUCTION},
 };
@@ -20,6 +20,9 @@ const MAX_MOVED_IN_MM: f64 = 1e-6;
 const CLEAR_OF_ZERO_MM: f64 = 1e-9;
 /// Greatest length of a written name; the rest is cut off.
 const MAX_NAME: usize = 200;
+
+/// Greatest length of a written note; the end of a longer one is replaced by an ellipsis.
+const MAX_NOTE: usize = 500;
 
 /// Writes the `<model>` of a build.
 pub(super) fn write_model(build: &BuildFile, out: &mut impl Write) -> io::Result<()> {
@@ -113,8 +116,15 @@ fn write_package_metadata(build: &BuildFile, out: &mut impl Write) -> io::Result
 
 fn write_item_metadata(item: &BuildFileItem, out: &mut impl Write) -> io::Result<()> {
     write!(out, "<metadatagroup>")?;
-    if let Some(order) = &item.order {
+    let OrderWords { order, due, note } = &item.words;
+    if let Some(order) = order {
         write_metadata(out, "nestd:order", order)?;
+    }
+    if let Some(due) = due {
+        write_metadata(out, "nestd:due", due)?;
+    }
+    if let Some(note) = note {
+        writeln!(out, r#"<metadata name="nestd:note">{}</metadata>"#, sanitize_note(note))?;
     }
     write_metadata(out, "nestd:copy", &item.copy.to_string())?;
     write_metadata(out, "nestd:source", &item.source_name)?;
@@ -226,8 +236,20 @@ fn format_transform(item: &BuildFileItem, build: &BuildFile) -> String {
 /// Maps a name to the characters used in build files, none of which needs an escape: a widely used reader handles
 /// escapes wrongly.
 pub fn sanitize_name(name: &str) -> String {
-    let unsafe_character = |c: char| is_invisible(c) || matches!(c, '&' | '<' | '>' | '"' | '\'');
-    name.chars().take(MAX_NAME).map(|c| if unsafe_character(c) { '_' } else { c }).collect()
+    name.chars().take(MAX_NAME).map(safe_character).collect()
+}
+
+/// Maps a note to the same characters, on one line.
+fn sanitize_note(note: &str) -> String {
+    let line = note.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.chars().count() > MAX_NOTE {
+        true => line.chars().take(MAX_NOTE - 1).map(safe_character).chain(['…']).collect(),
+        false => line.chars().map(safe_character).collect(),
+    }
+}
+
+fn safe_character(c: char) -> char {
+    if is_invisible(c) || matches!(c, '&' | '<' | '>' | '"' | '\'') { '_' } else { c }
 }
 
 #[cfg(test)]
@@ -238,5 +260,11 @@ mod tests {
     fn names_need_no_escapes() {
         assert_eq!(sanitize_name("a & <b>\n\"c\" 'd' \u{fffe} Größe 简"), "a _ _b___c_ _d_ _ Größe 简");
         assert_eq!(sanitize_name(&"x".repeat(1000)).len(), MAX_NAME);
+        assert_eq!(
+            sanitize_note("für Jörg:\r\n  kein <Strahlen> & \"Färben\"\n"),
+            "für Jörg: kein _Strahlen_ _ _Färben_"
+        );
+        let long = sanitize_note(&"w".repeat(5000));
+        assert!(long.chars().count() == MAX_NOTE && long.ends_with("w…"), "{long}");
     }
 }

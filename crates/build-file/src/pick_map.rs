@@ -4,17 +4,17 @@ use std::io::Write;
 
 use glam::DVec3;
 
-use super::{BuildFile, BuildFileItem, FileWriteError, csv_cell};
+use super::{BuildFile, BuildFileItem, FileWriteError, OrderWords, csv_cell};
 
 /// A column: its name and the text of its cell.
 type PickMapColumn = (&'static str, fn(&PickMapRow) -> String);
 
 /// The columns of the pick map.
-const COLUMNS: [PickMapColumn; 14] = [
+const COLUMNS: [PickMapColumn; 16] = [
     ("item", |row| row.item.to_string()),
     ("part", |row| csv_cell(&row.part)),
     ("part_number", |row| csv_cell(&row.part_number)),
-    ("order", |row| csv_cell(row.order.as_deref().unwrap_or_default())),
+    ("order", |row| csv_cell(row.words.order.as_deref().unwrap_or_default())),
     ("copy", |row| row.copy.to_string()),
     ("source", |row| csv_cell(&row.source_name)),
     ("center_x_mm", |row| millimetres(row.center_mm.x)),
@@ -25,6 +25,8 @@ const COLUMNS: [PickMapColumn; 14] = [
     ("size_z_mm", |row| millimetres(row.size_mm.z)),
     ("top_mm", |row| millimetres(row.top_mm)),
     ("source_hash", |row| row.source_hash.clone()),
+    ("due", |row| csv_cell(row.words.due.as_deref().unwrap_or_default())),
+    ("note", |row| csv_cell(row.words.note.as_deref().unwrap_or_default())),
 ];
 
 /// One placed copy, for the person who unpacks the build.
@@ -36,8 +38,8 @@ pub struct PickMapRow {
     pub part: String,
     /// The farm's number of the part.
     pub part_number: String,
-    /// Order or kit to which the copy belongs.
-    pub order: Option<String>,
+    /// What its order says of it.
+    pub words: OrderWords,
     /// Copy number, from 1.
     pub copy: u32,
     /// File name under which the part was dropped.
@@ -61,7 +63,7 @@ pub fn pick_rows(build: &BuildFile) -> Vec<PickMapRow> {
             item,
             part: object.name.clone(),
             part_number: object.part_number.clone(),
-            order: placed.order.clone(),
+            words: placed.words.clone(),
             copy: placed.copy,
             source_name: placed.source_name.clone(),
             source_hash: placed.source_hash.clone(),

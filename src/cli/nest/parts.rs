@@ -67,7 +67,7 @@ pub fn read_parts(rows: Vec<RequestedFile>, setup: &NestingSetup) -> Result<Vec<
                 copies: (0..copies.saturating_mul(row.copies)).collect(),
                 orientation: setup.orientation.clone(),
                 clearance_mm: None,
-                order: None,
+                words: Default::default(),
             });
         }
     }

@@ -156,6 +156,15 @@ impl HandDrivenFarm {
         fs::write(self.root().join(format!("config/profiles/{name}.toml")), text).unwrap();
     }
 
+    /// Sets the time zone of the farm, which takes effect at the start or a reload.
+    pub fn write_time_zone(&self, name: &str) {
+        let file = self.root().join("config/nestd.toml");
+        let text = fs::read_to_string(&file).unwrap();
+        let others = text.lines().filter(|line| !line.starts_with("time_zone"));
+        let text = format!("time_zone = \"{name}\"\n{}\n", others.collect::<Vec<_>>().join("\n"));
+        fs::write(file, text).unwrap();
+    }
+
     /// Drops a file as a careful sender does.
     pub fn drop_bytes(&self, name: &str, bytes: &[u8]) {
         drop_file(self.root(), &self.folder("inbox").join(name), bytes);

@@ -40,7 +40,7 @@ fn a_part_that_has_waited_as_long_as_it_may_fires_and_not_before() {
 
 #[test]
 fn a_near_due_date_fires() {
-    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ndue_margin_secs = \"2h\"\n"));
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ndue_margin_secs = \"2h\"\ngather_secs = 0\n"));
     farm.drop_bytes("a.stl.toml", b"due = 2020-01-01");
     farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
     farm.wait_for_queued(1);
@@ -51,4 +51,68 @@ fn a_build_that_reaches_its_share_of_the_height_fires() {
     let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\nfill_height = 0.5\n"));
     farm.drop_part("tall.stl", &block(100.0, 100.0, 70.0));
     farm.wait_for_queued(1);
+}
+
+/// Drops three overdue parts, half a minute apart.
+fn drop_three_overdue_parts(farm: &mut HandDrivenFarm) {
+    for (count, name) in ["a", "b", "c"].into_iter().enumerate() {
+        farm.drop_bytes(&format!("{name}.stl.toml"), b"due = 2020-01-01");
+        farm.drop_part(&format!("{name}.stl"), &block(10.0, 10.0 + count as f64, 10.0));
+        farm.pass_secs(30.0);
+    }
+}
+
+#[test]
+fn overdue_parts_that_come_one_after_another_are_gathered_into_one_build() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = 60\n"));
+    drop_three_overdue_parts(&mut farm);
+    assert!(farm.queued().is_empty(), "the last part came 30 s ago");
+    let status = farm.status_text();
+    assert!(status.contains("It fires when full, or at ") && status.contains(" if nothing more arrives ("), "{status}");
+    assert!(status.contains("with 3 copies, ") && status.contains(" mm high: deadline of a.stl"), "{status}");
+    farm.wait_for_parts(PartState::Built, 3);
+    assert_eq!(farm.queued().len(), 1);
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn without_gathering_each_overdue_part_has_a_build_of_its_own() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = 0\n"));
+    drop_three_overdue_parts(&mut farm);
+    farm.wait_for_parts(PartState::Built, 3);
+    assert_eq!(farm.queued().len(), 3);
+}
+
+#[test]
+fn gathering_goes_on_after_a_restart_and_a_flush_ends_it() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = \"10m\"\n"));
+    farm.drop_bytes("a.stl.toml", b"due = 2020-01-01");
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_secs(300.0);
+    farm.stop();
+    farm.start();
+    farm.pass_secs(240.0);
+    assert!(farm.queued().is_empty());
+    farm.pass_secs(60.0);
+    farm.wait_for_queued(1);
+    farm.drop_bytes("b.stl.toml", b"due = 2020-01-01");
+    farm.drop_part("b.stl", &block(10.0, 11.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.pass_secs(10.0);
+    assert_eq!(farm.queued().len(), 1);
+    farm.order(crate::ledger::CommandKind::Flush, None);
+    farm.wait_for_queued(2);
+}
+
+#[test]
+fn a_drizzle_of_parts_does_not_hold_up_an_overdue_one_for_ever() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = 20\n"));
+    farm.drop_bytes("a.stl.toml", b"due = 2020-01-01");
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    for number in 0..9 {
+        farm.drop_part(&format!("drizzle {number}.stl"), &block(10.0, 11.0 + f64::from(number), 10.0));
+        farm.pass_secs(12.0);
+    }
+    assert_eq!(farm.queued().len(), 1, "it fires after 80 s at the latest");
 }

@@ -1,0 +1,79 @@
+//! The forecast of when the next build of a machine fires: on the pages, in `STATUS.txt` and in `nestd status`.
+
+use build_file::format_count;
+use jiff::Timestamp;
+
+use super::trigger::{DueFacts, FireTrigger, TriggerFacts, next_timed_trigger};
+use crate::{ledger::ProfileStatus, settings::MachineProfile};
+
+/// When a machine's next build fires, unless it is full before or an operator flushes it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FireForecast {
+    /// The time if nothing more arrives; a time in the past means at once.
+    pub at: Timestamp,
+    /// The time whatever arrives.
+    pub latest: Timestamp,
+    /// The trigger that fires it.
+    pub by: FireTrigger,
+}
+
+impl FireForecast {
+    /// When it fires, what would be in it and why: the end of a sentence that begins with 'It fires'.
+    pub fn fire_text(&self, profile: &MachineProfile, row: &ProfileStatus) -> String {
+        let zone = &profile.time_zone;
+        let (at, latest, why) =
+            (zone.format_minute(self.at), zone.format_minute(self.latest), self.fire_reason(profile, row));
+        match self.at < self.latest {
+            true => format!(
+                "when full, or at {at} if nothing more arrives ({latest} at the latest){}: {why}",
+                contents_text(row)
+            ),
+            false => format!("when full, at the latest {latest}{}: {why}", contents_text(row)),
+        }
+    }
+
+    /// The reason in words.
+    fn fire_reason(&self, profile: &MachineProfile, row: &ProfileStatus) -> String {
+        match self.by {
+            FireTrigger::Due if row.due_of.is_empty() => "a due date comes near".to_owned(),
+            FireTrigger::Due => format!("deadline of {}", row.due_of),
+            FireTrigger::At => {
+                let at = self.at.to_zoned(profile.time_zone.time_zone().clone());
+                format!("at {}", at.strftime("%H:%M %Z"))
+            }
+            _ => "waited long enough".to_owned(),
+        }
+    }
+}
+
+/// What would be in the build now: `, with 12 copies, 83.0 mm high`.
+fn contents_text(row: &ProfileStatus) -> String {
+    let copies = format_count(row.waiting_copies, "copy", "copies");
+    match row.open.as_ref().and_then(|open| open.height_mm) {
+        Some(height_mm) if height_mm > 0.0 => format!(", with {copies}, {height_mm:.1} mm high"),
+        _ => format!(", with {copies}"),
+    }
+}
+
+/// When the next build of a profile fires because of the time alone.
+pub fn forecast_fire(profile: &MachineProfile, row: &ProfileStatus) -> Option<FireForecast> {
+    if row.paused.is_some() || row.waiting_parts == 0 {
+        return None;
+    }
+    let height_mm = row.open.as_ref().and_then(|open| open.height_mm).unwrap_or(0.0);
+    let oldest = row.oldest_at?.0;
+    let facts = |newest: Timestamp| TriggerFacts {
+        copies: row.waiting_copies.max(1) as usize,
+        oldest,
+        due: DueFacts::of_arrivals(profile, height_mm, &row.due_arrivals, newest),
+        height_mm,
+        density: 0.0,
+        full: false,
+        flush: false,
+        is_date_trusted: true,
+    };
+    let (at, by) = next_timed_trigger(profile, &facts(row.newest_at.map_or(oldest, |at| at.0)))?;
+    // As if parts arrived until it fires.
+    let (latest, _) = next_timed_trigger(profile, &facts(Timestamp::MAX))?;
+    Some(FireForecast { at, latest, by })
+}

@@ -1,0 +1,84 @@
+//! How times are shown to people: in the time zone of the farm, with the mark of the zone, and with durations beside due
+//! dates.
+
+use jiff::Timestamp;
+
+use super::field_definition::{FieldDefinition, SheetFact};
+use crate::{
+    ledger::{PartTerms, UtcTimestamp},
+    settings::FarmZone,
+};
+
+/// How times are shown to people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TimeView {
+    zone: FarmZone,
+    now: Option<Timestamp>,
+}
+
+/// A due date: the instant, and the date as it was given.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GivenDate {
+    /// When it is due.
+    pub due_at: UtcTimestamp,
+    /// The date as it was given, "" = not known.
+    pub text: String,
+}
+
+impl GivenDate {
+    /// The due date, if there is one.
+    pub fn new(due_at: Option<UtcTimestamp>, text: &str) -> Option<Self> {
+        due_at.map(|due_at| Self { due_at, text: text.to_owned() })
+    }
+
+    /// The due date of a part, if it has one.
+    pub fn of_terms(terms: &PartTerms) -> Option<Self> {
+        Self::new(terms.due_at, &terms.due_text)
+    }
+}
+
+impl TimeView {
+    /// For a text that is read now.
+    pub fn current(zone: &FarmZone) -> Self {
+        Self::at(zone, Timestamp::now())
+    }
+
+    /// For a text that is read at this time.
+    pub fn at(zone: &FarmZone, now: Timestamp) -> Self {
+        Self { zone: zone.clone(), now: Some(now) }
+    }
+
+    /// For a text that is kept: it tells no durations.
+    pub fn kept(zone: &FarmZone) -> Self {
+        Self { zone: zone.clone(), now: None }
+    }
+
+    /// The current time; `None` for a text that is kept.
+    pub fn now(&self) -> Option<Timestamp> {
+        self.now
+    }
+
+    /// A time with its zone: `2026-11-20 05:49:00 CET`.
+    pub fn time_text(&self, at: UtcTimestamp) -> String {
+        self.zone.format_time(at.0)
+    }
+
+    /// A due date with the time that is left: `2026-12-24, in 32d 4h`.
+    pub fn due_text(&self, due: &GivenDate) -> String {
+        let date = self.zone.format_due(due.due_at.0, &due.text);
+        match self.now.and_then(|now| due.due_at.distance_text(now)) {
+            Some(distance) => format!("{date}, {distance}"),
+            None => date,
+        }
+    }
+
+    /// A line of a fact sheet with a time; `None` if there is no time.
+    pub fn time_fact(&self, field: FieldDefinition, at: impl Into<Option<UtcTimestamp>>) -> Option<SheetFact> {
+        Some(field.fact_of(self.time_text(at.into()?)))
+    }
+
+    /// A line of a fact sheet with a due date; `None` if there is none.
+    pub fn due_fact(&self, field: FieldDefinition, due: Option<GivenDate>) -> Option<SheetFact> {
+        Some(field.fact_of(self.due_text(&due?)))
+    }
+}

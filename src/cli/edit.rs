@@ -155,3 +155,29 @@ pub fn run_requeue(common: &CommonArgs, args: &RequeueArgs) -> Result<CommandExi
     ))?;
     Ok(CommandExit::Success)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_due_date_is_read_as_in_lists_and_in_the_zone_of_the_farm() {
+        let berlin = FarmZone::from(jiff::tz::TimeZone::get("Europe/Berlin").unwrap());
+        let args = |due: &str| EditArgs {
+            targets: Vec::new(),
+            copies: None,
+            due: Some(due.to_owned()),
+            priority: None,
+            orientation: None,
+            clearance: None,
+            unit: None,
+            note: None,
+            order: None,
+        };
+        let due = |text: &str| args(text).to_edit(&berlin).unwrap().due.unwrap();
+        let day = Some(("2026-12-24T22:59:59Z".parse().unwrap(), "2026-12-24".to_owned()));
+        assert_eq!((due("24.12.2026"), due("2026-12-24"), due("none")), (day.clone(), day, None));
+        assert_eq!(due("24.12.2026 17:00").unwrap().0.to_string(), "2026-12-24T16:00:00Z");
+        assert!(args("soon").to_edit(&berlin).unwrap_err().to_string().contains("such as 2026-11-25"));
+    }
+}

@@ -91,3 +91,47 @@ pub(super) fn questions_json(profile: &str, asked: &[QuestionedPart]) -> serde_j
     parts.dedup_by_key(|part| part.id);
     parts.into_iter().flat_map(of_part).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::{
+        NewPartRow, SolidFacts,
+        fixtures::{fresh, new_part, solid},
+    };
+
+    #[tokio::test]
+    async fn each_open_question_of_a_part_comes_with_what_answers_it() {
+        let ledger = fresh().await;
+        let unclear = format!("{} Taken as 1 copy, because its name is not clear.", intake::COPIES_QUESTION);
+        let mut ids = Vec::new();
+        for (claim, warnings, question) in [
+            ("plain", Vec::new(), ""),
+            ("unclear", vec![unclear.clone()], ""),
+            ("speck", vec![unclear], "it is 0.4 mm long."),
+        ] {
+            let id = ledger.record_claim(&NewPartRow { warnings, ..new_part(claim, 1) }).await.unwrap().id;
+            let facts = SolidFacts { question: question.to_owned(), ..solid(0, 1) };
+            ledger.accept_solids(id, &[facts]).await.unwrap();
+            ids.push(id);
+        }
+        let asked = ledger.parts_with_questions(intake::COPIES_QUESTION, 9).await.unwrap();
+        assert_eq!(asked.iter().map(|row| row.part.id).collect::<Vec<_>>(), ids[1..]);
+        let mut rows = Vec::new();
+        for id in &ids {
+            rows.push(ledger.find_part(*id).await.unwrap().unwrap());
+        }
+        let kinds =
+            |part: &PartRow| PartQuestion::of_part(part).iter().map(|question| question.kind).collect::<Vec<_>>();
+        assert_eq!(kinds(&rows[0]), []);
+        assert_eq!(kinds(&rows[1]), [QuestionKind::Copies]);
+        assert_eq!(kinds(&rows[2]), [QuestionKind::Confirmation, QuestionKind::Copies]);
+        rows[0].times.damaged_at = Some(rows[0].times.claimed_at);
+        assert_eq!(kinds(&rows[0]), [QuestionKind::Original]);
+        let json = questions_json("paper-200", &asked);
+        assert_eq!(json.as_array().unwrap().len(), 3, "{json:#}");
+        assert_eq!(json[1]["remedy"], "`nestd confirm 3` prints it as it is, `nestd cancel 3` refuses it.");
+        assert_eq!(questions_json("other", &asked), json!([]));
+        assert_eq!(questions_text("paper-200", &asked).matches("Question: How many copies? part 2").count(), 1);
+    }
+}

@@ -307,6 +307,7 @@ fn stopped_status(machine: &MachineState, row: &ProfileStatus) -> (String, Strin
         "written_at": floor_to_minute(now).to_string(),
         "waiting_parts": row.waiting_parts,
         "waiting_copies": row.waiting_copies,
+        "fires_at": null,
         "fires_at_latest": null,
     });
     (text, format!("{json:#}\n"))
@@ -326,6 +327,7 @@ fn halted_status(machine: &MachineState, alerts: &AlertRegistry, is_running: boo
         "running": is_running,
         "written_at": floor_to_minute(now).to_string(),
         "attention": alerts.status_json_for(name),
+        "fires_at": null,
         "fires_at_latest": null,
     });
     (text, format!("{json:#}\n"))

@@ -5,7 +5,7 @@ use build_file::LengthUnit;
 use jiff::{Timestamp, civil, tz::TimeZone};
 use unicode_normalization::UnicodeNormalization;
 
-use super::ticket::parse_due;
+use super::due_date::parse_due;
 use crate::intake::DueDate;
 
 /// What people write into a cell that says nothing.

@@ -3,7 +3,7 @@
 use nester::OrientationRule;
 
 use super::*;
-use crate::intake::ticket::parse_due;
+use crate::intake::due_date::parse_due;
 
 fn list(text: &str) -> OrderList {
     OrderList::parse_list(text.as_bytes())

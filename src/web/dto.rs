@@ -138,8 +138,10 @@ struct PartTermsFields {
     order: String,
     /// Priority, 0 to 100.
     priority: u8,
-    /// When it is due.
+    /// When it is due; a day is due at its last second in the time zone of the farm.
     due_at: Option<UtcTimestamp>,
+    /// The due date as it was given; empty = none.
+    due_text: String,
     /// Rule for its allowed orientations.
     #[schemars(with = "String", extend("enum" = words_of::<OrientationRule>()))]
     orientation: OrientationRule,
@@ -283,6 +285,7 @@ impl From<PartRow> for PartResource {
                 order: terms.order_name,
                 priority: terms.priority,
                 due_at: terms.due_at,
+                due_text: terms.due_text,
                 orientation: terms.orientation,
                 tilts: terms.tilts.to_string(),
                 clearance_mm: terms.clearance_mm,

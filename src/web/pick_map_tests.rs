@@ -66,6 +66,23 @@ fn copies_come_in_the_proved_order_where_it_names_them_all_and_else_by_height() 
 }
 
 #[test]
+fn due_dates_and_notes_are_shown_as_text_where_a_copy_has_any() {
+    let plain = map_with(cake(true), &[]);
+    assert!(!plain.contains(">Due<") && !plain.contains(">Note<"), "{plain}");
+    let mut cake = cake(true);
+    (cake.parts[0].due, cake.parts[0].note) = ("2026-12-24".to_owned(), "nicht <b>strahlen</b>".to_owned());
+    let map = map_with(cake.clone(), &[]);
+    assert!(map.contains(">Due<") && map.contains("<td>2026-12-24</td>"), "{map}");
+    assert!(map.contains(">Note<") && map.contains("<td>nicht &lt;b&gt;strahlen&lt;/b&gt;</td>"), "{map}");
+    let list = CachedPickMap::from_cake(&cake, 7).list;
+    let json = serde_json::to_value(&*list).unwrap();
+    assert_eq!(
+        (&json["copies"][2]["due"], &json["copies"][2]["note"]),
+        (&"2026-12-24".into(), &"nicht <b>strahlen</b>".into())
+    );
+}
+
+#[test]
 fn a_map_with_ways_down_says_that_the_cake_is_lifted_first() {
     let map_to = |z: f64| {
         let direction = |z: f64| [(1.0 - z * z).sqrt(), 0.0, z];

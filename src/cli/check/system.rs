@@ -2,10 +2,11 @@
 
 use std::{fs, path::Path};
 
+use jiff::{Timestamp, tz::TimeZone};
 use rustix::process::{Resource, getrlimit};
 
 use super::report::CheckReport;
-use crate::settings::Settings;
+use crate::settings::{FarmZone, Settings};
 
 /// Open files that a busy daemon needs: ledger connections, a few parts and builds at once, inotify.
 const MIN_OPEN_FILES: u64 = 256;
@@ -19,6 +20,19 @@ pub fn check_system(settings: &Settings, report: &mut CheckReport) {
     check_open_files(report);
     check_watches(settings, report);
     check_threads(settings, report);
+    check_time_zone(settings, report);
+}
+
+/// Shows the time zone of the farm: dates of tickets and lists mean days there.
+fn check_time_zone(settings: &Settings, report: &mut CheckReport) {
+    let (zone, now) = (&settings.time_zone, Timestamp::now());
+    match TimeZone::try_system() {
+        Err(_) if *zone == FarmZone::default() => report.add_note(
+            "time zone",
+            "the system names none that it knows: days are days of UTC; set time_zone, or install tzdata",
+        ),
+        _ => report.add_ok("time zone", format!("{}, now {}", zone.name(), zone.format_minute(now))),
+    }
 }
 
 fn check_open_files(report: &mut CheckReport) {

@@ -218,6 +218,11 @@ impl HandDrivenFarm {
         self.farm.as_ref().unwrap().machines[PROFILE].status.0.clone()
     }
 
+    /// What `status.json` says next.
+    pub fn status_json(&self) -> serde_json::Value {
+        self.farm.as_ref().unwrap().machines[PROFILE].status.1.clone()
+    }
+
     /// The published build files in the queue.
     pub fn queued(&self) -> Vec<PathBuf> {
         list_build_files(&self.folder("queue"))

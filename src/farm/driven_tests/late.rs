@@ -90,6 +90,13 @@ fn a_speck_waits_for_a_yes() {
     let speck = parts.iter().find(|part| part.name == "cover.stl").unwrap();
     assert!(speck.owed.question.contains("read in inches instead of millimetres it would be 22.9 x 20.3 x 17.8 mm"));
     farm.pass_until("it is asked", |farm| farm.has_alert(AlertKind::Question));
+    let questions = farm.status_json()["questions"].clone();
+    assert_eq!(
+        (&questions[0]["kind"], &questions[0]["name"]),
+        (&"confirmation".into(), &"cover.stl".into()),
+        "{questions:#}"
+    );
+    assert!(questions[0]["remedy"].as_str().unwrap().contains("`nestd confirm "), "{questions:#}");
     publish(&mut farm, 1);
     assert_eq!(copies(&farm, 0), 1);
     assert_eq!(farm.order_and_wait(CommandKind::Confirm, Some(speck.id)).state, CommandState::Done);

@@ -64,6 +64,9 @@ fn a_number_of_copies_that_is_not_clear_is_asked_for() {
     farm.wait_for_parts(PartState::Waiting, 5);
     farm.pass_until("the rest is counted", |farm| status(farm).contains("The same is asked of 2 more parts."));
     assert_eq!(status(&farm).matches("Question:").count(), 3);
+    let questions = farm.status_json()["questions"].clone();
+    assert_eq!(questions[0]["kind"], "copies", "{questions:#}");
+    assert!(questions[0]["remedy"].as_str().unwrap().starts_with("`nestd edit "), "{questions:#}");
 }
 
 #[test]

@@ -54,6 +54,24 @@ async fn a_failed_build_puts_every_copy_back_with_all_that_was_asked_and_first_i
 }
 
 #[tokio::test]
+async fn lines_and_orders_carry_the_due_date_as_it_was_given() {
+    let ledger = fresh().await;
+    let due = |claim: &str, at: &str, text: &str| {
+        asked(new_part(claim, 1), |terms| {
+            (terms.due_at, terms.due_text) = (Some(at.parse().unwrap()), text.to_owned());
+            terms.order_name = "brandt".to_owned();
+        })
+    };
+    ledger.record_claim(&due("a", "2026-12-24T22:59:59Z", "2026-12-24")).await.unwrap();
+    ledger.record_claim(&due("b", "2026-12-23T16:00:00Z", "2026-12-23 17:00")).await.unwrap();
+    let lines = ledger.order_lines("brandt").await.unwrap();
+    assert_eq!(lines.iter().map(|line| line.due_text.as_str()).collect::<Vec<_>>(), ["2026-12-24", "2026-12-23 17:00"]);
+    let orders = ledger.order_summaries(&OrderQuery { limit: 9, ..Default::default() }).await.unwrap();
+    assert_eq!(orders[0].due_text, "2026-12-23 17:00");
+    assert_eq!(orders[0].due_at, lines[1].due_at);
+}
+
+#[tokio::test]
 async fn single_bad_copies_are_put_back_and_not_more_than_were_printed() {
     let ledger = fresh().await;
     let part = line(&ledger, "a", 3, "brandt").await;

@@ -48,10 +48,11 @@ impl FireForecast {
 
 /// What would be in the build now: `, with 12 copies, 83.0 mm high`.
 fn contents_text(row: &ProfileStatus) -> String {
-    let copies = format_count(row.waiting_copies, "copy", "copies");
-    match row.open.as_ref().and_then(|open| open.height_mm) {
-        Some(height_mm) if height_mm > 0.0 => format!(", with {copies}, {height_mm:.1} mm high"),
-        _ => format!(", with {copies}"),
+    let text = |copies: u32| format!(", with {}", format_count(copies, "copy", "copies"));
+    match row.open.as_ref().and_then(|open| Some((open.copies?, open.height_mm?))) {
+        Some((copies, height_mm)) if copies > 0 => format!("{}, {height_mm:.1} mm high", text(copies)),
+        // Its layout is not searched yet.
+        _ => text(row.waiting_copies),
     }
 }
 

@@ -89,13 +89,21 @@ impl LedgerChange {
         self.write_event(next, &profile, Some(id), build, detail).await
     }
 
-    /// Rejects a part.
+    /// Rejects a part. Its copies count as refused, unless a newer revision has taken over what is wanted.
     pub async fn reject_part(&mut self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };
+        let unwanted = match cause {
+            RefusalCause::Replaced => self.waiting_count(id).await?,
+            _ => 0,
+        };
         let profile = self.set_part_state(id, PartState::Rejected, Some(cause), reason).await?;
+        self.change_cancelled(id, i64::from(unwanted)).await?;
         self.count_decision(id).await?;
-        self.update_orders_of([id]).await?;
-        self.write_refusal_event(EventKind::Rejected, &profile, Some(id), cause, reason).await
+        self.write_refusal_event(EventKind::Rejected, &profile, Some(id), cause, reason).await?;
+        if unwanted > 0 {
+            self.note_wanted_change(-i64::from(unwanted)).await?;
+        }
+        self.update_orders_of([id]).await
     }
 
     /// Sets the state of a part. Returns its profile.

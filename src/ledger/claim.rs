@@ -147,13 +147,26 @@ impl Ledger {
         if state != PartState::Rejected {
             return Err(LedgerError::NotRejected { part: id, state });
         }
+        let wanted_again = copies_lost_by_refusal(&mut change, id).await?;
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
         // A revision that is taken back is wanted beside the newer one.
         sqlx::query("UPDATE part SET replaced_by = NULL WHERE id = ?").bind(id).execute(change.db()).await?;
+        if wanted_again > 0 {
+            change.note_wanted_change(wanted_again).await?;
+            change.change_cancelled(id, -wanted_again).await?;
+        }
         change.count_decision(id).await?;
         change.update_orders_of([id]).await?;
         change.commit().await
     }
+}
+
+/// By how many the copies wanted of a part fell when it was last refused.
+async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
+    let last = sqlx::query_scalar(
+        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = ? AND kind = 'rejected' ORDER BY id DESC LIMIT 1",
+    );
+    Ok(last.bind(id).fetch_optional(change.db()).await?.unwrap_or(0))
 }
 
 async fn ensure_part_cancellable(change: &mut LedgerChange, id: PartId) -> Result<()> {

@@ -221,6 +221,24 @@ async fn a_revision_is_the_same_name_in_the_same_order_while_the_first_waits() {
 }
 
 #[tokio::test]
+async fn an_order_whose_part_was_replaced_is_complete_with_the_copies_of_the_newer_revision() {
+    let ledger = fresh().await;
+    let old = line(&ledger, "a", 3, "brandt").await;
+    let new = line(&ledger, "b", 3, "brandt").await;
+    ledger.record_revision(old, new, false).await.unwrap();
+    ledger.cancel_part(old, RefusalCause::Replaced, "a newer one came").await.unwrap();
+    assert_eq!(copies(&ledger, old).await, LineCopies { cancelled: 3, ..Default::default() });
+    let build = published(&ledger, &[(new, 0), (new, 1), (new, 2)]).await;
+    ledger.record_outcome(build, &told(PrintOutcome::Complete)).await.unwrap();
+    assert_eq!(ledger.find_order("brandt").await.unwrap().unwrap().state, OrderState::Complete);
+    // Where both are wanted, the earlier one is taken back with its copies.
+    ledger.retry_part(old).await.unwrap();
+    assert_eq!(copies(&ledger, old).await.wanted, 3);
+    assert_eq!(ledger.find_order("brandt").await.unwrap().unwrap().state, OrderState::Open);
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
 async fn orders_are_found_by_any_part_of_their_name_in_any_case() {
     let ledger = fresh().await;
     for (claim, order) in [("a", "Brandt 1182"), ("b", "MÜLLER-7"), ("c", "meyer")] {

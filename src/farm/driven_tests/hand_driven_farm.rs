@@ -2,7 +2,7 @@
 //! process, no event loop and no waiting. Its clocks move only when the test advances them.
 
 use std::{
-    collections::BTreeSet,
+    collections::{BTreeMap, BTreeSet},
     fs,
     path::{Path, PathBuf},
     time::{Duration, Instant},
@@ -23,12 +23,12 @@ use super::super::{
     time_source::{ClockHands, TimeSource},
 };
 use crate::{
-    ledger::{CommandId, CommandKind, CommandRow, Ledger, NewCommand, PartId, PartRow, PartState},
-    settings,
+    ledger::{BuildState, CommandId, CommandKind, CommandRow, Ledger, NewCommand, PartId, PartRow, PartState},
+    settings::{self, MachineProfile},
 };
 
 #[path = "../../../tests/support/farm_files.rs"]
-mod farm_files;
+pub mod farm_files;
 
 use farm_files::{assert_each_copy_once, drop_file, list_build_files};
 pub use farm_files::{block, stl};
@@ -125,6 +125,42 @@ impl HandDrivenFarm {
         }
     }
 
+    /// Advances the clocks at once by a long time, and then runs ticks, a second apart, until no file is read and no build
+    /// is made.
+    pub fn jump(&mut self, time: Duration) {
+        self.hands.pass(time);
+        self.tick();
+        for _ in 0..MOST_TICKS {
+            if !self.is_making() {
+                return;
+            }
+            self.hands.pass(4 * STEP);
+            self.tick();
+        }
+    }
+
+    /// Whether files are read, builds are made, or commands wait for their answer.
+    fn is_making(&self) -> bool {
+        self.ask(async |ledger| {
+            let mut making = ledger.pending_commands().await.unwrap().len();
+            making += ledger.parts_in_state(PartState::Claimed).await.unwrap().len();
+            for state in [BuildState::Nesting, BuildState::Verified] {
+                making += ledger.builds_in_state(state).await.unwrap().len();
+            }
+            making > 0
+        })
+    }
+
+    /// The profiles of the machines.
+    pub fn profiles(&self) -> &BTreeMap<String, MachineProfile> {
+        &self.farm.as_ref().unwrap().settings.profiles
+    }
+
+    /// The date by the farm's clock.
+    pub fn date(&self) -> jiff::Timestamp {
+        self.time.date()
+    }
+
     /// Advances the clocks until a condition holds. Panics after two minutes of test time.
     pub fn pass_until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
         for _ in 0..MOST_TICKS {
@@ -149,7 +185,12 @@ impl HandDrivenFarm {
     }
 
     pub fn folder(&self, kind: &str) -> PathBuf {
-        self.root().join(kind).join(PROFILE)
+        self.folder_of(kind, PROFILE)
+    }
+
+    /// A folder of any machine.
+    pub fn folder_of(&self, kind: &str, profile: &str) -> PathBuf {
+        self.root().join(kind).join(profile)
     }
 
     pub fn write_profile(&self, name: &str, text: &str) {

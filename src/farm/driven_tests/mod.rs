@@ -13,5 +13,6 @@ mod repair;
 mod reprints;
 mod tickets;
 mod triggers;
+mod week;
 
 use hand_driven_farm::{HandDrivenFarm, PROFILE, QUICK, block, stl};

@@ -54,8 +54,8 @@ CREATE INDEX customer_order_open ON customer_order (opened_at) WHERE state = 'op
 INSERT INTO customer_order (name, folded, state, opened_at, state_at)
 SELECT p.order_name, lower(p.order_name),
        CASE WHEN sum(p.state <> 'built') = 0 AND NOT EXISTS (
-           SELECT 1 FROM part q JOIN placement l ON l.part_id = q.id JOIN build b ON b.id = l.build_id
-           WHERE q.order_name = p.order_name AND b.state <> 'complete') THEN 'complete' ELSE 'open' END,
+           SELECT 1 FROM part q CROSS JOIN placement l ON l.part_id = q.id CROSS JOIN build b ON b.id = l.build_id
+           WHERE q.order_name = p.order_name AND q.order_name <> '' AND b.state <> 'complete') THEN 'complete' ELSE 'open' END,
        min(p.claimed_at), max(p.state_at)
 FROM part p WHERE p.order_name <> '' GROUP BY p.order_name;
 

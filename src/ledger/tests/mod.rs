@@ -9,6 +9,7 @@ mod queries;
 mod query_plans;
 mod random_walks;
 mod shapes;
+mod upgrade;
 
 use jiff::Timestamp;
 use nester::{OrientationRule, TiltLimit};

@@ -30,6 +30,10 @@ pub enum MessageKind {
     OrderComplete,
     /// An order ended with fewer copies than were wanted.
     OrderShort,
+    /// Copies left the open build for others that go first.
+    PutOut,
+    /// Copies of the highest priority find no place in the next build.
+    NoRoom,
     /// Messages were dropped.
     Dropped,
     /// A test of the receivers.
@@ -65,6 +69,8 @@ pub fn event_kinds(events: &[NotificationKind]) -> Vec<EventKind> {
         NotificationKind::AtRisk => vec![EventKind::AtRisk],
         NotificationKind::OrderComplete => vec![EventKind::OrderComplete],
         NotificationKind::OrderShort => vec![EventKind::OrderShort],
+        NotificationKind::PutOut => vec![EventKind::PutOut],
+        NotificationKind::NoRoom => vec![EventKind::NoRoom],
     };
     events.iter().flat_map(kinds_of).chain([EventKind::MessagesDropped]).collect()
 }
@@ -140,6 +146,8 @@ impl MessageKind {
             EventKind::AtRisk => Self::AtRisk,
             EventKind::OrderComplete => Self::OrderComplete,
             EventKind::OrderShort => Self::OrderShort,
+            EventKind::PutOut => Self::PutOut,
+            EventKind::NoRoom => Self::NoRoom,
             _ => Self::Dropped,
         }
     }
@@ -154,6 +162,8 @@ impl MessageKind {
             Self::AtRisk => "at-risk",
             Self::OrderComplete => "order-complete",
             Self::OrderShort => "order-short",
+            Self::PutOut => "put-out",
+            Self::NoRoom => "no-room",
             Self::Dropped => "dropped",
             Self::Test => "test",
         }
@@ -182,7 +192,7 @@ fn message_text(event: &EventRow, detail: &str, part: Option<&PartRow>, build: O
         (MessageKind::Refused, None, _) => format!("A file was refused in {profile}: {first}"),
         (MessageKind::Unavailable, ..) => first.to_owned(),
         (MessageKind::Available, ..) => format!("{profile} is available again."),
-        (MessageKind::AtRisk, ..) => format!("{profile}: {first}"),
+        (MessageKind::AtRisk | MessageKind::PutOut | MessageKind::NoRoom, ..) => format!("{profile}: {first}"),
         (MessageKind::OrderComplete, ..) => format!("Complete: {first}."),
         (MessageKind::OrderShort, ..) => format!("Short: {first}."),
         _ => format!("Messages were dropped: {first}."),

@@ -341,3 +341,19 @@ async fn a_due_date_at_risk_is_reported_once_for_all_parts_of_an_order() {
     assert_eq!((message.kind.word(), message.part), ("at-risk", Some(ids[0].0)));
     assert!(message.text.contains("are due now"), "{}", message.text);
 }
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn who_is_put_out_or_finds_no_room_is_told_where_that_is_asked_for() {
+    let hook = TestWebhook::with_answers(&[]);
+    let farm = OutboxFixture::of(&hook, "events = [\"put-out\", \"no-room\"]").await;
+    let part = fixtures::waiting(&farm.ledger, "a", 2).await;
+    let task = farm.tell(1).await;
+    for (kind, text) in [(EventKind::PutOut, "1 copy of a.stl left"), (EventKind::NoRoom, "1 copy of a.stl cannot")] {
+        farm.ledger.write_event(kind, "cube", Some(part), None, text).await.unwrap();
+    }
+    let delivered = farm.wait(&hook, 2).await;
+    task.abort();
+    assert_eq!(texts(&delivered, "kind"), ["put-out", "no-room"]);
+    assert_eq!(texts(&delivered, "text"), ["cube: 1 copy of a.stl left", "cube: 1 copy of a.stl cannot"]);
+    assert_eq!(delivered[0]["part"]["name"], "a.stl");
+}

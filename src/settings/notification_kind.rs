@@ -18,4 +18,8 @@ pub enum NotificationKind {
     OrderComplete,
     /// An order ended with fewer copies than were wanted.
     OrderShort,
+    /// Copies left the open build for others that go first.
+    PutOut,
+    /// Copies of the highest priority find no place in the next build.
+    NoRoom,
 }

@@ -9,7 +9,7 @@ use super::{
     show_text,
     table::{print_json, print_text, print_to_stderr},
 };
-use crate::{settings::MachineProfile, tables::TimeView};
+use crate::{farm::locate_build_file, settings::MachineProfile, tables::TimeView};
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -31,8 +31,7 @@ pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
         if let Some(sheet) = &mut found.build {
             let build = &sheet.build;
             let now = settings.profiles.get(&build.profile);
-            let folder = now.map(|profile| profile.folders.queue.clone());
-            sheet.file = folder.zip(build.staged.file_name.as_ref()).map(|(folder, name)| folder.join(name));
+            sheet.file = now.and_then(|profile| locate_build_file(profile, build));
             sheet.machine =
                 Some(MachineProfile::from_snapshot(&build.profile, build.kept.profile_snapshot.as_deref(), now));
         }

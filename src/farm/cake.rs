@@ -13,6 +13,7 @@ use glam::DVec3;
 use solids::{Bounds, Mesh, Pose};
 
 use super::{
+    kept_build,
     layout::{due_words, placed_from_json},
     mesh_cache::MeshCache,
     mesh_source::MeshSource,
@@ -192,11 +193,21 @@ fn placed_mesh_name(item: &PlacedMesh) -> String {
     build_file::escape_invisible(&name)
 }
 
-/// The file of a published build, if it lies in the queue and is the one that was proved.
+/// The file of a published build, if it lies in the queue or is kept in the archive, and is the one that was proved.
 pub fn find_proved_file(profile: &MachineProfile, build: &BuildRow) -> Option<PathBuf> {
-    let file = profile.folders.queue.join(build.staged.file_name.as_deref()?);
     let is_proved = |file: &Path| Some(hash_file(file).ok()?.to_hex().as_str() == build.staged.file_hash.as_deref()?);
-    is_proved(&file)?.then_some(file)
+    build_file_paths(profile, build)?.into_iter().find(|file| is_proved(file).unwrap_or(false))
+}
+
+/// Where a build's file is now, as far as its name tells: in the queue folder, else kept in the archive.
+pub fn locate_build_file(profile: &MachineProfile, build: &BuildRow) -> Option<PathBuf> {
+    let [queued, kept] = build_file_paths(profile, build)?;
+    Some(if kept.is_file() && !queued.exists() { kept } else { queued })
+}
+
+fn build_file_paths(profile: &MachineProfile, build: &BuildRow) -> Option<[PathBuf; 2]> {
+    let name = build.staged.file_name.as_deref()?;
+    Some([profile.folders.queue.join(name), kept_build::kept_path(&profile.folders.archive, name)])
 }
 
 /// The build volume given in the file, or else `given_mm`.

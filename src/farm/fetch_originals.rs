@@ -9,11 +9,11 @@ use tracing::{info, warn};
 
 use super::{
     claim_note::ClaimNote, damaged_files, failure::LostFileError, farm::Farm, folder_leases::FolderLeases,
-    jobs::BackgroundJob,
+    jobs::BackgroundJob, kept_build::KeptBuild,
 };
 use crate::{
     intake::{self, ContentStore, StoreError},
-    ledger::PartRow,
+    ledger::{BuildState, PartRow, PartState},
 };
 
 /// Copies originals back from the archive.
@@ -25,6 +25,8 @@ pub(super) struct FetchOriginalsJob;
 pub(super) struct FetchedOriginals {
     /// In the store.
     stored: Vec<String>,
+    /// In no archive, but not needed: their build is issued once more from its kept file.
+    unneeded: Vec<String>,
     /// In no archive, with the name of a part.
     missing: Vec<(String, String)>,
     /// Failures that are retried.
@@ -53,6 +55,8 @@ struct WantedOriginal {
     decisions: u32,
     /// The folders of its builds in the archive, newest first.
     folders: Vec<PathBuf>,
+    /// The kept file of the build that is issued once more.
+    kept: Option<KeptBuild>,
     leases: FolderLeases,
 }
 
@@ -77,6 +81,7 @@ pub(super) async fn fetch_originals(farm: &mut Farm) -> Result<()> {
         for original in &wanted {
             match original.copy_into_store(&store) {
                 Ok(true) => fetched.stored.push(original.hash.clone()),
+                Ok(false) if original.has_kept_build() => fetched.unneeded.push(original.hash.clone()),
                 Ok(false) => fetched.missing.push((original.hash.clone(), original.name.clone())),
                 Err(failure) => fetched.failures.push(format!("{}: {failure:#}", original.name)),
             }
@@ -100,11 +105,28 @@ async fn wanted_original(farm: &Farm, part: PartRow) -> Result<Option<WantedOrig
         decisions: farm.ledger.decision_count(&part.file.claim).await?,
         note: ClaimNote::of_part(farm.lifecycle.holder.farm_id(), &part).to_text(),
         folders,
+        kept: find_kept_build(farm, &part, &machine.profile.folders.archive).await?,
         leases: machine.leases.clone(),
     }))
 }
 
+/// The kept file of a build that is issued once more with all wanted copies of a part.
+async fn find_kept_build(farm: &Farm, part: &PartRow, archive: &Path) -> Result<Option<KeptBuild>> {
+    for build in farm.ledger.builds_in_state(BuildState::Nesting).await? {
+        let Some(printed) = build.search.repeats else { continue };
+        let parts = farm.ledger.parts_of_build(build.id).await?;
+        if part.state == PartState::Batched && parts.iter().any(|other| other.id == part.id) {
+            return Ok(farm.ledger.find_build(printed).await?.and_then(|row| KeptBuild::of_build(archive, &row)));
+        }
+    }
+    Ok(None)
+}
+
 impl WantedOriginal {
+    fn has_kept_build(&self) -> bool {
+        self.kept.as_ref().is_some_and(|kept| kept.proved_path().is_some())
+    }
+
     /// Copies the original into the store and writes its note. `false` = no archive holds it.
     fn copy_into_store(&self, store: &ContentStore) -> Result<bool> {
         if store.verify_hash(&self.hash).is_err() {
@@ -131,6 +153,10 @@ fn find_original(folder: &Path, hash: &str) -> Option<PathBuf> {
 async fn on_fetched(farm: &mut Farm, fetched: FetchedOriginals) -> Result<()> {
     for hash in &fetched.stored {
         info!("The original with the BLAKE3 {hash} is in the store again: its copies wait.");
+        farm.ledger.mark_fetched(hash).await?;
+    }
+    for hash in &fetched.unneeded {
+        info!("No archive holds the original with the BLAKE3 {hash} any more: its build is issued from the kept file.");
         farm.ledger.mark_fetched(hash).await?;
     }
     for (hash, name) in &fetched.missing {

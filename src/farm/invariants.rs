@@ -6,7 +6,8 @@
 //! - I2: each copy of a part is in at most one published build where it is not told bad, and in exactly one once its
 //!   batch is done.
 //! - I3: a build file that is visible in a queue folder is complete, proved, and has its row.
-//! - I4: the daemon deletes nothing but its own temporary files and what is past its retention.
+//! - I4: the daemon deletes nothing but its own temporary files and what is past its retention; a kept copy of a build
+//!   file has the bytes that were proved.
 //! - I5: for each line of each order, copies wanted = waiting + in builds whose print is not told bad + told good, +
 //!   refused; no copy leaves that sum without an event. Its rules are among those of `ledger::consistency`, whose
 //!   violations are reported as I2.
@@ -40,6 +41,7 @@ pub async fn check_invariants(
     files::check_dropped_files(ledger, &folders, witness, &mut report).await?;
     files::check_foreign_files(witness, &mut report);
     builds::check_visible_builds(settings, ledger, witness, &mut report).await?;
+    builds::check_kept_builds(settings, ledger, &mut report).await?;
     check_ledger_knows_folders(settings, ledger, &mut report).await?;
     Ok(report)
 }

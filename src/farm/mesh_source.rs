@@ -86,14 +86,19 @@ impl MeshSource {
         if part.file.reads > READS_IN_THE_DAEMON { errand.read_isolated() } else { errand.read_in_process() }
     }
 
+    /// Whether the stored file of a part is there, with the bytes that were dropped.
+    pub fn has_file(&self, part: &PartRow) -> bool {
+        self.store.verify_hash(&part.file.content_hash).is_ok()
+    }
+
+    /// Keeps a mesh of a part in memory.
+    pub fn insert_mesh(&self, profile: &MachineProfile, part: &PartRow, mesh: Mesh) {
+        self.mesh_cache.insert(cache_key(profile, part, part.solid.object_index), mesh);
+    }
+
     /// The mesh of a part, from memory or from the store.
     pub fn load_mesh(&self, profile: &MachineProfile, part: &PartRow) -> Result<Arc<Mesh>> {
-        let key = |object_index| MeshCacheKey {
-            content_hash: part.file.content_hash.clone(),
-            object_index,
-            default_unit: profile.intake.unit,
-            unit: part.terms.unit,
-        };
+        let key = |object_index| cache_key(profile, part, object_index);
         if let Some(mesh) = self.mesh_cache.get(&key(part.solid.object_index)) {
             return Ok(mesh);
         }
@@ -106,5 +111,14 @@ impl MeshSource {
         self.mesh_cache
             .get(&key(part.solid.object_index))
             .with_context(|| format!("part {} ({}) has no solid {}", part.id.0, part.name, part.solid.object_index))
+    }
+}
+
+fn cache_key(profile: &MachineProfile, part: &PartRow, object_index: u32) -> MeshCacheKey {
+    MeshCacheKey {
+        content_hash: part.file.content_hash.clone(),
+        object_index,
+        default_unit: profile.intake.unit,
+        unit: part.terms.unit,
     }
 }

@@ -49,6 +49,7 @@ mod invariants;
 mod isolated_read;
 mod job_events;
 mod jobs;
+mod kept_build;
 mod known_folders;
 mod late_tickets;
 mod layout;
@@ -109,7 +110,8 @@ pub use alert::{AlertKind, FarmAlert};
 pub use alert_registry::{ServiceBridge, read_stored_alerts};
 pub use alert_summary::AlertSummary;
 pub use cake::{
-    CakeContents, CakeCopy, CakePart, count_copies_in_layout, find_proved_file, load_placed_parts, resolve_volume_mm,
+    CakeContents, CakeCopy, CakePart, count_copies_in_layout, find_proved_file, load_placed_parts, locate_build_file,
+    resolve_volume_mm,
 };
 pub use disk_cache::DiskPreparationCache;
 pub use event_loop::run;

@@ -17,6 +17,7 @@ use super::{
     farm::Farm,
     folder_lease::FolderLease,
     jobs::BackgroundJob,
+    kept_build::{self, KeptBuild},
     layout::{CopyId, placed_from_json, placed_from_rows},
     left_out::find_left_out,
     mesh_source::MeshSource,
@@ -30,7 +31,10 @@ use super::{
 use crate::{
     intake,
     ledger::Ledger,
-    ledger::{BuildId, BuildRow, BuildState, EventKind, PartId, PartRow, PauseCause, WaitingPart, rank_waiting_copies},
+    ledger::{
+        BuildId, BuildRow, BuildState, EventKind, PartId, PartRow, PauseCause, PlacementRow, WaitingPart,
+        rank_waiting_copies,
+    },
     settings::MachineProfile,
 };
 
@@ -153,11 +157,29 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
     farm.nesting.final_searches.insert(build.id, (budget, request.best_layout.clone()));
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
+    let kept = find_kept_build(farm, &write.build).await?;
     farm.jobs.start(FinalNestingJob { build: write.build.id }, move || {
         super::adopt::check_claims_released(&request.profile, leases.inbox.farm_id(), &unsure)?;
+        if let Some((kept, placements)) = kept {
+            let gone = request.wanted.iter().map(|(part, _)| part);
+            let gone: Vec<PartRow> = gone.filter(|part| !meshes.has_file(part)).cloned().collect();
+            // Parts without a file are then asked for, as always.
+            if let Err(failure) = kept.load_meshes(&request.profile, &gone, &placements, &meshes) {
+                warn!("The kept build file cannot be used: {failure:#}.");
+            }
+        }
         nest_write_and_prove(&request, &write, &mut leases.archive, &meshes).map(Box::new)
     });
     Ok(())
+}
+
+/// The kept file of the build that is issued once more with this one, and the placements in it.
+async fn find_kept_build(farm: &Farm, build: &BuildRow) -> Result<Option<(KeptBuild, Vec<PlacementRow>)>> {
+    let Some(printed) = build.search.repeats else { return Ok(None) };
+    let Some(row) = farm.ledger.find_build(printed).await? else { return Ok(None) };
+    let archive = &farm.machines[&build.profile].profile.folders.archive;
+    let Some(kept) = KeptBuild::of_build(archive, &row) else { return Ok(None) };
+    Ok(Some((kept, farm.ledger.placements_of_build(printed).await?)))
 }
 
 /// The parts of a build with their copies in it, in order of precedence.
@@ -286,7 +308,9 @@ fn nest_write_and_prove(
     let written = write_and_prove(write, &nested)?;
     archive.check_usable()?;
     archive_originals(&write.profile, &write.build, &nested, meshes)?;
-    demand_staged(&write.queue, &written.verified.file.file_name)?;
+    let name = &written.verified.file.file_name;
+    demand_staged(&write.queue, name)?;
+    kept_build::keep_staged_file(&write.profile, &write.queue.staged_path(name), name);
     Ok(written)
 }
 
@@ -301,7 +325,9 @@ fn archive_originals(
     let name = queue_file_name(&profile.name, build);
     let stem = name.strip_suffix(".build.3mf").unwrap_or(&name);
     for part in &nested.batch.parts {
-        if nested.layout.placed.iter().any(|p| p.copy.0 == part.part.id) {
+        let is_placed = nested.layout.placed.iter().any(|p| p.copy.0 == part.part.id);
+        // A build that is issued once more from its kept file may have parts whose originals nobody has any more.
+        if is_placed && (build.search.repeats.is_none() || meshes.has_file(&part.part)) {
             let stored = meshes.verified_file(&part.part)?;
             intake::archive_file(&stored, &profile.folders.archive, stem, &part.part.name)
                 .with_context(|| format!("archiving {}", part.part.name))?;

@@ -21,7 +21,11 @@ use super::{
     jobs::BackgroundJob,
     jobs::JobRunner,
 };
-use crate::{intake, ledger::PartState, settings::Settings};
+use crate::{
+    intake,
+    ledger::PartState,
+    settings::{OutputRules, Settings},
+};
 
 /// Parts that were built or forgotten longer ago than this were handled by an earlier run.
 const SWEEP_WITHIN_SECS: f64 = 3.0 * 86_400.0;
@@ -67,9 +71,8 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
     if !farm.schedule.clock.is_retention_trusted() {
         return Ok(());
     }
-    let archives: Vec<(FolderLease, PathBuf, u32)> = (farm.machines.values())
-        .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.archive_days))
-        .filter(|(.., days)| *days > 0)
+    let archives: Vec<(FolderLease, PathBuf, OutputRules)> = (farm.machines.values())
+        .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.clone()))
         .collect();
     let (settings, ledger, store) = (farm.settings.clone(), farm.ledger.clone(), farm.meshes.store.clone());
     let runtime = tokio::runtime::Handle::current();
@@ -77,9 +80,15 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
         if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
             warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
         }
-        for (mut lease, archive, days) in archives {
+        for (mut lease, archive, output) in archives {
             if lease.check_usable().is_ok() {
-                purge_archive(&archive, days);
+                purge_old_files(&archive, output.archive_days, "originals", intake::purge_archive);
+                purge_old_files(
+                    &archive,
+                    output.archive_builds_days.unwrap_or(0),
+                    "build files",
+                    intake::purge_kept_builds,
+                );
             }
         }
     });
@@ -124,13 +133,16 @@ fn time_before(now: Timestamp, secs: f64) -> Timestamp {
     now.checked_sub(SignedDuration::from_secs_f64(secs)).unwrap_or(Timestamp::UNIX_EPOCH)
 }
 
-/// Removes originals that are older than the profile's retention.
-fn purge_archive(archive: &Path, days: u32) {
+/// Removes files that are older than their retention; 0 = they are kept for ever.
+fn purge_old_files(archive: &Path, days: u32, what: &str, purge: impl Fn(&Path, SystemTime) -> std::io::Result<usize>) {
+    if days == 0 {
+        return;
+    }
     let keep = Duration::from_secs(u64::from(days) * 86_400);
     let Some(before) = SystemTime::now().checked_sub(keep) else { return };
-    match intake::purge_archive(archive, before) {
+    match purge(archive, before) {
         Ok(0) => {}
-        Ok(files) => info!("Removed {files} old originals from {}.", archive.display()),
+        Ok(files) => info!("Removed {files} old {what} from {}.", archive.display()),
         Err(error) => warn!("The archive {} could not be purged: {error}.", archive.display()),
     }
 }

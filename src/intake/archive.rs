@@ -11,6 +11,9 @@ use super::{
     name::{numbered_name, raw_name},
 };
 
+/// The folder of an archive that holds copies of build files. Build folders are named after builds, which begin with a date.
+pub const KEPT_BUILDS: &str = "builds";
+
 /// Copies a stored file to `archive_dir/<build stem>/<name>`, where the name is the part's unescaped display name. It
 /// never overwrites a file. If a file with the same bytes is there already, the call succeeds, so it can be repeated
 /// after a crash. If its bytes differ, the copy is named `name (2)`.
@@ -49,15 +52,27 @@ fn has_same_bytes(one: &Path, other: &Path) -> io::Result<bool> {
     Ok(is_size && disk::have_same_bytes(one, other))
 }
 
-/// Removes files that were archived before `before`, and folders that became empty. Returns the number of files. The
-/// ctime tells when a file was archived, because a moved file keeps its old mtime.
+/// Removes files that were archived before `before`, and folders that became empty; copies of build files stay. Returns
+/// the number of files.
 pub fn purge_archive(archive_dir: &Path, before: SystemTime) -> io::Result<usize> {
+    // Files directly in the archive folder belong to no build: they mark the folder as ours.
+    let kept = archive_dir.join(KEPT_BUILDS);
+    purge_files(archive_dir, before, |file| file.parent() != Some(archive_dir) && !file.starts_with(&kept))
+}
+
+/// Removes copies of build files that were archived before `before`. Returns their number.
+pub fn purge_kept_builds(archive_dir: &Path, before: SystemTime) -> io::Result<usize> {
+    let kept = archive_dir.join(KEPT_BUILDS);
+    purge_files(archive_dir, before, |file| file.starts_with(&kept))
+}
+
+/// The ctime tells when a file was archived, because a moved file keeps its old mtime.
+fn purge_files(archive_dir: &Path, before: SystemTime, is_meant: impl Fn(&Path) -> bool) -> io::Result<usize> {
     if !disk::path_exists(archive_dir) {
         return Ok(0);
     }
     let mut count = 0;
-    // Files directly in the archive folder belong to no build: they mark the folder as ours.
-    for file in disk::files_below(archive_dir)?.iter().filter(|file| file.parent() != Some(archive_dir)) {
+    for file in disk::files_below(archive_dir)?.iter().filter(|file| is_meant(file)) {
         let came = disk::to_system_time(disk::ctime_ns(&fs::symlink_metadata(file)?));
         if came < before {
             fs::remove_file(file)?;
@@ -106,5 +121,11 @@ mod tests {
         assert!(kept.exists());
         assert_eq!(purge_archive(&archive_dir, SystemTime::now() + Duration::from_secs(1)).unwrap(), 1);
         assert!(!archive_dir.join("b1").exists() && archive_dir.exists());
+        // Copies of build files have a retention of their own.
+        let build = archive_file(&one, &archive_dir, KEPT_BUILDS, "b1.build.3mf").unwrap();
+        assert_eq!(purge_archive(&archive_dir, SystemTime::now() + Duration::from_secs(1)).unwrap(), 0);
+        assert!(build.exists());
+        assert_eq!(purge_kept_builds(&archive_dir, SystemTime::now() - Duration::from_secs(3600)).unwrap(), 0);
+        assert_eq!(purge_kept_builds(&archive_dir, SystemTime::now() + Duration::from_secs(1)).unwrap(), 1);
     }
 }

@@ -178,6 +178,8 @@ pub struct OutputRules {
     pub stl_output: bool,
     /// Days that originals of published builds are kept; 0 = forever.
     pub archive_days: u32,
+    /// Days that copies of published build files are kept; 0 = forever, `None` = no copies are made.
+    pub archive_builds_days: Option<u32>,
 }
 
 impl MachineProfile {

@@ -102,6 +102,7 @@ option_group! {
         arrangement: Arrangement = Arrangement::default(),
         stl_output: bool = false,
         archive_days: u32 = 90,
+        archive_builds_days: OptionalValue<u32> = OptionalValue::OFF,
     }
 }
 

@@ -227,6 +227,7 @@ fn values_out_of_range_are_refused_each_by_itself() {
         ("final_secs = \"30d\"", "final_secs"),
         ("settle_secs = \"soon\"", "settle_secs"),
         ("archive_days = 1.5", "archive_days"),
+        ("archive_builds_days = 36501", "archive_builds_days"),
         ("[trigger]\nfill_density = 1.5", "trigger.fill_density"),
         ("[trigger]\nfill_height = 0", "trigger.fill_height"),
         ("[trigger]\ncopies = 0", "trigger.copies"),

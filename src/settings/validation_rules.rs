@@ -149,6 +149,7 @@ pub(super) fn validate_profile(
             arrangement: output.arrangement,
             stl_output: output.stl_output,
             archive_days: output.archive_days,
+            archive_builds_days: output.archive_builds_days.0,
         },
     }
 }
@@ -160,6 +161,9 @@ fn validate_values(inputs: &ProfileInputs, validator: &mut ConfigValidator) {
     validate_turning(&inputs.turning, validator);
     validate_intake(&inputs.intake, validator);
     validator.require_within("archive_days", inputs.output.archive_days, 0..=36_500);
+    if let Some(days) = inputs.output.archive_builds_days.0 {
+        validator.require_within("archive_builds_days", days, 0..=36_500);
+    }
     super::keep_out::validate_zones(&inputs.space.keep_out, inputs.space.volume_mm, validator);
     validate_search(&inputs.search, validator);
 }

@@ -285,11 +285,16 @@ impl HandDrivenFarm {
     pub fn assert_ledger_agrees_with_folders(&self) {
         let faults = self.ask(async |ledger| ledger.find_inconsistencies().await.unwrap());
         assert!(faults.is_empty(), "the ledger does not agree with itself: {faults:#?}");
+        assert_eq!(self.violations(), [""; 0]);
+    }
+
+    /// What breaks an invariant.
+    pub fn violations(&self) -> Vec<String> {
         let settings = &self.farm.as_ref().unwrap().settings;
         let report = self.ask(async |ledger| {
             invariants::check_invariants(settings, ledger, &InvariantExpectations::default()).await.unwrap()
         });
-        assert!(report.violations.is_empty(), "{:#?}", report.violations);
+        report.violations.iter().map(ToString::to_string).collect()
     }
 
     fn assert_each_copy_is_queued_once(&self) {

@@ -3,6 +3,7 @@
 
 mod dates;
 mod hand_driven_farm;
+mod kept_builds;
 mod late;
 mod life;
 mod lists;

@@ -9,10 +9,11 @@ use std::{
 use anyhow::Result;
 
 use super::report::{
-    Invariant::{I2, I3},
+    Invariant::{I2, I3, I4},
     InvariantExpectations, InvariantReport,
 };
 use crate::{
+    farm::kept_build::KeptBuild,
     intake,
     ledger::{BuildRow, BuildState, Ledger, PartId},
     settings::{MachineProfile, Settings},
@@ -35,6 +36,23 @@ pub async fn check_visible_builds(
             } else if name.ends_with(".build.3mf") && !name.starts_with('.') {
                 let row = ledger.find_build_by_file(&profile.name, &name).await?;
                 check_build_file(profile, &name, row, settings, ledger, witness, report).await?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Each kept copy of a published build's file has the bytes that were proved.
+pub async fn check_kept_builds(settings: &Settings, ledger: &Ledger, report: &mut InvariantReport) -> Result<()> {
+    for profile in settings.profiles.values() {
+        let Ok(entries) = fs::read_dir(profile.folders.archive.join(intake::KEPT_BUILDS)) else { continue };
+        for name in entries.flatten().filter_map(|entry| entry.file_name().into_string().ok()) {
+            let Some(build) = ledger.find_build_by_file(&profile.name, &name).await? else { continue };
+            let Some(kept) = KeptBuild::of_build(&profile.folders.archive, &build) else { continue };
+            report.files_read += 1;
+            if build.times.published_at.is_some() && kept.proved_path().is_none() {
+                let text = format!("{} is not the file that was proved as build {}", kept.path().display(), build.id);
+                report.add_manual_violation(I4, text, "remove it: the build is then made from the originals only");
             }
         }
     }

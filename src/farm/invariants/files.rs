@@ -13,7 +13,7 @@ use super::{
     },
 };
 use crate::{
-    farm::{forgettable::KEEP_REFUSED_SECS, trigger::secs_between},
+    farm::{forgettable::KEEP_REFUSED_SECS, kept_build::KeptBuild, trigger::secs_between},
     intake::{self, ContentStore, StoreError},
     ledger::{Ledger, PartFileRow, PartState},
     settings::Settings,
@@ -178,8 +178,13 @@ pub async fn check_archived_originals(
     let mut archives: HashMap<String, FilesByHash> = HashMap::new();
     for row in ledger.built_parts_since(oldest.unwrap_or(Timestamp::MIN)).await? {
         let Some(profile) = settings.profiles.get(&row.profile) else { continue };
-        let published = ledger.find_build(row.build).await?.and_then(|build| build.times.published_at);
-        if published.is_none_or(|at| at.0 < originals_required_since(profile.output.archive_days)) {
+        let Some(build) = ledger.find_build(row.build).await? else { continue };
+        let since = originals_required_since(profile.output.archive_days);
+        let is_required = build.times.published_at.is_some_and(|at| at.0 >= since);
+        // A build that was issued once more from a kept file never had them.
+        let is_from_kept =
+            build.search.repeats.is_some() && KeptBuild::of_build(&profile.folders.archive, &build).is_some();
+        if !is_required || is_from_kept {
             continue;
         }
         let stem = row.file_name.strip_suffix(".build.3mf").unwrap_or(&row.file_name);

@@ -256,6 +256,8 @@ async fn reject_refused_parts(
             () if is_in_error => {
                 "It lies in the error folder: it was refused or cancelled after the backup was made".to_owned()
             }
+            // Its original was asked back from the archive when the backup was made, and still is.
+            () if !is_stored && part.owed.fetch_at.is_some() && !is_decided => continue,
             () if !is_stored => {
                 "Its file is no longer kept: it was built, refused or cancelled after the backup was made".to_owned()
             }

@@ -3,7 +3,7 @@
 use std::{fs, process::Command};
 
 use super::{super::AlertKind, HandDrivenFarm, PROFILE, QUICK, block};
-use crate::ledger::{CommandKind, PartState};
+use crate::ledger::{CommandKind, PartState, PrintOutcome, ToldOutcome};
 
 /// Prints a part in a farm of its own, and puts the build and its record into the folders of another farm.
 fn print_in_folders_of(farm: &HandDrivenFarm, name: &str) {
@@ -64,4 +64,26 @@ fn a_nesting_build_without_copies_is_ended_and_pauses_nothing() {
     assert!(!farm.has_alert(AlertKind::BuildFailed));
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(1);
+}
+
+#[test]
+fn a_part_whose_original_was_being_fetched_at_the_time_of_the_backup_is_printed_again() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a_x2.stl", &block(10.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_queued(1);
+    farm.pass_secs(1.0);
+    let build = farm.ask(async |ledger| ledger.read_history(&Default::default()).await.unwrap()[0].build);
+    let failed = ToldOutcome::new(PrintOutcome::Failed, "", "ann");
+    farm.ask(async |ledger| ledger.record_outcome(build, &failed).await.unwrap());
+    farm.stop();
+    print_in_folders_of(&farm, "b.stl");
+    let repaired = farm.repair();
+    assert!(!repaired.doubts.iter().any(|doubt| doubt.contains("a_x2.stl")), "{repaired:?}");
+    farm.start();
+    farm.pass_secs(5.0);
+    farm.order(CommandKind::Flush, None);
+    farm.wait_for_queued(3);
+    farm.wait_for_parts(PartState::Built, 2);
 }

@@ -37,7 +37,7 @@ pub enum AlertKind {
     TakingFails,
     /// A claimed file cannot be read.
     ReadingFails,
-    /// A stored file differs from the file that was dropped.
+    /// A stored file differs from the file that was dropped, or no archive holds an original that is needed again.
     FileDamaged,
     /// A refused or claimed file cannot be moved to its place.
     EndingFails,
@@ -70,9 +70,9 @@ pub enum AlertKind {
 }
 
 /// What to do about a damaged stored file.
-const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once more: it is taken in place of the damaged one, not as another \
-     order. Without it, `nestd cancel PART` ends the part. Check the disk of the state folder; what was damaged lies in \
-     its folder damaged/.";
+const DROP_AGAIN: &str = "Drop the same file into the machine's hot folder once more: it is taken in place of the missing one, not as another \
+     order. Without it, `nestd cancel PART` ends the part. A file that differs from what was dropped lies in damaged/ of the \
+     state folder: then check its disk. An original in no archive is past archive_days, or somebody removed it.";
 /// What to do about a missing ledger.
 const PUT_BACK: &str = "Put the newest backup back, or the newer copy that nestd saved, with `nestd restore FILE`; without one, \
      `nestd restore --empty` creates a new ledger from the folders.";
@@ -141,7 +141,7 @@ impl AlertKind {
             Self::FoldersMissing => "The folders cannot be made",
             Self::TakingFails => "Files cannot be taken out of the hot folder",
             Self::ReadingFails => "A file that was taken cannot be read",
-            Self::FileDamaged => "A stored file differs from the file that was dropped, and is not printed",
+            Self::FileDamaged => "The file of a part is damaged or no longer kept, and must be dropped again",
             Self::EndingFails => "A file that was taken cannot be put where it belongs",
             Self::NestingFails => "A build cannot be made now",
             Self::BuildFailed => "A build failed, and its profile is paused",

@@ -1,4 +1,4 @@
-//! Decisions on parts (refused, cancelled, taken back) as counted in the notes beside their stored files: with an
+//! Decisions on parts (refused, cancelled, taken back, changed) as counted in the notes beside their stored files: with an
 //! outdated ledger, cancelled parts would be printed and retried parts would be forgotten.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,7 +40,10 @@ pub async fn find_newer_decisions(
 /// Describes a decision that the ledger does not know.
 pub fn describe_decision(claim: &ClaimDecisions) -> String {
     let order = if claim.order_name.is_empty() { String::new() } else { format!("{}/", claim.order_name) };
-    format!("the last decision about {order}{} for {} (refused, cancelled or taken back)", claim.name, claim.profile)
+    format!(
+        "the last decision about {order}{} for {} (refused, cancelled, taken back or changed)",
+        claim.name, claim.profile
+    )
 }
 
 impl NewerDecisions {
@@ -89,8 +92,8 @@ impl NewerDecisions {
             }
             found.doubts.extend(parts.first().map(|part| {
                 format!(
-                    "part {} ({}) is {}: it was refused, cancelled or taken back after the backup was made. `nestd retry {0}` \
-                     takes it back and `nestd cancel {0}` cancels it, where it should be otherwise",
+                    "part {} ({}) is {}: it was refused, cancelled, taken back or changed after the backup was made. `nestd retry {0}` \
+                     takes it back, `nestd cancel {0}` cancels it and `nestd edit {0}` changes it, where it should be otherwise",
                     part.id, part.name, part.state
                 )
             }));

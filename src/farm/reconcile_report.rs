@@ -40,7 +40,7 @@ pub(super) enum DeferredFolderStep {
 }
 
 /// Why a part is rejected when its note counts more decisions than the ledger.
-pub(super) const DECIDED_SINCE: &str = "It was refused, cancelled or taken back after the backup was made";
+pub(super) const DECIDED_SINCE: &str = "It was refused, cancelled, taken back or changed after the backup was made";
 
 impl ReconcileReport {
     /// Carries out the remaining steps in the folders; failures are added to the doubts.

@@ -196,7 +196,10 @@ pub enum LedgerError {
         placed: usize,
     },
     /// Some copies are being nested now.
-    #[error("part {part} has copies in build {build}, which is {state}: wait until it is published")]
+    #[error(
+        "part {part} has copies in build {build}, which is {state} and is printed as it is: wait until it is published, and give \
+         the command again for the copies that still wait. Printed copies are made anew with `nestd reprint {part}=N`"
+    )]
     BeingBuilt {
         /// The part.
         part: PartId,

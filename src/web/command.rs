@@ -13,7 +13,7 @@ use serde::Deserialize;
 
 use super::{
     error::{HandlerError, HandlerResult},
-    format::prose_with_code,
+    format::prose_with_pages,
     page,
     state::DashboardState,
 };
@@ -146,7 +146,7 @@ fn is_failure_of_ledger(error: &LedgerError) -> bool {
 fn result_page(title: &str, sentences: &[String], back: &str) -> Response {
     let content = html! {
         h1 { (title) }
-        div #answer role="status" { @for sentence in sentences { p { (prose_with_code(sentence)) } } }
+        div #answer role="status" { @for sentence in sentences { p { (prose_with_pages(sentence)) } } }
         p { a href=(back) { "Back" } }
     };
     page::html_page(title, "", None, &content).into_response()

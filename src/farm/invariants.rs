@@ -9,19 +9,23 @@
 //! - I4: the daemon deletes nothing but its own temporary files and what is past its retention; a kept copy of a build
 //!   file has the bytes that were proved.
 //! - I5: for each line of each order, copies wanted = waiting + in builds whose print is not told bad + told good, +
-//!   refused; no copy leaves that sum without an event. Its rules are among those of `ledger::consistency`, whose
-//!   violations are reported as I2.
+//!   refused; no copy leaves that sum without an event. Where somebody beside the ledger wrote down what was asked, the
+//!   copies in the build files themselves are held against that.
 
 mod builds;
 mod files;
 mod folders;
+mod orders;
 mod report;
 
 use anyhow::{Context, Result};
 
-pub use report::{Invariant, InvariantExpectations, InvariantReport, InvariantViolation};
+pub use report::{AskedCopies, Invariant, InvariantExpectations, InvariantReport, InvariantViolation};
 
-use crate::{ledger::Ledger, settings::Settings};
+use crate::{
+    ledger::{Ledger, RuleScope},
+    settings::Settings,
+};
 
 /// Looks for violations of I1 to I5. While a daemon works on the farm, a file may be seen between two places: a
 /// violation is certain only if a second check finds it too.
@@ -31,8 +35,11 @@ pub async fn check_invariants(
     witness: &InvariantExpectations,
 ) -> Result<InvariantReport> {
     let mut report = InvariantReport::default();
-    for fault in ledger.find_inconsistencies().await.context("asking the ledger whether it holds together")? {
-        report.add_violation(Invariant::I2, format!("the ledger does not hold together: {fault}"), LEDGER_BROKEN);
+    for (scope, invariant) in [(RuleScope::Places, Invariant::I2), (RuleScope::OrderSums, Invariant::I5)] {
+        let faults = ledger.find_inconsistencies_of(scope).await;
+        for fault in faults.context("asking the ledger whether it holds together")? {
+            report.add_violation(invariant, format!("the ledger does not hold together: {fault}"), LEDGER_BROKEN);
+        }
     }
     let folders = folders::FolderContents::read_all(settings, witness, ledger, &mut report).await?;
     files::check_live_and_refused_parts(settings, ledger, &folders, witness, &mut report).await?;
@@ -42,6 +49,7 @@ pub async fn check_invariants(
     files::check_foreign_files(witness, &mut report);
     builds::check_visible_builds(settings, ledger, witness, &mut report).await?;
     builds::check_kept_builds(settings, ledger, &mut report).await?;
+    orders::check_asked_copies(settings, ledger, witness, &mut report).await?;
     check_ledger_knows_folders(settings, ledger, &mut report).await?;
     Ok(report)
 }

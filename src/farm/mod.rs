@@ -119,7 +119,9 @@ pub use farm::halt_summary;
 pub use fire_forecast::{FireForecast, forecast_fire};
 pub use folder_check::{check_readable, watch_other_holders};
 pub use folder_lease::LeaseError;
-pub use invariants::{Invariant, InvariantExpectations, InvariantReport, InvariantViolation, check_invariants};
+pub use invariants::{
+    AskedCopies, Invariant, InvariantExpectations, InvariantReport, InvariantViolation, check_invariants,
+};
 pub use isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};
 pub use known_folders::is_known_folder;
 pub use ledger_freshness::{find_abandoned_claims, find_unknown_to_ledger as unknown_to_ledger};

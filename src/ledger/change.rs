@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use sqlx::{Sqlite, SqliteConnection, Transaction};
 
 use super::{
-    BuildId, BuildState, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp, error::Result,
+    BuildId, BuildState, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp,
+    consistency::{self, RuleScope},
+    error::Result,
     health,
 };
 
@@ -33,7 +35,7 @@ impl LedgerChange {
     /// Commits the change.
     pub async fn commit(mut self) -> Result<()> {
         if cfg!(debug_assertions) {
-            let faults = super::consistency::find_inconsistencies(self.db()).await?;
+            let faults = consistency::find_inconsistencies(self.db(), &RuleScope::ALL).await?;
             debug_assert!(faults.is_empty(), "a change broke the ledger: {faults:?}");
         }
         let changes = health::count_change(self.db()).await?;

@@ -4,8 +4,8 @@ use sqlx::SqliteConnection;
 
 use super::error::Result;
 
-/// Each rule violation as a sentence, and the query that finds it.
-const RULES: [(&str, &str); 17] = [
+/// The rules of states and places of copies. Each violation as a sentence, and the query that finds it.
+const PLACE_RULES: [(&str, &str); 13] = [
     (
         "a claimed or rejected part has a copy in a build that is not published",
         "\
@@ -74,6 +74,19 @@ const RULES: [(&str, &str); 17] = [
         OR (b.state IN ('open', 'nesting', 'verified') AND b.published_at IS NOT NULL) \
         OR (b.state IN ('published', 'printing', 'complete', 'interrupted') AND b.published_at IS NULL)",
     ),
+    ("a rejected part has no reason", "SELECT id FROM part WHERE state = 'rejected' AND reason = ''"),
+    (
+        "a part or build is in a state without an event for it",
+        "\
+        SELECT p.id FROM part p WHERE NOT EXISTS \
+        (SELECT 1 FROM event e WHERE e.part_id = p.id AND e.kind = p.state) \
+        UNION ALL SELECT b.id FROM build b WHERE b.state <> 'open' AND NOT EXISTS \
+        (SELECT 1 FROM event e WHERE e.build_id = b.id AND e.kind = b.state)",
+    ),
+];
+
+/// The rules of the sum of an order: copies wanted, and what became of them.
+const ORDER_RULES: [(&str, &str); 4] = [
     (
         "the copies wanted of a part are not those that its events tell",
         "\
@@ -100,22 +113,34 @@ const RULES: [(&str, &str); 17] = [
         SELECT p.id FROM part p WHERE p.order_name <> '' \
         AND NOT EXISTS (SELECT 1 FROM customer_order o WHERE o.name = p.order_name)",
     ),
-    ("a rejected part has no reason", "SELECT id FROM part WHERE state = 'rejected' AND reason = ''"),
-    (
-        "a part or build is in a state without an event for it",
-        "\
-        SELECT p.id FROM part p WHERE NOT EXISTS \
-        (SELECT 1 FROM event e WHERE e.part_id = p.id AND e.kind = p.state) \
-        UNION ALL SELECT b.id FROM build b WHERE b.state <> 'open' AND NOT EXISTS \
-        (SELECT 1 FROM event e WHERE e.build_id = b.id AND e.kind = b.state)",
-    ),
 ];
 
-/// Finds all inconsistencies in the database as seen by this connection.
-pub async fn find_inconsistencies(db: &mut SqliteConnection) -> Result<Vec<String>> {
+/// The rules of a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RuleScope {
+    /// States of parts and builds, and the places of copies.
+    Places,
+    /// The sum of an order: copies wanted, and what became of them.
+    OrderSums,
+}
+
+impl RuleScope {
+    /// Every scope.
+    pub const ALL: [Self; 2] = [Self::Places, Self::OrderSums];
+
+    fn rules(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::Places => &PLACE_RULES,
+            Self::OrderSums => &ORDER_RULES,
+        }
+    }
+}
+
+/// Finds the inconsistencies against these rules in the database as seen by this connection.
+pub async fn find_inconsistencies(db: &mut SqliteConnection, scopes: &[RuleScope]) -> Result<Vec<String>> {
     let mut faults = Vec::new();
-    for (sentence, query) in RULES {
-        for id in sqlx::query_scalar::<_, i64>(query).fetch_all(&mut *db).await? {
+    for (sentence, query) in scopes.iter().flat_map(|scope| scope.rules()) {
+        for id in sqlx::query_scalar::<_, i64>(*query).fetch_all(&mut *db).await? {
             faults.push(format!("{id}: {sentence}"));
         }
     }

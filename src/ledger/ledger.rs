@@ -15,7 +15,7 @@ use sqlx::{
 use super::{
     LedgerError, UtcTimestamp,
     change::LedgerChange,
-    consistency,
+    consistency::{self, RuleScope},
     error::{Result, SQLITE_BUSY, sqlite_code},
     file_guard::LedgerFileGuard,
     health, location, schema,
@@ -200,7 +200,12 @@ impl Ledger {
 
     /// Checks every row and describes inconsistencies in sentences. Empty = no inconsistency.
     pub async fn find_inconsistencies(&self) -> Result<Vec<String>> {
-        consistency::find_inconsistencies(&mut *self.begin_snapshot().await?).await
+        consistency::find_inconsistencies(&mut *self.begin_snapshot().await?, &RuleScope::ALL).await
+    }
+
+    /// The same for some of the rules.
+    pub async fn find_inconsistencies_of(&self, scope: RuleScope) -> Result<Vec<String>> {
+        consistency::find_inconsistencies(&mut *self.begin_snapshot().await?, &[scope]).await
     }
 }
 

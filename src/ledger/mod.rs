@@ -59,6 +59,7 @@ pub use build_row::{
     SearchEffort, StagedFile, Verified,
 };
 pub use command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
+pub use consistency::RuleScope;
 pub use customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
 pub use daemon::{DaemonHeartbeat, DaemonRow, HEARTBEAT_VALID_SECS, LOCK_NAME};
 pub use decisions::ClaimDecisions;

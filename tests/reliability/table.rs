@@ -53,7 +53,7 @@ pub fn write_document(rows: &[SectionResult], minutes: f64) {
         "# Reliability\n\n\
          Written by `cargo test --release --test reliability -- --minutes {minutes}`; do not edit. A budget of {minutes} minutes, \
          {profile} profile, nestd {}, {} {}, {threads} threads, on {}.\n\n\
-         \"Broken\" counts violations of the invariants I1-I4 (ARCHITECTURE.md) and of further conditions of a \
+         \"Broken\" counts violations of the invariants I1-I5 (ARCHITECTURE.md) and of further conditions of a \
          section; it must be 0.\n\n{}",
         env!("CARGO_PKG_VERSION"),
         host.sysname().to_string_lossy(),

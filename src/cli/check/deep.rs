@@ -87,7 +87,7 @@ fn report_violations(invariant_report: &InvariantReport, report: &mut CheckRepor
                 format_count(invariant_report.files_read, "file", "files"),
                 format_count(invariant_report.builds_checked, "build", "builds"),
             );
-            format!("I1 to I4 hold: {files} and {builds} read")
+            format!("I1 to I5 hold: {files} and {builds} read")
         });
     }
 }

@@ -13,6 +13,8 @@ pub enum Invariant {
     I3,
     /// No file of others is deleted.
     I4,
+    /// No copy of an order leaves its sum.
+    I5,
 }
 
 /// A violation of an invariant.
@@ -43,6 +45,19 @@ pub struct InvariantExpectations {
     pub dropped: BTreeMap<String, usize>,
     /// Files that do not belong to nestd and must be unchanged, with their BLAKE3.
     pub untouched: Vec<(PathBuf, String)>,
+    /// What was asked, by BLAKE3 of the dropped file, as a witness beside the ledger wrote it down; `None` = nobody did.
+    pub asked: Option<BTreeMap<String, AskedCopies>>,
+    /// The build files that printers took. Only read where `asked` is known.
+    pub taken: Vec<PathBuf>,
+}
+
+/// The copies that were asked of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct AskedCopies {
+    /// Copies wanted; those that were cancelled one by one are not.
+    pub wanted: u32,
+    /// Copies in build files that people said were printed badly, or would not count.
+    pub bad: u32,
 }
 
 /// Result of a check.

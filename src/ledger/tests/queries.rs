@@ -344,6 +344,10 @@ async fn the_truth_teller_sees_a_part_whose_state_was_changed_behind_its_back() 
     sqlx::query("UPDATE part SET state = 'built' WHERE id = ?").bind(id).execute(&writer).await.unwrap();
     let faults = ledger.find_inconsistencies().await.unwrap();
     assert!(faults.iter().any(|f| f == "1: a batched or built part has a copy in no build"), "{faults:?}");
+    sqlx::query("UPDATE part SET state = 'waiting', copies = 3 WHERE id = ?").bind(id).execute(&writer).await.unwrap();
+    assert_eq!(ledger.find_inconsistencies_of(RuleScope::Places).await.unwrap(), [""; 0]);
+    let faults = ledger.find_inconsistencies_of(RuleScope::OrderSums).await.unwrap();
+    assert_eq!(faults, ["1: the copies wanted of a part are not those that its events tell"]);
 }
 
 #[tokio::test]

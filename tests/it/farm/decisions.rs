@@ -52,7 +52,7 @@ fn is_refused_and_mended(farm: &mut TestFarm) {
         output_text.contains("LOOK AT: part 1 (a.stl)") && output_text.contains("`nestd retry 1` takes it back"),
         "{output_text}"
     );
-    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
+    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I5 hold"));
     assert_eq!(farm.parts(PartState::Rejected).len(), 1);
     let file = farm.folder("error").join("part-1/a.stl");
     assert_eq!(fs::read(file).unwrap(), stl(&block(20.0, 20.0, 20.0)), "the file is to be seen");
@@ -64,7 +64,7 @@ fn is_refused_and_mended(farm: &mut TestFarm) {
     farm.flush();
     farm.wait_for_parts(PartState::Built, 1);
     farm.stop();
-    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
+    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I5 hold"));
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn a_part_that_was_taken_and_cancelled_is_not_printed_by_a_ledger_that_never_kne
     replace_ledger(&farm, &copy);
     let output_text = farm.nestd_ok(&["check", "--deep", "--repair"]);
     assert!(output_text.contains("LOOK AT: part 1 (a.stl) is not printed"), "{output_text}");
-    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
+    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I5 hold"));
     farm.start();
     farm.flush();
     std::thread::sleep(Duration::from_secs(2));

@@ -2,7 +2,10 @@
 
 use std::{fs, path::PathBuf};
 
-use nestd::{farm::InvariantExpectations, ledger::PartState};
+use nestd::{
+    farm::{AskedCopies, InvariantExpectations},
+    ledger::PartState,
+};
 
 use super::support::{QUICK, TestFarm, block, stl, wait_until};
 
@@ -42,7 +45,7 @@ fn only_file(folder: PathBuf) -> PathBuf {
 fn the_invariants_hold_on_a_farm_that_has_worked_and_what_breaks_one_is_named() {
     let farm = farm_after_work();
     assert_eq!(violations_at_rest(&farm), Vec::<String>::new());
-    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
+    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I5 hold"));
 
     let waiting = farm.parts(PartState::Waiting).remove(0);
     let stored = farm.root().join("state/store").join(&waiting.file.content_hash[..2]).join(&waiting.file.content_hash);
@@ -74,6 +77,18 @@ fn the_invariants_hold_on_a_farm_that_has_worked_and_what_breaks_one_is_named() 
     fs::rename(farm.root().join("elsewhere"), &refused).unwrap();
 
     let build = farm.queued().remove(0);
+    let copies_asked = |wanted| {
+        let built = blake3::hash(&stl(&block(20.0, 20.0, 10.0))).to_hex().to_string();
+        let asked = AskedCopies { wanted, bad: 0 };
+        let waiting = (waiting.file.content_hash.clone(), AskedCopies { wanted: 1, bad: 0 });
+        farm.broken_invariants(&InvariantExpectations {
+            asked: Some([(built, asked), waiting].into()),
+            ..InvariantExpectations::default()
+        })
+    };
+    assert_eq!(copies_asked(2), Vec::<String>::new());
+    let found = copies_asked(1);
+    assert!(found.len() == 1 && found[0].starts_with("I5: built_x2.stl (part 1): 1 copies wanted, 2 in"), "{found:?}");
     fs::copy(&build, build.with_file_name("copied.build.3mf")).unwrap();
     let found = violations_at_rest(&farm);
     assert!(

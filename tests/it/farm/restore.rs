@@ -87,7 +87,7 @@ fn a_restored_backup_learns_from_the_folders_what_was_published_since() {
     let history = farm.nestd_ok(&["history", "--json"]);
     assert_eq!(history.matches("\"height_mm\": 19.99").count(), 2, "the heights are back: {history}");
     let deep = farm.nestd_ok(&["check", "--deep"]);
-    assert!(deep.contains("I1 to I4 hold"), "{deep}");
+    assert!(deep.contains("I1 to I5 hold"), "{deep}");
     runs_and_prints_nothing_again(&mut farm);
 }
 
@@ -336,7 +336,7 @@ fn a_part_that_was_taken_back_after_the_backup_is_refused_where_people_see_it() 
     );
     let file = farm.folder("error").join("part-1/a.stl");
     assert_eq!(fs::read(&file).unwrap(), stl(&block(20.0, 20.0, 20.0)), "the file is to be seen");
-    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I4 hold"));
+    assert!(farm.nestd_ok(&["check", "--deep"]).contains("I1 to I5 hold"));
     farm.start();
     farm.nestd_ok(&["retry", "1"]);
     farm.wait_for_parts(PartState::Waiting, 1);

@@ -98,7 +98,7 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
     }
     let done = match command.kind {
         CommandKind::Retry if row.has_unknown_copies() => return Ok(Some(CommandAnswer::CopiesUnknown(part))),
-        CommandKind::Retry => match farm.ledger.retry_part(part).await {
+        CommandKind::Retry => match farm.ledger.for_command(command.id).retry_part(part).await {
             Ok(()) => {
                 mark_note::update_decision_count(farm, &row).await;
                 Ok(CommandAnswer::PartRetried(part))
@@ -135,7 +135,7 @@ async fn cancel_part(farm: &mut Farm, row: &PartRow, command: &CommandRow) -> Re
         claim_completion::start_refusal(farm, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
         return Ok(false);
     }
-    farm.ledger.cancel_part(row.id, RefusalCause::Cancelled, &reason).await?;
+    farm.ledger.for_command(command.id).cancel_part(row.id, RefusalCause::Cancelled, &reason).await?;
     mark_note::update_decision_count(farm, row).await;
     Ok(true)
 }

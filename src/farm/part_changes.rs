@@ -35,7 +35,7 @@ pub(super) async fn execute_change(
 
 async fn edit_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Result<CommandAnswer, LedgerError> {
     let edit = command.read_argument().edit.unwrap_or_default();
-    let edited = farm.ledger.edit_part(row.id, &edit, &command.asked_by).await?;
+    let edited = farm.ledger.for_command(command.id).edit_part(row.id, &edit, &command.asked_by).await?;
     if edit.changes_layout() {
         forget_layout(farm, &row.profile);
     }
@@ -50,13 +50,13 @@ async fn move_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Resu
     if *profile == row.profile {
         return Ok(CommandAnswer::PartIsThere(row.id, profile.clone()));
     }
-    let parts = farm.ledger.move_to_machine(row.id, profile, &command.asked_by).await?;
+    let parts = farm.ledger.for_command(command.id).move_to_machine(row.id, profile, &command.asked_by).await?;
     forget_layout(farm, &row.profile);
     Ok(CommandAnswer::PartMoved(parts, profile.clone()))
 }
 
 async fn confirm_part(farm: &mut Farm, command: &CommandRow, part: PartId) -> Result<CommandAnswer, LedgerError> {
-    Ok(match farm.ledger.confirm_part(part, &command.asked_by).await? {
+    Ok(match farm.ledger.for_command(command.id).confirm_part(part, &command.asked_by).await? {
         true => CommandAnswer::PartConfirmed(part),
         false => CommandAnswer::NothingToConfirm(part),
     })
@@ -74,7 +74,7 @@ pub(super) async fn cancel_copies(
     if copies == waiting && row.wanted_copies() == waiting {
         return Ok(None);
     }
-    farm.ledger.cancel_copies(row.id, copies, &command.asked_by).await?;
+    farm.ledger.for_command(command.id).cancel_copies(row.id, copies, &command.asked_by).await?;
     mark_note::update_decision_count(farm, row).await;
     Ok(Some(CommandAnswer::CopiesCancelled(row.id, copies)))
 }

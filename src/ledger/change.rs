@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use sqlx::{Sqlite, SqliteConnection, Transaction};
 
 use super::{
-    BuildId, BuildState, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp,
+    BuildId, BuildState, CommandId, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp,
     consistency::{self, RuleScope},
     error::Result,
     health,
@@ -19,12 +19,19 @@ pub struct LedgerChange {
     pub now: UtcTimestamp,
     /// Where the ledger is.
     ledger: PathBuf,
+    /// The command that is done with this change.
+    command: Option<CommandId>,
 }
 
 impl LedgerChange {
     /// Creates a change from a transaction that holds the write lock.
-    pub fn new(transaction: Transaction<'static, Sqlite>, now: UtcTimestamp, ledger: PathBuf) -> Self {
-        Self { transaction, now, ledger }
+    pub fn new(
+        transaction: Transaction<'static, Sqlite>,
+        now: UtcTimestamp,
+        ledger: PathBuf,
+        command: Option<CommandId>,
+    ) -> Self {
+        Self { transaction, now, ledger, command }
     }
 
     /// The connection to run queries on.
@@ -34,6 +41,12 @@ impl LedgerChange {
 
     /// Commits the change.
     pub async fn commit(mut self) -> Result<()> {
+        if let Some(command) = self.command {
+            let done =
+                sqlx::query("UPDATE command SET state = 'done', answered_at = ? WHERE id = ? AND state = 'asked'");
+            let now = self.now;
+            done.bind(now).bind(command).execute(self.db()).await?;
+        }
         if cfg!(debug_assertions) {
             let faults = consistency::find_inconsistencies(self.db(), &RuleScope::ALL).await?;
             debug_assert!(faults.is_empty(), "a change broke the ledger: {faults:?}");

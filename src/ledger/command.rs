@@ -158,19 +158,22 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// Answers a command. A command can be answered only once.
+    /// Answers a command. A command can be answered only once. One that is done through [`Ledger::for_command`] has no answer
+    /// yet.
     pub async fn answer_command(&self, id: CommandId, done: bool, answer: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let state = if done { CommandState::Done } else { CommandState::Refused };
         let now = change.now;
-        let answered =
-            sqlx::query("UPDATE command SET state = ?, answer = ?, answered_at = ? WHERE id = ? AND state = 'asked'")
-                .bind(state)
-                .bind(answer)
-                .bind(now)
-                .bind(id)
-                .execute(change.db())
-                .await?;
+        let answered = sqlx::query(
+            "UPDATE command SET state = ?1, answer = ?2, answered_at = ?3 \
+             WHERE id = ?4 AND (state = 'asked' OR state = 'done' AND ?1 = 'done' AND answer = '')",
+        )
+        .bind(state)
+        .bind(answer)
+        .bind(now)
+        .bind(id)
+        .execute(change.db())
+        .await?;
         if answered.rows_affected() == 0 {
             return Err(LedgerError::UnknownCommand(id));
         }

@@ -13,7 +13,7 @@ use sqlx::{
 };
 
 use super::{
-    LedgerError, UtcTimestamp,
+    CommandId, LedgerError, UtcTimestamp,
     change::LedgerChange,
     consistency::{self, RuleScope},
     error::{Result, SQLITE_BUSY, sqlite_code},
@@ -41,6 +41,8 @@ pub struct Ledger {
     anchor: SqlitePool,
     file_guard: Arc<LedgerFileGuard>,
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
+    /// The command that is carried out.
+    command: Option<CommandId>,
 }
 
 impl Ledger {
@@ -120,12 +122,19 @@ impl Ledger {
             anchor,
             file_guard: in_place,
             clock: Arc::new(Timestamp::now),
+            command: None,
         })
     }
 
     /// Returns the same ledger with another clock, for tests that control the time.
     pub fn with_clock(self, clock: impl Fn() -> Timestamp + Send + Sync + 'static) -> Self {
         Self { clock: Arc::new(clock), ..self }
+    }
+
+    /// Returns the same ledger for carrying out a command: a change that is made through it is committed together with the
+    /// state of the command, which is then done. After a crash the command is not carried out once more.
+    pub fn for_command(&self, command: CommandId) -> Self {
+        Self { command: Some(command), ..self.clone() }
     }
 
     /// Path of the ledger.
@@ -190,7 +199,7 @@ impl Ledger {
         };
         health::remove_checksum(&self.path)
             .map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
-        Ok(LedgerChange::new(transaction, self.now(), self.path.clone()))
+        Ok(LedgerChange::new(transaction, self.now(), self.path.clone(), self.command))
     }
 
     /// Begins a consistent read of several tables. It never writes, so a deferred `BEGIN` is right here.

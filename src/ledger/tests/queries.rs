@@ -103,6 +103,30 @@ async fn an_identical_file_of_another_claim_is_found() {
 }
 
 #[tokio::test]
+async fn a_change_that_a_command_asked_for_is_committed_together_with_the_command() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 5).await;
+    let cancel = NewCommand {
+        kind: CommandKind::Cancel,
+        profile: String::new(),
+        part: Some(part),
+        argument: CommandArgument { copies: Some(2), edit: None },
+        asked_by: "ann@farm".into(),
+    };
+    let id = ledger.submit_command(&cancel).await.unwrap();
+    let refused = ledger.for_command(id).cancel_copies(part, 9, "ann@farm").await;
+    assert!(refused.is_err() && ledger.pending_commands().await.unwrap().len() == 1, "nothing was done");
+    ledger.for_command(id).cancel_copies(part, 2, "ann@farm").await.unwrap();
+    // A daemon that is killed here finds nothing to carry out again.
+    assert!(ledger.pending_commands().await.unwrap().is_empty());
+    assert!(ledger.answer_command(id, false, "").await.is_err(), "it is done");
+    ledger.answer_command(id, true, "2 copies of part 1 cancelled").await.unwrap();
+    let row = ledger.find_command(id).await.unwrap().unwrap();
+    assert_eq!((row.state, row.answer.as_str()), (CommandState::Done, "2 copies of part 1 cancelled"));
+    assert!(ledger.answer_command(id, true, "again").await.is_err(), "it is answered");
+}
+
+#[tokio::test]
 async fn a_command_is_asked_once_and_answered_once() {
     let ledger = fresh().await;
     let flush = NewCommand {

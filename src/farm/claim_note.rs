@@ -12,7 +12,9 @@ use nester::OrientationLimits;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    intake::{self, ClaimedPart, ContentStore, PartSpec, SpecSource, StoredContent, StoredFile, TicketError},
+    intake::{
+        self, ClaimedPart, ContentStore, PartSpec, ReceivedTicket, SpecSource, StoredContent, StoredFile, TicketError,
+    },
     ledger::{Ledger, NewPartRow, NewTerms, NewTicketRow, PartRow, RequiredTilts, TicketSource},
     settings::{MachineProfile, Settings},
 };
@@ -230,15 +232,7 @@ pub(super) fn new_part_row(
             None
         }
     });
-    let source = part_spec.and_then(|g| g.sources.first()).map(|s| NewTicketRow {
-        source: match s.source {
-            SpecSource::Name => TicketSource::Name,
-            SpecSource::Sidecar => TicketSource::Sidecar,
-            SpecSource::OrderList => TicketSource::OrderList,
-        },
-        file_name: s.file_name.clone(),
-        text: s.text.clone(),
-    });
+    let source = part_spec.and_then(|g| g.sources.first()).map(ticket_row);
     let orientation = OrientationLimits::new(
         ticket.orientation.unwrap_or(profile.turning.orientation),
         ticket.keep_up.as_deref().unwrap_or(&profile.turning.keep_up),
@@ -264,5 +258,18 @@ pub(super) fn new_part_row(
         },
         warnings,
         ticket: source,
+    }
+}
+
+/// A ticket as the ledger keeps it.
+pub(super) fn ticket_row(received: &ReceivedTicket) -> NewTicketRow {
+    NewTicketRow {
+        source: match received.source {
+            SpecSource::Name => TicketSource::Name,
+            SpecSource::Sidecar => TicketSource::Sidecar,
+            SpecSource::OrderList => TicketSource::OrderList,
+        },
+        file_name: received.file_name.clone(),
+        text: received.text.clone(),
     }
 }

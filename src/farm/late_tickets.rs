@@ -1,15 +1,15 @@
 //! Tickets and rows of order lists that come after their part was taken: they change the part as long as the final
 //! nesting of its copies has not begun. Afterwards the reason says what became of the part, and how to order more.
 //!
-//! The change is applied first and the ticket is finished afterwards: after a crash in between it is applied again,
-//! which changes nothing.
+//! The change is applied first and the ticket is finished afterwards: after a crash in between it is offered again. The
+//! ledger knows it by then, and changes nothing.
 
 use anyhow::Result;
 use jiff::{SignedDuration, Timestamp};
 use nester::OrientationLimits;
 use tracing::{info, warn};
 
-use super::{farm::Farm, fetch_originals, jobs::BackgroundJob, mark_note};
+use super::{claim_note::ticket_row, farm::Farm, fetch_originals, jobs::BackgroundJob, mark_note};
 use crate::{
     intake::{self, LateTicket, NamedPart, Ticket},
     ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
@@ -37,7 +37,7 @@ impl BackgroundJob<Farm> for LateTicketJob {
 
     async fn on_done(self, _farm: &mut Farm, ended: Self::Outcome) -> Result<()> {
         if let Err(failure) = ended {
-            // It is offered again, and applied again, which changes nothing.
+            // It is offered again, and changes nothing.
             warn!(profile = %self.profile, "{} could not be put where it belongs: {failure:#}.", self.file_name);
         }
         Ok(())
@@ -119,10 +119,12 @@ async fn apply_late_ticket(
         Ok(edit) => edit,
         Err(reason) => return Ok(LateDecision::Refuse(reason)),
     };
+    let received = ticket_row(&late.source);
     for part in solids {
-        match farm.ledger.edit_part(part.id, &edit, &late.source.file_name).await {
-            Ok(edited) if edited.changes.is_empty() => {}
-            Ok(edited) => {
+        match farm.ledger.apply_late_ticket(part.id, &edit, &received, late.came_at()).await {
+            Ok(None) => {}
+            Ok(Some(edited)) if edited.changes.is_empty() => {}
+            Ok(Some(edited)) => {
                 info!(part.id = %part.id, profile, "{} came late and changed part {}: {}.", late.source.file_name, part.id, edited.changes.join(", "));
                 mark_note::update_decision_count(farm, part).await;
                 if let (true, Some(machine)) = (edit.changes_layout(), farm.machines.get_mut(profile)) {

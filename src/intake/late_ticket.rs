@@ -5,13 +5,15 @@
 //! The rule: a file in the folder, settled or not, takes the ticket, however many parts of its name were taken before. Only
 //! where there is none, and nothing changed for three settle times, the ticket is offered for a part taken before. It leaves
 //! the folder when it is accepted, so it is never used for a later part too. The farm applies first and finishes
-//! afterwards: after a crash in between, it is offered again, and applying it again changes nothing.
+//! afterwards: after a crash in between, it is offered again, and the ledger knows it.
 
 use std::{
     ffi::OsStr,
     fs, io,
     path::{Path, PathBuf},
 };
+
+use jiff::Timestamp;
 
 use super::{
     InboxEntry, OrderListTracker, ReceivedTicket, RefuseError, SpecSource, Ticket, TicketError,
@@ -60,6 +62,11 @@ pub enum LateTicketEnd {
 }
 
 impl LateTicket {
+    /// When its file came into the folder, or was last changed there.
+    pub fn came_at(&self) -> Timestamp {
+        Timestamp::from_nanosecond(self.entry.ctime_ns).unwrap_or_default()
+    }
+
     /// The order that its folder stands for, as in the parts taken from there. Empty = none.
     pub fn order(&self) -> &str {
         &self.entry.order

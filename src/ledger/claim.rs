@@ -186,7 +186,8 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
         return Ok(RecordedPart { id, is_new: false });
     };
     if let Some(ticket) = &part.ticket {
-        insert_ticket(change, id, ticket).await?;
+        let now = change.now;
+        insert_ticket(change, id, ticket, now).await?;
     }
     change.write_event(EventKind::Claimed, &part.profile, Some(id), None, &part.name).await?;
     change.open_order(&part.terms.order_name).await?;
@@ -225,14 +226,18 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     Ok(id)
 }
 
-async fn insert_ticket(change: &mut LedgerChange, part: PartId, ticket: &NewTicketRow) -> Result<()> {
-    let now = change.now;
+pub(super) async fn insert_ticket(
+    change: &mut LedgerChange,
+    part: PartId,
+    ticket: &NewTicketRow,
+    came_at: UtcTimestamp,
+) -> Result<()> {
     sqlx::query("INSERT INTO ticket (part_id, source, file_name, text, received_at) VALUES (?, ?, ?, ?, ?)")
         .bind(part)
         .bind(ticket.source)
         .bind(&ticket.file_name)
         .bind(&ticket.text)
-        .bind(now)
+        .bind(came_at)
         .execute(change.db())
         .await?;
     Ok(())

@@ -62,32 +62,11 @@ impl Ledger {
     /// Changes what was asked with a part. A part that is built can be ordered in more copies, nothing else.
     pub async fn edit_part(&self, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
         let mut change = self.begin_change().await?;
-        let part = change.require_part(id).await?;
-        let mut changes = Vec::new();
-        if edit.changes_terms() {
-            ensure_terms_editable(&mut change, &part).await?;
-            edit_terms(&mut change, &part, edit, &mut changes).await?;
+        let edited = edit_part(&mut change, id, edit, by).await?;
+        if !edited.changes.is_empty() {
+            change.commit().await?;
         }
-        if let Some(copies) = edit.copies.filter(|copies| *copies != part.wanted_copies()) {
-            changes.insert(0, format!("{copies} copies instead of {}", part.wanted_copies()));
-            edit_copies(&mut change, &part, copies, by).await?;
-        }
-        if changes.is_empty() {
-            return Ok(EditedPart { changes });
-        }
-        let detail = format!("{by}: {}", changes.join(", "));
-        change.write_event(EventKind::Edited, &part.profile, Some(id), None, &detail).await?;
-        change.count_decision(id).await?;
-        if edit.unit.is_some_and(|unit| part.terms.unit != Some(unit)) && part.state == PartState::Waiting {
-            change.read_again(id, &detail).await?;
-        }
-        change.update_order(&part.terms.order_name).await?;
-        if let Some(order) = &edit.order_name {
-            change.open_order(order).await?;
-            change.update_order(order).await?;
-        }
-        change.commit().await?;
-        Ok(EditedPart { changes })
+        Ok(edited)
     }
 
     /// Takes back waiting copies of a part; at least one copy must remain, waiting or in a build. (All copies of a part
@@ -210,6 +189,35 @@ impl Ledger {
         );
         Ok(query.fetch_all(self.reader()?).await?)
     }
+}
+
+/// Changes what was asked with a part, within a change.
+pub(super) async fn edit_part(change: &mut LedgerChange, id: PartId, edit: &PartEdit, by: &str) -> Result<EditedPart> {
+    let part = change.require_part(id).await?;
+    let mut changes = Vec::new();
+    if edit.changes_terms() {
+        ensure_terms_editable(change, &part).await?;
+        edit_terms(change, &part, edit, &mut changes).await?;
+    }
+    if let Some(copies) = edit.copies.filter(|copies| *copies != part.wanted_copies()) {
+        changes.insert(0, format!("{copies} copies instead of {}", part.wanted_copies()));
+        edit_copies(change, &part, copies, by).await?;
+    }
+    if changes.is_empty() {
+        return Ok(EditedPart { changes });
+    }
+    let detail = format!("{by}: {}", changes.join(", "));
+    change.write_event(EventKind::Edited, &part.profile, Some(id), None, &detail).await?;
+    change.count_decision(id).await?;
+    if edit.unit.is_some_and(|unit| part.terms.unit != Some(unit)) && part.state == PartState::Waiting {
+        change.read_again(id, &detail).await?;
+    }
+    change.update_order(&part.terms.order_name).await?;
+    if let Some(order) = &edit.order_name {
+        change.open_order(order).await?;
+        change.update_order(order).await?;
+    }
+    Ok(EditedPart { changes })
 }
 
 /// Terms can change while no copy is being nested and copies wait.

@@ -26,6 +26,7 @@ mod file_guard;
 mod health;
 mod history;
 mod id;
+mod late_ticket;
 mod ledger;
 mod location;
 mod machine;

@@ -46,6 +46,26 @@ fn a_ticket_that_comes_after_the_build_is_refused_with_what_became_of_the_part_a
 }
 
 #[test]
+fn a_late_ticket_that_cannot_be_moved_away_does_not_undo_what_a_person_changed_since() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("bracket.stl", &block(10.0, 12.0, 14.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    // A file stands where the ticket is to go.
+    let blocked = farm.folder("archive").join("late-tickets");
+    fs::write(&blocked, "in the way").unwrap();
+    farm.drop_bytes("bracket.stl.toml", b"copies = 9\n");
+    let wanted = |farm: &HandDrivenFarm| farm.parts(PartState::Waiting)[0].wanted_copies();
+    farm.pass_until("it is applied", |farm| wanted(farm) == 9);
+    farm.ask(async |ledger| ledger.cancel_copies(part, 6, "ann@farm").await.unwrap());
+    farm.pass_secs(5.0);
+    assert!(farm.folder("inbox").join("bracket.stl.toml").exists());
+    assert_eq!(wanted(&farm), 3, "Ann said so last");
+    fs::remove_file(&blocked).unwrap();
+    farm.pass_until("it is archived", |farm| !farm.folder("inbox").join("bracket.stl.toml").exists());
+    assert_eq!(wanted(&farm), 3);
+}
+
+#[test]
 fn a_list_that_comes_after_its_loose_parts_changes_them() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));

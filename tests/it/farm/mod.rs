@@ -19,6 +19,7 @@ mod operations;
 mod orders;
 mod pictures;
 mod privilege;
+mod requests;
 mod restore;
 mod returned;
 mod rot;

@@ -16,6 +16,7 @@ mod large_ledger;
 mod ledger;
 mod life_cycle;
 mod memory;
+mod orders;
 mod pair;
 mod pool;
 mod power;
@@ -46,12 +47,13 @@ struct ReliabilitySection {
 
 /// All sections, in the order of the table.
 #[rustfmt::skip]
-const SECTIONS: [ReliabilitySection; 15] = [
+const SECTIONS: [ReliabilitySection; 16] = [
     ReliabilitySection { name: "crash", weight: 4.0, run: crash::run },
     ReliabilitySection { name: "faults", weight: 8.0, run: faults::run },
     ReliabilitySection { name: "power", weight: 5.0, run: power::run },
     ReliabilitySection { name: "kill", weight: 3.0, run: kill::run },
     ReliabilitySection { name: "storm", weight: 4.0, run: storm::run },
+    ReliabilitySection { name: "orders", weight: 4.0, run: orders::run },
     ReliabilitySection { name: "pair", weight: 4.0, run: pair::run },
     ReliabilitySection { name: "restore", weight: 4.0, run: restore::run },
     ReliabilitySection { name: "hostile", weight: 2.0, run: hostile::run },

@@ -17,6 +17,8 @@ use crate::support::{PROFILE, block, farm_files::drop_file, stl};
 
 /// Commands that run at the same time, at most.
 const COMMANDS_AT_ONCE: usize = 6;
+/// On one farm of so many, people empty the archive: the originals that they removed are asked for.
+const EMPTIES_ARCHIVE: u64 = 4;
 
 impl OrdersFarm {
     pub fn run_random_operation(&mut self) {
@@ -41,7 +43,8 @@ impl OrdersFarm {
                 self.begin_operation(Asked::Other, "the printer takes builds");
                 self.take_builds();
             }
-            _ => self.empty_archive_folder(),
+            _ if self.seed.is_multiple_of(EMPTIES_ARCHIVE) => self.empty_archive_folder(),
+            _ => self.cancel_copies(),
         }
     }
 

@@ -74,7 +74,7 @@ impl WeekPrinter {
             height_mm = height_mm.max(placed.mesh.bounds_at(&placed.pose).max.z);
             volume_mm3 += placed.mesh.volume_mm3();
             volumes_mm3.insert(hash.clone(), placed.mesh.volume_mm3());
-            let twice = copies.insert(key, (placed.order.unwrap_or_default(), hash));
+            let twice = copies.insert(key, (placed.words.order.unwrap_or_default(), hash));
             assert!(twice.is_none(), "copy {key:?} is twice in {name}");
         }
         let density = volume_mm3 / (self.volume_mm.x * self.volume_mm.y * height_mm);

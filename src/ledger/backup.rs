@@ -40,7 +40,10 @@ impl Ledger {
 
     async fn copy_into(&self, file: &Path, copy: &Path) -> Result<()> {
         let name = copy.to_str().ok_or_else(|| backup_error(file, "its path is not UTF-8"))?;
-        let copied = sqlx::query("VACUUM INTO ?").bind(name).execute(self.writer()).await;
+        let Some(store) = self.sqlite() else {
+            return Err(backup_error(file, "the ledger is in PostgreSQL; back it up with pg_dump"));
+        };
+        let copied = sqlx::query("VACUUM INTO ?").bind(name).execute(store.writer()).await;
         match copied.map_err(LedgerError::from) {
             Err(LedgerError::Sql(error)) => Err(backup_error(file, error)),
             other => other.map(drop),

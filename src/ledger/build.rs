@@ -4,19 +4,20 @@ use super::{
     BuildId, BuildState, Ledger,
     build_row::{BuildRow, OpenLayout},
     error::Result,
+    sql,
 };
 
 impl Ledger {
     /// Returns the open build of a profile, and creates it if there is none.
     pub async fn open_build(&self, profile: &str) -> Result<BuildRow> {
-        let open = "SELECT * FROM build WHERE profile = ? AND state = 'open'";
-        if let Some(build) = sqlx::query_as(open).bind(profile).fetch_optional(self.reader()?).await? {
+        let open = "SELECT * FROM build WHERE profile = $1 AND state = 'open'";
+        if let Some(build) = sql::query_as(open).bind(profile).fetch_optional(self.reader()?).await? {
             return Ok(build);
         }
         let mut change = self.begin_change().await?;
         let now = change.now;
-        sqlx::query(
-            "INSERT INTO build (profile, state, opened_at, state_at) VALUES (?, 'open', ?, ?) \
+        sql::query(
+            "INSERT INTO build (profile, state, opened_at, state_at) VALUES ($1, 'open', $2, $3) \
              ON CONFLICT (profile) WHERE state = 'open' DO NOTHING",
         )
         .bind(profile)
@@ -24,7 +25,7 @@ impl Ledger {
         .bind(now)
         .execute(change.db())
         .await?;
-        let build = sqlx::query_as(open).bind(profile).fetch_one(change.db()).await?;
+        let build = sql::query_as(open).bind(profile).fetch_one(change.db()).await?;
         change.commit().await?;
         Ok(build)
     }
@@ -33,14 +34,14 @@ impl Ledger {
     /// the build number.
     pub async fn delete_open_build(&self, profile: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        sqlx::query(
+        sql::query(
             "UPDATE event SET build_id = NULL WHERE build_id IN \
-             (SELECT id FROM build WHERE profile = ? AND state = 'open')",
+             (SELECT id FROM build WHERE profile = $1 AND state = 'open')",
         )
         .bind(profile)
         .execute(change.db())
         .await?;
-        let drop = sqlx::query("DELETE FROM build WHERE profile = ? AND state = 'open'").bind(profile);
+        let drop = sql::query("DELETE FROM build WHERE profile = $1 AND state = 'open'").bind(profile);
         drop.execute(change.db()).await?;
         change.commit().await
     }
@@ -49,9 +50,9 @@ impl Ledger {
     pub async fn save_layout(&self, build: BuildId, layout: &OpenLayout) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Open, BuildState::Nesting]).await?;
-        sqlx::query(
-            "UPDATE build SET layout = ?, height_mm = ?, density = ?, part_volume_mm3 = ?, \
-             copies = CASE state WHEN 'open' THEN ? ELSE copies END WHERE id = ?",
+        sql::query(
+            "UPDATE build SET layout = $1, height_mm = $2, density = $3, part_volume_mm3 = $4, \
+             copies = CASE state WHEN 'open' THEN $5 ELSE copies END WHERE id = $6",
         )
         .bind(&layout.layout)
         .bind(layout.height_mm)
@@ -68,21 +69,21 @@ impl Ledger {
     pub async fn add_cpu_secs(&self, build: BuildId, cpu_secs: f64) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Open, BuildState::Nesting]).await?;
-        let add = sqlx::query("UPDATE build SET cpu_secs = coalesce(cpu_secs, 0) + ? WHERE id = ?");
+        let add = sql::query("UPDATE build SET cpu_secs = coalesce(cpu_secs, 0) + $1 WHERE id = $2");
         add.bind(cpu_secs).bind(build).execute(change.db()).await?;
         change.commit().await
     }
 
     /// All builds in a state, oldest first.
     pub async fn builds_in_state(&self, state: BuildState) -> Result<Vec<BuildRow>> {
-        let query = sqlx::query_as("SELECT * FROM build WHERE state = ? ORDER BY id").bind(state);
+        let query = sql::query_as("SELECT * FROM build WHERE state = $1 ORDER BY id").bind(state);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The last build of a profile that failed before it was published, and why.
     pub async fn last_failure(&self, profile: &str) -> Result<Option<(BuildId, String)>> {
-        let query = sqlx::query_as(
-            "SELECT id, reason FROM build WHERE state = 'failed' AND profile = ? AND published_at IS NULL \
+        let query = sql::query_as(
+            "SELECT id, reason FROM build WHERE state = 'failed' AND profile = $1 AND published_at IS NULL \
              ORDER BY id DESC LIMIT 1",
         );
         Ok(query.bind(profile).fetch_optional(self.reader()?).await?)
@@ -90,7 +91,7 @@ impl Ledger {
 
     /// Finds a build by its number.
     pub async fn find_build(&self, id: BuildId) -> Result<Option<BuildRow>> {
-        let query = sqlx::query_as("SELECT * FROM build WHERE id = ?").bind(id);
+        let query = sql::query_as("SELECT * FROM build WHERE id = $1").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 }

@@ -6,8 +6,13 @@
 
 use serde_json::{Map, Value};
 
+use sqlx::AssertSqlSafe;
+
 use super::{
-    BuildId, EventKind, Ledger, LedgerError, PartId, PartState, UtcTimestamp, change::LedgerChange, error::Result,
+    BuildId, EventKind, Ledger, LedgerError, PartId, PartState,
+    change::LedgerChange,
+    error::Result,
+    sql::{self, SqlTransaction, SqlValue},
 };
 
 /// A row as JSON: values by column name.
@@ -28,17 +33,15 @@ impl Ledger {
         let mut snapshot = self.begin_snapshot().await?;
         let mut record = Map::new();
         let of_claims =
-            "claim IN (SELECT p.claim FROM part p JOIN placement l ON l.part_id = p.id WHERE l.build_id = ?)";
-        let asked =
-            [("builds", "build", "id = ?"), ("parts", "part", of_claims), ("placements", "placement", "build_id = ?")];
+            "claim IN (SELECT p.claim FROM part p JOIN placement l ON l.part_id = p.id WHERE l.build_id = $1)";
+        let asked = [
+            ("builds", "build", "id = $1"),
+            ("parts", "part", of_claims),
+            ("placements", "placement", "build_id = $1"),
+        ];
         for (name, table, which) in asked {
-            let columns = table_columns(&mut snapshot, table).await?;
-            let pairs = columns.iter().map(|c| format!("'{c}', {c}")).collect::<Vec<_>>().join(", ");
-            let query = format!("SELECT json_object({pairs}) FROM {table} WHERE {which} ORDER BY 1");
-            let rows: Vec<String> =
-                sqlx::query_scalar(sqlx::AssertSqlSafe(query)).bind(id).fetch_all(&mut *snapshot).await?;
-            let rows = rows.iter().map(|row| parse_json(row)).collect::<Result<Vec<Value>>>()?;
-            record.insert(name.to_owned(), rows.into());
+            let query = format!("SELECT * FROM {table} WHERE {which} ORDER BY 1, 2");
+            record.insert(name.to_owned(), read_json_rows(&mut snapshot, query, id.0).await?.into());
         }
         Ok(Value::from(record).to_string())
     }
@@ -46,12 +49,8 @@ impl Ledger {
     /// Exports the row of a part in the format of a record.
     pub async fn export_part_row(&self, id: PartId) -> Result<Option<Value>> {
         let mut snapshot = self.begin_snapshot().await?;
-        let columns = table_columns(&mut snapshot, "part").await?;
-        let pairs = columns.iter().map(|c| format!("'{c}', {c}")).collect::<Vec<_>>().join(", ");
-        let query = format!("SELECT json_object({pairs}) FROM part WHERE id = ?");
-        let row: Option<String> =
-            sqlx::query_scalar(sqlx::AssertSqlSafe(query)).bind(id).fetch_optional(&mut *snapshot).await?;
-        row.map(|row| parse_json(&row)).transpose()
+        let query = "SELECT * FROM part WHERE id = $1".to_owned();
+        Ok(read_json_rows(&mut snapshot, query, id.0).await?.pop())
     }
 
     /// Imports a build that the ledger does not know. `is_published` = its file has appeared in the queue. Anything
@@ -80,8 +79,8 @@ impl Ledger {
             let part = part.ok_or_else(|| invalid_record("a placement refers to a part that it does not hold"))?;
             doubts.extend(import_placement(&mut change, id, part, placement).await?);
         }
-        let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = ?1) WHERE id = ?1";
-        sqlx::query(count).bind(id).execute(change.db()).await?;
+        let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = $1) WHERE id = $1";
+        sql::query(count).bind(id).execute(change.db()).await?;
         for (_, part) in taken {
             update_part_state(&mut change, part, id).await?;
         }
@@ -89,25 +88,15 @@ impl Ledger {
         Ok(ImportOutcome::Imported(id, doubts))
     }
 
-    /// The highest build number ever used, and when the latest build was started.
-    pub async fn newest_build(&self) -> Result<(i64, Option<UtcTimestamp>)> {
-        let mut snapshot = self.begin_snapshot().await?;
-        let number = "SELECT coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'build'), 0)";
-        let number = sqlx::query_scalar(number).fetch_one(&mut *snapshot).await?;
-        let fired =
-            sqlx::query_scalar("SELECT nesting_at FROM build WHERE nesting_at IS NOT NULL ORDER BY id DESC LIMIT 1");
-        Ok((number, fired.fetch_optional(&mut *snapshot).await?))
-    }
-
     /// Whether the part with this number has this content.
     pub async fn part_has_content(&self, id: PartId, hash: &str) -> Result<bool> {
-        let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM part WHERE id = ? AND content_hash = ?)");
+        let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM part WHERE id = $1 AND content_hash = $2)");
         Ok(query.bind(id).bind(hash).fetch_one(self.reader()?).await?)
     }
 
     /// Whether the ledger knows a build file of this name.
     pub async fn has_build_file(&self, file_name: &str) -> Result<bool> {
-        let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM build WHERE file_name = ?)");
+        let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM build WHERE file_name = $1)");
         Ok(query.bind(file_name).fetch_one(self.reader()?).await?)
     }
 
@@ -115,11 +104,7 @@ impl Ledger {
     pub async fn leave_gap_in_numbers(&self, gap: u32) -> Result<()> {
         let mut change = self.begin_change().await?;
         for table in ["part", "build"] {
-            let known = sqlx::query("UPDATE sqlite_sequence SET seq = seq + ? WHERE name = ?").bind(gap).bind(table);
-            if known.execute(change.db()).await?.rows_affected() == 0 {
-                let insert = sqlx::query("INSERT INTO sqlite_sequence (name, seq) VALUES (?, ?)").bind(table).bind(gap);
-                insert.execute(change.db()).await?;
-            }
+            sql::skip_numbers(change.db(), table, gap).await?;
         }
         change.commit().await
     }
@@ -141,42 +126,58 @@ fn text_column<'a>(row: &'a JsonRow, column: &str) -> &'a str {
     row.get(column).and_then(Value::as_str).unwrap_or_default()
 }
 
-async fn table_columns(db: &mut sqlx::SqliteConnection, table: &str) -> Result<Vec<String>> {
-    let query = sqlx::query_scalar("SELECT name FROM pragma_table_info(?) ORDER BY cid");
-    Ok(query.bind(table).fetch_all(db).await?)
+/// Reads rows as JSON.
+async fn read_json_rows(db: &mut SqlTransaction, query: String, id: i64) -> Result<Vec<Value>> {
+    let rows: Vec<Vec<(String, SqlValue)>> = sql::query_as(AssertSqlSafe(query)).bind(id).fetch_all(db).await?;
+    Ok(rows.into_iter().map(|row| row.into_iter().map(|(name, value)| (name, value.into_json())).collect()).collect())
 }
 
 /// Builds are identified by their file names. A build that was already proved is finished by the daemon itself.
 async fn is_known_build(change: &mut LedgerChange, build: &JsonRow) -> Result<bool> {
-    let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM build WHERE file_name = ?)");
+    let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM build WHERE file_name = $1)");
     Ok(query.bind(text_column(build, "file_name")).fetch_one(change.db()).await?)
 }
 
-/// Inserts a row with the columns that this schema knows. Without `id`, it gets a new one. Returns its number.
+/// Inserts a row with the columns that this schema knows. Without `id`, it gets a new one. Returns the value of its
+/// first column that is a number: its number, where it has one.
 async fn insert_row(change: &mut LedgerChange, table: &str, row: &JsonRow) -> Result<i64> {
-    let known = table_columns(change.db(), table).await?;
-    let known: Vec<&String> = known.iter().filter(|column| row.contains_key(*column)).collect();
-    let names = known.iter().map(|c| c.as_str()).collect::<Vec<_>>().join(", ");
-    let values = known.iter().map(|c| format!("?1 ->> '$.{c}'")).collect::<Vec<_>>().join(", ");
-    let query = format!("INSERT INTO {table} ({names}) VALUES ({values})");
-    let json = Value::from(row.clone()).to_string();
-    Ok(sqlx::query(sqlx::AssertSqlSafe(query)).bind(json).execute(change.db()).await?.last_insert_rowid())
+    let known = sql::table_columns(change.db(), table).await?;
+    let given: Vec<(&String, &Value)> =
+        known.iter().filter_map(|column| Some((column, row.get(column).filter(|value| !value.is_null())?))).collect();
+    let names = given.iter().map(|(column, _)| column.as_str()).collect::<Vec<_>>().join(", ");
+    let values = (1..=given.len()).map(|n| format!("${n}")).collect::<Vec<_>>().join(", ");
+    let query = format!("INSERT INTO {table} ({names}) VALUES ({values}) RETURNING {}", known[0]);
+    let insert = given.iter().fold(sql::query_scalar(AssertSqlSafe(query)), |query, (_, value)| query.bind(*value));
+    let first = insert.fetch_one(change.db()).await?;
+    if row.contains_key("id") {
+        sql::number_from_highest(change.db(), table).await?;
+    }
+    Ok(first)
 }
 
 /// Overwrites the columns of an existing row with the values of `row`, except the columns in `keep`.
 async fn overwrite_row(change: &mut LedgerChange, table: &str, id: i64, row: &JsonRow, keep: &[&str]) -> Result<()> {
-    let known = table_columns(change.db(), table).await?;
+    let known = sql::table_columns(change.db(), table).await?;
     let known = known.iter().filter(|column| row.contains_key(*column) && !keep.contains(&column.as_str()));
-    let sets = known.map(|c| format!("{c} = ?1 ->> '$.{c}'")).collect::<Vec<_>>().join(", ");
-    let query = format!("UPDATE {table} SET {sets} WHERE id = ?2");
-    let json = Value::from(row.clone()).to_string();
-    sqlx::query(sqlx::AssertSqlSafe(query)).bind(json).bind(id).execute(change.db()).await?;
+    let (mut sets, mut values) = (Vec::new(), Vec::new());
+    for column in known {
+        match &row[column] {
+            Value::Null => sets.push(format!("{column} = NULL")),
+            value => {
+                values.push(value);
+                sets.push(format!("{column} = ${}", values.len() + 1));
+            }
+        }
+    }
+    let query = format!("UPDATE {table} SET {} WHERE id = $1", sets.join(", "));
+    let update = values.into_iter().fold(sql::query(AssertSqlSafe(query)).bind(id), |query, value| query.bind(value));
+    update.execute(change.db()).await?;
     Ok(())
 }
 
 async fn is_id_taken(change: &mut LedgerChange, table: &str, id: i64) -> Result<bool> {
-    let query = format!("SELECT EXISTS (SELECT 1 FROM {table} WHERE id = ?)");
-    Ok(sqlx::query_scalar(sqlx::AssertSqlSafe(query)).bind(id).fetch_one(change.db()).await?)
+    let query = format!("SELECT EXISTS (SELECT 1 FROM {table} WHERE id = $1)");
+    Ok(sql::query_scalar(AssertSqlSafe(query)).bind(id).fetch_one(change.db()).await?)
 }
 
 async fn import_build(change: &mut LedgerChange, build: &JsonRow, is_published: bool) -> Result<BuildId> {
@@ -188,9 +189,9 @@ async fn import_build(change: &mut LedgerChange, build: &JsonRow, is_published: 
     let at = build.get("verified_at").cloned().unwrap_or_default();
     row.insert("published_at".to_owned(), if is_published { at } else { Value::Null });
     let id = number_column(build, "id")?;
-    let same = "SELECT id FROM build WHERE id = ? AND profile = ? AND opened_at = ? AND state IN ('open', 'nesting') \
+    let same = "SELECT id FROM build WHERE id = $1 AND profile = $2 AND opened_at = $3 AND state IN ('open', 'nesting') \
                 AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.build_id = build.id)";
-    let same: Option<i64> = sqlx::query_scalar(same)
+    let same: Option<i64> = sql::query_scalar(same)
         .bind(id)
         .bind(text_column(build, "profile"))
         .bind(text_column(build, "opened_at"))
@@ -220,7 +221,7 @@ async fn import_build(change: &mut LedgerChange, build: &JsonRow, is_published: 
 async fn import_part(change: &mut LedgerChange, part: &JsonRow) -> Result<PartId> {
     let (claim, index) = (text_column(part, "claim"), number_column(part, "object_index")?);
     let known: Option<(i64, PartState, i64)> =
-        sqlx::query_as("SELECT id, state, decisions FROM part WHERE claim = ? AND object_index = ?")
+        sql::query_as("SELECT id, state, decisions FROM part WHERE claim = $1 AND object_index = $2")
             .bind(claim)
             .bind(index)
             .fetch_optional(change.db())
@@ -275,8 +276,8 @@ async fn import_placement(
     mut row: JsonRow,
 ) -> Result<Option<String>> {
     let copy = number_column(&row, "copy")?;
-    let holder: Option<(BuildId, Option<String>)> = sqlx::query_as(
-        "SELECT b.id, b.published_at FROM placement l JOIN build b ON b.id = l.build_id WHERE l.part_id = ? AND l.copy = ?",
+    let holder: Option<(BuildId, Option<String>)> = sql::query_as(
+        "SELECT b.id, b.published_at FROM placement l JOIN build b ON b.id = l.build_id WHERE l.part_id = $1 AND l.copy = $2",
     )
     .bind(part)
     .bind(copy)
@@ -295,9 +296,9 @@ async fn import_placement(
 /// transitions in another ledger.
 async fn update_part_state(change: &mut LedgerChange, part: PartId, build: BuildId) -> Result<()> {
     let row = change.require_part(part).await?;
-    let (placed, open): (u32, u32) = sqlx::query_as(
-        "SELECT count(*), coalesce(sum(b.published_at IS NULL), 0) FROM placement l JOIN build b ON b.id = l.build_id \
-         WHERE l.part_id = ?",
+    let (placed, open): (u32, u32) = sql::query_as(
+        "SELECT count(*), count(*) FILTER (WHERE b.published_at IS NULL) FROM placement l JOIN build b ON b.id = l.build_id \
+         WHERE l.part_id = $1",
     )
     .bind(part)
     .fetch_one(change.db())
@@ -312,9 +313,9 @@ async fn update_part_state(change: &mut LedgerChange, part: PartId, build: Build
         return Ok(());
     }
     let now = change.now;
-    let set = sqlx::query(
-        "UPDATE part SET state = ?1, state_at = ?2, reason = CASE ?1 WHEN 'rejected' THEN reason ELSE '' END, \
-         refusal = CASE ?1 WHEN 'rejected' THEN refusal END WHERE id = ?3",
+    let set = sql::query(
+        "UPDATE part SET state = $1, state_at = $2, reason = CASE $1 WHEN 'rejected' THEN reason ELSE '' END, \
+         refusal = CASE $1 WHEN 'rejected' THEN refusal END WHERE id = $3",
     );
     set.bind(state).bind(now).bind(part).execute(change.db()).await?;
     let detail = "according to the record of a build";

@@ -2,15 +2,14 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sqlx::FromRow;
 
-use super::{BuildId, BuildState, UtcTimestamp};
+use super::{BuildId, BuildState, UtcTimestamp, sql::sql_row};
 
 /// Maximum number of points of a stored curve.
 const MAX_POINTS: usize = 300;
 
 /// A build. While it is open, height, density and copies describe its layout so far.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BuildRow {
     /// Its number.
     pub id: BuildId,
@@ -28,28 +27,25 @@ pub struct BuildRow {
     pub searches: u32,
     /// Times of its states.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub times: BuildTimes,
     /// Its file.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub staged: StagedFile,
     /// Its measurements.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub measures: BuildMeasures,
     /// Cost and parameters of its search.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub search: SearchEffort,
     /// Its data stored as JSON.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub kept: BuildDocuments,
 }
 
+sql_row!(BuildRow { id, profile, state, reason, fired_by, attempts, searches; times, staged, measures, search, kept });
+
 /// Times at which a build entered its states.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BuildTimes {
     /// When it was opened.
     pub opened_at: UtcTimestamp,
@@ -63,8 +59,10 @@ pub struct BuildTimes {
     pub state_at: UtcTimestamp,
 }
 
+sql_row!(BuildTimes { opened_at, nesting_at, verified_at, published_at, state_at });
+
 /// The file of a build, the queue folder where it was staged, and the start of its publishing.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StagedFile {
     /// Name of the build file in the queue folder.
     pub file_name: Option<String>,
@@ -78,8 +76,10 @@ pub struct StagedFile {
     pub publishing_at: Option<UtcTimestamp>,
 }
 
+sql_row!(StagedFile { file_name, queue_id, file_hash, file_bytes, publishing_at });
+
 /// Measurements of a build.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BuildMeasures {
     /// Build height, mm.
     pub height_mm: Option<f64>,
@@ -99,8 +99,19 @@ pub struct BuildMeasures {
     pub clearance_proved_mm: Option<f64>,
 }
 
+sql_row!(BuildMeasures {
+    height_mm,
+    density,
+    lower_bound_mm,
+    layers,
+    part_volume_mm3,
+    copies,
+    clearance_mm,
+    clearance_proved_mm
+});
+
 /// Cost of the search for a build, and the parameters to repeat it.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct SearchEffort {
     /// CPU seconds of all nesting for it.
     pub cpu_secs: Option<f64>,
@@ -118,8 +129,10 @@ pub struct SearchEffort {
     pub repeats: Option<BuildId>,
 }
 
+sql_row!(SearchEffort { cpu_secs, wall_secs, evaluations, seed, method, version, repeats });
+
 /// Data of a build stored as JSON. User interfaces omit the fields that are too long to read.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BuildDocuments {
     /// The best layout so far while open or nesting.
     #[serde(skip)]
@@ -133,6 +146,8 @@ pub struct BuildDocuments {
     #[serde(skip)]
     sidecars: Option<String>,
 }
+
+sql_row!(BuildDocuments { layout, profile_snapshot, curve, sidecars });
 
 impl BuildRow {
     /// Height over time: (wall seconds, build height in mm) of each improvement that the search found. Empty until the

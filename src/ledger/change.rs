@@ -3,39 +3,40 @@
 
 use std::path::PathBuf;
 
-use sqlx::{Sqlite, SqliteConnection, Transaction};
-
 use super::{
     BuildId, BuildState, CommandId, EventKind, LedgerError, PartId, PartRow, PartState, RefusalCause, UtcTimestamp,
     consistency::{self, RuleScope},
     error::Result,
     health,
+    sql::{self, SqlTransaction},
 };
 
 /// A change that is not committed yet. Dropping it rolls everything back.
 pub struct LedgerChange {
-    transaction: Transaction<'static, Sqlite>,
+    transaction: SqlTransaction,
     /// The time used for everything in this change.
     pub now: UtcTimestamp,
-    /// Where the ledger is.
-    ledger: PathBuf,
+    /// The file of the ledger, unless it is in PostgreSQL.
+    file: Option<PathBuf>,
     /// The command that is done with this change.
     command: Option<CommandId>,
+    /// Number of the last event that this change wrote.
+    last_event: i64,
 }
 
 impl LedgerChange {
     /// Creates a change from a transaction that holds the write lock.
     pub fn new(
-        transaction: Transaction<'static, Sqlite>,
+        transaction: SqlTransaction,
         now: UtcTimestamp,
-        ledger: PathBuf,
+        file: Option<PathBuf>,
         command: Option<CommandId>,
     ) -> Self {
-        Self { transaction, now, ledger, command }
+        Self { transaction, now, file, command, last_event: 0 }
     }
 
     /// The connection to run queries on.
-    pub fn db(&mut self) -> &mut SqliteConnection {
+    pub fn db(&mut self) -> &mut SqlTransaction {
         &mut self.transaction
     }
 
@@ -43,7 +44,7 @@ impl LedgerChange {
     pub async fn commit(mut self) -> Result<()> {
         if let Some(command) = self.command {
             let done =
-                sqlx::query("UPDATE command SET state = 'done', answered_at = ? WHERE id = ? AND state = 'asked'");
+                sql::query("UPDATE command SET state = 'done', answered_at = $1 WHERE id = $2 AND state = 'asked'");
             let now = self.now;
             done.bind(now).bind(command).execute(self.db()).await?;
         }
@@ -51,35 +52,43 @@ impl LedgerChange {
             let faults = consistency::find_inconsistencies(self.db(), &RuleScope::ALL).await?;
             debug_assert!(faults.is_empty(), "a change broke the ledger: {faults:?}");
         }
-        let changes = health::count_change(self.db()).await?;
-        self.transaction.commit().await?;
-        health::note_changes(&self.ledger, changes);
+        match self.transaction {
+            SqlTransaction::Sqlite(mut transaction) => {
+                let changes = health::count_change(&mut transaction).await?;
+                transaction.commit().await?;
+                if let Some(file) = &self.file {
+                    health::note_changes(file, changes);
+                }
+            }
+            #[cfg(feature = "postgres")]
+            SqlTransaction::Postgres(transaction) => transaction.commit().await?,
+        }
         Ok(())
     }
 
     /// Reads a part within this change.
     pub async fn require_part(&mut self, id: PartId) -> Result<PartRow> {
-        let part = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id).fetch_optional(self.db()).await?;
+        let part = sql::query_as("SELECT * FROM part WHERE id = $1").bind(id).fetch_optional(self.db()).await?;
         part.ok_or(LedgerError::UnknownPart(id))
     }
 
     /// Reads profile and state of a build within this change.
     pub async fn require_build(&mut self, id: BuildId) -> Result<(String, BuildState)> {
-        let query = sqlx::query_as("SELECT profile, state FROM build WHERE id = ?");
+        let query = sql::query_as("SELECT profile, state FROM build WHERE id = $1");
         query.bind(id).fetch_optional(self.db()).await?.ok_or(LedgerError::UnknownBuild(id))
     }
 
     /// Number of copies of a part that are in builds and count.
     pub async fn placed_count(&mut self, id: PartId) -> Result<u32> {
-        let count = sqlx::query_scalar("SELECT count(*) FROM placement WHERE part_id = ?").bind(id);
+        let count = sql::query_scalar("SELECT count(*) FROM placement WHERE part_id = $1").bind(id);
         Ok(count.fetch_one(self.db()).await?)
     }
 
     /// Fails if a copy of the part is in a build that is not published yet.
     pub async fn ensure_not_being_built(&mut self, part: PartId) -> Result<()> {
-        let nested: Option<(BuildId, BuildState)> = sqlx::query_as(
+        let nested: Option<(BuildId, BuildState)> = sql::query_as(
             "SELECT b.id, b.state FROM placement l JOIN build b ON b.id = l.build_id \
-             WHERE l.part_id = ? AND b.published_at IS NULL LIMIT 1",
+             WHERE l.part_id = $1 AND b.published_at IS NULL LIMIT 1",
         )
         .bind(part)
         .fetch_optional(self.db())
@@ -132,7 +141,7 @@ impl LedgerChange {
         let part = self.require_part(id).await?;
         let next = part.state.move_to(next)?;
         let now = self.now;
-        sqlx::query("UPDATE part SET state = ?, state_at = ?, refusal = ?, reason = ? WHERE id = ?")
+        sql::query("UPDATE part SET state = $1, state_at = $2, refusal = $3, reason = $4 WHERE id = $5")
             .bind(next)
             .bind(now)
             .bind(cause)
@@ -149,14 +158,14 @@ impl LedgerChange {
         let (profile, state) = self.require_build(id).await?;
         let next = state.move_to(next)?;
         let now = self.now;
-        sqlx::query(
-            "UPDATE build SET state = ?1, state_at = ?2, \
-             nesting_at = CASE ?1 WHEN 'nesting' THEN coalesce(nesting_at, ?2) ELSE nesting_at END, \
-             verified_at = CASE ?1 WHEN 'verified' THEN ?2 ELSE verified_at END, \
-             published_at = CASE ?1 WHEN 'published' THEN ?2 ELSE published_at END, \
-             layout = CASE ?1 WHEN 'nesting' THEN layout END, \
-             reason = CASE WHEN ?1 IN ('interrupted', 'complete', 'failed') THEN ?3 ELSE reason END \
-             WHERE id = ?4",
+        sql::query(
+            "UPDATE build SET state = $1, state_at = $2, \
+             nesting_at = CASE $1 WHEN 'nesting' THEN coalesce(nesting_at, $2) ELSE nesting_at END, \
+             verified_at = CASE $1 WHEN 'verified' THEN $2 ELSE verified_at END, \
+             published_at = CASE $1 WHEN 'published' THEN $2 ELSE published_at END, \
+             layout = CASE $1 WHEN 'nesting' THEN layout END, \
+             reason = CASE WHEN $1 IN ('interrupted', 'complete', 'failed') THEN $3 ELSE reason END \
+             WHERE id = $4",
         )
         .bind(next)
         .bind(now)
@@ -178,21 +187,17 @@ impl LedgerChange {
         detail: &str,
     ) -> Result<()> {
         let now = self.now;
-        sqlx::query("INSERT INTO event (at, kind, profile, part_id, build_id, detail) VALUES (?, ?, ?, ?, ?, ?)")
-            .bind(now)
-            .bind(kind.into())
-            .bind(profile)
-            .bind(part)
-            .bind(build)
-            .bind(detail)
-            .execute(self.db())
-            .await?;
+        let insert = sql::query_scalar(
+            "INSERT INTO event (at, kind, profile, part_id, build_id, detail) VALUES ($1, $2, $3, $4, $5, $6) RETURNING id",
+        );
+        let insert = insert.bind(now).bind(kind.into()).bind(profile).bind(part).bind(build).bind(detail);
+        self.last_event = insert.fetch_one(self.db()).await?;
         Ok(())
     }
 
     /// Adds to the last event by how many the copies wanted of its part changed.
     pub async fn note_wanted_change(&mut self, by: i64) -> Result<()> {
-        let note = sqlx::query("UPDATE event SET wanted_change = ? WHERE id = last_insert_rowid()").bind(by);
+        let note = sql::query("UPDATE event SET wanted_change = $1 WHERE id = $2").bind(by).bind(self.last_event);
         note.execute(self.db()).await?;
         Ok(())
     }
@@ -207,7 +212,7 @@ impl LedgerChange {
         reason: &str,
     ) -> Result<()> {
         self.write_event(kind, profile, part, None, reason).await?;
-        let cause = sqlx::query("UPDATE event SET cause = ? WHERE id = last_insert_rowid()").bind(cause);
+        let cause = sql::query("UPDATE event SET cause = $1 WHERE id = $2").bind(cause).bind(self.last_event);
         cause.execute(self.db()).await?;
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::{
     BuildId, EventKind, IllegalMove, Ledger, LedgerError, NewPartRow, NewTicketRow, PartId, PartRow, PartState,
-    RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, text_column::TextColumn,
+    RecordedPart, RefusalCause, SolidFacts, UtcTimestamp, change::LedgerChange, error::Result, sql,
 };
 
 impl Ledger {
@@ -40,8 +40,9 @@ impl Ledger {
 
     async fn add_reads(&self, id: PartId, more: i32) -> Result<u32> {
         let mut change = self.begin_change().await?;
-        let count = "UPDATE part SET reads = max(reads + ?, 0) WHERE id = ? RETURNING reads";
-        let reads = sqlx::query_scalar(count).bind(more).bind(id).fetch_one(change.db()).await?;
+        let count =
+            "UPDATE part SET reads = CASE WHEN reads + $1 > 0 THEN reads + $1 ELSE 0 END WHERE id = $2 RETURNING reads";
+        let reads = sql::query_scalar(count).bind(more).bind(id).fetch_one(change.db()).await?;
         change.commit().await?;
         Ok(reads)
     }
@@ -87,7 +88,7 @@ impl Ledger {
             return Err(IllegalMove { thing: "part", from, to }.into());
         }
         let siblings: Vec<PartId> =
-            sqlx::query_scalar("SELECT id FROM part WHERE claim = ? AND state = 'claimed' ORDER BY id")
+            sql::query_scalar("SELECT id FROM part WHERE claim = $1 AND state = 'claimed' ORDER BY id")
                 .bind(&claimed.file.claim)
                 .fetch_all(change.db())
                 .await?;
@@ -114,9 +115,9 @@ impl Ledger {
 
     /// The nesting builds that hold copies of parts of these claims.
     pub async fn nesting_builds_of_claims(&self, claims: &[String]) -> Result<Vec<BuildId>> {
-        let query = sqlx::query_scalar(
+        let query = sql::query_scalar(
             "SELECT DISTINCT b.id FROM build b JOIN placement l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
-             WHERE b.state = 'nesting' AND p.claim IN (SELECT value FROM json_each(?)) ORDER BY b.id",
+             WHERE b.state = 'nesting' AND p.claim IN (SELECT value FROM json_each($1)) ORDER BY b.id",
         );
         Ok(query.bind(serde_json::json!(claims).to_string()).fetch_all(self.reader()?).await?)
     }
@@ -124,9 +125,9 @@ impl Ledger {
     /// claimed, waiting -> rejected: another farm has taken these claims over. Returns the parts that were rejected
     /// now.
     pub async fn give_up_claims(&self, claims: &[String], reason: &str) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT * FROM part WHERE state IN ('claimed', 'waiting') \
-             AND claim IN (SELECT value FROM json_each(?)) ORDER BY id",
+             AND claim IN (SELECT value FROM json_each($1)) ORDER BY id",
         );
         let parts: Vec<PartRow> = query.bind(serde_json::json!(claims).to_string()).fetch_all(self.reader()?).await?;
         if parts.is_empty() {
@@ -150,7 +151,7 @@ impl Ledger {
         let wanted_again = copies_lost_by_refusal(&mut change, id).await?;
         change.move_part(id, PartState::Claimed, None, "taken back").await?;
         // A revision that is taken back is wanted beside the newer one.
-        sqlx::query("UPDATE part SET replaced_by = NULL WHERE id = ?").bind(id).execute(change.db()).await?;
+        sql::query("UPDATE part SET replaced_by = NULL WHERE id = $1").bind(id).execute(change.db()).await?;
         if wanted_again > 0 {
             change.note_wanted_change(wanted_again).await?;
             change.change_cancelled(id, -wanted_again).await?;
@@ -163,8 +164,8 @@ impl Ledger {
 
 /// By how many the copies wanted of a part fell when it was last refused.
 async fn copies_lost_by_refusal(change: &mut LedgerChange, id: PartId) -> Result<i64> {
-    let last = sqlx::query_scalar(
-        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = ? AND kind = 'rejected' ORDER BY id DESC LIMIT 1",
+    let last = sql::query_scalar(
+        "SELECT coalesce(-wanted_change, 0) FROM event WHERE part_id = $1 AND kind = 'rejected' ORDER BY id DESC LIMIT 1",
     );
     Ok(last.bind(id).fetch_optional(change.db()).await?.unwrap_or(0))
 }
@@ -181,7 +182,7 @@ async fn ensure_part_cancellable(change: &mut LedgerChange, id: PartId) -> Resul
 /// Inserts a claim with its ticket and its event, unless it is already recorded.
 async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result<RecordedPart> {
     let Some(id) = insert_claim(change, part).await? else {
-        let known = sqlx::query_scalar("SELECT id FROM part WHERE claim = ? AND object_index = 0");
+        let known = sql::query_scalar("SELECT id FROM part WHERE claim = $1 AND object_index = 0");
         let id = known.bind(&part.claim).fetch_one(change.db()).await?;
         return Ok(RecordedPart { id, is_new: false });
     };
@@ -197,10 +198,10 @@ async fn record_new_part(change: &mut LedgerChange, part: &NewPartRow) -> Result
 /// Inserts the row of a claim. `None` if the claim is already recorded.
 async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Option<PartId>> {
     let now = change.now;
-    let id = sqlx::query_scalar(
+    let id = sql::query_scalar(
         "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, warnings, copies, priority, \
          due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
-         VALUES (?, ?, ?, ?, ?, ?, 'claimed', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 1, ?, ?) \
+         VALUES ($1, $2, $3, $4, $5, $6, 'claimed', $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, 1, $17, $18) \
          ON CONFLICT (claim, object_index) DO NOTHING RETURNING id",
     )
     .bind(&part.claim)
@@ -214,10 +215,10 @@ async fn insert_claim(change: &mut LedgerChange, part: &NewPartRow) -> Result<Op
     .bind(part.terms.priority)
     .bind(part.terms.due_at.map(UtcTimestamp))
     .bind(&part.terms.due_text)
-    .bind(TextColumn(part.terms.orientation))
+    .bind(part.terms.orientation)
     .bind(part.terms.tilts.to_string())
     .bind(part.terms.clearance_mm)
-    .bind(TextColumn(part.terms.unit))
+    .bind(part.terms.unit)
     .bind(&part.terms.note)
     .bind(now)
     .bind(now)
@@ -232,7 +233,7 @@ pub(super) async fn insert_ticket(
     ticket: &NewTicketRow,
     came_at: UtcTimestamp,
 ) -> Result<()> {
-    sqlx::query("INSERT INTO ticket (part_id, source, file_name, text, received_at) VALUES (?, ?, ?, ?, ?)")
+    sql::query("INSERT INTO ticket (part_id, source, file_name, text, received_at) VALUES ($1, $2, $3, $4, $5)")
         .bind(part)
         .bind(ticket.source)
         .bind(&ticket.file_name)
@@ -249,7 +250,7 @@ async fn find_or_insert_solid(
     file: &PartRow,
     solid: &SolidFacts,
 ) -> Result<Option<PartRow>> {
-    let known: Option<PartRow> = sqlx::query_as("SELECT * FROM part WHERE claim = ? AND object_index = ?")
+    let known: Option<PartRow> = sql::query_as("SELECT * FROM part WHERE claim = $1 AND object_index = $2")
         .bind(&file.file.claim)
         .bind(solid.object_index)
         .fetch_optional(change.db())
@@ -258,11 +259,11 @@ async fn find_or_insert_solid(
         return Ok((part.state == PartState::Claimed).then_some(part));
     }
     let now = change.now;
-    let id = sqlx::query_scalar(
+    let id = sql::query_scalar(
         "INSERT INTO part (claim, object_index, profile, name, order_name, content_hash, bytes, state, warnings, \
          priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, state_at) \
-         SELECT claim, ?, profile, name, order_name, content_hash, bytes, 'claimed', '', \
-         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, ? FROM part WHERE id = ? RETURNING id",
+         SELECT claim, $1, profile, name, order_name, content_hash, bytes, 'claimed', '', \
+         priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note, reads, claimed_at, $2 FROM part WHERE id = $3 RETURNING id",
     )
     .bind(solid.object_index)
     .bind(now)
@@ -277,11 +278,11 @@ async fn find_or_insert_solid(
 /// multiply it.
 async fn write_solid_facts(change: &mut LedgerChange, part: &PartRow, solid: &SolidFacts) -> Result<()> {
     let [x, y, z] = solid.size_mm;
-    sqlx::query(
-        "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN ? ELSE copies END, object_name = ?, triangles = ?, \
-         volume_mm3 = ?, size_x_mm = ?, size_y_mm = ?, size_z_mm = ?, warnings = ?, \
+    sql::query(
+        "UPDATE part SET copies = CASE WHEN triangles IS NULL THEN $1 ELSE copies END, object_name = $2, triangles = $3, \
+         volume_mm3 = $4, size_x_mm = $5, size_y_mm = $6, size_z_mm = $7, warnings = $8, \
          question = CASE WHEN EXISTS (SELECT 1 FROM event e WHERE e.part_id = part.id AND e.kind = 'confirmed') \
-         THEN '' ELSE ? END WHERE id = ?",
+         THEN '' ELSE $9 END WHERE id = $10",
     )
     .bind(solid.copies)
     .bind(&solid.object_name)

@@ -1,10 +1,12 @@
 //! Commands from users to the daemon. The daemon answers in the row, so commands work from another server too.
 
 use serde::{Deserialize, Serialize};
-use sqlx::FromRow;
 
 use super::{
-    CommandId, EventKind, Ledger, LedgerError, PartEdit, PartId, UtcTimestamp, error::Result, text_column::own_word,
+    CommandId, EventKind, Ledger, LedgerError, PartEdit, PartId, UtcTimestamp,
+    error::Result,
+    sql::{self, sql_row},
+    text_column::own_word,
 };
 
 /// Kind of command.
@@ -97,7 +99,7 @@ pub struct NewCommand {
 }
 
 /// A command with its current state.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct CommandRow {
     /// Its number.
     pub id: CommandId,
@@ -121,6 +123,8 @@ pub struct CommandRow {
     pub answered_at: Option<UtcTimestamp>,
 }
 
+sql_row!(CommandRow { id, kind, profile, part_id, argument, asked_by, asked_at, state, answer, answered_at });
+
 impl CommandRow {
     /// What it says beyond its kind and its part.
     pub fn read_argument(&self) -> CommandArgument {
@@ -136,9 +140,9 @@ impl Ledger {
             change.require_part(part).await?;
         }
         let now = change.now;
-        let id = sqlx::query_scalar(
+        let id = sql::query_scalar(
             "INSERT INTO command (kind, profile, part_id, argument, asked_by, asked_at, state) \
-             VALUES (?, ?, ?, ?, ?, ?, 'asked') RETURNING id",
+             VALUES ($1, $2, $3, $4, $5, $6, 'asked') RETURNING id",
         )
         .bind(command.kind)
         .bind(&command.profile)
@@ -154,7 +158,7 @@ impl Ledger {
 
     /// The commands that are not answered yet, oldest first.
     pub async fn pending_commands(&self) -> Result<Vec<CommandRow>> {
-        let query = sqlx::query_as("SELECT * FROM command WHERE state = 'asked' ORDER BY id");
+        let query = sql::query_as("SELECT * FROM command WHERE state = 'asked' ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -164,9 +168,9 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let state = if done { CommandState::Done } else { CommandState::Refused };
         let now = change.now;
-        let answered = sqlx::query(
-            "UPDATE command SET state = ?1, answer = ?2, answered_at = ?3 \
-             WHERE id = ?4 AND (state = 'asked' OR state = 'done' AND ?1 = 'done' AND answer = '')",
+        let answered = sql::query(
+            "UPDATE command SET state = $1, answer = $2, answered_at = $3 \
+             WHERE id = $4 AND (state = 'asked' OR state = 'done' AND $1 = 'done' AND answer = '')",
         )
         .bind(state)
         .bind(answer)
@@ -174,7 +178,7 @@ impl Ledger {
         .bind(id)
         .execute(change.db())
         .await?;
-        if answered.rows_affected() == 0 {
+        if answered == 0 {
             return Err(LedgerError::UnknownCommand(id));
         }
         change.commit().await
@@ -182,7 +186,7 @@ impl Ledger {
 
     /// Finds a command by its number.
     pub async fn find_command(&self, id: CommandId) -> Result<Option<CommandRow>> {
-        let query = sqlx::query_as("SELECT * FROM command WHERE id = ?").bind(id);
+        let query = sql::query_as("SELECT * FROM command WHERE id = $1").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
@@ -191,9 +195,9 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let now = change.now;
         let insert =
-            "INSERT INTO pause (profile, paused_by, cause, paused_at) VALUES (?, ?, ?, ?) ON CONFLICT DO NOTHING";
-        let paused = sqlx::query(insert).bind(profile).bind(by).bind(cause).bind(now).execute(change.db()).await?;
-        if paused.rows_affected() == 0 {
+            "INSERT INTO pause (profile, paused_by, cause, paused_at) VALUES ($1, $2, $3, $4) ON CONFLICT DO NOTHING";
+        let paused = sql::query(insert).bind(profile).bind(by).bind(cause).bind(now).execute(change.db()).await?;
+        if paused == 0 {
             return Ok(false);
         }
         change.write_event(EventKind::Paused, profile, None, None, by).await?;
@@ -204,8 +208,8 @@ impl Ledger {
     /// Resumes a profile. Returns `false` if it was not paused.
     pub async fn resume_profile(&self, profile: &str, by: &str) -> Result<bool> {
         let mut change = self.begin_change().await?;
-        let lift = sqlx::query("DELETE FROM pause WHERE profile = ?").bind(profile);
-        if lift.execute(change.db()).await?.rows_affected() == 0 {
+        let lift = sql::query("DELETE FROM pause WHERE profile = $1").bind(profile);
+        if lift.execute(change.db()).await? == 0 {
             return Ok(false);
         }
         change.write_event(EventKind::Resumed, profile, None, None, by).await?;
@@ -215,7 +219,7 @@ impl Ledger {
 
     /// The paused profiles, by name.
     pub async fn paused_profiles(&self) -> Result<Vec<String>> {
-        let query = sqlx::query_scalar("SELECT profile FROM pause ORDER BY profile");
+        let query = sql::query_scalar("SELECT profile FROM pause ORDER BY profile");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 }

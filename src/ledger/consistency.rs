@@ -1,8 +1,9 @@
 //! Consistency checks: verifies in SQL, from scratch, the rules between states and placements. Slow.
 
-use sqlx::SqliteConnection;
-
-use super::error::Result;
+use super::{
+    error::Result,
+    sql::{self, SqlTransaction},
+};
 
 /// The rules of states and places of copies. Each violation as a sentence, and the query that finds it.
 const PLACE_RULES: [(&str, &str); 13] = [
@@ -57,7 +58,7 @@ const PLACE_RULES: [(&str, &str); 13] = [
         "a build that is past nesting does not hold as many copies as it says",
         "\
         SELECT b.id FROM build b WHERE b.verified_at IS NOT NULL \
-        AND b.copies IS NOT (SELECT count(*) FROM build_copy l WHERE l.build_id = b.id)",
+        AND b.copies IS DISTINCT FROM (SELECT count(*) FROM build_copy l WHERE l.build_id = b.id)",
     ),
     (
         "a verified build has a copy without a pose, height, or file",
@@ -137,10 +138,10 @@ impl RuleScope {
 }
 
 /// Finds the inconsistencies against these rules in the database as seen by this connection.
-pub async fn find_inconsistencies(db: &mut SqliteConnection, scopes: &[RuleScope]) -> Result<Vec<String>> {
+pub async fn find_inconsistencies(db: &mut SqlTransaction, scopes: &[RuleScope]) -> Result<Vec<String>> {
     let mut faults = Vec::new();
     for (sentence, query) in scopes.iter().flat_map(|scope| scope.rules()) {
-        for id in sqlx::query_scalar::<_, i64>(*query).fetch_all(&mut *db).await? {
+        for id in sql::query_scalar::<i64>(*query).fetch_all(&mut *db).await? {
             faults.push(format!("{id}: {sentence}"));
         }
     }

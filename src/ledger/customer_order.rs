@@ -3,11 +3,14 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use sqlx::FromRow;
 
 use super::{
-    EventKind, Ledger, LedgerError, PartId, PartState, UtcTimestamp, change::LedgerChange, error::Result,
-    part_row::name_with_solid, text_column::own_word,
+    EventKind, Ledger, LedgerError, PartId, PartState, UtcTimestamp,
+    change::LedgerChange,
+    error::Result,
+    part_row::name_with_solid,
+    sql::{self, sql_row},
+    text_column::own_word,
 };
 
 /// State of an order.
@@ -25,7 +28,7 @@ pub enum OrderState {
 own_word!(OrderState);
 
 /// An order with a name.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct OrderRow {
     /// Its name.
     pub name: String,
@@ -37,8 +40,10 @@ pub struct OrderRow {
     pub state_at: UtcTimestamp,
 }
 
+sql_row!(OrderRow { name, state, opened_at, state_at });
+
 /// A line of an order: a part and what became of its copies.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct OrderLine {
     /// Number of the part.
     pub part: PartId,
@@ -56,12 +61,13 @@ pub struct OrderLine {
     pub due_text: String,
     /// What became of its copies.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub copies: LineCopies,
 }
 
+sql_row!(OrderLine { part, profile, name, object_name, state, due_at, due_text; copies });
+
 /// The copies of a line, each counted once in `wanted` = `waiting` + `in_builds` + `printed` + `good` + `refused`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, JsonSchema)]
 pub struct LineCopies {
     /// Copies wanted.
     pub wanted: u32,
@@ -80,6 +86,8 @@ pub struct LineCopies {
     /// Copies that are not wanted any more. They are not part of the sum.
     pub cancelled: u32,
 }
+
+sql_row!(LineCopies { wanted, waiting, in_builds, printed, good, refused, bad, cancelled });
 
 impl OrderLine {
     /// Name of the part together with the name of its solid.
@@ -155,27 +163,27 @@ impl Ledger {
     /// The lines of an order, oldest first.
     pub async fn order_lines(&self, name: &str) -> Result<Vec<OrderLine>> {
         let query =
-            sqlx::query_as("SELECT * FROM v_order_line WHERE order_name = ? AND order_name <> '' ORDER BY part");
+            sql::query_as("SELECT * FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part");
         Ok(query.bind(name).fetch_all(self.reader()?).await?)
     }
 
     /// The line of a part.
     pub async fn line_of_part(&self, part: PartId) -> Result<OrderLine> {
-        let query = sqlx::query_as("SELECT * FROM v_order_line WHERE part = ?").bind(part);
+        let query = sql::query_as("SELECT * FROM v_order_line WHERE part = $1").bind(part);
         query.fetch_optional(self.reader()?).await?.ok_or(LedgerError::UnknownPart(part))
     }
 
     /// Finds an order by its whole name.
     pub async fn find_order(&self, name: &str) -> Result<Option<OrderRow>> {
-        let query = sqlx::query_as("SELECT * FROM customer_order WHERE name = ?").bind(name);
+        let query = sql::query_as("SELECT * FROM customer_order WHERE name = $1").bind(name);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// Lists the orders that match the query, open ones first, newest first.
     pub async fn list_orders(&self, query: &OrderQuery) -> Result<Vec<OrderRow>> {
-        let rows = sqlx::query_as(
-            "SELECT * FROM customer_order WHERE (?1 IS NULL OR instr(folded, ?1) > 0) AND (?2 IS NULL OR state = ?2) \
-             ORDER BY state <> 'open', opened_at DESC, name LIMIT ?3",
+        let rows = sql::query_as(
+            "SELECT * FROM customer_order WHERE ($1 IS NULL OR instr(folded, $1) > 0) AND ($2 IS NULL OR state = $2) \
+             ORDER BY state <> 'open', opened_at DESC, name LIMIT $3",
         );
         let folded = query.name.as_ref().map(|name| name.to_lowercase());
         Ok(rows.bind(folded).bind(query.state).bind(query.limit).fetch_all(self.reader()?).await?)
@@ -201,9 +209,9 @@ impl LedgerChange {
             return Ok(());
         }
         let now = self.now;
-        sqlx::query(
-            "INSERT INTO customer_order (name, folded, state, opened_at, state_at) VALUES (?, ?, 'open', ?, ?) \
-             ON CONFLICT (name) DO UPDATE SET state = 'open', state_at = excluded.state_at WHERE state <> 'open'",
+        sql::query(
+            "INSERT INTO customer_order (name, folded, state, opened_at, state_at) VALUES ($1, $2, 'open', $3, $4) \
+             ON CONFLICT (name) DO UPDATE SET state = 'open', state_at = excluded.state_at WHERE customer_order.state <> 'open'",
         )
         .bind(name)
         .bind(name.to_lowercase())
@@ -220,15 +228,15 @@ impl LedgerChange {
             return Ok(());
         }
         let lines: Vec<OrderLine> =
-            sqlx::query_as("SELECT * FROM v_order_line WHERE order_name = ? AND order_name <> '' ORDER BY part")
+            sql::query_as("SELECT * FROM v_order_line WHERE order_name = $1 AND order_name <> '' ORDER BY part")
                 .bind(name)
                 .fetch_all(self.db())
                 .await?;
         let mut sum = LineCopies::default();
         lines.iter().for_each(|line| sum.add(&line.copies));
         let (state, now) = (sum.order_state(), self.now);
-        let set = sqlx::query("UPDATE customer_order SET state = ?1, state_at = ?2 WHERE name = ?3 AND state <> ?1");
-        if set.bind(state).bind(now).bind(name).execute(self.db()).await?.rows_affected() == 0 {
+        let set = sql::query("UPDATE customer_order SET state = $1, state_at = $2 WHERE name = $3 AND state <> $1");
+        if set.bind(state).bind(now).bind(name).execute(self.db()).await? == 0 {
             return Ok(());
         }
         let kind = match state {

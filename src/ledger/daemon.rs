@@ -9,11 +9,15 @@ use rustix::{
 };
 use schemars::JsonSchema;
 use serde::Serialize;
-use sqlx::FromRow;
 
-use std::{fs::File, path::Path};
+use std::fs::File;
 
-use super::{Ledger, ObservedMachine, UtcTimestamp, error::Result, machine};
+use super::{
+    Ledger, ObservedMachine, UtcTimestamp,
+    error::Result,
+    machine,
+    sql::{self, FromSqlRow, SqlRow},
+};
 
 /// Time for which a heartbeat is valid, seconds. The daemon sends one every few seconds.
 pub const HEARTBEAT_VALID_SECS: i64 = 15;
@@ -40,7 +44,7 @@ pub struct DaemonHeartbeat {
 }
 
 /// The daemon that served this ledger last.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct DaemonRow {
     /// Process.
     pub pid: u32,
@@ -56,8 +60,21 @@ pub struct DaemonRow {
     pub status: String,
     /// Whether the daemon runs: its last heartbeat is younger than [`HEARTBEAT_VALID_SECS`], or its lock is held. If the
     /// daemon ran on this server, its process must exist too.
-    #[sqlx(default)]
     pub alive: bool,
+}
+
+impl FromSqlRow for DaemonRow {
+    fn from_sql_row(row: &SqlRow) -> sqlx::Result<Self> {
+        Ok(Self {
+            pid: row.column("pid")?,
+            host: row.column("host")?,
+            version: row.column("version")?,
+            started_at: row.column("started_at")?,
+            beat_at: row.column("beat_at")?,
+            status: row.column("status")?,
+            alive: false,
+        })
+    }
 }
 
 impl Ledger {
@@ -65,8 +82,8 @@ impl Ledger {
     pub async fn write_heartbeat(&self, heartbeat: &DaemonHeartbeat) -> Result<()> {
         let mut change = self.begin_change().await?;
         let now = change.now;
-        sqlx::query(
-            "INSERT INTO daemon (id, pid, host, version, started_at, beat_at, status) VALUES (1, ?, ?, ?, ?, ?, ?) \
+        sql::query(
+            "INSERT INTO daemon (id, pid, host, version, started_at, beat_at, status) VALUES (1, $1, $2, $3, $4, $5, $6) \
              ON CONFLICT (id) DO UPDATE SET pid = excluded.pid, host = excluded.host, version = excluded.version, \
              started_at = excluded.started_at, beat_at = excluded.beat_at, status = excluded.status",
         )
@@ -85,13 +102,13 @@ impl Ledger {
     /// Records an orderly shutdown: no daemon serves this ledger.
     pub async fn record_shutdown(&self) -> Result<()> {
         let mut change = self.begin_change().await?;
-        sqlx::query("DELETE FROM daemon").execute(change.db()).await?;
+        sql::query("DELETE FROM daemon").execute(change.db()).await?;
         change.commit().await
     }
 
     /// The daemon that serves this ledger, or that ended without an orderly shutdown.
     pub async fn last_daemon(&self) -> Result<Option<DaemonRow>> {
-        let query = sqlx::query_as("SELECT pid, host, version, started_at, beat_at, status FROM daemon");
+        let query = sql::query_as("SELECT pid, host, version, started_at, beat_at, status FROM daemon");
         let row: Option<DaemonRow> = query.fetch_optional(self.reader()?).await?;
         // A heartbeat in the future was written before the clock was set back. The next one follows within seconds.
         let beats = |row: &DaemonRow| {
@@ -109,12 +126,9 @@ impl Ledger {
 
     /// Whether a process holds the lock file beside the ledger. `false` if this cannot be determined.
     fn is_locked(&self) -> bool {
-        let lock = File::open(self.folder().join(LOCK_NAME));
+        let Some(file) = self.file() else { return false };
+        let lock = File::open(super::location::parent_folder(file).join(LOCK_NAME));
         lock.is_ok_and(|lock| flock(&lock, FlockOperation::NonBlockingLockShared) == Err(Errno::WOULDBLOCK))
-    }
-
-    fn folder(&self) -> &Path {
-        super::location::parent_folder(self.path())
     }
 }
 

@@ -1,20 +1,20 @@
 //! Parts whose stored file is damaged. They wait until the same file is dropped again.
 
-use super::{EventKind, Ledger, PartId, PartRow, error::Result};
+use super::{EventKind, Ledger, PartId, PartRow, error::Result, sql};
 
 impl Ledger {
     /// Makes every part that needs this stored file wait until the file is intact again.
     pub async fn mark_damaged(&self, hash: &str, why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let parts: Vec<(PartId, String)> = sqlx::query_as(
-            "SELECT id, profile FROM part WHERE content_hash = ? AND state IN ('claimed', 'waiting') AND damaged_at IS NULL",
+        let parts: Vec<(PartId, String)> = sql::query_as(
+            "SELECT id, profile FROM part WHERE content_hash = $1 AND state IN ('claimed', 'waiting') AND damaged_at IS NULL",
         )
         .bind(hash)
         .fetch_all(change.db())
         .await?;
         let now = change.now;
         for (part, profile) in parts {
-            let mark = sqlx::query("UPDATE part SET damaged_at = ? WHERE id = ?").bind(now).bind(part);
+            let mark = sql::query("UPDATE part SET damaged_at = $1 WHERE id = $2").bind(now).bind(part);
             mark.execute(change.db()).await?;
             change.write_event(EventKind::Damaged, &profile, Some(part), None, why).await?;
         }
@@ -24,7 +24,7 @@ impl Ledger {
     /// Records that the stored file is intact again, so its parts continue.
     pub async fn mark_whole(&self, hash: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let mark = sqlx::query("UPDATE part SET damaged_at = NULL WHERE content_hash = ? AND damaged_at IS NOT NULL");
+        let mark = sql::query("UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL");
         mark.bind(hash).execute(change.db()).await?;
         change.commit().await
     }
@@ -34,22 +34,22 @@ impl Ledger {
     /// a new order. Safe to repeat.
     pub async fn take_replacement(&self, claim: &str, profile: &str, hash: &str) -> Result<Option<PartId>> {
         let mut change = self.begin_change().await?;
-        let known = sqlx::query_scalar("SELECT part_id FROM replacement WHERE claim = ?").bind(claim);
+        let known = sql::query_scalar("SELECT part_id FROM replacement WHERE claim = $1").bind(claim);
         if let Some(part) = known.fetch_optional(change.db()).await? {
             return Ok(Some(part));
         }
-        let asked: Option<PartId> = sqlx::query_scalar(
-            "SELECT id FROM part WHERE content_hash = ?1 AND profile = ?2 AND damaged_at IS NOT NULL \
+        let asked: Option<PartId> = sql::query_scalar(
+            "SELECT id FROM part WHERE content_hash = $1 AND profile = $2 AND damaged_at IS NOT NULL \
              AND state IN ('claimed', 'waiting', 'batched') \
-             AND NOT EXISTS (SELECT 1 FROM part WHERE claim = ?3) ORDER BY id LIMIT 1",
+             AND NOT EXISTS (SELECT 1 FROM part WHERE claim = $3) ORDER BY id LIMIT 1",
         )
         .bind(hash)
         .bind(profile)
         .bind(claim)
         .fetch_optional(change.db())
         .await?;
-        let whole = sqlx::query("UPDATE part SET damaged_at = NULL WHERE content_hash = ? AND damaged_at IS NOT NULL");
-        let healed = whole.bind(hash).execute(change.db()).await?.rows_affected();
+        let whole = sql::query("UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL");
+        let healed = whole.bind(hash).execute(change.db()).await?;
         let Some(part) = asked else {
             if healed > 0 {
                 change.commit().await?;
@@ -57,7 +57,7 @@ impl Ledger {
             return Ok(None);
         };
         let now = change.now;
-        sqlx::query("INSERT INTO replacement (claim, part_id, content_hash, taken_at) VALUES (?, ?, ?, ?)")
+        sql::query("INSERT INTO replacement (claim, part_id, content_hash, taken_at) VALUES ($1, $2, $3, $4)")
             .bind(claim)
             .bind(part)
             .bind(hash)
@@ -71,7 +71,7 @@ impl Ledger {
 
     /// The parts that wait for their file to be dropped again, oldest first.
     pub async fn damaged_parts(&self) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT * FROM part WHERE damaged_at IS NOT NULL AND state IN ('claimed', 'waiting', 'batched') ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)

@@ -3,12 +3,15 @@
 
 use std::collections::BTreeMap;
 
-use sqlx::FromRow;
-
-use super::{Ledger, PartId, change::LedgerChange, error::Result};
+use super::{
+    Ledger, PartId,
+    change::LedgerChange,
+    error::Result,
+    sql::{self, sql_row},
+};
 
 /// A claim with more decisions than the ledger knows.
-#[derive(Debug, Clone, PartialEq, Eq, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClaimDecisions {
     /// The claim.
     pub claim: String,
@@ -22,10 +25,12 @@ pub struct ClaimDecisions {
     pub decisions: u32,
 }
 
+sql_row!(ClaimDecisions { claim, profile, name, order_name, decisions });
+
 impl Ledger {
     /// Number of decisions about the parts of a claim.
     pub async fn decision_count(&self, claim: &str) -> Result<u32> {
-        let query = sqlx::query_scalar("SELECT coalesce(sum(decisions), 0) FROM part WHERE claim = ?");
+        let query = sql::query_scalar("SELECT CAST(coalesce(sum(decisions), 0) AS BIGINT) FROM part WHERE claim = $1");
         Ok(query.bind(claim).fetch_one(self.reader()?).await?)
     }
 
@@ -35,10 +40,10 @@ impl Ledger {
         if noted.is_empty() {
             return Ok(Vec::new());
         }
-        let query = sqlx::query_as(
-            "SELECT p.claim, p.profile, p.name, p.order_name, n.value AS decisions \
-             FROM json_each(?) n CROSS JOIN part p ON p.claim = n.key \
-             GROUP BY p.claim HAVING sum(p.decisions) < n.value ORDER BY min(p.id)",
+        let query = sql::query_as(
+            "SELECT p.claim, p.profile, p.name, p.order_name, CAST(n.value AS BIGINT) AS decisions \
+             FROM json_each($1) n JOIN part p ON p.claim = n.key AND p.object_index = 0 \
+             WHERE (SELECT sum(s.decisions) FROM part s WHERE s.claim = n.key) < CAST(n.value AS BIGINT) ORDER BY p.id",
         );
         Ok(query.bind(serde_json::json!(noted).to_string()).fetch_all(self.reader()?).await?)
     }
@@ -46,9 +51,10 @@ impl Ledger {
     /// Raises the number of decisions of a claim to at least `least`.
     pub async fn raise_decision_count(&self, claim: &str, least: u32) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let raise = sqlx::query(
-            "UPDATE part SET decisions = decisions + max(0, ?2 - (SELECT sum(decisions) FROM part WHERE claim = ?1)) \
-             WHERE id = (SELECT min(id) FROM part WHERE claim = ?1)",
+        let raise = sql::query(
+            "UPDATE part SET decisions = $2 - (SELECT sum(s.decisions) - part.decisions FROM part s WHERE s.claim = $1) \
+             WHERE id = (SELECT min(id) FROM part WHERE claim = $1) \
+             AND (SELECT sum(decisions) FROM part WHERE claim = $1) < $2",
         );
         raise.bind(claim).bind(least).execute(change.db()).await?;
         change.commit().await
@@ -58,7 +64,7 @@ impl Ledger {
 impl LedgerChange {
     /// Counts a decision about a part.
     pub async fn count_decision(&mut self, id: PartId) -> Result<()> {
-        let count = sqlx::query("UPDATE part SET decisions = decisions + 1 WHERE id = ?").bind(id);
+        let count = sql::query("UPDATE part SET decisions = decisions + 1 WHERE id = $1").bind(id);
         count.execute(self.db()).await?;
         Ok(())
     }

@@ -1,12 +1,15 @@
 //! Queries of the deep check: where each claimed file must be, and which build a file in the queue belongs to.
 
 use jiff::Timestamp;
-use sqlx::FromRow;
 
-use super::{BuildId, BuildRow, Ledger, PartId, PartState, UtcTimestamp, error::Result};
+use super::{
+    BuildId, BuildRow, Ledger, PartId, PartState, UtcTimestamp,
+    error::Result,
+    sql::{self, sql_row},
+};
 
 /// The columns of a part that concern its file.
-#[derive(Debug, Clone, PartialEq, Eq, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PartFileRow {
     /// Its number.
     pub id: PartId,
@@ -28,8 +31,10 @@ pub struct PartFileRow {
     pub fetch_at: Option<UtcTimestamp>,
 }
 
+sql_row!(PartFileRow { id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at });
+
 /// A part with a copy in a published build.
-#[derive(Debug, Clone, PartialEq, Eq, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BuiltPartRow {
     /// The build.
     pub build: BuildId,
@@ -45,10 +50,12 @@ pub struct BuiltPartRow {
     pub content_hash: String,
 }
 
+sql_row!(BuiltPartRow { build, profile, file_name, part, name, content_hash });
+
 impl Ledger {
     /// All parts that are not built, oldest first.
     pub async fn unbuilt_part_files(&self) -> Result<Vec<PartFileRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at FROM part \
              WHERE state <> 'built' ORDER BY id",
         );
@@ -57,42 +64,42 @@ impl Ledger {
 
     /// The parts of all builds published since a time, by build and part.
     pub async fn built_parts_since(&self, since: Timestamp) -> Result<Vec<BuiltPartRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT DISTINCT b.id AS build, b.profile, b.file_name, p.id AS part, p.name, p.content_hash FROM build b \
              JOIN build_copy l ON l.build_id = b.id JOIN part p ON p.id = l.part_id \
-             WHERE b.published_at >= ? AND b.file_name IS NOT NULL ORDER BY b.id, p.id",
+             WHERE b.published_at >= $1 AND b.file_name IS NOT NULL ORDER BY b.id, p.id",
         );
         Ok(query.bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
     }
 
     /// Whether a part was ever refused or cancelled.
     pub async fn was_rejected(&self, part: PartId) -> Result<bool> {
-        let query = sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM event WHERE part_id = ? AND kind = 'rejected')")
+        let query = sql::query_scalar("SELECT EXISTS (SELECT 1 FROM event WHERE part_id = $1 AND kind = 'rejected')")
             .bind(part);
         Ok(query.fetch_one(self.reader()?).await?)
     }
 
     /// Number of files ever recorded, by content hash.
     pub async fn drop_counts_by_hash(&self) -> Result<Vec<(String, u32)>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT content_hash, count(*) FROM (SELECT claim, content_hash FROM part \
-             UNION SELECT claim, content_hash FROM replacement) GROUP BY content_hash ORDER BY content_hash",
+             UNION SELECT claim, content_hash FROM replacement) AS known GROUP BY content_hash ORDER BY content_hash",
         );
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The newest part of a profile with this content.
     pub async fn find_part_with_content(&self, profile: &str, hash: &str) -> Result<Option<PartFileRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT id, claim, profile, name, content_hash, bytes, state, state_at, fetch_at FROM part \
-             WHERE profile = ? AND content_hash = ? ORDER BY id DESC LIMIT 1",
+             WHERE profile = $1 AND content_hash = $2 ORDER BY id DESC LIMIT 1",
         );
         Ok(query.bind(profile).bind(hash).fetch_optional(self.reader()?).await?)
     }
 
     /// The build of a profile that has this file name.
     pub async fn find_build_by_file(&self, profile: &str, file_name: &str) -> Result<Option<BuildRow>> {
-        let query = sqlx::query_as("SELECT * FROM build WHERE profile = ? AND file_name = ?");
+        let query = sql::query_as("SELECT * FROM build WHERE profile = $1 AND file_name = $2");
         Ok(query.bind(profile).bind(file_name).fetch_optional(self.reader()?).await?)
     }
 }

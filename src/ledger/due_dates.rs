@@ -1,12 +1,15 @@
 //! Due dates at risk. One event is written for all parts of an order that are due at the same time.
 
 use jiff::Timestamp;
-use sqlx::FromRow;
 
-use super::{EventKind, Ledger, PartId, UtcTimestamp, error::Result};
+use super::{
+    EventKind, Ledger, PartId, UtcTimestamp,
+    error::Result,
+    sql::{self, sql_row},
+};
 
 /// An unpublished part with a due date that was not reported as at risk yet.
-#[derive(Debug, Clone, PartialEq, FromRow)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DuePartRow {
     /// Number of the part.
     pub id: PartId,
@@ -24,15 +27,17 @@ pub struct DuePartRow {
     pub height_mm: Option<f64>,
 }
 
+sql_row!(DuePartRow { id, profile, name, order_name, due_at, due_text, height_mm });
+
 impl Ledger {
     /// The parts that are due until a time, by due date.
     pub async fn due_parts(&self, until: Timestamp) -> Result<Vec<DuePartRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT p.id, p.profile, p.name, p.order_name, p.due_at, p.due_text, \
              (SELECT max(b.height_mm) FROM placement l JOIN build b ON b.id = l.build_id \
              WHERE l.part_id = p.id AND b.published_at IS NULL) AS height_mm \
              FROM part p WHERE p.due_at IS NOT NULL AND p.at_risk_at IS NULL \
-             AND p.state IN ('claimed', 'waiting', 'batched') AND p.due_at <= ? ORDER BY p.due_at, p.id",
+             AND p.state IN ('claimed', 'waiting', 'batched') AND p.due_at <= $1 ORDER BY p.due_at, p.id",
         );
         Ok(query.bind(UtcTimestamp(until)).fetch_all(self.reader()?).await?)
     }
@@ -43,7 +48,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let now = change.now;
         for part in parts {
-            let update = sqlx::query("UPDATE part SET at_risk_at = ? WHERE id = ?").bind(now).bind(part);
+            let update = sql::query("UPDATE part SET at_risk_at = $1 WHERE id = $2").bind(now).bind(part);
             update.execute(change.db()).await?;
         }
         change.write_event(EventKind::AtRisk, profile, parts.first().copied(), None, detail).await?;

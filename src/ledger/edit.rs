@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     EventKind, Ledger, LedgerError, PartId, PartRow, PartState, RefusalCause, RequiredTilts, UtcTimestamp,
-    change::LedgerChange, error::Result, text_column::TextColumn,
+    change::LedgerChange, error::Result, sql,
 };
 
 /// Requested changes of a part; `None` = unchanged.
@@ -100,14 +100,14 @@ impl Ledger {
     pub async fn move_to_machine(&self, id: PartId, profile: &str, by: &str) -> Result<Vec<PartId>> {
         let mut change = self.begin_change().await?;
         let claim = change.require_part(id).await?.file.claim;
-        let parts: Vec<PartRow> = sqlx::query_as("SELECT * FROM part WHERE claim = ? ORDER BY object_index")
+        let parts: Vec<PartRow> = sql::query_as("SELECT * FROM part WHERE claim = $1 ORDER BY object_index")
             .bind(&claim)
             .fetch_all(change.db())
             .await?;
         let mut moved = Vec::new();
         for part in parts.iter().filter(|part| matches!(part.state, PartState::Waiting | PartState::Claimed)) {
             ensure_terms_editable(&mut change, part).await?;
-            let set = sqlx::query("UPDATE part SET profile = ?, at_risk_at = NULL WHERE id = ?").bind(profile);
+            let set = sql::query("UPDATE part SET profile = $1, at_risk_at = NULL WHERE id = $2").bind(profile);
             set.bind(part.id).execute(change.db()).await?;
             let detail = format!("{by}: from {} to {profile}", part.profile);
             change.write_event(EventKind::Moved, profile, Some(part.id), None, &detail).await?;
@@ -133,7 +133,7 @@ impl Ledger {
         if part.owed.question.is_empty() {
             return Ok(false);
         }
-        sqlx::query("UPDATE part SET question = '' WHERE id = ?").bind(id).execute(change.db()).await?;
+        sql::query("UPDATE part SET question = '' WHERE id = $1").bind(id).execute(change.db()).await?;
         let detail = format!("{by}: {}", part.owed.question);
         change.write_event(EventKind::Confirmed, &part.profile, Some(id), None, &detail).await?;
         change.count_decision(id).await?;
@@ -143,16 +143,16 @@ impl Ledger {
 
     /// Parts that wait for a person's yes, oldest first.
     pub async fn parts_in_question(&self) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE question <> '' AND state = 'waiting' ORDER BY id");
+        let query = sql::query_as("SELECT * FROM part WHERE question <> '' AND state = 'waiting' ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The parts that a newly claimed one is a revision of, oldest first: the same name in the same named order, still waiting, with
     /// other content, and no copy of it in a build.
     pub async fn find_revised_parts(&self, new: PartId) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT p.* FROM part n JOIN part p ON p.order_name = n.order_name \
-             WHERE n.id = ? AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile AND p.id < n.id \
+             WHERE n.id = $1 AND n.order_name <> '' AND p.name = n.name AND p.profile = n.profile AND p.id < n.id \
              AND p.claim <> n.claim AND p.content_hash <> n.content_hash AND p.state IN ('claimed', 'waiting') \
              AND NOT EXISTS (SELECT 1 FROM placement l WHERE l.part_id = p.id) ORDER BY p.id",
         );
@@ -164,12 +164,12 @@ impl Ledger {
     pub async fn record_revision(&self, old: PartId, new: PartId, takes_over: bool) -> Result<()> {
         let mut change = self.begin_change().await?;
         let earlier = change.require_part(old).await?;
-        sqlx::query("UPDATE part SET replaced_by = ? WHERE id = ?").bind(new).bind(old).execute(change.db()).await?;
+        sql::query("UPDATE part SET replaced_by = $1 WHERE id = $2").bind(new).bind(old).execute(change.db()).await?;
         if takes_over {
-            sqlx::query(
+            sql::query(
                 "UPDATE part SET (copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note) = \
                  (SELECT copies - cancelled_copies, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note \
-                 FROM part WHERE id = ?1) WHERE id = ?2 AND state = 'claimed'",
+                 FROM part WHERE id = $1) WHERE id = $2 AND state = 'claimed'",
             )
             .bind(old)
             .bind(new)
@@ -184,7 +184,7 @@ impl Ledger {
 
     /// Earlier revisions that a newer one replaced and that are not taken out yet, oldest first.
     pub async fn replaced_parts(&self) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT * FROM part WHERE replaced_by IS NOT NULL AND state IN ('claimed', 'waiting') ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)
@@ -262,18 +262,18 @@ async fn edit_terms(
         terms.note.clone_from(note);
     }
     changes.extend(describe_changes(&part.terms, &terms));
-    sqlx::query(
-        "UPDATE part SET order_name = ?1, priority = ?2, due_at = ?3, due_text = ?4, orientation = ?5, tilts = ?6, \
-         clearance_mm = ?7, unit = ?8, note = ?9, at_risk_at = CASE WHEN due_at IS ?3 THEN at_risk_at END WHERE id = ?10",
+    sql::query(
+        "UPDATE part SET order_name = $1, priority = $2, due_at = $3, due_text = $4, orientation = $5, tilts = $6, \
+         clearance_mm = $7, unit = $8, note = $9, at_risk_at = CASE WHEN due_at IS NOT DISTINCT FROM $3 THEN at_risk_at END WHERE id = $10",
     )
     .bind(&terms.order_name)
     .bind(terms.priority)
     .bind(terms.due_at)
     .bind(&terms.due_text)
-    .bind(TextColumn(terms.orientation))
+    .bind(terms.orientation)
     .bind(terms.tilts.to_string())
     .bind(terms.clearance_mm)
-    .bind(TextColumn(terms.unit))
+    .bind(terms.unit)
     .bind(&terms.note)
     .bind(part.id)
     .execute(change.db())
@@ -326,9 +326,9 @@ async fn edit_copies(change: &mut LedgerChange, part: &PartRow, copies: u32, by:
     let (more, now) = (copies - wanted, change.now);
     let back = more.min(part.owed.cancelled_copies);
     let fetch = (part.state == PartState::Built).then_some(now);
-    sqlx::query(
-        "UPDATE part SET cancelled_copies = cancelled_copies - ?, copies = copies + ?, fetch_at = coalesce(fetch_at, ?) \
-         WHERE id = ?",
+    sql::query(
+        "UPDATE part SET cancelled_copies = cancelled_copies - $1, copies = copies + $2, fetch_at = coalesce(fetch_at, $3) \
+         WHERE id = $4",
     )
     .bind(back)
     .bind(more - back)
@@ -360,7 +360,7 @@ async fn take_back(change: &mut LedgerChange, part: &PartRow, copies: u32, by: &
 impl LedgerChange {
     /// waiting -> claimed: the file is read again, and its attempts of reading are counted anew.
     async fn read_again(&mut self, id: PartId, why: &str) -> Result<()> {
-        sqlx::query("UPDATE part SET reads = 0 WHERE id = ?").bind(id).execute(self.db()).await?;
+        sql::query("UPDATE part SET reads = 0 WHERE id = $1").bind(id).execute(self.db()).await?;
         self.move_part(id, PartState::Claimed, None, why).await
     }
 }

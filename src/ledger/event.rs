@@ -2,12 +2,15 @@
 
 use jiff::SignedDuration;
 use serde::Serialize;
-use sqlx::FromRow;
 
-use super::{BuildId, EventKind, Ledger, PartId, RefusalCause, UtcTimestamp, error::Result};
+use super::{
+    BuildId, EventKind, Ledger, PartId, RefusalCause, UtcTimestamp,
+    error::Result,
+    sql::{self, sql_row},
+};
 
 /// An event.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct EventRow {
     /// Its number.
     pub id: i64,
@@ -26,6 +29,8 @@ pub struct EventRow {
     /// For a refusal: its [`RefusalCause`] as a word; "" otherwise.
     pub cause: String,
 }
+
+sql_row!(EventRow { id, at, kind, profile, part_id, build_id, detail, cause });
 
 impl Ledger {
     /// Writes an event.
@@ -51,30 +56,31 @@ impl Ledger {
 
     /// When the latest event happened.
     pub async fn last_event_at(&self) -> Result<Option<UtcTimestamp>> {
-        let query = sqlx::query_scalar(
-            "SELECT at FROM event WHERE id = (SELECT seq FROM sqlite_sequence WHERE name = 'event')",
-        );
+        let query = sql::query_scalar("SELECT at FROM event ORDER BY id DESC LIMIT 1");
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// Number of the latest event; 0 if there is none.
     pub async fn last_event_id(&self) -> Result<i64> {
-        let query = "SELECT coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'event'), 0)";
-        Ok(sqlx::query_scalar(query).fetch_one(self.reader()?).await?)
+        let query = "SELECT coalesce(max(id), 0) FROM event";
+        Ok(sql::query_scalar(query).fetch_one(self.reader()?).await?)
     }
 
     /// Adjusts to a clock that was set by `jump`: shifts the times at which the parts in the farm were claimed or put back, so
     /// their ages stay the same.
     pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {
         let mut change = self.begin_change().await?;
-        sqlx::query(
-            "UPDATE part SET claimed_at = strftime('%Y-%m-%dT%H:%M:%fZ', claimed_at, ?1 || ' seconds'), \
-             put_back_at = strftime('%Y-%m-%dT%H:%M:%fZ', put_back_at, ?1 || ' seconds') \
-             WHERE state IN ('claimed', 'waiting', 'batched')",
+        let parts: Vec<(PartId, UtcTimestamp, Option<UtcTimestamp>)> = sql::query_as(
+            "SELECT id, claimed_at, put_back_at FROM part WHERE state IN ('claimed', 'waiting', 'batched')",
         )
-        .bind(format!("{:+.3}", jump.as_secs_f64()))
-        .execute(change.db())
+        .fetch_all(change.db())
         .await?;
+        let shifted = |at: UtcTimestamp| at.checked_add(jump).map_or(at, UtcTimestamp);
+        for (part, claimed_at, put_back_at) in parts {
+            let shift = sql::query("UPDATE part SET claimed_at = $1, put_back_at = $2 WHERE id = $3");
+            let shift = shift.bind(shifted(claimed_at)).bind(put_back_at.map(shifted)).bind(part);
+            shift.execute(change.db()).await?;
+        }
         change
             .write_event(EventKind::ClockSet, "", None, None, &format!("by {jump:#}; the ages of parts are kept"))
             .await?;
@@ -83,13 +89,13 @@ impl Ledger {
 
     /// The events of a part, oldest first.
     pub async fn events_of_part(&self, part: PartId) -> Result<Vec<EventRow>> {
-        let query = sqlx::query_as("SELECT * FROM event WHERE part_id = ? ORDER BY id").bind(part);
+        let query = sql::query_as("SELECT * FROM event WHERE part_id = $1 ORDER BY id").bind(part);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The events of a build, oldest first. Events of its parts are included only if they refer to the build.
     pub async fn events_of_build(&self, build: BuildId) -> Result<Vec<EventRow>> {
-        let query = sqlx::query_as("SELECT * FROM event WHERE build_id = ? ORDER BY id").bind(build);
+        let query = sql::query_as("SELECT * FROM event WHERE build_id = $1 ORDER BY id").bind(build);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 }

@@ -3,9 +3,14 @@
 use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::Serialize;
-use sqlx::FromRow;
 
-use super::{BuildId, BuildMeasures, BuildState, Ledger, SearchEffort, UtcTimestamp, error::Result};
+use sqlx::AssertSqlSafe;
+
+use super::{
+    BuildId, BuildMeasures, BuildState, Ledger, SearchEffort, UtcTimestamp,
+    error::Result,
+    sql::{self, FromSqlRow, SqlRow, sql_row},
+};
 
 /// Filter and order of the history. The time of a build is when it was published, or else when it entered its current
 /// state.
@@ -46,7 +51,7 @@ pub enum HistorySort {
 }
 
 /// A build that has been nested.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct HistoryRow {
     /// Its number.
     pub build: BuildId,
@@ -64,22 +69,43 @@ pub struct HistoryRow {
     pub parts: u32,
     /// What was measured of it.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub measures: BuildMeasures,
     /// What the search for it took.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub search: SearchEffort,
     /// Trigger.
     pub fired_by: String,
     /// What came of it.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub result: BuildResult,
 }
 
+impl FromSqlRow for HistoryRow {
+    fn from_sql_row(row: &SqlRow) -> sqlx::Result<Self> {
+        Ok(Self {
+            build: row.column("build")?,
+            profile: row.column("profile")?,
+            state: row.column("state")?,
+            at: row.column("at")?,
+            published_at: row.column("published_at")?,
+            volume_z_mm: row.column::<Option<String>>("profile_snapshot")?.and_then(|json| volume_height(&json)),
+            parts: row.column("parts")?,
+            measures: FromSqlRow::from_sql_row(row)?,
+            search: FromSqlRow::from_sql_row(row)?,
+            fired_by: row.column("fired_by")?,
+            result: FromSqlRow::from_sql_row(row)?,
+        })
+    }
+}
+
+/// Height of the machine's volume according to the profile at the time of a build, mm.
+fn volume_height(profile_snapshot: &str) -> Option<f64> {
+    let profile: serde_json::Value = serde_json::from_str(profile_snapshot).ok()?;
+    profile.get("volume_mm")?.get(2)?.as_f64()
+}
+
 /// What came of a build.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct BuildResult {
     /// Name of the build file.
     pub file_name: Option<String>,
@@ -89,8 +115,10 @@ pub struct BuildResult {
     pub note: String,
 }
 
+sql_row!(BuildResult { file_name, reason, note });
+
 /// Totals of the published builds of a machine. The cost of a powder-bed machine is determined by the height.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct HeightSummary {
     /// Machine profile.
     pub profile: String,
@@ -103,6 +131,8 @@ pub struct HeightSummary {
     /// Mean of their densities, 0..1.
     pub mean_density: Option<f64>,
 }
+
+sql_row!(HeightSummary { profile, builds, copies, height_mm, mean_density });
 
 impl HeightSummary {
     /// Adds a row with the total of all machines if there are several.
@@ -126,10 +156,10 @@ impl HeightSummary {
 /// Columns of the history query.
 const COLUMNS: &str = "b.id AS build, b.profile, b.state, coalesce(b.published_at, b.state_at) AS at, b.published_at, \
     b.height_mm, \
-    iif(json_valid(b.profile_snapshot), json_extract(b.profile_snapshot, '$.volume_mm[2]'), NULL) AS volume_z_mm, \
+    b.profile_snapshot, \
     b.density, b.lower_bound_mm, b.layers, \
     (SELECT count(*) FROM (SELECT l.part_id FROM placement l WHERE l.build_id = b.id \
-    UNION SELECT l.part_id FROM bad_placement l WHERE l.build_id = b.id)) AS parts, b.copies, \
+    UNION SELECT l.part_id FROM bad_placement l WHERE l.build_id = b.id) AS distinct_part) AS parts, b.copies, \
     b.part_volume_mm3, b.clearance_mm, b.clearance_proved_mm, b.cpu_secs, b.wall_secs, b.evaluations, \
     b.seed, b.method, b.version, b.repeats, b.fired_by, b.file_name, b.reason, \
     coalesce((SELECT o.note FROM outcome o WHERE o.build_id = b.id ORDER BY o.id DESC LIMIT 1), '') AS note";
@@ -144,20 +174,20 @@ impl HistoryRow {
 impl Ledger {
     /// Lists nested builds with their heights, in the requested order.
     pub async fn read_history(&self, query: &HistoryQuery) -> Result<Vec<HistoryRow>> {
-        let rows = sqlx::query_as(sqlx::AssertSqlSafe(history_sql(query)))
+        let rows = sql::query_as(AssertSqlSafe(history_sql(query)))
             .bind(query.since.map(UtcTimestamp))
             .bind(query.until.map(UtcTimestamp))
             .bind(&query.profile)
             .bind(query.state)
             .bind(&query.part)
-            .bind(query.limit.map_or(-1, i64::from))
+            .bind(query.limit.map_or(i64::MAX, i64::from))
             .bind(query.after);
         Ok(rows.fetch_all(self.reader()?).await?)
     }
 
     /// Totals of the published builds that match the query, by machine. Limit and page of the query are ignored.
     pub async fn height_summaries(&self, query: &HistoryQuery) -> Result<Vec<HeightSummary>> {
-        let rows = sqlx::query_as(sqlx::AssertSqlSafe(summary_sql(query)))
+        let rows = sql::query_as(AssertSqlSafe(summary_sql(query)))
             .bind(query.since.map(UtcTimestamp))
             .bind(query.until.map(UtcTimestamp))
             .bind(&query.profile)
@@ -174,17 +204,18 @@ const BUILD_TIME: &str = "coalesce(b.published_at, b.state_at)";
 /// the builds of a part), these are looked up and sorted. Times are stored as text that begins with a digit, so ''
 /// sorts before and ':' after all of them.
 pub(super) fn history_sql(query: &HistoryQuery) -> String {
-    let of_after = |what: &str| format!("(SELECT {} FROM build n WHERE n.id = ?7)", what.replace("b.", "n."));
-    let (from, mut given) = (from_clause(query), filter_clause(query));
-    let (mut end, order) = (format!("{BUILD_TIME} < coalesce(?2, ':')"), query.sort.sort_key());
+    let time = time_key(query);
+    let of_after = |what: &str| format!("(SELECT {} FROM build n WHERE n.id = $7)", what.replace("b.", "n."));
+    let mut given = filter_clause(query);
+    let (mut end, order) = (format!("{time} < coalesce($2, ':')"), query.sort.sort_key());
     if query.after.is_some() {
-        let newer = format!("({BUILD_TIME}, b.id) < ({}, ?7)", of_after(BUILD_TIME));
+        let after = of_after(time);
+        let newer = format!("({time}, b.id) < ({after}, $7)");
         given += &match order {
             None => {
                 // A single bound for the index range: with two, SQLite might use the wrong one.
                 end = format!(
-                    "{BUILD_TIME} <= min(coalesce(?2, ':'), {}) AND +{BUILD_TIME} < coalesce(?2, ':')",
-                    of_after(BUILD_TIME)
+                    "{time} <= CASE WHEN $2 < {after} THEN $2 ELSE {after} END AND {time} || '' < coalesce($2, ':')"
                 );
                 format!(" AND {newer}")
             }
@@ -195,22 +226,22 @@ pub(super) fn history_sql(query: &HistoryQuery) -> String {
         };
     }
     let first = order.map(|(key, is_falling)| format!("{key}{}, ", if is_falling { " DESC" } else { "" }));
-    let order = format!("ORDER BY {}{BUILD_TIME} DESC, b.id DESC", first.unwrap_or_default());
+    let first = first.unwrap_or_default();
     // Parts are counted only for the rows that are returned.
     let numbers = format!(
-        "SELECT b.id FROM {from} WHERE b.state NOT IN ('open', 'nesting') AND {BUILD_TIME} >= coalesce(?1, '') \
-         AND {end}{given} {order} LIMIT ?6"
+        "SELECT b.id FROM build b WHERE b.state NOT IN ('open', 'nesting') AND {time} >= coalesce($1, '') \
+         AND {end}{given} ORDER BY {first}{time} DESC, b.id DESC LIMIT $6"
     );
-    format!("SELECT {COLUMNS} FROM build b WHERE b.id IN ({numbers}) {order}")
+    format!("SELECT {COLUMNS} FROM build b WHERE b.id IN ({numbers}) ORDER BY {first}{BUILD_TIME} DESC, b.id DESC")
 }
 
-/// The FROM clause.
-fn from_clause(query: &HistoryQuery) -> &'static str {
+/// The time of a build, to filter and sort by. When few builds match for another reason, an index by time must not be
+/// used: an expression that is in no index keeps a database from it.
+fn time_key(query: &HistoryQuery) -> &'static str {
     let is_rare = !matches!(query.state, None | Some(BuildState::Published | BuildState::Complete));
-    match (&query.part, is_rare) {
-        (Some(_), _) => "build b NOT INDEXED",
-        (None, true) => "build b INDEXED BY build_by_state",
-        (None, false) => "build b",
+    match query.part.is_some() || is_rare {
+        true => "coalesce(b.published_at, b.state_at) || ''",
+        false => BUILD_TIME,
     }
 }
 
@@ -218,10 +249,10 @@ fn from_clause(query: &HistoryQuery) -> &'static str {
 fn filter_clause(query: &HistoryQuery) -> String {
     let mut given = String::new();
     if query.profile.is_some() {
-        given += " AND b.profile = ?3";
+        given += if query.part.is_some() { " AND b.profile || '' = $3" } else { " AND b.profile = $3" };
     }
     if query.state.is_some() {
-        given += " AND b.state = ?4";
+        given += " AND b.state = $4";
     }
     if query.part.is_some() {
         given += WITH_PART;
@@ -232,26 +263,26 @@ fn filter_clause(query: &HistoryQuery) -> String {
 /// Builds the SQL query for the totals of published builds.
 fn summary_sql(query: &HistoryQuery) -> String {
     format!(
-        "SELECT b.profile, count(*) AS builds, coalesce(sum(b.copies), 0) AS copies, \
-         coalesce(sum(b.height_mm), 0.0) AS height_mm, avg(b.density) AS mean_density FROM {} \
+        "SELECT b.profile, count(*) AS builds, CAST(coalesce(sum(b.copies), 0) AS BIGINT) AS copies, \
+         coalesce(sum(b.height_mm), 0.0) AS height_mm, avg(b.density) AS mean_density FROM build b \
          WHERE b.state NOT IN ('open', 'nesting') AND b.published_at IS NOT NULL \
-         AND {BUILD_TIME} >= coalesce(?1, '') AND {BUILD_TIME} < coalesce(?2, ':'){} GROUP BY b.profile ORDER BY b.profile",
-        from_clause(query),
-        filter_clause(query)
+         AND {time} >= coalesce($1, '') AND {time} < coalesce($2, ':'){} GROUP BY b.profile ORDER BY b.profile",
+        filter_clause(query),
+        time = time_key(query),
     )
 }
 
 /// Condition for builds with a copy of a part of that file name or order.
-const WITH_PART: &str = " AND b.id IN (SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
-    WHERE p.name = ?5 UNION SELECT l.build_id FROM part p CROSS JOIN placement l ON l.part_id = p.id \
-    WHERE p.order_name = ?5 AND p.order_name <> '')";
+const WITH_PART: &str = " AND b.id IN (SELECT l.build_id FROM placement l WHERE l.part_id IN (\
+    SELECT p.id FROM part p WHERE p.name = $5 UNION \
+    SELECT p.id FROM part p WHERE p.order_name = $5 AND p.order_name <> ''))";
 
 impl HistorySort {
     /// The expression to sort by before the time, and whether it is descending. Unknown values come last.
     fn sort_key(self) -> Option<(&'static str, bool)> {
         match self {
             Self::Newest => None,
-            Self::Height => Some(("coalesce(b.height_mm, 9e999)", false)),
+            Self::Height => Some(("coalesce(b.height_mm, 1e300)", false)),
             Self::Density => Some(("coalesce(b.density, -1)", true)),
             Self::Copies => Some(("coalesce(b.copies, -1)", true)),
             Self::Profile => Some(("b.profile", false)),

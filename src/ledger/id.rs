@@ -4,18 +4,33 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::sql::{BindValue, ColumnKey, ColumnValue, SqlRow, SqlValue};
+
 macro_rules! row_id {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, schemars::JsonSchema, sqlx::Type)]
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, schemars::JsonSchema)]
         #[serde(transparent)]
         #[schemars(inline)]
-        #[sqlx(transparent)]
         pub struct $name(pub i64);
 
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 self.0.fmt(f)
+            }
+        }
+
+        impl BindValue for $name {
+            const NULL: SqlValue = i64::NULL;
+
+            fn to_sql(&self) -> SqlValue {
+                self.0.to_sql()
+            }
+        }
+
+        impl ColumnValue for $name {
+            fn read_nullable(row: &SqlRow, column: ColumnKey<'_>) -> Result<Option<Self>, sqlx::Error> {
+                Ok(i64::read_nullable(row, column)?.map(Self))
             }
         }
     };

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 
 use super::{
     Ledger, NewTicketRow, PartEdit, PartId, UtcTimestamp, claim::insert_ticket, edit::EditedPart, edit::edit_part,
-    error::Result,
+    error::Result, sql,
 };
 
 impl Ledger {
@@ -20,8 +20,8 @@ impl Ledger {
     ) -> Result<Option<EditedPart>> {
         let mut change = self.begin_change().await?;
         let came_at = UtcTimestamp(came_at);
-        let known: bool = sqlx::query_scalar(
-            "SELECT EXISTS (SELECT 1 FROM ticket WHERE part_id = ? AND file_name = ? AND text = ? AND received_at = ?)",
+        let known: bool = sql::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM ticket WHERE part_id = $1 AND file_name = $2 AND text = $3 AND received_at = $4)",
         )
         .bind(id)
         .bind(&ticket.file_name)

@@ -1,48 +1,35 @@
-//! The ledger handle: opening, its single writer and its readers.
+//! The ledger handle: a database of one of two kinds, and the clock.
 
-use std::{
-    path::{Path, PathBuf},
-    sync::Arc,
-    time::Duration,
-};
-
-use jiff::Timestamp;
-use sqlx::{
-    Sqlite, SqlitePool, Transaction,
-    sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous},
-};
+use std::{path::Path, sync::Arc};
 
 use super::{
-    CommandId, LedgerError, UtcTimestamp,
+    CommandId, UtcTimestamp,
     change::LedgerChange,
     consistency::{self, RuleScope},
-    error::{Result, SQLITE_BUSY, sqlite_code},
-    file_guard::LedgerFileGuard,
-    health, location, schema,
+    error::Result,
+    health,
+    sql::{SqlExecutor, SqlTransaction},
+    sqlite_store::SqliteStore,
 };
-
-/// Time that a writer waits for another process before it gives up. Changes take milliseconds.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
-/// Number of read-only connections.
-const READERS: u32 = 4;
-/// Switching a new file to WAL mode cannot wait for a lock, so opening is retried this many times ...
-const OPEN_ATTEMPTS: u32 = 100;
-/// ... with this pause.
-const OPEN_PAUSE: Duration = Duration::from_millis(50);
+use jiff::Timestamp;
 
 /// The database of a farm. A clone is cheap and refers to the same ledger.
 #[derive(Clone)]
 pub struct Ledger {
-    path: PathBuf,
-    writer: SqlitePool,
-    reader: SqlitePool,
-    /// A connection that is never used. SQLite removes the files beside the ledger when its last connection closes, and
-    /// the other connections are closed and reopened as needed.
-    anchor: SqlitePool,
-    file_guard: Arc<LedgerFileGuard>,
+    store: LedgerStore,
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
     /// The command that is carried out.
     command: Option<CommandId>,
+}
+
+/// Where the rows are.
+#[derive(Clone)]
+enum LedgerStore {
+    /// In a file.
+    Sqlite(SqliteStore),
+    /// On a server.
+    #[cfg(feature = "postgres")]
+    Postgres(super::postgres::PostgresStore),
 }
 
 impl Ledger {
@@ -50,13 +37,7 @@ impl Ledger {
     ///
     /// A network file system, a schema newer than this binary, or an error of SQLite.
     pub async fn open(path: &Path) -> Result<Self> {
-        let folder = location::parent_folder(path);
-        std::fs::create_dir_all(folder).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
-        location::reject_network_location(path)?;
-        let options = connect_options(path).create_if_missing(true).journal_mode(SqliteJournalMode::Wal);
-        let ledger = Self::connect(path, options).await?;
-        schema::bring_up_to_date(path, &ledger.writer).await?;
-        Ok(ledger)
+        Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open(path).await?)))
     }
 
     /// Opens the ledger like [`Ledger::open`], but only if it is intact. Used by the daemon, which relies on it.
@@ -64,16 +45,25 @@ impl Ledger {
     /// # Errors
     /// As [`Ledger::open`], and `Damaged`.
     pub async fn open_checked(path: &Path) -> Result<Self> {
-        if path.exists() || health::checksum_path(path).exists() {
-            let is_sealed = health::check_files(path).await?;
-            if !is_sealed && health::has_content(path) {
-                let ledger = Self::connect(path, connect_options(path)).await?;
-                let checked = health::check_database(path, &ledger.writer).await;
-                ledger.close().await;
-                checked?;
-            }
-        }
-        Self::open(path).await
+        Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_checked(path).await?)))
+    }
+
+    /// Opens an existing ledger with the current schema. For user interfaces, which must not create or change one.
+    ///
+    /// # Errors
+    /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
+    pub async fn open_existing(path: &Path) -> Result<Self> {
+        Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_existing(path).await?)))
+    }
+
+    /// Opens the ledger in a PostgreSQL database, and migrates its schema.
+    #[cfg(feature = "postgres")]
+    pub async fn open_postgres(options: sqlx::postgres::PgConnectOptions) -> Result<Self> {
+        Ok(Self::of(LedgerStore::Postgres(super::postgres::PostgresStore::open(options).await?)))
+    }
+
+    fn of(store: LedgerStore) -> Self {
+        Self { store, clock: Arc::new(Timestamp::now), command: None }
     }
 
     /// Checks the files of a ledger that no daemon serves. `true` = its checksum matches every byte.
@@ -87,43 +77,11 @@ impl Ledger {
     ///
     /// `Damaged` if it is damaged.
     pub async fn check_integrity(&self) -> Result<()> {
-        health::check_database(&self.path, &self.reader).await
-    }
-
-    /// Opens an existing ledger with the current schema. For user interfaces, which must not create or change one.
-    ///
-    /// # Errors
-    /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
-    pub async fn open_existing(path: &Path) -> Result<Self> {
-        if !path.is_file() {
-            return Err(LedgerError::Missing { path: path.to_owned() });
+        match &self.store {
+            LedgerStore::Sqlite(store) => store.check_integrity().await,
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(_) => Ok(()),
         }
-        location::reject_network_location(path)?;
-        let ledger = Self::connect(path, connect_options(path)).await?;
-        schema::ensure_current_version(path, &ledger.writer).await?;
-        Ok(ledger)
-    }
-
-    pub(super) async fn connect(path: &Path, options: SqliteConnectOptions) -> Result<Self> {
-        // A read-only connection must be marked as such: a query that writes by mistake would bypass the single writer.
-        let reading = options.clone().create_if_missing(false).pragma("query_only", "ON");
-        health::clear_note(path);
-        let in_place = Arc::new(LedgerFileGuard::for_ledger(path));
-        let writer = connect_one(path, options).await?;
-        let anchor = connect_one(path, reading.clone()).await?;
-        // SQLite opens the file at the first query.
-        sqlx::query("SELECT count(*) FROM sqlite_schema").execute(&anchor).await.map_err(|e| open_error(path, e))?;
-        let reader = SqlitePoolOptions::new().max_connections(READERS).connect_lazy_with(reading);
-        in_place.ensure_unchanged()?;
-        Ok(Self {
-            path: path.to_owned(),
-            writer,
-            reader,
-            anchor,
-            file_guard: in_place,
-            clock: Arc::new(Timestamp::now),
-            command: None,
-        })
     }
 
     /// Returns the same ledger with another clock, for tests that control the time.
@@ -137,28 +95,41 @@ impl Ledger {
         Self { command: Some(command), ..self.clone() }
     }
 
-    /// Path of the ledger.
-    pub fn path(&self) -> &Path {
-        &self.path
+    /// The file of the ledger, unless it is in PostgreSQL.
+    pub fn file(&self) -> Option<&Path> {
+        self.sqlite().map(|store| &*store.path)
+    }
+
+    /// The file's store, unless the ledger is in PostgreSQL.
+    pub(super) fn sqlite(&self) -> Option<&SqliteStore> {
+        match &self.store {
+            LedgerStore::Sqlite(store) => Some(store),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(_) => None,
+        }
     }
 
     /// Closes all connections in an orderly way.
     pub async fn close(&self) {
-        self.reader.close().await;
-        self.anchor.close().await;
-        self.writer.close().await;
+        match &self.store {
+            LedgerStore::Sqlite(store) => store.close().await,
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.close().await,
+        }
     }
 
-    /// Closes all connections in an orderly way and writes the checksum, so the next start can verify every byte.
-    /// Returns `false` if no checksum was written, for instance because other processes use the ledger; the next start
-    /// then checks the whole ledger instead.
+    /// Closes all connections in an orderly way and, for a file, writes the checksum, so the next start can verify every
+    /// byte. Returns `false` if no checksum was written, for instance because other processes use the ledger; the next
+    /// start then checks the whole ledger instead.
     pub async fn close_with_checksum(&self) -> Result<bool> {
-        self.reader.close().await;
-        self.anchor.close().await;
-        let sealed = health::checkpoint_with_checksum(&self.path, &self.writer).await;
-        self.writer.close().await;
-        health::clear_note(&self.path);
-        sealed
+        match &self.store {
+            LedgerStore::Sqlite(store) => store.close_with_checksum().await,
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => {
+                store.close().await;
+                Ok(true)
+            }
+        }
     }
 
     /// Current time of the ledger's clock.
@@ -166,92 +137,54 @@ impl Ledger {
         UtcTimestamp((self.clock)())
     }
 
-    /// The single connection that writes.
-    pub(super) fn writer(&self) -> &SqlitePool {
-        &self.writer
-    }
-
-    /// The read-only connections. Fails if the files at the ledger's path were replaced.
-    pub(super) fn reader(&self) -> Result<&SqlitePool> {
-        self.ensure_files_in_place()?;
-        Ok(&self.reader)
+    /// Where single statements that read run. Fails if the files of the ledger were replaced.
+    pub(super) fn reader(&self) -> Result<SqlExecutor<'_>> {
+        match &self.store {
+            LedgerStore::Sqlite(store) => store.reader(),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => Ok(store.reader()),
+        }
     }
 
     /// Checks that the open files are still the ones at the ledger's path. Takes microseconds.
     ///
     /// `Replaced` if somebody removed or replaced one.
     pub fn ensure_files_in_place(&self) -> Result<()> {
-        self.file_guard.ensure_unchanged()
+        self.sqlite().map_or(Ok(()), SqliteStore::ensure_files_in_place)
     }
 
-    /// Begins a change. It takes the write lock immediately. A deferred `BEGIN` that first reads and then writes fails
-    /// with "database is locked" if another process wrote in between, whatever the busy timeout is.
+    /// Begins a change. From here to its commit, no other change of this ledger can happen.
     pub(super) async fn begin_change(&self) -> Result<LedgerChange> {
-        self.ensure_files_in_place()?;
-        let transaction = match self.writer.begin_with("BEGIN IMMEDIATE").await {
-            // SQLite itself rolled back an earlier change, as it may on a full disk, and the connection still expects
-            // the end of that transaction.
-            Err(sqlx::Error::InvalidSavePointStatement | sqlx::Error::BeginFailed) => {
-                self.writer.acquire().await?.close().await?;
-                self.writer.begin_with("BEGIN IMMEDIATE").await?
-            }
-            begun => begun?,
+        let transaction = match &self.store {
+            LedgerStore::Sqlite(store) => SqlTransaction::Sqlite(store.begin_change().await?),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => SqlTransaction::Postgres(store.begin_change().await?),
         };
-        health::remove_checksum(&self.path)
-            .map_err(|source| LedgerError::Folder { path: self.path.clone(), source })?;
-        Ok(LedgerChange::new(transaction, self.now(), self.path.clone(), self.command))
+        Ok(LedgerChange::new(transaction, self.now(), self.file().map(Path::to_owned), self.command))
     }
 
-    /// Begins a consistent read of several tables. It never writes, so a deferred `BEGIN` is right here.
-    pub(super) async fn begin_snapshot(&self) -> Result<Transaction<'static, Sqlite>> {
-        Ok(self.reader()?.begin_with("BEGIN DEFERRED").await?)
+    /// Begins a consistent read of several tables.
+    pub(super) async fn begin_snapshot(&self) -> Result<SqlTransaction> {
+        Ok(match &self.store {
+            LedgerStore::Sqlite(store) => SqlTransaction::Sqlite(store.begin_snapshot().await?),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => SqlTransaction::Postgres(store.begin_snapshot().await?),
+        })
     }
 
     /// Checks every row and describes inconsistencies in sentences. Empty = no inconsistency.
     pub async fn find_inconsistencies(&self) -> Result<Vec<String>> {
-        consistency::find_inconsistencies(&mut *self.begin_snapshot().await?, &RuleScope::ALL).await
+        consistency::find_inconsistencies(&mut self.begin_snapshot().await?, &RuleScope::ALL).await
     }
 
     /// The same for some of the rules.
     pub async fn find_inconsistencies_of(&self, scope: RuleScope) -> Result<Vec<String>> {
-        consistency::find_inconsistencies(&mut *self.begin_snapshot().await?, &[scope]).await
+        consistency::find_inconsistencies(&mut self.begin_snapshot().await?, &[scope]).await
     }
 }
 
 impl std::fmt::Debug for Ledger {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Ledger").field("path", &self.path).finish_non_exhaustive()
+        f.debug_struct("Ledger").field("file", &self.file()).finish_non_exhaustive()
     }
-}
-
-/// Creates a pool with a single permanent connection. Waits while another process switches the file to WAL mode.
-async fn connect_one(path: &Path, options: SqliteConnectOptions) -> Result<SqlitePool> {
-    let pool = SqlitePoolOptions::new().max_connections(1).idle_timeout(None).max_lifetime(None);
-    let mut attempt = 1;
-    loop {
-        match pool.clone().connect_with(options.clone()).await {
-            Ok(connected) => return Ok(connected),
-            Err(error) if sqlite_code(&error) == Some(SQLITE_BUSY) && attempt < OPEN_ATTEMPTS => attempt += 1,
-            Err(error) => return Err(open_error(path, error)),
-        }
-        tokio::time::sleep(OPEN_PAUSE).await;
-    }
-}
-
-fn open_error(path: &Path, error: sqlx::Error) -> LedgerError {
-    let what = error.to_string();
-    match LedgerError::from(error) {
-        LedgerError::Corrupt(_) => LedgerError::Damaged { path: path.to_owned(), what },
-        LedgerError::Sql(error) => LedgerError::Open { path: path.to_owned(), error },
-        other => other,
-    }
-}
-
-/// Connection options. `FULL`: a committed change survives a power cut, as "exactly once" requires.
-pub(super) fn connect_options(path: &Path) -> SqliteConnectOptions {
-    SqliteConnectOptions::new()
-        .filename(path)
-        .synchronous(SqliteSynchronous::Full)
-        .foreign_keys(true)
-        .busy_timeout(BUSY_TIMEOUT)
 }

@@ -2,9 +2,13 @@
 //! again, this is written as one event, even if the daemon restarts meanwhile.
 
 use serde::Serialize;
-use sqlx::FromRow;
 
-use super::{EventKind, Ledger, UtcTimestamp, change::LedgerChange, error::Result};
+use super::{
+    EventKind, Ledger, UtcTimestamp,
+    change::LedgerChange,
+    error::Result,
+    sql::{self, sql_row},
+};
 
 /// State of a machine as observed by the daemon.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,7 +26,7 @@ pub struct ObservedMachine {
 }
 
 /// Last observed state of a machine.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct MachineRow {
     /// Machine profile.
     pub profile: String,
@@ -38,18 +42,20 @@ pub struct MachineRow {
     pub trouble_at: Option<UtcTimestamp>,
 }
 
+sql_row!(MachineRow { profile, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at });
+
 impl Ledger {
     /// The last observed states of all machines, by name.
     pub async fn list_machines(&self) -> Result<Vec<MachineRow>> {
-        Ok(sqlx::query_as("SELECT * FROM station ORDER BY profile").fetch_all(self.reader()?).await?)
+        Ok(sql::query_as("SELECT * FROM station ORDER BY profile").fetch_all(self.reader()?).await?)
     }
 }
 
 /// Records the observed machines. Removes machines that the daemon does not serve any more.
 pub(super) async fn record_machines(change: &mut LedgerChange, seen: &[ObservedMachine]) -> Result<()> {
-    let known: Vec<MachineRow> = sqlx::query_as("SELECT * FROM station").fetch_all(change.db()).await?;
+    let known: Vec<MachineRow> = sql::query_as("SELECT * FROM station").fetch_all(change.db()).await?;
     for gone in known.iter().filter(|row| !seen.iter().any(|s| s.profile == row.profile)) {
-        sqlx::query("DELETE FROM station WHERE profile = ?").bind(&gone.profile).execute(change.db()).await?;
+        sql::query("DELETE FROM station WHERE profile = $1").bind(&gone.profile).execute(change.db()).await?;
     }
     for seen in seen {
         let known = known.iter().find(|row| row.profile == seen.profile);
@@ -65,10 +71,10 @@ pub(super) async fn record_machines(change: &mut LedgerChange, seen: &[ObservedM
             (false, true) => change.write_event(EventKind::Available, &seen.profile, None, None, "").await?,
             _ => {}
         }
-        sqlx::query(
+        sql::query(
             "INSERT INTO station (profile, scanned_at, is_inbox_there, is_queue_writable, trouble, trouble_at) \
-             VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (profile) DO UPDATE SET \
-             scanned_at = coalesce(excluded.scanned_at, scanned_at), is_inbox_there = excluded.is_inbox_there, \
+             VALUES ($1, $2, $3, $4, $5, $6) ON CONFLICT (profile) DO UPDATE SET \
+             scanned_at = coalesce(excluded.scanned_at, station.scanned_at), is_inbox_there = excluded.is_inbox_there, \
              is_queue_writable = excluded.is_queue_writable, trouble = excluded.trouble, trouble_at = excluded.trouble_at",
         )
         .bind(&seen.profile)

@@ -37,6 +37,8 @@ mod part_list;
 mod part_question;
 mod part_row;
 mod placement;
+#[cfg(feature = "postgres")]
+mod postgres;
 mod precedence;
 mod publish;
 mod put_back;
@@ -45,6 +47,8 @@ mod refusal_cause;
 mod replace;
 mod requeue;
 mod schema;
+mod sql;
+mod sqlite_store;
 mod state;
 mod status;
 mod text_column;

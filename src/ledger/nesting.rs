@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{BuildId, BuildState, Ledger, LedgerError, PartId, PartState, change::LedgerChange, error::Result};
+use super::{BuildId, BuildState, Ledger, LedgerError, PartId, PartState, change::LedgerChange, error::Result, sql};
 
 impl Ledger {
     /// open -> nesting: takes exactly these copies. Parts whose last copy is taken become batched.
@@ -13,7 +13,7 @@ impl Ledger {
         }
         let mut change = self.begin_change().await?;
         let profile = change.move_build(build, BuildState::Nesting, fired_by).await?;
-        sqlx::query("UPDATE build SET attempts = 1, fired_by = ?, copies = ? WHERE id = ?")
+        sql::query("UPDATE build SET attempts = 1, fired_by = $1, copies = $2 WHERE id = $3")
             .bind(fired_by)
             .bind(copies.len() as i64)
             .bind(build)
@@ -29,7 +29,7 @@ impl Ledger {
     pub async fn begin_attempt(&self, build: BuildId) -> Result<u32> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Nesting]).await?;
-        let attempts = sqlx::query_scalar("UPDATE build SET attempts = attempts + 1 WHERE id = ? RETURNING attempts")
+        let attempts = sql::query_scalar("UPDATE build SET attempts = attempts + 1 WHERE id = $1 RETURNING attempts")
             .bind(build)
             .fetch_one(change.db())
             .await?;
@@ -39,17 +39,17 @@ impl Ledger {
 
     /// Counts a search for a build, before it starts.
     pub async fn begin_search(&self, build: BuildId) -> Result<()> {
-        self.count_searches(build, "UPDATE build SET searches = searches + 1 WHERE id = ?").await
+        self.count_searches(build, "UPDATE build SET searches = searches + 1 WHERE id = $1").await
     }
 
     /// Records that a search for a build finished.
     pub async fn end_search(&self, build: BuildId) -> Result<()> {
-        self.count_searches(build, "UPDATE build SET searches = 0 WHERE id = ?").await
+        self.count_searches(build, "UPDATE build SET searches = 0 WHERE id = $1").await
     }
 
     async fn count_searches(&self, build: BuildId, count: &'static str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        sqlx::query(count).bind(build).execute(change.db()).await?;
+        sql::query(count).bind(build).execute(change.db()).await?;
         change.commit().await
     }
 
@@ -65,14 +65,14 @@ impl Ledger {
     pub async fn fail_build(&self, build: BuildId, reason: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Nesting]).await?;
-        let copies: Vec<(PartId, u32)> = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ?")
+        let copies: Vec<(PartId, u32)> = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1")
             .bind(build)
             .fetch_all(change.db())
             .await?;
         delete_placements(&mut change, build, &copies, "the build failed").await?;
         change.move_build(build, BuildState::Failed, reason).await?;
         // The forecast height does not apply any more.
-        sqlx::query("UPDATE build SET height_mm = NULL, density = NULL, part_volume_mm3 = NULL WHERE id = ?")
+        sql::query("UPDATE build SET height_mm = NULL, density = NULL, part_volume_mm3 = NULL WHERE id = $1")
             .bind(build)
             .execute(change.db())
             .await?;
@@ -109,9 +109,9 @@ async fn insert_placements(
             return Err(LedgerError::NoSuchCopy { part: id, copy });
         }
         let place =
-            sqlx::query("INSERT INTO placement (part_id, copy, build_id) VALUES (?, ?, ?) ON CONFLICT DO NOTHING");
-        if place.bind(id).bind(copy).bind(build).execute(change.db()).await?.rows_affected() == 0 {
-            let holder = sqlx::query_scalar("SELECT build_id FROM placement WHERE part_id = ? AND copy = ?");
+            sql::query("INSERT INTO placement (part_id, copy, build_id) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING");
+        if place.bind(id).bind(copy).bind(build).execute(change.db()).await? == 0 {
+            let holder = sql::query_scalar("SELECT build_id FROM placement WHERE part_id = $1 AND copy = $2");
             let build = holder.bind(id).bind(copy).fetch_one(change.db()).await?;
             return Err(LedgerError::CopyTaken { part: id, copy, build });
         }
@@ -131,8 +131,8 @@ async fn delete_placements(
     why: &str,
 ) -> Result<()> {
     for &(part, copy) in copies {
-        let lift = sqlx::query("DELETE FROM placement WHERE part_id = ? AND copy = ? AND build_id = ?");
-        if lift.bind(part).bind(copy).bind(build).execute(change.db()).await?.rows_affected() == 0 {
+        let lift = sql::query("DELETE FROM placement WHERE part_id = $1 AND copy = $2 AND build_id = $3");
+        if lift.bind(part).bind(copy).bind(build).execute(change.db()).await? == 0 {
             return Err(LedgerError::NotInBuild { part, copy, build });
         }
     }
@@ -142,7 +142,7 @@ async fn delete_placements(
             change.move_part(part, PartState::Waiting, Some(build), why).await?;
         }
     }
-    let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = ?1) WHERE id = ?1";
-    sqlx::query(count).bind(build).execute(change.db()).await?;
+    let count = "UPDATE build SET copies = (SELECT count(*) FROM placement WHERE build_id = $1) WHERE id = $1";
+    sql::query(count).bind(build).execute(change.db()).await?;
     Ok(())
 }

@@ -2,11 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sqlx::FromRow;
 
 use super::{
     BuildId, BuildRow, BuildState, EventKind, Ledger, LedgerError, PartId, PutBackReport, UtcTimestamp,
-    change::LedgerChange, error::Result, text_column::own_word,
+    change::LedgerChange,
+    error::Result,
+    sql::{self, sql_row},
+    text_column::own_word,
 };
 
 /// States of a build in which an outcome can be reported.
@@ -29,7 +31,7 @@ pub enum PrintOutcome {
 own_word!(PrintOutcome);
 
 /// A reported outcome.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct OutcomeRow {
     /// Its number.
     pub id: i64,
@@ -46,6 +48,8 @@ pub struct OutcomeRow {
     /// Whether it corrects what was told before.
     pub is_correction: bool,
 }
+
+sql_row!(OutcomeRow { id, build_id, outcome, note, told_by, told_at, is_correction });
 
 impl PrintOutcome {
     /// The state that a build enters with this outcome.
@@ -92,8 +96,8 @@ impl Ledger {
         let mut report = PutBackReport::default();
         move_to_outcome(&mut change, build, told).await?;
         let (now, is_correction) = (change.now, told.is_correction);
-        sqlx::query(
-            "INSERT INTO outcome (build_id, outcome, note, told_by, told_at, is_correction) VALUES (?, ?, ?, ?, ?, ?)",
+        sql::query(
+            "INSERT INTO outcome (build_id, outcome, note, told_by, told_at, is_correction) VALUES ($1, $2, $3, $4, $5, $6)",
         )
         .bind(build)
         .bind(told.outcome)
@@ -107,7 +111,7 @@ impl Ledger {
             change.return_bad_copies(build, &mut report).await?;
         }
         if told.outcome == PrintOutcome::Failed {
-            let unseen = sqlx::query("UPDATE build SET seen_at = NULL WHERE id = ?").bind(build);
+            let unseen = sql::query("UPDATE build SET seen_at = NULL WHERE id = $1").bind(build);
             unseen.execute(change.db()).await?;
         }
         let bad = match told.outcome {
@@ -123,7 +127,7 @@ impl Ledger {
 
     /// The reported outcomes of a build, oldest first.
     pub async fn outcomes_of_build(&self, build: BuildId) -> Result<Vec<OutcomeRow>> {
-        let query = sqlx::query_as("SELECT * FROM outcome WHERE build_id = ? ORDER BY id").bind(build);
+        let query = sql::query_as("SELECT * FROM outcome WHERE build_id = $1 ORDER BY id").bind(build);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -132,7 +136,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let profile = change.ensure_build_state(build, &[BuildState::Failed]).await?;
         let now = change.now;
-        let seen = sqlx::query("UPDATE build SET seen_at = coalesce(seen_at, ?) WHERE id = ?").bind(now).bind(build);
+        let seen = sql::query("UPDATE build SET seen_at = coalesce(seen_at, $1) WHERE id = $2").bind(now).bind(build);
         seen.execute(change.db()).await?;
         change.write_event(EventKind::Seen, &profile, None, Some(build), &format!("{by} has seen to it")).await?;
         change.commit().await
@@ -140,7 +144,7 @@ impl Ledger {
 
     /// Failed prints that nobody has seen to, oldest first.
     pub async fn unseen_failures(&self) -> Result<Vec<BuildRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT * FROM build WHERE state = 'failed' AND published_at IS NOT NULL AND seen_at IS NULL ORDER BY id",
         );
         Ok(query.fetch_all(self.reader()?).await?)
@@ -150,7 +154,7 @@ impl Ledger {
 /// Moves a build to the state of its outcome.
 async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<()> {
     let (_, state) = change.require_build(build).await?;
-    let is_published: bool = sqlx::query_scalar("SELECT published_at IS NOT NULL FROM build WHERE id = ?")
+    let is_published: bool = sql::query_scalar("SELECT published_at IS NOT NULL FROM build WHERE id = $1")
         .bind(build)
         .fetch_one(change.db())
         .await?;
@@ -174,7 +178,7 @@ async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldO
 
 /// The copies of a build that count.
 async fn counted_copies(change: &mut LedgerChange, build: BuildId) -> Result<Vec<(PartId, u32)>> {
-    let copies = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy");
+    let copies = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1 ORDER BY part_id, copy");
     Ok(copies.bind(build).fetch_all(change.db()).await?)
 }
 
@@ -183,7 +187,7 @@ async fn bad_copies(change: &mut LedgerChange, build: BuildId, named: &[(PartId,
     let mut bad = Vec::new();
     for &(part, asked) in named {
         let mut copies: Vec<u32> =
-            sqlx::query_scalar("SELECT copy FROM placement WHERE build_id = ? AND part_id = ? ORDER BY copy DESC")
+            sql::query_scalar("SELECT copy FROM placement WHERE build_id = $1 AND part_id = $2 ORDER BY copy DESC")
                 .bind(build)
                 .bind(part)
                 .fetch_all(change.db())

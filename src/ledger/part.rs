@@ -2,18 +2,20 @@
 
 use jiff::Timestamp;
 
-use super::{BuildId, Ledger, PartId, PartRow, PartState, UtcTimestamp, error::Result, precedence::sort_by_precedence};
+use super::{
+    BuildId, Ledger, PartId, PartRow, PartState, UtcTimestamp, error::Result, precedence::sort_by_precedence, sql,
+};
 
 impl Ledger {
     /// Finds a part by its number.
     pub async fn find_part(&self, id: PartId) -> Result<Option<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE id = ?").bind(id);
+        let query = sql::query_as("SELECT * FROM part WHERE id = $1").bind(id);
         Ok(query.fetch_optional(self.reader()?).await?)
     }
 
     /// All parts in a state, oldest first.
     pub async fn parts_in_state(&self, state: PartState) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE state = ? ORDER BY claimed_at, id").bind(state);
+        let query = sql::query_as("SELECT * FROM part WHERE state = $1 ORDER BY claimed_at, id").bind(state);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
@@ -25,8 +27,8 @@ impl Ledger {
         until: Timestamp,
         most: u32,
     ) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
-            "SELECT * FROM part WHERE state = ? AND state_at >= ? AND state_at <= ? ORDER BY state_at DESC, id DESC LIMIT ?",
+        let query = sql::query_as(
+            "SELECT * FROM part WHERE state = $1 AND state_at >= $2 AND state_at <= $3 ORDER BY state_at DESC, id DESC LIMIT $4",
         );
         Ok(query
             .bind(state)
@@ -39,8 +41,8 @@ impl Ledger {
 
     /// The claimed parts of a profile that must be read next, in order, at most `most` of them.
     pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
-            "SELECT * FROM part WHERE state = 'claimed' AND profile = ? AND damaged_at IS NULL ORDER BY id LIMIT ?",
+        let query = sql::query_as(
+            "SELECT * FROM part WHERE state = 'claimed' AND profile = $1 AND damaged_at IS NULL ORDER BY id LIMIT $2",
         );
         Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()?).await?)
     }
@@ -52,36 +54,36 @@ impl Ledger {
         from: Timestamp,
         to: Timestamp,
     ) -> Result<Vec<String>> {
-        let query = sqlx::query_scalar(
-            "SELECT DISTINCT content_hash FROM part WHERE state = ? AND state_at >= ? AND state_at <= ?",
+        let query = sql::query_scalar(
+            "SELECT DISTINCT content_hash FROM part WHERE state = $1 AND state_at >= $2 AND state_at <= $3",
         );
         Ok(query.bind(state).bind(UtcTimestamp(from)).bind(UtcTimestamp(to)).fetch_all(self.reader()?).await?)
     }
 
     /// All solids of a claim, by object index.
     pub async fn parts_of_claim(&self, claim: &str) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE claim = ? ORDER BY object_index").bind(claim);
+        let query = sql::query_as("SELECT * FROM part WHERE claim = $1 ORDER BY object_index").bind(claim);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// All parts of an order, oldest first.
     pub async fn parts_of_order(&self, name: &str) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE order_name = ? AND order_name <> '' ORDER BY id");
+        let query = sql::query_as("SELECT * FROM part WHERE order_name = $1 AND order_name <> '' ORDER BY id");
         Ok(query.bind(name).fetch_all(self.reader()?).await?)
     }
 
     /// All parts with this dropped file name, oldest first.
     pub async fn parts_named(&self, name: &str) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE name = ? ORDER BY id").bind(name);
+        let query = sql::query_as("SELECT * FROM part WHERE name = $1 ORDER BY id").bind(name);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The parts of a profile that are not built or rejected, and those built or rejected since a time, oldest first.
     pub async fn recent_parts(&self, profile: &str, since: Timestamp) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT * FROM part WHERE id IN (\
-             SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND profile = ?1 \
-             UNION ALL SELECT id FROM part WHERE state IN ('built', 'rejected') AND state_at >= ?2 AND +profile = ?1) \
+             SELECT id FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND profile = $1 \
+             UNION ALL SELECT id FROM part WHERE state IN ('built', 'rejected') AND state_at >= $2 AND profile || '' = $1) \
              ORDER BY id",
         );
         Ok(query.bind(profile).bind(UtcTimestamp(since)).fetch_all(self.reader()?).await?)
@@ -90,8 +92,8 @@ impl Ledger {
     /// The parts that are not built or rejected and whose order or file name matches a pattern with `*` and `?`, oldest
     /// first.
     pub async fn unbuilt_parts_matching(&self, pattern: &str) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as(
-            "SELECT * FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND (name GLOB ?1 OR order_name GLOB ?1) \
+        let query = sql::query_as(
+            "SELECT * FROM part WHERE state IN ('claimed', 'waiting', 'batched') AND (glob($1, name) OR glob($1, order_name)) \
              ORDER BY id",
         );
         Ok(query.bind(pattern).fetch_all(self.reader()?).await?)
@@ -99,14 +101,14 @@ impl Ledger {
 
     /// All parts with this content, whatever their names.
     pub async fn parts_with_content(&self, hash: &str) -> Result<Vec<PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE content_hash = ? ORDER BY id").bind(hash);
+        let query = sql::query_as("SELECT * FROM part WHERE content_hash = $1 ORDER BY id").bind(hash);
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// All parts with a copy in a build, in order of precedence.
     pub async fn parts_of_build(&self, build: BuildId) -> Result<Vec<PartRow>> {
         let query =
-            sqlx::query_as("SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = ?)");
+            sql::query_as("SELECT * FROM part WHERE id IN (SELECT part_id FROM build_copy WHERE build_id = $1)");
         let mut parts: Vec<PartRow> = query.bind(build).fetch_all(self.reader()?).await?;
         sort_by_precedence(&mut parts);
         Ok(parts)
@@ -114,9 +116,9 @@ impl Ledger {
 
     /// The latest part of an earlier claim, not rejected, with the same content in the same profile.
     pub async fn find_earlier_part(&self, profile: &str, hash: &str, before: PartId) -> Result<Option<PartId>> {
-        let query = sqlx::query_scalar(
-            "SELECT id FROM part WHERE content_hash = ?1 AND profile = ?2 AND id < ?3 AND state <> 'rejected' \
-             AND claim <> (SELECT claim FROM part WHERE id = ?3) ORDER BY id DESC LIMIT 1",
+        let query = sql::query_scalar(
+            "SELECT id FROM part WHERE content_hash = $1 AND profile = $2 AND id < $3 AND state <> 'rejected' \
+             AND claim <> (SELECT claim FROM part WHERE id = $3) ORDER BY id DESC LIMIT 1",
         );
         Ok(query.bind(hash).bind(profile).bind(before).fetch_optional(self.reader()?).await?)
     }
@@ -124,9 +126,9 @@ impl Ledger {
     /// Whether the stored file is needed by a part that is claimed, waiting or batched, or by one that was rejected
     /// after `rejected_since` and may be retried.
     pub async fn is_hash_in_use(&self, hash: &str, rejected_since: Timestamp) -> Result<bool> {
-        let query = sqlx::query_scalar(
-            "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = ? AND (state IN ('claimed', 'waiting', 'batched') \
-             OR (state = 'rejected' AND state_at >= ?)))",
+        let query = sql::query_scalar(
+            "SELECT EXISTS (SELECT 1 FROM part WHERE content_hash = $1 AND (state IN ('claimed', 'waiting', 'batched') \
+             OR (state = 'rejected' AND state_at >= $2)))",
         );
         Ok(query.bind(hash).bind(UtcTimestamp(rejected_since)).fetch_one(self.reader()?).await?)
     }

@@ -2,9 +2,13 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sqlx::FromRow;
 
-use super::{Ledger, PartRow, error::Result, text_column::own_word};
+use super::{
+    Ledger, PartRow,
+    error::Result,
+    sql::{self, sql_row},
+    text_column::own_word,
+};
 
 /// What a question is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -21,10 +25,9 @@ pub enum QuestionKind {
 own_word!(QuestionKind);
 
 /// A waiting part with an open question.
-#[derive(Debug, Clone, PartialEq, FromRow)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct QuestionedPart {
     /// The part.
-    #[sqlx(flatten)]
     pub part: PartRow,
     /// What is asked first.
     pub kind: QuestionKind,
@@ -32,16 +35,18 @@ pub struct QuestionedPart {
     pub total: u32,
 }
 
+sql_row!(QuestionedPart { kind, total; part });
+
 impl Ledger {
     /// The first `most` waiting parts of each profile and kind with an open question, oldest first. A part whose number of
     /// copies is asked for waits as one copy with a warning that contains `copies_question`.
     pub async fn parts_with_questions(&self, copies_question: &str, most: u32) -> Result<Vec<QuestionedPart>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT * FROM (SELECT *, COUNT(*) OVER (PARTITION BY profile, kind) AS total, \
              ROW_NUMBER() OVER (PARTITION BY profile, kind ORDER BY id) AS at FROM (\
              SELECT *, CASE WHEN question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
-             WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, ?) > 0 THEN 'copies' END AS kind \
-             FROM part WHERE state = 'waiting') WHERE kind IS NOT NULL) WHERE at <= ? ORDER BY profile, id",
+             WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \
+             FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY profile, id",
         );
         Ok(query.bind(copies_question).bind(most).fetch_all(self.reader()?).await?)
     }

@@ -5,11 +5,11 @@ use jiff::Timestamp;
 use nester::{OrientationLimits, OrientationRule, TiltLimit, TiltLimitError, write_tilts};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sqlx::FromRow;
 
 use super::{
     PartId, PartState, RefusalCause, UtcTimestamp,
-    text_column::{TextColumn, own_word},
+    sql::{bind_as_text, read_text_by, sql_row},
+    text_column::own_word,
 };
 
 /// The row for a claimed file that has not been read yet.
@@ -65,6 +65,9 @@ pub struct NewTerms {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct RequiredTilts(pub Vec<TiltLimit>);
+
+bind_as_text!(RequiredTilts);
+read_text_by!(RequiredTilts, |text: &str| RequiredTilts::try_from(text.to_owned()));
 
 impl TryFrom<String> for RequiredTilts {
     type Error = TiltLimitError;
@@ -137,7 +140,7 @@ pub struct SolidFacts {
 }
 
 /// A part: one solid of one dropped file, for one machine profile, with its copies.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartRow {
     /// Its number.
     pub id: PartId,
@@ -147,40 +150,35 @@ pub struct PartRow {
     pub name: String,
     /// Which solid of the file it is.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub solid: SolidOfFile,
     /// The file itself.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub file: ClaimedFile,
     /// Current state.
     pub state: PartState,
     /// Why it was rejected, if it was.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub rejection: PartRejection,
     /// Warnings, one per line.
     pub warnings: String,
     /// Its copies, and what the part waits for.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub owed: OwedCopies,
     /// Requested terms other than the copies.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub terms: PartTerms,
     /// Its measurements.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub measures: PartMeasures,
     /// Times of its states.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub times: PartTimes,
 }
 
+sql_row!(PartRow { id, profile, name, state, warnings; solid, file, rejection, owed, terms, measures, times });
+
 /// Which solid of a file a part is.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct SolidOfFile {
     /// Index of the solid in the file, from 0.
     pub object_index: u32,
@@ -188,8 +186,10 @@ pub struct SolidOfFile {
     pub object_name: String,
 }
 
+sql_row!(SolidOfFile { object_index, object_name });
+
 /// The file of a part as it was claimed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ClaimedFile {
     /// Name of the claim, unique per dropped file.
     pub claim: String,
@@ -201,8 +201,10 @@ pub struct ClaimedFile {
     pub reads: u32,
 }
 
+sql_row!(ClaimedFile { claim, content_hash, bytes, reads });
+
 /// Why a part was rejected.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct PartRejection {
     /// The reason in words, "" if it was not rejected.
     pub reason: String,
@@ -210,8 +212,10 @@ pub struct PartRejection {
     pub refusal: Option<RefusalCause>,
 }
 
+sql_row!(PartRejection { reason, refusal });
+
 /// The copies of a part, and what it waits for.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct OwedCopies {
     /// Copies ever wanted. Copy numbers are below this.
     pub copies: u32,
@@ -227,8 +231,10 @@ pub struct OwedCopies {
     pub replaced_by: Option<PartId>,
 }
 
+sql_row!(OwedCopies { copies, cancelled_copies, put_back_at, fetch_at, question, replaced_by });
+
 /// Requested terms for a part, other than the copies.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartTerms {
     /// Order or kit, "" = none.
     pub order_name: String,
@@ -239,22 +245,21 @@ pub struct PartTerms {
     /// The due date as it was given, "" = none.
     pub due_text: String,
     /// Orientation rule.
-    #[sqlx(try_from = "TextColumn<OrientationRule>")]
     pub orientation: OrientationRule,
     /// Directions that must point nearly straight up.
-    #[sqlx(try_from = "String")]
     pub tilts: RequiredTilts,
     /// Its own clearance, mm; `None` = the profile's.
     pub clearance_mm: Option<f64>,
     /// Unit from the ticket.
-    #[sqlx(try_from = "TextColumn<Option<LengthUnit>>")]
     pub unit: Option<LengthUnit>,
     /// Free text of the ticket.
     pub note: String,
 }
 
+sql_row!(PartTerms { order_name, priority, due_at, due_text, orientation, tilts, clearance_mm, unit, note });
+
 /// Measurements of a part; `None` until read.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartMeasures {
     /// Triangles.
     pub triangles: Option<u64>,
@@ -268,8 +273,10 @@ pub struct PartMeasures {
     pub size_z_mm: Option<f64>,
 }
 
+sql_row!(PartMeasures { triangles, volume_mm3, size_x_mm, size_y_mm, size_z_mm });
+
 /// Times of the states of a part.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct PartTimes {
     /// When it was claimed. Determines its age among the waiting parts.
     pub claimed_at: UtcTimestamp,
@@ -278,6 +285,8 @@ pub struct PartTimes {
     /// When its stored file was found damaged. It then waits for the same file to be dropped again.
     pub damaged_at: Option<UtcTimestamp>,
 }
+
+sql_row!(PartTimes { claimed_at, state_at, damaged_at });
 
 impl PartRow {
     /// Whether the requested number of copies is unknown. Such a part is printed only if it is dropped again.

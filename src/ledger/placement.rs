@@ -3,9 +3,12 @@
 use glam::{DQuat, DVec3};
 use serde::Serialize;
 use solids::Pose;
-use sqlx::FromRow;
 
-use super::{BuildId, BuildState, Ledger, PartId, UtcTimestamp, error::Result};
+use super::{
+    BuildId, BuildState, Ledger, PartId, UtcTimestamp,
+    error::Result,
+    sql::{self, sql_row},
+};
 
 /// A copy with its proved pose in a build.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +36,7 @@ pub struct RemovalStep {
 }
 
 /// A copy that is in a build.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlacementRow {
     /// The part.
     pub part_id: PartId,
@@ -49,16 +52,16 @@ pub struct PlacementRow {
     pub is_bad: bool,
     /// How it stands there.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub pose_columns: PoseColumns,
     /// How it is removed from the cake.
     #[serde(flatten)]
-    #[sqlx(flatten)]
     pub removal: RemovalColumns,
 }
 
+sql_row!(PlacementRow { part_id, copy, build_id, build_state, published_at, is_bad; pose_columns, removal });
+
 /// How a copy stands in a build; `None` until the build is verified.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PoseColumns {
     /// Rotation, unit quaternion.
     pub qx: Option<f64>,
@@ -76,26 +79,26 @@ pub struct PoseColumns {
     pub tz_mm: Option<f64>,
 }
 
+sql_row!(PoseColumns { qx, qy, qz, qw, tx_mm, ty_mm, tz_mm });
+
 /// How a copy is removed from the cake; `None` = not proved.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RemovalColumns {
     /// Its position in the removal order, from 1.
     #[serde(rename = "drawn")]
-    #[sqlx(rename = "drawn")]
     pub position: Option<u32>,
     /// Direction of its removal: a unit vector in the machine's frame, first component.
     #[serde(rename = "way_x")]
-    #[sqlx(rename = "way_x")]
     pub direction_x: Option<f64>,
     /// Second component of that direction.
     #[serde(rename = "way_y")]
-    #[sqlx(rename = "way_y")]
     pub direction_y: Option<f64>,
     /// Third component of that direction.
     #[serde(rename = "way_z")]
-    #[sqlx(rename = "way_z")]
     pub direction_z: Option<f64>,
 }
+
+sql_row!(RemovalColumns { position = "drawn", direction_x = "way_x", direction_y = "way_y", direction_z = "way_z" });
 
 impl PlacementRow {
     /// Pose of the copy, mesh frame -> machine frame; `None` until the build is verified.
@@ -114,25 +117,25 @@ impl PlacementRow {
 impl Ledger {
     /// The placements of a part, by copy.
     pub async fn placements_of_part(&self, part: PartId) -> Result<Vec<PlacementRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id \
-             WHERE l.part_id = ? ORDER BY l.copy, l.build_id",
+             WHERE l.part_id = $1 ORDER BY l.copy, l.build_id",
         );
         Ok(query.bind(part).fetch_all(self.reader()?).await?)
     }
 
     /// The copies in a build with their poses, by part and copy.
     pub async fn placements_of_build(&self, build: BuildId) -> Result<Vec<PlacementRow>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT l.*, b.state AS build_state, b.published_at FROM build_copy l JOIN build b ON b.id = l.build_id \
-             WHERE l.build_id = ? ORDER BY l.part_id, l.copy",
+             WHERE l.build_id = $1 ORDER BY l.part_id, l.copy",
         );
         Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }
 
     /// The copies taken into a build, by part and copy.
     pub async fn copies_of_build(&self, build: BuildId) -> Result<Vec<(PartId, u32)>> {
-        let query = sqlx::query_as("SELECT part_id, copy FROM build_copy WHERE build_id = ? ORDER BY part_id, copy");
+        let query = sql::query_as("SELECT part_id, copy FROM build_copy WHERE build_id = $1 ORDER BY part_id, copy");
         Ok(query.bind(build).fetch_all(self.reader()?).await?)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     BuildId, BuildState, Ledger, LedgerError, PartId, PartState, ProvedPlacement, Verified, change::LedgerChange,
-    error::Result,
+    error::Result, sql,
 };
 
 impl Ledger {
@@ -34,7 +34,7 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, &[BuildState::Verified]).await?;
         let at = is_tried.then_some(change.now);
-        let set = sqlx::query("UPDATE build SET publishing_at = ? WHERE id = ?").bind(at).bind(build);
+        let set = sql::query("UPDATE build SET publishing_at = $1 WHERE id = $2").bind(at).bind(build);
         set.execute(change.db()).await?;
         change.commit().await
     }
@@ -44,9 +44,9 @@ impl Ledger {
     pub async fn reopen_verified_build(&self, build: BuildId, why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.move_build(build, BuildState::Nesting, why).await?;
-        sqlx::query(
+        sql::query(
             "UPDATE build SET verified_at = NULL, publishing_at = NULL, file_name = NULL, queue_id = NULL, \
-             file_hash = NULL, file_bytes = NULL, sidecars = NULL WHERE id = ?",
+             file_hash = NULL, file_bytes = NULL, sidecars = NULL WHERE id = $1",
         )
         .bind(build)
         .execute(change.db())
@@ -58,9 +58,9 @@ impl Ledger {
     pub async fn publish_build(&self, build: BuildId) -> Result<()> {
         let mut change = self.begin_change().await?;
         change.move_build(build, BuildState::Published, "").await?;
-        let built: Vec<PartId> = sqlx::query_scalar(
+        let built: Vec<PartId> = sql::query_scalar(
             "SELECT p.id FROM part p WHERE p.state = 'batched' \
-             AND p.id IN (SELECT part_id FROM placement WHERE build_id = ?) \
+             AND p.id IN (SELECT part_id FROM placement WHERE build_id = $1) \
              AND NOT EXISTS (SELECT 1 FROM placement l JOIN build b ON b.id = l.build_id \
              WHERE l.part_id = p.id AND b.published_at IS NULL) ORDER BY p.id",
         )
@@ -69,7 +69,7 @@ impl Ledger {
         .await?;
         for part in built {
             change.move_part(part, PartState::Built, Some(build), "").await?;
-            let served = sqlx::query("UPDATE part SET put_back_at = NULL WHERE id = ?").bind(part);
+            let served = sql::query("UPDATE part SET put_back_at = NULL WHERE id = $1").bind(part);
             served.execute(change.db()).await?;
         }
         change.commit().await
@@ -84,7 +84,7 @@ async fn ensure_same_copies(
     placed: &[ProvedPlacement],
 ) -> Result<()> {
     let taken: Vec<(PartId, u32)> =
-        sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ? ORDER BY part_id, copy")
+        sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1 ORDER BY part_id, copy")
             .bind(build)
             .fetch_all(change.db())
             .await?;
@@ -100,11 +100,11 @@ async fn ensure_same_copies(
 }
 
 async fn write_result(change: &mut LedgerChange, build: BuildId, verified: &Verified) -> Result<()> {
-    sqlx::query(
-        "UPDATE build SET file_name = ?, queue_id = ?, file_hash = ?, file_bytes = ?, height_mm = ?, density = ?, \
-         lower_bound_mm = ?, layers = ?, part_volume_mm3 = ?, copies = ?, clearance_mm = ?, clearance_proved_mm = ?, \
-         cpu_secs = coalesce(cpu_secs, 0) + ?, wall_secs = ?, evaluations = ?, seed = ?, method = ?, version = ?, \
-         profile_snapshot = ?, curve = ?, sidecars = ? WHERE id = ?",
+    sql::query(
+        "UPDATE build SET file_name = $1, queue_id = $2, file_hash = $3, file_bytes = $4, height_mm = $5, density = $6, \
+         lower_bound_mm = $7, layers = $8, part_volume_mm3 = $9, copies = $10, clearance_mm = $11, clearance_proved_mm = $12, \
+         cpu_secs = coalesce(cpu_secs, 0) + $13, wall_secs = $14, evaluations = $15, seed = $16, method = $17, version = $18, \
+         profile_snapshot = $19, curve = $20, sidecars = $21 WHERE id = $22",
     )
     .bind(&verified.file.file_name)
     .bind(&verified.file.queue_id)
@@ -136,9 +136,9 @@ async fn write_result(change: &mut LedgerChange, build: BuildId, verified: &Veri
 async fn write_pose(change: &mut LedgerChange, build: BuildId, placed: &ProvedPlacement) -> Result<()> {
     let ([qx, qy, qz, qw], [x, y, z]) = (placed.rotation, placed.translation_mm);
     let direction = |axis: usize| placed.removal.map(|removal| removal.direction[axis]);
-    sqlx::query(
-        "UPDATE placement SET qx = ?, qy = ?, qz = ?, qw = ?, tx_mm = ?, ty_mm = ?, tz_mm = ?, \
-         drawn = ?, way_x = ?, way_y = ?, way_z = ? WHERE part_id = ? AND copy = ? AND build_id = ?",
+    sql::query(
+        "UPDATE placement SET qx = $1, qy = $2, qz = $3, qw = $4, tx_mm = $5, ty_mm = $6, tz_mm = $7, \
+         drawn = $8, way_x = $9, way_y = $10, way_z = $11 WHERE part_id = $12 AND copy = $13 AND build_id = $14",
     )
     .bind(qx)
     .bind(qy)

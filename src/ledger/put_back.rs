@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::{
     BuildId, BuildState, EventKind, Ledger, LedgerError, PartId, PartState, change::LedgerChange, error::Result,
-    nesting::group_by_part,
+    nesting::group_by_part, sql,
 };
 
 /// Copies of a part.
@@ -101,24 +101,24 @@ impl Ledger {
 
     /// The parts whose originals were requested from the archive, oldest first.
     pub async fn parts_to_fetch(&self) -> Result<Vec<super::PartRow>> {
-        let query = sqlx::query_as("SELECT * FROM part WHERE fetch_at IS NOT NULL ORDER BY id");
+        let query = sql::query_as("SELECT * FROM part WHERE fetch_at IS NOT NULL ORDER BY id");
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
     /// The store holds this content again, so its parts continue.
     pub async fn mark_fetched(&self, hash: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let mark = sqlx::query("UPDATE part SET fetch_at = NULL WHERE content_hash = ? AND fetch_at IS NOT NULL");
+        let mark = sql::query("UPDATE part SET fetch_at = NULL WHERE content_hash = $1 AND fetch_at IS NOT NULL");
         mark.bind(hash).execute(change.db()).await?;
         change.commit().await
     }
 
     /// Names of the build files that hold copies of parts with this content, newest first.
     pub async fn build_files_with_content(&self, hash: &str) -> Result<Vec<(String, String)>> {
-        let query = sqlx::query_as(
+        let query = sql::query_as(
             "SELECT b.profile, b.file_name FROM build b WHERE b.file_name IS NOT NULL AND b.id IN (\
-             SELECT l.build_id FROM part p JOIN placement l ON l.part_id = p.id WHERE p.content_hash = ?1 \
-             UNION SELECT l.build_id FROM part p JOIN bad_placement l ON l.part_id = p.id WHERE p.content_hash = ?1) \
+             SELECT l.build_id FROM part p JOIN placement l ON l.part_id = p.id WHERE p.content_hash = $1 \
+             UNION SELECT l.build_id FROM part p JOIN bad_placement l ON l.part_id = p.id WHERE p.content_hash = $1) \
              ORDER BY b.id DESC",
         );
         Ok(query.bind(hash).fetch_all(self.reader()?).await?)
@@ -133,23 +133,23 @@ async fn printed_copies(change: &mut LedgerChange, target: &ReprintTarget) -> Re
             if change.require_build(*build).await?.1 != BuildState::Failed {
                 change.ensure_build_state(*build, printed).await?;
             }
-            sqlx::query_as("SELECT build_id, part_id, copy FROM placement WHERE build_id = ?").bind(build)
+            sql::query_as("SELECT build_id, part_id, copy FROM placement WHERE build_id = $1").bind(build)
         }
         .fetch_all(change.db())
         .await?,
         ReprintTarget::Part(part, _) => {
             change.require_part(*part).await?;
-            sqlx::query_as(
+            sql::query_as(
                 "SELECT l.build_id, l.part_id, l.copy FROM placement l JOIN build b ON b.id = l.build_id \
-                 WHERE l.part_id = ? AND b.published_at IS NOT NULL ORDER BY b.published_at DESC, l.copy DESC",
+                 WHERE l.part_id = $1 AND b.published_at IS NOT NULL ORDER BY b.published_at DESC, l.copy DESC",
             )
             .bind(part)
             .fetch_all(change.db())
             .await?
         }
-        ReprintTarget::Order(name) => sqlx::query_as(
+        ReprintTarget::Order(name) => sql::query_as(
             "SELECT l.build_id, l.part_id, l.copy FROM part p JOIN placement l ON l.part_id = p.id \
-             JOIN build b ON b.id = l.build_id WHERE p.order_name = ? AND p.order_name <> '' AND b.published_at IS NOT NULL",
+             JOIN build b ON b.id = l.build_id WHERE p.order_name = $1 AND p.order_name <> '' AND b.published_at IS NOT NULL",
         )
         .bind(name)
         .fetch_all(change.db())
@@ -215,11 +215,11 @@ impl LedgerChange {
         is_owed: bool,
     ) -> Result<()> {
         let now = self.now;
-        sqlx::query(
+        sql::query(
             "INSERT INTO bad_placement (build_id, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm, drawn, way_x, \
              way_y, way_z, told_by, told_at, is_owed) \
-             SELECT build_id, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm, drawn, way_x, way_y, way_z, ?, ?, ? \
-             FROM placement WHERE part_id = ? AND copy = ? AND build_id = ?",
+             SELECT build_id, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm, drawn, way_x, way_y, way_z, $1, $2, $3 \
+             FROM placement WHERE part_id = $4 AND copy = $5 AND build_id = $6",
         )
         .bind(told_by)
         .bind(now)
@@ -229,8 +229,8 @@ impl LedgerChange {
         .bind(build)
         .execute(self.db())
         .await?;
-        let lift = sqlx::query("DELETE FROM placement WHERE part_id = ? AND copy = ? AND build_id = ?");
-        if lift.bind(part).bind(copy).bind(build).execute(self.db()).await?.rows_affected() == 0 {
+        let lift = sql::query("DELETE FROM placement WHERE part_id = $1 AND copy = $2 AND build_id = $3");
+        if lift.bind(part).bind(copy).bind(build).execute(self.db()).await? == 0 {
             return Err(LedgerError::NotInBuild { part, copy, build });
         }
         Ok(())
@@ -240,8 +240,8 @@ impl LedgerChange {
     async fn put_part_back(&mut self, id: PartId, state: PartState, build: BuildId, detail: &str) -> Result<()> {
         let now = self.now;
         let fetch = (state == PartState::Built).then_some(now);
-        sqlx::query(
-            "UPDATE part SET put_back_at = coalesce(put_back_at, ?), fetch_at = coalesce(fetch_at, ?) WHERE id = ?",
+        sql::query(
+            "UPDATE part SET put_back_at = coalesce(put_back_at, $1), fetch_at = coalesce(fetch_at, $2) WHERE id = $3",
         )
         .bind(now)
         .bind(fetch)
@@ -259,8 +259,8 @@ impl LedgerChange {
 
     /// Copies of a build that were told bad count as good again, unless they are in another build by now.
     pub async fn return_bad_copies(&mut self, build: BuildId, report: &mut PutBackReport) -> Result<()> {
-        let bad: Vec<(PartId, u32, bool)> = sqlx::query_as(
-            "SELECT part_id, copy, is_owed FROM bad_placement WHERE build_id = ? ORDER BY part_id, copy",
+        let bad: Vec<(PartId, u32, bool)> = sql::query_as(
+            "SELECT part_id, copy, is_owed FROM bad_placement WHERE build_id = $1 ORDER BY part_id, copy",
         )
         .bind(build)
         .fetch_all(self.db())
@@ -269,7 +269,7 @@ impl LedgerChange {
         for (id, copy, is_owed) in bad {
             let part = self.require_part(id).await?;
             let holder: Option<BuildId> =
-                sqlx::query_scalar("SELECT build_id FROM placement WHERE part_id = ? AND copy = ?")
+                sql::query_scalar("SELECT build_id FROM placement WHERE part_id = $1 AND copy = $2")
                     .bind(id)
                     .bind(copy)
                     .fetch_optional(self.db())
@@ -297,17 +297,17 @@ impl LedgerChange {
     }
 
     async fn move_from_bad(&mut self, build: BuildId, part: PartId, copy: u32) -> Result<()> {
-        sqlx::query(
+        sql::query(
             "INSERT INTO placement (build_id, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm, drawn, way_x, way_y, way_z) \
              SELECT build_id, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm, drawn, way_x, way_y, way_z \
-             FROM bad_placement WHERE build_id = ? AND part_id = ? AND copy = ?",
+             FROM bad_placement WHERE build_id = $1 AND part_id = $2 AND copy = $3",
         )
         .bind(build)
         .bind(part)
         .bind(copy)
         .execute(self.db())
         .await?;
-        let lift = sqlx::query("DELETE FROM bad_placement WHERE build_id = ? AND part_id = ? AND copy = ?");
+        let lift = sql::query("DELETE FROM bad_placement WHERE build_id = $1 AND part_id = $2 AND copy = $3");
         lift.bind(build).bind(part).bind(copy).execute(self.db()).await?;
         Ok(())
     }
@@ -321,7 +321,10 @@ impl LedgerChange {
 
     /// Changes the number of copies that are not wanted any more.
     pub async fn change_cancelled(&mut self, id: PartId, by: i64) -> Result<()> {
-        let set = sqlx::query("UPDATE part SET cancelled_copies = max(cancelled_copies + ?, 0) WHERE id = ?");
+        let set = sql::query(
+            "UPDATE part SET cancelled_copies = \
+             CASE WHEN cancelled_copies + $1 > 0 THEN cancelled_copies + $1 ELSE 0 END WHERE id = $2",
+        );
         set.bind(by).bind(id).execute(self.db()).await?;
         Ok(())
     }
@@ -332,16 +335,16 @@ impl LedgerChange {
             return Ok(());
         }
         self.move_part(id, PartState::Batched, build, "no copy waits any more").await?;
-        let open: u32 = sqlx::query_scalar(
+        let open: u32 = sql::query_scalar(
             "SELECT count(*) FROM placement l JOIN build b ON b.id = l.build_id \
-             WHERE l.part_id = ? AND b.published_at IS NULL",
+             WHERE l.part_id = $1 AND b.published_at IS NULL",
         )
         .bind(id)
         .fetch_one(self.db())
         .await?;
         if open == 0 {
             self.move_part(id, PartState::Built, build, "no copy waits any more").await?;
-            sqlx::query("UPDATE part SET fetch_at = NULL, put_back_at = NULL WHERE id = ?")
+            sql::query("UPDATE part SET fetch_at = NULL, put_back_at = NULL WHERE id = $1")
                 .bind(id)
                 .execute(self.db())
                 .await?;

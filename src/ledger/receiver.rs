@@ -3,9 +3,13 @@
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
-use sqlx::FromRow;
 
-use super::{EventKind, EventRow, Ledger, UtcTimestamp, error::Result, text_column::own_word};
+use super::{
+    EventKind, EventRow, Ledger, UtcTimestamp,
+    error::Result,
+    sql::{self, sql_row},
+    text_column::own_word,
+};
 
 /// Kind of receiver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -20,13 +24,12 @@ pub enum ReceiverKind {
 own_word!(ReceiverKind);
 
 /// Delivery state of a receiver.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ReceiverRow {
     /// Which receiver.
     pub name: ReceiverKind,
     /// The latest event that was delivered to it or is not meant for it.
     #[serde(rename = "told_id")]
-    #[sqlx(rename = "told_id")]
     pub delivered_id: i64,
     /// Since when delivery fails.
     pub failing_at: Option<UtcTimestamp>,
@@ -36,22 +39,24 @@ pub struct ReceiverRow {
     pub dropped: u64,
 }
 
+sql_row!(ReceiverRow { name, delivered_id = "told_id", failing_at, failure, dropped });
+
 impl Ledger {
     /// All receivers.
     pub async fn list_receivers(&self) -> Result<Vec<ReceiverRow>> {
-        Ok(sqlx::query_as("SELECT * FROM receiver ORDER BY name").fetch_all(self.reader()?).await?)
+        Ok(sql::query_as("SELECT * FROM receiver ORDER BY name").fetch_all(self.reader()?).await?)
     }
 
     /// Returns the delivery state of a receiver. A new receiver starts now.
     pub async fn find_or_add_receiver(&self, name: ReceiverKind) -> Result<ReceiverRow> {
-        let query = || sqlx::query_as("SELECT * FROM receiver WHERE name = ?").bind(name);
+        let query = || sql::query_as("SELECT * FROM receiver WHERE name = $1").bind(name);
         if let Some(known) = query().fetch_optional(self.reader()?).await? {
             return Ok(known);
         }
         let mut change = self.begin_change().await?;
         let now = "INSERT INTO receiver (name, told_id) \
-            VALUES (?, coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'event'), 0)) ON CONFLICT DO NOTHING";
-        sqlx::query(now).bind(name).execute(change.db()).await?;
+            VALUES ($1, coalesce((SELECT max(id) FROM event), 0)) ON CONFLICT DO NOTHING";
+        sql::query(now).bind(name).execute(change.db()).await?;
         let row = query().fetch_one(change.db()).await?;
         change.commit().await?;
         Ok(row)
@@ -61,7 +66,7 @@ impl Ledger {
     pub async fn forget_receiver(&self, name: ReceiverKind) -> Result<()> {
         if self.list_receivers().await?.iter().any(|row| row.name == name) {
             let mut change = self.begin_change().await?;
-            sqlx::query("DELETE FROM receiver WHERE name = ?").bind(name).execute(change.db()).await?;
+            sql::query("DELETE FROM receiver WHERE name = $1").bind(name).execute(change.db()).await?;
             change.commit().await?;
         }
         Ok(())
@@ -69,8 +74,8 @@ impl Ledger {
 
     /// The first event of these kinds after event `after`.
     pub async fn next_event(&self, after: i64, kinds: &[EventKind]) -> Result<Option<EventRow>> {
-        let query = sqlx::query_as(
-            "SELECT * FROM event WHERE id > ? AND kind IN (SELECT value FROM json_each(?)) ORDER BY id LIMIT 1",
+        let query = sql::query_as(
+            "SELECT * FROM event WHERE id > $1 AND kind IN (SELECT value FROM json_each($2)) ORDER BY id LIMIT 1",
         );
         Ok(query.bind(after).bind(json_array(kinds)).fetch_optional(self.reader()?).await?)
     }
@@ -78,15 +83,15 @@ impl Ledger {
     /// Number of events of these kinds after event `after`.
     pub async fn count_events_after(&self, after: i64, kinds: &[EventKind]) -> Result<u64> {
         let query =
-            sqlx::query_scalar("SELECT count(*) FROM event WHERE id > ? AND kind IN (SELECT value FROM json_each(?))");
+            sql::query_scalar("SELECT count(*) FROM event WHERE id > $1 AND kind IN (SELECT value FROM json_each($2))");
         Ok(query.bind(after).bind(json_array(kinds)).fetch_one(self.reader()?).await?)
     }
 
     /// Records that a receiver has all events up to this one.
     pub async fn mark_delivered(&self, name: ReceiverKind, event: i64) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let delivered = "UPDATE receiver SET told_id = max(told_id, ?), failing_at = NULL, failure = '' WHERE name = ?";
-        sqlx::query(delivered).bind(event).bind(name).execute(change.db()).await?;
+        let delivered = "UPDATE receiver SET told_id = CASE WHEN told_id > $1 THEN told_id ELSE $1 END, failing_at = NULL, failure = '' WHERE name = $2";
+        sql::query(delivered).bind(event).bind(name).execute(change.db()).await?;
         change.commit().await
     }
 
@@ -94,8 +99,8 @@ impl Ledger {
     pub async fn record_delivery_failure(&self, name: ReceiverKind, why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let now = change.now;
-        let failing = "UPDATE receiver SET failing_at = coalesce(failing_at, ?), failure = ? WHERE name = ?";
-        sqlx::query(failing).bind(now).bind(why).bind(name).execute(change.db()).await?;
+        let failing = "UPDATE receiver SET failing_at = coalesce(failing_at, $1), failure = $2 WHERE name = $3";
+        sql::query(failing).bind(now).bind(why).bind(name).execute(change.db()).await?;
         change.commit().await
     }
 
@@ -104,9 +109,9 @@ impl Ledger {
     pub async fn drop_undelivered(&self, name: ReceiverKind, before: Timestamp, kinds: &[EventKind]) -> Result<u64> {
         let mut change = self.begin_change().await?;
         let delivered: i64 =
-            sqlx::query_scalar("SELECT told_id FROM receiver WHERE name = ?").bind(name).fetch_one(change.db()).await?;
-        let (dropped, last): (u64, Option<i64>) = sqlx::query_as(
-            "SELECT count(*), max(id) FROM event WHERE id > ? AND at < ? AND kind IN (SELECT value FROM json_each(?))",
+            sql::query_scalar("SELECT told_id FROM receiver WHERE name = $1").bind(name).fetch_one(change.db()).await?;
+        let (dropped, last): (u64, Option<i64>) = sql::query_as(
+            "SELECT count(*), max(id) FROM event WHERE id > $1 AND at < $2 AND kind IN (SELECT value FROM json_each($3))",
         )
         .bind(delivered)
         .bind(UtcTimestamp(before))
@@ -114,7 +119,7 @@ impl Ledger {
         .fetch_one(change.db())
         .await?;
         let Some(last) = last else { return Ok(0) };
-        sqlx::query("UPDATE receiver SET told_id = ?, dropped = dropped + ? WHERE name = ?")
+        sql::query("UPDATE receiver SET told_id = $1, dropped = dropped + $2 WHERE name = $3")
             .bind(last)
             .bind(dropped as i64)
             .bind(name)

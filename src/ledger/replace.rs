@@ -10,7 +10,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use super::{Ledger, LedgerError, error::Result, health, ledger::connect_options, location};
+use super::{
+    LedgerError,
+    error::Result,
+    health, location,
+    sqlite_store::{SqliteStore, connect_options},
+};
 
 /// Suffixes of the files that SQLite and nestd keep beside a ledger. Those of the old ledger must be gone before the
 /// new one is in place, or SQLite would apply the old write-ahead log to it.
@@ -90,7 +95,7 @@ async fn fold_into_one_file(ledger: &Path) -> bool {
         Err(_) => return false,
         Ok(false) => {}
     }
-    let Ok(open) = Ledger::connect(ledger, connect_options(ledger)).await else { return false };
+    let Ok(open) = SqliteStore::connect(ledger, connect_options(ledger)).await else { return false };
     let folded = sqlx::query_as::<_, (i64, i64, i64)>("PRAGMA wal_checkpoint(TRUNCATE)").fetch_one(open.writer()).await;
     open.close().await;
     folded.is_ok_and(|(busy, ..)| busy == 0) && !health::has_content(&with_suffix(ledger, "-wal"))

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{
     BuildId, BuildState, EventKind, Ledger, LedgerError, PartId, PartState, PutBackReport, change::LedgerChange,
-    error::Result, nesting::group_by_part,
+    error::Result, nesting::group_by_part, sql,
 };
 
 /// States of a build that may be issued again.
@@ -17,13 +17,13 @@ impl Ledger {
     pub async fn requeue_build(&self, build: BuildId, asked_by: &str) -> Result<BuildId> {
         let mut change = self.begin_change().await?;
         let profile = change.ensure_build_state(build, PRINTED).await?;
-        let counted: Vec<(PartId, u32)> = sqlx::query_as("SELECT part_id, copy FROM placement WHERE build_id = ?")
+        let counted: Vec<(PartId, u32)> = sql::query_as("SELECT part_id, copy FROM placement WHERE build_id = $1")
             .bind(build)
             .fetch_all(change.db())
             .await?;
         change.mark_bad(build, &counted, asked_by, true, &mut PutBackReport::default()).await?;
         let copies: Vec<(PartId, u32)> =
-            sqlx::query_as("SELECT part_id, copy FROM bad_placement WHERE build_id = ? ORDER BY part_id, copy")
+            sql::query_as("SELECT part_id, copy FROM bad_placement WHERE build_id = $1 ORDER BY part_id, copy")
                 .bind(build)
                 .fetch_all(change.db())
                 .await?;
@@ -50,9 +50,9 @@ async fn insert_repeated_build(
     copies: usize,
 ) -> Result<BuildId> {
     let now = change.now;
-    let new: BuildId = sqlx::query_scalar(
+    let new: BuildId = sql::query_scalar(
         "INSERT INTO build (profile, state, fired_by, attempts, opened_at, nesting_at, state_at, copies, repeats) \
-         VALUES (?1, 'nesting', 'requeue', 1, ?2, ?2, ?2, ?3, ?4) RETURNING id",
+         VALUES ($1, 'nesting', 'requeue', 1, $2, $2, $2, $3, $4) RETURNING id",
     )
     .bind(profile)
     .bind(now)
@@ -78,7 +78,7 @@ async fn take_copies(
     }
     for &copy in copies {
         let holder: Option<BuildId> =
-            sqlx::query_scalar("SELECT build_id FROM placement WHERE part_id = ? AND copy = ?")
+            sql::query_scalar("SELECT build_id FROM placement WHERE part_id = $1 AND copy = $2")
                 .bind(id)
                 .bind(copy)
                 .fetch_optional(change.db())
@@ -86,10 +86,10 @@ async fn take_copies(
         if let Some(build) = holder {
             return Err(LedgerError::PrintedElsewhere { part: id, copy: copy + 1, build });
         }
-        sqlx::query(
+        sql::query(
             "INSERT INTO placement (build_id, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm) \
-             SELECT ?, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm FROM bad_placement \
-             WHERE build_id = ? AND part_id = ? AND copy = ?",
+             SELECT $1, part_id, copy, qx, qy, qz, qw, tx_mm, ty_mm, tz_mm FROM bad_placement \
+             WHERE build_id = $2 AND part_id = $3 AND copy = $4",
         )
         .bind(to)
         .bind(from)

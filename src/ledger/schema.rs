@@ -1,6 +1,9 @@
 //! The schema: migrations embedded in the binary. A released migration is never edited.
 
-use std::{path::Path, sync::LazyLock};
+use std::{
+    path::{Path, PathBuf},
+    sync::LazyLock,
+};
 
 use sqlx::{
     SqlSafeStr, SqlitePool,
@@ -28,12 +31,15 @@ const FILES: [(i64, &str, &str); 14] = [
     (19, "dates", include_str!("../../migrations/0019_dates.sql")),
 ];
 
-pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| {
-    let migration = |(version, description, text): (i64, &'static str, &'static str)| {
+pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(&FILES));
+
+/// The migrations of a list of files.
+pub(super) fn migrator(files: &[(i64, &'static str, &'static str)]) -> Migrator {
+    let migration = |&(version, description, text): &(i64, &'static str, &'static str)| {
         Migration::new(version, description.into(), MigrationType::Simple, text.into_sql_str(), false)
     };
-    Migrator::with_migrations(FILES.map(migration).into())
-});
+    Migrator::with_migrations(files.iter().map(migration).collect())
+}
 
 /// The newest schema that this binary knows.
 pub(super) fn newest_version() -> i64 {
@@ -67,7 +73,12 @@ pub async fn ensure_current_version(path: &Path, writer: &SqlitePool) -> Result<
             .await
             .map_err(failed)?,
     };
-    let (path, known) = (path.to_owned(), newest_version());
+    compare_versions(path.to_owned(), found)
+}
+
+/// Fails unless `found` is the version of this binary.
+pub(super) fn compare_versions(path: PathBuf, found: i64) -> Result<()> {
+    let known = newest_version();
     match found.cmp(&known) {
         std::cmp::Ordering::Less => Err(LedgerError::OlderSchema { path, found, known }),
         std::cmp::Ordering::Equal => Ok(()),

@@ -5,9 +5,12 @@ use std::collections::BTreeMap;
 use jiff::{SignedDuration, Timestamp};
 use schemars::JsonSchema;
 use serde::Serialize;
-use sqlx::{FromRow, SqliteConnection};
 
-use super::{BuildId, BuildState, Ledger, PauseCause, UtcTimestamp, error::Result};
+use super::{
+    BuildId, BuildState, Ledger, PauseCause, UtcTimestamp,
+    error::Result,
+    sql::{self, FromSqlRow, SqlRow, SqlTransaction, sql_row},
+};
 
 /// Time for which a refused part can be retried and counts as refused.
 pub const RETRY_PERIOD: SignedDuration = SignedDuration::from_hours(30 * 24);
@@ -59,7 +62,7 @@ pub struct DueArrival {
 }
 
 /// The forecast of the next build.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct OpenBuildForecast {
     /// Its number.
     pub build: BuildId,
@@ -71,8 +74,10 @@ pub struct OpenBuildForecast {
     pub copies: Option<u32>,
 }
 
+sql_row!(OpenBuildForecast { build, height_mm, density, copies });
+
 /// A build that has been started and is not published.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct NestingBuild {
     /// Its number.
     pub build: BuildId,
@@ -88,8 +93,10 @@ pub struct NestingBuild {
     pub nesting_at: Option<UtcTimestamp>,
 }
 
+sql_row!(NestingBuild { build, state, copies, fired_by, attempts, nesting_at });
+
 /// A pause.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct PauseStatus {
     /// user@host, or the name of the daemon.
     pub paused_by: String,
@@ -100,8 +107,10 @@ pub struct PauseStatus {
     pub paused_at: UtcTimestamp,
 }
 
+sql_row!(PauseStatus { paused_by, cause, paused_at });
+
 /// A build in the queue.
-#[derive(Debug, Clone, PartialEq, Serialize, FromRow, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PublishedBuild {
     /// Its number.
     pub build: BuildId,
@@ -117,16 +126,21 @@ pub struct PublishedBuild {
     pub file_name: Option<String>,
 }
 
+sql_row!(PublishedBuild { build, published_at, height_mm, density, copies, file_name });
+
 /// A row together with its machine profile.
-#[derive(FromRow)]
 struct WithProfile<T> {
     profile: String,
-    #[sqlx(flatten)]
     row: T,
 }
 
+impl<T: FromSqlRow> FromSqlRow for WithProfile<T> {
+    fn from_sql_row(row: &SqlRow) -> sqlx::Result<Self> {
+        Ok(Self { profile: row.column("profile")?, row: T::from_sql_row(row)? })
+    }
+}
+
 /// Numbers of parts of a profile.
-#[derive(FromRow)]
 struct PartCounts {
     claimed_parts: u32,
     waiting_parts: u32,
@@ -135,44 +149,51 @@ struct PartCounts {
     newest_at: Option<UtcTimestamp>,
 }
 
+sql_row!(PartCounts { claimed_parts, waiting_parts, waiting_copies, oldest_at, newest_at });
+
 /// The nearest due date.
-#[derive(FromRow)]
 struct NearestDue {
     due_at: UtcTimestamp,
     due_text: String,
 }
 
+sql_row!(NearestDue { due_at, due_text });
+
 /// A due date of parts that can be built.
-#[derive(FromRow)]
 struct DueDateRow {
     due_at: UtcTimestamp,
     arrived_at: UtcTimestamp,
     due_of: String,
 }
 
-const COUNTS: &str = "SELECT p.profile, sum(p.state = 'claimed') AS claimed_parts, \
-    sum(p.state = 'waiting') AS waiting_parts, \
-    sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - (SELECT count(*) FROM placement l WHERE l.part_id = p.id) \
-    ELSE 0 END) AS waiting_copies, \
+sql_row!(DueDateRow { due_at, arrived_at, due_of });
+
+const COUNTS: &str = "SELECT p.profile, count(*) FILTER (WHERE p.state = 'claimed') AS claimed_parts, \
+    count(*) FILTER (WHERE p.state = 'waiting') AS waiting_parts, \
+    CAST(sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - \
+    (SELECT count(*) FROM placement l WHERE l.part_id = p.id) ELSE 0 END) AS BIGINT) AS waiting_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
-    max(max(p.claimed_at, coalesce(p.put_back_at, ''))) AS newest_at FROM part p \
+    max(coalesce(p.put_back_at, p.claimed_at)) AS newest_at FROM part p \
     WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
 
 /// Counts only rejected parts that can still be retried and were not cancelled; over the years, many parts are
 /// rejected.
-const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.state = 'rejected' AND p.state_at >= ? \
+const REJECTED: &str = "SELECT p.profile, count(*) AS parts FROM part p WHERE p.state = 'rejected' AND p.state_at >= $1 \
     AND coalesce((SELECT e.cause FROM event e WHERE e.part_id = p.id AND e.kind = 'rejected' ORDER BY e.id DESC LIMIT 1), '') \
     NOT IN ('cancelled', 'replaced') GROUP BY p.profile";
 
-/// For each profile, the part that is due first. SQLite takes the other columns from the row with the minimum.
-const DUE: &str = "SELECT profile, due_text, min(due_at) AS due_at FROM part \
-    WHERE state = 'waiting' AND due_at IS NOT NULL GROUP BY profile";
+/// For each profile, the part that is due first.
+const DUE: &str = "SELECT profile, due_text, due_at FROM (\
+    SELECT profile, due_text, due_at, ROW_NUMBER() OVER (PARTITION BY profile ORDER BY due_at, id) AS place \
+    FROM part WHERE state = 'waiting' AND due_at IS NOT NULL) AS ranked WHERE place = 1";
 
 /// The due dates of what can be built, each with its earliest arrival and the part or order of that.
-const DUE_ARRIVALS: &str = "SELECT profile, due_at, min(max(claimed_at, coalesce(put_back_at, ''))) AS arrived_at, \
-    CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of FROM part \
+const DUE_ARRIVALS: &str = "SELECT profile, due_at, arrived_at, due_of FROM (\
+    SELECT profile, due_at, coalesce(put_back_at, claimed_at) AS arrived_at, \
+    CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of, \
+    ROW_NUMBER() OVER (PARTITION BY profile, due_at ORDER BY coalesce(put_back_at, claimed_at), id) AS place FROM part \
     WHERE state = 'waiting' AND due_at IS NOT NULL AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' \
-    AND replaced_by IS NULL GROUP BY profile, due_at ORDER BY profile, due_at";
+    AND replaced_by IS NULL) AS ranked WHERE place = 1 ORDER BY profile, due_at";
 
 const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
 
@@ -200,7 +221,7 @@ impl Ledger {
     /// All profiles with rows in the ledger, by name.
     pub async fn profile_statuses(&self) -> Result<Vec<ProfileStatus>> {
         let mut snapshot = self.begin_snapshot().await?;
-        let db = &mut *snapshot;
+        let db = &mut snapshot;
         let mut profiles = BTreeMap::new();
         for WithProfile { profile, row } in fetch_by_profile::<PartCounts>(db, COUNTS).await? {
             let counted = ProfileStatus {
@@ -213,8 +234,7 @@ impl Ledger {
             };
             profiles.insert(profile, counted);
         }
-        let rejected =
-            sqlx::query_as::<_, (String, u32)>(REJECTED).bind(self.refused_since()).fetch_all(&mut *db).await?;
+        let rejected = sql::query_as::<(String, u32)>(REJECTED).bind(self.refused_since()).fetch_all(&mut *db).await?;
         for (profile, parts) in rejected {
             profile_entry(&mut profiles, &profile).rejected_parts = parts;
         }
@@ -255,17 +275,17 @@ impl Ledger {
 impl Ledger {
     /// When the newest part of a profile that waits or is read arrived.
     pub async fn newest_arrival(&self, profile: &str) -> Result<Option<UtcTimestamp>> {
-        let query = "SELECT max(max(claimed_at, coalesce(put_back_at, ''))) FROM part \
-            WHERE profile = ? AND state IN ('claimed', 'waiting')";
-        Ok(sqlx::query_scalar(query).bind(profile).fetch_one(self.reader()?).await?)
+        let query = "SELECT max(coalesce(put_back_at, claimed_at)) FROM part \
+            WHERE profile = $1 AND state IN ('claimed', 'waiting')";
+        Ok(sql::query_scalar(query).bind(profile).fetch_one(self.reader()?).await?)
     }
 }
 
-async fn fetch_by_profile<T>(db: &mut SqliteConnection, query: &'static str) -> Result<Vec<WithProfile<T>>>
-where
-    T: for<'r> FromRow<'r, sqlx::sqlite::SqliteRow> + Send + Unpin,
-{
-    Ok(sqlx::query_as(query).fetch_all(db).await?)
+async fn fetch_by_profile<T: FromSqlRow + Send>(
+    db: &mut SqlTransaction,
+    query: &'static str,
+) -> Result<Vec<WithProfile<T>>> {
+    Ok(sql::query_as(query).fetch_all(db).await?)
 }
 
 /// Returns the status entry of a profile, and inserts it if it is missing.

@@ -5,12 +5,8 @@ use std::{borrow::Cow, fmt, ops::Deref};
 use jiff::{SpanRound, Timestamp, Unit};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Serialize, Serializer};
-use sqlx::{
-    Decode, Encode, Sqlite, Type,
-    encode::IsNull,
-    error::BoxDynError,
-    sqlite::{SqliteArgumentsBuffer, SqliteTypeInfo, SqliteValueRef},
-};
+
+use super::sql::{bind_as_text, read_text_by};
 
 /// A timestamp in a row; prints as '2026-11-20T04:49:00.000Z'.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -90,24 +86,8 @@ impl JsonSchema for UtcTimestamp {
     }
 }
 
-impl Type<Sqlite> for UtcTimestamp {
-    fn type_info() -> SqliteTypeInfo {
-        <str as Type<Sqlite>>::type_info()
-    }
-}
-
-impl<'r> Decode<'r, Sqlite> for UtcTimestamp {
-    fn decode(value: SqliteValueRef<'r>) -> Result<Self, BoxDynError> {
-        let text = <&str as Decode<Sqlite>>::decode(value)?;
-        Ok(Self(text.parse()?))
-    }
-}
-
-impl Encode<'_, Sqlite> for UtcTimestamp {
-    fn encode_by_ref(&self, buffer: &mut SqliteArgumentsBuffer) -> Result<IsNull, BoxDynError> {
-        <String as Encode<Sqlite>>::encode(self.to_string(), buffer)
-    }
-}
+bind_as_text!(UtcTimestamp);
+read_text_by!(UtcTimestamp, |text: &str| text.parse().map(UtcTimestamp));
 
 #[cfg(test)]
 mod tests {

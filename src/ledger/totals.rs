@@ -1,8 +1,10 @@
 //! Totals since the ledger was created, for metrics.
 
-use sqlx::FromRow;
-
-use super::{Ledger, error::Result};
+use super::{
+    Ledger,
+    error::Result,
+    sql::{self, sql_row},
+};
 
 /// Totals of everything that was taken and built.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,7 +24,7 @@ pub struct FarmTotals {
 }
 
 /// Number of builds of a profile in a state.
-#[derive(Debug, Clone, PartialEq, Eq, FromRow)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BuildCount {
     /// Machine profile.
     pub profile: String,
@@ -34,8 +36,10 @@ pub struct BuildCount {
     pub builds: u64,
 }
 
+sql_row!(BuildCount { profile, state, is_published, builds });
+
 /// Measured values of a published build.
-#[derive(Debug, Clone, PartialEq, FromRow)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredBuild {
     /// Machine profile.
     pub profile: String,
@@ -46,6 +50,8 @@ pub struct MeasuredBuild {
     /// Wall seconds of the final nesting.
     pub wall_secs: Option<f64>,
 }
+
+sql_row!(MeasuredBuild { profile, height_mm, density, wall_secs });
 
 const PARTS: &str = "SELECT profile, state, count(*) FROM part GROUP BY profile, state ORDER BY profile, state";
 const FILES: &str = "SELECT profile, count(*) FROM part WHERE object_index = 0 GROUP BY profile ORDER BY profile";
@@ -64,14 +70,14 @@ impl Ledger {
     /// Reads all totals in one consistent snapshot.
     pub async fn read_totals(&self) -> Result<FarmTotals> {
         let mut snapshot = self.begin_snapshot().await?;
-        let db = &mut *snapshot;
+        let db = &mut snapshot;
         Ok(FarmTotals {
-            parts: sqlx::query_as(PARTS).fetch_all(&mut *db).await?,
-            files: sqlx::query_as(FILES).fetch_all(&mut *db).await?,
-            refused: sqlx::query_as(REFUSED).fetch_all(&mut *db).await?,
-            unproved: sqlx::query_as(UNPROVED).fetch_all(&mut *db).await?,
-            builds: sqlx::query_as(BUILDS).fetch_all(&mut *db).await?,
-            measured: sqlx::query_as(MEASURED).fetch_all(&mut *db).await?,
+            parts: sql::query_as(PARTS).fetch_all(&mut *db).await?,
+            files: sql::query_as(FILES).fetch_all(&mut *db).await?,
+            refused: sql::query_as(REFUSED).fetch_all(&mut *db).await?,
+            unproved: sql::query_as(UNPROVED).fetch_all(&mut *db).await?,
+            builds: sql::query_as(BUILDS).fetch_all(&mut *db).await?,
+            measured: sql::query_as(MEASURED).fetch_all(&mut *db).await?,
         })
     }
 }

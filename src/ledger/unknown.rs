@@ -1,7 +1,9 @@
 //! Finds the entries of a long list that the ledger does not know. Each start runs these queries, so they check a few
 //! thousand entries at a time.
 
-use super::{Ledger, error::Result};
+use sqlx::AssertSqlSafe;
+
+use super::{Ledger, error::Result, sql};
 
 /// Entries per query.
 const CHUNK_LEN: usize = 5_000;
@@ -27,11 +29,11 @@ impl Ledger {
     }
 
     async fn find_unknown(&self, rows: &str, asked: &[String]) -> Result<Vec<String>> {
-        let query = format!("SELECT value FROM json_each(?) WHERE NOT EXISTS (SELECT 1 FROM {rows})");
+        let query = format!("SELECT value FROM json_each($1) WHERE NOT EXISTS (SELECT 1 FROM {rows})");
         let mut unknown = Vec::new();
         for some in asked.chunks(CHUNK_LEN) {
             let list = serde_json::Value::from(some).to_string();
-            let found = sqlx::query_scalar::<_, String>(sqlx::AssertSqlSafe(query.clone())).bind(list);
+            let found = sql::query_scalar::<String>(AssertSqlSafe(query.clone())).bind(list);
             unknown.extend(found.fetch_all(self.reader()?).await?);
         }
         Ok(unknown)

@@ -6,6 +6,7 @@ use super::{
     Ledger, PartId, PartRow,
     error::Result,
     precedence::{compare_precedence, sort_by_precedence},
+    sql,
 };
 
 /// A waiting part with its copies that are in no build.
@@ -21,20 +22,20 @@ impl Ledger {
     /// The waiting copies of a profile, without parts whose file is damaged, in order of precedence.
     pub async fn waiting_copies(&self, profile: &str) -> Result<Vec<WaitingPart>> {
         let mut snapshot = self.begin_snapshot().await?;
-        let mut parts: Vec<PartRow> = sqlx::query_as(
-            "SELECT * FROM part WHERE profile = ? AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
+        let mut parts: Vec<PartRow> = sql::query_as(
+            "SELECT * FROM part WHERE profile = $1 AND state = 'waiting' AND damaged_at IS NULL AND fetch_at IS NULL \
              AND question = '' AND replaced_by IS NULL",
         )
         .bind(profile)
-        .fetch_all(&mut *snapshot)
+        .fetch_all(&mut snapshot)
         .await?;
         sort_by_precedence(&mut parts);
-        let taken: Vec<(PartId, u32)> = sqlx::query_as(
+        let taken: Vec<(PartId, u32)> = sql::query_as(
             "SELECT l.part_id, l.copy FROM placement l JOIN part p ON p.id = l.part_id \
-             WHERE p.profile = ? AND p.state = 'waiting'",
+             WHERE p.profile = $1 AND p.state = 'waiting'",
         )
         .bind(profile)
-        .fetch_all(&mut *snapshot)
+        .fetch_all(&mut snapshot)
         .await?;
         let mut taken_copies: HashMap<PartId, HashSet<u32>> = HashMap::new();
         for (part, copy) in taken {

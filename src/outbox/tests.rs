@@ -41,7 +41,7 @@ impl OutboxFixture {
         fs::write(&secret, format!("{SECRET}\n")).unwrap();
         fs::set_permissions(&secret, fs::Permissions::from_mode(0o640)).unwrap();
         let ledger = fixtures::fresh().await;
-        let settings = Arc::new(RwLock::new(Arc::new(read(folder.path(), ledger.path(), notify))));
+        let settings = Arc::new(RwLock::new(Arc::new(read(folder.path(), ledger.file().unwrap(), notify))));
         Self { ledger, folder, settings, failures: Arc::default() }
     }
 
@@ -162,7 +162,7 @@ async fn nothing_is_lost_over_a_restart_and_a_receiver_that_was_taken_out_begins
     assert_eq!(delivered.iter().map(|m| m["part"]["name"].clone()).collect::<Vec<_>>(), ["a.stl", "b.stl", "c.stl"]);
     // Removed from the configuration and added again.
     let with = farm.settings.read().unwrap().clone();
-    *farm.settings.write().unwrap() = Arc::new(read(farm.folder.path(), farm.ledger.path(), ""));
+    *farm.settings.write().unwrap() = Arc::new(read(farm.folder.path(), farm.ledger.file().unwrap(), ""));
     while !farm.ledger.list_receivers().await.unwrap().is_empty() {
         tokio::time::sleep(Duration::from_millis(20)).await;
     }
@@ -184,7 +184,7 @@ async fn a_receiver_that_hangs_holds_up_neither_the_other_one_nor_the_stop() {
     let command = program(farm.folder.path(), "cat >> FOLDER/heard; echo >> FOLDER/heard");
     let notify =
         format!("webhook = \"{}\"\nsecret_file = \"SECRET\"\ntimeout_secs = 1\ncommand = [\"{command}\"]\n", hook.url);
-    *farm.settings.write().unwrap() = Arc::new(read(farm.folder.path(), farm.ledger.path(), &notify));
+    *farm.settings.write().unwrap() = Arc::new(read(farm.folder.path(), farm.ledger.file().unwrap(), &notify));
     let task = farm.tell(2).await;
     for name in ["a.stl", "b.stl", "c.stl"] {
         farm.refuse(&farm.ledger, name).await;
@@ -260,7 +260,7 @@ async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
     let event = farm.ledger.next_event(0, &kinds).await.unwrap().unwrap();
     let message = EventMessage::from_event(&event, &farm.ledger).await.unwrap();
     let notify = format!("command = [\"{command}\", \"one two\"]\n");
-    let notify = read(farm.folder.path(), farm.ledger.path(), &notify).interfaces.notify;
+    let notify = read(farm.folder.path(), farm.ledger.file().unwrap(), &notify).interfaces.notify;
     send_message(&notify, ReceiverKind::Command, &message).unwrap();
     assert_eq!(fs::read_to_string(farm.path("stdin")).unwrap(), message.body);
     let env = fs::read_to_string(farm.path("env")).unwrap();
@@ -274,7 +274,7 @@ async fn a_command_is_given_the_message_and_no_shell_sees_a_name() {
 async fn a_command_that_fails_or_hangs_has_received_nothing_and_leaves_nothing_running() {
     let farm = OutboxFixture::new("").await;
     let failing = program(farm.folder.path(), "echo no such printer >&2; exit 3");
-    let read = |words: &str| read(farm.folder.path(), farm.ledger.path(), words).interfaces.notify;
+    let read = |words: &str| read(farm.folder.path(), farm.ledger.file().unwrap(), words).interfaces.notify;
     let failed = send_message(
         &read(&format!("command = [\"{failing}\"]\n")),
         ReceiverKind::Command,

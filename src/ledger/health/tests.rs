@@ -187,7 +187,7 @@ async fn damage_without_a_seal_is_noticed_by_looking_at_every_page() {
 async fn a_word_that_no_state_machine_knows_is_damage_when_it_is_read() {
     let ledger = fresh().await;
     let part = waiting(&ledger, "a", 1).await;
-    let raw = SqlitePool::connect_with(SqliteConnectOptions::new().filename(ledger.path())).await.unwrap();
+    let raw = SqlitePool::connect_with(SqliteConnectOptions::new().filename(ledger.file().unwrap())).await.unwrap();
     sqlx::query("UPDATE part SET claimed_at = 'yesterdaz'").execute(&raw).await.unwrap();
     let error = ledger.find_part(part).await.unwrap_err();
     assert!(error.is_damage(), "{error}");

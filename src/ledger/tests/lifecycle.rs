@@ -1,6 +1,7 @@
 //! Tests of the lives of parts and builds, step by step.
 
 use super::*;
+use crate::ledger::sql;
 
 #[tokio::test]
 async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {
@@ -13,7 +14,7 @@ async fn a_claim_recorded_twice_is_one_part_with_one_ticket() {
     assert_eq!((first.is_new, again.is_new), (true, false));
     assert_eq!(first.id, again.id);
     let tickets: i64 =
-        sqlx::query_scalar("SELECT count(*) FROM ticket").fetch_one(ledger.reader().unwrap()).await.unwrap();
+        sql::query_scalar("SELECT count(*) FROM ticket").fetch_one(ledger.reader().unwrap()).await.unwrap();
     assert_eq!(tickets, 1);
     let row = ledger.find_part(first.id).await.unwrap().unwrap();
     assert_eq!((row.owed.copies, row.state, row.warnings.as_str()), (3, PartState::Claimed, "odd name"));

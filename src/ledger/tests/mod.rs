@@ -3,6 +3,8 @@
 mod backup;
 mod lifecycle;
 mod migrations;
+#[cfg(feature = "postgres")]
+mod on_postgres;
 mod opening;
 mod orders;
 mod queries;

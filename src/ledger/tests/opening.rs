@@ -1,5 +1,6 @@
 //! Tests of opening a ledger, and of two processes that write at the same time.
 
+use crate::ledger::sql;
 use std::{path::Path, process, time::Duration};
 
 use super::*;
@@ -20,19 +21,19 @@ async fn a_ledger_is_made_with_its_folder_and_opened_again() {
     ledger.close().await;
     let again = Ledger::open_existing(&path).await.unwrap();
     assert_eq!(part_state(&again, id).await, PartState::Waiting);
-    assert_eq!(again.path(), path);
-    let mode: String = sqlx::query_scalar("PRAGMA journal_mode").fetch_one(again.reader().unwrap()).await.unwrap();
+    assert_eq!(again.file().unwrap(), path);
+    let mode: String = sql::query_scalar("PRAGMA journal_mode").fetch_one(again.reader().unwrap()).await.unwrap();
     assert_eq!(mode, "wal");
     let mut change = again.begin_change().await.unwrap();
-    let full: i64 = sqlx::query_scalar("PRAGMA synchronous").fetch_one(change.db()).await.unwrap();
-    let keys: i64 = sqlx::query_scalar("PRAGMA foreign_keys").fetch_one(change.db()).await.unwrap();
+    let full: i64 = sql::query_scalar("PRAGMA synchronous").fetch_one(change.db()).await.unwrap();
+    let keys: i64 = sql::query_scalar("PRAGMA foreign_keys").fetch_one(change.db()).await.unwrap();
     assert_eq!((full, keys), (2, 1), "synchronous = FULL, foreign keys on");
 }
 
 #[tokio::test]
 async fn a_reader_cannot_write() {
     let ledger = fresh().await;
-    let written = sqlx::query("DELETE FROM pause").execute(ledger.reader().unwrap()).await.unwrap_err();
+    let written = sql::query("DELETE FROM pause").execute(ledger.reader().unwrap()).await.unwrap_err();
     assert!(matches!(LedgerError::from(written), LedgerError::ReadOnly));
 }
 
@@ -44,13 +45,13 @@ async fn a_ledger_of_another_schema_is_refused() {
     let mut change = ledger.begin_change().await.unwrap();
     let newer = "INSERT INTO _sqlx_migrations SELECT 9999, description, installed_on, success, checksum, 0 \
                  FROM _sqlx_migrations LIMIT 1";
-    sqlx::query(newer).execute(change.db()).await.unwrap();
+    sql::query(newer).execute(change.db()).await.unwrap();
     change.commit().await.unwrap();
     for refused in [Ledger::open(&path).await, Ledger::open_existing(&path).await] {
         assert!(matches!(refused, Err(LedgerError::NewerSchema { found: 9999, .. })), "{refused:?}");
     }
     let mut change = ledger.begin_change().await.unwrap();
-    sqlx::query("DELETE FROM _sqlx_migrations").execute(change.db()).await.unwrap();
+    sql::query("DELETE FROM _sqlx_migrations").execute(change.db()).await.unwrap();
     change.commit().await.unwrap();
     assert!(matches!(Ledger::open_existing(&path).await, Err(LedgerError::OlderSchema { found: 0, .. })));
 }
@@ -119,7 +120,7 @@ async fn processes_and_pools_that_write_at_once_never_see_a_locked_ledger() {
     second.await.unwrap();
     assert!(child.wait().unwrap().success(), "the second process failed");
     let ledger = Ledger::open_existing(&path).await.unwrap();
-    let all: i64 = sqlx::query_scalar("SELECT count(*) FROM part").fetch_one(ledger.reader().unwrap()).await.unwrap();
+    let all: i64 = sql::query_scalar("SELECT count(*) FROM part").fetch_one(ledger.reader().unwrap()).await.unwrap();
     assert_eq!(all as usize, 3 * CHANGES);
     assert_eq!(ledger.find_inconsistencies().await.unwrap(), Vec::<String>::new());
 }

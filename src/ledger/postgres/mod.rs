@@ -1,0 +1,9 @@
+//! The ledger on PostgreSQL. Its statements are those of the other files of the ledger; here are its connections, its
+//! schema, and a server for tests.
+
+#[cfg(test)]
+pub(super) mod cluster;
+mod schema;
+mod store;
+
+pub(super) use store::PostgresStore;

@@ -1,0 +1,139 @@
+//! Rows that a statement returns.
+
+use sqlx::{Column, ColumnIndex, Database, Decode, Error, Row, Type, TypeInfo, ValueRef, sqlite::SqliteRow};
+
+use super::{ColumnKey, ColumnValue, SqlValue};
+
+/// A row of one of the two databases.
+pub enum SqlRow {
+    /// Of SQLite.
+    Sqlite(SqliteRow),
+    /// Of PostgreSQL.
+    #[cfg(feature = "postgres")]
+    Postgres(sqlx::postgres::PgRow),
+}
+
+macro_rules! column_reader {
+    ($(#[$doc:meta])* $reader:ident, $type:ty) => {
+        $(#[$doc])*
+        pub fn $reader(&self, column: ColumnKey<'_>) -> Result<Option<$type>, Error> {
+            match (self, column) {
+                (Self::Sqlite(row), ColumnKey::Name(name)) => row.try_get(name),
+                (Self::Sqlite(row), ColumnKey::Place(place)) => row.try_get(place),
+                #[cfg(feature = "postgres")]
+                (Self::Postgres(row), ColumnKey::Name(name)) => row.try_get(name),
+                #[cfg(feature = "postgres")]
+                (Self::Postgres(row), ColumnKey::Place(place)) => row.try_get(place),
+            }
+        }
+    };
+}
+
+impl SqlRow {
+    column_reader! {
+        /// Reads a whole number.
+        integer, i64
+    }
+    column_reader! {
+        /// Reads a floating-point number.
+        real, f64
+    }
+    column_reader! {
+        /// Reads true or false.
+        flag, bool
+    }
+    column_reader! {
+        /// Reads a text.
+        text, String
+    }
+
+    /// All columns with their names, whatever they are.
+    pub fn values(&self) -> Result<Vec<(String, SqlValue)>, Error> {
+        match self {
+            Self::Sqlite(row) => read_values(row),
+            #[cfg(feature = "postgres")]
+            Self::Postgres(row) => read_values(row),
+        }
+    }
+
+    /// Reads the column with this name.
+    pub fn column<T: ColumnValue>(&self, name: &str) -> Result<T, Error> {
+        T::read(self, ColumnKey::Name(name))
+    }
+}
+
+fn read_values<'r, R: Row>(row: &'r R) -> Result<Vec<(String, SqlValue)>, Error>
+where
+    usize: ColumnIndex<R>,
+    i64: Decode<'r, R::Database> + Type<R::Database>,
+    f64: Decode<'r, R::Database> + Type<R::Database>,
+    bool: Decode<'r, R::Database> + Type<R::Database>,
+    String: Decode<'r, R::Database> + Type<R::Database>,
+{
+    let read = |column: &<R::Database as Database>::Column| -> Result<SqlValue, Error> {
+        let place = column.ordinal();
+        let kind = row.try_get_raw(place)?.type_info().name().to_owned();
+        Ok(match kind.as_str() {
+            "INTEGER" | "INT8" | "INT4" => SqlValue::Integer(row.try_get(place)?),
+            "REAL" | "FLOAT8" => SqlValue::Real(row.try_get(place)?),
+            "BOOLEAN" | "BOOL" => SqlValue::Flag(row.try_get(place)?),
+            _ => SqlValue::Text(row.try_get(place)?),
+        })
+    };
+    row.columns().iter().map(|column| Ok((column.name().to_owned(), read(column)?))).collect()
+}
+
+/// A row with its columns by name, whatever they are.
+impl FromSqlRow for Vec<(String, SqlValue)> {
+    fn from_sql_row(row: &SqlRow) -> Result<Self, Error> {
+        row.values()
+    }
+}
+
+/// A Rust type that a whole row can be read as.
+pub trait FromSqlRow: Sized {
+    /// Reads the row.
+    fn from_sql_row(row: &SqlRow) -> Result<Self, Error>;
+}
+
+/// Implements [`FromSqlRow`] for a struct by the names of its fields: those before the semicolon are columns, those after
+/// it are groups of columns of the same row. `field = "column"` names a column that differs from its field.
+macro_rules! sql_row {
+    ($type:ty { $($field:ident $(= $name:literal)?),* $(,)? $(; $($group:ident),+ $(,)?)? }) => {
+        impl $crate::ledger::sql::FromSqlRow for $type {
+            fn from_sql_row(row: &$crate::ledger::sql::SqlRow) -> Result<Self, sqlx::Error> {
+                Ok(Self {
+                    $($field: row.column($crate::ledger::sql::column_name!($field $($name)?))?,)*
+                    $($($group: $crate::ledger::sql::FromSqlRow::from_sql_row(row)?,)+)?
+                })
+            }
+        }
+    };
+}
+
+macro_rules! column_name {
+    ($field:ident) => {
+        stringify!($field)
+    };
+    ($field:ident $name:literal) => {
+        $name
+    };
+}
+
+pub(in crate::ledger) use {column_name, sql_row};
+
+macro_rules! tuple_row {
+    ($($type:ident $place:literal),+) => {
+        impl<$($type: ColumnValue),+> FromSqlRow for ($($type,)+) {
+            fn from_sql_row(row: &SqlRow) -> Result<Self, Error> {
+                Ok(($($type::read(row, ColumnKey::Place($place))?,)+))
+            }
+        }
+    };
+}
+
+tuple_row!(A 0);
+tuple_row!(A 0, B 1);
+tuple_row!(A 0, B 1, C 2);
+tuple_row!(A 0, B 1, C 2, D 3);
+tuple_row!(A 0, B 1, C 2, D 3, E 4);

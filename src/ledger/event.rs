@@ -66,19 +66,19 @@ impl Ledger {
         Ok(sql::query_scalar(query).fetch_one(self.reader()?).await?)
     }
 
-    /// Adjusts to a clock that was set by `jump`: shifts the times at which the parts in the farm were claimed or put back, so
-    /// their ages stay the same.
+    /// Adjusts to a clock that was set by `jump`: shifts the times at which the parts in the farm were claimed, moved or
+    /// put back, so their ages stay the same.
     pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let parts: Vec<(PartId, UtcTimestamp, Option<UtcTimestamp>)> = sql::query_as(
-            "SELECT id, claimed_at, put_back_at FROM part WHERE state IN ('claimed', 'waiting', 'batched')",
+        let parts: Vec<(PartId, UtcTimestamp, UtcTimestamp, Option<UtcTimestamp>)> = sql::query_as(
+            "SELECT id, claimed_at, state_at, put_back_at FROM part WHERE state IN ('claimed', 'waiting', 'batched')",
         )
         .fetch_all(change.db())
         .await?;
         let shifted = |at: UtcTimestamp| at.checked_add(jump).map_or(at, UtcTimestamp);
-        for (part, claimed_at, put_back_at) in parts {
-            let shift = sql::query("UPDATE part SET claimed_at = $1, put_back_at = $2 WHERE id = $3");
-            let shift = shift.bind(shifted(claimed_at)).bind(put_back_at.map(shifted)).bind(part);
+        for (part, claimed_at, state_at, put_back_at) in parts {
+            let shift = sql::query("UPDATE part SET claimed_at = $1, state_at = $2, put_back_at = $3 WHERE id = $4");
+            let shift = shift.bind(shifted(claimed_at)).bind(shifted(state_at)).bind(put_back_at.map(shifted)).bind(part);
             shift.execute(change.db()).await?;
         }
         change

@@ -306,9 +306,9 @@ pub(super) fn name_with_solid(name: &str, solid: &str) -> String {
 }
 
 impl PartRow {
-    /// When it arrived among the waiting parts: it was claimed, or copies of it were put back.
+    /// When it arrived among the waiting parts: it was read, taken back, moved or left out, or copies of it were put back.
     pub fn arrived_at(&self) -> UtcTimestamp {
-        self.owed.put_back_at.unwrap_or(self.times.claimed_at).max(self.times.claimed_at)
+        self.owed.put_back_at.unwrap_or(self.times.state_at).max(self.times.state_at)
     }
 
     /// Copies wanted: those ever wanted without the cancelled ones.

@@ -1,7 +1,11 @@
 //! A field that people see: its label, its unit and its number format. In a table the heading contains the unit, so
 //! that the cells are plain numbers. Elsewhere the unit follows the value.
 
-use super::{cell_value::CellValue, time_view::TimeView};
+use super::{
+    cell_value::CellValue,
+    time_view::{GivenDate, TimeView},
+};
+use crate::ledger::UtcTimestamp;
 
 /// A field that people see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -155,5 +159,17 @@ impl FieldDefinition {
             Some(nothing) if nothing.bytes().all(|b| b == b'0' || b == b'.') => nothing.to_owned(),
             _ => text,
         }
+    }
+}
+
+impl TimeView {
+    /// A line of a fact sheet with a time; `None` if there is no time.
+    pub fn time_fact(&self, field: FieldDefinition, at: impl Into<Option<UtcTimestamp>>) -> Option<SheetFact> {
+        Some(field.fact_of(self.time_text(at.into()?)))
+    }
+
+    /// A line of a fact sheet with a due date; `None` if there is none.
+    pub fn due_fact(&self, field: FieldDefinition, due: Option<GivenDate>) -> Option<SheetFact> {
+        Some(field.fact_of(self.due_text(&due?)))
     }
 }

@@ -3,7 +3,6 @@
 
 use jiff::Timestamp;
 
-use super::field_definition::{FieldDefinition, SheetFact};
 use crate::{
     ledger::{PartTerms, UtcTimestamp},
     settings::FarmZone,
@@ -70,15 +69,5 @@ impl TimeView {
             Some(distance) => format!("{date}, {distance}"),
             None => date,
         }
-    }
-
-    /// A line of a fact sheet with a time; `None` if there is no time.
-    pub fn time_fact(&self, field: FieldDefinition, at: impl Into<Option<UtcTimestamp>>) -> Option<SheetFact> {
-        Some(field.fact_of(self.time_text(at.into()?)))
-    }
-
-    /// A line of a fact sheet with a due date; `None` if there is none.
-    pub fn due_fact(&self, field: FieldDefinition, due: Option<GivenDate>) -> Option<SheetFact> {
-        Some(field.fact_of(self.due_text(&due?)))
     }
 }

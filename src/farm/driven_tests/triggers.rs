@@ -116,3 +116,25 @@ fn a_drizzle_of_parts_does_not_hold_up_an_overdue_one_for_ever() {
     }
     assert_eq!(farm.queued().len(), 1, "it fires after 80 s at the latest");
 }
+
+#[test]
+fn overdue_parts_that_are_taken_back_one_after_another_are_gathered_too() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = 60\n"));
+    farm.order_and_wait(crate::ledger::CommandKind::Pause, None);
+    let mut parts = Vec::new();
+    for (count, name) in ["a", "b"].into_iter().enumerate() {
+        farm.drop_bytes(&format!("{name}.stl.toml"), b"due = 2020-01-01");
+        farm.drop_part(&format!("{name}.stl"), &block(10.0, 10.0 + count as f64, 10.0));
+        parts.push(farm.wait_for_parts(PartState::Waiting, 1)[0].id);
+        farm.order_and_wait(crate::ledger::CommandKind::Cancel, parts.last().copied());
+    }
+    farm.order_and_wait(crate::ledger::CommandKind::Resume, None);
+    farm.wait_for_parts(PartState::Rejected, 2);
+    farm.pass_secs(100.0);
+    for part in parts {
+        farm.order_and_wait(crate::ledger::CommandKind::Retry, Some(part));
+        farm.pass_secs(20.0);
+    }
+    farm.wait_for_parts(PartState::Built, 2);
+    assert_eq!(farm.queued().len(), 1);
+}

@@ -52,11 +52,10 @@ pub struct KeptBuild {
 }
 
 impl KeptBuild {
-    /// The copy of the file of this build; `None` = nothing was kept.
+    /// Where the copy of the file of this build is, if one was kept. Looks at no disk. `None` = the build has no file.
     pub fn of_build(archive: &Path, build: &BuildRow) -> Option<Self> {
         let (name, hash) = (build.staged.file_name.as_deref()?, build.staged.file_hash.clone()?);
-        let path = kept_path(archive, name);
-        path.is_file().then_some(Self { path, hash })
+        Some(Self { path: kept_path(archive, name), hash })
     }
 
     /// Where it is.

@@ -164,7 +164,9 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
             let gone = request.wanted.iter().map(|(part, _)| part);
             let gone: Vec<PartRow> = gone.filter(|part| !meshes.has_file(part)).cloned().collect();
             // Parts without a file are then asked for, as always.
-            if let Err(failure) = kept.load_meshes(&request.profile, &gone, &placements, &meshes) {
+            if !gone.is_empty()
+                && let Err(failure) = kept.load_meshes(&request.profile, &gone, &placements, &meshes)
+            {
                 warn!("The kept build file cannot be used: {failure:#}.");
             }
         }

@@ -182,8 +182,8 @@ pub async fn check_archived_originals(
         let since = originals_required_since(profile.output.archive_days);
         let is_required = build.times.published_at.is_some_and(|at| at.0 >= since);
         // A build that was issued once more from a kept file never had them.
-        let is_from_kept =
-            build.search.repeats.is_some() && KeptBuild::of_build(&profile.folders.archive, &build).is_some();
+        let is_from_kept = build.search.repeats.is_some()
+            && KeptBuild::of_build(&profile.folders.archive, &build).is_some_and(|kept| kept.path().is_file());
         if !is_required || is_from_kept {
             continue;
         }

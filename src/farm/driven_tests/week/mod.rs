@@ -8,7 +8,7 @@ mod play;
 mod printers;
 mod table;
 
-use std::time::Duration;
+use std::{io::Write, time::Duration};
 
 use plan::WeekSize;
 use play::play_week;
@@ -58,5 +58,8 @@ fn a_week_of_orders_ends_with_each_of_them_complete_although_prints_fail_and_wor
         bad_copies: 0.02,
         late_words: 0.1,
     };
-    println!("{}", play_week(&size));
+    // Not `println`: the seed must be seen also where a test's output is kept back until it ends.
+    writeln!(std::io::stdout(), "NESTD_SEED={seed}").unwrap();
+    let report = play_week(&size);
+    writeln!(std::io::stdout(), "{report}").unwrap();
 }

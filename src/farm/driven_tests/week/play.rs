@@ -63,13 +63,12 @@ struct WeekPlay<'a> {
 
 /// Plays a week until everything is delivered, and asserts that each order got exactly what was asked.
 pub fn play_week(size: &WeekSize) -> WeekReport {
-    println!("NESTD_SEED={}", size.seed);
     let (began, cpu_before) = (Instant::now(), process_cpu_secs());
     let mut play = WeekPlay::begin(size);
     let (mut orders, mut words) = (0, 0);
     let mut restart_at = RESTART_EVERY;
     while orders < play.plan.orders.len() || words < play.plan.words.len() || !play.is_delivered() {
-        assert!(play.now < OVER_AFTER, "not delivered: {:#?}", play.differences());
+        assert!(play.now < OVER_AFTER, "seed {}: not delivered: {:#?}", size.seed, play.differences());
         orders += play.drop_orders(orders);
         words += play.say_words(words);
         play.pass(size.step);
@@ -315,7 +314,8 @@ impl<'a> WeekPlay<'a> {
     }
 
     fn assert_as_asked(&mut self) {
-        assert!(self.differences().is_empty(), "wanted and delivered: {:#?}", self.differences());
+        let seed = self.size.seed;
+        assert!(self.differences().is_empty(), "seed {seed}: wanted and delivered: {:#?}", self.differences());
         for state in [PartState::Claimed, PartState::Waiting, PartState::Batched] {
             assert!(self.farm.parts(state).is_empty(), "parts are {state} after all was delivered");
         }

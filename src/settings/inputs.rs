@@ -134,11 +134,13 @@ pub(super) struct WebInputs {
     pub token_file: OptionalValue<PathBuf>,
     pub hosts: Vec<String>,
     pub orders: bool,
+    pub user_header: OptionalValue<String>,
 }
 
 impl Default for WebInputs {
     fn default() -> Self {
-        Self { listen: "off".to_owned(), token_file: OptionalValue::OFF, hosts: Vec::new(), orders: true }
+        let (listen, hosts) = ("off".to_owned(), Vec::new());
+        Self { listen, token_file: OptionalValue::OFF, hosts, orders: true, user_header: OptionalValue::OFF }
     }
 }
 

@@ -385,3 +385,17 @@ fn a_directory_is_no_configuration() {
     let problems = config.problems();
     assert!(problems[0].starts_with("profiles/b.toml: cannot be read"), "{problems:?}");
 }
+
+#[test]
+fn a_header_names_users_only_where_nobody_but_this_server_can_connect() {
+    let config = |web: &str| TestConfig::new(&format!("[web]\n{web}\n"), &[("a.toml", CUBE)]);
+    let user = "user_header = \"X-Remote-User\"";
+    for listen in ["127.0.0.1:7878", "unix:/run/nestd/web.sock"] {
+        let settings = config(&format!("listen = \"{listen}\"\n{user}")).load().unwrap();
+        assert_eq!(settings.interfaces.web.unwrap().user_header.as_deref(), Some("x-remote-user"), "{listen}");
+    }
+    let open = config(&format!("listen = \"0.0.0.0:7878\"\ntoken_file = \"/etc/nestd/token\"\n{user}")).problems();
+    assert!(open.iter().any(|problem| problem.contains("lets other machines say any name")), "{open:?}");
+    let wrong = config("listen = \"127.0.0.1:7878\"\nuser_header = \"no header\"").problems();
+    assert!(wrong.len() == 1 && wrong[0].contains("is no name of a header"), "{wrong:?}");
+}

@@ -28,6 +28,8 @@ pub struct WebSettings {
     pub hosts: Vec<String>,
     /// Whether pages may send commands (flush, pause, resume, retry, cancel). Otherwise they are read-only.
     pub orders: bool,
+    /// Header in which a reverse proxy on this server names the user, in lower case; `None` = nobody does.
+    pub user_header: Option<String>,
 }
 
 impl fmt::Display for ListenAddress {
@@ -65,9 +67,31 @@ pub(super) fn validate_web(inputs: &WebInputs, validator: &mut ConfigValidator) 
         validator.report_problem("web.listen", text, remedy);
     }
     Some(WebSettings {
+        user_header: validate_user_header(inputs, &listen, validator),
         listen,
         token_file: inputs.token_file.0.clone(),
         hosts: inputs.hosts.clone(),
         orders: inputs.orders,
     })
+}
+
+/// A name in a header is believed only where nobody but programs of this server can connect.
+fn validate_user_header(inputs: &WebInputs, listen: &ListenAddress, validator: &mut ConfigValidator) -> Option<String> {
+    let header = inputs.user_header.0.as_ref()?;
+    let is_name = !header.is_empty() && header.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
+    if !is_name {
+        let text = format!("web.user_header = \"{}\" is no name of a header", header.escape_debug());
+        validator.report_problem("web.user_header", text, "write \"X-Remote-User\", or \"off\"");
+    }
+    if let ListenAddress::Tcp(address) = listen
+        && !address.ip().is_loopback()
+    {
+        let text = format!("web.user_header is set, and web.listen = \"{address}\" lets other machines say any name");
+        validator.report_problem(
+            "web.user_header",
+            text,
+            "listen on 127.0.0.1 behind the reverse proxy that sets the header",
+        );
+    }
+    is_name.then(|| header.to_ascii_lowercase())
 }

@@ -13,8 +13,9 @@ use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
-    command::{ASKED_BY, answer_page, check_form_key},
+    command::{answer_page, check_form_key},
     error::{HandlerError, HandlerResult},
+    request_user::RequestUser,
     state::DashboardState,
 };
 use crate::ledger::{
@@ -134,6 +135,7 @@ fn bad_text(build: &BuildRow, placements: &[PlacementRow]) -> String {
 pub(super) async fn post_told(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
     Form(form): Form<BuildTellForm>,
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
@@ -142,7 +144,7 @@ pub(super) async fn post_told(
         return Err(HandlerError::NotFound(format!("build {number}")));
     }
     let bad = parse_bad_copies(&form.bad).map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
-    answer_page(carry_out(&web.ledger, build, &form, bad).await, &format!("/builds/{number}"))
+    answer_page(carry_out(&web.ledger, build, &form, bad, &by).await, &format!("/builds/{number}"))
 }
 
 async fn carry_out(
@@ -150,20 +152,21 @@ async fn carry_out(
     build: BuildId,
     form: &BuildTellForm,
     bad: Vec<(PartId, u32)>,
+    by: &str,
 ) -> Result<Vec<String>, LedgerError> {
     let outcome = match form.act {
         BuildFormAct::Complete => PrintOutcome::Complete,
         BuildFormAct::Interrupted => PrintOutcome::Interrupted,
         BuildFormAct::Failed => PrintOutcome::Failed,
         BuildFormAct::Reprint => {
-            return Ok(ledger.reprint_copies(&ReprintTarget::Build(build), ASKED_BY).await?.sentences());
+            return Ok(ledger.reprint_copies(&ReprintTarget::Build(build), by).await?.sentences());
         }
         BuildFormAct::Requeue => {
-            let new = ledger.requeue_build(build, ASKED_BY).await?;
+            let new = ledger.requeue_build(build, by).await?;
             return Ok(vec![format!("Build {build} is issued once more as build {new}.")]);
         }
         BuildFormAct::Seen => {
-            ledger.mark_failure_seen(build, ASKED_BY).await?;
+            ledger.mark_failure_seen(build, by).await?;
             return Ok(Vec::new());
         }
     };
@@ -171,7 +174,7 @@ async fn carry_out(
         bad,
         keep: form.keep.is_some(),
         is_correction: form.correct.is_some(),
-        ..ToldOutcome::new(outcome, form.note.trim(), ASKED_BY)
+        ..ToldOutcome::new(outcome, form.note.trim(), by)
     };
     let report = ledger.record_outcome(build, &told).await?;
     Ok(std::iter::once(format!("Build {build} is {outcome}.")).chain(report.sentences()).collect())

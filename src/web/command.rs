@@ -15,6 +15,7 @@ use super::{
     error::{HandlerError, HandlerResult},
     format::prose_with_pages,
     page,
+    request_user::RequestUser,
     state::DashboardState,
 };
 use crate::ledger::{CommandArgument, CommandKind, CommandState, LedgerError, NewCommand, PartId};
@@ -23,8 +24,6 @@ use crate::ledger::{CommandArgument, CommandKind, CommandState, LedgerError, New
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between two checks for the answer.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
-/// Who gives the orders of the pages: they have no login.
-pub(super) const ASKED_BY: &str = "dashboard";
 
 /// The form that a command button sends.
 #[derive(Debug, Deserialize)]
@@ -61,6 +60,7 @@ pub(super) fn command_button(
 /// Sends a command to the daemon, then shows the page of its button again, or why the command was refused.
 pub(super) async fn post_command(
     State(web): State<Arc<DashboardState>>,
+    RequestUser(asked_by): RequestUser,
     Form(order): Form<CommandForm>,
 ) -> HandlerResult<Response> {
     check_form_key(&web, &order.key)?;
@@ -80,7 +80,7 @@ pub(super) async fn post_command(
         profile: order.profile,
         part: order.part.map(PartId),
         argument: CommandArgument::default(),
-        asked_by: ASKED_BY.to_owned(),
+        asked_by,
     };
     send_commands(&web, vec![command], &back).await
 }

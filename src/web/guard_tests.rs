@@ -57,6 +57,26 @@ async fn an_order_is_taken_from_our_own_pages_only() {
 }
 
 #[tokio::test]
+async fn a_command_of_a_page_is_of_the_user_whom_the_proxy_names() {
+    let dashboard = TestDashboard::new(|web| web.user_header = Some("x-remote-user".parse().unwrap())).await;
+    let ledger = (*dashboard.ledger).clone();
+    let daemon = tokio::spawn(async move {
+        loop {
+            if let Some(order) = ledger.pending_commands().await.unwrap().first() {
+                ledger.answer_command(order.id, true, "done").await.unwrap();
+                return order.asked_by.clone();
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+        }
+    });
+    let request = Request::post("/commands").header("host", "localhost").header("x-remote-user", "ann");
+    let request = request.header("content-type", "application/x-www-form-urlencoded");
+    let request = request.body(Body::from("key=key&kind=flush&profile=cube")).unwrap();
+    assert_eq!(dashboard.send(request).await.status, StatusCode::SEE_OTHER);
+    assert_eq!(daemon.await.unwrap(), "ann@dashboard");
+}
+
+#[tokio::test]
 async fn over_plain_http_an_order_of_another_sites_page_is_known_by_its_origin() {
     let dashboard = TestDashboard::new(|web| web.hosts = vec!["farm.example.org".to_owned()]).await;
     let ask = async |host: &str, headers: &[(&str, &str)]| {

@@ -36,6 +36,7 @@ mod pick_page;
 mod picture;
 mod query;
 mod report;
+mod request_user;
 mod scene;
 mod search_report;
 mod server;

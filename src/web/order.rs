@@ -12,12 +12,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    command::{ASKED_BY, answer_page, check_form_key, send_commands},
+    command::{answer_page, check_form_key, send_commands},
     error::{HandlerError, HandlerResult},
     format::count,
     listing::table_of,
     page::html_page,
     query::{order_address, parse_field},
+    request_user::RequestUser,
     state::DashboardState,
 };
 use crate::{
@@ -210,11 +211,12 @@ fn order_buttons(web: &DashboardState, name: &str, lines: &[OrderLine]) -> Marku
 pub(super) async fn post_reprint(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
+    RequestUser(by): RequestUser,
     Form(form): Form<OrderButtonForm>,
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
     let back = order_address(&name);
-    let report = web.ledger.reprint_copies(&ReprintTarget::Order(name), ASKED_BY).await;
+    let report = web.ledger.reprint_copies(&ReprintTarget::Order(name), &by).await;
     answer_page(report.map(|report| report.sentences()), &back)
 }
 
@@ -222,6 +224,7 @@ pub(super) async fn post_reprint(
 pub(super) async fn post_cancel(
     State(web): State<Arc<DashboardState>>,
     Path(name): Path<String>,
+    RequestUser(by): RequestUser,
     Form(form): Form<OrderButtonForm>,
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
@@ -231,7 +234,7 @@ pub(super) async fn post_cancel(
         profile: String::new(),
         part: Some(line.part),
         argument: CommandArgument { copies: waiting_of_several(line), edit: None },
-        asked_by: ASKED_BY.to_owned(),
+        asked_by: by.clone(),
     };
     let commands = lines.iter().filter(|line| line.state == PartState::Waiting).map(cancel).collect();
     send_commands(&web, commands, &order_address(&name)).await

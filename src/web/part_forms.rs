@@ -14,8 +14,9 @@ use serde::Deserialize;
 
 use super::{
     build_forms::MAX_NOTE,
-    command::{ASKED_BY, answer_page, check_form_key, send_commands},
+    command::{answer_page, check_form_key, send_commands},
     error::{HandlerError, HandlerResult},
+    request_user::RequestUser,
     state::DashboardState,
 };
 use crate::{
@@ -142,6 +143,7 @@ fn due_text(part: &PartRow) -> String {
 pub(super) async fn post_edit(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
+    RequestUser(asked_by): RequestUser,
     Form(form): Form<PartEditForm>,
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
@@ -154,7 +156,7 @@ pub(super) async fn post_edit(
         profile: String::new(),
         part: Some(part),
         argument: CommandArgument { copies: None, edit: Some(edit) },
-        asked_by: ASKED_BY.to_owned(),
+        asked_by,
     });
     send_commands(&web, command.into_iter().collect(), &format!("/parts/{number}")).await
 }
@@ -163,13 +165,14 @@ pub(super) async fn post_edit(
 pub(super) async fn post_reprint(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
+    RequestUser(by): RequestUser,
     Form(form): Form<ReprintForm>,
 ) -> HandlerResult<Response> {
     check_form_key(&web, &form.key)?;
     let part = require_part(&web, number).await?;
     let copies = parse_number(&form.copies, 1..=MAX_COPIES, "a number of copies")
         .map_err(|wrong| HandlerError::Refused(StatusCode::BAD_REQUEST, wrong))?;
-    let report = web.ledger.reprint_copies(&ReprintTarget::Part(part, Some(copies)), ASKED_BY).await;
+    let report = web.ledger.reprint_copies(&ReprintTarget::Part(part, Some(copies)), &by).await;
     answer_page(report.map(|report| report.sentences()), &format!("/parts/{number}"))
 }
 

@@ -50,6 +50,7 @@ pub async fn serve_dashboard(settings: SharedSettings, web: WebSettings) -> Resu
         settings,
         is_tcp: matches!(listener, DashboardListener::Tcp(_)),
         hosts: web.hosts,
+        user_header: web.user_header.and_then(|header| header.parse().ok()),
         orders: web.orders,
         token,
         form_key: format!("{:032x}", rand::random::<u128>()),

@@ -22,6 +22,8 @@ pub(super) struct DashboardState {
     pub(super) is_tcp: bool,
     pub(super) hosts: Vec<String>,
     pub(super) orders: bool,
+    /// Header in which a reverse proxy names the user.
+    pub(super) user_header: Option<axum::http::HeaderName>,
     pub(super) token: Option<String>,
     /// A random key that every form carries, so that no other site can post one (CSRF token).
     pub(super) form_key: String,

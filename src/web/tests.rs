@@ -53,6 +53,7 @@ impl TestDashboard {
             settings: Arc::new(RwLock::new(Arc::new(settings))),
             is_tcp: true,
             hosts: Vec::new(),
+            user_header: None,
             orders: true,
             token: None,
             form_key: "key".to_owned(),

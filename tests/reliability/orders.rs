@@ -246,7 +246,7 @@ impl OrdersFarm {
             std::thread::sleep(Duration::from_millis(150));
         }
         self.await_commands(0);
-        self.farm.stop();
+        self.farm.kill();
         self.take_builds();
         if rounds_at_rest > 0 {
             self.compare(true);

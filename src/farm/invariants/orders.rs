@@ -1,6 +1,9 @@
 //! I5 from outside: the copies in the build files themselves, against what was asked as a witness wrote it down.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use anyhow::Result;
 
@@ -73,7 +76,8 @@ fn count_printed_copies(
     report: &mut InvariantReport,
 ) -> BTreeMap<String, u32> {
     let queues = settings.profiles.values().filter_map(|profile| std::fs::read_dir(&profile.folders.queue).ok());
-    let queued = queues.flat_map(|entries| entries.flatten().map(|entry| entry.path())).filter(is_build_file);
+    let queued =
+        queues.flat_map(|entries| entries.flatten().map(|entry| entry.path())).filter(|path| is_build_file(path));
     let files: Vec<PathBuf> = queued.chain(witness.taken.iter().cloned()).collect();
     let mut printed: BTreeMap<String, u32> = BTreeMap::new();
     for file in files {
@@ -90,7 +94,7 @@ fn count_printed_copies(
     printed
 }
 
-fn is_build_file(path: &PathBuf) -> bool {
+fn is_build_file(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.ends_with(".build.3mf") && !name.starts_with('.')
 }

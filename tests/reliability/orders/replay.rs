@@ -241,7 +241,7 @@ impl<'a> OperationReplay<'a> {
                 format!("it is {}, and was refused last: {:?}", part.state, account.refused)
             } else if line.is_speck && !account.is_confirmed && !self.was_enlarged(&part.name) && printed > 0 {
                 format!("{printed} copies were printed, and nobody said yes")
-            } else if was_replaced && is_printed_well && !self.was_taken_back(id.0) {
+            } else if was_replaced && is_printed_well && !self.was_taken_back(id.0) && !self.was_returned(hash) {
                 format!("{printed} copies were printed, and a newer revision took its place")
             } else {
                 continue;
@@ -252,6 +252,12 @@ impl<'a> OperationReplay<'a> {
 
     fn was_taken_back(&self, part: i64) -> bool {
         self.operations.iter().any(|asked| matches!(asked, Asked::Retry { part: id } if *id == part))
+    }
+
+    /// A corrected outcome made copies good after all, perhaps after a newer revision had replaced them.
+    fn was_returned(&self, hash: &str) -> bool {
+        let returns = |asked: &Asked| matches!(asked, Asked::Outcome { returned, .. } if returned.contains_key(hash));
+        self.operations.iter().any(returns)
     }
 
     fn was_enlarged(&self, name: &str) -> bool {

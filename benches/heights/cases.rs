@@ -15,7 +15,8 @@ use serde::Deserialize;
 use solids::Mesh;
 
 /// The workloads whose heights are compared.
-pub const COMPARED: [&str; 4] = ["fans20", "engine30", "small200", "small600"];
+pub const COMPARED: [&str; 9] =
+    ["fans20", "engine30", "small200", "small600", "organic88", "cages42", "twins120", "bulk400", "tall48"];
 /// Numbers of copies of the workloads that show how the search scales.
 pub const SCALE: [u32; 6] = [20, 50, 100, 200, 500, 1000];
 /// Prefix of the names of listed workloads.
@@ -29,6 +30,11 @@ pub fn instance(name: &str) -> Result<NestingInstance> {
     match name {
         "fans20" => generated(SampleWorkload::Fans, [200.0, 200.0], 3.0),
         "engine30" | "first-engine30" => generated(SampleWorkload::EngineLike, [150.0, 150.0], 3.0),
+        "organic88" => generated(SampleWorkload::Organic { copies: 88, meshes: 22, seed: 11 }, [200.0, 250.0], 2.0),
+        "cages42" => generated(SampleWorkload::Cages, [160.0, 160.0], 3.0),
+        "twins120" => generated(SampleWorkload::Twins { each: 60 }, [180.0, 180.0], 2.0),
+        "bulk400" => generated(small(400, 80), [380.0, 284.0], 3.0),
+        "tall48" => generated(SampleWorkload::Tall, [170.0, 170.0], 3.0),
         "small60" => generated(small(60, 30), [100.0, 100.0], 2.0),
         "small200" => generated(small(200, 40), [160.0, 160.0], 2.0),
         "small600" => generated(small(600, 60), [250.0, 250.0], 2.0),

@@ -20,11 +20,12 @@ const HEAD: &str = "\
 Written by `cargo bench --bench heights` from [benchmark.json](benchmark.json), which records every search with its
 seed, its commit and its curve. To measure again:
 
-    cargo bench --bench heights                                        # everything, about 25 minutes on two cores
+    cargo bench --bench heights                                        # everything, about an hour on two cores
     cargo bench --bench heights -- --only heights --secs 10,60,160     # a part of it, with longer searches
     cargo bench --bench heights -- --only heights --cases engine30 --seeds 10
     cargo bench --bench heights -- --resume                            # what is missing at this commit
     cargo bench --bench heights -- --page                              # only this page
+    cargo bench --bench lid_probe                                      # evaluations per lowered lid, from saved layouts
 
 Each search is a separate process. Its time is CPU time, so that other work on the machine has little influence. Heights
 are in mm: means over the seeds, with the least and the greatest in brackets. Every layout is proved on its triangles

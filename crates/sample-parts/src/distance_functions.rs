@@ -20,6 +20,16 @@ pub(super) fn ball_distance(center: DVec3, radius: f64) -> DistanceFunction {
     Box::new(move |p| (p - center).length() - radius)
 }
 
+/// A limb: the hull of two balls at the ends of a segment, whose radius changes evenly between them.
+pub(super) fn limb_distance((from, first): (DVec3, f64), (to, last): (DVec3, f64)) -> DistanceFunction {
+    let along = to - from;
+    let scale = 1.0 / along.length_squared().max(1e-12);
+    Box::new(move |p| {
+        let share = ((p - from).dot(along) * scale).clamp(0.0, 1.0);
+        (p - from - share * along).length() - (first + share * (last - first))
+    })
+}
+
 /// A box between two corners.
 pub(super) fn box_distance(min: DVec3, max: DVec3) -> DistanceFunction {
     let (center, half) = ((min + max) / 2.0, (max - min) / 2.0);

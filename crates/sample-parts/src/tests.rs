@@ -173,4 +173,26 @@ fn workloads_hold_the_copies_and_the_meshes_that_they_promise() {
     assert_eq!(different.len(), 30);
     let small = SampleWorkload::Small { copies: 100, meshes: 30, seed: 5 };
     assert_eq!((workload_parts(small).len(), copies(small)), (30, 100));
+    let organic = SampleWorkload::Organic { copies: 9, meshes: 4, seed: 5 };
+    assert_eq!((workload_parts(organic).len(), copies(organic)), (4, 9));
+    assert_eq!((copies(SampleWorkload::Cages), copies(SampleWorkload::Tall)), (42, 48));
+    assert_eq!(copies(SampleWorkload::Twins { each: 7 }), 14);
+}
+
+#[test]
+fn figures_and_cages_are_closed_and_as_large_as_promised() {
+    for seed in 0..4 {
+        let mesh = random_figure(seed);
+        let longest = mesh.bounds().size().max_element();
+        assert!(mesh.defects().is_closed() && mesh.volume_mm3() > 1000.0, "figure {seed}");
+        assert!((25.0..140.0).contains(&longest), "figure {seed} measures {longest} mm");
+        assert_does_not_overlap_itself(&format!("figure {seed}"), &mesh, 30);
+    }
+    assert_eq!(random_figure(3).vertices(), random_figure(3).vertices());
+    for workload in [SampleWorkload::Cages, SampleWorkload::Tall] {
+        for (at, (mesh, _)) in workload_parts(workload).iter().enumerate() {
+            let size = mesh.bounds().size();
+            assert!(mesh.defects().is_closed() && size.max_element() <= 205.0, "{workload:?} {at} measures {size} mm");
+        }
+    }
 }

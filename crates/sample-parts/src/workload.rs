@@ -21,6 +21,24 @@ pub enum SampleWorkload {
         /// Seed of the meshes.
         seed: u64,
     },
+    /// `copies` figures of `meshes` different random meshes: soft bodies with bent limbs, 40 to 110 mm across.
+    Organic {
+        /// Copies of all figures together.
+        copies: u32,
+        /// Different meshes.
+        meshes: u32,
+        /// Seed of the meshes.
+        seed: u64,
+    },
+    /// 42 frames, cages and rings of 20 to 100 mm that can hold each other; for a base of at least 120 x 120 mm.
+    Cages,
+    /// Two different bent parts, `each` copies of each.
+    Twins {
+        /// Copies of each part.
+        each: u32,
+    },
+    /// 48 long rails and ducts of 60 to 200 mm.
+    Tall,
 }
 
 /// The meshes of a workload with their numbers of copies, at least 1 each. The result for a workload never changes.
@@ -28,12 +46,45 @@ pub fn workload_parts(workload: SampleWorkload) -> Vec<(Mesh, u32)> {
     match workload {
         SampleWorkload::Fans => vec![(axial_fan(65.0, 22.0, 7), 20)],
         SampleWorkload::EngineLike => engine_like().into_iter().map(|mesh| (mesh, 1)).collect(),
-        SampleWorkload::Small { copies, meshes, seed } => {
-            let meshes = meshes.clamp(1, copies.max(1));
-            let share = |i: u32| copies.max(1) / meshes + u32::from(i < copies.max(1) % meshes);
-            (0..meshes).map(|i| (random_part(seed.wrapping_mul(1_000_003).wrapping_add(i.into())), share(i))).collect()
+        SampleWorkload::Small { copies, meshes, seed } => random_pile(random_part, copies, meshes, seed),
+        SampleWorkload::Organic { copies, meshes, seed } => random_pile(random_figure, copies, meshes, seed),
+        SampleWorkload::Cages => cages().into_iter().map(|mesh| (mesh, 3)).collect(),
+        SampleWorkload::Twins { each } => {
+            vec![(hook(18.0, 9.0, 34.0), each), (ribbed_bracket(46.0, 44.0, 4.0, 3), each)]
+        }
+        SampleWorkload::Tall => {
+            let rails = (0..6).map(|n| 100.0 + 20.0 * f64::from(n)).map(|long| rail(long, 35.0, 10.0, 2.5));
+            let ducts = (0..6).map(|n| 40.0 + 8.0 * f64::from(n)).map(|leg| duct(26.0, 2.5, 30.0, 60.0, leg));
+            rails.chain(ducts).map(|mesh| (mesh, 4)).collect()
         }
     }
+}
+
+/// `copies` parts of `meshes` different meshes of one random family.
+fn random_pile(family: impl Fn(u64) -> Mesh, copies: u32, meshes: u32, seed: u64) -> Vec<(Mesh, u32)> {
+    let (copies, meshes) = (copies.max(1), meshes.clamp(1, copies.max(1)));
+    let share = |i: u32| copies / meshes + u32::from(i < copies % meshes);
+    (0..meshes).map(|i| (family(seed.wrapping_mul(1_000_003).wrapping_add(i.into())), share(i))).collect()
+}
+
+/// Fourteen open parts that others can stand in.
+fn cages() -> Vec<Mesh> {
+    vec![
+        lattice_block([1, 1, 1], 56.0, 4.0),
+        lattice_block([1, 1, 2], 40.0, 4.0),
+        lattice_block([2, 1, 1], 34.0, 3.0),
+        lattice_block([2, 2, 1], 30.0, 3.0),
+        lattice_block([1, 1, 1], 30.0, 3.0),
+        lattice_block([1, 2, 3], 22.0, 2.5),
+        lattice_block([3, 3, 1], 20.0, 2.5),
+        ring(96.0, 84.0, 8.0),
+        ring(62.0, 52.0, 20.0),
+        ring(36.0, 28.0, 12.0),
+        tray([2, 1], 44.0, 30.0, 2.5),
+        tray([1, 1], 60.0, 40.0, 2.5),
+        lampshade(80.0, 40.0, 60.0, 2.5),
+        lampshade(44.0, 30.0, 34.0, 2.0),
+    ]
 }
 
 /// Thirty different parts of 15 to 110 mm.

@@ -98,7 +98,7 @@ pub(crate) fn find_contacts(
     let pose21 = pose12.inverse();
     let cell_mm = 0.3 * shape1.radius_mm.min(shape2.radius_mm);
     let mut found: Vec<(glam::IVec3, f64, ExactContact)> = Vec::new();
-    shape1.tree.visit_contacts(&shape2.tree, &pose12, limit_mm, &mut |contact| {
+    shape1.tree.visit_contacts(&shape2.tree, &pose12, (0.5 * cell_mm, limit_mm), &mut |contact| {
         let distance = contact.distance_mm();
         let cell = (contact.point1 / cell_mm).floor().as_ivec3();
         let direction = pose21.transform_direction(contact.point1 - contact.point2) / distance;

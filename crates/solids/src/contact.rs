@@ -25,11 +25,18 @@ impl SurfaceContact {
 }
 
 impl ClearanceTree {
-    /// Calls `each` with the places at which the surfaces are nearer than `limit_mm` without meeting: the nearest
-    /// points of every two leaves of the trees that come so near. `pose12` is the frame of `other` seen from this one.
-    pub fn visit_contacts(&self, other: &Self, pose12: &Pose, limit_mm: f64, each: &mut dyn FnMut(SurfaceContact)) {
-        self.pair_walk(other, pose12)
-            .visit_near_leaves(limit_mm * limit_mm, &mut |one, two| each(closest_points(one, two)));
+    /// Calls `each` with the places at which the surfaces are nearer than `limit_mm` without meeting: of every patch of
+    /// this surface that comes so near, the nearest points. Patches are at most `patch_mm` across; where triangles are
+    /// larger, patches of the other surface are taken apart instead. `pose12` is the frame of `other` seen from this one.
+    pub fn visit_contacts(
+        &self,
+        other: &Self,
+        pose12: &Pose,
+        (patch_mm, limit_mm): (f64, f64),
+        each: &mut dyn FnMut(SurfaceContact),
+    ) {
+        let walk = self.pair_walk(other, pose12);
+        walk.visit_near_patches(patch_mm as f32, limit_mm * limit_mm, &mut |one, two| each(closest_points(one, two)));
     }
 }
 
@@ -74,23 +81,56 @@ fn nearest_on_segments(from1: DVec3, d1: DVec3, from2: DVec3, d2: DVec3) -> Opti
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::DQuat;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::fixtures;
+    use crate::{Mesh, fixtures};
+
+    #[test]
+    fn a_large_face_is_touched_wherever_the_other_part_stands() {
+        let foot = |x: f64| fixtures::cuboid(DVec3::new(x, 20.0, 2.5), DVec3::new(x + 8.0, 28.0, 10.5));
+        let (left, right) = (foot(5.0), foot(85.0));
+        let vertices = [left.vertices(), right.vertices()].concat();
+        let moved = right.triangles().iter().map(|t| t.map(|corner| corner + left.vertices().len() as u32));
+        let triangles = left.triangles().iter().copied().chain(moved).collect();
+        let feet = ClearanceTree::new(Arc::new(Mesh::new(vertices, triangles).expect("two boxes are solids")));
+        let plate = ClearanceTree::new(fixtures::block(100.0, 60.0, 2.0));
+        let mut places = Vec::new();
+        plate.visit_contacts(&feet, &Pose::IDENTITY, (6.0, 1.0), &mut |contact| places.push(contact.point1.x));
+        assert!(places.iter().any(|&x| x < 20.0) && places.iter().any(|&x| x > 80.0), "{places:?}");
+    }
+
+    #[test]
+    fn a_fine_surface_gives_few_contacts_each_the_nearest_of_its_patch() {
+        let ball = || ClearanceTree::new(fixtures::star(5, |_| 20.0));
+        let (one, two) = (ball(), ball());
+        let pose12 = Pose::new(DQuat::IDENTITY, DVec3::X * 41.0);
+        let contacts = |patch_mm: f64| {
+            let mut found = Vec::new();
+            one.visit_contacts(&two, &pose12, (patch_mm, 2.0), &mut |contact| found.push(contact.distance_mm()));
+            found
+        };
+        let (coarse, fine) = (contacts(8.0), contacts(0.0));
+        assert!(!coarse.is_empty() && 4 * coarse.len() < fine.len(), "{} of {}", coarse.len(), fine.len());
+        let least = |found: &[f64]| found.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!((least(&coarse) - least(&fine)).abs() < 1e-9, "{} and {}", least(&coarse), least(&fine));
+    }
 
     proptest! {
         #[test]
         fn the_nearest_contact_has_the_exact_distance(
             turn in proptest::array::uniform3(-3.0..3.0f64), shift in proptest::array::uniform3(-30.0..30.0f64),
+            patch_mm in 0.0..30.0f64,
         ) {
             let one = ClearanceTree::new(fixtures::block(20.0, 10.0, 6.0));
             let two = ClearanceTree::new(fixtures::star(2, |way| 7.0 + 2.0 * way.x * way.y));
             let pose12 = Pose::new(DQuat::from_scaled_axis(DVec3::from_array(turn)), DVec3::from_array(shift));
             let exact = one.distance_capped_mm(&two, &pose12, 8.0);
             let mut found = Vec::new();
-            one.visit_contacts(&two, &pose12, 8.0, &mut |contact| found.push(contact));
+            one.visit_contacts(&two, &pose12, (patch_mm, 8.0), &mut |contact| found.push(contact));
             for contact in &found {
                 let off = contact.point1.max(DVec3::new(20.0, 10.0, 6.0)) - contact.point1 - contact.point1.min(DVec3::ZERO);
                 prop_assert!(off.min_element() >= -1e-9, "{contact:?} leaves the first part");

@@ -34,7 +34,7 @@ impl TreeNodeBox {
 }
 
 /// What is below a node: the triangles of a leaf, or two children, which are stored next to each other.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TreeNodeLink(u32);
 
 impl TreeNodeLink {

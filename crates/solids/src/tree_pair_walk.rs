@@ -114,7 +114,8 @@ impl<'a> TreePairWalk<'a> {
     /// The least squared distance below `cap_sq`, or `cap_sq`; stops as soon as one at or below `goal_sq` is found,
     /// mm2.
     pub fn nearest_sq(&self, cap_sq: f64, goal_sq: f64) -> f64 {
-        let mut search = NearestSearch { walk: self, best_sq: cap_sq, reach_sq: rounded_up(cap_sq), goal_sq };
+        let nearer = |_: &Triangle, _: &Triangle| {};
+        let mut search = NearestSearch { walk: self, best_sq: cap_sq, reach_sq: rounded_up(cap_sq), goal_sq, nearer };
         let (root1, root2) = self.seen_roots();
         if root1.lower_bound_sq(&root2, search.reach_sq) < search.reach_sq {
             search.visit_pair(&root1, &root2);
@@ -122,30 +123,53 @@ impl<'a> TreePairWalk<'a> {
         search.best_sq
     }
 
-    /// Calls `each` with the nearest two triangles of every two leaves that come nearer than the root of `limit_sq`
-    /// (mm2) without meeting, both in the first mesh's frame.
-    pub fn visit_near_leaves(&self, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) {
+    /// Splits the first surface into patches whose boxes are at most `patch_mm` across. Calls `each`, for every patch that
+    /// comes nearer to the second surface than the root of `limit_sq` (mm2) without meeting it, with the nearest triangle
+    /// of the patch and of the second surface, both in the first mesh's frame. A leaf that is larger than a patch is
+    /// compared with the patches of the second surface one by one: its large triangles may be near in several places.
+    pub fn visit_near_patches(&self, patch_mm: f32, limit_sq: f64, each: &mut dyn FnMut(&Triangle, &Triangle)) {
         let reach_sq = rounded_up(limit_sq);
+        let patch_sq = 0.25 * patch_mm * patch_mm;
+        let mut patches: Vec<NearPatch> = Vec::new();
         let mut open = vec![self.seen_roots()];
         while let Some((node1, node2)) = open.pop() {
             if node1.lower_bound_sq(&node2, reach_sq) >= reach_sq {
                 continue;
             }
-            if node1.link.is_leaf() && node2.link.is_leaf() {
-                let mut best_sq = limit_sq;
-                let mut best = None;
-                self.compare_leaves(node1.link, node2.link, &mut best_sq, 0.0, &mut |one, two| {
-                    best = Some((*one, *two))
+            let is_patch2 = node2.link.is_leaf() || node2.size_sq <= patch_sq;
+            if node1.size_sq <= patch_sq || (node1.link.is_leaf() && is_patch2) {
+                let known = patches.iter().position(|patch| patch.link == node1.link && node1.size_sq <= patch_sq);
+                let known = known.unwrap_or_else(|| {
+                    patches.push(NearPatch { link: node1.link, best_sq: limit_sq, nearest: None });
+                    patches.len() - 1
                 });
-                if let Some((one, two)) = best.filter(|_| best_sq > 0.0) {
-                    each(&one, &two);
-                }
+                self.search_patch(&mut patches[known], &node1, &node2);
             } else if node1.opens_before(&node2) {
                 open.extend(self.children1(&node1).map(|child| (child, node2)));
             } else {
                 open.extend(self.children2(&node2).map(|child| (node1, child)));
             }
         }
+        for (one, two) in patches.iter().filter(|patch| patch.best_sq > 0.0).filter_map(|patch| patch.nearest.as_ref())
+        {
+            each(one, two);
+        }
+    }
+
+    /// Looks in a part of the second surface for a triangle nearer to the patch than the known one.
+    fn search_patch(&self, patch: &mut NearPatch, node1: &SeenTreeNode, node2: &SeenTreeNode) {
+        let nearest = &mut patch.nearest;
+        let mut search = NearestSearch {
+            walk: self,
+            best_sq: patch.best_sq,
+            reach_sq: rounded_up(patch.best_sq),
+            goal_sq: 0.0,
+            nearer: |one: &Triangle, two: &Triangle| *nearest = Some((*one, *two)),
+        };
+        if node1.lower_bound_sq(node2, search.reach_sq) < search.reach_sq {
+            search.visit_pair(node1, node2);
+        }
+        patch.best_sq = search.best_sq;
     }
 
     fn seen_roots(&self) -> (SeenTreeNode, SeenTreeNode) {
@@ -249,19 +273,28 @@ pub(super) fn opens_first(tree1: &TriangleBoxTree, tree2: &TriangleBoxTree, node
         && (tree2.links[node2].is_leaf() || size(&tree1.boxes[node1]) >= size(&tree2.boxes[node2]))
 }
 
-struct NearestSearch<'a> {
+/// A patch of the first surface, and what was found nearest to it.
+struct NearPatch {
+    link: TreeNodeLink,
+    best_sq: f64,
+    nearest: Option<(Triangle, Triangle)>,
+}
+
+struct NearestSearch<'a, F> {
     walk: &'a TreePairWalk<'a>,
     best_sq: f64,
     /// Boxes at this squared distance cannot hold anything nearer.
     reach_sq: f32,
     goal_sq: f64,
+    /// Called with any two triangles that are nearer than all before.
+    nearer: F,
 }
 
-impl NearestSearch<'_> {
+impl<F: FnMut(&Triangle, &Triangle)> NearestSearch<'_, F> {
     fn visit_pair(&mut self, node1: &SeenTreeNode, node2: &SeenTreeNode) {
         let walk = self.walk;
         if node1.link.is_leaf() && node2.link.is_leaf() {
-            walk.compare_leaves(node1.link, node2.link, &mut self.best_sq, self.goal_sq, &mut |_, _| {});
+            walk.compare_leaves(node1.link, node2.link, &mut self.best_sq, self.goal_sq, &mut self.nearer);
             self.reach_sq = rounded_up(self.best_sq);
         } else if node1.opens_before(node2) {
             let children = walk.children1(node1);

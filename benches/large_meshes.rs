@@ -16,7 +16,7 @@ use std::{
 use anyhow::{Context, Result, ensure};
 use build_file::{
     Arrangement, BuildFile, BuildFileHeading, BuildFileItem, BuildFileObject, BuildFileRules, InstanceSharing,
-    LengthUnit, PlacedMesh, ReadLimits,
+    LengthUnit, OrderWords, PlacedMesh, ReadLimits,
 };
 use clap::Parser;
 use glam::{DQuat, DVec3};
@@ -160,7 +160,7 @@ fn build_of(mesh: &Arc<Mesh>, solution: &NestingSolution, copies: u32) -> BuildF
     let item = |copy: u32| BuildFileItem {
         object: 0,
         pose: solution.placements[copy as usize].pose,
-        order: None,
+        words: OrderWords::default(),
         copy: copy + 1,
         source_name: "boulder.stl".to_owned(),
         source_hash: "0".to_owned(),

@@ -5,7 +5,7 @@ DROP VIEW v_part_history;
 -- For operators with sqlite3: every part, how many of its copies are in a published build, and in which builds.
 CREATE VIEW v_part_history AS
 SELECT p.id AS part, p.profile, p.order_name, p.name, p.object_name, p.state, p.copies,
-       (SELECT count(*) FROM placement l JOIN build b ON b.id = l.build_id
+       (SELECT count(*) FROM placement l CROSS JOIN build b ON b.id = l.build_id
         WHERE l.part_id = p.id AND b.published_at IS NOT NULL) AS copies_built,
        (SELECT group_concat(DISTINCT l.build_id) FROM placement l WHERE l.part_id = p.id) AS builds,
        p.priority, p.due_at, p.due_text, p.claimed_at, p.state_at, p.reason, p.warnings,
@@ -22,11 +22,11 @@ SELECT n.order_name, n.part, n.profile, n.name, n.object_name, n.wanted,
        CASE WHEN n.state = 'rejected' THEN n.wanted - n.in_builds - n.printed - n.good ELSE 0 END AS refused, n.state, n.due_at, n.due_text
 FROM (SELECT p.order_name, p.id AS part, p.profile, p.name, p.object_name, p.state, p.due_at, p.due_text,
              p.copies - p.cancelled_copies AS wanted, p.cancelled_copies AS cancelled,
-             (SELECT count(*) FROM placement l JOIN build b ON b.id = l.build_id
+             (SELECT count(*) FROM placement l CROSS JOIN build b ON b.id = l.build_id
               WHERE l.part_id = p.id AND b.published_at IS NULL) AS in_builds,
-             (SELECT count(*) FROM placement l JOIN build b ON b.id = l.build_id
+             (SELECT count(*) FROM placement l CROSS JOIN build b ON b.id = l.build_id
               WHERE l.part_id = p.id AND b.published_at IS NOT NULL AND b.state <> 'complete') AS printed,
-             (SELECT count(*) FROM placement l JOIN build b ON b.id = l.build_id
+             (SELECT count(*) FROM placement l CROSS JOIN build b ON b.id = l.build_id
               WHERE l.part_id = p.id AND b.state = 'complete') AS good,
              (SELECT count(*) FROM bad_placement l WHERE l.part_id = p.id) AS bad
       FROM part p) n;

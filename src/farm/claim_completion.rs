@@ -70,6 +70,16 @@ impl RefusedPart {
         self.copy_to_error_folder().map(|()| ClaimOutcome::Done)
     }
 
+    /// Brings the file of a part that is cancelled into the error folder before the ledger says so. A claimed original is
+    /// left alone: its claim is completed afterwards.
+    fn copy_before_cancel(&self) -> Result<()> {
+        let is_claimed = self.claim.is_some() || intake::claim_dir(&self.inbox, &self.part.file.claim).exists();
+        match self.part.state == PartState::Claimed && is_claimed {
+            true => Ok(()),
+            false => self.copy_to_error_folder(),
+        }
+    }
+
     /// Copies the stored file into the error folder, because the original was released when the part began to wait.
     /// Repeating this changes nothing.
     fn copy_to_error_folder(&self) -> Result<()> {
@@ -124,7 +134,7 @@ impl ClaimCompletionJob {
     }
 }
 
-/// Copies the stored file of a waiting part that is refused into the error folder.
+/// Copies the stored file of a part that is refused into the error folder.
 #[derive(Clone)]
 pub(super) struct RefusedCopyJob {
     part: PartId,
@@ -291,8 +301,8 @@ async fn on_claim_completed(farm: &mut Farm, of: &ClaimCompletionJob, ended: Res
     Ok(())
 }
 
-/// Changes a part from waiting to rejected once a copy of the original is in the error folder. After a crash in
-/// between, the command or the search requests this again.
+/// Changes a part that waits, or is read again, to rejected once a copy of the original is in the error folder. After a crash
+/// in between, the command or the search requests this again.
 pub(super) fn start_refusal(
     farm: &mut Farm,
     part: PartRow,
@@ -305,7 +315,7 @@ pub(super) fn start_refusal(
     farm.completion
         .deferred_refusals
         .insert(id, DeferredRefusal { part, cause, reason: reason.to_owned(), command: command.cloned() });
-    farm.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_to_error_folder());
+    farm.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_before_cancel());
 }
 
 /// Processes the outcome of copying the original of a waiting part into the error folder.

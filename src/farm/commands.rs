@@ -131,7 +131,7 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
 async fn cancel_part(farm: &mut Farm, row: &PartRow, command: &CommandRow) -> Result<bool, LedgerError> {
     farm.ledger.ensure_cancellable(row.id).await?;
     let reason = format!("Cancelled by {}.", command.asked_by);
-    if row.state == PartState::Waiting && farm.machines.contains_key(&row.profile) {
+    if matches!(row.state, PartState::Waiting | PartState::Claimed) && farm.machines.contains_key(&row.profile) {
         claim_completion::start_refusal(farm, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
         return Ok(false);
     }

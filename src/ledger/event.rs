@@ -78,7 +78,8 @@ impl Ledger {
         let shifted = |at: UtcTimestamp| at.checked_add(jump).map_or(at, UtcTimestamp);
         for (part, claimed_at, state_at, put_back_at) in parts {
             let shift = sql::query("UPDATE part SET claimed_at = $1, state_at = $2, put_back_at = $3 WHERE id = $4");
-            let shift = shift.bind(shifted(claimed_at)).bind(shifted(state_at)).bind(put_back_at.map(shifted)).bind(part);
+            let shift =
+                shift.bind(shifted(claimed_at)).bind(shifted(state_at)).bind(put_back_at.map(shifted)).bind(part);
             shift.execute(change.db()).await?;
         }
         change

@@ -37,14 +37,16 @@ fn change(
     argument: CommandArgument,
     profile: &str,
 ) -> String {
-    let asked_by = "ann@farm".to_owned();
-    let command = NewCommand { kind, profile: profile.to_owned(), part: Some(part), argument, asked_by };
-    let id = farm.submit_command(&command);
+    let id = farm.submit_command(&new_command(kind, part, argument, profile));
     let answer = |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.find_command(id).await.unwrap().unwrap());
     farm.pass_until("the command is answered", |farm| answer(farm).answered_at.is_some());
     let row = answer(farm);
     assert_eq!(row.state, CommandState::Done, "{}", row.answer);
     row.answer
+}
+
+fn new_command(kind: CommandKind, part: PartId, argument: CommandArgument, profile: &str) -> NewCommand {
+    NewCommand { kind, profile: profile.to_owned(), part: Some(part), argument, asked_by: "ann@farm".to_owned() }
 }
 
 fn edit(edit: PartEdit) -> CommandArgument {
@@ -149,6 +151,21 @@ fn what_was_asked_is_changed_after_the_drop_and_the_next_build_has_it() {
     change(&mut farm, CommandKind::Edit, id("a.stl"), edit(more), "");
     published(&mut farm, 2);
     assert_eq!(contents(&farm, 1).len(), 2);
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_part_that_is_cancelled_while_it_is_read_again_is_in_the_error_folder() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    let unit = PartEdit { unit: Some(build_file::LengthUnit::Centimeter), ..PartEdit::default() };
+    // Both are carried out before the file is read again.
+    farm.submit_command(&new_command(CommandKind::Edit, part, edit(unit), ""));
+    farm.order(CommandKind::Cancel, Some(part));
+    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.pass_secs(1.0);
+    assert!(farm.folder("error").join(format!("part-{part}/a.stl")).exists());
     farm.assert_nothing_lost_or_doubled();
 }
 

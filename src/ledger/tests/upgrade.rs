@@ -71,7 +71,7 @@ async fn upgrade(builds: u64) -> UpgradeTimes {
 async fn the_copies_of_a_line_are_counted_from_its_placements_and_not_from_all_builds_of_a_state() {
     let ledger = fresh().await;
     let plan = "EXPLAIN QUERY PLAN SELECT * FROM v_order_line WHERE order_name = 'a' AND order_name <> ''";
-    let pool = SqlitePool::connect_with(SqliteConnectOptions::new().filename(ledger.path())).await.unwrap();
+    let pool = SqlitePool::connect_with(SqliteConnectOptions::new().filename(ledger.file().unwrap())).await.unwrap();
     let steps: Vec<(i64, i64, i64, String)> = sqlx::query_as(plan).fetch_all(&pool).await.unwrap();
     let of_builds: Vec<&str> = steps.iter().map(|step| step.3.as_str()).filter(|step| step.contains(" b ")).collect();
     assert!(!of_builds.is_empty());

@@ -133,7 +133,7 @@ impl<'a> OperationReplay<'a> {
         account: &mut LineAccount,
     ) -> Option<String> {
         let (by, changes) = event.detail.split_once(": ")?;
-        let Some((new, rest)) = changes.split_once(" copies instead of ") else { return None };
+        let (new, rest) = changes.split_once(" copies instead of ")?;
         let old = rest.split(',').next().unwrap_or_default();
         let (Ok(new), Ok(old)) = (new.parse::<u32>(), old.parse::<u32>()) else { return None };
         let before = std::mem::replace(&mut account.wanted, new);
@@ -157,7 +157,7 @@ impl<'a> OperationReplay<'a> {
 
     fn apply_cancelled(&mut self, part: &PartRow, event: &EventRow, account: &mut LineAccount) -> Option<String> {
         // Edits are taken from their own event.
-        let Some(number) = named_operation(&event.detail) else { return None };
+        let number = named_operation(&event.detail)?;
         let number_of_copies = event.detail.split(' ').next().unwrap_or_default().parse::<u32>().unwrap_or_default();
         let fewer = match self.operations.get(number) {
             Some(Asked::Edit { .. }) => return None,

@@ -4,7 +4,7 @@
 use std::{
     os::unix::{fs::chown, process::CommandExt},
     path::{Path, PathBuf},
-    process::{Child, ChildStdin, Command, Stdio},
+    process::{Child, Command, Stdio},
     sync::{
         OnceLock,
         atomic::{AtomicU32, Ordering},
@@ -25,8 +25,8 @@ const TEMPLATE: &str = "template_of_tests";
 /// A running server.
 pub struct PostgresCluster {
     folder: PathBuf,
-    /// The server stops when this closes.
-    _alive: ChildStdin,
+    /// It stops when its input closes.
+    _server: Child,
     databases: AtomicU32,
     is_template_there: Mutex<bool>,
 }
@@ -68,9 +68,8 @@ impl PostgresCluster {
         server.arg(programs.join("postgres")).arg("-D").arg(&data).arg("-k").arg(&folder);
         server.args(["-c", "listen_addresses=", "-c", "fsync=off", "-c", "max_connections=400"]);
         as_ordinary_user(server.env("FOLDER", &folder).stdin(Stdio::piped()).process_group(0));
-        let mut server: Child = server.spawn().expect("the server starts");
-        let alive = server.stdin.take().expect("it has an input");
-        Self { folder, _alive: alive, databases: AtomicU32::new(0), is_template_there: Mutex::new(false) }
+        let server = server.spawn().expect("the server starts");
+        Self { folder, _server: server, databases: AtomicU32::new(0), is_template_there: Mutex::new(false) }
     }
 
     fn options(&self, database: &str) -> PgConnectOptions {

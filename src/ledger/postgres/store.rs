@@ -50,7 +50,7 @@ impl PostgresStore {
 
     /// Begins a change, after all changes that have begun before.
     pub async fn begin_change(&self) -> Result<Transaction<'static, Postgres>> {
-        let mut transaction = self.pool.begin().await?;
+        let mut transaction = self.pool.begin_with("BEGIN").await?;
         sqlx::query("SELECT pg_advisory_xact_lock($1)").bind(CHANGE_LOCK).execute(&mut *transaction).await?;
         Ok(transaction)
     }

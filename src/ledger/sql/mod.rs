@@ -2,15 +2,13 @@
 //! connections, the driver's protocol and the pools are sqlx's.
 
 mod catalog;
-mod column;
 mod connection;
 mod query;
 mod row;
 mod value;
 
 pub(super) use catalog::{number_from_highest, skip_numbers, table_columns};
-pub(super) use column::{ColumnKey, ColumnValue, read_text_by};
 pub(super) use connection::{SqlExecutor, SqlTransaction};
 pub(super) use query::{query, query_as, query_scalar};
-pub(super) use row::{FromSqlRow, SqlRow, column_name, sql_row};
+pub(super) use row::{ColumnKey, ColumnValue, FromSqlRow, SqlRow, column_name, read_text_by, sql_row};
 pub(super) use value::{BindValue, SqlValue, bind_as_text};

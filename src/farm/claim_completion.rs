@@ -59,6 +59,10 @@ impl RefusedPart {
         if let Some(claim) = &self.claim {
             // The stored file is needed if somebody takes the part back.
             claim.ensure_stored(&self.meshes.store, &self.part.file.content_hash)?;
+            if self.is_copied()? && claim.claim.part.exists() {
+                intake::release_claim(&claim.claim, &self.part.file.content_hash)?;
+                return Ok(ClaimOutcome::Done);
+            }
             intake::refuse_claim(&claim.claim, &self.error_dir, &self.text)?;
             return Ok(ClaimOutcome::Done);
         }
@@ -80,12 +84,23 @@ impl RefusedPart {
         }
     }
 
+    /// Whether a cancel copied the file into the error folder before its claim was listed, right after a crash.
+    fn is_copied(&self) -> Result<bool> {
+        Ok(self.error_dir.join(self.copy_folder()).exists()
+            && !find_refused_files(&self.error_dir, &self.part)?.is_empty())
+    }
+
+    /// Folder of the copy in the error folder.
+    fn copy_folder(&self) -> String {
+        format!("part-{}", self.part.id)
+    }
+
     /// Copies the stored file into the error folder, because the original was released when the part began to wait.
     /// Repeating this changes nothing.
     fn copy_to_error_folder(&self) -> Result<()> {
         self.leases.check_error_folder()?;
         let (row, error_dir, text) = (&self.part, &self.error_dir, &self.text);
-        let folder = format!("part-{}", row.id);
+        let folder = self.copy_folder();
         match find_refused_files(error_dir, row)?.first() {
             Some((_, known)) => intake::rewrite_reason(known, text),
             None => match self.meshes.verified_file(row) {

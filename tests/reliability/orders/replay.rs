@@ -24,6 +24,8 @@ pub struct LineAccount {
     /// It was refused last, for this reason.
     pub refused: Option<String>,
     pub is_confirmed: bool,
+    /// Copies that a newer revision took over.
+    taken_over: u32,
     /// `wanted` after each event that changed it.
     history: Vec<(i64, u32)>,
 }
@@ -101,6 +103,10 @@ impl<'a> OperationReplay<'a> {
             EventKind::Revised => self.apply_revision(event, account),
             EventKind::Rejected => {
                 account.refused = Some(event.detail.clone());
+                if event.detail.starts_with("A newer revision") {
+                    // The newer one has taken over what was asked.
+                    account.taken_over = std::mem::take(&mut account.wanted);
+                }
                 let asked = named_operation(&event.detail).map(|number| (number, self.operations.get(number)));
                 match asked {
                     Some((number, Some(Asked::Cancel { parts, .. }))) if parts.contains(&part.id.0) => {
@@ -113,6 +119,7 @@ impl<'a> OperationReplay<'a> {
             }
             EventKind::Claimed if event.detail == "taken back" => {
                 account.refused = None;
+                account.wanted += std::mem::take(&mut account.taken_over);
                 let takes_back = |asked: &Asked| matches!(asked, Asked::Retry { part: id } if *id == part.id.0);
                 (!self.operations.iter().any(takes_back)).then(|| "nobody took it back".to_owned())
             }

@@ -4,11 +4,12 @@
 use std::process::Command;
 
 /// Tests of what SQLite's files and its planner do.
-const SQLITE_ALONE: [&str; 6] = [
+const SQLITE_ALONE: [&str; 7] = [
     "tests::backup",
     "tests::migrations",
     "tests::opening",
     "tests::query_plans",
+    "tests::upgrade",
     "the_schema_and_the_state_machines_know_the_same_words",
     "the_truth_teller_sees_a_part_whose_state_was_changed_behind_its_back",
 ];

@@ -16,6 +16,7 @@ use super::{
     folder_leases::FolderLeases,
     forget,
     forgettable::Forgettable,
+    intake_jobs::PartReadJob,
     jobs::BackgroundJob,
     jobs::JobRunner,
     mark_note,
@@ -176,10 +177,15 @@ impl BackgroundJob<Farm> for RefusedCopyJob {
     }
 }
 
-/// Changes a part from claimed to rejected, then moves the file into the error folder. After a crash in between,
-/// `record_claimed_file` finishes this.
+/// Refuses a claimed part. If its original is claimed: changes the part to rejected, then moves the file into the error
+/// folder; after a crash in between, `record_claimed_file` finishes this. A part that is read again has no original in the
+/// hot folder any more, which could tell of it after a crash: its copy in the error folder comes first.
 pub(super) async fn refuse_part(farm: &mut Farm, part: &PartRow, cause: RefusalCause, reason: &str) -> Result<()> {
     warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
+    if is_without_original(&farm.completion, part) && farm.machines.contains_key(&part.profile) {
+        start_refusal(farm, part.clone(), cause, reason, None);
+        return Ok(());
+    }
     farm.ledger.reject_claim(part.id, cause, reason).await?;
     mark_note::update_decision_count(farm, part).await;
     move_to_error_folder(farm, part, Some(cause), reason);
@@ -210,6 +216,17 @@ pub(super) fn is_completing(completion: &CompletionState, jobs: &JobRunner<Farm>
     jobs.is_running::<ClaimCompletionJob>(&part.file.claim)
         || completion.deferred_refusals.contains_key(&part.id)
         || completion.forgetting.is_under_way(&part.file.content_hash)
+}
+
+/// Whether a job reads a part again, and may remove from the error folder what was refused of it: nothing may refuse the part
+/// meanwhile.
+pub(super) fn is_read_again(farm: &Farm, part: &PartRow) -> bool {
+    farm.jobs.is_running::<PartReadJob>(part.id) && is_without_original(&farm.completion, part)
+}
+
+/// Whether no original of a part is claimed in the hot folder: it was released after an earlier read.
+fn is_without_original(completion: &CompletionState, part: &PartRow) -> bool {
+    !completion.claims.contains_key(&part.file.claim)
 }
 
 fn describe_refused_part(
@@ -344,6 +361,7 @@ async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> R
     };
     let left = match &command {
         Some(command) => farm.ledger.for_command(command.id).cancel_part(id, cause, &reason).await,
+        None if part.state == PartState::Claimed => farm.ledger.reject_claim(id, cause, &reason).await,
         None => farm.ledger.cancel_part(id, cause, &reason).await,
     };
     if left.is_ok() {
@@ -362,7 +380,7 @@ async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> R
     Ok(())
 }
 
-/// Keeps the command open. If no command asked for the refusal, a search tries the part once more.
+/// Keeps the command open. If no command asked for the refusal, a read or a search tries the part once more.
 fn on_copy_failed(farm: &mut Farm, id: PartId, failure: &anyhow::Error) {
     let Some(DeferredRefusal { part, command, .. }) = farm.completion.deferred_refusals.remove(&id) else { return };
     if let Some(command) = command {
@@ -371,7 +389,9 @@ fn on_copy_failed(farm: &mut Farm, id: PartId, failure: &anyhow::Error) {
         return farm.schedule.step_backoff.record_failure(about);
     }
     farm.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
-    if let Some(machine) = farm.machines.get_mut(&part.profile) {
+    if part.state == PartState::Claimed {
+        farm.reading.backoff.record_failure(id);
+    } else if let Some(machine) = farm.machines.get_mut(&part.profile) {
         machine.open.retry_tried_later(farm.schedule.time.instant());
     }
 }

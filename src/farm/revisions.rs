@@ -8,7 +8,9 @@ use crate::ledger::{PartState, RefusalCause};
 /// Takes out the parts that a newer revision replaced.
 pub(super) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
     for part in farm.ledger.replaced_parts().await? {
-        if claim_completion::is_completing(&farm.completion, &farm.jobs, &part) {
+        if claim_completion::is_completing(&farm.completion, &farm.jobs, &part)
+            || claim_completion::is_read_again(farm, &part)
+        {
             continue;
         }
         let new = part.owed.replaced_by.map_or_else(String::new, |new| format!(", part {new},"));

@@ -1,7 +1,7 @@
 //! Commands that people give to the daemon.
 
 use super::{super::AlertKind, HandDrivenFarm, PROFILE, QUICK, block};
-use crate::ledger::{CommandKind, CommandState, NewCommand, PartState};
+use crate::ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartState};
 
 #[test]
 fn a_paused_profile_fires_nothing_until_it_is_resumed() {
@@ -63,4 +63,45 @@ fn a_part_that_was_cancelled_and_taken_back_is_printed_and_leaves_the_error_fold
     farm.order(CommandKind::Flush, None);
     farm.wait_for_parts(PartState::Built, 1);
     farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_part_that_is_cancelled_again_while_it_is_taken_back_is_in_the_error_folder() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    // Its reading takes longer than a copy.
+    farm.drop_part("a.stl", &sample_parts::boulder(30.0, 60));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert_eq!(farm.order_and_wait(CommandKind::Cancel, Some(part.id)).state, CommandState::Done);
+    farm.order(CommandKind::Retry, Some(part.id));
+    farm.begin_tick();
+    farm.order(CommandKind::Cancel, Some(part.id));
+    farm.begin_tick();
+    farm.wait_for_parts(PartState::Rejected, 1);
+    assert!(farm.folder("error").join(format!("part-{}", part.id)).join("a.stl").exists());
+    farm.assert_nothing_lost_or_doubled();
+}
+
+#[test]
+fn a_part_that_is_refused_while_it_is_read_again_is_copied_into_the_error_folder_before_the_ledger_says_so() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("batch/a.stl", &sample_parts::boulder(30.0, 60));
+    let first = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    farm.drop_part("batch/a.stl", &block(10.0, 10.0, 10.0));
+    let replaced = |farm: &HandDrivenFarm| farm.ask(async |ledger| ledger.replaced_parts().await.unwrap());
+    farm.pass_until("a newer revision is taken", |farm| !replaced(farm).is_empty());
+    let again = PartEdit { orientation: Some(nester::OrientationRule::Upright), ..PartEdit::default() };
+    let argument = CommandArgument { edit: Some(again), ..CommandArgument::default() };
+    let (profile, asked_by) = (String::new(), "ann@farm".to_owned());
+    farm.submit_command(&NewCommand { kind: CommandKind::Edit, profile, part: Some(first), argument, asked_by });
+    // The power fails within any of these ticks: the ledger never says "refused" of a file that is not in the error folder.
+    for _ in 0..100 {
+        farm.begin_tick();
+        let is_refused = !farm.parts(PartState::Rejected).is_empty();
+        assert!(!is_refused || farm.folder("error").join(format!("part-{first}/a.stl")).exists());
+        farm.pass_secs(0.1);
+        if is_refused {
+            return farm.assert_ledger_agrees_with_folders();
+        }
+    }
+    panic!("the earlier revision stays");
 }

@@ -82,7 +82,7 @@ fn a_part_whose_original_was_being_fetched_at_the_time_of_the_backup_is_printed_
     let repaired = farm.repair();
     assert!(!repaired.doubts.iter().any(|doubt| doubt.contains("a_x2.stl")), "{repaired:?}");
     farm.start();
-    farm.pass_secs(5.0);
+    farm.wait_for_parts(PartState::Waiting, 1);
     farm.order(CommandKind::Flush, None);
     farm.wait_for_queued(3);
     farm.wait_for_parts(PartState::Built, 2);

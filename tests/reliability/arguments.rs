@@ -31,14 +31,9 @@ impl RunArguments {
         asked
     }
 
-    /// Whether a section was asked for by its name.
-    pub fn names(&self, section: &str) -> bool {
-        self.only.iter().any(|name| section.contains(name))
-    }
-
     /// Whether a section is to be run; a name selects all sections that contain it, as in libtest.
     pub fn wants(&self, section: &str) -> bool {
-        !self.list && (self.only.is_empty() || self.names(section))
+        !self.list && (self.only.is_empty() || self.only.iter().any(|name| section.contains(name)))
     }
 
     /// Whether this is a long run of all sections; only such a run writes the document.

@@ -66,16 +66,12 @@ const SECTIONS: [ReliabilitySection; 16] = [
     ReliabilitySection { name: "ledger", weight: 3.0, run: ledger::run },
 ];
 
-/// The section that finds a fault, on about one farm in ten, that is not mended yet: docs/reliability.md tells it. It is not
-/// part of a short run of all sections.
-const UNFINISHED: &str = "orders";
 /// Wall seconds of a section in a short run.
 const SHORT_SECS: f64 = 6.0;
 
 fn main() -> ExitCode {
     let asked = RunArguments::from_args();
-    let is_run = |name: &str| asked.wants(name) && (asked.minutes.is_some() || asked.names(name) || name != UNFINISHED);
-    let sections: Vec<&ReliabilitySection> = SECTIONS.iter().filter(|section| is_run(section.name)).collect();
+    let sections: Vec<&ReliabilitySection> = SECTIONS.iter().filter(|section| asked.wants(section.name)).collect();
     println!("\nrunning {} sections of the reliability run", sections.len());
     let all: f64 = sections.iter().map(|section| section.weight).sum();
     let mut rows = Vec::new();

@@ -89,8 +89,8 @@ struct OrdersFarm {
     told_bad: ToldBad,
     kills: u64,
     has_emptied_archive: bool,
-    /// Originals that were dropped again: part, and in which part of the rest.
-    dropped_again: BTreeSet<(i64, u64)>,
+    /// Parts whose originals were dropped again.
+    dropped_again: BTreeSet<i64>,
     is_resting: bool,
     rest_rounds: u64,
     /// What keeps it from rest.
@@ -255,7 +255,8 @@ impl OrdersFarm {
         totals.kills.fetch_add(self.kills, Ordering::Relaxed);
         let (seed, story) = (self.seed, self.story.join("\n  "));
         if !self.broken.is_empty() {
-            self.broken.push(format!("the story was\n  {story}"));
+            let parts = self.told_of_broken_parts();
+            self.broken.push(format!("the story was\n  {story}\n{parts}"));
         }
         SectionResult {
             files: self.lines.len() as u64,
@@ -263,6 +264,16 @@ impl OrdersFarm {
             broken: self.broken.iter().map(|text| format!("NESTD_SEED={seed}: {text}")).collect(),
             ..SectionResult::default()
         }
+    }
+
+    /// What nestd shows of the parts that the sentences name.
+    fn told_of_broken_parts(&self) -> String {
+        let named = |part: &&PartRow| {
+            let words = [format!("part {} ", part.id), format!("part {}:", part.id)];
+            self.broken.iter().any(|text| words.iter().any(|word| text.contains(word)))
+        };
+        let shown = |part: &PartRow| self.farm.nestd(&["show", &format!("p{}", part.id)]).stdout;
+        self.parts().iter().filter(named).map(|part| String::from_utf8_lossy(&shown(part)).into_owned()).collect()
     }
 
     /// Asks for what is missing until nothing waits, is read, nested or unanswered, and all files are taken.

@@ -238,13 +238,14 @@ impl OrdersFarm {
         self.begin_operation(Asked::Other, &format!("empty the archive of {name}"));
     }
 
-    /// Drops the originals again that no archive holds any more, each where it is asked for.
+    /// Drops the originals again that no archive holds any more, each once, where it is asked for. A second time would be
+    /// another order of the same part.
     pub fn drop_missing_originals(&mut self) {
         let damaged = self.farm.query_ledger(async |ledger| ledger.damaged_parts().await.unwrap());
         for part in damaged {
             let Some(line) = self.lines.get(&part.file.content_hash) else { continue };
             let target = self.farm.root().join("inbox").join(&part.profile).join(&line.name);
-            if !target.exists() && self.dropped_again.insert((part.id.0, self.rest_rounds / 100)) {
+            if !target.exists() && self.dropped_again.insert(part.id.0) {
                 drop_file(self.farm.root(), &target, &line.bytes);
                 self.story.push(format!("drop {} again", line.name));
             }

@@ -10,9 +10,8 @@ use tracing::{info, warn};
 
 use super::{
     batch_decision::{BatchDecision, BatchFacts, decide_batch},
-    claim_completion,
     command_answer::CommandAnswer,
-    commands, crash_guard, damaged_files,
+    commands, crash_guard, damaged_files, deferred_refusal,
     failure::LostFileError,
     farm::Farm,
     jobs::BackgroundJob,
@@ -252,7 +251,7 @@ async fn on_search_panicked(farm: &mut Farm, name: &str, message: &str) -> Resul
 /// waiting -> rejected, with a copy of the original in the error folder.
 async fn refuse_waiting_part(farm: &mut Farm, part: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
     let row = farm.ledger.find_part(part).await?.context("a part that waits has no row")?;
-    claim_completion::start_refusal(farm, row, cause, reason, None);
+    deferred_refusal::start_refusal(farm, row, cause, reason, None);
     Ok(())
 }
 

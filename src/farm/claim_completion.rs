@@ -5,33 +5,31 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use tracing::{debug, info, warn};
+use tracing::{debug, warn};
 
 use super::{
     alert::AlertKind,
-    command_answer::CommandAnswer,
+    deferred_refusal,
     error_folder::{find_refused_files, reason_text},
     failure::LostFileError,
     farm::Farm,
     folder_leases::FolderLeases,
     forget,
     forgettable::Forgettable,
-    intake_jobs::PartReadJob,
     jobs::BackgroundJob,
     jobs::JobRunner,
     mark_note,
     mesh_source::MeshSource,
     standing_claim::StandingClaim,
     state::CompletionState,
-    state::DeferredRefusal,
 };
 use crate::{
     intake::{self, ClaimedPart, ReleaseOutcome, StoredFile},
-    ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, RefusalCause},
+    ledger::{PartRow, PartState, RefusalCause},
 };
 
 /// A refused part whose file must be moved into the error folder.
-struct RefusedPart {
+pub(super) struct RefusedPart {
     part: PartRow,
     text: String,
     inbox: PathBuf,
@@ -77,7 +75,7 @@ impl RefusedPart {
 
     /// Brings the file of a part that is cancelled into the error folder before the ledger says so. A claimed original is
     /// left alone: its claim is completed afterwards.
-    fn copy_before_cancel(&self) -> Result<()> {
+    pub(super) fn copy_before_cancel(&self) -> Result<()> {
         let is_claimed = self.claim.is_some() || intake::claim_dir(&self.inbox, &self.part.file.claim).exists();
         match self.part.state == PartState::Claimed && is_claimed {
             true => Ok(()),
@@ -150,40 +148,13 @@ impl ClaimCompletionJob {
     }
 }
 
-/// Copies the stored file of a part that is refused into the error folder.
-#[derive(Clone)]
-pub(super) struct RefusedCopyJob {
-    part: PartId,
-}
-
-impl BackgroundJob<Farm> for RefusedCopyJob {
-    const KIND: &'static str = "Copy";
-    type Outcome = Result<()>;
-
-    fn subject(&self) -> String {
-        self.part.to_string()
-    }
-
-    async fn on_done(self, farm: &mut Farm, copied: Self::Outcome) -> Result<()> {
-        on_refused_copied(farm, self.part, copied).await
-    }
-
-    async fn on_panic(self, farm: &mut Farm, message: &str) -> Result<()> {
-        on_refused_copied(farm, self.part, Err(anyhow::anyhow!("panicked: {message}"))).await
-    }
-
-    fn on_not_started(self, farm: &mut Farm, why: &str) {
-        on_copy_failed(farm, self.part, &anyhow::anyhow!("{why}"));
-    }
-}
-
 /// Refuses a claimed part. If its original is claimed: changes the part to rejected, then moves the file into the error
 /// folder; after a crash in between, `record_claimed_file` finishes this. A part that is read again has no original in the
 /// hot folder any more, which could tell of it after a crash: its copy in the error folder comes first.
 pub(super) async fn refuse_part(farm: &mut Farm, part: &PartRow, cause: RefusalCause, reason: &str) -> Result<()> {
     warn!(part.id = %part.id, profile = %part.profile, "Refused {} in {}: {reason}", part.name, part.profile);
-    if is_without_original(&farm.completion, part) && farm.machines.contains_key(&part.profile) {
-        start_refusal(farm, part.clone(), cause, reason, None);
+    if deferred_refusal::is_without_original(&farm.completion, part) && farm.machines.contains_key(&part.profile) {
+        deferred_refusal::start_refusal(farm, part.clone(), cause, reason, None);
         return Ok(());
     }
     farm.ledger.reject_claim(part.id, cause, reason).await?;
@@ -214,22 +185,12 @@ pub(super) fn complete_claim(farm: &mut Farm, part: &PartRow) {
 /// Whether a job still completes the claim of a part, copies its refused file, or removes its stored file.
 pub(super) fn is_completing(completion: &CompletionState, jobs: &JobRunner<Farm>, part: &PartRow) -> bool {
     jobs.is_running::<ClaimCompletionJob>(&part.file.claim)
-        || completion.deferred_refusals.contains_key(&part.id)
+        || deferred_refusal::is_refusing(completion, jobs, part.id)
         || completion.forgetting.is_under_way(&part.file.content_hash)
 }
 
-/// Whether a job reads a part again, and may remove from the error folder what was refused of it: nothing may refuse the part
-/// meanwhile.
-pub(super) fn is_read_again(farm: &Farm, part: &PartRow) -> bool {
-    farm.jobs.is_running::<PartReadJob>(part.id) && is_without_original(&farm.completion, part)
-}
-
-/// Whether no original of a part is claimed in the hot folder: it was released after an earlier read.
-fn is_without_original(completion: &CompletionState, part: &PartRow) -> bool {
-    !completion.claims.contains_key(&part.file.claim)
-}
-
-fn describe_refused_part(
+/// A refused part with all that a job needs to copy or move its file; `None` = its machine is gone.
+pub(super) fn describe_refused_part(
     farm: &Farm,
     part: &PartRow,
     cause: Option<RefusalCause>,
@@ -331,67 +292,4 @@ async fn on_claim_completed(farm: &mut Farm, of: &ClaimCompletionJob, ended: Res
         }
     }
     Ok(())
-}
-
-/// Changes a part that waits, or is read again, to rejected once a copy of the original is in the error folder. After a crash
-/// in between, the command or the search requests this again.
-pub(super) fn start_refusal(
-    farm: &mut Farm,
-    part: PartRow,
-    cause: RefusalCause,
-    reason: &str,
-    command: Option<&CommandRow>,
-) {
-    let Some(refused) = describe_refused_part(farm, &part, Some(cause), reason) else { return };
-    let id = part.id;
-    farm.completion
-        .deferred_refusals
-        .insert(id, DeferredRefusal { part, cause, reason: reason.to_owned(), command: command.cloned() });
-    farm.jobs.start(RefusedCopyJob { part: id }, move || refused.copy_before_cancel());
-}
-
-/// Processes the outcome of copying the original of a waiting part into the error folder.
-async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> Result<()> {
-    if let Err(failure) = copied {
-        on_copy_failed(farm, id, &failure);
-        return Ok(());
-    }
-    let Some(DeferredRefusal { part, cause, reason, command }) = farm.completion.deferred_refusals.remove(&id) else {
-        return Ok(());
-    };
-    let left = match &command {
-        Some(command) => farm.ledger.for_command(command.id).cancel_part(id, cause, &reason).await,
-        None if part.state == PartState::Claimed => farm.ledger.reject_claim(id, cause, &reason).await,
-        None => farm.ledger.cancel_part(id, cause, &reason).await,
-    };
-    if left.is_ok() {
-        mark_note::update_decision_count(farm, &part).await;
-    }
-    let Some(command) = command else { return Ok(left?) };
-    match left {
-        Ok(()) => {
-            let done = CommandAnswer::PartCancelled(id);
-            info!(part.id = %id, asked_by = %command.asked_by, "A command was carried out: {done}.");
-            farm.ledger.answer_command(command.id, done.is_done(), &done.to_string()).await?;
-        }
-        Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => return Err(error.into()),
-        Err(refused) => farm.ledger.answer_command(command.id, false, &refused.to_string()).await?,
-    }
-    Ok(())
-}
-
-/// Keeps the command open. If no command asked for the refusal, a read or a search tries the part once more.
-fn on_copy_failed(farm: &mut Farm, id: PartId, failure: &anyhow::Error) {
-    let Some(DeferredRefusal { part, command, .. }) = farm.completion.deferred_refusals.remove(&id) else { return };
-    if let Some(command) = command {
-        let about = format!("command {}", command.id);
-        farm.report_failure(AlertKind::StepFails, &command.profile, &about, failure);
-        return farm.schedule.step_backoff.record_failure(about);
-    }
-    farm.report_failure(AlertKind::EndingFails, &part.profile, &part.name, failure);
-    if part.state == PartState::Claimed {
-        farm.reading.backoff.record_failure(id);
-    } else if let Some(machine) = farm.machines.get_mut(&part.profile) {
-        machine.open.retry_tried_later(farm.schedule.time.instant());
-    }
 }

@@ -4,8 +4,8 @@ use anyhow::Result;
 use tracing::info;
 
 use super::{
-    alert::AlertKind, claim_completion, command_answer::CommandAnswer, farm::Farm, machine_state::MachineStates,
-    mark_note, part_changes, queues,
+    alert::AlertKind, claim_completion, command_answer::CommandAnswer, deferred_refusal, farm::Farm,
+    machine_state::MachineStates, mark_note, part_changes, queues,
 };
 use crate::ledger::{
     CommandId, CommandKind, CommandRow, Ledger, LedgerError, PartId, PartRow, PartState, PauseCause, RefusalCause,
@@ -91,7 +91,7 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
         return Ok(Some(CommandAnswer::UnknownPart(part)));
     };
     if claim_completion::is_completing(&farm.completion, &farm.jobs, &row)
-        || claim_completion::is_read_again(farm, &row)
+        || deferred_refusal::is_read_again(farm, &row)
     {
         return Ok(None);
     }
@@ -124,7 +124,12 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
         }
         // The disk or the database failed: the command stays open and is retried.
         Err(error @ (LedgerError::Sql(_) | LedgerError::ReadOnly)) => Err(error.into()),
-        Err(refused) => Ok(Some(CommandAnswer::NotAllowed(refused))),
+        Err(refused) => {
+            if command.kind == CommandKind::Cancel {
+                deferred_refusal::remove_stray_copy(farm, &row, &refused);
+            }
+            Ok(Some(CommandAnswer::NotAllowed(refused)))
+        }
     }
 }
 
@@ -134,7 +139,7 @@ async fn cancel_part(farm: &mut Farm, row: &PartRow, command: &CommandRow) -> Re
     farm.ledger.ensure_cancellable(row.id).await?;
     let reason = format!("Cancelled by {}.", command.asked_by);
     if matches!(row.state, PartState::Waiting | PartState::Claimed) && farm.machines.contains_key(&row.profile) {
-        claim_completion::start_refusal(farm, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
+        deferred_refusal::start_refusal(farm, row.clone(), RefusalCause::Cancelled, &reason, Some(command));
         return Ok(false);
     }
     farm.ledger.for_command(command.id).cancel_part(row.id, RefusalCause::Cancelled, &reason).await?;

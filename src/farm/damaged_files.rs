@@ -1,7 +1,7 @@
 //! A stored file that differs from the file that was dropped is set aside and never printed. Its parts wait, an alert
 //! asks for the file, and dropping the same file again repairs it. Parts in other files continue meanwhile.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use anyhow::Result;
 use tracing::{info, warn};
@@ -11,7 +11,7 @@ use super::{
     jobs::BackgroundJob, machine_state::MachineStates,
 };
 use crate::{
-    intake::{ClaimedPart, StoredFile},
+    intake::{self, ClaimedPart, StoredFile},
     ledger::Ledger,
     ledger::{BuildId, PartId},
 };
@@ -88,11 +88,22 @@ pub(super) async fn check_damaged_files(farm: &mut Farm) -> Result<()> {
         return Ok(());
     }
     let store = farm.meshes.store.clone();
+    let inboxes: Vec<PathBuf> = farm.machines.values().map(|s| s.profile.folders.inbox.clone()).collect();
     farm.jobs.start(DamagedFilesJob, move || {
-        hashes.retain(|hash| store.verify_hash(hash).is_ok());
+        // A claimed file is in the store before its row: it would be taken for a new order if the parts did not ask for it
+        // any more. The claim came before the stored file, so it is looked for afterwards.
+        hashes.retain(|hash| store.verify_hash(hash).is_ok() && !is_claimed(&inboxes, hash));
         hashes
     });
     Ok(())
+}
+
+/// Whether a claim in a hot folder holds this content, or it cannot be told.
+fn is_claimed(inboxes: &[PathBuf], hash: &str) -> bool {
+    inboxes.iter().any(|inbox| match intake::list_claims(inbox) {
+        Ok(found) => found.claims.iter().any(|claim| intake::hash_file(&claim.part).is_ok_and(|of| of == hash)),
+        Err(_) => true,
+    })
 }
 
 async fn on_files_repaired(farm: &mut Farm, hashes: &[String]) -> Result<()> {

@@ -17,9 +17,23 @@ pub(super) const REASON_SUFFIX: &str = ".reason.txt";
 /// Said to people of a part whose ticket could not be read; it cannot be taken back, for its copies would be guessed.
 pub(super) const COPIES_UNKNOWN: &str = "Its copies are not known, so it is not printed";
 
+/// What a reason that names a part tells of it.
+struct RefusedEntry {
+    reason: PathBuf,
+    /// Its file, unchanged; `None` = it is not there, or somebody changed it.
+    file: Option<PathBuf>,
+    /// Whether nothing else is in the reason's folder.
+    is_alone: bool,
+}
+
 /// The paths of a refused part's file and its reason in the error folder. Several files may have the same content: the
 /// reason that names the part identifies the right one.
 pub fn find_refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathBuf, PathBuf)>> {
+    let entries = find_entries(error_dir, part)?.into_iter();
+    Ok(entries.filter_map(|entry| Some((entry.file?, entry.reason))).collect())
+}
+
+fn find_entries(error_dir: &Path, part: &PartRow) -> Result<Vec<RefusedEntry>> {
     let line = part_line(part);
     let files = match intake::files_below(error_dir) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -31,15 +45,23 @@ pub fn find_refused_files(error_dir: &Path, part: &PartRow) -> Result<Vec<(PathB
         if !text.is_some_and(|text| text.lines().any(|line_of_reason| line_of_reason.starts_with(&line))) {
             continue;
         }
-        // The name without the suffix, unless the name was shortened.
+        // The name without the suffix, unless the name was shortened. A copy that a crash cut short has all its bytes, perhaps,
+        // and not its name yet: it must be made again.
         let named = reason.with_extension("").with_extension("");
-        let neighbours = files.iter().filter(|file| file.parent() == reason.parent() && *file != reason);
-        for file in [&named].into_iter().chain(neighbours) {
+        let is_beside = |file: &&PathBuf| {
+            file.parent() == reason.parent()
+                && *file != reason
+                && !file.file_name().is_some_and(intake::is_temporary_name)
+        };
+        let mut entry =
+            RefusedEntry { reason: reason.clone(), file: None, is_alone: !files.iter().any(|file| is_beside(&file)) };
+        for file in [&named].into_iter().chain(files.iter().filter(is_beside)) {
             if has_content(file, part)? {
-                found.push((file.clone(), reason.clone()));
+                entry.file = Some(file.clone());
                 break;
             }
         }
+        found.push(entry);
     }
     Ok(found)
 }
@@ -56,13 +78,18 @@ fn has_content(file: &Path, part: &PartRow) -> Result<bool> {
     }
 }
 
-/// Removes a refused file and its reason from the error folder, if the file is unchanged.
+/// Removes a refused file and its reason from the error folder, if the file is unchanged; also a reason that lies alone in
+/// the folder that was made for it.
 pub fn remove_refused_files(error_dir: &Path, part: &PartRow) -> Result<()> {
-    for (file, reason) in find_refused_files(error_dir, part)? {
-        for gone in [&file, &reason] {
+    for RefusedEntry { reason, file, is_alone } in find_entries(error_dir, part)? {
+        let own_folder = reason.parent().filter(|folder| *folder != error_dir);
+        if file.is_none() && !(is_alone && own_folder.is_some()) {
+            continue;
+        }
+        for gone in file.iter().chain([&reason]) {
             fs::remove_file(gone).with_context(|| format!("removing {}", gone.display()))?;
         }
-        if let Some(folder) = file.parent().filter(|folder| *folder != error_dir) {
+        if let Some(folder) = own_folder {
             // Fails if the folder is not empty.
             let _ = fs::remove_dir(folder);
         }

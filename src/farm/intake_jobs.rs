@@ -159,16 +159,7 @@ async fn on_scan_done(
         scanner.retry_claim(drop.claim);
         scan.next_secs = Some(0.0);
     }
-    let rows: Vec<&NewPartRow> = drops.iter().map(|drop| &drop.row).collect();
-    // One transaction for all rows costs as much as one row. If it fails, each row is written by itself below, and
-    // failures are reported.
-    let mut recorded = Vec::new();
-    if rows.len() > 1 && farm.machines.contains_key(name) {
-        match farm.ledger.record_claims(&rows).await {
-            Ok(all) => recorded = all,
-            Err(failure) => debug!("The rows of a scan are written one by one: {failure}."),
-        }
-    }
+    let recorded = record_all(farm, name, &drops).await;
     control_files::obey_controls(farm, name, std::mem::take(&mut scan.controls)).await?;
     late_tickets::apply_late_tickets(farm, name, std::mem::take(&mut scan.late_tickets)).await?;
     for (at, drop) in drops.into_iter().enumerate() {
@@ -214,6 +205,26 @@ async fn on_scan_done(
         farm.ledger.record_file_refusal(name, *cause, &format!("{file}: {reason}")).await?;
     }
     Ok(())
+}
+
+/// Writes the rows of all drops of a scan in one transaction, which costs as much as one row. Empty = each is written by
+/// itself: there is one alone, it failed (failures are reported then), or one may replace a damaged file and be no order.
+async fn record_all(farm: &Farm, name: &str, drops: &[ClaimedDrop]) -> Vec<RecordedPart> {
+    if drops.len() < 2 || !farm.machines.contains_key(name) {
+        return Vec::new();
+    }
+    let record = async {
+        let asked_for = farm.ledger.damaged_parts().await?;
+        if drops.iter().any(|drop| asked_for.iter().any(|part| part.file.content_hash == drop.stored.hash)) {
+            return Ok(Vec::new());
+        }
+        let rows: Vec<&NewPartRow> = drops.iter().map(|drop| &drop.row).collect();
+        farm.ledger.record_claims(&rows).await
+    };
+    record.await.unwrap_or_else(|failure| {
+        debug!("The rows of a scan are written one by one: {failure}.");
+        Vec::new()
+    })
 }
 
 /// A hot folder is available and was scanned.

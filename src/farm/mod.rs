@@ -23,6 +23,7 @@ mod commands;
 mod control_files;
 mod crash_guard;
 mod damaged_files;
+mod deferred_refusal;
 mod disk_cache;
 #[cfg(test)]
 mod driven_tests;

@@ -2,14 +2,14 @@
 
 use anyhow::Result;
 
-use super::{claim_completion, farm::Farm};
+use super::{claim_completion, deferred_refusal, farm::Farm};
 use crate::ledger::{PartState, RefusalCause};
 
 /// Takes out the parts that a newer revision replaced.
 pub(super) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
     for part in farm.ledger.replaced_parts().await? {
         if claim_completion::is_completing(&farm.completion, &farm.jobs, &part)
-            || claim_completion::is_read_again(farm, &part)
+            || deferred_refusal::is_read_again(farm, &part)
         {
             continue;
         }
@@ -21,7 +21,7 @@ pub(super) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
         );
         match part.state {
             PartState::Waiting => {
-                claim_completion::start_refusal(farm, part, RefusalCause::Replaced, &reason, None);
+                deferred_refusal::start_refusal(farm, part, RefusalCause::Replaced, &reason, None);
             }
             _ => claim_completion::refuse_part(farm, &part, RefusalCause::Replaced, &reason).await?,
         }

@@ -21,6 +21,9 @@ use rustix::{
 use super::{InboxEntry, name::numbered_name};
 use crate::access;
 
+/// How the name of a file begins and ends whose content is incomplete.
+const TEMPORARY_PREFIX: &str = ".nestd-";
+const TEMPORARY_SUFFIX: &str = ".tmp";
 /// Highest number that is added to a name to make it unique in a folder.
 pub(super) const MAX_NAME_NUMBER: u32 = 9999;
 
@@ -175,7 +178,13 @@ pub(super) fn create_dirs(dir: &Path) -> io::Result<()> {
 pub(super) fn temporary_path(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or(OsStr::new("file")).as_encoded_bytes();
     let hash = blake3::hash(name).to_hex();
-    path.with_file_name(format!(".nestd-{}.tmp", &hash[..24]))
+    path.with_file_name(format!("{TEMPORARY_PREFIX}{}{TEMPORARY_SUFFIX}", &hash[..24]))
+}
+
+/// Whether a file has the name of one whose content is incomplete.
+pub fn is_temporary_name(name: &OsStr) -> bool {
+    let name = name.as_encoded_bytes();
+    name.starts_with(TEMPORARY_PREFIX.as_bytes()) && name.ends_with(TEMPORARY_SUFFIX.as_bytes())
 }
 
 /// Creates a new file. An existing entry of that name (a leftover, a planted link) is removed first.

@@ -278,7 +278,9 @@ impl LedgerChange {
                 report.elsewhere.push((PartCopies { part: id, name: part.full_name(), copies: 1 }, holder));
                 continue;
             }
-            let has_waiting = part.state == PartState::Waiting && self.waiting_count(id).await? > 0;
+            // Also the copies of a part that is read again wait.
+            let may_wait = matches!(part.state, PartState::Waiting | PartState::Claimed);
+            let has_waiting = may_wait && self.waiting_count(id).await? > 0;
             if !(is_owed && has_waiting) && part.state != PartState::Rejected {
                 self.change_cancelled(id, -1).await?;
                 let detail = format!("a copy in build {build} was printed well after all");

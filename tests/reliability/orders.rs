@@ -266,14 +266,19 @@ impl OrdersFarm {
         }
     }
 
-    /// What nestd shows of the parts that the sentences name.
+    /// What nestd shows and has logged of the parts that the sentences name.
     fn told_of_broken_parts(&self) -> String {
         let named = |part: &&PartRow| {
             let words = [format!("part {} ", part.id), format!("part {}:", part.id)];
             self.broken.iter().any(|text| words.iter().any(|word| text.contains(word)))
         };
-        let shown = |part: &PartRow| self.farm.nestd(&["show", &format!("p{}", part.id)]).stdout;
-        self.parts().iter().filter(named).map(|part| String::from_utf8_lossy(&shown(part)).into_owned()).collect()
+        let log = self.farm.log();
+        let told = |part: &PartRow| {
+            let shown = self.farm.nestd(&["show", &format!("p{}", part.id)]).stdout;
+            let lines = log.lines().filter(|line| line.contains(&part.name) || line.contains("Recovered"));
+            format!("{}{}\n", String::from_utf8_lossy(&shown), lines.collect::<Vec<_>>().join("\n"))
+        };
+        self.parts().iter().filter(named).map(told).collect()
     }
 
     /// Asks for what is missing until nothing waits, is read, nested or unanswered, and all files are taken.

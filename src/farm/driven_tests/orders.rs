@@ -1,6 +1,8 @@
 //! Commands that people give to the daemon.
 
-use super::{super::AlertKind, HandDrivenFarm, PROFILE, QUICK, block};
+use std::fs;
+
+use super::{super::AlertKind, HandDrivenFarm, PROFILE, QUICK, block, stl};
 use crate::ledger::{CommandArgument, CommandKind, CommandState, NewCommand, PartEdit, PartState};
 
 #[test]
@@ -104,4 +106,21 @@ fn a_part_that_is_refused_while_it_is_read_again_is_copied_into_the_error_folder
         }
     }
     panic!("the earlier revision stays");
+}
+
+#[test]
+fn a_copy_into_the_error_folder_that_a_crash_cut_short_is_made_again() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    let bytes = stl(&block(10.0, 10.0, 10.0));
+    farm.drop_bytes("a.stl", &bytes);
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    // All bytes were written, and the rename to the right name was not.
+    let folder = farm.folder("error").join(format!("part-{part}"));
+    fs::create_dir_all(&folder).unwrap();
+    let reason = format!("Cancelled by ann.\n\nPart {part} of the profile {PROFILE}.\n");
+    fs::write(folder.join("a.stl.reason.txt"), reason).unwrap();
+    fs::write(folder.join(".nestd-0123456789abcdef01234567.tmp"), &bytes).unwrap();
+    assert_eq!(farm.order_and_wait(CommandKind::Cancel, Some(part)).state, CommandState::Done);
+    assert!(folder.join("a.stl").exists());
+    farm.assert_ledger_agrees_with_folders();
 }

@@ -100,6 +100,45 @@ fn an_original_that_is_in_no_archive_any_more_is_asked_for_and_its_copies_wait()
 }
 
 #[test]
+fn originals_that_are_dropped_again_together_are_no_orders_of_their_own() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a_x2.stl", &block(10.0, 10.0, 10.0));
+    farm.drop_part("b.stl", &block(12.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    let build = published(&mut farm, 1);
+    for entry in fs::read_dir(farm.folder("archive")).unwrap().map(Result::unwrap).filter(|e| e.path().is_dir()) {
+        fs::remove_dir_all(entry.path()).unwrap();
+    }
+    tell(&farm, build, PrintOutcome::Failed);
+    farm.pass_secs(2.0);
+    farm.drop_part("a again.stl", &block(10.0, 10.0, 10.0));
+    farm.drop_part("b again.stl", &block(12.0, 10.0, 10.0));
+    farm.pass_until("both are taken in their place", |farm| !farm.has_alert(AlertKind::FileDamaged));
+    published(&mut farm, 2);
+    assert_eq!(contents(&farm, 1).len(), 3);
+    assert_eq!(farm.parts(PartState::Built).len(), 2, "neither is a part of its own");
+}
+
+#[test]
+fn a_part_that_a_build_takes_while_it_is_cancelled_is_not_in_the_error_folder() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    let build = published(&mut farm, 1);
+    tell(&farm, build, PrintOutcome::Failed);
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let cancel = farm.order(CommandKind::Cancel, Some(part));
+    farm.begin_tick();
+    farm.ask(async |ledger| ledger.requeue_build(build, "ann").await.unwrap());
+    farm.wait_for_queued(2);
+    farm.pass_secs(1.0);
+    let answer = farm.ask(async |ledger| ledger.find_command(cancel).await.unwrap().unwrap());
+    assert_eq!(answer.state, CommandState::Refused);
+    assert!(!farm.folder("error").join(format!("part-{part}")).exists());
+    farm.assert_ledger_agrees_with_folders();
+}
+
+#[test]
 fn the_same_build_is_issued_once_more_copy_for_copy_and_pose_for_pose() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("a_x4.stl", &block(10.0, 12.0, 14.0));

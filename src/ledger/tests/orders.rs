@@ -116,6 +116,20 @@ async fn a_wrong_outcome_is_corrected_and_nothing_is_taken_out_of_another_build(
 }
 
 #[tokio::test]
+async fn an_outcome_is_corrected_while_the_part_is_read_again_on_another_machine() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "").await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    ledger.record_outcome(build, &told(PrintOutcome::Failed)).await.unwrap();
+    ledger.move_to_machine(part, "other", "ann@farm").await.unwrap();
+    assert_eq!(part_state(&ledger, part).await, PartState::Claimed);
+    let correction = ToldOutcome { is_correction: true, ..told(PrintOutcome::Complete) };
+    ledger.record_outcome(build, &correction).await.unwrap();
+    assert_eq!(copies(&ledger, part).await, LineCopies { wanted: 2, good: 2, ..Default::default() });
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
 async fn a_failed_print_that_is_not_wanted_again_ends_its_order_short() {
     let ledger = fresh().await;
     let part = line(&ledger, "a", 2, "brandt").await;

@@ -113,6 +113,16 @@ impl LedgerChange {
         self.write_event(next, &profile, Some(id), build, detail).await
     }
 
+    /// What kept these parts out of a build is gone: those that wait do so from now on, and a due build gathers after them.
+    pub async fn begin_to_wait_again(&mut self, parts: &[PartId]) -> Result<()> {
+        let now = self.now;
+        for part in parts {
+            let arrive = sql::query("UPDATE part SET state_at = $1 WHERE id = $2 AND state = 'waiting'");
+            arrive.bind(now).bind(*part).execute(self.db()).await?;
+        }
+        Ok(())
+    }
+
     /// Rejects a part. Its copies count as refused, unless a newer revision has taken over what is wanted.
     pub async fn reject_part(&mut self, id: PartId, cause: RefusalCause, reason: &str) -> Result<()> {
         let reason = if reason.is_empty() { "no reason was given" } else { reason };

@@ -1,6 +1,6 @@
 //! Parts whose stored file is damaged. They wait until the same file is dropped again.
 
-use super::{EventKind, Ledger, PartId, PartRow, error::Result, sql};
+use super::{EventKind, Ledger, PartId, PartRow, change::LedgerChange, error::Result, sql};
 
 impl Ledger {
     /// Makes every part that needs this stored file wait until the file is intact again.
@@ -24,8 +24,7 @@ impl Ledger {
     /// Records that the stored file is intact again, so its parts continue.
     pub async fn mark_whole(&self, hash: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let mark = sql::query("UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL");
-        mark.bind(hash).execute(change.db()).await?;
+        clear_damage(&mut change, hash).await?;
         change.commit().await
     }
 
@@ -48,10 +47,9 @@ impl Ledger {
         .bind(claim)
         .fetch_optional(change.db())
         .await?;
-        let whole = sql::query("UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL");
-        let healed = whole.bind(hash).execute(change.db()).await?;
+        let healed = clear_damage(&mut change, hash).await?;
         let Some(part) = asked else {
-            if healed > 0 {
+            if healed {
                 change.commit().await?;
             }
             return Ok(None);
@@ -76,6 +74,16 @@ impl Ledger {
         );
         Ok(query.fetch_all(self.reader()?).await?)
     }
+}
+
+/// The parts of a stored file that is intact again continue: they arrive among the waiting ones. Returns whether there are any.
+async fn clear_damage(change: &mut LedgerChange, hash: &str) -> Result<bool> {
+    let clear = sql::query_scalar(
+        "UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL RETURNING id",
+    );
+    let parts: Vec<PartId> = clear.bind(hash).fetch_all(change.db()).await?;
+    change.begin_to_wait_again(&parts).await?;
+    Ok(!parts.is_empty())
 }
 
 #[cfg(test)]

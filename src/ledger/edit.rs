@@ -133,7 +133,9 @@ impl Ledger {
         if part.owed.question.is_empty() {
             return Ok(false);
         }
-        sql::query("UPDATE part SET question = '' WHERE id = $1").bind(id).execute(change.db()).await?;
+        let confirm = sql::query("UPDATE part SET question = '' WHERE id = $1").bind(id);
+        confirm.execute(change.db()).await?;
+        change.begin_to_wait_again(&[id]).await?;
         let detail = format!("{by}: {}", part.owed.question);
         change.write_event(EventKind::Confirmed, &part.profile, Some(id), None, &detail).await?;
         change.count_decision(id).await?;

@@ -306,7 +306,8 @@ pub(super) fn name_with_solid(name: &str, solid: &str) -> String {
 }
 
 impl PartRow {
-    /// When it arrived among the waiting parts: it was read, taken back, moved or left out, or copies of it were put back.
+    /// When it arrived among the waiting parts: it was read, taken back, moved or left out, copies
+    /// of it were put back, or a person confirmed it or dropped its original again.
     pub fn arrived_at(&self) -> UtcTimestamp {
         self.owed.put_back_at.unwrap_or(self.times.state_at).max(self.times.state_at)
     }

@@ -138,3 +138,47 @@ fn overdue_parts_that_are_taken_back_one_after_another_are_gathered_too() {
     farm.wait_for_parts(PartState::Built, 2);
     assert_eq!(farm.queued().len(), 1);
 }
+
+#[test]
+fn overdue_specks_that_are_confirmed_one_after_another_are_gathered_too() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = 60\n"));
+    let mut parts = Vec::new();
+    for (count, name) in ["a", "b"].into_iter().enumerate() {
+        farm.drop_bytes(&format!("{name}.stl.toml"), b"due = 2020-01-01");
+        farm.drop_part(&format!("{name}.stl"), &block(0.5, 0.4 + 0.1 * count as f64, 0.5));
+        parts.push(farm.wait_for_parts(PartState::Waiting, count + 1)[count].id);
+    }
+    farm.pass_secs(100.0);
+    for part in parts {
+        farm.order_and_wait(crate::ledger::CommandKind::Confirm, Some(part));
+        farm.pass_secs(20.0);
+    }
+    farm.wait_for_parts(PartState::Built, 2);
+    assert_eq!(farm.queued().len(), 1);
+}
+
+#[test]
+fn overdue_parts_whose_originals_come_back_one_after_another_are_gathered_too() {
+    let mut farm = HandDrivenFarm::open(&format!("{QUICK}[trigger]\ngather_secs = 60\n"));
+    let size = |count: usize| block(10.0, 10.0 + count as f64, 10.0);
+    let mut hashes = Vec::new();
+    for count in 0..2 {
+        farm.drop_bytes(&format!("{count}.stl.toml"), b"due = 2020-01-01");
+        farm.drop_part(&format!("{count}.stl"), &size(count));
+        let part = farm.wait_for_parts(PartState::Waiting, count + 1).remove(count);
+        hashes.push(part.file.content_hash);
+    }
+    farm.ask(async |ledger| {
+        for hash in &hashes {
+            ledger.mark_damaged(hash, "it was damaged").await.unwrap();
+        }
+    });
+    farm.pass_secs(100.0);
+    assert!(farm.queued().is_empty());
+    for count in 0..2 {
+        farm.drop_part(&format!("{count}.stl"), &size(count));
+        farm.pass_secs(20.0);
+    }
+    farm.wait_for_parts(PartState::Built, 2);
+    assert_eq!(farm.queued().len(), 1);
+}

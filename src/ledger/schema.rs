@@ -6,7 +6,7 @@ use std::{
 };
 
 use sqlx::{
-    SqlSafeStr, SqlitePool,
+    SqlSafeStr, SqliteConnection, SqlitePool,
     migrate::{MigrateError, Migration, MigrationType, Migrator},
 };
 
@@ -14,7 +14,7 @@ use super::{LedgerError, error::Result};
 
 /// Version, description and text of each file of `migrations`; a test compares the two. They are listed, because
 /// `sqlx::migrate!`, which reads the folder, has SQLite compiled a second time, for the compiler's own use.
-const FILES: [(i64, &str, &str); 14] = [
+const FILES: [(i64, &str, &str); 15] = [
     (1, "ledger", include_str!("../../migrations/0001_ledger.sql")),
     (2, "tilts", include_str!("../../migrations/0002_tilts.sql")),
     (3, "a million builds", include_str!("../../migrations/0003_a_million_builds.sql")),
@@ -29,6 +29,7 @@ const FILES: [(i64, &str, &str); 14] = [
     (17, "why paused", include_str!("../../migrations/0017_why_paused.sql")),
     (18, "orders", include_str!("../../migrations/0018_orders.sql")),
     (19, "dates", include_str!("../../migrations/0019_dates.sql")),
+    (20, "folded names", include_str!("../../migrations/0020_folded_names.sql")),
 ];
 
 pub(super) static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| migrator(&FILES));
@@ -53,13 +54,27 @@ pub async fn bring_up_to_date(path: &Path, writer: &SqlitePool) -> Result<()> {
     super::health::remove_checksum(path).map_err(|source| LedgerError::Folder { path: path.to_owned(), source })?;
     let applied = MIGRATIONS.run_direct(None, &mut *transaction, false).await;
     match applied {
-        Ok(()) => Ok(transaction.commit().await?),
+        Ok(()) => {
+            fold_order_names(&mut transaction).await?;
+            Ok(transaction.commit().await?)
+        }
         Err(MigrateError::VersionMissing(_)) => {
             drop(transaction);
             ensure_current_version(path, writer).await
         }
         Err(error) => Err(LedgerError::Migrate { path: path.to_owned(), error }),
     }
+}
+
+/// Folds the names of orders that migration 20 left to this, because SQLite knows the letter case of ASCII only.
+async fn fold_order_names(db: &mut SqliteConnection) -> Result<()> {
+    let names: Vec<String> =
+        sqlx::query_scalar("SELECT name FROM customer_order WHERE folded = ''").fetch_all(&mut *db).await?;
+    for name in names {
+        let fold = sqlx::query("UPDATE customer_order SET folded = $1 WHERE name = $2").bind(name.to_lowercase());
+        fold.bind(&name).execute(&mut *db).await?;
+    }
+    Ok(())
 }
 
 /// Fails unless the schema is exactly that of this binary.

@@ -11,7 +11,10 @@ use crate::ledger::{LedgerError, error::Result, schema};
 
 /// Version, description and text of each migration. A ledger here begins with the schema of the first release that had it
 /// on PostgreSQL.
-const FILES: [(i64, &str, &str); 1] = [(19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql"))];
+const FILES: [(i64, &str, &str); 2] = [
+    (19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql")),
+    (20, "folded names", include_str!("../../../migrations/postgres/0020_folded_names.sql")),
+];
 
 static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| schema::migrator(&FILES));
 

@@ -104,6 +104,34 @@ async fn a_pause_of_the_daemon_in_an_earlier_ledger_stays_one() {
 }
 
 #[tokio::test]
+async fn orders_of_an_earlier_ledger_are_found_in_any_letter_case_also_of_umlauts() {
+    let folder = tempfile::tempdir().unwrap();
+    for (before, orders_are_kept) in [(18, false), (20, true)] {
+        let path = folder.path().join(format!("{before}.db"));
+        let pool = raw(&path).await;
+        let earlier: Vec<_> = MIGRATIONS.iter().filter(|migration| migration.version < before).cloned().collect();
+        Migrator { migrations: Cow::Owned(earlier), ..Migrator::DEFAULT }.run(&pool).await.unwrap();
+        for (number, order) in ["M\u{dc}LLER", "M\u{fc}ller", "Brandt"].into_iter().enumerate() {
+            let part = "INSERT INTO part (claim, profile, name, order_name, content_hash, bytes, state, copies, claimed_at, state_at) \
+                VALUES ($1, 'paper-200', 'a.stl', $2, 'aa', 684, 'waiting', 1, '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z')";
+            sqlx::query(part).bind(format!("c{number}")).bind(order).execute(&pool).await.unwrap();
+            if orders_are_kept {
+                // As the upgrade to the first schema with orders wrote them.
+                let row = "INSERT INTO customer_order SELECT $1, lower($1), 'open', '2026-11-01T00:00:00.000Z', '2026-11-01T00:00:00.000Z'";
+                sqlx::query(row).bind(order).execute(&pool).await.unwrap();
+            }
+        }
+        pool.close().await;
+        let ledger = Ledger::open_checked(&path).await.unwrap();
+        for (asked, count) in [("m\u{fc}ller", 2), ("M\u{dc}LL", 2), ("BRANDT", 1), ("muller", 0)] {
+            let query = OrderQuery { name: Some(asked.to_owned()), limit: 9, ..OrderQuery::default() };
+            assert_eq!(ledger.list_orders(&query).await.unwrap().len(), count, "{asked} from before schema {before}");
+        }
+        ledger.close().await;
+    }
+}
+
+#[tokio::test]
 async fn the_list_of_migrations_is_the_folder() {
     let folder = Migrator::new(Path::new(env!("CARGO_MANIFEST_DIR")).join("migrations")).await.unwrap();
     let all = |migrator: &Migrator| {

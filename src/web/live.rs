@@ -1,5 +1,6 @@
 //! Live updates: the server notifies a page that something has changed, and the page reloads its content. The first event
-//! comes as soon as a page subscribes, so that a change since the page was rendered is not lost.
+//! comes as soon as a page subscribes, so that a change since the page was rendered is not lost. Each event names the time zone
+//! of the farm, in which a page that loses its connection says since when.
 
 use std::{convert::Infallible, sync::Arc, time::Duration};
 
@@ -22,7 +23,8 @@ pub(super) const MAX_LISTENERS: usize = 48;
 /// Time between two reads of the ledger while a page listens.
 const POLL_INTERVAL: Duration = Duration::from_secs(1);
 
-/// The change stream: an event `changed` at once, and again whenever the farm's state changes.
+/// The change stream: an event `changed` at once, and again whenever the farm's state changes. Its data is the name of the farm's
+/// time zone; empty where that has no name.
 pub(super) async fn stream_changes(
     State(web): State<Arc<DashboardState>>,
 ) -> HandlerResult<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
@@ -31,7 +33,10 @@ pub(super) async fn stream_changes(
         return Err(HandlerError::Refused(StatusCode::TOO_MANY_REQUESTS, text));
     }
     let changes = WatchStream::new(web.changes.subscribe());
-    let events = changes.map(|number| Ok(Event::default().event("changed").data(number.to_string())));
+    let events = changes.map(move |_| {
+        let zone = web.current_settings().time_zone.time_zone().iana_name().unwrap_or_default().to_owned();
+        Ok(Event::default().event("changed").data(zone))
+    });
     Ok(Sse::new(events).keep_alive(KeepAlive::default()))
 }
 

@@ -2,7 +2,7 @@
 // message when the page cannot be updated.
 const EVERY_MS = 60000, AGAIN_MS = 5000, PATIENCE_MS = 20000;
 const main = document.querySelector("#main");
-let events = null, again = 0, busy = false, dirty = false, lost = null;
+let events = null, again = 0, busy = false, dirty = false, lost = null, zone = "";
 
 const isTyping = () => main.querySelector("details[open] form") || main.contains(document.activeElement) && /^(INPUT|SELECT|TEXTAREA)$/.test(document.activeElement.tagName)
   && !document.activeElement.closest("#view");
@@ -18,11 +18,17 @@ function say(id, text, link) {
   if (link) line.append(" ", Object.assign(document.createElement("a"), { href: location.href, textContent: link, onclick: (e) => { e.preventDefault(); location.reload(); } }));
 }
 
+/** A time of day in the farm's time zone, with its mark; in that of the browser while the farm's is not known. */
+function clock(time) {
+  const format = { hour: "2-digit", minute: "2-digit", hourCycle: "h23", timeZoneName: "short" };
+  try { return time.toLocaleTimeString("en-GB", { ...format, timeZone: zone || undefined }); } catch { return time.toLocaleTimeString("en-GB", format); }
+}
+
 function disconnected() {
   if (lost) return;
   lost = new Date();
   document.body.dataset.lost = "";
-  say("lost", `No connection to the farm since ${lost.toISOString().slice(11, 16)} UTC. What is shown is from before.`);
+  say("lost", `No connection to the farm since ${clock(lost)}. What is shown is from before.`);
 }
 
 function connected() {
@@ -79,7 +85,7 @@ function listen() {
   // A browser allows few connections to a host: a hidden page closes its own.
   if (document.hidden) return;
   events = new EventSource("/live");
-  events.addEventListener("changed", refresh);
+  events.addEventListener("changed", (event) => { zone = event.data; refresh(); });
   events.addEventListener("error", () => {
     disconnected();
     if (events?.readyState === EventSource.CLOSED) again = setTimeout(listen, AGAIN_MS);

@@ -110,10 +110,10 @@ async fn on_refused_copied(farm: &mut Farm, id: PartId, copied: Result<()>) -> R
     let Some(DeferredRefusal { part, cause, reason, command }) = farm.completion.deferred_refusals.remove(&id) else {
         return Ok(());
     };
-    let left = match &command {
-        Some(command) => farm.ledger.for_command(command.id).cancel_part(id, cause, &reason).await,
-        None if part.state == PartState::Claimed => farm.ledger.reject_claim(id, cause, &reason).await,
-        None => farm.ledger.cancel_part(id, cause, &reason).await,
+    let ledger = farm.ledger.for_command(command.as_ref().map(|command| command.id));
+    let left = match (&command, part.state) {
+        (None, PartState::Claimed) => ledger.reject_claim(id, cause, &reason).await,
+        _ => ledger.cancel_part(id, cause, &reason).await,
     };
     if left.is_ok() {
         mark_note::update_decision_count(farm, &part).await;

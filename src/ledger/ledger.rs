@@ -90,9 +90,10 @@ impl Ledger {
     }
 
     /// Returns the same ledger for carrying out a command: a change that is made through it is committed together with the
-    /// state of the command, which is then done. After a crash the command is not carried out once more.
-    pub fn for_command(&self, command: CommandId) -> Self {
-        Self { command: Some(command), ..self.clone() }
+    /// state of the command, which is then done. After a crash the command is not carried out once more. `None` = no command
+    /// asked for the change.
+    pub fn for_command(&self, command: impl Into<Option<CommandId>>) -> Self {
+        Self { command: command.into(), ..self.clone() }
     }
 
     /// The file of the ledger, unless it is in PostgreSQL.

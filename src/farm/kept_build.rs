@@ -27,14 +27,14 @@ pub fn kept_path(archive: &Path, file_name: &str) -> PathBuf {
 }
 
 /// Copies a staged build file into the archive. A copy from an earlier attempt is replaced. A failure is only logged: a full
-/// disk must not keep a build from its printer.
-pub fn keep_staged_file(profile: &MachineProfile, staged: &Path, file_name: &str) {
+/// disk must not keep a build from its printer. `hash` is that of the staged file.
+pub fn keep_staged_file(profile: &MachineProfile, staged: &Path, file_name: &str, hash: &str) {
     if profile.output.archive_builds_days.is_none() {
         return;
     }
     let kept = kept_path(&profile.folders.archive, file_name);
     let copied = || -> std::io::Result<()> {
-        if kept.exists() && intake::hash_file(&kept)? != intake::hash_file(staged)? {
+        if kept.exists() && intake::hash_file(&kept)? != hash {
             fs::remove_file(&kept)?;
         }
         intake::archive_file(staged, &profile.folders.archive, intake::KEPT_BUILDS, file_name).map(drop)

@@ -11,7 +11,7 @@ use tracing::{info, warn};
 
 use super::{claim_note::ticket_row, farm::Farm, fetch_originals, jobs::BackgroundJob, mark_note};
 use crate::{
-    intake::{self, LateTicket, NamedPart, Ticket},
+    intake::{self, LateTicket, LateTicketEnd, NamedPart, SpecSource, Ticket},
     ledger::{LedgerError, PartEdit, PartRow, PartState, RefusalCause, RequiredTilts},
     settings::MachineProfile,
 };
@@ -49,8 +49,8 @@ impl BackgroundJob<Farm> for LateTicketJob {
 enum LateDecision {
     /// It waits: perhaps its part still comes, or is being read or nested.
     Wait,
-    /// It was applied.
-    Accept,
+    /// It was applied to this part.
+    Accept(String),
     /// It is refused for this reason.
     Refuse(String),
 }
@@ -140,7 +140,7 @@ async fn apply_late_ticket(
             }
         }
     }
-    Ok(LateDecision::Accept)
+    Ok(LateDecision::Accept(format!("{} (part {})", newest.name, newest.id)))
 }
 
 /// Whether a ticket may mean a part: one of the order of its folder, or of the order that the ticket itself names.
@@ -211,6 +211,14 @@ fn ticket_to_edit(ticket: &Ticket, machine: &MachineProfile) -> Result<PartEdit,
     })
 }
 
+/// Said of a ticket that was applied and could not be moved to the archive.
+fn applied_reason(meant: &str, failure: &anyhow::Error) -> String {
+    format!(
+        "It came after its part was taken, and was applied to {meant}: nothing is left to do, and it can be deleted. It is here \
+         because it could not be moved to the archive: {failure:#}. Make the archive folder writable for nestd."
+    )
+}
+
 /// Puts a late ticket where it belongs.
 async fn finish(farm: &mut Farm, profile: &str, late: LateTicket, decision: LateDecision) -> Result<()> {
     let Some(machine) = farm.machines.get(profile) else { return Ok(()) };
@@ -219,10 +227,21 @@ async fn finish(farm: &mut Farm, profile: &str, late: LateTicket, decision: Late
         LateTicketJob { profile: profile.to_owned(), file_name: late.source.file_name.clone(), key: late.key.clone() };
     match decision {
         LateDecision::Wait => {}
-        LateDecision::Accept => farm.jobs.start(job, move || {
-            leases.archive.clone().check_usable()?;
-            late.accept_late_ticket(&folders.inbox, &folders.archive)?;
-            Ok(())
+        LateDecision::Accept(meant) => farm.jobs.start(job, move || {
+            let archive = || -> Result<LateTicketEnd> {
+                leases.archive.clone().check_usable()?;
+                Ok(late.accept_late_ticket(&folders.inbox, &folders.archive)?)
+            };
+            match archive() {
+                // At the next scan it would be refused as one whose part never came.
+                Err(failure) if late.is_last_offer && late.source.source == SpecSource::Sidecar => {
+                    leases.check_error_folder()?;
+                    let reason = applied_reason(&meant, &failure);
+                    late.refuse_late_ticket(&folders.inbox, &folders.error, &reason)?;
+                    Err(failure.context("it was applied, and is in the error folder now"))
+                }
+                ended => ended.map(drop),
+            }
         }),
         LateDecision::Refuse(reason) => {
             warn!(profile, "Refused {} for {}: {reason}", late.source.file_name, late.part_name);

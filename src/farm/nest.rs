@@ -310,9 +310,10 @@ fn nest_write_and_prove(
     let written = write_and_prove(write, &nested)?;
     archive.check_usable()?;
     archive_originals(&write.profile, &write.build, &nested, meshes)?;
-    let name = &written.verified.file.file_name;
-    demand_staged(&write.queue, name)?;
-    kept_build::keep_staged_file(&write.profile, &write.queue.staged_path(name), name);
+    let file = &written.verified.file;
+    demand_staged(&write.queue, &file.file_name)?;
+    let staged = write.queue.staged_path(&file.file_name);
+    kept_build::keep_staged_file(&write.profile, &staged, &file.file_name, &file.file_hash);
     Ok(written)
 }
 

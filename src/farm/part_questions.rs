@@ -6,7 +6,7 @@ use serde_json::json;
 
 use crate::{
     intake,
-    ledger::{PartRow, PartState, QuestionKind, QuestionedPart},
+    ledger::{PartRow, QuestionKind, QuestionedPart},
 };
 
 /// Maximum number of questions of a kind in `STATUS.txt`.
@@ -26,27 +26,34 @@ pub struct PartQuestion {
 impl PartQuestion {
     /// The open questions of a part.
     pub fn of_part(part: &PartRow) -> Vec<Self> {
-        let mut questions = Vec::new();
-        let mut ask = |kind, text: String, remedy: String| questions.push(Self { kind, text, remedy });
+        let kinds = QuestionKind::of_part(part, intake::COPIES_QUESTION);
+        kinds.into_iter().map(|kind| Self::about(part, kind)).collect()
+    }
+
+    /// A question of this kind about a part.
+    fn about(part: &PartRow, kind: QuestionKind) -> Self {
         let id = part.id;
-        if part.state == PartState::Waiting && !part.owed.question.is_empty() {
-            let remedy = format!("`nestd confirm {id}` prints it as it is, `nestd cancel {id}` refuses it.");
-            ask(QuestionKind::Confirmation, format!("It waits for a yes: {}", part.owed.question), remedy);
-        }
-        if part.times.damaged_at.is_some() && part.state.is_live() {
-            let remedy = format!("Drop {} once more, or take it back with `nestd cancel {id}`.", part.name);
-            ask(QuestionKind::Original, "Its original is missing or damaged, so it is not printed.".to_owned(), remedy);
-        }
-        if part.state == PartState::Waiting && part.wanted_copies() == 1 && has_copies_question(part) {
-            let remedy = format!("`nestd edit {id} --copies N` answers it.");
-            ask(QuestionKind::Copies, format!("{} It is taken as 1.", intake::COPIES_QUESTION), remedy);
-        }
-        questions
+        let (text, remedy) = match kind {
+            QuestionKind::Confirmation => (
+                format!("It waits for a yes: {}", part.owed.question),
+                format!("`nestd confirm {id}` prints it as it is, `nestd cancel {id}` refuses it."),
+            ),
+            QuestionKind::Original => (
+                "Its original is missing or damaged, so it is not printed.".to_owned(),
+                format!("Drop {} once more, or take it back with `nestd cancel {id}`.", part.name),
+            ),
+            QuestionKind::Copies => (
+                format!("{} It is taken as 1.", intake::COPIES_QUESTION),
+                format!("`{}` answers it.", copies_command(part)),
+            ),
+        };
+        Self { kind, text, remedy }
     }
 }
 
-fn has_copies_question(part: &PartRow) -> bool {
-    part.warnings.lines().any(intake::is_copies_question)
+/// The command that says how many copies are wanted.
+fn copies_command(part: &PartRow) -> String {
+    format!("nestd edit {} --copies N", part.id)
 }
 
 /// The lines of `STATUS.txt` for the parts of a profile whose number of copies is asked for. (Parts that wait for a yes or for
@@ -59,11 +66,11 @@ pub(super) fn questions_text(profile: &str, asked: &[QuestionedPart]) -> String 
         .take(MAX_LINES)
         .map(|QuestionedPart { part, .. }| {
             format!(
-                "Question: {} part {} ({}) is taken as 1; answer with `nestd edit {} --copies N`.\n",
+                "Question: {} part {} ({}) is taken as 1; answer with `{}`.\n",
                 intake::COPIES_QUESTION,
                 part.id,
                 part.name,
-                part.id
+                copies_command(part)
             )
         })
         .collect();
@@ -126,6 +133,9 @@ mod tests {
         assert_eq!(kinds(&rows[0]), []);
         assert_eq!(kinds(&rows[1]), [QuestionKind::Copies]);
         assert_eq!(kinds(&rows[2]), [QuestionKind::Confirmation, QuestionKind::Copies]);
+        for row in &asked {
+            assert_eq!(kinds(&row.part).first(), Some(&row.kind), "SQL and Rust ask the same first");
+        }
         rows[0].times.damaged_at = Some(rows[0].times.claimed_at);
         assert_eq!(kinds(&rows[0]), [QuestionKind::Original]);
         let json = questions_json("paper-200", &asked);

@@ -66,6 +66,20 @@ fn a_late_ticket_that_cannot_be_moved_away_does_not_undo_what_a_person_changed_s
 }
 
 #[test]
+fn a_late_ticket_that_was_applied_and_cannot_be_moved_away_is_not_refused_for_want_of_its_part() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("bracket.stl", &block(10.0, 12.0, 14.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    fs::write(farm.folder("archive").join("late-tickets"), "in the way").unwrap();
+    farm.drop_bytes("bracket.stl.toml", b"copies = 9\n");
+    farm.pass_until("it left the hot folder", |farm| !farm.folder("inbox").join("bracket.stl.toml").exists());
+    assert_eq!(farm.parts(PartState::Waiting)[0].wanted_copies(), 9);
+    let text = fs::read_to_string(farm.folder("error").join("bracket.stl.toml.reason.txt")).unwrap();
+    assert!(text.contains(&format!("was applied to bracket.stl (part {part})")), "{text}");
+    assert!(!text.contains("waited"), "{text}");
+}
+
+#[test]
 fn a_list_that_comes_after_its_loose_parts_changes_them() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("a.stl", &block(10.0, 12.0, 14.0));

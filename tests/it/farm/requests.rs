@@ -8,7 +8,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use nestd::ledger::{PartRow, PartState};
+use nestd::ledger::{BuildId, PartRow, PartState};
 
 use super::support::{QUICK, TestFarm, block, wait_until_or};
 
@@ -122,4 +122,36 @@ fn a_failed_build_comes_back_as_it_was_asked_a_revision_replaces_and_the_highest
     farm.flush();
     let names = printed_names(&farm.wait_for_queued(3)[2]);
     assert_eq!(names, [("cube_x8.stl".to_owned(), 8), ("urgent.stl".to_owned(), 1)].into());
+}
+
+#[test]
+fn overdue_parts_that_come_one_after_another_are_one_build_that_fires_by_itself() {
+    let farm = TestFarm::running(&format!("{QUICK}[trigger]\ngather_secs = 4\n"));
+    for (name, side) in [("a", 10.0), ("b", 11.0)] {
+        farm.drop_bytes(&format!("{name}.stl.toml"), b"due = 2020-01-01\n");
+        farm.drop_part(&format!("{name}.stl"), &block(side, 9.0, 8.0));
+        await_that(&farm, "it waits", || waiting(&farm, &format!("{name}.stl")).is_some());
+        // Less than it gathers; without gathering the first part would be in a build by itself.
+        std::thread::sleep(Duration::from_secs(1));
+    }
+    let names = printed_names(&farm.wait_for_queued(1)[0]);
+    assert_eq!(names, [("a.stl".to_owned(), 1), ("b.stl".to_owned(), 1)].into());
+    let build = farm.query_ledger(async |ledger| ledger.find_build(BuildId(1)).await.unwrap().unwrap());
+    assert_eq!(build.fired_by, "due");
+}
+
+#[test]
+fn a_day_is_shown_as_it_was_given_wherever_the_farm_is() {
+    let mut farm = TestFarm::new(QUICK);
+    let config = fs::read_to_string(farm.config()).unwrap();
+    fs::write(farm.config(), format!("time_zone = \"Pacific/Kiritimati\"\n{config}")).unwrap();
+    farm.start();
+    farm.drop_bytes("a.stl.toml", b"due = \"24.12.2098\"\n");
+    farm.drop_part("a.stl", &block(10.0, 9.0, 8.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
+    assert_eq!(part.terms.due_at.unwrap().to_string(), "2098-12-24T09:59:59.000Z");
+    let shown = farm.nestd_ok(&["show", &part.id.to_string()]);
+    assert!(shown.contains("2098-12-24") && !shown.contains("2098-12-25"), "{shown}");
+    let status = farm.nestd_ok(&["status"]);
+    assert!(status.contains("2098-12-24"), "{status}");
 }

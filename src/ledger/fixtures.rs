@@ -21,12 +21,17 @@ impl std::ops::Deref for TestLedger {
 }
 
 pub async fn fresh() -> TestLedger {
-    let folder = tempfile::tempdir().unwrap();
     #[cfg(feature = "postgres")]
     if std::env::var_os("NESTD_TEST_POSTGRES").is_some() {
         let ledger = postgres::cluster::shared().open_ledger().await;
-        return TestLedger { _folder: folder, ledger };
+        return TestLedger { _folder: tempfile::tempdir().unwrap(), ledger };
     }
+    fresh_file().await
+}
+
+/// One in SQLite, whatever database the tests run on.
+pub async fn fresh_file() -> TestLedger {
+    let folder = tempfile::tempdir().unwrap();
     let ledger = Ledger::open(&folder.path().join("nestd.db")).await.unwrap();
     TestLedger { _folder: folder, ledger }
 }

@@ -1,7 +1,14 @@
 //! The tests of the ledger once more, on PostgreSQL: this test program runs itself, with another database behind the
-//! same tests.
+//! same tests. And tests that hold the two databases against each other.
+
+mod order_of_events;
+mod same_rows;
+mod schemas;
 
 use std::process::Command;
+
+use super::*;
+use crate::ledger::sql::{self, BindValue, FromSqlRow, SqlValue};
 
 /// Tests of what SQLite's files and its planner do.
 const SQLITE_ALONE: [&str; 7] = [
@@ -13,6 +20,11 @@ const SQLITE_ALONE: [&str; 7] = [
     "the_schema_and_the_state_machines_know_the_same_words",
     "the_truth_teller_sees_a_part_whose_state_was_changed_behind_its_back",
 ];
+
+/// An empty ledger in a file, and one on PostgreSQL.
+async fn both() -> (TestLedger, Ledger) {
+    (fresh_file().await, postgres::cluster::shared().open_ledger().await)
+}
 
 #[test]
 fn the_same_tests_pass_on_postgresql() {

@@ -15,7 +15,7 @@ use super::*;
 
 /// A step. The numbers select a part, a build or copies among the existing ones.
 #[derive(Debug, Clone)]
-enum WalkStep {
+pub(super) enum WalkStep {
     Claim(u32),
     Accept(usize),
     Reject(usize),
@@ -38,7 +38,7 @@ enum WalkStep {
     CancelCopies(usize, u32),
 }
 
-fn step() -> impl Strategy<Value = WalkStep> {
+pub(super) fn step() -> impl Strategy<Value = WalkStep> {
     let any = 0..64usize;
     let outcome = prop::sample::select(vec![
         PrintOutcome::Printing,
@@ -70,7 +70,7 @@ fn step() -> impl Strategy<Value = WalkStep> {
 
 /// The test driver knows what it created, but no states.
 #[derive(Default)]
-struct RandomWalk {
+pub(super) struct RandomWalk {
     parts: Vec<(PartId, u32)>,
     builds: Vec<BuildId>,
 }
@@ -86,7 +86,7 @@ impl RandomWalk {
         self.builds.iter().rev().nth(number % self.builds.len().clamp(1, 5)).copied().unwrap_or(BuildId(0))
     }
 
-    async fn take(&mut self, ledger: &Ledger, step: WalkStep) -> Result<(), LedgerError> {
+    pub(super) async fn take(&mut self, ledger: &Ledger, step: WalkStep) -> Result<(), LedgerError> {
         match step {
             WalkStep::Claim(copies) => {
                 let claim = format!("claim-{}", self.parts.len());
@@ -189,7 +189,7 @@ impl RandomWalk {
     }
 }
 
-fn is_refusal(error: &LedgerError) -> bool {
+pub(super) fn is_refusal(error: &LedgerError) -> bool {
     !matches!(error, LedgerError::Sql(_) | LedgerError::Open { .. } | LedgerError::Migrate { .. })
 }
 

@@ -15,6 +15,7 @@ mod edit;
 mod expected_parts;
 mod farm_context;
 mod history;
+mod ledger;
 mod logging;
 mod lookup;
 mod metrics;
@@ -147,6 +148,9 @@ enum CliCommand {
     Backup(backup::BackupArgs),
     /// Put a backup of the ledger back; builds published since then are not printed again
     Restore(backup::RestoreArgs),
+    /// Copy the ledger between a file and a PostgreSQL database
+    #[command(subcommand)]
+    Ledger(ledger::LedgerCommand),
     /// Show which messages the webhook and the command have received, or send them a trial message
     Notify(notify::NotifyArgs),
     /// Print the farm's metrics in the Prometheus format
@@ -202,6 +206,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Adopt { profile } => adopt::run(common, profile),
         CliCommand::Backup(args) => backup::run(common, args),
         CliCommand::Restore(args) => backup::run_restore(common, args),
+        CliCommand::Ledger(command) => ledger::run(command),
         CliCommand::Notify(args) => notify::run(common, args),
         CliCommand::Metrics => metrics::run(common),
         CliCommand::Nest(args) => nest::run(common, args),

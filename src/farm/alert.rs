@@ -17,6 +17,10 @@ pub enum AlertKind {
     LedgerLost,
     /// The ledger's file was removed or replaced while the daemon had it open.
     LedgerReplaced,
+    /// The server of the ledger cannot be reached.
+    LedgerUnreachable,
+    /// Another daemon serves the ledger.
+    LedgerTakenOver,
     /// A changed configuration was rejected.
     ConfigurationWrong,
     /// A hot folder cannot be read.
@@ -83,16 +87,19 @@ impl AlertKind {
         match self {
             Self::LedgerDamaged => Some("is damaged"),
             Self::LedgerReplaced => Some("was removed or replaced"),
+            Self::LedgerTakenOver => Some("is served by another nestd"),
             _ => None,
         }
     }
 
     /// Every kind.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 31] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
         Self::LedgerReplaced,
+        Self::LedgerUnreachable,
+        Self::LedgerTakenOver,
         Self::ConfigurationWrong,
         Self::HotFolderAway,
         Self::QueueAway,
@@ -131,6 +138,10 @@ impl AlertKind {
             Self::LedgerReplaced => {
                 "The ledger's file was removed or replaced while nestd ran: nestd takes and publishes nothing"
             }
+            Self::LedgerUnreachable => {
+                "The server of the ledger cannot be reached: nestd takes and publishes nothing until it can"
+            }
+            Self::LedgerTakenOver => "Another nestd serves the ledger: this one takes and publishes nothing more",
             Self::ConfigurationWrong => "The changed configuration was rejected; the previous one stays in force",
             Self::HotFolderAway => "The hot folder is unavailable",
             Self::QueueAway => "The queue folder cannot be used",
@@ -173,6 +184,12 @@ impl AlertKind {
             Self::LedgerReplaced => {
                 "Stop nestd. Put the copy back that nestd saved, with `nestd restore FILE`, and start nestd; another ledger that \
                  is there now is kept aside."
+            }
+            Self::LedgerUnreachable => {
+                "Start the PostgreSQL server, or mend the way to it; nestd then goes on by itself. Nothing is lost meanwhile."
+            }
+            Self::LedgerTakenOver => {
+                "Stop this nestd. Where it is the one that shall serve the farm, stop the other one first, and start this one again."
             }
             Self::ConfigurationWrong => "Run `nestd check`, mend what it names, and reload nestd.",
             Self::HotFolderAway => {

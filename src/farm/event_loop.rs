@@ -14,7 +14,9 @@ use super::{
     intake_jobs::{self, PartReadJob},
     job_events,
     jobs::LoopEvent,
-    lease_renewal, machine_setup, nest, open, publish, revisions,
+    lease_renewal,
+    ledger_changes::LedgerFingerprint,
+    ledger_service, machine_setup, nest, open, publish, revisions,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
@@ -39,7 +41,7 @@ pub async fn run(load: Load, outside: ServiceBridge) -> Result<()> {
     run_tick(&mut farm).await;
     farm.lifecycle.services.set_open(!farm.lifecycle.is_halted);
     systemd::notify_ready(&farm.display.status_line);
-    info!(profiles = farm.machines.len(), ledger = %farm.settings.ledger.display(), "The farm is open.");
+    info!(profiles = farm.machines.len(), ledger = %farm.settings.ledger, "The farm is open.");
     let result = run_event_loop(&mut farm, &mut signals).await;
     systemd::notify_stopping();
     shut_down(&mut farm).await;
@@ -81,7 +83,7 @@ pub(super) async fn run_tick(farm: &mut Farm) {
     {
         status::abandon_replaced_ledger(farm, &replaced).await;
     }
-    if farm.lifecycle.is_halted {
+    if farm.lifecycle.is_halted || !ledger_service::may_act(farm) {
         return;
     }
     // This comes first: while this process was suspended, another farm may have taken folders and claims.
@@ -89,7 +91,7 @@ pub(super) async fn run_tick(farm: &mut Farm) {
     lease_renewal::renew_leases(farm, is_due);
     farm.run_step("looking at the clock", clock_changes::handle_clock_change).await;
     intake_jobs::start_scans(farm);
-    if may_have_work(farm) {
+    if may_have_work(farm).await {
         run_ledger_steps(farm).await;
     }
     for task in farm.schedule.tasks.due_tasks(now) {
@@ -133,11 +135,11 @@ async fn run_ledger_steps(farm: &mut Farm) {
 }
 
 /// Whether a step may find work: a job runs, a machine is not idle, or the ledger has changed.
-fn may_have_work(farm: &mut Farm) -> bool {
+async fn may_have_work(farm: &mut Farm) -> bool {
     let is_busy = !farm.jobs.is_idle() || !farm.nesting.just_fired.is_empty();
     let is_settled = farm.machines.values().all(|machine| machine.pacing.is_idle && machine.pending_flushes.is_empty());
-    let now = farm.now();
-    let news = farm.schedule.ledger_changes.has_changed(&farm.settings.ledger, now);
+    let (now, mark) = (farm.now(), LedgerFingerprint::take(&farm.ledger).await);
+    let news = farm.schedule.ledger_changes.has_changed(mark, now);
     is_busy || !is_settled || news
 }
 

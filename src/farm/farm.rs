@@ -75,6 +75,8 @@ impl Farm {
         match ledger_alert(failure) {
             // The next tick detects it and saves what is known.
             Some((AlertKind::LedgerReplaced, _)) => {}
+            // What failed is done again when the server is back.
+            Some((AlertKind::LedgerUnreachable, why)) => self.ledger.doubt_service(&why),
             Some((kind, detail)) => self.halt_farm(kind, &detail),
             None => self.alerts.report_failure(kind, profile, about, &format!("{about}: {failure:#}")),
         }

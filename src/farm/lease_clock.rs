@@ -14,6 +14,14 @@ const LEASE_DURATION: Duration = Duration::from_secs(10);
 /// A daemon on another server whose number has not changed for this long is dead.
 const TAKEOVER_DELAY: Duration = Duration::from_secs(15);
 
+/// A daemon that does not renew its right to a ledger on a server for this long has lost it.
+const LEDGER_LEASE: Duration = Duration::from_secs(30);
+
+/// A daemon that does not renew its right to a ledger on a server for this long has lost it.
+pub fn ledger_lease() -> Duration {
+    LEDGER_LEASE / test_speedup()
+}
+
 /// Interval of the renewals.
 pub fn renewal_interval() -> Duration {
     RENEWAL_INTERVAL / test_speedup()

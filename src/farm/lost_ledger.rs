@@ -3,7 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use super::{alert::AlertKind, lease_holder, ledger_freshness::LedgerBehindError, state_lock};
-use crate::{intake, ledger::LedgerError, settings::Settings};
+use crate::{
+    intake,
+    ledger::{LedgerError, ServerError},
+    settings::Settings,
+};
 
 /// The ledger is missing, although its farm has worked before.
 #[derive(Debug, thiserror::Error)]
@@ -25,19 +29,15 @@ pub fn ledger_alert(failure: &anyhow::Error) -> Option<(AlertKind, String)> {
         LedgerError::Damaged { path, what } => Some((AlertKind::LedgerDamaged, format!("{}: {what}", path.display()))),
         LedgerError::Corrupt(what) => Some((AlertKind::LedgerDamaged, what.clone())),
         LedgerError::Replaced { what, .. } => Some((AlertKind::LedgerReplaced, what.clone())),
+        LedgerError::Server(ServerError::Unreachable(what)) => Some((AlertKind::LedgerUnreachable, what.clone())),
+        LedgerError::Server(error @ ServerError::TakenOver) => Some((AlertKind::LedgerTakenOver, error.to_string())),
         _ => None,
     })
 }
 
-/// How it is known that a ledger existed where there is none now; `None` = there is one, or there never was one.
+/// How it is known that a ledger existed where [`Ledger::is_missing`](crate::ledger::Ledger::is_missing) has found none;
+/// `None` = there never was one.
 pub fn detect_lost_ledger(settings: &Settings) -> Option<String> {
-    let path = &settings.ledger;
-    match std::fs::metadata(path) {
-        Ok(meta) if meta.len() > 0 => return None,
-        // If it cannot be examined, opening it reports the error.
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return None,
-        _ => {}
-    }
     let is_in_use =
         |folder: &str| intake::files_below(&settings.state_dir.join(folder)).is_ok_and(|files| !files.is_empty());
     let known_by = if is_in_use("store") {
@@ -47,9 +47,9 @@ pub fn detect_lost_ledger(settings: &Settings) -> Option<String> {
     } else {
         return None;
     };
-    let saved = newest_saved_ledger(path)
+    let saved = (settings.ledger.file().and_then(newest_saved_ledger))
         .map(|saved| format!("; nestd saved all that it knew as {}, which is newer than any backup", saved.display()));
-    Some(format!("there is no ledger at {}, but {known_by}{}", path.display(), saved.unwrap_or_default()))
+    Some(format!("there is no ledger at {}, but {known_by}{}", settings.ledger, saved.unwrap_or_default()))
 }
 
 /// The name of a copy that the daemon saves when its ledger is removed: this, after the ledger's name, and the time.

@@ -59,7 +59,9 @@ mod lease_holder;
 mod lease_marker;
 mod lease_renewal;
 mod ledger_changes;
+mod ledger_copy;
 mod ledger_freshness;
+mod ledger_service;
 mod left_out;
 mod lost_ledger;
 mod machine_availability;
@@ -125,6 +127,7 @@ pub use invariants::{
 };
 pub use isolated_read::{SUBCOMMAND as READ_PART, answer_read_request};
 pub use known_folders::is_known_folder;
+pub use ledger_copy::copy_ledger;
 pub use ledger_freshness::{find_abandoned_claims, find_unknown_to_ledger as unknown_to_ledger};
 pub use lost_ledger::{detect_lost_ledger as lost_ledger, lost_ledger_text};
 pub use part_questions::PartQuestion;

@@ -17,6 +17,7 @@ use super::{
     lease_holder::LeaseHolder,
     lease_renewal,
     ledger_freshness::check_ledger_current,
+    ledger_service,
     lost_ledger::{LostLedgerError, detect_lost_ledger, ledger_alert},
     machine_setup,
     mesh_cache::MeshCache,
@@ -150,7 +151,9 @@ impl OpenedState {
         access::create_private_folders(&settings.state_dir)
             .with_context(|| format!("creating the state directory {}", settings.state_dir.display()))?;
         let lock = StateDirLock::acquire(&settings.state_dir, since)?;
-        ledger::clear_unfinished(&settings.ledger)?;
+        if let Some(file) = settings.ledger.file() {
+            ledger::clear_unfinished(file)?;
+        }
         systemd::notify_status("looking through the ledger");
         let clock = time.clone();
         let ledger = open_ledger(settings).await?.with_clock(move || clock.date());
@@ -175,11 +178,12 @@ fn is_transient(failure: &anyhow::Error) -> bool {
 
 /// Opens the ledger, if it is intact and belongs to this farm.
 async fn open_ledger(settings: &Settings) -> Result<Ledger> {
-    let path = &settings.ledger;
-    if let Some(detail) = detect_lost_ledger(settings) {
+    if Ledger::is_missing(&settings.ledger).await?
+        && let Some(detail) = detect_lost_ledger(settings)
+    {
         return Err(LostLedgerError { detail }.into());
     }
-    let ledger = Ledger::open_checked(path).await?;
+    let ledger = Ledger::open_to_serve(&settings.ledger, &ledger_service::serving_node(settings)).await?;
     if let Err(failure) = check_ledger_current(settings, &ledger).await {
         ledger.close().await;
         return Err(failure);

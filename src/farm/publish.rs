@@ -71,7 +71,8 @@ pub(super) async fn publish_verified_builds(farm: &mut Farm) -> Result<()> {
         };
         let archive = machine.profile.folders.archive.clone();
         let (record, is_first) = (farm.ledger.export_build_record(id).await?, farm.nesting.rename_untried.remove(&id));
-        let staged = StagedBuild { queue, build, archive, leases: machine.leases.clone() };
+        let (leases, ledger) = (machine.leases.clone(), farm.ledger.clone());
+        let staged = StagedBuild { queue, build, archive, leases, ledger };
         farm.jobs.start(PublishBuildJob { build: id }, move || match staged.leases.check_publish_folders() {
             Err(away) if is_first => Ok(PublishStep::NotRenamed(away.into())),
             Err(away) => Err(away.into()),

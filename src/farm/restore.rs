@@ -1,5 +1,6 @@
 //! Replaces the ledger by a backup, after bringing that up to date with the folders: nothing that was published since
-//! is printed again. All work is done on a copy; one rename at the end puts it into place.
+//! is printed again. All work is done on a copy; one rename at the end puts it into place, or one transaction where the
+//! ledger is on a server.
 
 use std::{
     fs::{self, File},
@@ -9,12 +10,12 @@ use std::{
 use anyhow::{Context, Result, ensure};
 
 use super::{
-    folder_builds::FolderExpectations, folder_check, reconcile::reconcile_ledger, reconcile_report::ReconcileReport,
-    state_lock::StateDirLock,
+    folder_builds::FolderExpectations, folder_check, ledger_service::serving_node, reconcile::reconcile_ledger,
+    reconcile_report::ReconcileReport, state_lock::StateDirLock,
 };
 use crate::{
     access,
-    ledger::{self, Ledger},
+    ledger::{self, ExistingRows, Ledger, LedgerAddress},
     settings::Settings,
 };
 
@@ -66,16 +67,44 @@ async fn rebuild_ledger(
     access::create_private_folders(&settings.state_dir)
         .with_context(|| format!("creating {}", settings.state_dir.display()))?;
     let _lock = StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())?;
-    ledger::clear_unfinished(&settings.ledger)?;
+    let base = working_path(settings);
+    ledger::clear_unfinished(&base)?;
+    // Another daemon, on any host, is refused as long as this is open.
+    let served = match &settings.ledger {
+        LedgerAddress::File(_) => None,
+        server => Some(Ledger::open_to_serve(server, &serving_node(settings)).await?),
+    };
+    let rebuilt = rebuild_copy(settings, begin, new_folders, &base, served.as_ref()).await;
+    if let Some(served) = served {
+        served.close().await;
+    }
+    rebuilt
+}
+
+/// Where the copy is made: beside the ledger's file, or in the state folder.
+fn working_path(settings: &Settings) -> PathBuf {
+    settings.ledger.file().map_or_else(|| settings.state_dir.join("server-ledger.db"), Path::to_owned)
+}
+
+async fn rebuild_copy(
+    settings: &Settings,
+    begin: LedgerSource<'_>,
+    new_folders: &[PathBuf],
+    base: &Path,
+    served: Option<&Ledger>,
+) -> Result<RestoreOutcome> {
     let known = FolderExpectations { state_dir: settings.state_dir.clone(), new_folders: new_folders.to_vec() };
     folder_check::watch_other_holders(settings);
     known.check_all_available(settings)?;
-    let new = ledger::restoring_path(&settings.ledger);
-    match begin {
-        LedgerSource::Backup(backup) => copy_verified_backup(backup, &new).await?,
-        LedgerSource::Empty => {}
-        LedgerSource::Present => {
-            let present = Ledger::open_checked(&settings.ledger).await?;
+    let new = ledger::restoring_path(base);
+    match (begin, served) {
+        (LedgerSource::Backup(backup), _) => copy_verified_backup(backup, &new).await?,
+        (LedgerSource::Empty, _) => {}
+        (LedgerSource::Present, Some(served)) => {
+            served.write_backup(&new).await?;
+        }
+        (LedgerSource::Present, None) => {
+            let present = Ledger::open_checked(base).await?;
             let copied = present.write_backup(&new).await;
             present.close().await;
             copied?;
@@ -86,13 +115,31 @@ async fn rebuild_ledger(
     ledger.close_with_checksum().await?;
     let mut reconciled = reconciled?;
     if matches!(begin, LedgerSource::Present) && reconciled == ReconcileReport::default() {
-        ledger::clear_unfinished(&settings.ledger)?;
+        ledger::clear_unfinished(base)?;
         return Ok(RestoreOutcome { aside: None, reconciled });
     }
-    let aside = ledger::replace_ledger(&settings.ledger).await?;
+    let aside = match served {
+        Some(served) => Some(replace_rows(served, base).await?),
+        None => ledger::replace_ledger(base).await?,
+    };
     reconciled.apply_folder_steps(settings);
-    Ledger::open_existing(&settings.ledger).await?.close_with_checksum().await?;
+    if served.is_none() {
+        Ledger::open_existing(base).await?.close_with_checksum().await?;
+    }
     Ok(RestoreOutcome { aside, reconciled })
+}
+
+/// Puts the rows of the prepared copy in place of those on the server, in one transaction. Returns the file that keeps the
+/// earlier ones.
+async fn replace_rows(served: &Ledger, base: &Path) -> Result<PathBuf> {
+    let aside = ledger::aside_path(base);
+    served.write_backup(&aside).await.context("keeping the ledger that is on the server")?;
+    let new = Ledger::open_existing(&ledger::restoring_path(base)).await?;
+    let copied = new.copy_into_ledger(served, ExistingRows::Replace).await;
+    new.close().await;
+    copied?;
+    ledger::clear_unfinished(base)?;
+    Ok(aside)
 }
 
 /// Copies the backup beside the ledger, after checking that it is intact; the copy is on disk when this returns.

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use super::{build_record, folder_leases::FolderLeases};
 use crate::{
     intake,
-    ledger::BuildRow,
+    ledger::{BuildRow, Ledger},
     queue::{PublishOutcome, QueueError, QueueFolder, StagedState},
 };
 
@@ -36,6 +36,8 @@ pub struct StagedBuild {
     pub archive: PathBuf,
     /// The leases on its folders.
     pub leases: FolderLeases,
+    /// The ledger that its row is in.
+    pub ledger: Ledger,
 }
 
 /// The build was staged in another queue folder, and its file is not in the current one.
@@ -49,6 +51,12 @@ pub struct QueueReplacedError {
 impl StagedBuild {
     fn file_name(&self) -> Result<&str> {
         self.build.staged.file_name.as_deref().context("its row names no file")
+    }
+
+    /// Fails unless this daemon still serves the folders and the ledger.
+    fn check_rights(&self) -> Result<()> {
+        self.ledger.ensure_served()?;
+        Ok(self.leases.check_publish_folders()?)
     }
 
     /// Where its file is. If the queue folder is not the one that it was staged in, "gone" says nothing: a person must
@@ -85,7 +93,7 @@ impl StagedBuild {
     /// Publishes the build, after the ledger has recorded the attempt. `is_first` = nothing was ever tried before.
     pub fn try_publish(&self, record: &str, is_first: bool) -> Result<PublishStep> {
         if self.staged_state()? != StagedState::Staged {
-            self.leases.check_publish_folders()?;
+            self.check_rights()?;
             return Ok(PublishStep::Done(self.queue.publish(self.file_name()?)?));
         }
         if let Some(why) = self.find_damage()? {
@@ -95,7 +103,7 @@ impl StagedBuild {
         }
         let tried = build_record::write_record(&self.archive, &self.build, record).and_then(|()| {
             // Checked once more: comparing the bytes and writing the record may have taken long.
-            self.leases.check_publish_folders()?;
+            self.check_rights()?;
             Ok(self.queue.publish(self.file_name()?)?)
         });
         match tried {

@@ -1,7 +1,10 @@
 //! The status of the farm: one line for the service manager, a heartbeat in the ledger, and `STATUS.txt` and
 //! `status.json` in each hot folder.
 
-use std::time::{Duration, Instant};
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
 use anyhow::Result;
 use build_file::format_count;
@@ -100,7 +103,8 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
         }
     }
     farm.alerts.write_if_changed(&farm.settings.state_dir);
-    if !farm.lifecycle.is_halted
+    let is_cut_off = farm.alerts.is_active(AlertKind::LedgerUnreachable, "", "");
+    if !(farm.lifecycle.is_halted || is_cut_off)
         || farm.display.updated_at.is_some_and(|at| farm.schedule.time.passed_since(at) < STATUS_INTERVAL)
     {
         return;
@@ -119,7 +123,7 @@ pub(super) fn publish_alerts(farm: &mut Farm) {
 
 /// The ledger's file was removed or replaced: saves what the daemon knows beside it, and halts.
 pub(super) async fn abandon_replaced_ledger(farm: &mut Farm, why: &LedgerError) {
-    let mut file = farm.settings.ledger.clone().into_os_string();
+    let mut file = farm.ledger.file().unwrap_or(Path::new("")).as_os_str().to_owned();
     file.push(lost_ledger::SAVED);
     file.push(Timestamp::now().strftime("%Y%m%dT%H%M%SZ").to_string());
     let (file, ledger) = (std::path::PathBuf::from(file), farm.ledger.clone());

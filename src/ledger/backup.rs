@@ -12,10 +12,10 @@ use sqlx::{
     sqlite::{SqliteConnectOptions, SqlitePoolOptions},
 };
 
-use super::{Ledger, LedgerError, error::Result, health, location, schema};
+use super::{CopyError, ExistingRows, Ledger, LedgerError, error::Result, health, location, schema};
 
 impl Ledger {
-    /// Writes a copy of the present ledger to `file`, which must not exist, and its checksum file beside it. On return
+    /// Writes a copy of the present ledger, also of one on a server, to `file`, which must not exist, and its checksum file beside it. On return
     /// the copy is compact, durable, and every page of it has been checked. Returns its size, bytes.
     ///
     /// `Backup` if the copy cannot be written, `Damaged` if the copy is damaged. In both cases no file remains.
@@ -41,7 +41,13 @@ impl Ledger {
     async fn copy_into(&self, file: &Path, copy: &Path) -> Result<()> {
         let name = copy.to_str().ok_or_else(|| backup_error(file, "its path is not UTF-8"))?;
         let Some(store) = self.sqlite() else {
-            return Err(backup_error(file, "the ledger is in PostgreSQL; back it up with pg_dump"));
+            let new = Self::open(copy).await?;
+            let copied = self.copy_into_ledger(&new, ExistingRows::Refuse).await;
+            new.close_with_checksum().await?;
+            return match copied {
+                Err(CopyError::Ledger(error)) => Err(error),
+                other => other.map(drop).map_err(|error| backup_error(file, error)),
+            };
         };
         let copied = sqlx::query("VACUUM INTO ?").bind(name).execute(store.writer()).await;
         match copied.map_err(LedgerError::from) {

@@ -61,7 +61,9 @@ impl LedgerChange {
                 }
             }
             #[cfg(feature = "postgres")]
-            SqlTransaction::Postgres(transaction) => transaction.commit().await?,
+            SqlTransaction::Postgres(transaction) => {
+                transaction.commit().await.map_err(super::ServerError::mark_unreachable)?;
+            }
         }
         Ok(())
     }

@@ -58,7 +58,7 @@ pub struct DaemonRow {
     pub beat_at: UtcTimestamp,
     /// One line on what it did.
     pub status: String,
-    /// Whether the daemon runs: its last heartbeat is younger than [`HEARTBEAT_VALID_SECS`], or its lock is held. If the
+    /// Whether the daemon runs: its last heartbeat is younger than [`HEARTBEAT_VALID_SECS`], or its lock or lease is held. If the
     /// daemon ran on this server, its process must exist too.
     pub alive: bool,
 }
@@ -114,14 +114,23 @@ impl Ledger {
         let beats = |row: &DaemonRow| {
             self.now().duration_since(*row.beat_at).abs() < SignedDuration::from_secs(HEARTBEAT_VALID_SECS)
         };
-        let lives = |row: &DaemonRow| (beats(row) || self.is_locked()) && !row.is_process_gone();
+        let is_held = match &row {
+            Some(row) if !beats(row) => self.is_held().await?,
+            _ => false,
+        };
+        let lives = |row: &DaemonRow| (beats(row) || is_held) && !row.is_process_gone();
         Ok(row.map(|row| DaemonRow { alive: lives(&row), ..row }))
     }
 
     /// Whether a daemon serves this ledger, including one that cannot write a heartbeat (a full disk) or is just
     /// starting.
     pub async fn is_served(&self) -> Result<bool> {
-        Ok(self.is_locked() || self.last_daemon().await?.is_some_and(|daemon| daemon.alive))
+        Ok(self.is_held().await? || self.last_daemon().await?.is_some_and(|daemon| daemon.alive))
+    }
+
+    /// Whether a process holds the lock file beside the ledger, or the lease of a ledger on a server.
+    async fn is_held(&self) -> Result<bool> {
+        Ok(self.is_leased().await?.unwrap_or_else(|| self.is_locked()))
     }
 
     /// Whether a process holds the lock file beside the ledger. `false` if this cannot be determined.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::{BuildId, CommandId, IllegalMove, PartId};
+use super::{BuildId, CommandId, IllegalMove, PartId, ServerError};
 
 /// Why an operation of the ledger failed. A failed change leaves nothing behind.
 #[derive(Debug, Error)]
@@ -111,6 +111,9 @@ pub enum LedgerError {
     /// A query failed: the disk, the database or a fault in nestd.
     #[error("a query of the ledger failed: {}", query_failure(.0))]
     Sql(sqlx::Error),
+    /// A ledger on a server.
+    #[error(transparent)]
+    Server(#[from] ServerError),
     /// This user may only read the ledger.
     #[error("you may read the ledger but not write to it: run this as the user of the daemon, or as root")]
     ReadOnly,
@@ -330,7 +333,7 @@ impl LedgerError {
     /// Whether the cause is a failed or full disk and not the change. Retrying helps once the disk is repaired.
     pub fn is_disk_failure(&self) -> bool {
         match self {
-            Self::ReadOnly | Self::Folder { .. } => true,
+            Self::ReadOnly | Self::Folder { .. } | Self::Server(ServerError::Unreachable(_)) => true,
             Self::Open { error, .. } | Self::Sql(error) => {
                 matches!(error, sqlx::Error::Io(_)) || matches!(sqlite_code(error), Some(SQLITE_IOERR | SQLITE_FULL))
             }
@@ -341,7 +344,14 @@ impl LedgerError {
 
 impl From<sqlx::Error> for LedgerError {
     fn from(error: sqlx::Error) -> Self {
-        use sqlx::Error::{ColumnDecode, Decode};
+        use sqlx::Error::{AnyDriverError, ColumnDecode, Decode};
+        let error = match error {
+            AnyDriverError(source) => match source.downcast::<ServerError>() {
+                Ok(server) => return Self::Server(*server),
+                Err(other) => AnyDriverError(other),
+            },
+            other => other,
+        };
         match (sqlite_code(&error), &error) {
             (Some(SQLITE_READONLY), _) => Self::ReadOnly,
             (Some(SQLITE_CORRUPT | SQLITE_NOTADB), _) | (_, ColumnDecode { .. } | Decode(_)) => {
@@ -369,9 +379,8 @@ fn query_failure(error: &sqlx::Error) -> String {
 
 /// Another connection holds the lock.
 pub(super) const SQLITE_BUSY: i64 = 5;
-/// The disk failed.
+/// The disk failed, or is full.
 const SQLITE_IOERR: i64 = 10;
-/// The disk is full.
 const SQLITE_FULL: i64 = 13;
 /// The file or the connection cannot be written.
 const SQLITE_READONLY: i64 = 8;
@@ -382,8 +391,9 @@ const SQLITE_NOTADB: i64 = 26;
 
 /// SQLite's primary result code of an error, whatever its extended form.
 pub(super) fn sqlite_code(error: &sqlx::Error) -> Option<i64> {
-    let code = error.as_database_error()?.code()?.parse::<i64>().ok()?;
-    Some(code & 0xff)
+    // Those of PostgreSQL have five characters, also where all are digits.
+    let code = error.as_database_error()?.code().filter(|code| code.len() < 5)?;
+    Some(code.parse::<i64>().ok()? & 0xff)
 }
 
 /// Result of an operation of the ledger.

@@ -66,6 +66,12 @@ impl Ledger {
         Ok(sql::query_scalar(query).fetch_one(self.reader()?).await?)
     }
 
+    /// Numbers of the latest event and of the latest command; 0 if there is none. Whoever changes the farm adds one of them.
+    pub async fn latest_numbers(&self) -> Result<(i64, i64)> {
+        let query = "SELECT coalesce((SELECT max(id) FROM event), 0), coalesce((SELECT max(id) FROM command), 0)";
+        Ok(sql::query_as(query).fetch_one(self.reader()?).await?)
+    }
+
     /// Adjusts to a clock that was set by `jump`: shifts the times at which the parts in the farm were claimed, moved or
     /// put back, so their ages stay the same.
     pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {

@@ -23,10 +23,30 @@ impl std::ops::Deref for TestLedger {
 pub async fn fresh() -> TestLedger {
     #[cfg(feature = "postgres")]
     if std::env::var_os("NESTD_TEST_POSTGRES").is_some() {
-        let ledger = postgres::cluster::shared().open_ledger().await;
+        let ledger = fresh_on_server().await;
         return TestLedger { _folder: tempfile::tempdir().unwrap(), ledger };
     }
     fresh_file().await
+}
+
+/// An empty ledger on the server of this test program.
+#[cfg(feature = "postgres")]
+pub async fn fresh_on_server() -> Ledger {
+    Ledger::open(&fresh_address().await).await.unwrap()
+}
+
+/// The address of an empty ledger on the server of this test program.
+#[cfg(feature = "postgres")]
+pub async fn fresh_address() -> LedgerAddress {
+    static TEMPLATE: tokio::sync::Mutex<Option<String>> = tokio::sync::Mutex::const_new(None);
+    let server = postgres::cluster::shared();
+    let mut template = TEMPLATE.lock().await;
+    if template.is_none() {
+        let name = server.make_database(None).await;
+        Ledger::open(LedgerAddress::parse(&server.url(&name), None)).await.unwrap().close().await;
+        *template = Some(name);
+    }
+    LedgerAddress::parse(&server.url(&server.make_database(template.as_deref()).await), None)
 }
 
 /// One in SQLite, whatever database the tests run on.

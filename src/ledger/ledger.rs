@@ -2,8 +2,10 @@
 
 use std::{path::Path, sync::Arc};
 
+#[cfg(feature = "postgres")]
+use super::postgres::PostgresStore;
 use super::{
-    CommandId, UtcTimestamp,
+    CommandId, LedgerAddress, LedgerError, ServerAddress, ServerError, ServiceState, ServingNode, UtcTimestamp,
     change::LedgerChange,
     consistency::{self, RuleScope},
     error::Result,
@@ -29,18 +31,32 @@ enum LedgerStore {
     Sqlite(SqliteStore),
     /// On a server.
     #[cfg(feature = "postgres")]
-    Postgres(super::postgres::PostgresStore),
+    Postgres(PostgresStore),
+}
+
+/// What a ledger on a server is opened for.
+#[cfg_attr(not(feature = "postgres"), expect(dead_code, reason = "without PostgreSQL no server is opened"))]
+enum ServerUse<'a> {
+    /// To use it; its schema is brought up to date.
+    Any,
+    /// To serve it as the one daemon.
+    Serve(&'a ServingNode),
+    /// To use it as it is.
+    Existing,
 }
 
 impl Ledger {
-    /// Opens the ledger at `path`. Creates the file and its folder if there is none, and migrates the schema.
+    /// Opens the ledger at `at`. Creates the file and its folder if there is none, and migrates the schema.
     ///
-    /// A network file system, a schema newer than this binary, or an error of SQLite.
-    pub async fn open(path: &Path) -> Result<Self> {
-        Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open(path).await?)))
+    /// A network file system, a schema newer than this binary, or an error of the database.
+    pub async fn open(at: impl Into<LedgerAddress>) -> Result<Self> {
+        match at.into() {
+            LedgerAddress::File(path) => Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open(&path).await?))),
+            LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Any).await,
+        }
     }
 
-    /// Opens the ledger like [`Ledger::open`], but only if it is intact. Used by the daemon, which relies on it.
+    /// Opens the ledger file like [`Ledger::open`], but only if it is intact.
     ///
     /// # Errors
     /// As [`Ledger::open`], and `Damaged`.
@@ -48,29 +64,118 @@ impl Ledger {
         Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_checked(path).await?)))
     }
 
+    /// Opens the ledger for the daemon that serves it: a file only if it is intact, and a database on a server only if no other
+    /// daemon serves it.
+    ///
+    /// # Errors
+    /// As [`Ledger::open`], and `Damaged` or `ServedByOther`.
+    pub async fn open_to_serve(at: impl Into<LedgerAddress>, node: &ServingNode) -> Result<Self> {
+        match at.into() {
+            LedgerAddress::File(path) => Self::open_checked(&path).await,
+            LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Serve(node)).await,
+        }
+    }
+
     /// Opens an existing ledger with the current schema. For user interfaces, which must not create or change one.
     ///
     /// # Errors
     /// As [`Ledger::open`], and `Missing` or `OlderSchema`.
-    pub async fn open_existing(path: &Path) -> Result<Self> {
-        Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_existing(path).await?)))
+    pub async fn open_existing(at: impl Into<LedgerAddress>) -> Result<Self> {
+        match at.into() {
+            LedgerAddress::File(path) => Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_existing(&path).await?))),
+            LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Existing).await,
+        }
     }
 
-    /// Opens the ledger in a PostgreSQL database, and migrates its schema.
     #[cfg(feature = "postgres")]
-    pub async fn open_postgres(options: sqlx::postgres::PgConnectOptions) -> Result<Self> {
-        Ok(Self::of(LedgerStore::Postgres(super::postgres::PostgresStore::open(options).await?)))
+    async fn open_server(server: &ServerAddress, to: ServerUse<'_>) -> Result<Self> {
+        let (options, label) = (server.connect_options()?, server.to_string());
+        Ok(Self::of(LedgerStore::Postgres(match to {
+            ServerUse::Any => PostgresStore::open(options, &label).await?,
+            ServerUse::Serve(node) => PostgresStore::open_to_serve(options, &label, node).await?,
+            ServerUse::Existing => PostgresStore::open_existing(options, &label).await?,
+        })))
+    }
+
+    #[cfg(not(feature = "postgres"))]
+    async fn open_server(server: &ServerAddress, _to: ServerUse<'_>) -> Result<Self> {
+        let problem = LedgerAddress::Server(server.clone()).find_problem();
+        let what = problem.map(|(text, remedy)| format!("{text}: {remedy}")).unwrap_or_default();
+        Err(ServerError::Unusable { ledger: server.to_string(), what }.into())
+    }
+
+    /// Whether there is no ledger at an address: no file or an empty one, or a database without its tables.
+    ///
+    /// The server cannot be reached.
+    pub async fn is_missing(at: &LedgerAddress) -> Result<bool> {
+        match at {
+            // If it cannot be examined, opening it reports the error.
+            LedgerAddress::File(path) => Ok(match std::fs::metadata(path) {
+                Ok(meta) => meta.len() == 0,
+                Err(error) => error.kind() == std::io::ErrorKind::NotFound,
+            }),
+            LedgerAddress::Server(server) => match Self::open_server(server, ServerUse::Existing).await {
+                Err(LedgerError::Missing { .. }) => Ok(true),
+                Err(LedgerError::OlderSchema { .. } | LedgerError::NewerSchema { .. }) => Ok(false),
+                Err(error) => Err(error),
+                Ok(ledger) => {
+                    ledger.close().await;
+                    Ok(false)
+                }
+            },
+        }
     }
 
     fn of(store: LedgerStore) -> Self {
         Self { store, clock: Arc::new(Timestamp::now), command: None }
     }
 
-    /// Checks the files of a ledger that no daemon serves. `true` = its checksum matches every byte.
+    /// Checks the files of a ledger that no daemon serves. `true` = its checksum matches every byte. A server looks after its files
+    /// itself.
     ///
     /// `Damaged` if they changed since they were closed.
-    pub async fn check_files(path: &Path) -> Result<bool> {
-        health::check_files(path).await
+    pub async fn check_files(at: impl Into<LedgerAddress>) -> Result<bool> {
+        match at.into() {
+            LedgerAddress::File(path) => health::check_files(&path).await,
+            LedgerAddress::Server(_) => Ok(false),
+        }
+    }
+
+    /// Whether the daemon that opened this may act on what the ledger says. Takes microseconds.
+    pub fn service_state(&self) -> ServiceState {
+        match &self.store {
+            LedgerStore::Sqlite(_) => ServiceState::Held,
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.service_state(),
+        }
+    }
+
+    /// Fails unless the daemon that opened this may act on what the ledger says.
+    ///
+    /// `Unreachable` or `TakenOver`.
+    pub fn ensure_served(&self) -> Result<()> {
+        match self.service_state() {
+            ServiceState::Held => Ok(()),
+            ServiceState::Unsure { why } => Err(ServerError::Unreachable(why).into()),
+            ServiceState::TakenOver => Err(ServerError::TakenOver.into()),
+        }
+    }
+
+    /// Tells that an operation has failed because the server could not be reached: the daemon stops acting until it can be.
+    pub fn doubt_service(&self, _why: &str) {
+        #[cfg(feature = "postgres")]
+        if let LedgerStore::Postgres(store) = &self.store {
+            store.doubt(_why);
+        }
+    }
+
+    /// Whether a daemon has a ledger on a server for itself; `None` = it is a file.
+    pub(super) async fn is_leased(&self) -> Result<Option<bool>> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => Ok(None),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.is_served().await.map(Some),
+        }
     }
 
     /// Checks an open ledger for damage, as [`Ledger::open_checked`] does. Reads the whole file.

@@ -4,6 +4,7 @@
 //! state machines of [`PartState`] and [`BuildState`], changes the rows and writes an event. No other module contains
 //! SQL.
 
+mod address;
 mod backup;
 mod build;
 mod build_record;
@@ -12,6 +13,7 @@ mod change;
 mod claim;
 mod command;
 mod consistency;
+mod copy;
 mod customer_order;
 mod daemon;
 mod damaged;
@@ -47,6 +49,8 @@ mod refusal_cause;
 mod replace;
 mod requeue;
 mod schema;
+mod server_error;
+mod service;
 mod sql;
 mod sqlite_store;
 mod state;
@@ -57,6 +61,7 @@ mod totals;
 mod unknown;
 mod waiting;
 
+pub use address::{LedgerAddress, ServerAddress};
 pub use backup::prove_backup;
 pub use build_record::ImportOutcome;
 pub use build_row::{
@@ -65,6 +70,7 @@ pub use build_row::{
 };
 pub use command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCommand, PauseCause};
 pub use consistency::RuleScope;
+pub use copy::{CopyError, CopyReport, ExistingRows};
 pub use customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
 pub use daemon::{DaemonHeartbeat, DaemonRow, HEARTBEAT_VALID_SECS, LOCK_NAME};
 pub use decisions::ClaimDecisions;
@@ -90,7 +96,9 @@ pub use precedence::compare_precedence;
 pub use put_back::{PartCopies, PutBackReport, ReprintTarget};
 pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
-pub use replace::{clear_unfinished, replace_ledger, restoring_path};
+pub use replace::{aside_path, clear_unfinished, replace_ledger, restoring_path};
+pub use server_error::ServerError;
+pub use service::{ServiceState, ServingNode};
 pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{
     DueArrival, NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD,

@@ -101,12 +101,17 @@ async fn fold_into_one_file(ledger: &Path) -> bool {
     folded.is_ok_and(|(busy, ..)| busy == 0) && !health::has_content(&with_suffix(ledger, "-wal"))
 }
 
+/// Path where a ledger that is replaced now is kept.
+pub fn aside_path(ledger: &Path) -> PathBuf {
+    let stamp = jiff::Timestamp::now().strftime("%Y%m%dT%H%M%S%3fZ");
+    with_suffix(ledger, format!("{ASIDE_SUFFIX}{stamp}"))
+}
+
 /// Gives the present ledger another name. If it is complete in one file, it also keeps its own name until the new
 /// ledger takes it. Otherwise all its files are moved, the main file first: if this is interrupted, what remains looks
 /// like a lost ledger, which no daemon serves.
 fn move_aside(ledger: &Path, is_one_file: bool) -> io::Result<Option<PathBuf>> {
-    let stamp = jiff::Timestamp::now().strftime("%Y%m%dT%H%M%S%3fZ");
-    let aside = with_suffix(ledger, format!("{ASIDE_SUFFIX}{stamp}"));
+    let aside = aside_path(ledger);
     if is_one_file {
         fs::hard_link(ledger, &aside)
             .or_else(|_| fs::copy(ledger, &aside).and_then(|_| File::open(&aside)?.sync_all()))?;

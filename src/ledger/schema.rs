@@ -42,11 +42,6 @@ pub(super) fn migrator(files: &[(i64, &'static str, &'static str)]) -> Migrator 
     Migrator::with_migrations(files.iter().map(migration).collect())
 }
 
-/// The newest schema that this binary knows.
-pub(super) fn newest_version() -> i64 {
-    MIGRATIONS.iter().map(|m| m.version).max().unwrap_or(0)
-}
-
 /// Applies the missing migrations, all or none. If two daemons start at once, the second waits for the first and finds
 /// nothing to do.
 pub async fn bring_up_to_date(path: &Path, writer: &SqlitePool) -> Result<()> {
@@ -88,12 +83,12 @@ pub async fn ensure_current_version(path: &Path, writer: &SqlitePool) -> Result<
             .await
             .map_err(failed)?,
     };
-    compare_versions(path.to_owned(), found)
+    compare_versions(path.to_owned(), found, &MIGRATIONS)
 }
 
-/// Fails unless `found` is the version of this binary.
-pub(super) fn compare_versions(path: PathBuf, found: i64) -> Result<()> {
-    let known = newest_version();
+/// Fails unless `found` is the newest version that this binary knows.
+pub(super) fn compare_versions(path: PathBuf, found: i64, migrations: &Migrator) -> Result<()> {
+    let known = migrations.iter().map(|m| m.version).max().unwrap_or(0);
     match found.cmp(&known) {
         std::cmp::Ordering::Less => Err(LedgerError::OlderSchema { path, found, known }),
         std::cmp::Ordering::Equal => Ok(()),

@@ -198,7 +198,7 @@ async fn the_file_is_written_as_a_whole_and_follows_the_settings() {
     let ledger = lively().await;
     let file = folder.path().join("nestd.prom");
     let config = format!("[metrics]\ntextfile = \"{}\"\nevery_secs = 1\n", file.display());
-    let settings = Settings { ledger: ledger.file().unwrap().to_owned(), ..farm(folder.path(), &config) };
+    let settings = Settings { ledger: ledger.file().unwrap().into(), ..farm(folder.path(), &config) };
     let mut without_file = settings.clone();
     without_file.interfaces.metrics = None;
     let shared: SharedSettings = Arc::new(RwLock::new(Arc::new(without_file)));

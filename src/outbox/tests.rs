@@ -84,7 +84,7 @@ fn read(folder: &Path, ledger: &Path, notify: &str) -> Settings {
     let notify = notify.replace("SECRET", &folder.join("secret").display().to_string());
     fs::write(folder.join("nestd.toml"), format!("[notify]\n{notify}\n")).unwrap();
     let settings = settings::load_settings(Some(&folder.join("nestd.toml")), Some(folder)).unwrap();
-    Settings { ledger: ledger.to_owned(), ..settings }
+    Settings { ledger: ledger.into(), ..settings }
 }
 
 /// A program that runs the script; FOLDER is replaced by a path.

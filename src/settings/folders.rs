@@ -10,6 +10,7 @@ use super::{
     inputs::{FarmFolders, FarmInputs},
     profile_inputs::ProfileFolders,
 };
+use crate::ledger::LedgerAddress;
 
 /// Returns the root. `asked` (`--root`) takes precedence over the file.
 pub(super) fn farm_root(inputs: &FarmInputs, asked: Option<&Path>) -> PathBuf {
@@ -34,6 +35,15 @@ pub(super) fn profile_folders(root: &Path, farm: &FarmFolders, own: &ProfileFold
 /// Resolves `path` relative to `base`, without `.` and `..`.
 pub(super) fn path_below(base: &Path, path: &Path) -> PathBuf {
     normalize_path(&base.join(path))
+}
+
+/// Returns where the ledger is: on a server, or in a file relative to the state directory.
+pub(super) fn ledger_address(folders: &FarmFolders, state_dir: &Path) -> LedgerAddress {
+    let server = folders
+        .ledger
+        .to_str()
+        .and_then(|text| LedgerAddress::parse_server(text, folders.ledger_password_file.0.as_deref()));
+    server.unwrap_or_else(|| LedgerAddress::File(path_below(state_dir, &folders.ledger)))
 }
 
 /// Removes `.` and `..`, so two spellings of a folder are equal. Links are not resolved; `nestd check` does that.

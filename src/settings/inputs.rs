@@ -81,6 +81,7 @@ pub(super) struct FarmFolders {
     pub archive: PathBuf,
     pub state: PathBuf,
     pub ledger: PathBuf,
+    pub ledger_password_file: OptionalValue<PathBuf>,
 }
 
 impl Default for FarmFolders {
@@ -92,6 +93,7 @@ impl Default for FarmFolders {
             archive: "archive".into(),
             state: "state".into(),
             ledger: "nestd.db".into(),
+            ledger_password_file: OptionalValue::OFF,
         }
     }
 }

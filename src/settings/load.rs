@@ -144,7 +144,7 @@ fn read_settings(
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {
         file: file.to_owned(),
-        ledger: folders::path_below(&state_dir, &inputs.folders.ledger),
+        ledger: folders::ledger_address(&inputs.folders, &state_dir),
         inbox_base: folders::path_below(&root, &inputs.folders.inbox),
         root,
         time_zone,

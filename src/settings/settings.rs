@@ -7,7 +7,7 @@ use std::{
 };
 
 use super::{FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NotifySettings, WebSettings};
-use crate::access::FilePermissions;
+use crate::{access::FilePermissions, ledger::LedgerAddress};
 
 /// The settings that the daemon loaded last, shared with the other tasks. A reload replaces them.
 pub type SharedSettings = Arc<RwLock<Arc<Settings>>>;
@@ -25,8 +25,8 @@ pub struct Settings {
     pub inbox_base: PathBuf,
     /// The state directory: ledger, content-addressed store, caches. On a local disk.
     pub state_dir: PathBuf,
-    /// The ledger, by default `state_dir/nestd.db`.
-    pub ledger: PathBuf,
+    /// The ledger, by default the file `state_dir/nestd.db`.
+    pub ledger: LedgerAddress,
     /// Seconds between two full scans of the hot folders.
     pub scan_secs: f64,
     /// Seconds after which a ticket without its part is refused.

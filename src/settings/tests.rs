@@ -137,7 +137,7 @@ fn folders_are_below_the_root_unless_they_are_absolute() {
     assert_eq!(folders.error, Path::new("/bad/a"));
     assert_eq!(folders.archive, Path::new("/old"));
     assert_eq!(settings.state_dir, Path::new("/farm/st"));
-    assert_eq!(settings.ledger, Path::new("/farm/st/nestd.db"));
+    assert_eq!(settings.ledger.file().unwrap(), Path::new("/farm/st/nestd.db"));
 }
 
 #[test]
@@ -149,7 +149,7 @@ fn the_root_of_the_command_line_moves_all_but_absolute_folders() {
     assert_eq!(settings.root, root);
     assert_eq!(settings.profiles["a"].folders.inbox, root.join("inbox/a"));
     assert_eq!(settings.profiles["a"].folders.error, Path::new("/bad/a"));
-    assert_eq!(settings.ledger, root.join("state/nestd.db"));
+    assert_eq!(settings.ledger.file().unwrap(), root.join("state/nestd.db"));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use jiff::civil::Time;
 use super::{
     BuildSpace, FarmZone, IntakeRules, MachineFolders, MachineProfile, OutputRules, SearchRules, TriggerRules,
     TurningRules,
-    inputs::{FarmInputs, FileInputs},
+    inputs::{FarmFolders, FarmInputs, FileInputs},
     logging::parse_log_filter,
     profile_inputs::{
         IntakeInputs, ProfileFolders, ProfileInputs, SearchInputs, SpaceInputs, TriggerInputs, TurningInputs,
@@ -61,6 +61,23 @@ pub(super) fn validate_farm(inputs: &FarmInputs, validator: &mut ConfigValidator
     ];
     for (key, path) in paths {
         validate_path(key, path, validator);
+    }
+    validate_ledger(folders, validator);
+}
+
+/// Validates the address of a ledger on a server. Its texts never hold the password.
+fn validate_ledger(folders: &FarmFolders, validator: &mut ConfigValidator) {
+    let address = super::folders::ledger_address(folders, Path::new(""));
+    if let Some((text, remedy)) = address.find_problem() {
+        validator.report_problem("folders.ledger", format!("folders.ledger: {text}"), remedy);
+    }
+    if folders.ledger_password_file.0.is_some() && address.file().is_some() {
+        let text = "folders.ledger_password_file is there, and the ledger is a file, which has no password".to_owned();
+        validator.report_problem(
+            "folders.ledger_password_file",
+            text,
+            "leave it out, or name a server: postgres://user@host/db",
+        );
     }
 }
 

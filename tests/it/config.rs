@@ -32,7 +32,7 @@ fn the_try_out_is_in_a_farm_folder_of_the_working_directory() {
     let settings = load_settings(Some(&shipped("nestd.toml")), None).unwrap();
     let farm = std::env::current_dir().unwrap().join("farm");
     assert_eq!(settings.profiles["p396"].folders.inbox, farm.join("inbox/p396"));
-    assert_eq!(settings.ledger, farm.join("state/nestd.db"));
+    assert_eq!(settings.ledger.file().unwrap(), farm.join("state/nestd.db"));
 }
 
 #[test]
@@ -46,6 +46,6 @@ fn the_servers_farm_is_in_srv_and_its_state_in_var_lib() {
     }
     let settings = load_settings(Some(&etc.path().join("nestd.toml")), None).unwrap();
     assert_eq!(settings.profiles["fuse-1"].folders.queue, Path::new("/srv/nestd/queue/fuse-1"));
-    assert_eq!(settings.ledger, Path::new("/var/lib/nestd/nestd.db"));
+    assert_eq!(settings.ledger.file().unwrap(), Path::new("/var/lib/nestd/nestd.db"));
     assert_eq!(settings.profiles.len(), MACHINES.len());
 }

@@ -206,8 +206,10 @@ impl TestFarm {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let began = Instant::now();
+            let address = settings::load_settings(Some(&self.config()), Some(self.root()))
+                .map_or_else(|_| (&self.root().join("state/nestd.db")).into(), |settings| settings.ledger);
             let ledger = loop {
-                match Ledger::open_existing(&self.root().join("state/nestd.db")).await {
+                match Ledger::open_existing(&address).await {
                     Ok(ledger) => break ledger,
                     Err(error) => assert!(began.elapsed().as_secs() < 10, "{error}\n{}", self.log()),
                 }

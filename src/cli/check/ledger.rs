@@ -26,7 +26,7 @@ pub fn check_ledger(settings: &Settings, report: &mut CheckReport) -> Result<()>
 }
 
 async fn open_and_check(settings: &Settings, report: &mut CheckReport) {
-    let path = settings.ledger.display();
+    let path = &settings.ledger;
     let ledger = match Ledger::open_existing(&settings.ledger).await {
         Ok(ledger) => ledger,
         Err(LedgerError::Missing { .. }) => {
@@ -67,7 +67,7 @@ async fn check_rows(ledger: &Ledger, settings: &Settings, report: &mut CheckRepo
         );
     }
     if faults.is_empty() {
-        report.add_ok(SUBJECT, format!("{}, schema is current, rows hold together", settings.ledger.display()));
+        report.add_ok(SUBJECT, format!("{}, schema is current, rows hold together", settings.ledger));
     }
     match ledger.last_daemon().await? {
         Some(daemon) if daemon.alive => {

@@ -26,7 +26,7 @@ fn the_configuration_is_a_valid_one() {
     let farm = DemoFarm::open_or_make(&dir.path().join("a \"farm\"")).unwrap();
     let settings = crate::settings::load_settings(Some(&farm.config_file()), None).unwrap();
     let profile = &settings.profiles[PROFILE];
-    assert_eq!(settings.ledger, farm.ledger_file());
+    assert_eq!(settings.ledger.file(), Some(&*farm.ledger_file()));
     assert_eq!(
         (&profile.folders.inbox, &profile.folders.queue),
         (&farm.machine_folder("inbox"), &farm.machine_folder("queue"))

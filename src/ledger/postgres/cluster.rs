@@ -1,34 +1,31 @@
 //! A private PostgreSQL server for tests: in a temporary folder, reachable through a socket in it alone, stopped when the
-//! test program ends, however it ends.
+//! test program ends, however it ends. The tests of the binary use this file, too.
+
+#![allow(dead_code)] // neither the tests of the library nor those of the binary use all of it
 
 use std::{
     os::unix::{fs::chown, process::CommandExt},
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
     sync::{
-        OnceLock,
+        Mutex, OnceLock,
         atomic::{AtomicU32, Ordering},
     },
     time::{Duration, Instant},
 };
 
-use sqlx::{AssertSqlSafe, Connection, PgConnection, postgres::PgConnectOptions};
-use tokio::sync::Mutex;
-
-use crate::ledger::Ledger;
+use sqlx::{AssertSqlSafe, Connection, PgConnection};
 
 /// The user that the server runs as when the tests run as root, which it refuses.
 const ORDINARY_USER: u32 = 65534;
-/// The database that each test's database is a copy of.
-const TEMPLATE: &str = "template_of_tests";
 
 /// A running server.
 pub struct PostgresCluster {
     folder: PathBuf,
-    /// It stops when its input closes.
-    _server: Child,
+    programs: PathBuf,
+    /// They stop when their input closes.
+    servers: Mutex<Vec<Child>>,
     databases: AtomicU32,
-    is_template_there: Mutex<bool>,
 }
 
 /// The folder with the programs of the newest PostgreSQL on this computer, if there is one.
@@ -41,45 +38,59 @@ pub fn find_programs() -> Option<PathBuf> {
 /// The server of this test program, started by the first test that asks for it.
 pub fn shared() -> &'static PostgresCluster {
     static SHARED: OnceLock<PostgresCluster> = OnceLock::new();
-    SHARED.get_or_init(|| PostgresCluster::start(&find_programs().expect("PostgreSQL is installed")))
+    SHARED.get_or_init(PostgresCluster::start)
 }
 
 impl PostgresCluster {
-    fn start(programs: &Path) -> Self {
+    /// Makes a cluster and starts its server.
+    pub fn start() -> Self {
+        let programs = find_programs().expect("PostgreSQL is installed");
         let folder = tempfile::Builder::new().prefix("nestd-postgres-").tempdir().expect("a folder can be made").keep();
-        let is_root = rustix::process::getuid().is_root();
-        if is_root {
+        if rustix::process::getuid().is_root() {
             chown(&folder, Some(ORDINARY_USER), Some(ORDINARY_USER)).expect("the folder can be given away");
         }
-        let as_ordinary_user = |program: &mut Command| {
-            if is_root {
-                program.uid(ORDINARY_USER).gid(ORDINARY_USER);
-            }
-            program.current_dir("/").stdout(Stdio::null()).stderr(Stdio::null());
-        };
-        let data = folder.join("data");
-        let mut initdb = Command::new(programs.join("initdb"));
-        as_ordinary_user(
-            initdb.args(["--no-sync", "--auth=trust", "--username=nestd", "--encoding=UTF8", "-D"]).arg(&data),
-        );
-        assert!(initdb.status().expect("initdb runs").success(), "initdb failed");
+        let cluster = Self { folder, programs, servers: Mutex::default(), databases: AtomicU32::new(0) };
+        cluster.run("initdb", &["--no-sync", "--auth=trust", "--username=nestd", "--encoding=UTF8"]);
+        cluster.start_server();
+        cluster
+    }
+
+    fn data(&self) -> PathBuf {
+        self.folder.join("data")
+    }
+
+    /// Runs one of PostgreSQL's programs on the cluster.
+    fn run(&self, program: &str, args: &[&str]) {
+        let mut command = Command::new(self.programs.join(program));
+        let status = as_ordinary_user(command.args(args).arg("-D").arg(self.data())).status();
+        assert!(status.expect("the program runs").success(), "{program} failed");
+    }
+
+    /// Starts the server, also after [`PostgresCluster::stop_server`].
+    pub fn start_server(&self) {
         let mut server = Command::new("/bin/sh");
         server.arg("-c").arg("\"$0\" \"$@\" & server=$!; read _; kill -QUIT $server; wait; rm -rf \"$FOLDER\"");
-        server.arg(programs.join("postgres")).arg("-D").arg(&data).arg("-k").arg(&folder);
+        server.arg(self.programs.join("postgres")).arg("-D").arg(self.data()).arg("-k").arg(&self.folder);
         server.args(["-c", "listen_addresses=", "-c", "fsync=off", "-c", "max_connections=400"]);
-        as_ordinary_user(server.env("FOLDER", &folder).stdin(Stdio::piped()).process_group(0));
-        let server = server.spawn().expect("the server starts");
-        Self { folder, _server: server, databases: AtomicU32::new(0), is_template_there: Mutex::new(false) }
+        as_ordinary_user(server.env("FOLDER", &self.folder).stdin(Stdio::piped()).process_group(0));
+        self.servers.lock().expect("no test panicked here").push(server.spawn().expect("the server starts"));
     }
 
-    fn options(&self, database: &str) -> PgConnectOptions {
-        PgConnectOptions::new_without_pgpass().socket(&self.folder).username("nestd").database(database)
+    /// Stops the server, as an administrator would.
+    pub fn stop_server(&self) {
+        self.run("pg_ctl", &["stop", "-m", "fast", "-w"]);
     }
 
-    async fn connect(&self, database: &str) -> PgConnection {
+    /// The address of a database.
+    pub fn url(&self, database: &str) -> String {
+        format!("postgres://nestd@localhost/{database}?host={}", self.folder.display())
+    }
+
+    /// Connects to a database, once the server answers.
+    pub async fn connect(&self, database: &str) -> PgConnection {
         let deadline = Instant::now() + Duration::from_secs(60);
         loop {
-            match PgConnection::connect_with(&self.options(database)).await {
+            match PgConnection::connect(&self.url(database)).await {
                 Ok(connection) => return connection,
                 Err(error) => assert!(Instant::now() < deadline, "{error}"),
             }
@@ -87,20 +98,20 @@ impl PostgresCluster {
         }
     }
 
-    /// Makes a database with an empty ledger, and opens it.
-    pub async fn open_ledger(&self) -> Ledger {
+    /// Makes an empty database, or a copy of another one. Returns its name.
+    pub async fn make_database(&self, template: Option<&str>) -> String {
         let name = format!("test_{}", self.databases.fetch_add(1, Ordering::SeqCst));
-        let create = format!("CREATE DATABASE {name} TEMPLATE {TEMPLATE}");
+        let create = format!("CREATE DATABASE {name} TEMPLATE {}", template.unwrap_or("template0"));
         // A connection belongs to the runtime of one test.
         let mut admin = self.connect("postgres").await;
-        let mut is_template_there = self.is_template_there.lock().await;
-        if !*is_template_there {
-            let create = format!("CREATE DATABASE {TEMPLATE}");
-            sqlx::query(AssertSqlSafe(create)).execute(&mut admin).await.expect("a database can be made");
-            Ledger::open_postgres(self.options(TEMPLATE)).await.expect("it can be migrated").close().await;
-            *is_template_there = true;
-        }
         sqlx::query(AssertSqlSafe(create)).execute(&mut admin).await.expect("a database can be made");
-        Ledger::open_postgres(self.options(&name)).await.expect("it can be opened")
+        name
     }
+}
+
+fn as_ordinary_user(program: &mut Command) -> &mut Command {
+    if rustix::process::getuid().is_root() {
+        program.uid(ORDINARY_USER).gid(ORDINARY_USER);
+    }
+    program.current_dir(Path::new("/")).stdout(Stdio::null()).stderr(Stdio::null())
 }

@@ -3,6 +3,10 @@
 
 #[cfg(test)]
 pub(super) mod cluster;
+mod lease;
+#[cfg(test)]
+mod lease_interleavings;
+mod lease_watch;
 mod schema;
 mod store;
 

@@ -1,15 +1,22 @@
 //! A ledger in a PostgreSQL database.
 
+use std::time::Duration;
+
 use sqlx::{
     PgPool, Postgres, Transaction,
     postgres::{PgConnectOptions, PgPoolOptions},
 };
 
-use super::schema;
-use crate::ledger::{LedgerError, error::Result, sql::SqlExecutor};
+use super::{
+    lease::{self, HeldLease},
+    schema,
+};
+use crate::ledger::{LedgerError, ServerError, ServiceState, ServingNode, error::Result, sql::SqlExecutor};
 
 /// Number of connections of a process.
 const CONNECTIONS: u32 = 8;
+/// How long a statement waits for a connection.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// Key of the lock that each change takes, so that the numbers of events are committed in their order, and a check and
 /// the act that follows it are one. A farm has its database for itself.
 const CHANGE_LOCK: i64 = 0x6e65_7374_6400;
@@ -18,24 +25,79 @@ const CHANGE_LOCK: i64 = 0x6e65_7374_6400;
 #[derive(Clone)]
 pub struct PostgresStore {
     pool: PgPool,
+    /// The right to serve the ledger, which the daemon alone has.
+    lease: Option<HeldLease>,
 }
 
 impl PostgresStore {
     /// Opens the database and migrates its schema.
-    pub async fn open(options: PgConnectOptions) -> Result<Self> {
+    pub async fn open(options: PgConnectOptions, label: &str) -> Result<Self> {
         let store = Self::connect(options).await?;
-        schema::bring_up_to_date(&store.pool).await?;
+        schema::bring_up_to_date(&store.pool, label).await?;
+        Ok(store)
+    }
+
+    /// Opens the database as [`PostgresStore::open`] does, for the one daemon that serves it.
+    ///
+    /// `ServedByOther` if that is another one.
+    pub async fn open_to_serve(options: PgConnectOptions, label: &str, node: &ServingNode) -> Result<Self> {
+        let store = Self::connect(options).await?;
+        // The schema does not change under another daemon.
+        let mut lease = match schema::has_table(&store.pool, "lease").await? {
+            true => Some(HeldLease::acquire(&store.pool, node).await?),
+            false => None,
+        };
+        schema::bring_up_to_date(&store.pool, label).await?;
+        if lease.is_none() {
+            lease = Some(HeldLease::acquire(&store.pool, node).await?);
+        }
+        Ok(Self { lease, ..store })
+    }
+
+    /// Opens a database that holds a ledger with the current schema.
+    ///
+    /// `Missing` if it holds none, `OlderSchema` or `NewerSchema`.
+    pub async fn open_existing(options: PgConnectOptions, label: &str) -> Result<Self> {
+        let store = Self::connect(options).await?;
+        if !schema::has_table(&store.pool, "_sqlx_migrations").await? {
+            store.close().await;
+            return Err(LedgerError::Missing { path: label.into() });
+        }
+        schema::ensure_current_version(&store.pool, label).await?;
         Ok(store)
     }
 
     async fn connect(options: PgConnectOptions) -> Result<Self> {
-        let pool = PgPoolOptions::new().max_connections(CONNECTIONS).connect_with(options).await;
-        Ok(Self { pool: pool.map_err(LedgerError::from)? })
+        let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(CONNECT_TIMEOUT);
+        let pool = pool.connect_with(options.application_name("nestd")).await;
+        Ok(Self { pool: pool.map_err(ServerError::mark_unreachable)?, lease: None })
     }
 
-    /// Closes all connections.
+    /// Gives the right to serve the ledger back, and closes all connections.
     pub async fn close(&self) {
+        if let Some(lease) = &self.lease
+            && !self.pool.is_closed()
+        {
+            lease.release().await;
+        }
         self.pool.close().await;
+    }
+
+    /// Whether this process may act on what the ledger says. One that is not the daemon always may.
+    pub fn service_state(&self) -> ServiceState {
+        self.lease.as_ref().map_or(ServiceState::Held, HeldLease::state)
+    }
+
+    /// Tells that the server could not be reached.
+    pub fn doubt(&self, why: &str) {
+        if let Some(lease) = &self.lease {
+            lease.doubt(why);
+        }
+    }
+
+    /// Whether a daemon serves the ledger.
+    pub async fn is_served(&self) -> Result<bool> {
+        lease::is_held(&self.pool).await
     }
 
     /// The connections for single statements that read.
@@ -45,13 +107,28 @@ impl PostgresStore {
 
     /// Begins a consistent read of several tables.
     pub async fn begin_snapshot(&self) -> Result<Transaction<'static, Postgres>> {
-        Ok(self.pool.begin_with("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY").await?)
+        let begun = self.pool.begin_with("BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY").await;
+        Ok(begun.map_err(ServerError::mark_unreachable)?)
     }
 
     /// Begins a change, after all changes that have begun before.
+    ///
+    /// `TakenOver` if this is a daemon that does not serve the ledger any more.
     pub async fn begin_change(&self) -> Result<Transaction<'static, Postgres>> {
-        let mut transaction = self.pool.begin_with("BEGIN").await?;
-        sqlx::query("SELECT pg_advisory_xact_lock($1)").bind(CHANGE_LOCK).execute(&mut *transaction).await?;
+        let mut transaction = begin_locked(&self.pool).await?;
+        if let Some(lease) = &self.lease {
+            lease.fence(&mut transaction).await?;
+        }
         Ok(transaction)
     }
+}
+
+/// Begins a transaction that has the change lock.
+pub(super) async fn begin_locked(pool: &PgPool) -> Result<Transaction<'static, Postgres>> {
+    let begin = async {
+        let mut transaction = pool.begin_with("BEGIN").await?;
+        sqlx::query("SELECT pg_advisory_xact_lock($1)").bind(CHANGE_LOCK).execute(&mut *transaction).await?;
+        Ok(transaction)
+    };
+    Ok(begin.await.map_err(ServerError::mark_unreachable)?)
 }

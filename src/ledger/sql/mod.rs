@@ -7,8 +7,10 @@ mod query;
 mod row;
 mod value;
 
-pub(super) use catalog::{number_from_highest, skip_numbers, table_columns};
+pub(super) use catalog::{
+    column_types, last_number, number_from_highest, set_last_number, skip_numbers, table_columns,
+};
 pub(super) use connection::{SqlExecutor, SqlTransaction};
 pub(super) use query::{query, query_as, query_scalar};
 pub(super) use row::{ColumnKey, ColumnValue, FromSqlRow, SqlRow, column_name, read_text_by, sql_row};
-pub(super) use value::{BindValue, SqlValue, bind_as_text};
+pub(super) use value::{BindValue, ColumnHolds, SqlValue, bind_as_text};

@@ -5,6 +5,9 @@ use std::marker::PhantomData;
 use sqlx::{Database, Encode, Error, Executor, IntoArguments, SqlSafeStr, SqlStr, Type, query::Query};
 use tokio_stream::StreamExt;
 
+#[cfg(feature = "postgres")]
+use crate::ledger::ServerError;
+
 use super::{BindValue, ColumnKey, ColumnValue, FromSqlRow, SqlExecutor, SqlRow, SqlValue};
 
 /// A statement that returns no rows.
@@ -49,9 +52,15 @@ impl SqlQuery {
             SqlExecutor::SqlitePool(pool) => Ok(with_values(text, values).execute(pool).await?.rows_affected()),
             SqlExecutor::Sqlite(db) => Ok(with_values(text, values).execute(db).await?.rows_affected()),
             #[cfg(feature = "postgres")]
-            SqlExecutor::PostgresPool(pool) => Ok(with_values(text, values).execute(pool).await?.rows_affected()),
+            SqlExecutor::PostgresPool(pool) => {
+                let done = with_values(text, values).execute(pool).await;
+                Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
+            }
             #[cfg(feature = "postgres")]
-            SqlExecutor::Postgres(db) => Ok(with_values(text, values).execute(db).await?.rows_affected()),
+            SqlExecutor::Postgres(db) => {
+                let done = with_values(text, values).execute(db).await;
+                Ok(done.map_err(ServerError::mark_unreachable)?.rows_affected())
+            }
         }
     }
 
@@ -62,9 +71,15 @@ impl SqlQuery {
             SqlExecutor::SqlitePool(pool) => take_rows(pool, with_values(text, values), SqlRow::Sqlite, take).await,
             SqlExecutor::Sqlite(db) => take_rows(db, with_values(text, values), SqlRow::Sqlite, take).await,
             #[cfg(feature = "postgres")]
-            SqlExecutor::PostgresPool(pool) => take_rows(pool, with_values(text, values), SqlRow::Postgres, take).await,
+            SqlExecutor::PostgresPool(pool) => {
+                let done = take_rows(pool, with_values(text, values), SqlRow::Postgres, take).await;
+                done.map_err(ServerError::mark_unreachable)
+            }
             #[cfg(feature = "postgres")]
-            SqlExecutor::Postgres(db) => take_rows(db, with_values(text, values), SqlRow::Postgres, take).await,
+            SqlExecutor::Postgres(db) => {
+                let done = take_rows(db, with_values(text, values), SqlRow::Postgres, take).await;
+                done.map_err(ServerError::mark_unreachable)
+            }
         }
     }
 }
@@ -86,6 +101,16 @@ impl<T: Send> TypedQuery<T> {
         };
         self.query.for_each_row(on.into(), &mut take).await?;
         Ok(all)
+    }
+
+    /// Hands each row to `take`, one after the other.
+    pub async fn for_each(self, on: impl Into<SqlExecutor<'_>>, mut take: impl FnMut(T) + Send) -> Result<(), Error> {
+        let read = self.read;
+        let mut take = |row: SqlRow| {
+            take(read(&row)?);
+            Ok(true)
+        };
+        self.query.for_each_row(on.into(), &mut take).await
     }
 
     /// Reads the first row, if there is one.

@@ -15,7 +15,33 @@ pub enum SqlValue {
     Text(Option<String>),
 }
 
+/// What a column of a table holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColumnHolds {
+    /// Whole numbers.
+    Integer,
+    /// Floating-point numbers.
+    Real,
+    /// True or false.
+    Flag,
+    /// Text.
+    Text,
+}
+
 impl SqlValue {
+    /// The value as a column of another database holds it: true is 1 on SQLite, and a NULL has a type on PostgreSQL.
+    pub fn held_as(self, holds: ColumnHolds) -> Self {
+        match (holds, self) {
+            (ColumnHolds::Flag, Self::Integer(value)) => Self::Flag(value.map(|value| value != 0)),
+            (ColumnHolds::Integer, Self::Flag(value)) => Self::Integer(value.map(i64::from)),
+            (ColumnHolds::Integer, Self::Real(None) | Self::Text(None)) => Self::Integer(None),
+            (ColumnHolds::Real, Self::Integer(None) | Self::Flag(None) | Self::Text(None)) => Self::Real(None),
+            (ColumnHolds::Flag, Self::Real(None) | Self::Text(None)) => Self::Flag(None),
+            (ColumnHolds::Text, Self::Integer(None) | Self::Real(None) | Self::Flag(None)) => Self::Text(None),
+            (_, value) => value,
+        }
+    }
+
     /// The value as JSON.
     pub fn into_json(self) -> Value {
         match self {
@@ -42,6 +68,14 @@ impl BindValue for Value {
             Self::String(text) => SqlValue::Text(Some(text.clone())),
             other => SqlValue::Text(Some(other.to_string())),
         }
+    }
+}
+
+impl BindValue for SqlValue {
+    const NULL: SqlValue = SqlValue::Text(None);
+
+    fn to_sql(&self) -> SqlValue {
+        self.clone()
     }
 }
 

@@ -1,6 +1,8 @@
 //! The tests of the ledger once more, on PostgreSQL: this test program runs itself, with another database behind the
 //! same tests. And tests that hold the two databases against each other.
 
+mod copies;
+mod leases;
 mod order_of_events;
 mod same_rows;
 mod schemas;
@@ -23,7 +25,7 @@ const SQLITE_ALONE: [&str; 7] = [
 
 /// An empty ledger in a file, and one on PostgreSQL.
 async fn both() -> (TestLedger, Ledger) {
-    (fresh_file().await, postgres::cluster::shared().open_ledger().await)
+    (fresh_file().await, fresh_on_server().await)
 }
 
 #[test]

@@ -22,7 +22,7 @@ impl EventReader {
 
 #[tokio::test]
 async fn a_change_that_begins_first_and_ends_last_hides_no_event() {
-    let server = postgres::cluster::shared().open_ledger().await;
+    let server = fresh_on_server().await;
     let mut reader = EventReader::default();
     let mut slow = server.begin_change().await.unwrap();
     slow.write_event(EventKind::Paused, "slow", None, None, "").await.unwrap();
@@ -40,7 +40,7 @@ async fn a_change_that_begins_first_and_ends_last_hides_no_event() {
 async fn a_reader_sees_every_event_of_many_writers() {
     const WRITERS: usize = 6;
     const EVENTS: usize = 40;
-    let server = postgres::cluster::shared().open_ledger().await;
+    let server = fresh_on_server().await;
     let writers: Vec<_> = (0..WRITERS)
         .map(|writer| {
             let ledger = server.clone();

@@ -25,7 +25,7 @@ const WALKS: usize = 3;
 const STEPS: usize = 150;
 
 /// All tables and views, except those of the databases' own bookkeeping.
-async fn relations(ledger: &Ledger) -> Vec<String> {
+pub(super) async fn relations(ledger: &Ledger) -> Vec<String> {
     let text = "SELECT name FROM sqlite_schema WHERE type IN ('table', 'view') AND name NOT LIKE 'sqlite_%' \
                 AND name NOT IN ('_sqlx_migrations', 'change_count')";
     sql::query_scalar(text).fetch_all(ledger.reader().unwrap()).await.unwrap()
@@ -66,7 +66,7 @@ fn comparable(column: &str, value: SqlValue) -> String {
     }
 }
 
-async fn compare(file: &Ledger, server: &Ledger, relations: &[String], after: &str) {
+pub(super) async fn compare(file: &Ledger, server: &Ledger, relations: &[String], after: &str) {
     for relation in relations {
         let (one, other) = (rows_of(file, relation).await, rows_of(server, relation).await);
         let differ: Vec<_> = one.symmetric_difference(&other).collect();

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::*;
 
-/// What SQLite's own bookkeeping needs, and the ledger's on a file: they have no counterpart.
-const SQLITE_ALONE: [&str; 1] = ["change_count"];
+/// Tables of one of the two: the count of changes of a file, and the lease of a server.
+const OF_ONE_ALONE: [&str; 2] = ["change_count", "lease"];
 
 /// A relation: its columns by name, and the words that its checks admit.
 #[derive(Debug, Default, PartialEq)]
@@ -85,7 +85,7 @@ async fn postgres_shapes(ledger: &Ledger) -> BTreeMap<String, RelationShape> {
 }
 
 fn is_of_ledger(relation: &str) -> bool {
-    !relation.starts_with("sqlite_") && relation != "_sqlx_migrations" && !SQLITE_ALONE.contains(&relation)
+    !relation.starts_with("sqlite_") && relation != "_sqlx_migrations" && !OF_ONE_ALONE.contains(&relation)
 }
 
 /// SQLite has no type for true and false; a computed column of a view has none at all there.

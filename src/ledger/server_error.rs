@@ -1,0 +1,52 @@
+//! What goes wrong with a ledger that is on a server, beyond what goes wrong with any ledger.
+
+use thiserror::Error;
+
+/// Why a ledger on a server cannot be used.
+#[derive(Debug, Error)]
+pub enum ServerError {
+    /// Its address, the file with its password or this binary is wrong.
+    #[error("the ledger {ledger} cannot be used: {what}")]
+    Unusable {
+        /// The address, without its password.
+        ledger: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// The server does not answer.
+    #[error("the server of the ledger cannot be reached: {0}")]
+    Unreachable(String),
+    /// Another daemon serves it.
+    #[error(
+        "another nestd serves this ledger: {owner}. Stop that one first; where it has ended without giving the ledger back, this one \
+         can start in {secs} s"
+    )]
+    ServedByOther {
+        /// Server and state folder of the other one.
+        owner: String,
+        /// Seconds until its right ends, unless it renews it.
+        secs: i64,
+    },
+    /// Another daemon has taken it over.
+    #[error("another nestd serves this ledger now; this one changes nothing more")]
+    TakenOver,
+}
+
+impl ServerError {
+    /// Marks an error of PostgreSQL's driver that says that the server cannot be reached. SQLite has errors of the same kinds, for other
+    /// reasons, so that this is told where the database is known.
+    #[cfg(feature = "postgres")]
+    pub(super) fn mark_unreachable(error: sqlx::Error) -> sqlx::Error {
+        use sqlx::Error::{Io, PoolClosed, PoolTimedOut, Tls, WorkerCrashed};
+        let what = match &error {
+            Io(_) | Tls(_) | PoolClosed | WorkerCrashed => error.to_string(),
+            PoolTimedOut => "no connection was made in time".to_owned(),
+            // 08: connection; 57P: the server stops or starts; 53300: it has no connection left.
+            other => match other.as_database_error().and_then(|error| error.code()) {
+                Some(code) if code.starts_with("08") || code.starts_with("57P") || code == "53300" => error.to_string(),
+                _ => return error,
+            },
+        };
+        sqlx::Error::AnyDriverError(Box::new(Self::Unreachable(what)))
+    }
+}

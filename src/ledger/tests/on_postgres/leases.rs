@@ -1,0 +1,95 @@
+//! The right to serve a ledger on a server: one daemon has it, and a change of one that has lost it is refused.
+
+use std::time::Duration;
+
+use super::*;
+
+fn node(owner: &str, lease: Duration) -> ServingNode {
+    ServingNode { owner: owner.to_owned(), lease }
+}
+
+const LONG: Duration = Duration::from_secs(60);
+
+async fn set(ledger: &Ledger, text: &'static str) {
+    let mut change = ledger.begin_change().await.unwrap();
+    sql::query(text).execute(change.db()).await.unwrap();
+    change.commit().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_second_daemon_is_refused_and_told_who_the_first_is() {
+    let address = fresh_address().await;
+    let first = Ledger::open_to_serve(&address, &node("first", LONG)).await.unwrap();
+    let refused = Ledger::open_to_serve(&address, &node("second", LONG)).await.unwrap_err();
+    assert!(
+        matches!(&refused, LedgerError::Server(ServerError::ServedByOther { owner, .. }) if owner == "first"),
+        "{refused}"
+    );
+    assert!(refused.to_string().contains("can start in"), "{refused}");
+    let viewer = Ledger::open_existing(&address).await.unwrap();
+    assert!(viewer.is_served().await.unwrap());
+    first.close().await;
+    assert!(!viewer.is_served().await.unwrap());
+    let second = Ledger::open_to_serve(&address, &node("second", LONG)).await.unwrap();
+    waiting(&second, "a", 1).await;
+    second.close().await;
+}
+
+#[tokio::test]
+async fn a_daemon_takes_its_own_lease_again_at_once() {
+    let address = fresh_address().await;
+    // It is dropped without being closed, as when its process is killed.
+    let killed = Ledger::open_to_serve(&address, &node("same", LONG)).await.unwrap();
+    let again = Ledger::open_to_serve(&address, &node("same", LONG)).await.unwrap();
+    waiting(&again, "a", 1).await;
+    let late = killed.record_claim(&new_part("late", 1)).await.unwrap_err();
+    assert!(matches!(late, LedgerError::Server(ServerError::TakenOver)), "{late}");
+    assert_eq!(killed.service_state(), ServiceState::TakenOver);
+}
+
+#[tokio::test]
+async fn a_daemon_whose_lease_has_lapsed_changes_nothing_once_another_has_it() {
+    let address = fresh_address().await;
+    let slow = Ledger::open_to_serve(&address, &node("slow", LONG)).await.unwrap();
+    let viewer = Ledger::open_existing(&address).await.unwrap();
+    set(&viewer, "UPDATE lease SET until = clock_timestamp()").await;
+    // Nobody else has it: the change is its own.
+    waiting(&slow, "before", 1).await;
+    let quick = Ledger::open_to_serve(&address, &node("quick", LONG)).await.unwrap();
+    let late = slow.write_event(EventKind::Paused, "", None, None, "").await.unwrap_err();
+    assert!(matches!(late, LedgerError::Server(ServerError::TakenOver)), "{late}");
+    assert!(slow.ensure_served().is_err());
+    assert_eq!(quick.service_state(), ServiceState::Held);
+    // Giving back what it has lost changes nothing.
+    slow.close().await;
+    assert!(viewer.is_served().await.unwrap());
+}
+
+#[tokio::test]
+async fn a_lease_is_renewed_as_long_as_it_is_open() {
+    let address = fresh_address().await;
+    let lease = Duration::from_secs(3);
+    let daemon = Ledger::open_to_serve(&address, &node("daemon", lease)).await.unwrap();
+    tokio::time::sleep(lease * 2).await;
+    assert_eq!(daemon.service_state(), ServiceState::Held);
+    assert!(Ledger::open_to_serve(&address, &node("other", lease)).await.is_err());
+    // An operation that failed puts it in doubt until the next renewal, which follows at once.
+    daemon.doubt_service("no answer");
+    assert_eq!(daemon.service_state(), ServiceState::Unsure { why: "no answer".to_owned() });
+    tokio::time::sleep(Duration::from_millis(900)).await;
+    assert_eq!(daemon.service_state(), ServiceState::Held);
+    daemon.close().await;
+}
+
+#[tokio::test]
+async fn a_database_without_a_ledger_is_told_from_one_with() {
+    let server = postgres::cluster::shared();
+    let empty = LedgerAddress::parse(&server.url(&server.make_database(None).await), None);
+    assert!(Ledger::is_missing(&empty).await.unwrap());
+    assert!(matches!(Ledger::open_existing(&empty).await, Err(LedgerError::Missing { .. })));
+    assert!(!Ledger::is_missing(&fresh_address().await).await.unwrap());
+    let nowhere = LedgerAddress::parse("postgres://nestd:pass-word@localhost/x?host=/nonexistent", None);
+    let error = Ledger::open(&nowhere).await.unwrap_err();
+    assert!(matches!(error, LedgerError::Server(ServerError::Unreachable(_))), "{error}");
+    assert!(error.is_disk_failure() && !error.to_string().contains("pass-word"), "{error}");
+}

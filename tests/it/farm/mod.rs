@@ -14,10 +14,15 @@ mod lists;
 mod lost_ledger;
 mod memory;
 mod names;
+#[cfg(feature = "postgres")]
+mod on_postgres;
 mod open;
 mod operations;
 mod orders;
 mod pictures;
+#[cfg(feature = "postgres")]
+#[path = "../../../src/ledger/postgres/cluster.rs"]
+mod postgres_cluster;
 mod privilege;
 mod requests;
 mod restore;

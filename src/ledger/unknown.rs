@@ -17,7 +17,7 @@ impl Ledger {
     /// Claims that belong to no part and did not replace a damaged file.
     pub async fn unknown_claims(&self, claims: &[String]) -> Result<Vec<String>> {
         self.find_unknown(
-            "(SELECT claim FROM part UNION ALL SELECT claim FROM replacement) WHERE claim = value",
+            "(SELECT claim FROM part UNION ALL SELECT claim FROM replacement) AS known WHERE claim = value",
             claims,
         )
         .await

@@ -10,7 +10,7 @@ use rustix::time::{ClockId, clock_gettime};
 use sqlx::{PgConnection, PgPool};
 use tokio::{sync::Notify, task::AbortHandle};
 
-use super::lease_watch::LeaseWatch;
+use super::{change_lock::begin_locked, lease_watch::LeaseWatch};
 use crate::ledger::{LedgerError, ServerError, ServiceState, ServingNode, error::Result};
 
 /// A renewal without an answer for this long is tried again.
@@ -45,7 +45,7 @@ impl HeldLease {
     /// `ServedByOther` if another node holds it.
     pub async fn acquire(pool: &PgPool, node: &ServingNode) -> Result<Self> {
         let sent_at = since_boot();
-        let mut transaction = super::store::begin_locked(pool).await?;
+        let mut transaction = begin_locked(pool).await?;
         let epoch = grant(&mut transaction, node).await?;
         let Some(epoch) = epoch else {
             let text = "SELECT owner, CAST(ceil(extract(epoch FROM until - clock_timestamp())) AS BIGINT) FROM lease \

@@ -1,6 +1,7 @@
 //! The ledger on PostgreSQL. Its statements are those of the other files of the ledger; here are its connections, its
 //! schema, and a server for tests.
 
+mod change_lock;
 #[cfg(test)]
 pub(super) mod cluster;
 mod lease;

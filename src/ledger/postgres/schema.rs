@@ -21,6 +21,9 @@ static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| schema::migrator(&FILES
 
 /// Applies the missing migrations to a PostgreSQL database. Of two nodes that start at once, one waits for the other.
 pub async fn bring_up_to_date(pool: &PgPool, label: &str) -> Result<()> {
+    if ensure_current_version(pool, label).await.is_ok() {
+        return Ok(());
+    }
     match MIGRATIONS.run(pool).await {
         Ok(()) => Ok(()),
         Err(MigrateError::VersionMissing(_)) => ensure_current_version(pool, label).await,

@@ -8,6 +8,7 @@ use sqlx::{
 };
 
 use super::{
+    change_lock::begin_locked,
     lease::{self, HeldLease},
     schema,
 };
@@ -17,9 +18,6 @@ use crate::ledger::{LedgerError, ServerError, ServiceState, ServingNode, error::
 const CONNECTIONS: u32 = 8;
 /// How long a statement waits for a connection.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
-/// Key of the lock that each change takes, so that the numbers of events are committed in their order, and a check and
-/// the act that follows it are one. A farm has its database for itself.
-const CHANGE_LOCK: i64 = 0x6e65_7374_6400;
 
 /// An open database. A clone is cheap and refers to the same connections.
 #[derive(Clone)]
@@ -121,14 +119,4 @@ impl PostgresStore {
         }
         Ok(transaction)
     }
-}
-
-/// Begins a transaction that has the change lock.
-pub(super) async fn begin_locked(pool: &PgPool) -> Result<Transaction<'static, Postgres>> {
-    let begin = async {
-        let mut transaction = pool.begin_with("BEGIN").await?;
-        sqlx::query("SELECT pg_advisory_xact_lock($1)").bind(CHANGE_LOCK).execute(&mut *transaction).await?;
-        Ok(transaction)
-    };
-    Ok(begin.await.map_err(ServerError::mark_unreachable)?)
 }

@@ -2,8 +2,6 @@
 
 use sqlx::Result;
 
-use sqlx::AssertSqlSafe;
-
 use super::{ColumnHolds, SqlTransaction, query, query_as, query_scalar};
 
 /// The columns of a table, in their order.
@@ -41,7 +39,7 @@ pub async fn last_number(db: &mut SqlTransaction, table: &str) -> Result<i64> {
         SqlTransaction::Postgres(_) => {
             let text =
                 format!("SELECT CASE WHEN is_called THEN last_value ELSE last_value - 1 END FROM {table}_id_seq");
-            query_scalar(AssertSqlSafe(text))
+            query_scalar(sqlx::AssertSqlSafe(text))
         }
     };
     last.fetch_one(db).await
@@ -94,7 +92,7 @@ pub async fn number_from_highest(db: &mut SqlTransaction, table: &str) -> Result
                 "SELECT setval(s.name, greatest((SELECT max(id) FROM {table}), nextval(s.name) - 1, 1)) \
                  FROM (SELECT pg_get_serial_sequence($1, 'id') AS name) AS s"
             );
-            query(AssertSqlSafe(highest)).bind(table).execute(db).await?;
+            query(sqlx::AssertSqlSafe(highest)).bind(table).execute(db).await?;
         }
     }
     Ok(())

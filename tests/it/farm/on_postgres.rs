@@ -170,6 +170,7 @@ fn a_farm_moves_to_a_server_and_back() {
     let config = fs::read_to_string(farm.config()).unwrap().replace(&format!("{url:?}"), "\"back.db\"");
     fs::write(farm.config(), config).unwrap();
     start(&mut farm);
+    says(&farm, &format!("ledger={}", back.display()));
     farm.wait_for_parts(PartState::Built, 1);
     farm.assert_nothing_lost_or_doubled();
     farm.stop();

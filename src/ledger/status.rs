@@ -168,23 +168,13 @@ struct DueDateRow {
 
 sql_row!(DueDateRow { due_at, arrived_at, due_of });
 
-/// When a part arrived among those that wait or are read, as [`super::PartRow::arrived_at`].
-macro_rules! arrived_at {
-    () => {
-        "CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END"
-    };
-}
-
-const COUNTS: &str = concat!(
-    "SELECT p.profile, count(*) FILTER (WHERE p.state = 'claimed') AS claimed_parts, \
+const COUNTS: &str = "SELECT p.profile, count(*) FILTER (WHERE p.state = 'claimed') AS claimed_parts, \
     count(*) FILTER (WHERE p.state = 'waiting') AS waiting_parts, \
     CAST(sum(CASE p.state WHEN 'waiting' THEN p.copies - p.cancelled_copies - \
     (SELECT count(*) FROM placement l WHERE l.part_id = p.id) ELSE 0 END) AS BIGINT) AS waiting_copies, \
     min(CASE p.state WHEN 'waiting' THEN p.claimed_at END) AS oldest_at, \
-    max(",
-    arrived_at!(),
-    ") AS newest_at FROM part p WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile"
-);
+    max(CASE WHEN p.put_back_at > p.state_at THEN p.put_back_at ELSE p.state_at END) AS newest_at FROM part p \
+    WHERE p.state IN ('claimed', 'waiting') GROUP BY p.profile";
 
 /// Counts only rejected parts that can still be retried and were not cancelled; over the years, many parts are
 /// rejected.
@@ -198,17 +188,13 @@ const DUE: &str = "SELECT profile, due_text, due_at FROM (\
     FROM part WHERE state = 'waiting' AND due_at IS NOT NULL) AS ranked WHERE place = 1";
 
 /// The due dates of what can be built, each with its earliest arrival and the part or order of that.
-const DUE_ARRIVALS: &str = concat!(
-    "SELECT profile, due_at, arrived_at, due_of FROM (\
+const DUE_ARRIVALS: &str = "SELECT profile, due_at, arrived_at, due_of FROM (\
     SELECT profile, due_at, arrived_at, due_of, \
     ROW_NUMBER() OVER (PARTITION BY profile, due_at ORDER BY arrived_at, id) AS place FROM (\
-    SELECT id, profile, due_at, ",
-    arrived_at!(),
-    " AS arrived_at, \
+    SELECT id, profile, due_at, CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END AS arrived_at, \
     CASE order_name WHEN '' THEN name ELSE 'order ' || order_name END AS due_of FROM part \
     WHERE state = 'waiting' AND due_at IS NOT NULL AND damaged_at IS NULL AND fetch_at IS NULL AND question = '' \
-    AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY profile, due_at"
-);
+    AND replaced_by IS NULL) AS buildable) AS ranked WHERE place = 1 ORDER BY profile, due_at";
 
 const OPEN: &str = "SELECT profile, id AS build, height_mm, density, copies FROM build WHERE state = 'open'";
 
@@ -290,8 +276,8 @@ impl Ledger {
 impl Ledger {
     /// When the newest part of a profile that waits or is read arrived.
     pub async fn newest_arrival(&self, profile: &str) -> Result<Option<UtcTimestamp>> {
-        let query =
-            concat!("SELECT max(", arrived_at!(), ") FROM part WHERE profile = $1 AND state IN ('claimed', 'waiting')");
+        let query = "SELECT max(CASE WHEN put_back_at > state_at THEN put_back_at ELSE state_at END) FROM part \
+            WHERE profile = $1 AND state IN ('claimed', 'waiting')";
         Ok(sql::query_scalar(query).bind(profile).fetch_one(self.reader()?).await?)
     }
 }

@@ -168,9 +168,14 @@ fn overdue_parts_whose_originals_come_back_one_after_another_are_gathered_too() 
         let part = farm.wait_for_parts(PartState::Waiting, count + 1).remove(count);
         hashes.push(part.file.content_hash);
     }
+    for file in crate::intake::files_below(&farm.root().join("state/store")).unwrap() {
+        if hashes.iter().any(|hash| file.to_string_lossy().contains(hash)) {
+            std::fs::remove_file(file).unwrap();
+        }
+    }
     farm.ask(async |ledger| {
         for hash in &hashes {
-            ledger.mark_damaged(hash, "it was damaged").await.unwrap();
+            ledger.mark_damaged(hash, "it was removed").await.unwrap();
         }
     });
     farm.pass_secs(100.0);

@@ -131,7 +131,9 @@ impl FarmState {
                     _ => {}
                 }
             }
-            NodeStep::LoseAnswer => drop(own.request.take()?),
+            NodeStep::LoseAnswer => {
+                own.request.take()?;
+            }
             NodeStep::Change => {
                 // A change may be sent long before the database handles it, so that the watch does not keep it back.
                 let epoch = own.watch?.epoch();

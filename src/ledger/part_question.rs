@@ -25,7 +25,7 @@ pub enum QuestionKind {
 own_word!(QuestionKind);
 
 impl QuestionKind {
-    /// The open questions of a part, the most important first; `first_kind!` is the first of them for waiting parts, in SQL. A
+    /// The open questions of a part, the most important first; `parts_with_questions` finds the first of them in SQL. A
     /// part whose number of copies is asked for is wanted once, and a line of its warnings begins with `copies_question`.
     pub fn of_part(part: &PartRow, copies_question: &str) -> Vec<Self> {
         let is_waiting = part.state == PartState::Waiting;
@@ -38,14 +38,6 @@ impl QuestionKind {
         ];
         asked.into_iter().filter_map(|(kind, is_open)| is_open.then_some(kind)).collect()
     }
-}
-
-/// What is asked first of a waiting part; `$1` begins the question about the number of copies. NULL = nothing.
-macro_rules! first_kind {
-    () => {
-        "CASE WHEN question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
-         WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END"
-    };
 }
 
 /// A waiting part with an open question.
@@ -65,14 +57,14 @@ impl Ledger {
     /// The first `most` waiting parts of each profile and kind with an open question, oldest first. A part whose number of
     /// copies is asked for waits as one copy with a warning that contains `copies_question`.
     pub async fn parts_with_questions(&self, copies_question: &str, most: u32) -> Result<Vec<QuestionedPart>> {
-        let query = sql::query_as(concat!(
+        // The kinds are those of `QuestionKind::of_part`, the first of them for each part.
+        let query = sql::query_as(
             "SELECT * FROM (SELECT *, COUNT(*) OVER (PARTITION BY profile, kind) AS total, \
              ROW_NUMBER() OVER (PARTITION BY profile, kind ORDER BY id) AS at FROM (\
-             SELECT *, ",
-            first_kind!(),
-            " AS kind FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered \
-             WHERE at <= $2 ORDER BY profile, id",
-        ));
+             SELECT *, CASE WHEN question <> '' THEN 'confirmation' WHEN damaged_at IS NOT NULL THEN 'original' \
+             WHEN warnings <> '' AND copies - cancelled_copies = 1 AND instr(warnings, $1) > 0 THEN 'copies' END AS kind \
+             FROM part WHERE state = 'waiting') AS asked WHERE kind IS NOT NULL) AS numbered WHERE at <= $2 ORDER BY profile, id",
+        );
         Ok(query.bind(copies_question).bind(most).fetch_all(self.reader()?).await?)
     }
 }

@@ -90,9 +90,7 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
     let Some(row) = farm.ledger.find_part(part).await? else {
         return Ok(Some(CommandAnswer::UnknownPart(part)));
     };
-    if claim_completion::is_completing(&farm.completion, &farm.jobs, &row)
-        || deferred_refusal::is_read_again(farm, &row)
-    {
+    if claim_completion::is_completing(&farm.completion, &farm.jobs, &row) || part_changes::is_read_again(farm, &row) {
         return Ok(None);
     }
     if matches!(command.kind, CommandKind::Edit | CommandKind::Move | CommandKind::Confirm) {

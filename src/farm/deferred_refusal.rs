@@ -6,13 +6,12 @@ use tracing::info;
 
 use super::{
     alert::AlertKind,
-    claim_completion::describe_refused_part,
     command_answer::CommandAnswer,
     error_folder,
     farm::Farm,
-    intake_jobs::PartReadJob,
     jobs::{BackgroundJob, JobRunner},
     mark_note,
+    refused_part::describe_refused_part,
     state::{CompletionState, DeferredRefusal},
 };
 use crate::ledger::{CommandRow, LedgerError, PartId, PartRow, PartState, RefusalCause};
@@ -71,12 +70,6 @@ impl BackgroundJob<Farm> for StrayCopyRemovalJob {
 /// Whether no original of a part is claimed in the hot folder: it was released after an earlier read.
 pub(super) fn is_without_original(completion: &CompletionState, part: &PartRow) -> bool {
     !completion.claims.contains_key(&part.file.claim)
-}
-
-/// Whether a job reads a part again, and may remove from the error folder what was refused of it: nothing may refuse the part
-/// meanwhile.
-pub(super) fn is_read_again(farm: &Farm, part: &PartRow) -> bool {
-    farm.jobs.is_running::<PartReadJob>(part.id) && is_without_original(&farm.completion, part)
 }
 
 /// Whether a part is being refused, or its copy in the error folder is being removed.

@@ -87,6 +87,7 @@ mod ready_files;
 mod reconcile;
 mod reconcile_report;
 mod refused_files;
+mod refused_part;
 mod restore;
 mod retry_backoff;
 mod revisions;

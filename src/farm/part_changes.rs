@@ -2,7 +2,9 @@
 
 use anyhow::Result;
 
-use super::{command_answer::CommandAnswer, farm::Farm, fetch_originals, mark_note};
+use super::{
+    command_answer::CommandAnswer, deferred_refusal, farm::Farm, fetch_originals, intake_jobs::PartReadJob, mark_note,
+};
 use crate::ledger::{CommandKind, CommandRow, LedgerError, PartId, PartRow, PartState};
 
 /// Carries out a command that changes a part; `None` = it waits, because the part is being read or moved.
@@ -84,4 +86,10 @@ fn forget_layout(farm: &mut Farm, profile: &str) {
     if let Some(machine) = farm.machines.get_mut(profile) {
         machine.open.reset();
     }
+}
+
+/// Whether a job reads a part again, and may remove from the error folder what was refused of it: nothing may refuse the part
+/// meanwhile.
+pub(super) fn is_read_again(farm: &Farm, part: &PartRow) -> bool {
+    farm.jobs.is_running::<PartReadJob>(part.id) && deferred_refusal::is_without_original(&farm.completion, part)
 }

@@ -2,14 +2,14 @@
 
 use anyhow::Result;
 
-use super::{claim_completion, deferred_refusal, farm::Farm};
+use super::{claim_completion, deferred_refusal, farm::Farm, part_changes};
 use crate::ledger::{PartState, RefusalCause};
 
 /// Takes out the parts that a newer revision replaced.
 pub(super) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
     for part in farm.ledger.replaced_parts().await? {
         if claim_completion::is_completing(&farm.completion, &farm.jobs, &part)
-            || deferred_refusal::is_read_again(farm, &part)
+            || part_changes::is_read_again(farm, &part)
         {
             continue;
         }

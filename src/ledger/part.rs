@@ -42,7 +42,8 @@ impl Ledger {
     /// The claimed parts of a profile that must be read next, in order, at most `most` of them.
     pub async fn claimed_parts(&self, profile: &str, most: usize) -> Result<Vec<PartRow>> {
         let query = sql::query_as(
-            "SELECT * FROM part WHERE state = 'claimed' AND profile = $1 AND damaged_at IS NULL ORDER BY id LIMIT $2",
+            "SELECT * FROM part WHERE state = 'claimed' AND profile = $1 AND damaged_at IS NULL AND fetch_at IS NULL \
+             ORDER BY id LIMIT $2",
         );
         Ok(query.bind(profile).bind(most as i64).fetch_all(self.reader()?).await?)
     }

@@ -209,6 +209,22 @@ fn a_part_that_is_cancelled_while_it_is_read_again_is_in_the_error_folder() {
 }
 
 #[test]
+fn a_part_whose_unit_changes_while_its_original_is_fetched_is_read_when_it_is_there() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("a.stl", &block(10.0, 8.0, 6.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    let build = published(&mut farm, 1);
+    tell(&farm, build, PrintOutcome::Failed);
+    let unit = PartEdit { unit: Some(build_file::LengthUnit::Centimeter), ..PartEdit::default() };
+    // The edit is carried out, and the file would be read, in the tick that begins to fetch the original.
+    farm.submit_command(&new_command(CommandKind::Edit, part, edit(unit), ""));
+    farm.begin_tick();
+    farm.pass_secs(1.0);
+    published(&mut farm, 2);
+    assert_eq!(contents(&farm, 1)[0].2, "480000.00");
+}
+
+#[test]
 fn single_copies_broken_at_unpacking_are_printed_again_even_after_a_restart() {
     let mut farm = HandDrivenFarm::open(QUICK);
     farm.drop_part("a_x5.stl", &block(10.0, 10.0, 10.0));

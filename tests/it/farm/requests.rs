@@ -146,7 +146,7 @@ fn a_day_is_shown_as_it_was_given_wherever_the_farm_is() {
     let config = fs::read_to_string(farm.config()).unwrap();
     fs::write(farm.config(), format!("time_zone = \"Pacific/Kiritimati\"\n{config}")).unwrap();
     farm.start();
-    farm.drop_bytes("a.stl.toml", b"due = \"24.12.2098\"\n");
+    farm.drop_bytes("a.stl.toml", b"due = 2098-12-24\n");
     farm.drop_part("a.stl", &block(10.0, 9.0, 8.0));
     let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0);
     assert_eq!(part.terms.due_at.unwrap().to_string(), "2098-12-24T09:59:59.000Z");

@@ -281,7 +281,9 @@ impl LedgerChange {
             // Also the copies of a part that is read again wait.
             let may_wait = matches!(part.state, PartState::Waiting | PartState::Claimed);
             let has_waiting = may_wait && self.waiting_count(id).await? > 0;
-            if !(is_owed && has_waiting) && part.state != PartState::Rejected {
+            // Where none is given up any more, it takes the place of a copy that was asked for again and waits.
+            let is_wanted_again = part.owed.cancelled_copies > 0 && !(is_owed && has_waiting);
+            if is_wanted_again && part.state != PartState::Rejected {
                 self.change_cancelled(id, -1).await?;
                 let detail = format!("a copy in build {build} was printed well after all");
                 self.write_event(EventKind::CopiesWanted, &part.profile, Some(id), Some(build), &detail).await?;

@@ -130,6 +130,21 @@ async fn an_outcome_is_corrected_while_the_part_is_read_again_on_another_machine
 }
 
 #[tokio::test]
+async fn a_corrected_outcome_takes_the_place_of_a_copy_that_was_asked_for_again() {
+    let ledger = fresh().await;
+    let part = line(&ledger, "a", 2, "").await;
+    let build = published(&ledger, &[(part, 0), (part, 1)]).await;
+    let keep = ToldOutcome { keep: true, ..told(PrintOutcome::Failed) };
+    ledger.record_outcome(build, &keep).await.unwrap();
+    let again = PartEdit { copies: Some(1), ..PartEdit::default() };
+    ledger.edit_part(part, &again, "ann@farm").await.unwrap();
+    let correction = ToldOutcome { is_correction: true, ..told(PrintOutcome::Complete) };
+    ledger.record_outcome(build, &correction).await.unwrap();
+    assert_eq!(copies(&ledger, part).await, LineCopies { wanted: 2, good: 2, ..Default::default() });
+    assert_eq!(ledger.find_inconsistencies().await.unwrap(), [""; 0]);
+}
+
+#[tokio::test]
 async fn a_failed_print_that_is_not_wanted_again_ends_its_order_short() {
     let ledger = fresh().await;
     let part = line(&ledger, "a", 2, "brandt").await;

@@ -1,13 +1,15 @@
 //! Repair of a ledger that has missed what another farm did in its folders.
 
-use std::{fs, process::Command};
+use std::{fs, process::Command, time::Duration};
 
 use super::{super::AlertKind, HandDrivenFarm, PROFILE, QUICK, block};
 use crate::ledger::{CommandKind, PartState, PrintOutcome, ToldOutcome};
 
-/// Prints a part in a farm of its own, and puts the build and its record into the folders of another farm.
+/// Prints a part in a farm of its own, and puts the build and its record into the folders of another farm. The build is
+/// of a later minute: with the same number and the same second, its file would have the name of the other's.
 fn print_in_folders_of(farm: &HandDrivenFarm, name: &str) {
     let mut other = HandDrivenFarm::open(QUICK);
+    other.jump(Duration::from_secs(60));
     other.drop_part(name, &block(14.0, 12.0, 10.0));
     other.wait_for_parts(PartState::Waiting, 1);
     other.order(CommandKind::Flush, None);

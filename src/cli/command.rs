@@ -10,8 +10,9 @@ use super::{
     table::print_text,
     target::{PartTarget, find_targets},
 };
-use crate::ledger::{
-    CommandArgument, CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartEdit, PartId,
+use crate::{
+    ledger::{CommandArgument, CommandId, CommandKind, CommandRow, CommandState, Ledger, NewCommand, PartEdit, PartId},
+    settings::Settings,
 };
 
 /// How long the operator waits for the answer. The daemon reads new commands about every second.
@@ -90,12 +91,20 @@ impl DaemonCommand {
 pub fn run(common: &CommonArgs, order: &DaemonCommand) -> Result<CommandExit> {
     let (text, exit) = with_ledger(common, async |settings, ledger| {
         if let Some(profile) = order.profile_name() {
-            require_profile(settings, profile)?;
+            require_known_machine(settings, ledger, profile).await?;
         }
         send_command(ledger, order, ANSWER_TIMEOUT).await
     })?;
     print_text(&text)?;
     Ok(exit)
+}
+
+/// Refuses a machine that neither this node's configuration nor another node has.
+async fn require_known_machine(settings: &Settings, ledger: &Ledger, profile: &str) -> Result<()> {
+    match ledger.node_of_machine(profile).await? {
+        Some(_) if ledger.file().is_none() => Ok(()),
+        _ => require_profile(settings, profile),
+    }
 }
 
 /// Sends a command for each part that the words mean. The exit code tells whether all were done.
@@ -109,7 +118,7 @@ pub fn run_for_parts(
         for target in find_targets(ledger, words).await? {
             let order = command(&target)?;
             if let Some(profile) = order.profile_name() {
-                require_profile(settings, profile)?;
+                require_known_machine(settings, ledger, profile).await?;
             }
             let (text, ended) = send_command(ledger, &order, ANSWER_TIMEOUT).await?;
             answers.push(text);

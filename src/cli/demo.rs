@@ -87,7 +87,7 @@ async fn expect_no_daemon(farm: &DemoFarm) -> Result<()> {
         return Ok(());
     }
     let ledger = Ledger::open_existing(&farm.ledger_file()).await?;
-    let served_by = ledger.last_daemon().await?.filter(|d| d.alive);
+    let served_by = ledger.find_node("").await?.filter(|d| d.alive);
     ledger.close().await;
     match served_by {
         Some(daemon) => Err(UsageError(format!("a daemon serves this farm already (process {})", daemon.pid)).into()),
@@ -116,7 +116,7 @@ impl<'d> DemoWatcher<'d> {
             if farm.ledger_file().exists()
                 && let Ok(ledger) = Ledger::open_existing(&farm.ledger_file()).await
             {
-                if ledger.last_daemon().await.ok().flatten().is_some_and(|d| d.pid == pid) {
+                if ledger.find_node("").await.ok().flatten().is_some_and(|d| d.pid == pid) {
                     let mut watch =
                         Self { ledger, daemon, deadline, last_part: 0, last_build: None, last_line: String::new() };
                     watch.last_part = watch.new_parts().await?.iter().map(|p| p.id.0).max().unwrap_or(0);

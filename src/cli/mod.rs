@@ -20,6 +20,7 @@ mod logging;
 mod lookup;
 mod metrics;
 mod nest;
+mod nodes;
 mod notify;
 mod orders;
 mod outcome;
@@ -139,11 +140,13 @@ enum CliCommand {
     Outcome(outcome::OutcomeArgs),
     /// Scan the hot folders now
     Scan,
-    /// Take over the files that another nestd claimed in a hot folder before it went away
+    /// Take over a machine, and the files that another nestd claimed in its hot folder before it went away
     Adopt {
         /// Machine profile
         profile: String,
     },
+    /// Show the daemons that share the ledger: whether they run, and which machines they serve
+    Nodes(nodes::NodesArgs),
     /// Copy the ledger to a file while the farm runs
     Backup(backup::BackupArgs),
     /// Put a backup of the ledger back; builds published since then are not printed again
@@ -204,6 +207,7 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Outcome(args) => outcome::run(common, args),
         CliCommand::Scan => command::run(common, &DaemonCommand::Scan),
         CliCommand::Adopt { profile } => adopt::run(common, profile),
+        CliCommand::Nodes(args) => nodes::run(common, args),
         CliCommand::Backup(args) => backup::run(common, args),
         CliCommand::Restore(args) => backup::run_restore(common, args),
         CliCommand::Ledger(command) => ledger::run(command),

@@ -13,9 +13,11 @@ use super::{
 use crate::{
     farm::{self, AlertKind, AlertSummary, FarmAlert},
     intake,
-    ledger::{DaemonRow, Ledger, PartRow, PartState, ProfileStatus},
+    ledger::{Ledger, NodeRow, PartRow, PartState, ProfileStatus},
     settings::{FarmZone, Settings},
-    tables::{MACHINE_COLUMNS, MachineForecast, MachineNow, PART_COLUMNS, TimeView},
+    tables::{
+        FarmNode, MACHINE_COLUMNS, MachineForecast, MachineNow, NODE_COLUMNS, PART_COLUMNS, TimeView, list_farm_nodes,
+    },
 };
 
 /// This many rejected parts are listed; `nestd show` finds the older ones.
@@ -38,8 +40,10 @@ pub struct StatusArgs {
 /// The current state of a farm.
 #[derive(Debug, Serialize)]
 pub struct FarmStatus {
-    /// The daemon that serves or served the ledger.
-    daemon: Option<DaemonRow>,
+    /// The daemon of this node.
+    daemon: Option<NodeRow>,
+    /// All nodes of the farm, with their machines.
+    nodes: Vec<FarmNode>,
     /// Whether a daemon holds the ledger, even one that has not written into it yet.
     #[serde(skip)]
     is_served: bool,
@@ -103,7 +107,7 @@ pub fn run(common: &CommonArgs, args: &StatusArgs) -> Result<CommandExit> {
 fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> {
     run_with_ledger(settings, async |settings, ledger| {
         let names: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-        let mut status = read_status(ledger, &names, with_parts).await?;
+        let mut status = read_status(ledger, &settings.node.name, &names, with_parts).await?;
         for machine in &mut status.profiles {
             let profile = settings.profiles.get(&machine.forecast.status.profile);
             machine.forecast = MachineForecast::new(machine.forecast.status.clone(), profile);
@@ -112,8 +116,8 @@ fn read_farm_status(settings: Settings, with_parts: bool) -> Result<FarmStatus> 
     })
 }
 
-/// Reads the status from a ledger; `configured` are the profiles of the settings.
-pub async fn read_status(ledger: &Ledger, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
+/// Reads the status from a ledger; `configured` are the profiles of the settings, and `node` is this one.
+pub async fn read_status(ledger: &Ledger, node: &str, configured: &[&str], with_parts: bool) -> Result<FarmStatus> {
     let known = ledger.profile_statuses().await?;
     let machine = |configured: bool, status: ProfileStatus| MachineStatus {
         configured,
@@ -135,8 +139,9 @@ pub async fn read_status(ledger: &Ledger, configured: &[&str], with_parts: bool)
     profiles.extend(known.map(|status| machine(configured.contains(&status.profile.as_str()), status)));
     profiles.sort_by(|a, b| a.forecast.status.profile.cmp(&b.forecast.status.profile));
     let parts = if with_parts { Some(list_parts(ledger).await?) } else { None };
-    let (daemon, is_served) = (ledger.last_daemon().await?, ledger.is_served().await?);
-    Ok(FarmStatus { daemon, is_served, attention: Vec::new(), profiles, parts })
+    let (daemon, is_served) = (ledger.find_node(node).await?, ledger.is_served().await?);
+    let nodes = list_farm_nodes(ledger).await?;
+    Ok(FarmStatus { daemon, nodes, is_served, attention: Vec::new(), profiles, parts })
 }
 
 async fn list_parts(ledger: &Ledger) -> Result<Vec<PartRow>> {
@@ -163,6 +168,9 @@ impl FarmStatus {
         let attention = attention_text(&self.attention);
         let gap = if attention.is_empty() { "" } else { "\n" };
         let mut text = format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_columns(columns));
+        if self.nodes.len() > 1 {
+            text += &format!("\n{}", TextTable::of(NODE_COLUMNS, &self.nodes, &view).fit_columns(columns));
+        }
         if let Some(parts) = &self.parts {
             text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts, &view).fit_columns(columns));
         }

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     ledger::{
-        CommandKind, DaemonHeartbeat, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause,
+        CommandKind, HistoryQuery, Ledger, NewPartRow, NodeHeartbeat, PartId, PrintOutcome, RefusalCause,
         RequiredTilts, fixtures::*,
     },
     settings::FarmZone,
@@ -26,7 +26,9 @@ fn words(text: &str) -> Vec<String> {
 }
 
 async fn write_heartbeat(ledger: &Ledger) {
-    let heartbeat = DaemonHeartbeat {
+    let heartbeat = NodeHeartbeat {
+        name: "host".to_owned(),
+        address: String::new(),
         pid: 4711,
         host: "farm".into(),
         version: "0.1.0".into(),
@@ -90,14 +92,14 @@ async fn status_shows_every_machine_and_what_it_does() {
     nesting(&ledger, &[(a, 1)]).await;
     ledger.cancel_part(b, RefusalCause::Cancelled, "not\nneeded").await.unwrap();
     ledger.pause_profile("sold", "ann@farm", crate::ledger::PauseCause::Person).await.unwrap();
-    let stopped = status::read_status(&ledger, &["fuse-1", "paper-200"], false).await.unwrap().to_text(
+    let stopped = status::read_status(&ledger, "host", &["fuse-1", "paper-200"], false).await.unwrap().to_text(
         Timestamp::now(),
         &FarmZone::default(),
         usize::MAX,
     );
     assert!(stopped.starts_with("The daemon does not run.\n"), "{stopped}");
     write_heartbeat(&ledger).await;
-    let farm = status::read_status(&ledger, &["fuse-1", "paper-200"], true).await.unwrap();
+    let farm = status::read_status(&ledger, "host", &["fuse-1", "paper-200"], true).await.unwrap();
     let text = farm.to_text(Timestamp::now(), &FarmZone::default(), usize::MAX);
     assert!(text.starts_with("The daemon runs on farm (process 4711, version 0.1.0)"), "{text}");
     let line = |name: &str| text.lines().find(|l| l.starts_with(name)).unwrap().split_whitespace().collect::<Vec<_>>();

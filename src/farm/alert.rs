@@ -33,6 +33,8 @@ pub enum AlertKind {
     ErrorFolderAway,
     /// Another daemon serves folders of a machine.
     HeldByOther,
+    /// Another node of the farm serves a machine.
+    OtherNode,
     /// Claims of another farm lie in a hot folder.
     ForeignClaims,
     /// A machine's folders cannot be made.
@@ -87,13 +89,13 @@ impl AlertKind {
         match self {
             Self::LedgerDamaged => Some("is damaged"),
             Self::LedgerReplaced => Some("was removed or replaced"),
-            Self::LedgerTakenOver => Some("is served by another nestd"),
+            Self::LedgerTakenOver => Some("is served by another nestd in place of this one"),
             _ => None,
         }
     }
 
     /// Every kind.
-    pub const ALL: [Self; 31] = [
+    pub const ALL: [Self; 32] = [
         Self::LedgerDamaged,
         Self::LedgerBehind,
         Self::LedgerLost,
@@ -106,6 +108,7 @@ impl AlertKind {
         Self::ArchiveAway,
         Self::ErrorFolderAway,
         Self::HeldByOther,
+        Self::OtherNode,
         Self::ForeignClaims,
         Self::FoldersMissing,
         Self::TakingFails,
@@ -141,13 +144,14 @@ impl AlertKind {
             Self::LedgerUnreachable => {
                 "The server of the ledger cannot be reached: nestd takes and publishes nothing until it can"
             }
-            Self::LedgerTakenOver => "Another nestd serves the ledger: this one takes and publishes nothing more",
+            Self::LedgerTakenOver => "Another nestd is this node now: this one takes and publishes nothing more",
             Self::ConfigurationWrong => "The changed configuration was rejected; the previous one stays in force",
             Self::HotFolderAway => "The hot folder is unavailable",
             Self::QueueAway => "The queue folder cannot be used",
             Self::ArchiveAway => "The archive cannot be used",
             Self::ErrorFolderAway => "The error folder cannot be used",
             Self::HeldByOther => "Another nestd serves the folders: this one takes and prints nothing there",
+            Self::OtherNode => "Another node of the farm serves the machine: this one takes and prints nothing there",
             Self::ForeignClaims => "Another nestd has claimed files in the hot folder, and they are left to it",
             Self::FoldersMissing => "The folders cannot be made",
             Self::TakingFails => "Files cannot be taken out of the hot folder",
@@ -189,7 +193,8 @@ impl AlertKind {
                 "Start the PostgreSQL server, or mend the way to it; nestd then goes on by itself. Nothing is lost meanwhile."
             }
             Self::LedgerTakenOver => {
-                "Stop this nestd. Where it is the one that shall serve the farm, stop the other one first, and start this one again."
+                "Another process has this node's name, or its machines were adopted. Where that was meant, start this nestd again: it \
+                 goes on with the machines that are left to it. Two servers need two names: node.name."
             }
             Self::ConfigurationWrong => "Run `nestd check`, mend what it names, and reload nestd.",
             Self::HotFolderAway => {
@@ -211,6 +216,10 @@ impl AlertKind {
             Self::HeldByOther => {
                 "Stop one of the two, or give each folders of its own. When the other one has ended, this one goes on by itself \
                  within half a minute, after it has compared the folders with its ledger."
+            }
+            Self::OtherNode => {
+                "Remove the machine's file from profiles/ here or on that node, and reload both. If that node is gone for good, take its \
+                 machine over with `nestd adopt PROFILE`."
             }
             Self::ForeignClaims => {
                 "If that nestd is still in use, start it: it takes them itself. If it is gone for good, or another one \

@@ -14,6 +14,7 @@ use super::{
     commands, crash_guard, damaged_files, deferred_refusal,
     failure::LostFileError,
     farm::Farm,
+    fetch_originals,
     jobs::BackgroundJob,
     layout::{BatchLayout, CopyId, waiting_copy_ids},
     left_out::{LeftOutNotice, find_cut_off, find_left_out},
@@ -91,7 +92,9 @@ pub(super) async fn update_open_build(farm: &mut Farm, name: &str) -> Result<()>
     let mut waiting = farm.ledger.waiting_copies(name).await?;
     waiting.retain(|waiting| !farm.completion.deferred_refusals.contains_key(&waiting.part.id));
     let flush = farm.machines.get(name).is_some_and(|machine| !machine.pending_flushes.is_empty());
-    let has_unread_claims = flush && has_unread_claims(&farm.ledger, &farm.reading, name).await?;
+    let has_unread_claims = flush
+        && (has_unread_claims(&farm.ledger, &farm.reading, name).await?
+            || fetch_originals::awaits_original(farm, name).await?);
     let Some(machine) = farm.machines.get_mut(name) else { return Ok(()) };
     if waiting.is_empty() {
         machine.open.reset();

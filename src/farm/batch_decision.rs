@@ -10,7 +10,7 @@ use crate::settings::MachineProfile;
 pub(super) struct BatchFacts {
     /// The waiting parts and the open build. `flush` = an operator asked for a flush.
     pub(super) open: TriggerFacts,
-    /// Claimed parts are not read yet; a flush waits for them.
+    /// Claimed parts are not read yet, or originals are being fetched; a flush waits for them.
     pub(super) has_unread_claims: bool,
     /// Whether the machine is paused.
     pub(super) is_paused: bool,

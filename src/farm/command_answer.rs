@@ -50,6 +50,8 @@ pub(super) enum CommandAnswer {
     UnknownPart(PartId),
     /// Refused: it is not known how many copies of the part are wanted.
     CopiesUnknown(PartId),
+    /// The part must be read again, and its file is missing.
+    FileMissing(PartId),
     /// Refused: the ledger does not allow it.
     NotAllowed(LedgerError),
 }
@@ -78,6 +80,7 @@ impl CommandAnswer {
             | Self::NoPartNamed
             | Self::UnknownPart(_)
             | Self::CopiesUnknown(_)
+            | Self::FileMissing(_)
             | Self::NotAllowed(_) => false,
         }
     }
@@ -116,6 +119,12 @@ impl fmt::Display for CommandAnswer {
             Self::UnknownPart(part) => write!(f, "there is no part {part}"),
             Self::CopiesUnknown(part) => {
                 write!(f, "the ticket of part {part} could not be read: mend it and drop both again")
+            }
+            Self::FileMissing(part) => {
+                write!(
+                    f,
+                    "part {part} waits for its file: drop that once more, and give the command again when it is read"
+                )
             }
             Self::NotAllowed(error) => write!(f, "{error}"),
         }

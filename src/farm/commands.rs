@@ -20,7 +20,7 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
     for command in farm.ledger.pending_commands().await? {
         // A command that the disk prevents stays open and does not hold up the others.
         let about = format!("command {}", command.id);
-        if farm.schedule.step_backoff.is_waiting(&about) {
+        if !concerns_this_node(farm, &command).await? || farm.schedule.step_backoff.is_waiting(&about) {
             continue;
         }
         match execute_command(farm, &command).await {
@@ -41,6 +41,21 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
         queues::open_queues(farm).await?;
     }
     Ok(())
+}
+
+/// Whether this node carries out a command: the one that serves its machine does, or the first node where none serves it.
+async fn concerns_this_node(farm: &Farm, command: &CommandRow) -> Result<bool> {
+    let profile = match command.part_id {
+        Some(part) => farm.ledger.find_part(part).await?.map(|part| part.profile).unwrap_or_default(),
+        None => command.profile.clone(),
+    };
+    if farm.machines.contains_key(&profile) || farm.ledger.file().is_some() {
+        return Ok(true);
+    }
+    match farm.ledger.node_of_machine(&profile).await? {
+        Some(node) => Ok(node == farm.settings.node.name),
+        None => Ok(farm.ledger.is_first_node(&farm.settings.node.name).await?),
+    }
 }
 
 /// Carries out a command; `None` = it is answered later.
@@ -90,7 +105,11 @@ async fn execute_part_command(farm: &mut Farm, command: &CommandRow, part: PartI
     let Some(row) = farm.ledger.find_part(part).await? else {
         return Ok(Some(CommandAnswer::UnknownPart(part)));
     };
-    if claim_completion::is_completing(&farm.completion, &farm.jobs, &row) || part_changes::is_read_again(farm, &row) {
+    if claim_completion::is_completing(&farm.completion, &farm.jobs, &row)
+        || part_changes::is_read_again(farm, &row)
+        // The copy in the error folder is made of the stored file.
+        || command.kind == CommandKind::Cancel && row.owed.is_being_fetched()
+    {
         return Ok(None);
     }
     if matches!(command.kind, CommandKind::Edit | CommandKind::Move | CommandKind::Confirm) {

@@ -1,19 +1,21 @@
 //! A stored file that differs from the file that was dropped is set aside and never printed. Its parts wait, an alert
 //! asks for the file, and dropping the same file again repairs it. Parts in other files continue meanwhile.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::PathBuf,
+};
 
 use anyhow::Result;
 use tracing::{info, warn};
 
 use super::{
     alert::AlertKind, alert_registry::AlertRegistry, claim_completion, failure::LostFileError, farm::Farm,
-    jobs::BackgroundJob, machine_state::MachineStates,
+    jobs::BackgroundJob, machine_state::MachineStates, node_content::OtherNodes,
 };
 use crate::{
     intake::{self, ClaimedPart, StoredFile},
-    ledger::Ledger,
-    ledger::{BuildId, PartId},
+    ledger::{BuildId, Ledger, PartId},
 };
 
 /// Checks damaged stored files; returns the hashes of those that are intact again.
@@ -78,7 +80,7 @@ pub(super) async fn take_as_replacement(
     Ok(true)
 }
 
-/// Checks whether somebody has put a damaged file back.
+/// Checks whether somebody has put a damaged file back, or another node has it.
 pub(super) async fn check_damaged_files(farm: &mut Farm) -> Result<()> {
     update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await?;
     let mut hashes: Vec<String> =
@@ -89,21 +91,33 @@ pub(super) async fn check_damaged_files(farm: &mut Farm) -> Result<()> {
     }
     let store = farm.meshes.store.clone();
     let inboxes: Vec<PathBuf> = farm.machines.values().map(|s| s.profile.folders.inbox.clone()).collect();
+    let nodes = OtherNodes::of_ledger(&farm.settings, &farm.ledger).await?;
     farm.jobs.start(DamagedFilesJob, move || {
+        // A node that was gone may have come back with it.
+        let is_there =
+            |hash: &str| store.verify_hash(hash).is_ok() || nodes.fetch_into_store(&store, hash).unwrap_or(false);
+        hashes.retain(|hash| is_there(hash));
+        if hashes.is_empty() {
+            return hashes;
+        }
         // A claimed file is in the store before its row: it would be taken for a new order if the parts did not ask for it
         // any more. The claim came before the stored file, so it is looked for afterwards.
-        hashes.retain(|hash| store.verify_hash(hash).is_ok() && !is_claimed(&inboxes, hash));
+        let Ok(claimed) = claimed_hashes(&inboxes) else { return Vec::new() };
+        hashes.retain(|hash| !claimed.contains(hash));
         hashes
     });
     Ok(())
 }
 
-/// Whether a claim in a hot folder holds this content, or it cannot be told.
-fn is_claimed(inboxes: &[PathBuf], hash: &str) -> bool {
-    inboxes.iter().any(|inbox| match intake::list_claims(inbox) {
-        Ok(found) => found.claims.iter().any(|claim| intake::hash_file(&claim.part).is_ok_and(|of| of == hash)),
-        Err(_) => true,
-    })
+/// The hashes of the files that are claimed in the hot folders.
+fn claimed_hashes(inboxes: &[PathBuf]) -> Result<BTreeSet<String>> {
+    let mut hashes = BTreeSet::new();
+    for inbox in inboxes {
+        let claims = intake::list_claims(inbox)?.claims;
+        // A claim that is completed meanwhile is gone.
+        hashes.extend(claims.iter().filter_map(|claim| intake::hash_file(&claim.part).ok()));
+    }
+    Ok(hashes)
 }
 
 async fn on_files_repaired(farm: &mut Farm, hashes: &[String]) -> Result<()> {

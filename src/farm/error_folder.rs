@@ -55,7 +55,8 @@ fn find_entries(error_dir: &Path, part: &PartRow) -> Result<Vec<RefusedEntry>> {
         };
         let mut entry =
             RefusedEntry { reason: reason.clone(), file: None, is_alone: !files.iter().any(|file| is_beside(&file)) };
-        for file in [&named].into_iter().chain(files.iter().filter(is_beside)) {
+        let others = files.iter().filter(is_beside).filter(|file| **file != named);
+        for file in [&named].into_iter().chain(others) {
             if has_content(file, part)? {
                 entry.file = Some(file.clone());
                 break;

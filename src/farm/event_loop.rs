@@ -105,6 +105,7 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
         TimedTask::RenewLeases => lease_renewal::renew_leases(farm, true),
         TimedTask::WriteHeartbeat => farm.run_step("sign of life", status::write_heartbeat).await,
         TimedTask::CheckFolders => {
+            farm.run_step("machines of other nodes", machine_setup::take_free_machines).await;
             watching::create_missing_folders(&mut farm.machines, &mut farm.jobs);
             folder_comparison::start_folder_comparison(farm);
             watching::start_watcher(farm);
@@ -179,7 +180,7 @@ pub(super) async fn shut_down(farm: &mut Farm) {
     status::write_stopped_status(farm).await;
     lease_renewal::release_leases(&mut farm.machines, &mut farm.alerts);
     farm.alerts.write_if_changed(&farm.settings.state_dir);
-    if let Err(failure) = farm.ledger.record_shutdown().await {
+    if let Err(failure) = farm.ledger.record_shutdown(&farm.settings.node.name).await {
         warn!("The stop could not be recorded in the ledger: {failure}.");
     }
     match farm.ledger.close_with_checksum().await {

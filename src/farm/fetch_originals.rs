@@ -1,20 +1,30 @@
-//! Copies that are printed again need their original, which lies in the archive once their part was built. A job copies
-//! it back into the store, with a note of the claim. Where no archive holds it any more, the same file must be dropped
-//! again.
+//! Copies that are printed again need their original, which lies in the archive once their part was built; that of a part which was
+//! moved to this node lies on another one. A job copies it into the store, with a note of the claim. Where neither holds it any more,
+//! the same file must be dropped again.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use tracing::{info, warn};
+use tracing::info;
 
 use super::{
-    claim_note::ClaimNote, damaged_files, failure::LostFileError, farm::Farm, folder_leases::FolderLeases,
-    jobs::BackgroundJob, kept_build::KeptBuild,
+    alert::AlertKind,
+    claim_note::ClaimNote,
+    damaged_files,
+    failure::LostFileError,
+    farm::Farm,
+    folder_leases::FolderLeases,
+    jobs::BackgroundJob,
+    kept_build::KeptBuild,
+    node_content::{OtherNodes, archive_folders, find_original},
 };
 use crate::{
     intake::{self, ContentStore, StoreError},
     ledger::{BuildState, PartRow, PartState},
 };
+
+/// What fails, and is tried again later, when an original cannot be fetched.
+const BACKOFF: &str = "fetching originals";
 
 /// Copies originals back from the archive.
 #[derive(Clone)]
@@ -62,7 +72,7 @@ struct WantedOriginal {
 
 /// Starts to fetch the originals of parts that are printed again.
 pub(super) async fn fetch_originals(farm: &mut Farm) -> Result<()> {
-    if farm.jobs.is_running::<FetchOriginalsJob>("") {
+    if farm.jobs.is_running::<FetchOriginalsJob>("") || farm.schedule.step_backoff.is_waiting(&BACKOFF.to_owned()) {
         return Ok(());
     }
     let mut wanted = Vec::new();
@@ -76,10 +86,11 @@ pub(super) async fn fetch_originals(farm: &mut Farm) -> Result<()> {
         return Ok(());
     }
     let store = farm.meshes.store.clone();
+    let nodes = OtherNodes::of_ledger(&farm.settings, &farm.ledger).await?;
     farm.jobs.start(FetchOriginalsJob, move || {
         let mut fetched = FetchedOriginals::default();
         for original in &wanted {
-            match original.copy_into_store(&store) {
+            match original.copy_into_store(&store, &nodes) {
                 Ok(true) => fetched.stored.push(original.hash.clone()),
                 Ok(false) if original.has_kept_build() => fetched.unneeded.push(original.hash.clone()),
                 Ok(false) => fetched.missing.push((original.hash.clone(), original.name.clone())),
@@ -91,13 +102,18 @@ pub(super) async fn fetch_originals(farm: &mut Farm) -> Result<()> {
     Ok(())
 }
 
+/// Whether a part of a machine waits for its original, and will have it soon.
+pub(super) async fn awaits_original(farm: &Farm, profile: &str) -> Result<bool> {
+    let is_failing = farm.schedule.step_backoff.is_failing(&BACKOFF.to_owned());
+    Ok(!is_failing && farm.ledger.parts_to_fetch().await?.iter().any(|part| part.profile == profile))
+}
+
 async fn wanted_original(farm: &Farm, part: PartRow) -> Result<Option<WantedOriginal>> {
     let Some(machine) = farm.machines.get(&part.profile) else { return Ok(None) };
-    let mut folders = Vec::new();
-    for (profile, file_name) in farm.ledger.build_files_with_content(&part.file.content_hash).await? {
-        let stem = file_name.strip_suffix(".build.3mf").unwrap_or(&file_name);
-        folders.extend(farm.machines.get(&profile).map(|machine| machine.profile.folders.archive.join(stem)));
-    }
+    let profile_named = |name: &str| farm.machines.get(name).map(|machine| &*machine.profile);
+    let mut folders = archive_folders(&farm.ledger, &part.file.content_hash, profile_named).await?;
+    // The original of a part that was not read yet, where the machine came from another node.
+    folders.push(intake::claim_dir(&machine.profile.folders.inbox, &part.file.claim));
     Ok(Some(WantedOriginal {
         hash: part.file.content_hash.clone(),
         name: part.full_name(),
@@ -127,27 +143,24 @@ impl WantedOriginal {
         self.kept.as_ref().is_some_and(|kept| kept.proved_path().is_some())
     }
 
-    /// Copies the original into the store and writes its note. `false` = no archive holds it.
-    fn copy_into_store(&self, store: &ContentStore) -> Result<bool> {
+    /// Copies the original into the store and writes its note. `false` = neither an archive nor another node holds it.
+    fn copy_into_store(&self, store: &ContentStore, nodes: &OtherNodes) -> Result<bool> {
         if store.verify_hash(&self.hash).is_err() {
             // An archive that is not mounted is never an empty one.
             self.leases.archive.clone().check_usable()?;
-            let found = self.folders.iter().find_map(|folder| find_original(folder, &self.hash));
-            let Some(found) = found else { return Ok(false) };
-            if store.store_file(&found)?.hash != self.hash {
-                return Err(StoreError::Changed(found).into());
+            match self.folders.iter().find_map(|folder| find_original(folder, &self.hash)) {
+                Some(found) if store.store_file(&found)?.hash != self.hash => {
+                    return Err(StoreError::Changed(found).into());
+                }
+                Some(_) => {}
+                None if !nodes.fetch_into_store(store, &self.hash)? => return Ok(false),
+                None => {}
             }
         }
         store.write_note(&self.hash, &self.claim, &self.note)?;
         store.mark_decisions(&self.hash, &self.claim, self.decisions)?;
         Ok(true)
     }
-}
-
-/// The file with this content in the archive folder of a build.
-fn find_original(folder: &Path, hash: &str) -> Option<PathBuf> {
-    let files = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
-    files.filter(|path| path.is_file()).find(|path| intake::hash_file(path).is_ok_and(|found| found == hash))
 }
 
 async fn on_fetched(farm: &mut Farm, fetched: FetchedOriginals) -> Result<()> {
@@ -164,8 +177,15 @@ async fn on_fetched(farm: &mut Farm, fetched: FetchedOriginals) -> Result<()> {
         damaged_files::request_file_again(farm, &lost).await?;
         farm.ledger.mark_fetched(hash).await?;
     }
-    for failure in &fetched.failures {
-        warn!("An original could not be fetched from the archive; it is tried again: {failure}.");
+    match fetched.failures.first() {
+        None => {
+            farm.schedule.step_backoff.record_success(&BACKOFF.to_owned());
+            farm.alerts.clear(AlertKind::StepFails, "", BACKOFF);
+        }
+        Some(first) => {
+            farm.schedule.step_backoff.record_failure(BACKOFF.to_owned());
+            farm.report_failure(AlertKind::StepFails, "", BACKOFF, &anyhow::anyhow!("{first}"));
+        }
     }
     Ok(())
 }

@@ -1,14 +1,14 @@
 //! Sets up the machines from the settings, and applies changes when the configuration is read again.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use anyhow::Result;
 use nester::PreparedMeshCache;
 use tracing::info;
 
 use super::{
-    alert::AlertKind, disk_cache::DiskPreparationCache, farm::Farm, folder_comparison, machine_state::MachineState,
-    status, systemd, watching,
+    alert::AlertKind, disk_cache::DiskPreparationCache, farm::Farm, folder_comparison, folder_lease::FolderLease,
+    machine_state::MachineState, status, systemd, watching,
 };
 use crate::settings::Settings;
 
@@ -21,16 +21,14 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
         farm.meshes.prepared = farm.meshes.prepared.clone().with_cache(cache);
     }
     farm.nesting.slots = search_slots(&farm.settings);
-    let gone: Vec<String> =
-        farm.machines.keys().filter(|name| !farm.settings.profiles.contains_key(*name)).cloned().collect();
-    for name in gone {
-        if let Some(mut machine) = farm.machines.remove(&name) {
-            machine.open.reset();
-            farm.alerts.forget_machine(&name);
-            info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
-        }
-    }
+    remove_gone_machines(farm);
+    let names: Vec<String> = farm.settings.profiles.keys().cloned().collect();
+    let of_others = farm.ledger.claim_machines(&farm.settings.node.name, &names).await?;
+    report_other_nodes(farm, &of_others);
     for (name, profile) in farm.settings.profiles.clone() {
+        if of_others.contains_key(&name) {
+            continue;
+        }
         match farm.machines.get_mut(&name) {
             Some(machine) if *machine.profile == profile => (machine.agreed_folders, machine.may_claim) = (None, false),
             Some(machine) => {
@@ -63,6 +61,41 @@ pub(super) async fn set_up_machines(farm: &mut Farm) -> Result<()> {
                 farm.machines.insert(name, machine);
             }
         }
+    }
+    Ok(())
+}
+
+/// Removes the machines that are not configured any more, and leaves their folders to another node.
+fn remove_gone_machines(farm: &mut Farm) {
+    let gone: Vec<String> =
+        farm.machines.keys().filter(|name| !farm.settings.profiles.contains_key(*name)).cloned().collect();
+    for name in gone {
+        if let Some(mut machine) = farm.machines.remove(&name) {
+            machine.open.reset();
+            machine.leases.all_leases().into_iter().for_each(FolderLease::release);
+            farm.alerts.forget_machine(&name);
+            info!(profile = %name, "The profile is no longer configured; its waiting parts stay in the ledger.");
+        }
+    }
+}
+
+/// Raises an alert for each configured machine that another node serves. `of_others` names the node of each.
+fn report_other_nodes(farm: &mut Farm, of_others: &BTreeMap<String, String>) {
+    for name in farm.settings.profiles.keys() {
+        match of_others.get(name) {
+            None => farm.alerts.clear(AlertKind::OtherNode, name, ""),
+            Some(node) => farm.alerts.raise(AlertKind::OtherNode, name, "", &format!("the node {node} serves it")),
+        }
+    }
+}
+
+/// Takes the configured machines that another node has served and that are free now.
+pub(super) async fn take_free_machines(farm: &mut Farm) -> Result<()> {
+    let not_served = |name: &&String| !farm.machines.contains_key(*name);
+    let names: Vec<String> = farm.settings.profiles.keys().filter(not_served).cloned().collect();
+    if !names.is_empty() && farm.ledger.machines_of_others(&farm.settings.node.name, &names).await?.len() < names.len()
+    {
+        set_up_machines(farm).await?;
     }
     Ok(())
 }

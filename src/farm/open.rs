@@ -26,14 +26,14 @@ use super::{
     signals::{DaemonSignal, SignalListener},
     state::{CompletionState, DaemonLifecycle, DisplayState, Load, LoopSchedule, NestingState, ReadingState},
     state_lock::StateDirLock,
-    systemd,
+    status, systemd,
     time_source::TimeSource,
     watching,
 };
 use crate::{
     access,
     intake::{self, ContentStore},
-    ledger::{self, Ledger, LedgerError},
+    ledger::{self, Ledger, LedgerError, ServingRight},
     settings::Settings,
 };
 
@@ -95,6 +95,8 @@ pub(super) async fn open_farm(
 
 async fn open_machines(farm: &mut Farm) -> Result<()> {
     clock_changes::compare_clock_with_ledger(farm).await?;
+    // Before it takes machines: they are its own as long as it is known.
+    farm.ledger.announce_node(&status::describe_node(farm)).await?;
     machine_setup::set_up_machines(farm).await?;
     watching::make_folders_at_start(farm);
     watching::start_watcher(farm);
@@ -183,7 +185,8 @@ async fn open_ledger(settings: &Settings) -> Result<Ledger> {
     {
         return Err(LostLedgerError { detail }.into());
     }
-    let ledger = Ledger::open_to_serve(&settings.ledger, &ledger_service::serving_node(settings)).await?;
+    let node = ledger_service::serving_node(settings, ServingRight::Node(settings.node.name.clone()));
+    let ledger = Ledger::open_to_serve(&settings.ledger, &node).await?;
     if let Err(failure) = check_ledger_current(settings, &ledger).await {
         ledger.close().await;
         return Err(failure);

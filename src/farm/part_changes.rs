@@ -14,11 +14,12 @@ pub(super) async fn execute_change(
     row: &PartRow,
 ) -> Result<Option<CommandAnswer>> {
     if row.state == PartState::Claimed {
-        // Its solids are not known yet. It is read within moments, or refused.
-        return Ok(None);
+        // Its solids are not known yet. It is read within moments, or refused, unless its file is asked for.
+        return Ok(row.times.damaged_at.map(|_| CommandAnswer::FileMissing(row.id)));
     }
     let done = match command.kind {
         CommandKind::Edit => edit_part(farm, command, row).await,
+        CommandKind::Move if leaves_before_release(farm, command, row).await? => return Ok(None),
         CommandKind::Move => move_part(farm, command, row).await,
         CommandKind::Confirm => confirm_part(farm, command, row.id).await,
         _ => return Ok(None),
@@ -44,15 +45,26 @@ async fn edit_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Resu
     Ok(CommandAnswer::PartEdited(row.id, edited.changes))
 }
 
+/// Whether a part is to go to another node before its original was released here, which only this node can do.
+async fn leaves_before_release(farm: &Farm, command: &CommandRow, row: &PartRow) -> Result<bool, LedgerError> {
+    let is_released = deferred_refusal::is_without_original(&farm.completion, row);
+    Ok(!is_released
+        && farm.machines.contains_key(&row.profile)
+        && !farm.machines.contains_key(&command.profile)
+        && farm.ledger.node_of_machine(&command.profile).await?.is_some_and(|node| node != farm.settings.node.name))
+}
+
 async fn move_part(farm: &mut Farm, command: &CommandRow, row: &PartRow) -> Result<CommandAnswer, LedgerError> {
     let profile = &command.profile;
-    if !farm.machines.contains_key(profile) {
+    let is_own = farm.machines.contains_key(profile);
+    if !is_own && farm.ledger.node_of_machine(profile).await?.is_none_or(|node| node == farm.settings.node.name) {
         return Ok(CommandAnswer::UnknownProfile(profile.clone()));
     }
     if *profile == row.profile {
         return Ok(CommandAnswer::PartIsThere(row.id, profile.clone()));
     }
-    let parts = farm.ledger.for_command(command.id).move_to_machine(row.id, profile, &command.asked_by).await?;
+    let parts =
+        farm.ledger.for_command(command.id).move_to_machine(row.id, profile, !is_own, &command.asked_by).await?;
     forget_layout(farm, &row.profile);
     Ok(CommandAnswer::PartMoved(parts, profile.clone()))
 }

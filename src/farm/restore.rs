@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     access,
-    ledger::{self, ExistingRows, Ledger, LedgerAddress},
+    ledger::{self, ExistingRows, Ledger, LedgerAddress, ServingRight},
     settings::Settings,
 };
 
@@ -69,10 +69,10 @@ async fn rebuild_ledger(
     let _lock = StateDirLock::acquire(&settings.state_dir, jiff::Timestamp::now())?;
     let base = working_path(settings);
     ledger::clear_unfinished(&base)?;
-    // Another daemon, on any host, is refused as long as this is open.
+    // A daemon, on any host, is refused as long as this is open.
     let served = match &settings.ledger {
         LedgerAddress::File(_) => None,
-        server => Some(Ledger::open_to_serve(server, &serving_node(settings)).await?),
+        server => Some(Ledger::open_to_serve(server, &serving_node(settings, ServingRight::WholeLedger)).await?),
     };
     let rebuilt = rebuild_copy(settings, begin, new_folders, &base, served.as_ref()).await;
     if let Some(served) = served {

@@ -10,6 +10,7 @@ pub(super) async fn take_out_replaced(farm: &mut Farm) -> Result<()> {
     for part in farm.ledger.replaced_parts().await? {
         if claim_completion::is_completing(&farm.completion, &farm.jobs, &part)
             || part_changes::is_read_again(farm, &part)
+            || part.owed.is_being_fetched()
         {
             continue;
         }

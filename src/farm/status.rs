@@ -29,7 +29,7 @@ use super::{
 };
 use crate::{
     intake,
-    ledger::{DaemonHeartbeat, LedgerError, ProfileStatus},
+    ledger::{LedgerError, NodeHeartbeat, ProfileStatus},
 };
 
 /// After a stop, the hot folders get their last status within this time; a share that hangs is not waited for longer.
@@ -181,15 +181,22 @@ pub(super) async fn write_stopped_status(farm: &mut Farm) {
 
 /// Writes a heartbeat into the ledger.
 pub(super) async fn write_heartbeat(farm: &mut Farm) -> Result<()> {
-    let heartbeat = DaemonHeartbeat {
+    Ok(farm.ledger.write_heartbeat(&describe_node(farm)).await?)
+}
+
+/// This node, as its heartbeats name it.
+pub(super) fn describe_node(farm: &Farm) -> NodeHeartbeat {
+    let node = &farm.settings.node;
+    NodeHeartbeat {
+        name: node.name.clone(),
+        address: node.address.clone().unwrap_or_default(),
         pid: std::process::id(),
         host: rustix::system::uname().nodename().to_string_lossy().into_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         started_at: farm.lifecycle.started_at,
         status: farm.display.status_line.clone(),
         machines: machine_availability::observed_machines(farm),
-    };
-    Ok(farm.ledger.write_heartbeat(&heartbeat).await?)
+    }
 }
 
 /// The status for the technician at the shared folder; lengths in mm, times in the zone of the farm.

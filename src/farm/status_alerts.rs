@@ -31,7 +31,11 @@ pub(super) async fn update_ledger_alerts(
     }
     update_order_alerts(ledger, &names, alerts).await?;
     let mut gone = Vec::new();
-    for row in rows.iter().filter(|row| !machines.contains_key(&row.profile)) {
+    let nodes = ledger.list_machines().await?;
+    // Another node serves them, or this one takes them as soon as it can.
+    let has_node =
+        |name: &str| ledger.file().is_none() && nodes.iter().any(|row| row.profile == name && !row.node.is_empty());
+    for row in rows.iter().filter(|row| !machines.contains_key(&row.profile) && !has_node(&row.profile)) {
         let (parts, builds) = (row.waiting_parts + row.claimed_parts, row.nesting.len());
         if parts > 0 || builds > 0 {
             let (parts, builds) = (format_count(parts, "part", "parts"), format_count(builds, "build", "builds"));

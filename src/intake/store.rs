@@ -149,10 +149,7 @@ impl ContentStore {
     ) -> Result<StoredFile, StoreError> {
         let mut source = opened.map_err(|source| open_error(file, source))?;
         let before = file_fingerprint(&source).map_err(io_error("stat", file))?;
-        let mut copy = tempfile::Builder::new()
-            .prefix(TEMPORARY_PREFIX)
-            .tempfile_in(&self.dir)
-            .map_err(io_error("create a file in", &self.dir))?;
+        let mut copy = self.temporary_file()?;
         step();
         let stored = copy_and_hash(&mut source, copy.as_file_mut()).map_err(io_error("copy to the store", file))?;
         let after = file_fingerprint(&source).map_err(io_error("stat", file))?;
@@ -160,6 +157,35 @@ impl ContentStore {
             return Err(StoreError::Changed(file.to_owned()));
         }
         step();
+        self.keep_copy(copy, &stored, step)?;
+        Ok(stored)
+    }
+
+    /// Copies what a reader gives into the store. The copy is durable on return.
+    ///
+    /// Reading or writing fails, or other bytes come than those with this hash.
+    pub fn store_received(&self, source: &mut impl Read, hash: &str) -> Result<(), StoreError> {
+        let to = self.file_path(hash)?;
+        let mut copy = self.temporary_file()?;
+        let stored = copy_and_hash(source, copy.as_file_mut()).map_err(io_error("receive", &to))?;
+        if stored.hash != hash {
+            return Err(io_error("receive", &to)(io::Error::other("other bytes came than were asked for")));
+        }
+        self.keep_copy(copy, &stored, &mut || {})
+    }
+
+    fn temporary_file(&self) -> Result<tempfile::NamedTempFile, StoreError> {
+        let made = tempfile::Builder::new().prefix(TEMPORARY_PREFIX).tempfile_in(&self.dir);
+        made.map_err(io_error("create a file in", &self.dir))
+    }
+
+    /// Puts a complete copy to its place in the store, durably.
+    fn keep_copy(
+        &self,
+        copy: tempfile::NamedTempFile,
+        stored: &StoredFile,
+        step: &mut dyn FnMut(),
+    ) -> Result<(), StoreError> {
         let to = self.file_path(&stored.hash)?;
         let folder = to.parent().unwrap_or(&self.dir);
         let is_whole = match disk::try_path_exists(&to).map_err(io_error("look at", &to))? {
@@ -182,8 +208,7 @@ impl ContentStore {
             copy.persist(&to).map_err(|e| io_error("store", &to)(e.error))?;
         }
         step();
-        disk::fsync_dir(folder).map_err(io_error("fsync", folder))?;
-        Ok(stored)
+        disk::fsync_dir(folder).map_err(io_error("fsync", folder))
     }
 
     /// Path of the file with this hash; if it does not exist, the path that it would have.

@@ -41,7 +41,7 @@ pub(super) const TABLES: [CopiedTable; 14] = [
     numbered("outcome", None),
     numbered("command", None),
     keyed("pause", None),
-    keyed("daemon", None),
+    keyed("node", None),
     keyed("station", None),
     keyed("receiver", None),
     keyed("replacement", Some("part_id")),

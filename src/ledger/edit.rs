@@ -96,9 +96,17 @@ impl Ledger {
         }
     }
 
-    /// Moves all parts of a claimed file to another machine, where it is read again. Returns the parts.
-    pub async fn move_to_machine(&self, id: PartId, profile: &str, by: &str) -> Result<Vec<PartId>> {
+    /// Moves all parts of a claimed file to another machine, where it is read again; `is_elsewhere` = that is on another node, which must
+    /// fetch the file first. Returns the parts.
+    pub async fn move_to_machine(
+        &self,
+        id: PartId,
+        profile: &str,
+        is_elsewhere: bool,
+        by: &str,
+    ) -> Result<Vec<PartId>> {
         let mut change = self.begin_change().await?;
+        let fetch_at = is_elsewhere.then_some(change.now);
         let claim = change.require_part(id).await?.file.claim;
         let parts: Vec<PartRow> = sql::query_as("SELECT * FROM part WHERE claim = $1 ORDER BY object_index")
             .bind(&claim)
@@ -107,8 +115,10 @@ impl Ledger {
         let mut moved = Vec::new();
         for part in parts.iter().filter(|part| matches!(part.state, PartState::Waiting | PartState::Claimed)) {
             ensure_terms_editable(&mut change, part).await?;
-            let set = sql::query("UPDATE part SET profile = $1, at_risk_at = NULL WHERE id = $2").bind(profile);
-            set.bind(part.id).execute(change.db()).await?;
+            let set = sql::query(
+                "UPDATE part SET profile = $1, at_risk_at = NULL, fetch_at = coalesce($3, fetch_at) WHERE id = $2",
+            );
+            set.bind(profile).bind(part.id).bind(fetch_at).execute(change.db()).await?;
             let detail = format!("{by}: from {} to {profile}", part.profile);
             change.write_event(EventKind::Moved, profile, Some(part.id), None, &detail).await?;
             change.count_decision(part.id).await?;

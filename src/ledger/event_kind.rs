@@ -47,6 +47,8 @@ pub enum EventKind {
     Unavailable,
     /// A machine became available.
     Available,
+    /// A machine was given to another node.
+    Adopted,
     /// The stored file of a part was found damaged.
     Damaged,
     /// The damaged file of a part was dropped again.

@@ -1,11 +1,12 @@
 //! The ledger handle: a database of one of two kinds, and the clock.
 
-use std::{path::Path, sync::Arc};
+use std::{path::Path, sync::Arc, time::Duration};
 
 #[cfg(feature = "postgres")]
-use super::postgres::PostgresStore;
+use super::postgres::{self, PostgresStore};
 use super::{
-    CommandId, LedgerAddress, LedgerError, ServerAddress, ServerError, ServiceState, ServingNode, UtcTimestamp,
+    CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
+    UtcTimestamp,
     change::LedgerChange,
     consistency::{self, RuleScope},
     error::Result,
@@ -39,7 +40,7 @@ enum LedgerStore {
 enum ServerUse<'a> {
     /// To use it; its schema is brought up to date.
     Any,
-    /// To serve it as the one daemon.
+    /// To serve it as a daemon.
     Serve(&'a ServingNode),
     /// To use it as it is.
     Existing,
@@ -64,8 +65,8 @@ impl Ledger {
         Ok(Self::of(LedgerStore::Sqlite(SqliteStore::open_checked(path).await?)))
     }
 
-    /// Opens the ledger for the daemon that serves it: a file only if it is intact, and a database on a server only if no other
-    /// daemon serves it.
+    /// Opens the ledger for a daemon that serves it: a file only if it is intact, and a database on a server only if no other process has
+    /// the same right.
     ///
     /// # Errors
     /// As [`Ledger::open`], and `Damaged` or `ServedByOther`.
@@ -169,12 +170,30 @@ impl Ledger {
         }
     }
 
-    /// Whether a daemon has a ledger on a server for itself; `None` = it is a file.
-    pub(super) async fn is_leased(&self) -> Result<Option<bool>> {
+    /// Who serves a ledger on a server now; `None` = it is a file.
+    pub(super) async fn leased_rights(&self) -> Result<Option<LiveRights>> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(None),
             #[cfg(feature = "postgres")]
-            LedgerStore::Postgres(store) => store.is_served().await.map(Some),
+            LedgerStore::Postgres(store) => store.live_rights().await.map(Some),
+        }
+    }
+
+    /// Takes a duty that one node of a farm does for all, or keeps it for as long again. `false` = another one has it.
+    pub async fn hold_duty(&self, duty: &str, owner: &str, lease: Duration) -> Result<bool> {
+        match &self.store {
+            LedgerStore::Sqlite(_) => Ok(true),
+            #[cfg(feature = "postgres")]
+            LedgerStore::Postgres(store) => store.hold_duty(duty, owner, lease).await,
+        }
+    }
+
+    /// Takes the lease of a node away, unless it is held now. Returns its owner if it is held.
+    pub(super) async fn revoke_lapsed(&self, db: &mut SqlTransaction, node: &str) -> Result<Option<String>> {
+        match db {
+            SqlTransaction::Sqlite(_) => Ok(None),
+            #[cfg(feature = "postgres")]
+            SqlTransaction::Postgres(transaction) => postgres::revoke_lapsed(transaction, node).await,
         }
     }
 

@@ -15,7 +15,6 @@ mod command;
 mod consistency;
 mod copy;
 mod customer_order;
-mod daemon;
 mod damaged;
 mod decisions;
 mod deep_check;
@@ -33,6 +32,7 @@ mod ledger;
 mod location;
 mod machine;
 mod nesting;
+mod node;
 mod outcome;
 mod part;
 mod part_list;
@@ -72,7 +72,6 @@ pub use command::{CommandArgument, CommandKind, CommandRow, CommandState, NewCom
 pub use consistency::RuleScope;
 pub use copy::{CopyError, CopyReport, ExistingRows};
 pub use customer_order::{LineCopies, OrderLine, OrderQuery, OrderRow, OrderState, OrderSummary};
-pub use daemon::{DaemonHeartbeat, DaemonRow, HEARTBEAT_VALID_SECS, LOCK_NAME};
 pub use decisions::ClaimDecisions;
 pub use deep_check::{BuiltPartRow, PartFileRow};
 pub use due_dates::DuePartRow;
@@ -84,6 +83,7 @@ pub use history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistoryS
 pub use id::{BuildId, CommandId, PartId};
 pub use ledger::Ledger;
 pub use machine::{MachineRow, ObservedMachine};
+pub use node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};
 pub use outcome::{OutcomeRow, PrintOutcome, ToldOutcome};
 pub use part_list::PartQuery;
 pub use part_question::{QuestionKind, QuestionedPart};
@@ -98,7 +98,7 @@ pub use receiver::{ReceiverKind, ReceiverRow};
 pub use refusal_cause::RefusalCause;
 pub use replace::{aside_path, clear_unfinished, replace_ledger, restoring_path};
 pub use server_error::ServerError;
-pub use service::{ServiceState, ServingNode};
+pub use service::{LiveRights, ServiceState, ServingNode, ServingRight};
 pub use state::{BuildState, IllegalMove, PartState};
 pub use status::{
     DueArrival, NestingBuild, OpenBuildForecast, PauseStatus, ProfileStatus, PublishedBuild, RETRY_PERIOD,

@@ -231,6 +231,13 @@ pub struct OwedCopies {
     pub replaced_by: Option<PartId>,
 }
 
+impl OwedCopies {
+    /// Whether the part waits for its original to come from the archive or from another node.
+    pub fn is_being_fetched(&self) -> bool {
+        self.fetch_at.is_some()
+    }
+}
+
 sql_row!(OwedCopies { copies, cancelled_copies, put_back_at, fetch_at, question, replaced_by });
 
 /// Requested terms for a part, other than the copies.

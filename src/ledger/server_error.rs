@@ -27,6 +27,19 @@ pub enum ServerError {
         /// Seconds until its right ends, unless it renews it.
         secs: i64,
     },
+    /// A machine cannot be adopted, because its node serves it.
+    #[error(
+        "the machine {machine} is served by the node {node} ({owner}). If that node runs, remove the machine from its configuration and \
+         reload it; if it has ended, its right ends within 30 s"
+    )]
+    NodeAlive {
+        /// Machine profile.
+        machine: String,
+        /// Name of the node.
+        node: String,
+        /// Server and state folder of the node.
+        owner: String,
+    },
     /// Another daemon has taken it over.
     #[error("another nestd serves this ledger now; this one changes nothing more")]
     TakenOver,

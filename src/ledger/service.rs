@@ -1,15 +1,45 @@
-//! Which daemon serves a ledger. A file is served by whoever holds the lock beside it, a database on a server by
-//! whoever holds its lease.
+//! Which processes serve a ledger. A file is served by the one daemon that holds the lock beside it. A database on a server is shared by
+//! nodes: daemons on different servers, of which each holds the lease of its name, and serves machines of its own.
 
-use std::time::Duration;
+use std::{fmt, time::Duration};
 
-/// A daemon that wants to serve a ledger.
+/// A right that one process has at a time.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ServingRight {
+    /// To be the node of this name.
+    Node(String),
+    /// To have the whole ledger alone: no node serves it meanwhile.
+    WholeLedger,
+}
+
+/// How the lease of the right is named in the database.
+impl fmt::Display for ServingRight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Node(name) => write!(f, "node {name}"),
+            Self::WholeLedger => f.write_str("ledger"),
+        }
+    }
+}
+
+/// A process that wants to serve a ledger.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ServingNode {
+    /// What it serves.
+    pub right: ServingRight,
     /// Its server and its state folder. One daemon alone can have these two, so that it takes its own lease again at once.
     pub owner: String,
     /// How long it may serve without a renewal.
     pub lease: Duration,
+}
+
+/// Who serves a ledger on a server now, by its leases.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct LiveRights {
+    /// Names of the nodes, in order.
+    pub nodes: Vec<String>,
+    /// Whether a process has the whole ledger alone.
+    pub is_whole: bool,
 }
 
 /// Whether a daemon may act on what its ledger says.
@@ -22,6 +52,6 @@ pub enum ServiceState {
         /// Why.
         why: String,
     },
-    /// Another daemon serves the ledger.
+    /// Another process has its right.
     TakenOver,
 }

@@ -8,7 +8,7 @@ use prometheus_client::{
 use std::sync::atomic::AtomicU64;
 
 use crate::{
-    ledger::{DaemonRow, Ledger, MachineRow, ProfileStatus, UtcTimestamp},
+    ledger::{Ledger, MachineRow, NodeRow, ProfileStatus, UtcTimestamp},
     settings::Settings,
 };
 
@@ -27,7 +27,8 @@ struct GaugeSnapshot<'a> {
 
 /// Registers all gauges.
 pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, settings: &Settings) -> Result<()> {
-    let daemon = ledger.last_daemon().await?;
+    let nodes = ledger.list_nodes().await?;
+    let daemon = ledger.find_node(&settings.node.name).await?;
     let is_up = daemon.as_ref().is_some_and(|daemon| daemon.alive);
     // What a stopped daemon last saw of the machines says nothing about them now.
     let machines = if is_up { ledger.list_machines().await? } else { Vec::new() };
@@ -37,6 +38,7 @@ pub(super) async fn register_gauges(registry: &mut Registry, ledger: &Ledger, se
     snapshot.register_in_work();
     snapshot.register_machines();
     register_daemon(registry, daemon.as_ref(), is_up);
+    register_nodes(registry, &nodes);
     register_disk_space(registry, settings);
     Ok(())
 }
@@ -126,7 +128,7 @@ impl GaugeSnapshot<'_> {
     }
 }
 
-fn register_daemon(registry: &mut Registry, daemon: Option<&DaemonRow>, is_up: bool) {
+fn register_daemon(registry: &mut Registry, daemon: Option<&NodeRow>, is_up: bool) {
     let version = Family::<LabelPairs, FloatGauge>::default();
     version.get_or_create(&vec![("version", env!("CARGO_PKG_VERSION").to_owned())]).set(1.0);
     registry.register("version_info", "Version of nestd that gives these metrics", version);
@@ -139,6 +141,15 @@ fn register_daemon(registry: &mut Registry, daemon: Option<&DaemonRow>, is_up: b
             unix_seconds(daemon.beat_at),
         );
     }
+}
+
+/// Registers whether each node of the farm runs.
+fn register_nodes(registry: &mut Registry, nodes: &[NodeRow]) {
+    let family = Family::<LabelPairs, FloatGauge>::default();
+    for node in nodes {
+        family.get_or_create(&vec![("node", node.name.clone())]).set(gauge_from_bool(node.alive));
+    }
+    registry.register("node_up", "1 while this node of the farm writes heartbeats", family);
 }
 
 fn register_disk_space(registry: &mut Registry, settings: &Settings) {

@@ -10,9 +10,7 @@ use std::{
 
 use super::*;
 use crate::{
-    ledger::{
-        DaemonHeartbeat, EventKind, NewPartRow, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp, fixtures,
-    },
+    ledger::{EventKind, NewPartRow, NodeHeartbeat, ObservedMachine, OpenLayout, RefusalCause, UtcTimestamp, fixtures},
     settings::{self, Settings, SharedSettings},
 };
 
@@ -64,7 +62,9 @@ async fn record_heartbeat(ledger: &fixtures::TestLedger, trouble: &str) {
         is_queue_writable: trouble.is_empty(),
         trouble: Some(trouble.to_owned()),
     };
-    let heartbeat = DaemonHeartbeat {
+    let heartbeat = NodeHeartbeat {
+        name: "host".to_owned(),
+        address: String::new(),
         pid: std::process::id(),
         host: "here".to_owned(),
         version: "0".to_owned(),

@@ -22,6 +22,7 @@ pub(super) struct FarmInputs {
     pub orphan_ticket_secs: DurationSecs,
     #[serde(flatten)]
     pub resources: ResourceInputs,
+    pub node: NodeInputs,
     pub folders: FarmFolders,
     pub files: FileInputs,
     pub log: LogInputs,
@@ -40,6 +41,7 @@ impl Default for FarmInputs {
             scan_secs: DurationSecs(10.0),
             orphan_ticket_secs: DurationSecs(3600.0),
             resources: ResourceInputs::default(),
+            node: NodeInputs::default(),
             folders: FarmFolders::default(),
             files: FileInputs::default(),
             log: LogInputs::default(),
@@ -53,7 +55,7 @@ impl Default for FarmInputs {
 }
 
 read_options!(
-    FarmInputs: root time_zone scan_secs orphan_ticket_secs folders files log web metrics notify limits defaults,
+    FarmInputs: root time_zone scan_secs orphan_ticket_secs node folders files log web metrics notify limits defaults,
     groups resources: ResourceInputs
 );
 
@@ -68,6 +70,23 @@ option_group! {
     ResourceInputs {
         threads: usize = 0,
         cache_bytes: u64 = 1 << 30,
+    }
+}
+
+/// The value of `node.name` that stands for the name of the server.
+pub(super) const HOST: &str = "host";
+
+/// `[node]` of the farm file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct NodeInputs {
+    pub name: String,
+    pub address: OptionalValue<String>,
+}
+
+impl Default for NodeInputs {
+    fn default() -> Self {
+        Self { name: HOST.to_owned(), address: OptionalValue::OFF }
     }
 }
 

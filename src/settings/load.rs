@@ -110,6 +110,7 @@ fn read_settings(
     validation_rules::validate_farm(&inputs, &mut validator);
     let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
+    let node = super::node::validate_node(&inputs.node, &mut validator);
     let web = super::web::validate_web(&inputs.web, &mut validator);
     let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut validator);
     let notify = super::notify::validate_notify(&inputs.notify, &mut validator);
@@ -148,6 +149,7 @@ fn read_settings(
         inbox_base: folders::path_below(&root, &inputs.folders.inbox),
         root,
         time_zone,
+        node,
         state_dir,
         scan_secs: inputs.scan_secs.0,
         orphan_ticket_secs: inputs.orphan_ticket_secs.0,

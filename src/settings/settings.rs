@@ -6,7 +6,9 @@ use std::{
     sync::{Arc, RwLock},
 };
 
-use super::{FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NotifySettings, WebSettings};
+use super::{
+    FarmZone, LogSettings, MachineFolders, MachineProfile, MetricsFile, NodeSettings, NotifySettings, WebSettings,
+};
 use crate::{access::FilePermissions, ledger::LedgerAddress};
 
 /// The settings that the daemon loaded last, shared with the other tasks. A reload replaces them.
@@ -21,6 +23,8 @@ pub struct Settings {
     pub root: PathBuf,
     /// Its time zone.
     pub time_zone: FarmZone,
+    /// This daemon among those that share one ledger.
+    pub node: NodeSettings,
     /// The folder that contains the hot folders, except those that a profile sets itself.
     pub inbox_base: PathBuf,
     /// The state directory: ledger, content-addressed store, caches. On a local disk.

@@ -155,6 +155,16 @@ pub const OLDEST: FieldDefinition = FieldDefinition::text("Oldest");
 pub const NEXT_BUILD: FieldDefinition = FieldDefinition::text("Next build");
 /// When the next build fires.
 pub const FIRES: FieldDefinition = FieldDefinition::text("Fires");
+/// Name of a node: a daemon among those that share one ledger.
+pub const NODE: FieldDefinition = FieldDefinition::text("Node");
+/// Name of a server.
+pub const HOST: FieldDefinition = FieldDefinition::text("Host");
+/// Last heartbeat of a node.
+pub const LAST_SIGN: FieldDefinition = FieldDefinition::time("Last sign");
+/// Address of the dashboard of a node.
+pub const ADDRESS: FieldDefinition = FieldDefinition::text("Address");
+/// Machines of a node.
+pub const MACHINES: FieldDefinition = FieldDefinition::text("Machines");
 /// Current activity of a machine.
 pub const NOW: FieldDefinition = FieldDefinition::text("Now");
 /// Number of files that are being read.

@@ -8,6 +8,7 @@ mod field_definition;
 pub mod fields;
 mod history;
 mod machine_status;
+mod node_list;
 mod order_list;
 mod part_list;
 mod part_sheet;
@@ -20,6 +21,7 @@ pub use cell_value::CellValue;
 pub use field_definition::{FieldDefinition, SheetFact};
 pub use history::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS};
 pub use machine_status::{MACHINE_COLUMNS, MachineForecast, MachineNow};
+pub use node_list::{FarmNode, NODE_COLUMNS, list_farm_nodes};
 pub use order_list::{BuiltCopies, ORDER_BUILD_COLUMNS, ORDER_COLUMNS, ORDER_LINE_COLUMNS};
 pub use part_list::{
     BUILD_PART_COLUMNS, CAKE_PART_COLUMNS, CountedPart, ORDERED_PART_COLUMNS, OrderedPart, PART_COLUMNS,

@@ -28,6 +28,7 @@ fn the_unit_of_a_label_is_the_one_that_its_key_ends_in() {
         program_fields(ORDER_LINE_COLUMNS),
         program_fields(ORDER_BUILD_COLUMNS),
         program_fields(MACHINE_COLUMNS),
+        program_fields(NODE_COLUMNS),
     ];
     for (key, field) in tables.into_iter().flatten() {
         let unit = match key {

@@ -19,15 +19,17 @@ use super::{
 };
 use crate::{
     farm::{AlertSummary, load_placed_parts, read_stored_alerts},
-    ledger::{BuildState, DaemonRow, HeightSummary, HistoryRow, PartId, ProfileStatus, UtcTimestamp},
-    tables::MachineForecast,
+    ledger::{BuildState, HeightSummary, HistoryRow, NodeRow, PartId, ProfileStatus, UtcTimestamp},
+    tables::{FarmNode, MachineForecast, list_farm_nodes},
 };
 
 /// The farm as it stands.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct FarmResponse {
-    /// The daemon that serves or served the ledger.
-    daemon: Option<DaemonRow>,
+    /// The daemon of this node.
+    daemon: Option<NodeRow>,
+    /// All nodes of the farm, with their machines.
+    nodes: Vec<FarmNode>,
     /// What a person must see to.
     needs_a_person: Vec<AlertSummary>,
     /// The machines that are configured.
@@ -67,7 +69,8 @@ pub(super) async fn get_farm(State(web): State<Arc<DashboardState>>) -> HandlerR
     };
     let profiles = settings.profiles.iter().map(machine).collect();
     let needs_a_person = read_stored_alerts(&settings.state_dir).iter().map(AlertSummary::from).collect();
-    Ok(Json(FarmResponse { daemon: web.ledger.last_daemon().await?, needs_a_person, profiles }))
+    let daemon = web.ledger.find_node(&settings.node.name).await?;
+    Ok(Json(FarmResponse { daemon, nodes: list_farm_nodes(&web.ledger).await?, needs_a_person, profiles }))
 }
 
 /// The history, filtered as the page is.

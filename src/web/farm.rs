@@ -11,23 +11,30 @@ use super::{
     command::command_button,
     error::HandlerResult,
     format::{DASH, count, format_age, prose_with_code},
-    listing::fact_list,
+    listing::{fact_list, table_of},
     page::html_page,
     picture,
     state::DashboardState,
 };
 use crate::{
     farm::{FarmAlert, farm_summary, forecast_fire, halt_summary, read_stored_alerts},
-    ledger::{CommandKind, DaemonRow, MachineRow, OpenBuildForecast, ProfileStatus},
+    ledger::{CommandKind, MachineRow, NodeRow, OpenBuildForecast, ProfileStatus},
     settings::MachineProfile,
-    tables::{GivenDate, MachineForecast, SheetFact, TimeView, fields, height_in_volume},
+    tables::{
+        FarmNode, GivenDate, MachineForecast, NODE_COLUMNS, SheetFact, TimeView, fields, height_in_volume,
+        list_farm_nodes,
+    },
 };
 
 /// The farm page.
 pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> HandlerResult<Markup> {
-    let (status, daemon) = (web.ledger.profile_statuses().await?, web.ledger.last_daemon().await?);
+    let (status, nodes) = (web.ledger.profile_statuses().await?, list_farm_nodes(&web.ledger).await?);
     let machines = web.ledger.list_machines().await?;
     let (settings, now) = (web.current_settings(), Timestamp::now());
+    let daemon = nodes
+        .iter()
+        .map(|listed| &listed.node)
+        .find(|node| web.ledger.file().is_some() || node.name == settings.node.name);
     let view = TimeView::at(&settings.time_zone, now);
     let nothing = |name: &str| ProfileStatus { profile: name.to_owned(), ..ProfileStatus::default() };
     let of = |name: &str| status.iter().find(|s| s.profile == name).cloned().unwrap_or_else(|| nothing(name));
@@ -44,19 +51,37 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
     let activity = halt_summary(&alerts).unwrap_or_else(|| farm_summary(settings.profiles.len(), status.iter()));
     let content = html! {
         h1 { "Farm" }
-        (daemon_line(daemon.as_ref(), &activity, now))
+        (daemon_line(daemon, &activity, now))
+        (nodes_section(&nodes, &view))
         (alerts_section(&alerts, now))
         @for build in &failures { (unseen_failure(&web, build)) }
         div.cards {
             @for card in &cards { (card) }
         }
         @for status in gone {
-            p { "The profile " b { (status.profile) } " is no longer configured: "
+            p { "The profile " b { (status.profile) }
+                @match machines.iter().find(|observed| observed.profile == status.profile && !observed.node.is_empty()) {
+                    Some(observed) => { " is served by the node " b { (observed.node) } ": " }
+                    None => { " is no longer configured: " }
+                }
                 (count(status.waiting_parts, "part waits", "parts wait")) "." }
         }
         @if settings.profiles.is_empty() { p { "No machine is configured." } }
     };
     Ok(html_page("Farm", "/", None, &content))
+}
+
+/// The nodes, where there are several.
+fn nodes_section(nodes: &[FarmNode], view: &TimeView) -> Markup {
+    html! {
+        @if nodes.len() > 1 {
+            details.nodes open[nodes.iter().any(|listed| !listed.node.alive)] {
+                summary { (count(nodes.len() as u32, "node", "nodes")) ", "
+                    (nodes.iter().filter(|listed| listed.node.alive).count()) " running" }
+                (table_of("Nodes", None, NODE_COLUMNS, nodes, view))
+            }
+        }
+    }
 }
 
 /// The problems that a person must solve, each with its remedy.
@@ -74,7 +99,7 @@ fn alerts_section(notices: &[FarmAlert], now: Timestamp) -> Markup {
 }
 
 /// The state of the daemon. `activity` says what it does, according to the rows and alerts that the page shows.
-fn daemon_line(daemon: Option<&DaemonRow>, activity: &str, now: Timestamp) -> Markup {
+fn daemon_line(daemon: Option<&NodeRow>, activity: &str, now: Timestamp) -> Markup {
     match daemon {
         Some(d) if d.is_silent(now) => html! {
             p.bad role="alert" {

@@ -19,7 +19,7 @@ pub(super) async fn get_metrics(State(web): State<Arc<DashboardState>>) -> Handl
 
 /// Readiness: the ledger answers, the daemon's heartbeat is recent and every folder exists.
 pub(super) async fn get_readiness(State(web): State<Arc<DashboardState>>) -> HandlerResult<Response> {
-    let daemon = web.ledger.last_daemon().await?;
+    let daemon = web.ledger.find_node(&web.current_settings().node.name).await?;
     let settings = web.current_settings();
     let gone: Vec<String> = settings
         .all_folders()

@@ -12,6 +12,7 @@ mod cached_render;
 mod chart;
 mod command;
 mod connection_limits;
+mod content;
 mod dto;
 mod enum_words;
 mod error;

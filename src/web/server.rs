@@ -17,6 +17,7 @@ use super::{
     cache::RecentCache,
     command,
     connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
+    content,
     error::HandlerError,
     farm as farm_page, guard, history,
     listener::DashboardListener,
@@ -95,6 +96,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/orders/{order}/cancel", post(order::post_cancel))
         .route("/orders/{order}/reprint", post(order::post_reprint))
         .route("/assets/{name}", get(assets::get_asset))
+        .route("/content/{hash}", get(content::get_content))
         .route("/metrics", get(metrics::get_metrics))
         .route("/healthz", get(|| async { "alive\n" }))
         .route("/readyz", get(metrics::get_readiness))

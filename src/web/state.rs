@@ -55,8 +55,8 @@ impl DashboardState {
     /// A text that changes whenever anything changes that the pages show.
     pub(super) async fn change_token(&self) -> HandlerResult<String> {
         let (status, last) = (self.ledger.profile_statuses().await?, self.ledger.last_event_id().await?);
-        let alive = self.ledger.last_daemon().await?.is_some_and(|daemon| daemon.alive);
+        let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
         let notices = farm::read_stored_alerts(&self.current_settings().state_dir);
-        Ok(format!("{alive} {last} {status:?} {notices:?}"))
+        Ok(format!("{alive:?} {last} {status:?} {notices:?}"))
     }
 }

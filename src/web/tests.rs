@@ -211,7 +211,9 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
         is_queue_writable: true,
         trouble: Some(trouble.to_owned()),
     };
-    let heartbeat = |trouble: &str| crate::ledger::DaemonHeartbeat {
+    let heartbeat = |trouble: &str| crate::ledger::NodeHeartbeat {
+        name: "host".to_owned(),
+        address: String::new(),
         pid: std::process::id(),
         host: "farm".to_owned(),
         version: "0.1.0".to_owned(),

@@ -123,7 +123,7 @@ impl LifeCycle {
         let pid = self.farm.pid() as u32;
         let serves = || {
             self.farm
-                .query_ledger(async |ledger| ledger.last_daemon().await)
+                .query_ledger(async |ledger| ledger.find_node("").await)
                 .is_ok_and(|d| d.is_some_and(|d| d.pid == pid))
         };
         super::support::wait_until("the daemon gives a sign of life", 20.0, serves);
@@ -167,8 +167,8 @@ impl LifeCycle {
 
     /// Whether the daemon is past its start.
     async fn is_serving(&self, ledger: &Ledger, pid: i32) -> bool {
-        let is_it = |daemon: Option<nestd::ledger::DaemonRow>| daemon.is_some_and(|row| row.pid == pid as u32);
-        self.farm.folder("archive").is_dir() && ledger.last_daemon().await.is_ok_and(is_it)
+        let is_it = |daemon: Option<nestd::ledger::NodeRow>| daemon.is_some_and(|row| row.pid == pid as u32);
+        self.farm.folder("archive").is_dir() && ledger.find_node("").await.is_ok_and(is_it)
     }
 
     /// Whether the step is done.

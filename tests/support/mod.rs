@@ -33,9 +33,10 @@ pub use farm_files::{block, stl};
 
 pub const PROFILE: &str = "test";
 
-/// A farm with one machine, `test`.
+/// A farm with one machine.
 pub struct TestFarm {
     dir: TempDir,
+    machine: String,
     daemon: Option<Child>,
 }
 
@@ -44,13 +45,18 @@ pub const QUICK: &str = "volume_mm = [120, 120, 120]\nclearance_mm = 2.0\nsettle
                          arrival_secs = 0.5\nmax_attempts = 50\n";
 
 impl TestFarm {
-    /// A farm whose machine file contains `profile`; the daemon does not run yet.
+    /// A farm with the machine `test`, whose file contains `profile`; the daemon does not run yet.
     pub fn new(profile: &str) -> Self {
+        Self::with_machine(PROFILE, profile)
+    }
+
+    /// A farm with a machine of another name.
+    pub fn with_machine(machine: &str, profile: &str) -> Self {
         let dir = TempDir::new().unwrap();
         fs::create_dir_all(dir.path().join("config/profiles")).unwrap();
-        let farm = Self { dir, daemon: None };
+        let farm = Self { dir, machine: machine.to_owned(), daemon: None };
         fs::write(farm.config(), "scan_secs = 0.5\norphan_ticket_secs = 3\n[log]\nfilter = \"info\"\n").unwrap();
-        farm.write_profile(PROFILE, profile);
+        farm.write_profile(machine, profile);
         farm
     }
 
@@ -74,7 +80,7 @@ impl TestFarm {
     }
 
     pub fn folder(&self, kind: &str) -> PathBuf {
-        self.root().join(kind).join(PROFILE)
+        self.root().join(kind).join(&self.machine)
     }
 
     pub fn start(&mut self) {
@@ -181,7 +187,7 @@ impl TestFarm {
 
     /// Runs `nestd flush`. On a busy machine the answer may come later; a refusal fails the test.
     pub fn flush(&self) {
-        let output = self.nestd(&["flush", PROFILE]);
+        let output = self.nestd(&["flush", &self.machine]);
         let output_text =
             String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() != Some(2) && !output_text.contains("Refused"), "{output_text}\n{}", self.log());

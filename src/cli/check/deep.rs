@@ -28,7 +28,7 @@ pub fn check_invariants(settings: &Settings, report: &mut CheckReport) -> Result
             Err(LedgerError::Missing { .. }) => return Ok(None),
             Err(error) => return Err(error.into()),
         };
-        let whole = match ledger.last_daemon().await?.is_some_and(|daemon| daemon.alive) {
+        let whole = match ledger.is_served().await? {
             true => Ok(false),
             false => Ledger::check_files(&settings.ledger).await,
         };
@@ -65,7 +65,7 @@ pub fn repair_ledger(settings: &Settings, new_folders: &[PathBuf], report: &mut 
 
 async fn check_twice(settings: &Settings, ledger: &Ledger) -> Result<InvariantReport> {
     let mut invariant_report = farm::check_invariants(settings, ledger, &InvariantExpectations::default()).await?;
-    if !invariant_report.violations.is_empty() && ledger.last_daemon().await?.is_some_and(|daemon| daemon.alive) {
+    if !invariant_report.violations.is_empty() && ledger.is_served().await? {
         tokio::time::sleep(RECHECK_DELAY).await;
         let again = farm::check_invariants(settings, ledger, &InvariantExpectations::default()).await?;
         invariant_report.violations.retain(|violation| again.violations.contains(violation));

@@ -69,7 +69,7 @@ async fn check_rows(ledger: &Ledger, settings: &Settings, report: &mut CheckRepo
     if faults.is_empty() {
         report.add_ok(SUBJECT, format!("{}, schema is current, rows hold together", settings.ledger));
     }
-    match ledger.last_daemon().await? {
+    match ledger.find_node(&settings.node.name).await? {
         Some(daemon) if daemon.alive => {
             report.add_ok("daemon", format!("runs as process {} on {}", daemon.pid, daemon.host))
         }

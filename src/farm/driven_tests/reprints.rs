@@ -239,3 +239,71 @@ fn single_copies_broken_at_unpacking_are_printed_again_even_after_a_restart() {
     let line = farm.ask(async |ledger| ledger.line_of_part(part).await.unwrap()).copies;
     assert_eq!((line.wanted, line.good, line.printed, line.bad), (5, 3, 2, 2));
 }
+
+#[test]
+fn commands_are_answered_while_a_moved_part_waits_for_its_original() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.write_profile("other", QUICK);
+    farm.reload();
+    farm.drop_part("a.stl", &block(10.0, 10.0, 10.0));
+    let part = farm.wait_for_parts(PartState::Waiting, 1).remove(0).id;
+    published(&mut farm, 1);
+    farm.wait_for_parts(PartState::Built, 1);
+    for entry in fs::read_dir(farm.folder("archive")).unwrap().map(Result::unwrap).filter(|e| e.path().is_dir()) {
+        fs::remove_dir_all(entry.path()).unwrap();
+    }
+    farm.pass_secs(5.0);
+    let more = PartEdit { copies: Some(3), ..PartEdit::default() };
+    change(&mut farm, CommandKind::Edit, part, edit(more), "");
+    farm.pass_secs(5.0);
+    assert!(farm.has_alert(AlertKind::FileDamaged));
+    change(&mut farm, CommandKind::Move, part, CommandArgument::default(), "other");
+    for profile in ["test", "other"] {
+        let flush = NewCommand {
+            kind: CommandKind::Flush,
+            profile: profile.to_owned(),
+            part: None,
+            argument: CommandArgument::default(),
+            asked_by: "a@test".to_owned(),
+        };
+        let id = farm.submit_command(&flush);
+        let is_answered = |farm: &HandDrivenFarm| {
+            farm.ask(async |ledger| ledger.find_command(id).await.unwrap().unwrap().answered_at.is_some())
+        };
+        farm.pass_until("the flush is answered", is_answered);
+    }
+    // A change of what was asked is answered, too.
+    let again = NewCommand {
+        kind: CommandKind::Edit,
+        profile: String::new(),
+        part: Some(part),
+        argument: edit(PartEdit { copies: Some(5), ..PartEdit::default() }),
+        asked_by: "a@test".to_owned(),
+    };
+    let id = farm.submit_command(&again);
+    farm.pass_secs(2.0);
+    let answer = farm.ask(async |ledger| ledger.find_command(id).await.unwrap().unwrap().answer);
+    assert!(answer.contains("waits for its file"), "{answer}");
+    // After a restart, too.
+    farm.stop();
+    farm.start();
+    farm.order_and_wait(CommandKind::Flush, None);
+}
+
+#[test]
+fn a_part_that_a_revision_replaces_while_its_original_is_fetched_is_in_the_error_folder() {
+    let mut farm = HandDrivenFarm::open(QUICK);
+    farm.drop_part("brandt/a.stl", &block(10.0, 10.0, 10.0));
+    farm.wait_for_parts(PartState::Waiting, 1);
+    let build = published(&mut farm, 1);
+    let (archive, away) = (farm.folder("archive"), farm.root().join("away"));
+    fs::rename(&archive, &away).unwrap();
+    tell(&farm, build, PrintOutcome::Failed);
+    farm.drop_part("brandt/a.stl", &block(10.0, 10.0, 12.0));
+    farm.wait_for_parts(PartState::Waiting, 2);
+    farm.pass_secs(5.0);
+    fs::rename(&away, &archive).unwrap();
+    farm.wait_for_parts(PartState::Rejected, 1);
+    farm.pass_secs(2.0);
+    assert_eq!(farm.violations(), [""; 0]);
+}

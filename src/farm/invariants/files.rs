@@ -35,7 +35,7 @@ pub async fn check_live_and_refused_parts(
     let mut stored = StoreVerifier::for_settings(settings);
     let mut refused: BTreeMap<(&str, &str), Vec<&PartFileRow>> = BTreeMap::new();
     let places = ledger.unbuilt_part_files().await?;
-    for part in &places {
+    for part in places.iter().filter(|part| is_of_this_node(settings, ledger, &part.profile)) {
         if part.state == PartState::Rejected {
             refused.entry((&part.profile, &part.content_hash)).or_default().push(part);
         } else {
@@ -59,6 +59,11 @@ pub async fn check_live_and_refused_parts(
         }
     }
     Ok(())
+}
+
+/// Whether the files of a machine are on this server: where several nodes share a ledger, each has the files of its own machines.
+fn is_of_this_node(settings: &Settings, ledger: &Ledger, profile: &str) -> bool {
+    ledger.file().is_some() || settings.profiles.contains_key(profile)
 }
 
 /// Verifies each content once, even if many parts share it.

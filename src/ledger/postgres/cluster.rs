@@ -26,6 +26,8 @@ pub struct PostgresCluster {
     /// They stop when their input closes.
     servers: Mutex<Vec<Child>>,
     databases: AtomicU32,
+    /// Whether a commit waits for the disk. Tests need not.
+    is_durable: bool,
 }
 
 /// The folder with the programs of the newest PostgreSQL on this computer, if there is one.
@@ -44,12 +46,17 @@ pub fn shared() -> &'static PostgresCluster {
 impl PostgresCluster {
     /// Makes a cluster and starts its server.
     pub fn start() -> Self {
+        Self::start_with(false)
+    }
+
+    /// The same. `is_durable` = a commit waits for the disk, as in production.
+    pub fn start_with(is_durable: bool) -> Self {
         let programs = find_programs().expect("PostgreSQL is installed");
         let folder = tempfile::Builder::new().prefix("nestd-postgres-").tempdir().expect("a folder can be made").keep();
         if rustix::process::getuid().is_root() {
             chown(&folder, Some(ORDINARY_USER), Some(ORDINARY_USER)).expect("the folder can be given away");
         }
-        let cluster = Self { folder, programs, servers: Mutex::default(), databases: AtomicU32::new(0) };
+        let cluster = Self { folder, programs, servers: Mutex::default(), databases: AtomicU32::new(0), is_durable };
         cluster.run("initdb", &["--no-sync", "--auth=trust", "--username=nestd", "--encoding=UTF8"]);
         cluster.start_server();
         cluster
@@ -71,7 +78,8 @@ impl PostgresCluster {
         let mut server = Command::new("/bin/sh");
         server.arg("-c").arg("\"$0\" \"$@\" & server=$!; read _; kill -QUIT $server; wait; rm -rf \"$FOLDER\"");
         server.arg(self.programs.join("postgres")).arg("-D").arg(self.data()).arg("-k").arg(&self.folder);
-        server.args(["-c", "listen_addresses=", "-c", "fsync=off", "-c", "max_connections=400"]);
+        server.args(["-c", "listen_addresses=", "-c", "max_connections=400"]);
+        server.args(["-c", if self.is_durable { "fsync=on" } else { "fsync=off" }]);
         as_ordinary_user(server.env("FOLDER", &self.folder).stdin(Stdio::piped()).process_group(0));
         self.servers.lock().expect("no test panicked here").push(server.spawn().expect("the server starts"));
     }
@@ -79,6 +87,11 @@ impl PostgresCluster {
     /// Stops the server, as an administrator would.
     pub fn stop_server(&self) {
         self.run("pg_ctl", &["stop", "-m", "fast", "-w"]);
+    }
+
+    /// Ends the server as a crash does: it recovers when it starts again.
+    pub fn crash_server(&self) {
+        self.run("pg_ctl", &["stop", "-m", "immediate", "-w"]);
     }
 
     /// The address of a database.

@@ -1,5 +1,5 @@
-//! The right to serve a ledger on a server: a row that its owner renews, and whose epoch each of the owner's changes
-//! compares. The database's clock decides when it ends.
+//! Rights to serve a ledger on a server: rows that their owners renew, and whose epoch each of the owner's changes compares. The
+//! database's clock decides when one ends.
 
 use std::{
     sync::{Arc, Mutex, PoisonError},
@@ -11,7 +11,7 @@ use sqlx::{PgConnection, PgPool};
 use tokio::{sync::Notify, task::AbortHandle};
 
 use super::{change_lock::begin_locked, lease_watch::LeaseWatch};
-use crate::ledger::{LedgerError, ServerError, ServiceState, ServingNode, error::Result};
+use crate::ledger::{LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, error::Result};
 
 /// A renewal without an answer for this long is tried again.
 const RENEWAL_TIMEOUT: Duration = Duration::from_secs(5);
@@ -42,17 +42,11 @@ fn since_boot() -> Duration {
 impl HeldLease {
     /// Takes the lease, and renews it from now on. The change lock keeps changes of an earlier owner out meanwhile.
     ///
-    /// `ServedByOther` if another node holds it.
+    /// `ServedByOther` if another process holds it, or one that it excludes.
     pub async fn acquire(pool: &PgPool, node: &ServingNode) -> Result<Self> {
         let sent_at = since_boot();
         let mut transaction = begin_locked(pool).await?;
         let epoch = grant(&mut transaction, node).await?;
-        let Some(epoch) = epoch else {
-            let text = "SELECT owner, CAST(ceil(extract(epoch FROM until - clock_timestamp())) AS BIGINT) FROM lease \
-                        WHERE name = 'daemon'";
-            let (owner, secs) = sqlx::query_as(text).fetch_one(&mut *transaction).await?;
-            return Err(ServerError::ServedByOther { owner, secs }.into());
-        };
         transaction.commit().await.map_err(ServerError::mark_unreachable)?;
         let shared = Arc::new(LeaseShared {
             pool: pool.clone(),
@@ -89,8 +83,8 @@ impl HeldLease {
 
     /// Fails if another node has the lease. To be called in a change, after the change lock was taken.
     pub async fn fence(&self, db: &mut PgConnection) -> Result<()> {
-        let is_ours = sqlx::query("SELECT 1 FROM lease WHERE name = 'daemon' AND epoch = $1");
-        let is_ours = is_ours.bind(self.shared.watch().epoch()).fetch_optional(db).await;
+        let is_ours = sqlx::query("SELECT 1 FROM lease WHERE name = $1 AND epoch = $2");
+        let is_ours = is_ours.bind(self.shared.name()).bind(self.shared.watch().epoch()).fetch_optional(db).await;
         match is_ours.map_err(ServerError::mark_unreachable)? {
             Some(_) => Ok(()),
             None => {
@@ -103,8 +97,8 @@ impl HeldLease {
     /// Gives the lease back.
     pub async fn release(&self) {
         self.renewals.abort();
-        let end = sqlx::query("UPDATE lease SET until = clock_timestamp() WHERE name = 'daemon' AND epoch = $1");
-        let ended = end.bind(self.shared.watch().epoch()).execute(&self.shared.pool).await;
+        let end = sqlx::query("UPDATE lease SET until = clock_timestamp() WHERE name = $1 AND epoch = $2");
+        let ended = end.bind(self.shared.name()).bind(self.shared.watch().epoch()).execute(&self.shared.pool).await;
         if let Err(error) = ended {
             tracing::warn!("The right to serve the ledger could not be given back, and lapses: {error}.");
         }
@@ -112,6 +106,11 @@ impl HeldLease {
 }
 
 impl LeaseShared {
+    /// Name of the lease.
+    fn name(&self) -> String {
+        self.node.right.to_string()
+    }
+
     fn watch(&self) -> LeaseWatch {
         *self.watch.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -123,9 +122,10 @@ impl LeaseShared {
     async fn renew(&self) -> Result<bool, sqlx::Error> {
         let sent_at = since_boot();
         let renewal = sqlx::query(
-            "UPDATE lease SET until = clock_timestamp() + $2 * interval '1 millisecond' WHERE name = 'daemon' AND epoch = $1",
+            "UPDATE lease SET until = clock_timestamp() + $2 * interval '1 millisecond' WHERE epoch = $1 AND name = $3",
         );
-        let renewal = renewal.bind(self.watch().epoch()).bind(millis(self.node.lease)).execute(&self.pool);
+        let renewal = renewal.bind(self.watch().epoch()).bind(millis(self.node.lease)).bind(self.name());
+        let renewal = renewal.execute(&self.pool);
         let renewed = tokio::time::timeout(RENEWAL_TIMEOUT, renewal).await.unwrap_or(Err(sqlx::Error::PoolTimedOut));
         let is_ours = renewed?.rows_affected() > 0;
         let mut watch = self.watch.lock().unwrap_or_else(PoisonError::into_inner);
@@ -165,20 +165,59 @@ fn millis(lease: Duration) -> i64 {
     i64::try_from(lease.as_millis()).unwrap_or(i64::MAX)
 }
 
-/// Grants the lease where it is free, has lapsed, or was the node's own. Returns its epoch.
-async fn grant(db: &mut PgConnection, node: &ServingNode) -> Result<Option<i64>> {
+/// Grants the lease where it is free, has lapsed, or was the process's own. Returns its epoch.
+///
+/// `ServedByOther` if another process holds it, or one that it excludes: whoever has the whole ledger has it alone.
+async fn grant(db: &mut PgConnection, node: &ServingNode) -> Result<i64> {
+    let (name, is_whole) = (node.right.to_string(), node.right == ServingRight::WholeLedger);
+    let other = sqlx::query_as(
+        "SELECT owner, CAST(ceil(extract(epoch FROM until - clock_timestamp())) AS BIGINT) FROM lease \
+         WHERE until > clock_timestamp() AND owner <> $1 AND left(name, 5) <> 'duty ' AND ($3 OR name IN ($2, 'ledger')) \
+         ORDER BY until DESC LIMIT 1",
+    );
+    let other = other.bind(&node.owner).bind(&name).bind(is_whole).fetch_optional(&mut *db).await?;
+    if let Some((owner, secs)) = other {
+        return Err(ServerError::ServedByOther { owner, secs }.into());
+    }
     let grant = sqlx::query_scalar(
         "INSERT INTO lease (name, owner, epoch, until) \
-         VALUES ('daemon', $1, 1, clock_timestamp() + $2 * interval '1 millisecond') \
+         VALUES ($1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond') \
          ON CONFLICT (name) DO UPDATE SET owner = excluded.owner, epoch = lease.epoch + 1, until = excluded.until \
-         WHERE lease.until <= clock_timestamp() OR lease.owner = excluded.owner RETURNING epoch",
+         RETURNING epoch",
     );
-    Ok(grant.bind(&node.owner).bind(millis(node.lease)).fetch_optional(db).await?)
+    Ok(grant.bind(&name).bind(&node.owner).bind(millis(node.lease)).fetch_one(db).await?)
 }
 
-/// Whether a node holds the lease now.
-pub async fn is_held(pool: &PgPool) -> Result<bool> {
-    let held =
-        sqlx::query_scalar("SELECT EXISTS (SELECT 1 FROM lease WHERE name = 'daemon' AND until > clock_timestamp())");
-    Ok(held.fetch_one(pool).await.map_err(ServerError::mark_unreachable)?)
+/// Takes the lease of a node away, unless it is held now: who had it changes nothing more, even if it wakes up again. Returns its owner
+/// if it is held.
+pub async fn revoke_lapsed(db: &mut PgConnection, node: &str) -> Result<Option<String>> {
+    let name = ServingRight::Node(node.to_owned()).to_string();
+    let held = sqlx::query_scalar("SELECT owner FROM lease WHERE name = $1 AND until > clock_timestamp()");
+    let held: Option<String> = held.bind(&name).fetch_optional(&mut *db).await?;
+    if held.is_none() {
+        sqlx::query("UPDATE lease SET epoch = epoch + 1 WHERE name = $1").bind(&name).execute(db).await?;
+    }
+    Ok(held)
+}
+
+/// Names of the nodes whose leases are held now, and whether a process has the whole ledger.
+pub async fn live_rights(pool: &PgPool) -> Result<LiveRights> {
+    let names = sqlx::query_scalar("SELECT name FROM lease WHERE until > clock_timestamp() ORDER BY name");
+    let names: Vec<String> = names.fetch_all(pool).await.map_err(ServerError::mark_unreachable)?;
+    Ok(LiveRights {
+        nodes: names.iter().filter_map(|name| name.strip_prefix("node ")).map(str::to_owned).collect(),
+        is_whole: names.iter().any(|name| *name == ServingRight::WholeLedger.to_string()),
+    })
+}
+
+/// Takes a duty that one node does for all, or keeps it for as long again. `false` = another one has it.
+pub async fn hold_duty(pool: &PgPool, duty: &str, owner: &str, lease: Duration) -> Result<bool> {
+    let hold = sqlx::query(
+        "INSERT INTO lease (name, owner, epoch, until) \
+         VALUES ('duty ' || $1, $2, 1, clock_timestamp() + $3 * interval '1 millisecond') \
+         ON CONFLICT (name) DO UPDATE SET owner = excluded.owner, epoch = lease.epoch + 1, until = excluded.until \
+         WHERE lease.until <= clock_timestamp() OR lease.owner = excluded.owner",
+    );
+    let held = hold.bind(duty).bind(owner).bind(millis(lease)).execute(pool).await;
+    Ok(held.map_err(ServerError::mark_unreachable)?.rows_affected() > 0)
 }

@@ -11,4 +11,5 @@ mod lease_watch;
 mod schema;
 mod store;
 
+pub(super) use lease::revoke_lapsed;
 pub(super) use store::PostgresStore;

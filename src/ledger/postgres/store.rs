@@ -12,7 +12,9 @@ use super::{
     lease::{self, HeldLease},
     schema,
 };
-use crate::ledger::{LedgerError, ServerError, ServiceState, ServingNode, error::Result, sql::SqlExecutor};
+use crate::ledger::{
+    LedgerError, LiveRights, ServerError, ServiceState, ServingNode, ServingRight, error::Result, sql::SqlExecutor,
+};
 
 /// Number of connections of a process.
 const CONNECTIONS: u32 = 8;
@@ -23,7 +25,7 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 #[derive(Clone)]
 pub struct PostgresStore {
     pool: PgPool,
-    /// The right to serve the ledger, which the daemon alone has.
+    /// The right to serve the ledger, which a daemon has.
     lease: Option<HeldLease>,
 }
 
@@ -35,20 +37,24 @@ impl PostgresStore {
         Ok(store)
     }
 
-    /// Opens the database as [`PostgresStore::open`] does, for the one daemon that serves it.
+    /// Opens the database as [`PostgresStore::open`] does, for a process that serves it.
     ///
-    /// `ServedByOther` if that is another one.
+    /// `ServedByOther` if another one has the same right, or one that excludes it.
     pub async fn open_to_serve(options: PgConnectOptions, label: &str, node: &ServingNode) -> Result<Self> {
         let store = Self::connect(options).await?;
-        // The schema does not change under another daemon.
-        let mut lease = match schema::has_table(&store.pool, "lease").await? {
-            true => Some(HeldLease::acquire(&store.pool, node).await?),
-            false => None,
-        };
-        schema::bring_up_to_date(&store.pool, label).await?;
-        if lease.is_none() {
-            lease = Some(HeldLease::acquire(&store.pool, node).await?);
+        // The schema does not change under another node.
+        if schema::ensure_current_version(&store.pool, label).await.is_err() {
+            let alone = ServingNode { right: ServingRight::WholeLedger, ..node.clone() };
+            let alone = match schema::has_table(&store.pool, "lease").await? {
+                true => Some(HeldLease::acquire(&store.pool, &alone).await?),
+                false => None,
+            };
+            schema::bring_up_to_date(&store.pool, label).await?;
+            if let Some(alone) = alone {
+                alone.release().await;
+            }
         }
+        let lease = Some(HeldLease::acquire(&store.pool, node).await?);
         Ok(Self { lease, ..store })
     }
 
@@ -93,9 +99,14 @@ impl PostgresStore {
         }
     }
 
-    /// Whether a daemon serves the ledger.
-    pub async fn is_served(&self) -> Result<bool> {
-        lease::is_held(&self.pool).await
+    /// Who serves the ledger now.
+    pub async fn live_rights(&self) -> Result<LiveRights> {
+        lease::live_rights(&self.pool).await
+    }
+
+    /// Takes a duty that one node does for all, or keeps it for as long again. `false` = another one has it.
+    pub async fn hold_duty(&self, duty: &str, owner: &str, lease: Duration) -> Result<bool> {
+        lease::hold_duty(&self.pool, duty, owner, lease).await
     }
 
     /// The connections for single statements that read.

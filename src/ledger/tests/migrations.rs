@@ -25,10 +25,13 @@ const ROWS: &str = "
         (3, '2026-11-03T00:00:00.000Z', 'complete', 'paper-200', NULL, 4, '');
     INSERT INTO outcome (id, build_id, outcome, note, told_by, told_at) VALUES (1, 4, 'complete', 'fine', 'me@here', '2026-11-03T00:00:00.000Z');
     INSERT INTO command (id, kind, profile, part_id, asked_by, asked_at, state, answer, answered_at) VALUES (1, 'retry', '', 7, 'me@here', '2026-11-03T00:00:00.000Z', 'refused', 'no', '2026-11-03T00:00:00.000Z');
-    INSERT INTO pause (profile, paused_by, paused_at) VALUES ('paper-200', 'me@here', '2026-11-03T00:00:00.000Z');
-    INSERT INTO daemon VALUES (1, 42, 'here', '0.1.0', '2026-11-03T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'idle');";
+    INSERT INTO pause (profile, paused_by, paused_at) VALUES ('paper-200', 'me@here', '2026-11-03T00:00:00.000Z');";
 
-const TABLES: [&str; 9] = ["part", "ticket", "build", "placement", "event", "outcome", "command", "pause", "daemon"];
+const TABLES: [&str; 8] = ["part", "ticket", "build", "placement", "event", "outcome", "command", "pause"];
+
+/// Since this schema, a daemon is a row of `node`.
+const FIRST_WITH_NODES: i64 = 22;
+const DAEMON: &str = "INSERT INTO daemon VALUES (1, 42, 'here', '0.1.0', '2026-11-03T00:00:00.000Z', '2026-11-03T00:00:00.000Z', 'idle')";
 
 async fn raw(path: &Path) -> SqlitePool {
     SqlitePool::connect_with(SqliteConnectOptions::new().filename(path).create_if_missing(true)).await.unwrap()
@@ -63,8 +66,12 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
         let path = folder.path().join(format!("{version}.db"));
         let pool = raw(&path).await;
         let earlier: Vec<_> = MIGRATIONS.iter().take(version).cloned().collect();
+        let has_nodes = earlier.iter().any(|migration| migration.version >= FIRST_WITH_NODES);
         Migrator { migrations: Cow::Owned(earlier), ..Migrator::DEFAULT }.run(&pool).await.unwrap();
         sqlx::raw_sql(ROWS).execute(&pool).await.unwrap();
+        if !has_nodes {
+            sqlx::raw_sql(DAEMON).execute(&pool).await.unwrap();
+        }
         let mut before = Vec::new();
         for table in TABLES {
             let columns = columns_of(&pool, table).await;
@@ -79,6 +86,8 @@ async fn a_ledger_of_every_earlier_schema_becomes_like_a_new_one_and_keeps_its_r
         assert_eq!((history.len(), history[0].measures.height_mm), (1, Some(87.5)));
         ledger.close().await;
         let pool = raw(&path).await;
+        let nodes = text(&pool, "SELECT name || ' ' || pid || ' ' || status FROM node".to_owned()).await;
+        assert_eq!(nodes, if has_nodes { vec![] } else { vec!["here 42 idle"] }, "from schema {version}");
         for (table, columns, rows) in before {
             assert_eq!(rows_of(&pool, table, &columns).await, rows, "{table} from schema {version}");
         }

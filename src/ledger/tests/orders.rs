@@ -121,7 +121,7 @@ async fn an_outcome_is_corrected_while_the_part_is_read_again_on_another_machine
     let part = line(&ledger, "a", 2, "").await;
     let build = published(&ledger, &[(part, 0), (part, 1)]).await;
     ledger.record_outcome(build, &told(PrintOutcome::Failed)).await.unwrap();
-    ledger.move_to_machine(part, "other", "ann@farm").await.unwrap();
+    ledger.move_to_machine(part, "other", false, "ann@farm").await.unwrap();
     assert_eq!(part_state(&ledger, part).await, PartState::Claimed);
     let correction = ToldOutcome { is_correction: true, ..told(PrintOutcome::Complete) };
     ledger.record_outcome(build, &correction).await.unwrap();
@@ -222,7 +222,7 @@ async fn what_was_asked_changes_until_the_final_nesting_and_each_change_names_wh
 async fn a_part_moves_to_another_machine_where_it_is_read_again() {
     let ledger = fresh().await;
     let part = line(&ledger, "a", 2, "").await;
-    assert_eq!(ledger.move_to_machine(part, "paper-300", "ann").await.unwrap(), [part]);
+    assert_eq!(ledger.move_to_machine(part, "paper-300", false, "ann").await.unwrap(), [part]);
     let row = ledger.find_part(part).await.unwrap().unwrap();
     assert_eq!((row.profile.as_str(), row.state), ("paper-300", PartState::Claimed));
     ledger.accept_solids(part, &[solid(0, 2)]).await.unwrap();

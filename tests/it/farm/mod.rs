@@ -15,6 +15,8 @@ mod lost_ledger;
 mod memory;
 mod names;
 #[cfg(feature = "postgres")]
+mod nodes_on_postgres;
+#[cfg(feature = "postgres")]
 mod on_postgres;
 mod open;
 mod operations;

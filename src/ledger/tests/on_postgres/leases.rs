@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::*;
 
 fn node(owner: &str, lease: Duration) -> ServingNode {
-    ServingNode { owner: owner.to_owned(), lease }
+    ServingNode { right: ServingRight::Node("print1".to_owned()), owner: owner.to_owned(), lease }
 }
 
 const LONG: Duration = Duration::from_secs(60);

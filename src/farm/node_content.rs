@@ -1,0 +1,153 @@
+//! Originals on other nodes of the farm: a part that was moved to a machine of this node, or is printed again here, may have its
+//! original in the store or in an archive of another node.
+
+use std::{
+    cell::RefCell,
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use anyhow::{Context, Result, bail};
+use ureq::{
+    http::StatusCode,
+    tls::{RootCerts, TlsConfig},
+};
+
+use crate::{
+    access,
+    intake::{self, ContentStore},
+    ledger::Ledger,
+    settings::{MachineProfile, Settings},
+};
+
+/// A node without an answer for this long is asked again later.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
+/// A file of 2 GB takes less than this over a slow network.
+const TRANSFER_TIMEOUT: Duration = Duration::from_secs(600);
+
+/// Another node.
+#[derive(Debug, Clone)]
+struct OtherNode {
+    name: String,
+    /// Where its pages are; "" = it has no address.
+    address: String,
+    /// Whether it runs, by its heartbeats.
+    is_alive: bool,
+}
+
+/// The other nodes of the farm, as far as originals can be asked for there.
+#[derive(Debug, Clone, Default)]
+pub(super) struct OtherNodes {
+    nodes: Vec<OtherNode>,
+    /// Nodes that did not answer, with the reason: they are not asked for the next file.
+    silent: RefCell<BTreeMap<String, String>>,
+    token_file: Option<PathBuf>,
+}
+
+impl OtherNodes {
+    /// Those that the ledger knows.
+    pub(super) async fn of_ledger(settings: &Settings, ledger: &Ledger) -> Result<Self> {
+        let mut nodes = Vec::new();
+        if ledger.file().is_none() {
+            let rows = ledger.list_nodes().await?.into_iter().filter(|row| row.name != settings.node.name);
+            nodes.extend(rows.map(|row| OtherNode { name: row.name, address: row.address, is_alive: row.alive }));
+        }
+        Ok(Self {
+            nodes,
+            silent: RefCell::default(),
+            token_file: settings.interfaces.web.as_ref().and_then(|web| web.token_file.clone()),
+        })
+    }
+
+    /// Copies the file with this hash from another node into the store. `false` = no node has it that runs: one that is gone may never
+    /// come back.
+    ///
+    /// A node that runs, and may have it, does not answer.
+    pub(super) fn fetch_into_store(&self, store: &ContentStore, hash: &str) -> Result<bool> {
+        let mut unknown = Vec::new();
+        for node in &self.nodes {
+            let known = self.silent.borrow().get(&node.name).cloned();
+            let answer = known.map_or_else(|| self.fetch_from(&node.address, store, hash), |why| bail!("{why}"));
+            match answer {
+                Ok(true) => return Ok(true),
+                Ok(false) => {}
+                Err(failure) => {
+                    let why = format!("{failure:#}");
+                    if node.is_alive {
+                        unknown.push(format!("the node {}, which may have the original: {why}", node.name));
+                    }
+                    self.silent.borrow_mut().insert(node.name.clone(), why);
+                }
+            }
+        }
+        if unknown.is_empty() { Ok(false) } else { bail!("{}", unknown.join("; ")) }
+    }
+
+    fn fetch_from(&self, address: &str, store: &ContentStore, hash: &str) -> Result<bool> {
+        if address.is_empty() {
+            bail!("its configuration has no node.address");
+        }
+        let tls = TlsConfig::builder().root_certs(RootCerts::PlatformVerifier).build();
+        let agent = ureq::Agent::config_builder()
+            .timeout_connect(Some(ANSWER_TIMEOUT))
+            .timeout_recv_response(Some(ANSWER_TIMEOUT))
+            .timeout_global(Some(TRANSFER_TIMEOUT))
+            .http_status_as_error(false)
+            .max_redirects(0)
+            .tls_config(tls)
+            .user_agent(concat!("nestd/", env!("CARGO_PKG_VERSION")))
+            .build()
+            .new_agent();
+        let mut request = agent.get(format!("{address}/content/{hash}"));
+        if let Some(file) = &self.token_file {
+            request = request.header("Authorization", format!("Bearer {}", access::read_secret(file)?));
+        }
+        let answer = request.call().with_context(|| format!("{address} does not answer"))?;
+        match answer.status() {
+            StatusCode::OK => {
+                store.store_received(&mut answer.into_body().into_reader(), hash)?;
+                Ok(true)
+            }
+            StatusCode::NOT_FOUND => Ok(false),
+            StatusCode::UNAUTHORIZED => bail!("{address} asks for another token than that of web.token_file here"),
+            status => bail!("{address} answers {status}"),
+        }
+    }
+}
+
+/// A file with this content that this node keeps, in its store or in an archive of its machines; `None` = none.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn find_kept_content(settings: &Settings, ledger: &Ledger, hash: &str) -> Result<Option<PathBuf>> {
+    let store = ContentStore::from_dir(settings.state_dir.join("store"));
+    let Ok(stored) = store.file_path(hash) else { return Ok(None) };
+    let archives = archive_folders(ledger, hash, |profile| settings.profiles.get(profile)).await?;
+    let hash = hash.to_owned();
+    let looked = tokio::task::spawn_blocking(move || match store.verify_hash(&hash) {
+        Ok(()) => Some(stored),
+        Err(_) => archives.iter().find_map(|folder| find_original(folder, &hash)),
+    });
+    Ok(looked.await?)
+}
+
+/// The folders in the archives of known machines where the originals of builds with this content lie, newest first.
+pub(super) async fn archive_folders<'m>(
+    ledger: &Ledger,
+    hash: &str,
+    profile_named: impl Fn(&str) -> Option<&'m MachineProfile>,
+) -> Result<Vec<PathBuf>> {
+    let mut folders = Vec::new();
+    for (profile, file_name) in ledger.build_files_with_content(hash).await? {
+        let stem = file_name.strip_suffix(".build.3mf").unwrap_or(&file_name);
+        folders.extend(profile_named(&profile).map(|profile| profile.folders.archive.join(stem)));
+    }
+    Ok(folders)
+}
+
+/// The file with this content in a folder, as the archive folder of a build.
+pub(super) fn find_original(folder: &Path, hash: &str) -> Option<PathBuf> {
+    let files = std::fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    files.filter(|path| path.is_file()).find(|path| intake::hash_file(path).is_ok_and(|found| found == hash))
+}

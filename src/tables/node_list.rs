@@ -1,0 +1,52 @@
+//! The nodes of a farm: the daemons that share its ledger, each with its machines.
+
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use super::{fields, table_column::TableColumn};
+use crate::ledger::{Ledger, LedgerError, NodeRow};
+
+/// A node with its machines.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct FarmNode {
+    /// The node.
+    #[serde(flatten)]
+    pub node: NodeRow,
+    /// The machines that it serves, by name.
+    pub machines: Vec<String>,
+}
+
+/// The nodes of a farm.
+pub const NODE_COLUMNS: &[TableColumn<FarmNode>] = &[
+    TableColumn::new("name", fields::NODE, |row| (&row.node.name).into()),
+    TableColumn::new("state", fields::STATE, |row| row.state_text().into()),
+    TableColumn::new("host", fields::HOST, |row| (&row.node.host).into()),
+    TableColumn::new("version", fields::VERSION, |row| (&row.node.version).into()),
+    TableColumn::new("beat_at", fields::LAST_SIGN, |row| row.node.beat_at.into()),
+    TableColumn::new("address", fields::ADDRESS, |row| (&row.node.address).into()),
+    TableColumn::new("machines", fields::MACHINES, |row| row.machines.join(", ").into()),
+];
+
+impl FarmNode {
+    fn state_text(&self) -> &'static str {
+        match (self.node.alive, self.node.pid) {
+            (true, _) => "runs",
+            (false, 0) => "stopped",
+            (false, _) => "does not answer",
+        }
+    }
+}
+
+/// The nodes of a farm with their machines, by name.
+///
+/// # Errors
+/// The ledger cannot be read.
+pub async fn list_farm_nodes(ledger: &Ledger) -> Result<Vec<FarmNode>, LedgerError> {
+    let machines = ledger.list_machines().await?;
+    let nodes = ledger.list_nodes().await?.into_iter();
+    let with_machines = |node: NodeRow| FarmNode {
+        machines: machines.iter().filter(|row| row.node == node.name).map(|row| row.profile.clone()).collect(),
+        node,
+    };
+    Ok(nodes.map(with_machines).collect())
+}

@@ -1,0 +1,232 @@
+//! Several servers as one farm: the real binary as several nodes, each with folders and a machine of its own, on one private PostgreSQL
+//! server.
+
+use std::{fs, net::TcpListener, process::Command};
+
+use nestd::ledger::PartState;
+use rustix::process::Signal;
+
+use super::{
+    postgres_cluster::PostgresCluster,
+    support::{QUICK, TestFarm, block, signal, wait_until_or},
+};
+
+/// The factor by which a lease is shorter than in production.
+const HURRY: &str = "10";
+
+/// A node with one machine.
+struct TestNode {
+    farm: TestFarm,
+    name: String,
+}
+
+impl TestNode {
+    fn new(number: u32, url: &str) -> Self {
+        let (name, machine) = (format!("print{number}"), format!("machine-{number}"));
+        let farm = TestFarm::with_machine(&machine, QUICK);
+        // The port is free again at once, and nobody else looks for one of this number.
+        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let config = fs::read_to_string(farm.config()).unwrap();
+        let more = format!(
+            "{config}[folders]\nledger = {url:?}\n[node]\nname = {name:?}\naddress = \"http://127.0.0.1:{port}\"\n\
+             [web]\nlisten = \"127.0.0.1:{port}\"\n"
+        );
+        fs::write(farm.config(), more).unwrap();
+        Self { farm, name }
+    }
+
+    fn started(number: u32, url: &str) -> Self {
+        let mut node = Self::new(number, url);
+        node.start();
+        node
+    }
+
+    fn start(&mut self) {
+        let command = self.command(&["run"]);
+        let before = self.farm.log().matches("The farm is open").count();
+        self.farm.start_as(command);
+        let log = || self.farm.log();
+        wait_until_or("the farm is open", 30.0, log, || log().matches("The farm is open").count() > before);
+    }
+
+    /// A command as if on a server of its own: a process that is stopped there holds no lock here.
+    fn command(&self, args: &[&str]) -> Command {
+        let mut command = self.farm.command(args);
+        command.env("NESTD_TEST_HURRY", HURRY).env("NESTD_TEST_HOST", &self.name);
+        command
+    }
+
+    /// Adopts a machine as soon as its node has ended.
+    fn adopt(&self, machine: &str) {
+        let adopts = || self.command(&["adopt", machine]).output().unwrap();
+        let says = || format!("{:?}\n{}", adopts(), self.farm.log());
+        wait_until_or("the machine is adopted", 60.0, says, || adopts().status.success());
+    }
+
+    /// Writes the file of a machine on the folders of another node's machine.
+    fn configure_machine_of(&self, other: &TestNode) {
+        let machine = other.machine();
+        let folders = ["inbox", "queue", "error", "archive"]
+            .map(|kind| format!("{kind} = {:?}\n", other.farm.folder(kind)))
+            .concat();
+        self.farm.write_profile(&machine, &format!("{QUICK}[folders]\n{folders}"));
+    }
+
+    fn machine(&self) -> String {
+        self.name.replace("print", "machine-")
+    }
+
+    fn says(&self, words: &str) {
+        wait_until_or(
+            &format!("{} says {words:?}", self.name),
+            60.0,
+            || self.farm.log(),
+            || self.farm.log().contains(words),
+        );
+    }
+}
+
+fn new_database(server: &PostgresCluster) -> String {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    server.url(&runtime.block_on(server.make_database(None)))
+}
+
+#[test]
+fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
+    let server = PostgresCluster::start();
+    let url = new_database(&server);
+    let mut nodes = [1, 2, 3].map(|number| TestNode::started(number, &url));
+    for node in &nodes {
+        node.farm.drop_part(&format!("of-{}_x2.stl", node.name), &block(20.0, 20.0, 10.0));
+    }
+    nodes[0].farm.wait_for_parts(PartState::Waiting, 3);
+    let told = nodes[1].farm.nestd_ok(&["nodes"]);
+    for number in 1..=3 {
+        let line = told.lines().find(|line| line.starts_with(&format!("print{number}"))).unwrap_or_default();
+        assert!(line.contains("runs") && line.contains(&format!("machine-{number}")), "{told}");
+    }
+    // A command for a machine of another node.
+    nodes[0].farm.nestd_ok(&["flush", "machine-3"]);
+    nodes[2].farm.wait_for_queued(1);
+    assert!(nodes[0].farm.queued().is_empty() && nodes[1].farm.queued().is_empty());
+    // The original of a part that is moved to another node comes along.
+    nodes[2].farm.nestd_ok(&["move", "of-print1_x2.stl", "--to", "machine-2"]);
+    nodes[0].farm.wait_for_parts(PartState::Waiting, 2);
+    nodes[2].farm.nestd_ok(&["flush", "machine-2"]);
+    nodes[1].farm.wait_for_queued(1);
+    nodes[0].farm.wait_for_parts(PartState::Built, 3);
+    let (second, third) = (nodes[1].farm.queued(), nodes[2].farm.queued());
+    super::support::farm_files::assert_each_copy_once(&[second, third].concat(), 6);
+    // It is printed again where it was printed, whoever says so.
+    let told = nodes[0].farm.nestd_ok(&["reprint", "of-print1_x2.stl=1"]);
+    assert!(told.contains("1 copy"), "{told}");
+    nodes[0].farm.wait_for_parts(PartState::Waiting, 1);
+    for node in &mut nodes {
+        let told = node.command(&["check", "--deep"]).output().unwrap();
+        let told = String::from_utf8_lossy(&told.stdout).into_owned();
+        assert!(told.contains("I1 to I5 hold"), "{}: {told}", node.name);
+        node.farm.stop();
+    }
+    let told = nodes[0].farm.nestd_ok(&["nodes"]);
+    assert_eq!(told.matches("stopped").count(), 3, "{told}");
+}
+
+#[test]
+fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
+    let server = PostgresCluster::start();
+    let url = new_database(&server);
+    let (mut first, second) = (TestNode::started(1, &url), TestNode::new(2, &url));
+    second.configure_machine_of(&first);
+    let mut second = second;
+    second.start();
+    second.says("the node print1 serves it");
+    first.farm.drop_part("a_x2.stl", &block(20.0, 20.0, 10.0));
+    first.farm.wait_for_parts(PartState::Waiting, 1);
+    let refused = second.farm.nestd(&["adopt", "machine-1"]);
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && told.contains("is served by the node print1"), "{told}");
+    // The server dies, with the file of a waiting part on it.
+    first.farm.kill();
+    first.farm.drop_part("b.stl", &block(20.0, 20.0, 12.0));
+    second.adopt("machine-1");
+    second.farm.wait_for_parts(PartState::Waiting, 1);
+    second.says("must be dropped again: part 1 (a_x2.stl)");
+    first.farm.drop_part("a again.stl", &block(20.0, 20.0, 10.0));
+    second.says("part 1 goes on with it");
+    second.farm.wait_for_parts(PartState::Waiting, 2);
+    second.farm.nestd_ok(&["flush", "machine-1"]);
+    first.farm.wait_for_queued(1);
+    second.farm.wait_for_parts(PartState::Built, 2);
+    // The dead server is repaired: it has no machine any more.
+    first.start();
+    first.says("the node print2 serves it");
+    first.farm.drop_part("c.stl", &block(20.0, 20.0, 14.0));
+    let parts = second.farm.wait_for_parts(PartState::Waiting, 1);
+    assert_eq!(parts[0].full_name(), "c.stl");
+    second.farm.stop();
+    first.farm.stop();
+    super::support::farm_files::assert_each_copy_once(&first.farm.queued(), 3);
+}
+
+#[test]
+fn a_node_that_slept_while_its_machine_was_adopted_does_nothing_more() {
+    let server = PostgresCluster::start();
+    let url = new_database(&server);
+    let (mut sleeper, mut heir) = (TestNode::started(1, &url), TestNode::new(2, &url));
+    sleeper.farm.drop_part("a_x3.stl", &block(20.0, 20.0, 10.0));
+    sleeper.farm.wait_for_parts(PartState::Waiting, 1);
+    heir.configure_machine_of(&sleeper);
+    heir.start();
+    signal(sleeper.farm.pid(), Signal::STOP);
+    heir.adopt("machine-1");
+    heir.farm.wait_for_parts(PartState::Waiting, 1);
+    signal(sleeper.farm.pid(), Signal::CONT);
+    sleeper.says("Another nestd is this node now");
+    // Started again, it has no machine, and gives the file of the part that waits.
+    sleeper.farm.stop();
+    sleeper.start();
+    sleeper.says("the node print2 serves it");
+    wait_until_or(
+        "the heir prints it",
+        60.0,
+        || heir.farm.log(),
+        || {
+            heir.farm.nestd(&["flush", "machine-1"]);
+            !sleeper.farm.queued().is_empty()
+        },
+    );
+    heir.farm.wait_for_parts(PartState::Built, 1);
+    super::support::farm_files::assert_each_copy_once(&sleeper.farm.queued(), 3);
+    heir.farm.stop();
+    sleeper.farm.stop();
+}
+
+#[test]
+fn a_machine_that_is_taken_out_of_one_configuration_goes_to_another_with_what_waits() {
+    let server = PostgresCluster::start();
+    let url = new_database(&server);
+    let (mut from, mut to) = (TestNode::started(1, &url), TestNode::new(2, &url));
+    from.farm.drop_part("a_x2.stl", &block(20.0, 20.0, 10.0));
+    from.farm.wait_for_parts(PartState::Waiting, 1);
+    to.configure_machine_of(&from);
+    to.start();
+    // A farm has a machine at least.
+    from.farm.write_profile("machine-9", QUICK);
+    fs::remove_file(from.farm.root().join("config/profiles/machine-1.toml")).unwrap();
+    from.farm.reload();
+    from.says("The configuration was read again");
+    to.says("Resolved: machine-1: Another node of the farm serves the machine");
+    wait_until_or(
+        "its part is taken along",
+        60.0,
+        || to.farm.log(),
+        || {
+            to.farm.nestd(&["flush", "machine-1"]);
+            !from.farm.queued().is_empty()
+        },
+    );
+    to.farm.wait_for_parts(PartState::Built, 1);
+    super::support::farm_files::assert_each_copy_once(&from.farm.queued(), 2);
+    from.farm.stop();
+    to.farm.stop();
+}

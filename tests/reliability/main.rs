@@ -16,9 +16,14 @@ mod large_ledger;
 mod ledger;
 mod life_cycle;
 mod memory;
+#[cfg(feature = "postgres")]
+mod nodes;
 mod orders;
 mod pair;
 mod pool;
+#[cfg(feature = "postgres")]
+#[path = "../../src/ledger/postgres/cluster.rs"]
+mod postgres_cluster;
 mod power;
 mod printer;
 mod restore;
@@ -47,7 +52,7 @@ struct ReliabilitySection {
 
 /// All sections, in the order of the table.
 #[rustfmt::skip]
-const SECTIONS: [ReliabilitySection; 16] = [
+const SECTIONS: &[ReliabilitySection] = &[
     ReliabilitySection { name: "crash", weight: 4.0, run: crash::run },
     ReliabilitySection { name: "faults", weight: 8.0, run: faults::run },
     ReliabilitySection { name: "power", weight: 5.0, run: power::run },
@@ -64,6 +69,8 @@ const SECTIONS: [ReliabilitySection; 16] = [
     ReliabilitySection { name: "rot", weight: 2.0, run: rot::run },
     ReliabilitySection { name: "memory", weight: 1.0, run: memory::run },
     ReliabilitySection { name: "ledger", weight: 3.0, run: ledger::run },
+    #[cfg(feature = "postgres")]
+    ReliabilitySection { name: "nodes", weight: 6.0, run: nodes::run },
 ];
 
 /// Wall seconds of a section in a short run.

@@ -288,7 +288,7 @@ impl OrdersFarm {
         self.tell_rest_complete();
         let parts = self.parts();
         let in_state = |state: PartState| parts.iter().any(|part| part.state == state);
-        let pending = self.farm.query_ledger(async |ledger| ledger.pending_commands().await.unwrap().len());
+        let pending = self.farm.query_ledger(async |ledger| ledger.pending_commands().await.unwrap());
         let files: Vec<_> = [PROFILE, OTHER]
             .iter()
             .flat_map(|profile| {
@@ -296,7 +296,7 @@ impl OrdersFarm {
             })
             .filter(|file| file.extension().is_some_and(|end| end == "stl" || end == "toml" || end == "csv"))
             .collect();
-        if files.is_empty() && pending == 0 {
+        if files.is_empty() && pending.is_empty() {
             self.drop_missing_originals();
         }
         for part in parts.iter().filter(|part| !part.owed.question.is_empty() && part.state == PartState::Waiting) {
@@ -310,8 +310,10 @@ impl OrdersFarm {
         }
         let moving =
             [PartState::Claimed, PartState::Waiting, PartState::Batched].into_iter().filter(|s| in_state(*s)).count();
-        self.unrest = format!("{files:?} lie, {pending} commands are open, parts are in {moving} states");
-        files.is_empty() && pending == 0 && moving == 0 && self.running.is_empty()
+        let open: Vec<_> =
+            pending.iter().map(|open| format!("{} {}{:?}", open.kind, open.profile, open.part_id)).collect();
+        self.unrest = format!("{files:?} lie, commands {open:?} are open, parts are in {moving} states");
+        files.is_empty() && pending.is_empty() && moving == 0 && self.running.is_empty()
     }
 
     /// Holds the ledger and the build files against what was asked.

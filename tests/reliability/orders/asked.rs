@@ -42,9 +42,10 @@ pub enum Asked {
     LateTicket {
         copies: u32,
     },
-    /// These parts, all waiting copies or some.
+    /// These parts, all waiting copies or some; and all parts of an order, "" = of none.
     Cancel {
         parts: BTreeSet<i64>,
+        order: String,
         copies: Option<u32>,
     },
     Retry {

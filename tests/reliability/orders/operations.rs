@@ -176,7 +176,7 @@ impl OrdersFarm {
     fn cancel_copies(&mut self) {
         let Some(part) = self.pick_part(|part| part.state == PartState::Waiting) else { return };
         let copies = self.rng.random_range(1..3);
-        let asked = Asked::Cancel { parts: [part.id.0].into(), copies: Some(copies) };
+        let asked = Asked::Cancel { parts: [part.id.0].into(), order: String::new(), copies: Some(copies) };
         self.submit(asked, &["cancel", &format!("{}={copies}", part.id)]);
     }
 
@@ -184,12 +184,13 @@ impl OrdersFarm {
         let Some(part) = self.pick_part(|part| part.state == PartState::Waiting) else { return };
         let order = part.terms.order_name.clone();
         if order.is_empty() || self.rng.random_bool(0.5) {
-            let asked = Asked::Cancel { parts: [part.id.0].into(), copies: None };
+            let asked = Asked::Cancel { parts: [part.id.0].into(), order: String::new(), copies: None };
             return self.submit(asked, &["cancel", &part.id.to_string()]);
         }
         // Parts that come into the order before the command is read are meant too.
         let parts: BTreeSet<i64> = (self.lines_of_order(&order)).into_iter().chain([part.id.0]).collect();
-        self.submit(Asked::Cancel { parts, copies: None }, &["cancel", &format!("order:{order}")]);
+        let word = format!("order:{order}");
+        self.submit(Asked::Cancel { parts, order, copies: None }, &["cancel", &word]);
     }
 
     fn lines_of_order(&self, order: &str) -> Vec<i64> {

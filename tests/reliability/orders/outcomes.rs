@@ -1,7 +1,11 @@
 //! Outcomes, reprints and repeated builds: commands that change the ledger themselves. What they mean for the copies told
 //! bad follows from the build files that the printer took.
 
-use std::{collections::BTreeMap, process::Stdio, time::Duration};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    process::Stdio,
+    time::Duration,
+};
 
 use nestd::ledger::{BuildId, BuildState, PlacementRow};
 use rand::{RngExt, seq::IndexedRandom};
@@ -120,13 +124,13 @@ impl OrdersFarm {
     /// Runs a command that may be killed on the way, and holds what the ledger then says against what it means.
     fn run_outcome(&mut self, words: Vec<String>, asked: Asked, claim: &BadClaim) {
         self.take_builds();
-        let before = self.ledger_told_bad();
+        let (before, known) = (self.ledger_told_bad(), self.taken.keys().copied().collect());
         let number = self.begin_operation(asked, &words.join(" "));
         let end = self.run_or_kill(number, &words);
         self.take_builds();
         let after = self.ledger_told_bad();
         let is_unchanged = before == after;
-        let is_meant = self.is_meant(claim, &before, &after);
+        let is_meant = self.is_meant(claim, &known, &before, &after);
         let is_right = match end {
             CommandEnd::Accepted => is_meant,
             CommandEnd::Refused => is_unchanged,
@@ -155,8 +159,9 @@ impl OrdersFarm {
         self.told_bad = after;
     }
 
-    /// Whether the copies told bad changed as a command means it.
-    fn is_meant(&self, claim: &BadClaim, before: &ToldBad, after: &ToldBad) -> bool {
+    /// Whether the copies told bad changed as a command means it. `known` are the builds that were taken before: another one may have
+    /// been published before the command or after it.
+    fn is_meant(&self, claim: &BadClaim, known: &BTreeSet<i64>, before: &ToldBad, after: &ToldBad) -> bool {
         let changes = differences(before, after);
         let of_file = |build: i64, hash: &String| self.taken[&build].copies.get(hash).copied().unwrap_or(0);
         let told = |told: &ToldBad, build: i64, hash: &String| told.get(&(build, hash.clone())).copied().unwrap_or(0);
@@ -182,7 +187,8 @@ impl OrdersFarm {
                 changes.keys().all(|(_, other)| other == hash) && changes.values().sum::<i64>() == i64::from(*copies)
             }
             BadClaim::OfFiles(hashes) => {
-                let all = self.taken.iter().flat_map(|(build, taken)| taken.copies.iter().map(move |c| (*build, c)));
+                let all = self.taken.iter().filter(|(build, _)| known.contains(build));
+                let all = all.flat_map(|(build, taken)| taken.copies.iter().map(move |c| (*build, c)));
                 changes.keys().all(|(_, hash)| hashes.contains(hash))
                     && all
                         .filter(|(_, (hash, _))| hashes.contains(hash))

@@ -109,7 +109,9 @@ impl<'a> OperationReplay<'a> {
                 }
                 let asked = named_operation(&event.detail).map(|number| (number, self.operations.get(number)));
                 match asked {
-                    Some((number, Some(Asked::Cancel { parts, .. }))) if parts.contains(&part.id.0) => {
+                    Some((number, Some(Asked::Cancel { parts, order, .. })))
+                        if parts.contains(&part.id.0) || !order.is_empty() && part.terms.order_name == *order =>
+                    {
                         self.count_applied(number, part)
                     }
                     Some(_) => Some("nobody asked for that".to_owned()),
@@ -168,7 +170,7 @@ impl<'a> OperationReplay<'a> {
         let number_of_copies = event.detail.split(' ').next().unwrap_or_default().parse::<u32>().unwrap_or_default();
         let fewer = match self.operations.get(number) {
             Some(Asked::Edit { .. }) => return None,
-            Some(Asked::Cancel { parts, copies: Some(copies) }) if parts.contains(&part.id.0) => *copies,
+            Some(Asked::Cancel { parts, copies: Some(copies), .. }) if parts.contains(&part.id.0) => *copies,
             Some(Asked::Outcome { build, newly_bad, .. }) if Some(*build) == event.build_id.map(|b| b.0) => {
                 newly_bad.get(&part.file.content_hash).copied().unwrap_or_default()
             }

@@ -1,0 +1,367 @@
+//! Three nodes as one farm on a PostgreSQL server, all as processes: parts are dropped, flushed and moved between the nodes, while nodes
+//! are killed, stopped for longer than a lease, ended in order, have their machines adopted, and the server is restarted or crashes. At
+//! the end each dropped part must be printed in exactly the copies that were asked for: the build files tell, not the ledger.
+
+mod farm_node;
+
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::PathBuf,
+    process::{Child, Stdio},
+    time::{Duration, Instant},
+};
+
+use nestd::{
+    farm::{InvariantExpectations, check_invariants},
+    ledger::{PartRow, PartState},
+    settings,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rustix::process::Signal;
+
+use super::{
+    budget::SectionBudget,
+    pool::seed,
+    postgres_cluster::{PostgresCluster, find_programs},
+    section_result::SectionResult,
+    support::{
+        farm_files::{block, drop_file, list_build_files, stl},
+        signal,
+    },
+};
+use farm_node::{FarmNode, MACHINE, configured_node, machine_name};
+
+const NODES: usize = 3;
+/// Parts and faults of a long run; a short run ends when its time is over.
+const PARTS: usize = 1_000;
+const FAULTS: u64 = 200;
+/// Operations for each fault.
+const OPERATIONS_PER_FAULT: u64 = 8;
+/// Time budget of a short run, and the time in which a farm comes to rest, seconds.
+const SHORT_SECS: f64 = 20.0;
+const REST_SECS: u64 = 240;
+const PAUSE: Duration = Duration::from_millis(60);
+
+pub fn run(budget: &SectionBudget) -> SectionResult {
+    if find_programs().is_none() {
+        return SectionResult { note: "not run: no PostgreSQL is installed".to_owned(), ..SectionResult::default() };
+    }
+    let mut farm = NodesFarm::new(seed());
+    farm.run_operations(&budget.at_least(SHORT_SECS));
+    farm.finish()
+}
+
+/// The nodes, and what the test knows.
+struct NodesFarm {
+    nodes: Vec<FarmNode>,
+    server: PostgresCluster,
+    rng: ChaCha8Rng,
+    seed: u64,
+    /// Wanted copies and bytes by name.
+    dropped: BTreeMap<String, (u32, Vec<u8>)>,
+    /// Name by BLAKE3.
+    names: BTreeMap<String, String>,
+    taken: Vec<PathBuf>,
+    running: Vec<Child>,
+    operations: u64,
+    faults: u64,
+    dropped_again: BTreeMap<i64, Instant>,
+    story: Vec<String>,
+}
+
+impl NodesFarm {
+    fn new(seed: u64) -> Self {
+        let server = PostgresCluster::start();
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        let url = server.url(&runtime.block_on(server.make_database(None)));
+        let mut nodes: Vec<FarmNode> = (0..NODES).map(|number| configured_node(number, &url)).collect();
+        for node in &mut nodes {
+            node.start();
+            let is_open = || node.farm.log().contains("The farm is open");
+            super::support::wait_until("the node has its machine", 60.0, is_open);
+        }
+        // From now on each node could serve each machine.
+        for number in 0..NODES {
+            let folders = ["inbox", "queue", "error", "archive"]
+                .map(|kind| format!("{kind} = {:?}\n", nodes[number].farm.folder(kind)))
+                .concat();
+            for other in (0..NODES).filter(|&other| other != number) {
+                nodes[other].farm.write_profile(&machine_name(number), &format!("{MACHINE}[folders]\n{folders}"));
+            }
+        }
+        nodes.iter().for_each(|node| node.farm.reload());
+        Self {
+            nodes,
+            server,
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            seed,
+            dropped: BTreeMap::new(),
+            names: BTreeMap::new(),
+            taken: Vec::new(),
+            running: Vec::new(),
+            operations: 0,
+            faults: 0,
+            dropped_again: BTreeMap::new(),
+            story: Vec::new(),
+        }
+    }
+}
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy)]
+enum NodeFault {
+    Killed,
+    /// Stopped for longer than a lease, and continued.
+    Slept,
+    EndedInOrder,
+    /// Killed, and its machines adopted by another node before it comes back.
+    Adopted,
+    ServerRestarted,
+    ServerCrashed,
+}
+
+impl NodesFarm {
+    fn run_operations(&mut self, budget: &SectionBudget) {
+        let (parts, faults) = (budget.pick(40, PARTS), budget.pick(6, FAULTS));
+        while (self.dropped.len() < parts || self.faults < faults) && !budget.is_spent() {
+            match self.rng.random_range(0..10) {
+                0..6 if self.dropped.len() < parts => self.drop_part(),
+                6 => self.flush(),
+                7 => self.move_part(),
+                _ => self.take_builds(),
+            }
+            self.operations += 1;
+            if self.operations.is_multiple_of(OPERATIONS_PER_FAULT) && self.faults < faults {
+                self.inject_fault();
+            }
+            std::thread::sleep(PAUSE);
+        }
+    }
+
+    fn drop_part(&mut self) {
+        let (number, node) = (self.dropped.len(), self.rng.random_range(0..NODES));
+        let size = |low: f64, rng: &mut ChaCha8Rng| low + rng.random_range(0.0..8.0);
+        let sides = [8.0, 6.0].map(|low| size(low, &mut self.rng));
+        // Each part has a size of its own.
+        let bytes = stl(&block(sides[0], sides[1], 4.0 + number as f64 * 0.01));
+        let copies = self.rng.random_range(1..4);
+        let name = format!("part{number}_x{copies}.stl");
+        let farm = &self.nodes[node].farm;
+        drop_file(farm.root(), &farm.folder("inbox").join(&name), &bytes);
+        self.names.insert(blake3::hash(&bytes).to_hex().to_string(), name.clone());
+        self.dropped.insert(name, (copies, bytes));
+    }
+
+    /// Runs a command on a node that may run, without waiting for its end.
+    fn submit(&mut self, words: &[&str]) {
+        self.running.retain_mut(|child| child.try_wait().unwrap().is_none());
+        let node = self.rng.random_range(0..NODES);
+        let mut command = self.nodes[node].command(words);
+        self.running.push(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap());
+    }
+
+    fn flush(&mut self) {
+        let machine = machine_name(self.rng.random_range(0..NODES));
+        self.submit(&["flush", &machine]);
+    }
+
+    fn move_part(&mut self) {
+        let (part, machine) =
+            (self.rng.random_range(0..self.dropped.len().max(1)) + 1, machine_name(self.rng.random_range(0..NODES)));
+        self.submit(&["move", &part.to_string(), "--to", &machine]);
+    }
+
+    /// The printers take what is in their queues.
+    fn take_builds(&mut self) {
+        for node in &self.nodes {
+            for file in list_build_files(&node.farm.folder("queue")) {
+                let taken = node.farm.root().join("printed").join(file.file_name().unwrap());
+                fs::create_dir_all(taken.parent().unwrap()).unwrap();
+                assert!(!taken.exists(), "{} appears in the queue again", taken.display());
+                fs::rename(&file, &taken).unwrap();
+                self.taken.push(taken);
+            }
+        }
+    }
+
+    fn inject_fault(&mut self) {
+        use NodeFault::{Adopted, EndedInOrder, Killed, ServerCrashed, ServerRestarted, Slept};
+        let faults = [Killed, Killed, Killed, Slept, EndedInOrder, Adopted, ServerRestarted, ServerCrashed];
+        let fault = faults[self.rng.random_range(0..faults.len())];
+        let number = self.rng.random_range(0..NODES);
+        self.story.push(format!("{}: {fault:?} {number}", self.operations));
+        self.faults += 1;
+        let short = Duration::from_millis(self.rng.random_range(0..1_500));
+        match fault {
+            Killed => {
+                self.nodes[number].farm.kill();
+                std::thread::sleep(short / 3);
+                self.nodes[number].start();
+            }
+            Slept => {
+                signal(self.nodes[number].farm.pid(), Signal::STOP);
+                std::thread::sleep(Duration::from_secs(3) + short);
+                signal(self.nodes[number].farm.pid(), Signal::CONT);
+            }
+            EndedInOrder => {
+                signal(self.nodes[number].farm.pid(), Signal::TERM);
+                std::thread::sleep(short);
+                self.nodes[number].farm.kill();
+                self.nodes[number].start();
+            }
+            Adopted => {
+                self.nodes[number].farm.kill();
+                let heir = (number + 1) % NODES;
+                for machine in (0..NODES).map(machine_name) {
+                    // Refused while the lease lasts; the machine then stays where it is.
+                    std::thread::sleep(short);
+                    let adopt = self.nodes[heir].command(&["adopt", &machine]).output().unwrap();
+                    self.story.push(format!("  adopt {machine}: {}", adopt.status.success()));
+                }
+                self.nodes[number].start();
+            }
+            ServerRestarted => {
+                self.server.stop_server();
+                self.start_server_after(short);
+            }
+            ServerCrashed => {
+                self.server.crash_server();
+                self.start_server_after(short);
+            }
+        }
+        // A daemon that lost its right ends nothing by itself: the service manager's watchdog or a person starts it again.
+        for node in &mut self.nodes {
+            if node.farm.has_ended() || node.is_halted() {
+                node.farm.kill();
+                node.start();
+            }
+        }
+    }
+
+    fn start_server_after(&self, pause: Duration) {
+        std::thread::sleep(pause);
+        self.server.start_server();
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(self.server.connect("postgres"));
+    }
+
+    fn parts(&self) -> Vec<PartRow> {
+        let all = PartState::ALL;
+        self.nodes[0].farm.query_ledger(async |ledger| {
+            let mut parts = Vec::new();
+            for state in all {
+                parts.extend(ledger.parts_in_state(state).await.unwrap());
+            }
+            parts
+        })
+    }
+
+    /// Asks for what is missing until every part is printed. Returns what keeps it from that.
+    fn come_to_rest(&mut self) -> Option<String> {
+        let deadline = Instant::now() + Duration::from_secs(REST_SECS);
+        let mut unrest = String::new();
+        while Instant::now() < deadline {
+            self.take_builds();
+            for node in &mut self.nodes {
+                if node.farm.has_ended() || node.is_halted() {
+                    node.farm.kill();
+                    node.start();
+                }
+            }
+            let parts = self.parts();
+            let open: Vec<String> = (parts.iter().filter(|part| part.state.is_live()))
+                .map(|part| format!("part {} ({}) {} in {}", part.id, part.name, part.state, part.profile))
+                .collect();
+            if open.is_empty() && parts.len() >= self.dropped.len() {
+                return None;
+            }
+            unrest = format!("{} of {} parts are known, {open:?}", parts.len(), self.dropped.len());
+            self.drop_missing_originals();
+            for machine in (0..NODES).map(machine_name) {
+                self.submit(&["resume", &machine]);
+                self.submit(&["flush", &machine]);
+            }
+            std::thread::sleep(Duration::from_secs(3));
+        }
+        let alerts: String = (self.nodes.iter())
+            .map(|node| String::from_utf8_lossy(&node.command(&["status"]).output().unwrap().stdout).into_owned())
+            .collect();
+        Some(format!("the farm does not come to rest: {unrest}\n{alerts}"))
+    }
+
+    /// Drops the originals again that were on a node whose last machine was adopted.
+    fn drop_missing_originals(&mut self) {
+        let damaged = self.nodes[0].farm.query_ledger(async |ledger| ledger.damaged_parts().await.unwrap());
+        for part in damaged {
+            let Some(name) = self.names.get(&part.file.content_hash) else { continue };
+            let is_due = self.dropped_again.get(&part.id.0).is_none_or(|at| at.elapsed() > Duration::from_secs(60));
+            let number: usize = part.profile.trim_start_matches("machine-").parse().unwrap();
+            let farm = &self.nodes[number].farm;
+            let target = farm.folder("inbox").join(name);
+            if is_due && !target.exists() {
+                drop_file(farm.root(), &target, &self.dropped[name].1);
+                self.dropped_again.insert(part.id.0, Instant::now());
+            }
+        }
+    }
+
+    fn finish(mut self) -> SectionResult {
+        let mut broken: Vec<String> = self.come_to_rest().into_iter().collect();
+        self.take_builds();
+        broken.extend(self.compare_copies());
+        for node in &self.nodes {
+            let settings = settings::load_settings(Some(&node.farm.config()), Some(node.farm.root())).unwrap();
+            let own = node.farm.query_ledger(async |ledger| {
+                let rows = ledger.list_machines().await.unwrap();
+                let mut settings = settings;
+                settings
+                    .profiles
+                    .retain(|name, _| rows.iter().any(|row| row.profile == *name && row.node == node.name));
+                check_invariants(&settings, ledger, &InvariantExpectations::default()).await.unwrap().violations
+            });
+            broken.extend(own.iter().map(|violation| format!("{}: {violation}", node.name)));
+        }
+        if !broken.is_empty() {
+            broken.push(format!("the story was\n  {}", self.story.join("\n  ")));
+        }
+        let seed = self.seed;
+        SectionResult {
+            points: self.operations,
+            faults: self.faults,
+            files: self.dropped.len() as u64,
+            builds: self.taken.len() as u64,
+            broken: broken.into_iter().map(|text| format!("NESTD_SEED={seed}: {text}")).collect(),
+            note: format!("{NODES} nodes and PostgreSQL; NESTD_SEED={seed}"),
+            ..SectionResult::default()
+        }
+    }
+
+    /// Holds the copies in the build files against what was asked.
+    fn compare_copies(&self) -> Vec<String> {
+        let mut broken = Vec::new();
+        let mut printed: BTreeMap<(String, u32), u32> = BTreeMap::new();
+        for file in &self.taken {
+            for copy in build_file::read_build(file, &Default::default()).unwrap() {
+                *printed.entry((copy.part_number.unwrap(), copy.copy.unwrap())).or_default() += 1;
+            }
+        }
+        broken.extend(
+            printed
+                .iter()
+                .filter(|(_, times)| **times > 1)
+                .map(|((part, copy), times)| format!("DOUBLED: copy {copy} of part {part} is in {times} build files")),
+        );
+        let parts = self.parts();
+        for (hash, name) in &self.names {
+            let own: Vec<&PartRow> = parts.iter().filter(|part| part.file.content_hash == *hash).collect();
+            let found = printed.keys().filter(|(part, _)| own.iter().any(|own| own.id.to_string() == *part)).count();
+            let wanted = self.dropped[name].0 as usize;
+            if found != wanted || own.len() != 1 {
+                broken.push(format!("{name}: {found} copies are printed of {wanted}, as {} parts", own.len()));
+            }
+        }
+        broken
+    }
+}

@@ -1,0 +1,55 @@
+//! A node of the farm, as a process on folders of its own.
+
+use std::{fs, net::TcpListener, process::Command};
+
+use super::super::support::TestFarm;
+
+/// The file of a machine.
+pub const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+    final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 12\n";
+const FARM: &str = "scan_secs = 0.3\ncache_bytes = 0\nthreads = 1\n[log]\nfilter = \"info\"\n";
+/// The factor by which a lease is shorter than in production.
+const HURRY: &str = "10";
+
+/// A node, with its machine while nobody adopts that.
+pub struct FarmNode {
+    pub farm: TestFarm,
+    pub name: String,
+}
+
+impl FarmNode {
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = self.farm.command(args);
+        command.env("NESTD_TEST_HURRY", HURRY).env("NESTD_TEST_HOST", &self.name);
+        command
+    }
+
+    pub fn start(&mut self) {
+        self.farm.start_as(self.command(&["run"]));
+    }
+
+    /// Whether its daemon has lost its right since it was started, and does nothing more.
+    pub fn is_halted(&self) -> bool {
+        let log = self.farm.log();
+        let since = log.rfind("The farm is open").unwrap_or(0);
+        log[since..].contains("Another nestd is this node now")
+    }
+}
+
+/// The machine of a node.
+pub fn machine_name(number: usize) -> String {
+    format!("machine-{number}")
+}
+
+/// A node with its own machine.
+pub fn configured_node(number: usize, url: &str) -> FarmNode {
+    let farm = TestFarm::with_machine(&machine_name(number), MACHINE);
+    let name = format!("node-{number}");
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let config = format!(
+        "{FARM}[folders]\nledger = {url:?}\n[node]\nname = {name:?}\naddress = \"http://127.0.0.1:{port}\"\n\
+         [web]\nlisten = \"127.0.0.1:{port}\"\n"
+    );
+    fs::write(farm.config(), config).unwrap();
+    FarmNode { farm, name }
+}

@@ -189,20 +189,21 @@ impl OccupancyGrid {
             let part = &raster.columns[at];
             let column = ((x + part.x as usize) * self.cells_y + y + part.y as usize) * self.words;
             let words = &raster.words[part.first as usize..(part.first + part.count) as usize];
-            let free = |layer: usize| {
-                let low = layer + part.low as usize;
-                words.iter().enumerate().all(|(k, &word)| word & self.bits_at(column, low + 64 * k) == 0)
-            };
-            if free(layer) {
-                clear += 1;
-            } else {
-                layer += 1;
-                while layer < end && !free(layer) {
-                    layer += 1;
+            let mut hits = words.iter().enumerate().map(|(k, &word)| {
+                let low = layer + part.low as usize + 64 * k;
+                (word, word & self.bits_at(column, low))
+            });
+            match hits.find(|&(_, hit)| hit != 0) {
+                None => {
+                    clear += 1;
+                    at = if at + 1 == raster.columns.len() { 0 } else { at + 1 };
                 }
-                clear = 1;
+                // The run of voxels that meets an occupied voxel collides until it is above it as a whole.
+                Some((word, hit)) => {
+                    clear = 0;
+                    layer += (word << hit.leading_zeros()).leading_ones() as usize;
+                }
             }
-            at = if at + 1 == raster.columns.len() { 0 } else { at + 1 };
         }
         None
     }
@@ -252,6 +253,67 @@ impl OccupancyGrid {
                         self.top = self.top.max(z + 1 + self.lift);
                     }
                 }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Free layers of the columns of a part, by testing every layer and voxel.
+    fn lowest_layer_by_testing_all(
+        grid: &OccupancyGrid,
+        columns: &[[u128; 2]],
+        [x, y]: [usize; 2],
+        end: usize,
+    ) -> Option<usize> {
+        let is_set = |bits: &[u128; 2], at: usize| bits[at / 128] >> (at % 128) & 1 == 1;
+        let is_free = |layer: &usize| {
+            (0..columns.len()).all(|at| {
+                let column = ((x + at) * grid.cells_y + y) * grid.words;
+                let occupied = |low: usize| grid.bits_at(column, layer + low) & 1 == 1;
+                (0..256).all(|low| !is_set(&columns[at], low) || !occupied(low))
+            })
+        };
+        (0..end).find(is_free)
+    }
+
+    proptest! {
+        #[test]
+        fn the_lowest_free_layer_is_the_one_that_testing_all_of_them_finds(
+            columns in prop::collection::vec([any::<u128>(), any::<u128>()], 1..4),
+            thin in [any::<u128>(), any::<u128>()],
+            occupied in prop::collection::vec((0_usize..4, 0_usize..300, 1_usize..40), 0..12),
+        ) {
+            let mut grid = OccupancyGrid::new(DVec3::new(4.0, 1.0, 400.0), 0.0, 1.0, 0);
+            for (x, layer, lift) in occupied {
+                let column = x * grid.cells_y * grid.words;
+                set_bits(&mut grid.bits[column..column + grid.words], layer, lift);
+                grid.top = grid.top.max(layer + lift + 1);
+            }
+            // Dense columns have short gaps, sparse ones single voxels.
+            let columns: Vec<[u128; 2]> = columns.into_iter().map(|c| [c[0] & thin[0], c[1] | thin[1]]).collect();
+            let mut raster = PartRaster {
+                rotation: DQuat::IDENTITY,
+                corner_to_center: DVec3::ZERO,
+                size: DVec3::ONE,
+                layers: 256,
+                columns: Vec::new(),
+                words: Vec::new(),
+            };
+            for (x, column) in columns.iter().enumerate() {
+                let words = column.map(|half| [half as u64, (half >> 64) as u64]).concat();
+                raster.push_column(x as u32, 0, &words);
+            }
+            for end in [120, 400] {
+                prop_assert_eq!(
+                    grid.lowest_free_layer(&raster, [0, 0], 0, end),
+                    lowest_layer_by_testing_all(&grid, &columns, [0, 0], end)
+                );
             }
         }
     }

@@ -83,8 +83,10 @@ pub(super) async fn take_as_replacement(
 /// Checks whether somebody has put a damaged file back, or another node has it.
 pub(super) async fn check_damaged_files(farm: &mut Farm) -> Result<()> {
     update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await?;
-    let mut hashes: Vec<String> =
-        farm.ledger.damaged_parts().await?.into_iter().map(|part| part.file.content_hash).collect();
+    let mut parts = farm.ledger.damaged_parts().await?;
+    // The files of another node's machines are looked for there.
+    parts.retain(|part| farm.ledger.file().is_some() || farm.machines.contains_key(&part.profile));
+    let mut hashes: Vec<String> = parts.into_iter().map(|part| part.file.content_hash).collect();
     hashes.dedup();
     if hashes.is_empty() {
         return Ok(());

@@ -51,7 +51,9 @@ pub(super) async fn check_due_dates(farm: &mut Farm) -> Result<()> {
     let ahead = SignedDuration::try_from_secs_f64(longest.fold(0.0, f64::max)).unwrap_or_default();
     let parts = farm.ledger.due_parts(now.checked_add(ahead).unwrap_or(now)).await?;
     let mut orders: BTreeMap<(String, String, UtcTimestamp), Vec<DuePartRow>> = BTreeMap::new();
-    for part in parts {
+    // Another node looks after the dates of its machines.
+    let is_own = |part: &DuePartRow| farm.ledger.file().is_some() || farm.machines.contains_key(&part.profile);
+    for part in parts.into_iter().filter(is_own) {
         orders.entry((part.profile.clone(), part.order_name.clone(), part.due_at)).or_default().push(part);
     }
     for ((profile, order, due), parts) in orders {

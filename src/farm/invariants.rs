@@ -22,6 +22,7 @@ use anyhow::{Context, Result};
 
 pub use report::{AskedCopies, Invariant, InvariantExpectations, InvariantReport, InvariantViolation};
 
+use super::own_machines::without_other_nodes;
 use crate::{
     ledger::{Ledger, RuleScope},
     settings::Settings,
@@ -34,6 +35,7 @@ pub async fn check_invariants(
     ledger: &Ledger,
     witness: &InvariantExpectations,
 ) -> Result<InvariantReport> {
+    let settings = &without_other_nodes(settings, ledger).await?;
     let mut report = InvariantReport::default();
     for (scope, invariant) in [(RuleScope::Places, Invariant::I2), (RuleScope::OrderSums, Invariant::I5)] {
         let faults = ledger.find_inconsistencies_of(scope).await;

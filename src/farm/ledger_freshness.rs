@@ -16,6 +16,7 @@ use super::{
     claim_note,
     folder_builds::{FolderExpectations, FolderUnavailableError},
     newer_decisions,
+    own_machines::without_other_nodes,
     reconcile::find_unknown_builds,
 };
 use crate::{
@@ -40,6 +41,7 @@ pub async fn find_unknown_to_ledger(
     settings: &Settings,
     ledger: &Ledger,
 ) -> Result<(Vec<String>, Vec<FolderUnavailableError>)> {
+    let settings = &without_other_nodes(settings, ledger).await?;
     let (mut unknown, mut unavailable) = (Vec::new(), Vec::new());
     for profile in settings.profiles.values() {
         match find_unknown_build_names(settings, ledger, profile).await {

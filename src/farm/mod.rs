@@ -77,6 +77,7 @@ mod newer_decisions;
 mod node_content;
 mod obeyed_controls;
 mod open;
+mod own_machines;
 mod part_changes;
 mod part_questions;
 mod publish;

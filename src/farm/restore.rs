@@ -10,8 +10,8 @@ use std::{
 use anyhow::{Context, Result, ensure};
 
 use super::{
-    folder_builds::FolderExpectations, folder_check, ledger_service::serving_node, reconcile::reconcile_ledger,
-    reconcile_report::ReconcileReport, state_lock::StateDirLock,
+    folder_builds::FolderExpectations, folder_check, ledger_service::serving_node, own_machines::without_other_nodes,
+    reconcile::reconcile_ledger, reconcile_report::ReconcileReport, state_lock::StateDirLock,
 };
 use crate::{
     access,
@@ -74,7 +74,12 @@ async fn rebuild_ledger(
         LedgerAddress::File(_) => None,
         server => Some(Ledger::open_to_serve(server, &serving_node(settings, ServingRight::WholeLedger)).await?),
     };
-    let rebuilt = rebuild_copy(settings, begin, new_folders, &base, served.as_ref()).await;
+    // The folders of other nodes' machines are theirs to look at.
+    let own = match &served {
+        Some(served) => without_other_nodes(settings, served).await?,
+        None => settings.clone(),
+    };
+    let rebuilt = rebuild_copy(&own, begin, new_folders, &base, served.as_ref()).await;
     if let Some(served) = served {
         served.close().await;
     }

@@ -3,13 +3,15 @@
 use super::{EventKind, Ledger, PartId, PartRow, change::LedgerChange, error::Result, sql};
 
 impl Ledger {
-    /// Makes every part that needs this stored file wait until the file is intact again.
+    /// Makes every part of this node's machines that needs this stored file wait until the file is intact again.
     pub async fn mark_damaged(&self, hash: &str, why: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
         let parts: Vec<(PartId, String)> = sql::query_as(
-            "SELECT id, profile FROM part WHERE content_hash = $1 AND state IN ('claimed', 'waiting') AND damaged_at IS NULL",
+            "SELECT id, profile FROM part WHERE content_hash = $1 AND state IN ('claimed', 'waiting') AND damaged_at IS NULL \
+             AND ($2 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $2)))",
         )
         .bind(hash)
+        .bind(self.node())
         .fetch_all(change.db())
         .await?;
         let now = change.now;
@@ -24,7 +26,7 @@ impl Ledger {
     /// Records that the stored file is intact again, so its parts continue.
     pub async fn mark_whole(&self, hash: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        clear_damage(&mut change, hash).await?;
+        clear_damage(&mut change, hash, self.node()).await?;
         change.commit().await
     }
 
@@ -47,7 +49,7 @@ impl Ledger {
         .bind(claim)
         .fetch_optional(change.db())
         .await?;
-        let healed = clear_damage(&mut change, hash).await?;
+        let healed = clear_damage(&mut change, hash, self.node()).await?;
         let Some(part) = asked else {
             if healed {
                 change.commit().await?;
@@ -76,12 +78,14 @@ impl Ledger {
     }
 }
 
-/// The parts of a stored file that is intact again continue: they arrive among the waiting ones. Returns whether there are any.
-async fn clear_damage(change: &mut LedgerChange, hash: &str) -> Result<bool> {
+/// The parts of a file that is intact again in the store of a node continue: they arrive among the waiting ones. Other nodes have stores of
+/// their own; "" = there are none. Returns whether there are any.
+async fn clear_damage(change: &mut LedgerChange, hash: &str, node: &str) -> Result<bool> {
     let clear = sql::query_scalar(
-        "UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL RETURNING id",
+        "UPDATE part SET damaged_at = NULL WHERE content_hash = $1 AND damaged_at IS NOT NULL \
+         AND ($2 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $2))) RETURNING id",
     );
-    let parts: Vec<PartId> = clear.bind(hash).fetch_all(change.db()).await?;
+    let parts: Vec<PartId> = clear.bind(hash).bind(node).fetch_all(change.db()).await?;
     change.begin_to_wait_again(&parts).await?;
     Ok(!parts.is_empty())
 }

@@ -77,8 +77,10 @@ impl Ledger {
     pub async fn shift_claim_times(&self, jump: SignedDuration) -> Result<()> {
         let mut change = self.begin_change().await?;
         let parts: Vec<(PartId, UtcTimestamp, UtcTimestamp, Option<UtcTimestamp>)> = sql::query_as(
-            "SELECT id, claimed_at, state_at, put_back_at FROM part WHERE state IN ('claimed', 'waiting', 'batched')",
+            "SELECT id, claimed_at, state_at, put_back_at FROM part WHERE state IN ('claimed', 'waiting', 'batched') \
+             AND ($1 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $1)))",
         )
+        .bind(self.node())
         .fetch_all(change.db())
         .await?;
         let shifted = |at: UtcTimestamp| at.checked_add(jump).map_or(at, UtcTimestamp);

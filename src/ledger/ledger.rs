@@ -6,7 +6,7 @@ use std::{path::Path, sync::Arc, time::Duration};
 use super::postgres::{self, PostgresStore};
 use super::{
     CommandId, LedgerAddress, LedgerError, LiveRights, ServerAddress, ServerError, ServiceState, ServingNode,
-    UtcTimestamp,
+    ServingRight, UtcTimestamp,
     change::LedgerChange,
     consistency::{self, RuleScope},
     error::Result,
@@ -23,6 +23,8 @@ pub struct Ledger {
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
     /// The command that is carried out.
     command: Option<CommandId>,
+    /// The node that opened it to serve it, "" = none: its stored files are those of its machines.
+    node: Arc<str>,
 }
 
 /// Where the rows are.
@@ -71,10 +73,12 @@ impl Ledger {
     /// # Errors
     /// As [`Ledger::open`], and `Damaged` or `ServedByOther`.
     pub async fn open_to_serve(at: impl Into<LedgerAddress>, node: &ServingNode) -> Result<Self> {
-        match at.into() {
-            LedgerAddress::File(path) => Self::open_checked(&path).await,
-            LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Serve(node)).await,
-        }
+        let ledger = match at.into() {
+            LedgerAddress::File(path) => Self::open_checked(&path).await?,
+            LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Serve(node)).await?,
+        };
+        let name = if let ServingRight::Node(name) = &node.right { name.as_str() } else { "" };
+        Ok(Self { node: name.into(), ..ledger })
     }
 
     /// Opens an existing ledger with the current schema. For user interfaces, which must not create or change one.
@@ -128,7 +132,7 @@ impl Ledger {
     }
 
     fn of(store: LedgerStore) -> Self {
-        Self { store, clock: Arc::new(Timestamp::now), command: None }
+        Self { store, clock: Arc::new(Timestamp::now), command: None, node: "".into() }
     }
 
     /// Checks the files of a ledger that no daemon serves. `true` = its checksum matches every byte. A server looks after its files
@@ -180,6 +184,7 @@ impl Ledger {
     }
 
     /// Takes a duty that one node of a farm does for all, or keeps it for as long again. `false` = another one has it.
+    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
     pub async fn hold_duty(&self, duty: &str, owner: &str, lease: Duration) -> Result<bool> {
         match &self.store {
             LedgerStore::Sqlite(_) => Ok(true),
@@ -189,6 +194,7 @@ impl Ledger {
     }
 
     /// Takes the lease of a node away, unless it is held now. Returns its owner if it is held.
+    #[cfg_attr(not(feature = "postgres"), expect(unused_variables, reason = "a file has one node"))]
     pub(super) async fn revoke_lapsed(&self, db: &mut SqlTransaction, node: &str) -> Result<Option<String>> {
         match db {
             SqlTransaction::Sqlite(_) => Ok(None),
@@ -218,6 +224,11 @@ impl Ledger {
     /// asked for the change.
     pub fn for_command(&self, command: impl Into<Option<CommandId>>) -> Self {
         Self { command: command.into(), ..self.clone() }
+    }
+
+    /// The node that opened the ledger to serve it, "" = none.
+    pub(super) fn node(&self) -> &str {
+        &self.node
     }
 
     /// The file of the ledger, unless it is in PostgreSQL.

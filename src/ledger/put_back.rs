@@ -105,11 +105,14 @@ impl Ledger {
         Ok(query.fetch_all(self.reader()?).await?)
     }
 
-    /// The store holds this content again, so its parts continue.
+    /// The store holds this content again, so its parts on this node's machines continue.
     pub async fn mark_fetched(&self, hash: &str) -> Result<()> {
         let mut change = self.begin_change().await?;
-        let mark = sql::query("UPDATE part SET fetch_at = NULL WHERE content_hash = $1 AND fetch_at IS NOT NULL");
-        mark.bind(hash).execute(change.db()).await?;
+        let mark = sql::query(
+            "UPDATE part SET fetch_at = NULL WHERE content_hash = $1 AND fetch_at IS NOT NULL \
+             AND ($2 = '' OR profile NOT IN (SELECT profile FROM station WHERE node NOT IN ('', $2)))",
+        );
+        mark.bind(hash).bind(self.node()).execute(change.db()).await?;
         change.commit().await
     }
 

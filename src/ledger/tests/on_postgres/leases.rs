@@ -1,6 +1,6 @@
 //! The right to serve a ledger on a server: one daemon has it, and a change of one that has lost it is refused.
 
-use std::time::Duration;
+use std::{collections::BTreeMap, time::Duration};
 
 use super::*;
 
@@ -92,4 +92,47 @@ async fn a_database_without_a_ledger_is_told_from_one_with() {
     let error = Ledger::open(&nowhere).await.unwrap_err();
     assert!(matches!(error, LedgerError::Server(ServerError::Unreachable(_))), "{error}");
     assert!(error.is_disk_failure() && !error.to_string().contains("pass-word"), "{error}");
+}
+
+#[tokio::test]
+async fn what_a_node_says_of_its_store_concerns_its_own_machines() {
+    let address = fresh_address().await;
+    let open = async |name: &str| {
+        let right = ServingRight::Node(name.to_owned());
+        Ledger::open_to_serve(&address, &ServingNode { right, owner: name.to_owned(), lease: LONG }).await.unwrap()
+    };
+    let (first, second) = (open("print1").await, open("print2").await);
+    for (ledger, name, machine) in [(&first, "print1", "fuse-1"), (&second, "print2", "mjf-5200")] {
+        let heartbeat = NodeHeartbeat {
+            name: name.to_owned(),
+            address: String::new(),
+            pid: std::process::id(),
+            host: name.to_owned(),
+            version: "0".to_owned(),
+            started_at: Timestamp::now(),
+            status: String::new(),
+            machines: Vec::new(),
+        };
+        ledger.announce_node(&heartbeat).await.unwrap();
+        assert!(ledger.claim_machines(name, &[machine.to_owned()]).await.unwrap().is_empty());
+    }
+    let taken = second.claim_machines("print2", &["fuse-1".to_owned()]).await.unwrap();
+    assert_eq!(taken, BTreeMap::from([("fuse-1".to_owned(), "print1".to_owned())]));
+    // The same file on both.
+    let of = |machine: &str| NewPartRow { profile: machine.to_owned(), claim: machine.to_owned(), ..new_part("a", 1) };
+    let parts = [first.record_claim(&of("fuse-1")).await.unwrap(), second.record_claim(&of("mjf-5200")).await.unwrap()];
+    let hash = of("fuse-1").content_hash;
+    let damaged = async || first.damaged_parts().await.unwrap().iter().map(|part| part.id).collect::<Vec<_>>();
+    second.mark_damaged(&hash, "it is gone").await.unwrap();
+    assert_eq!(damaged().await, [parts[1].id]);
+    first.mark_whole(&hash).await.unwrap();
+    assert_eq!(damaged().await, [parts[1].id], "the store of the other node has it, not this one");
+    second.mark_whole(&hash).await.unwrap();
+    assert!(damaged().await.is_empty());
+    first.close().await;
+    // Nobody takes the machine of a node that is only away, and a person does.
+    assert_eq!(second.claim_machines("print2", &["fuse-1".to_owned()]).await.unwrap().len(), 1);
+    assert_eq!(second.adopt_machine("fuse-1", "print2", "ann").await.unwrap(), Some("print1".to_owned()));
+    assert_eq!(second.node_of_machine("fuse-1").await.unwrap(), Some("print2".to_owned()));
+    second.close().await;
 }

@@ -142,12 +142,21 @@ pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, timeout: Durat
         asked_by: user_at_host(),
     };
     let id = ledger.submit_command(&command).await?;
-    let answered = if is_daemon_alive(ledger).await? { wait_for_answer(ledger, id, timeout).await? } else { None };
+    let silent = silent_node(ledger, &command).await?;
+    let is_heard = silent.is_none() && is_daemon_alive(ledger).await?;
+    let answered = if is_heard { wait_for_answer(ledger, id, timeout).await? } else { None };
     let kind = command.kind;
     Ok(match answered {
         Some(row) if row.state == CommandState::Refused => (format!("Refused: {}", row.answer), CommandExit::Failure),
         Some(row) if row.answer.is_empty() => ("Done.".to_owned(), CommandExit::Success),
         Some(row) => (row.answer, CommandExit::Success),
+        None if silent.is_some() => {
+            let node = silent.unwrap_or_default();
+            let text = format!(
+                "The node {node}, which serves the machine, does not run; {kind} is noted and will be done when it starts."
+            );
+            (text, CommandExit::Success)
+        }
         None if is_daemon_alive(ledger).await? => {
             let text = format!(
                 "{kind} is noted, but the daemon has not answered yet: it is busy or hangs. `nestd status` says what it does."
@@ -158,6 +167,20 @@ pub async fn send_command(ledger: &Ledger, order: &DaemonCommand, timeout: Durat
             (format!("The daemon does not run; {kind} is noted and will be done when it starts."), CommandExit::Success)
         }
     })
+}
+
+/// The node that would carry a command out, if it does not run.
+async fn silent_node(ledger: &Ledger, command: &NewCommand) -> Result<Option<String>> {
+    if ledger.file().is_some() {
+        return Ok(None);
+    }
+    let profile = match command.part {
+        Some(part) => ledger.find_part(part).await?.map(|part| part.profile).unwrap_or_default(),
+        None => command.profile.clone(),
+    };
+    let Some(name) = ledger.node_of_machine(&profile).await? else { return Ok(None) };
+    let runs = ledger.find_node(&name).await?.is_some_and(|node| node.alive);
+    Ok((!runs).then_some(name))
 }
 
 async fn is_daemon_alive(ledger: &Ledger) -> Result<bool> {

@@ -162,6 +162,7 @@ impl FarmStatus {
         let machine = |machine: &MachineStatus| MachineNow {
             forecast: machine.forecast.clone(),
             is_configured: machine.configured,
+            other_node: self.other_node_of(&machine.forecast.status.profile),
             view: view.clone(),
         };
         let table = TextTable::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>(), &view);
@@ -175,6 +176,13 @@ impl FarmStatus {
             text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts, &view).fit_columns(columns));
         }
         text
+    }
+
+    /// The node that serves a machine, unless it is this one.
+    fn other_node_of(&self, profile: &str) -> Option<String> {
+        let serves = |listed: &&FarmNode| listed.machines.iter().any(|machine| machine == profile);
+        let is_this = |listed: &FarmNode| self.daemon.as_ref().is_some_and(|own| own.name == listed.node.name);
+        self.nodes.iter().find(serves).filter(|listed| !is_this(listed)).map(|listed| listed.node.name.clone())
     }
 
     fn daemon_line(&self, now: Timestamp) -> String {

@@ -40,6 +40,8 @@ pub struct MachineNow {
     pub forecast: MachineForecast,
     /// Whether the machine is (still) in the configuration.
     pub is_configured: bool,
+    /// The other node that serves the machine; `None` = this one does, or none.
+    pub other_node: Option<String>,
     /// How its times are shown.
     pub view: TimeView,
 }
@@ -111,8 +113,10 @@ impl MachineNow {
     fn doing(&self) -> String {
         let status = &self.forecast.status;
         let mut doing: Vec<String> = Vec::new();
-        if !self.is_configured {
-            doing.push("not configured".to_owned());
+        match &self.other_node {
+            Some(node) => doing.push(format!("served by {node}")),
+            None if !self.is_configured => doing.push("not configured".to_owned()),
+            None => {}
         }
         if let Some(pause) = &status.paused {
             doing.push(format!("paused by {}", if pause.paused_by.is_empty() { "-" } else { &pause.paused_by }));

@@ -61,7 +61,7 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         @for status in gone {
             p { "The profile " b { (status.profile) }
                 @match machines.iter().find(|observed| observed.profile == status.profile && !observed.node.is_empty()) {
-                    Some(observed) => { " is served by the node " b { (observed.node) } ": " }
+                    Some(observed) => { " is served by the node " (node_link(&nodes, &observed.node)) ": " }
                     None => { " is no longer configured: " }
                 }
                 (count(status.waiting_parts, "part waits", "parts wait")) "." }
@@ -69,6 +69,14 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
         @if settings.profiles.is_empty() { p { "No machine is configured." } }
     };
     Ok(html_page("Farm", "/", None, &content))
+}
+
+/// The name of a node, with a link to its pages where it has any.
+fn node_link(nodes: &[FarmNode], name: &str) -> Markup {
+    match nodes.iter().find(|listed| listed.node.name == name && !listed.node.address.is_empty()) {
+        Some(listed) => html! { a href=(listed.node.address) { (name) } },
+        None => html! { b { (name) } },
+    }
 }
 
 /// The nodes, where there are several.

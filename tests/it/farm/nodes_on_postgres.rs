@@ -147,6 +147,10 @@ fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
     assert!(!refused.status.success() && told.contains("is served by the node print1"), "{told}");
     // The server dies, with the file of a waiting part on it.
     first.farm.kill();
+    let told = second.farm.nestd_ok(&["pause", "machine-1"]);
+    assert!(told.contains("The node print1, which serves the machine, does not run"), "{told}");
+    let told = second.farm.nestd_ok(&["status"]);
+    assert!(told.contains("served by print1") && told.contains("does not answer"), "{told}");
     first.farm.drop_part("b.stl", &block(20.0, 20.0, 12.0));
     second.adopt("machine-1");
     second.farm.wait_for_parts(PartState::Waiting, 1);
@@ -154,6 +158,8 @@ fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
     first.farm.drop_part("a again.stl", &block(20.0, 20.0, 10.0));
     second.says("part 1 goes on with it");
     second.farm.wait_for_parts(PartState::Waiting, 2);
+    // The pause that was noted is in force.
+    second.farm.nestd_ok(&["resume", "machine-1"]);
     second.farm.nestd_ok(&["flush", "machine-1"]);
     first.farm.wait_for_queued(1);
     second.farm.wait_for_parts(PartState::Built, 2);

@@ -23,7 +23,7 @@ pub struct Ledger {
     clock: Arc<dyn Fn() -> Timestamp + Send + Sync>,
     /// The command that is carried out.
     command: Option<CommandId>,
-    /// The node that opened it to serve it, "" = none: its stored files are those of its machines.
+    /// The node that opened it on a server to serve it, "" = none: its stored files are those of its machines.
     node: Arc<str>,
 }
 
@@ -74,7 +74,7 @@ impl Ledger {
     /// As [`Ledger::open`], and `Damaged` or `ServedByOther`.
     pub async fn open_to_serve(at: impl Into<LedgerAddress>, node: &ServingNode) -> Result<Self> {
         let ledger = match at.into() {
-            LedgerAddress::File(path) => Self::open_checked(&path).await?,
+            LedgerAddress::File(path) => return Self::open_checked(&path).await,
             LedgerAddress::Server(server) => Self::open_server(&server, ServerUse::Serve(node)).await?,
         };
         let name = if let ServingRight::Node(name) = &node.right { name.as_str() } else { "" };
@@ -226,7 +226,7 @@ impl Ledger {
         Self { command: command.into(), ..self.clone() }
     }
 
-    /// The node that opened the ledger to serve it, "" = none.
+    /// The node that opened the ledger on a server to serve it, "" = none.
     pub(super) fn node(&self) -> &str {
         &self.node
     }

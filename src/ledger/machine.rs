@@ -54,10 +54,14 @@ impl Ledger {
         Ok(sql::query_as("SELECT * FROM station ORDER BY profile").fetch_all(self.reader()?).await?)
     }
 
-    /// Makes a node the one that serves machines, except those that another node serves. Returns these, each with its node. The one
-    /// node of a file serves all. The files of parts that a machine brings along are on the node that served it: they are fetched.
+    /// Makes a node the one that serves machines, except those that another node serves. Returns these, each with its node. The files of
+    /// parts that a machine brings along are on the node that served it: they are fetched. The one node of a file serves all its
+    /// machines, and nothing is written.
     pub async fn claim_machines(&self, node: &str, profiles: &[String]) -> Result<BTreeMap<String, String>> {
-        let (mut others, is_file) = (BTreeMap::new(), self.file().is_some());
+        if self.file().is_some() {
+            return Ok(BTreeMap::new());
+        }
+        let mut others = BTreeMap::new();
         let mut change = self.begin_change().await?;
         for profile in profiles {
             // A node that is not known any more serves nothing.
@@ -66,20 +70,18 @@ impl Ledger {
             let before: Option<String> = before.bind(profile).fetch_optional(change.db()).await?;
             match before {
                 Some(before) if before == node => continue,
-                Some(other) if !is_file => {
+                Some(other) => {
                     others.insert(profile.clone(), other);
                     continue;
                 }
-                _ => {}
+                None => {}
             }
             let claim = sql::query(
                 "INSERT INTO station (profile, is_inbox_there, is_queue_writable, node) VALUES ($1, FALSE, FALSE, $2) \
                  ON CONFLICT (profile) DO UPDATE SET node = excluded.node",
             );
             claim.bind(profile).bind(node).execute(change.db()).await?;
-            if !is_file {
-                fetch_files_of(&mut change, profile).await?;
-            }
+            fetch_files_of(&mut change, profile).await?;
         }
         change.commit().await?;
         Ok(others)

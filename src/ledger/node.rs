@@ -96,6 +96,10 @@ impl Ledger {
     /// Makes a node known that is just starting. What the heartbeat says of machines is not recorded. Nodes that lost their machines to
     /// others and have given no sign for long are forgotten.
     pub async fn announce_node(&self, heartbeat: &NodeHeartbeat) -> Result<()> {
+        if self.file().is_some() {
+            // Its first heartbeat will do; a full disk does not keep it from starting.
+            return Ok(());
+        }
         let mut change = self.begin_change().await?;
         let long_ago = change.now.0.saturating_sub(SignedDuration::from_hours(FORGET_NODE_HOURS)).unwrap_or_default();
         let forget = sql::query(

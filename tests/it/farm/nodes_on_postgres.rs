@@ -12,7 +12,7 @@ use super::{
 };
 
 /// The factor by which a lease is shorter than in production.
-const HURRY: &str = "10";
+const HURRY: &str = "5";
 
 /// A node with one machine.
 struct TestNode {

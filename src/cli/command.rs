@@ -174,10 +174,7 @@ async fn silent_node(ledger: &Ledger, command: &NewCommand) -> Result<Option<Str
     if ledger.file().is_some() {
         return Ok(None);
     }
-    let profile = match command.part {
-        Some(part) => ledger.find_part(part).await?.map(|part| part.profile).unwrap_or_default(),
-        None => command.profile.clone(),
-    };
+    let profile = ledger.machine_of_command(command.part, &command.profile).await?;
     let Some(name) = ledger.node_of_machine(&profile).await? else { return Ok(None) };
     let runs = ledger.find_node(&name).await?.is_some_and(|node| node.alive);
     Ok((!runs).then_some(name))

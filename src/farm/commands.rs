@@ -45,11 +45,11 @@ pub(super) async fn process_commands(farm: &mut Farm) -> Result<()> {
 
 /// Whether this node carries out a command: the one that serves its machine does, or the first node where none serves it.
 async fn concerns_this_node(farm: &Farm, command: &CommandRow) -> Result<bool> {
-    let profile = match command.part_id {
-        Some(part) => farm.ledger.find_part(part).await?.map(|part| part.profile).unwrap_or_default(),
-        None => command.profile.clone(),
-    };
-    if farm.machines.contains_key(&profile) || farm.ledger.file().is_some() {
+    if farm.ledger.file().is_some() {
+        return Ok(true);
+    }
+    let profile = farm.ledger.machine_of_command(command.part_id, &command.profile).await?;
+    if farm.machines.contains_key(&profile) {
         return Ok(true);
     }
     match farm.ledger.node_of_machine(&profile).await? {

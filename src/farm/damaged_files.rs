@@ -85,7 +85,7 @@ pub(super) async fn check_damaged_files(farm: &mut Farm) -> Result<()> {
     update_damaged_alerts(&farm.ledger, &farm.machines, &mut farm.alerts).await?;
     let mut parts = farm.ledger.damaged_parts().await?;
     // The files of another node's machines are looked for there.
-    parts.retain(|part| farm.ledger.file().is_some() || farm.machines.contains_key(&part.profile));
+    parts.retain(|part| farm.looks_after(&part.profile));
     let mut hashes: Vec<String> = parts.into_iter().map(|part| part.file.content_hash).collect();
     hashes.dedup();
     if hashes.is_empty() {

@@ -52,8 +52,7 @@ pub(super) async fn check_due_dates(farm: &mut Farm) -> Result<()> {
     let parts = farm.ledger.due_parts(now.checked_add(ahead).unwrap_or(now)).await?;
     let mut orders: BTreeMap<(String, String, UtcTimestamp), Vec<DuePartRow>> = BTreeMap::new();
     // Another node looks after the dates of its machines.
-    let is_own = |part: &DuePartRow| farm.ledger.file().is_some() || farm.machines.contains_key(&part.profile);
-    for part in parts.into_iter().filter(is_own) {
+    for part in parts.into_iter().filter(|part| farm.looks_after(&part.profile)) {
         orders.entry((part.profile.clone(), part.order_name.clone(), part.due_at)).or_default().push(part);
     }
     for ((profile, order, due), parts) in orders {

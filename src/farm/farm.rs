@@ -53,6 +53,12 @@ impl Farm {
         self.schedule.time.date()
     }
 
+    /// Whether this node looks after the parts of a machine. The one node of a file looks after all, also after those of a machine that
+    /// is not configured any more.
+    pub(super) fn looks_after(&self, profile: &str) -> bool {
+        self.ledger.file().is_some() || self.machines.contains_key(profile)
+    }
+
     /// Runs a step. A step that fails is logged, waits, and is retried.
     pub(super) async fn run_step(&mut self, what: &str, step: impl AsyncFnOnce(&mut Self) -> Result<()>) {
         if self.schedule.step_backoff.is_waiting(&what.to_owned()) {

@@ -156,6 +156,14 @@ impl Ledger {
         Ok(id)
     }
 
+    /// The machine whose node carries a command out: that of its part, else the one that it names; "" = none.
+    pub async fn machine_of_command(&self, part: Option<PartId>, profile: &str) -> Result<String> {
+        match part {
+            Some(part) => Ok(self.find_part(part).await?.map(|part| part.profile).unwrap_or_default()),
+            None => Ok(profile.to_owned()),
+        }
+    }
+
     /// The commands that are not answered yet, oldest first.
     pub async fn pending_commands(&self) -> Result<Vec<CommandRow>> {
         let query = sql::query_as("SELECT * FROM command WHERE state = 'asked' ORDER BY id");

@@ -107,6 +107,37 @@ impl NestingRun<'_> {
 
     /// Searches for the best layout. Returns the prepared instance, unless the budget ended before it was prepared.
     pub(super) fn search_layout(&mut self, start: &[ItemPlacement]) -> Option<PreparedInstance> {
+        let task = self.begin_search(start)?;
+        let is_overfull = self.best_items.len() < task.copies.len();
+        self.compress_layouts(&task, if is_overfull { PRECEDENCE_FROM } else { 1.0 - TIE_BREAK_SHARE });
+        self.finish_layout(&task);
+        Some(task)
+    }
+
+    /// The first round of a lane: everything but what comes after the height.
+    pub(super) fn search_first_round(&mut self, start: &[ItemPlacement]) {
+        if let Some(task) = self.begin_search(start) {
+            self.compress_layouts(&task, 1.0);
+        }
+    }
+
+    /// A later round of a lane: the copies that are in stay in, and no other copy is inserted.
+    pub(super) fn search_next_round(&mut self, start: &[ItemPlacement]) {
+        let Some(task) = self.prepare_instance(Arc::new(self.outline_instance())) else { return };
+        self.offer_layout(retained_items(&task, self.instance, start));
+        let task = self.with_finer_proxies(task, 0.0);
+        self.compress_layouts(&task, 1.0);
+    }
+
+    /// What comes after the last round of all lanes.
+    pub(super) fn finish_search(&mut self, start: &[ItemPlacement]) {
+        let Some(task) = self.prepare_instance(Arc::new(self.outline_instance())) else { return };
+        self.offer_layout(retained_items(&task, self.instance, start));
+        self.finish_layout(&task);
+    }
+
+    /// Prepares the instance and builds first layouts. If they do not place all copies, decides which ones are in.
+    fn begin_search(&mut self, start: &[ItemPlacement]) -> Option<PreparedInstance> {
         let outlined = Arc::new(self.outline_instance());
         if start.is_empty() && self.instance.pinned().is_empty() {
             self.stack_boxes(&outlined);
@@ -131,12 +162,14 @@ impl NestingRun<'_> {
             self.retry_unplaced(&task);
         }
         self.enforce_precedence(&task, InsertionEffort::Gap);
-        let is_overfull = self.best_items.len() < task.copies.len();
-        self.compress_layouts(&task, if is_overfull { PRECEDENCE_FROM } else { 1.0 - TIE_BREAK_SHARE });
-        self.improve_tie_breaks(&task);
-        // Whatever moved since may have made room.
-        self.enforce_precedence(&task, InsertionEffort::Rebuild);
         Some(task)
+    }
+
+    /// Improves what counts after the height, and the order of precedence.
+    fn finish_layout(&mut self, task: &PreparedInstance) {
+        self.improve_tie_breaks(task);
+        // Whatever moved since may have made room.
+        self.enforce_precedence(task, InsertionEffort::Rebuild);
     }
 
     /// Stacks bounding boxes in several orders. If not all copies fit, uses the order of precedence.

@@ -39,13 +39,14 @@ struct WrittenItem {
     clearance_mm: Option<f64>,
 }
 
-impl<'a> From<&'a NestingInstance> for WrittenInstance<&'a Mesh> {
-    fn from(instance: &'a NestingInstance) -> Self {
-        let mut meshes: Vec<&Mesh> = Vec::new();
+impl<M> WrittenInstance<M> {
+    /// The serialized form with each distinct mesh as `write` gives it.
+    fn of<'a>(instance: &'a NestingInstance, mut write: impl FnMut(&'a Arc<Mesh>) -> M) -> Self {
+        let mut meshes: Vec<M> = Vec::new();
         let mut known: HashMap<*const Mesh, usize> = HashMap::new();
         let item = |item: &'a NestingItem| WrittenItem {
             mesh: *known.entry(Arc::as_ptr(&item.mesh)).or_insert_with(|| {
-                meshes.push(&item.mesh);
+                meshes.push(write(&item.mesh));
                 meshes.len() - 1
             }),
             name: item.name.clone(),
@@ -64,13 +65,26 @@ impl<'a> From<&'a NestingInstance> for WrittenInstance<&'a Mesh> {
             pinned: instance.pinned().to_vec(),
         }
     }
+
+    fn map_meshes<E>(self, read: impl FnMut(M) -> Result<Arc<Mesh>, E>) -> Result<WrittenInstance<Arc<Mesh>>, E> {
+        Ok(WrittenInstance {
+            meshes: self.meshes.into_iter().map(read).collect::<Result<_, _>>()?,
+            volume: self.volume,
+            clearance_mm: self.clearance_mm,
+            clearance_z_extra_mm: self.clearance_z_extra_mm,
+            layer_cap: self.layer_cap,
+            keep_out: self.keep_out,
+            pinned: self.pinned,
+            items: self.items,
+        })
+    }
 }
 
-impl TryFrom<WrittenInstance<Mesh>> for NestingInstance {
+impl TryFrom<WrittenInstance<Arc<Mesh>>> for NestingInstance {
     type Error = InstanceError;
 
-    fn try_from(written: WrittenInstance<Mesh>) -> Result<Self, InstanceError> {
-        let meshes: Vec<Arc<Mesh>> = written.meshes.into_iter().map(Arc::new).collect();
+    fn try_from(written: WrittenInstance<Arc<Mesh>>) -> Result<Self, InstanceError> {
+        let meshes = written.meshes;
         let item = |(at, item): (usize, WrittenItem)| {
             let missing = InstanceError::NoMesh { item: at, mesh: item.mesh, meshes: meshes.len() };
             Ok(NestingItem {
@@ -92,13 +106,58 @@ impl TryFrom<WrittenInstance<Mesh>> for NestingInstance {
 
 impl Serialize for NestingInstance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        WrittenInstance::from(self).serialize(serializer)
+        WrittenInstance::of(self, |mesh| &**mesh).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for NestingInstance {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        WrittenInstance::<Mesh>::deserialize(deserializer)?.try_into().map_err(D::Error::custom)
+        let written = WrittenInstance::<Mesh>::deserialize(deserializer)?;
+        written.map_meshes(|mesh| Ok(Arc::new(mesh)))?.try_into().map_err(D::Error::custom)
+    }
+}
+
+/// The serialized form of an instance that names its meshes, which are kept elsewhere.
+///
+/// ```
+/// use std::{collections::HashMap, sync::Arc};
+/// use glam::DVec3;
+/// use nester::{BuildVolume, InstanceError, NamedMeshInstance, NestingInstance, NestingItem};
+///
+/// let clip = Arc::new(sample_parts::clip(22.0, 2.4, 14.0));
+/// let volume = BuildVolume { size_mm: DVec3::splat(60.0) };
+/// let instance = NestingInstance::new(volume, 1.5, vec![NestingItem::new("clip", clip, 6)])?;
+/// let mut kept = HashMap::new();
+/// let named = NamedMeshInstance::new(&instance, |mesh| {
+///     kept.insert("clip.mesh".to_owned(), mesh.clone());
+///     "clip.mesh".to_owned()
+/// });
+/// let text = serde_json::to_string(&named).unwrap();
+///
+/// let named: NamedMeshInstance = serde_json::from_str(&text).unwrap();
+/// let back = named.load_meshes(|name| Ok::<_, InstanceError>(kept[name].clone()))?;
+/// assert_eq!(back.copy_count(), 6);
+/// # Ok::<(), InstanceError>(())
+/// ```
+#[derive(Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct NamedMeshInstance(WrittenInstance<String>);
+
+impl NamedMeshInstance {
+    /// The instance with each distinct mesh as `name` calls it.
+    pub fn new(instance: &NestingInstance, name: impl FnMut(&Arc<Mesh>) -> String) -> Self {
+        Self(WrittenInstance::of(instance, name))
+    }
+
+    /// The instance with the meshes that `load` gives for their names.
+    ///
+    /// # Errors
+    /// A mesh cannot be loaded, or the instance is none.
+    pub fn load_meshes<E: From<InstanceError>>(
+        self,
+        mut load: impl FnMut(&str) -> Result<Arc<Mesh>, E>,
+    ) -> Result<NestingInstance, E> {
+        Ok(self.0.map_meshes(|name| load(&name))?.try_into()?)
     }
 }
 

@@ -76,6 +76,7 @@ pub use fit_check::{FitFailure, find_fitting_rotation};
 pub use height_bound::lower_bound_mm;
 pub use insert::insert_copies;
 pub use instance::{InstanceError, NestingInstance, NestingItem};
+pub use instance_serde::NamedMeshInstance;
 pub use lanes::{LaneEnd, LanePlan, LaneTask, finish_lanes, run_lane};
 pub use layer_cap::{DEFAULT_LAYER_MM, LayerAreaCap};
 pub use layers::LayerAreas;

@@ -82,6 +82,11 @@ impl SearchBudget {
         self.shared.is_cancelled.store(true, Ordering::Relaxed);
     }
 
+    /// Whether [`SearchBudget::cancel`] was called.
+    pub fn is_cancelled(&self) -> bool {
+        self.shared.is_cancelled.load(Ordering::Relaxed)
+    }
+
     /// Wall seconds since the construction of the budget.
     pub fn elapsed_secs(&self) -> f64 {
         self.began.elapsed().as_secs_f64()
@@ -104,7 +109,7 @@ impl SearchBudget {
     }
 
     fn share_at(&self, evaluations: u64) -> f64 {
-        if self.shared.is_cancelled.load(Ordering::Relaxed) {
+        if self.is_cancelled() {
             return f64::INFINITY;
         }
         let of_time = self.time_limit.map(|limit| share(self.began.elapsed().as_secs_f64(), limit.as_secs_f64()));

@@ -27,6 +27,7 @@ fn words(text: &str) -> Vec<String> {
 
 async fn write_heartbeat(ledger: &Ledger) {
     let heartbeat = NodeHeartbeat {
+        lanes: 0,
         name: "host".to_owned(),
         address: String::new(),
         pid: 4711,

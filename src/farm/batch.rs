@@ -170,7 +170,7 @@ async fn start_layout_search(
     let profile = name.to_owned();
     farm.jobs.start(ImproveLayoutJob { profile, round }, move || {
         lower_thread_priority();
-        request.run_search(&meshes)
+        request.run_search(&meshes, None)
     });
     Ok(())
 }
@@ -294,7 +294,7 @@ pub(super) fn has_free_slot(farm: &Farm) -> bool {
     let improving = farm.jobs.running_subjects::<ImproveLayoutJob>().filter(|name| {
         is_due(farm.machines.get(*name).and_then(|s| s.open.search.as_ref()).map(|search| &search.budget))
     });
-    let finals = farm.nesting.final_searches.values().filter(|(budget, _)| is_due(Some(budget)));
+    let finals = farm.nesting.final_searches.values().filter(|search| is_due(Some(&search.budget)));
     let searches = improving.count() + finals.count();
     searches < farm.nesting.slots
 }

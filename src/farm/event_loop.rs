@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
+use nester::SearchBudget;
 use tracing::{info, warn};
 
 use super::{
@@ -14,7 +15,7 @@ use super::{
     intake_jobs::{self, PartReadJob},
     job_events,
     jobs::LoopEvent,
-    lease_renewal,
+    lane_job, lease_renewal,
     ledger_changes::LedgerFingerprint,
     ledger_service, machine_setup, nest, open, publish, revisions,
     signals::{DaemonSignal, SignalListener},
@@ -126,6 +127,7 @@ async fn run_ledger_steps(farm: &mut Farm) {
     farm.run_step("reading", intake_jobs::start_reading).await;
     farm.run_step("revisions", revisions::take_out_replaced).await;
     farm.run_step("originals", fetch_originals::fetch_originals).await;
+    farm.run_step("lanes", lane_job::search_lanes).await;
     // Fired builds come before open ones, so that they get the free slots first.
     farm.run_step("nesting", nest::nest_fired_builds).await;
     for name in names {
@@ -163,7 +165,8 @@ pub(super) async fn shut_down(farm: &mut Farm) {
     farm.lifecycle.services.set_open(false);
     farm.lifecycle.is_stopping = true;
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
-    farm.nesting.final_searches.values().for_each(|(budget, _)| budget.cancel());
+    farm.nesting.final_searches.values().for_each(|search| search.budget.cancel());
+    farm.nesting.lanes.values().for_each(SearchBudget::cancel);
     farm.machines.values().filter_map(|s| s.open.search.as_ref()).for_each(|search| search.budget.cancel());
     job_events::wait_for_jobs(farm, deadline).await;
     if farm.lifecycle.is_halted {
@@ -193,8 +196,8 @@ pub(super) async fn shut_down(farm: &mut Farm) {
 
 /// Stores the layouts of searches that did not end in time.
 async fn save_found_layouts(farm: &mut Farm) {
-    for (build, (_, best)) in &farm.nesting.final_searches {
-        let found = best.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+    for (build, search) in &farm.nesting.final_searches {
+        let found = search.best_layout.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
         if let Some(layout) = found
             && let Err(failure) = batch::save_layout(&farm.ledger, *build, &layout).await
         {

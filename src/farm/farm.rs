@@ -94,7 +94,7 @@ impl Farm {
         if !self.lifecycle.is_halted {
             self.lifecycle.is_halted = true;
             self.lifecycle.services.set_open(false);
-            self.nesting.final_searches.values().for_each(|(budget, _)| budget.cancel());
+            self.nesting.final_searches.values().for_each(|search| search.budget.cancel());
             self.machines.values_mut().for_each(|machine| machine.open.reset());
             self.alerts.raise(kind, "", "", why);
             let active: Vec<FarmAlert> = self.alerts.active_alerts().collect();

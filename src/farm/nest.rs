@@ -18,6 +18,7 @@ use super::{
     folder_lease::FolderLease,
     jobs::BackgroundJob,
     kept_build::{self, KeptBuild},
+    lane_search::LaneSearch,
     layout::{CopyId, placed_from_json, placed_from_rows},
     left_out::find_left_out,
     mesh_source::MeshSource,
@@ -25,7 +26,7 @@ use super::{
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
     publish,
     queues::{self, demand_staged},
-    state::NestingState,
+    state::{NestingState, RunningSearch},
     write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
 };
 use crate::{
@@ -154,7 +155,9 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
         seed,
         best_layout: SharedBestLayout::default(),
     };
-    farm.nesting.final_searches.insert(build.id, (budget, request.best_layout.clone()));
+    let lanes = LaneSearch::for_build(farm, build.id, secs).await?;
+    let (best_layout, is_in_lanes) = (request.best_layout.clone(), lanes.is_some());
+    farm.nesting.final_searches.insert(build.id, RunningSearch { budget, best_layout, is_in_lanes });
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
     let kept = find_kept_build(farm, &write.build).await?;
@@ -170,7 +173,7 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
                 warn!("The kept build file cannot be used: {failure:#}.");
             }
         }
-        nest_write_and_prove(&request, &write, &mut leases.archive, &meshes).map(Box::new)
+        nest_write_and_prove(&request, &write, &mut leases.archive, &meshes, lanes.as_ref()).map(Box::new)
     });
     Ok(())
 }
@@ -210,7 +213,11 @@ async fn report_left_out_of_build(farm: &mut Farm, build: BuildId, unplaced: &[C
 
 /// Commits a written and proved build; publishing follows in the same tick.
 async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
-    farm.nesting.final_searches.remove(&build);
+    let search = farm.nesting.final_searches.remove(&build);
+    // What a stop has cut off is resumed by the next start.
+    if search.is_some_and(|search| search.is_in_lanes) && !farm.lifecycle.is_stopping {
+        farm.ledger.end_lane_search(build).await?;
+    }
     if let Some(build) = farm.ledger.find_build(build).await? {
         crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
     }
@@ -293,7 +300,9 @@ async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, bui
 
 /// A build's job panicked.
 async fn on_final_panicked(farm: &mut Farm, build: BuildId, message: &str) -> Result<()> {
-    farm.nesting.final_searches.remove(&build);
+    if farm.nesting.final_searches.remove(&build).is_some_and(|search| search.is_in_lanes) {
+        farm.ledger.end_lane_search(build).await?;
+    }
     farm.ledger.end_search(build).await?;
     record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("panicked: {message}")).await
 }
@@ -304,8 +313,9 @@ fn nest_write_and_prove(
     write: &BuildWriteRequest,
     archive: &mut FolderLease,
     meshes: &MeshSource,
+    lanes: Option<&LaneSearch>,
 ) -> Result<WrittenBuild> {
-    let nested = request.run_search(meshes)?;
+    let nested = request.run_search(meshes, lanes)?;
     ensure!(!nested.layout.placed.is_empty(), "no copy found a place");
     let written = write_and_prove(write, &nested)?;
     archive.check_usable()?;

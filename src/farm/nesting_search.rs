@@ -6,6 +6,7 @@ use anyhow::Result;
 use nester::{NestingSolution, SearchBudget};
 
 use super::{
+    lane_search::{LaneSearch, NestingProblem},
     layout::{BatchLayout, LayoutPlacement, NestingBatch, NestingPart},
     mesh_source::MeshSource,
 };
@@ -49,8 +50,8 @@ pub struct NestingResult {
 }
 
 impl NestingRequest {
-    /// Runs the search; returns when the budget is spent or cancelled.
-    pub fn run_search(&self, meshes: &MeshSource) -> Result<NestingResult> {
+    /// Runs the search, with `lanes` on several nodes; returns when the budget is spent or cancelled.
+    pub fn run_search(&self, meshes: &MeshSource, lanes: Option<&LaneSearch>) -> Result<NestingResult> {
         let batch = self.load_batch(meshes)?;
         let instance = batch.create_instance(&self.profile)?;
         let mut config = self.profile.search.nest.clone();
@@ -63,14 +64,28 @@ impl NestingRequest {
             *self.best_layout.lock().unwrap_or_else(PoisonError::into_inner) =
                 Some(batch.layout_from_solution(&instance, solution));
         };
-        let solution =
-            nester::nest_with_cache(&instance, &config, &start, &meshes.prepared, &self.budget, &mut listener);
+        let prepared = &meshes.prepared;
+        let (solution, lane_cpu_secs) = match lanes {
+            None => (nester::nest_with_cache(&instance, &config, &start, prepared, &self.budget, &mut listener), 0.0),
+            Some(lanes) => {
+                let problem = NestingProblem { instance: &instance, config: &config, prepared, start: &start };
+                let found = lanes.run(&problem, &self.budget, &mut listener);
+                (found.solution, found.lane_cpu_secs)
+            }
+        };
         let layout = batch.layout_from_solution(&instance, &solution);
         *self.best_layout.lock().unwrap_or_else(PoisonError::into_inner) = Some(layout.clone());
         let lower_bound_mm =
             nester::lower_bound_mm(&batch.placed_only(&layout).create_instance(&self.profile).unwrap_or(instance));
         let (batch, wall_secs) = (batch.merge_parts(), self.budget.elapsed_secs());
-        Ok(NestingResult { batch, layout, lower_bound_mm, cpu_secs: cpu_secs(config.threads) - cpu, wall_secs, curve })
+        Ok(NestingResult {
+            batch,
+            layout,
+            lower_bound_mm,
+            cpu_secs: cpu_secs(config.threads) - cpu + lane_cpu_secs,
+            wall_secs,
+            curve,
+        })
     }
 
     fn load_batch(&self, meshes: &MeshSource) -> Result<NestingBatch> {
@@ -84,7 +99,7 @@ impl NestingRequest {
 
 /// CPU seconds used so far: by this thread if it searches alone, otherwise by the process, since no other search runs
 /// then.
-fn cpu_secs(threads: usize) -> f64 {
+pub(super) fn cpu_secs(threads: usize) -> f64 {
     use rustix::time::{ClockId, clock_gettime};
     let time = clock_gettime(if threads == 1 { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime });
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9

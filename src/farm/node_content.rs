@@ -14,6 +14,7 @@ use ureq::{
     tls::{RootCerts, TlsConfig},
 };
 
+use super::lane_problem::mesh_files;
 use crate::{
     access,
     intake::{self, ContentStore},
@@ -116,17 +117,20 @@ impl OtherNodes {
     }
 }
 
-/// A file with this content that this node keeps, in its store or in an archive of its machines; `None` = none.
+/// A file with this content that this node keeps, in its store, among the meshes of searches or in an archive of its machines; `None` =
+/// none.
 ///
 /// # Errors
 /// The ledger cannot be read.
 pub async fn find_kept_content(settings: &Settings, ledger: &Ledger, hash: &str) -> Result<Option<PathBuf>> {
     let store = ContentStore::from_dir(settings.state_dir.join("store"));
     let Ok(stored) = store.file_path(hash) else { return Ok(None) };
+    let meshes = mesh_files(&settings.state_dir);
     let archives = archive_folders(ledger, hash, |profile| settings.profiles.get(profile)).await?;
     let hash = hash.to_owned();
     let looked = tokio::task::spawn_blocking(move || match store.verify_hash(&hash) {
         Ok(()) => Some(stored),
+        Err(_) if meshes.verify_hash(&hash).is_ok() => meshes.file_path(&hash).ok(),
         Err(_) => archives.iter().find_map(|folder| find_original(folder, &hash)),
     });
     Ok(looked.await?)

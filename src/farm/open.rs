@@ -14,6 +14,7 @@ use super::{
     folder_comparison,
     folder_lease::LeaseError,
     jobs::JobRunner,
+    lane_problem::MESHES_DIR,
     lease_holder::LeaseHolder,
     lease_renewal,
     ledger_freshness::check_ledger_current,
@@ -163,6 +164,9 @@ impl OpenedState {
         let holder = LeaseHolder::for_this_process(&settings.state_dir, since)
             .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
         let store = ContentStore::open(settings.state_dir.join("store"))?;
+        if ledger.file().is_none() {
+            ContentStore::open(settings.state_dir.join(MESHES_DIR))?;
+        }
         Ok(Self { lock, holder, ledger, store })
     }
 }

@@ -11,14 +11,14 @@ use jiff::Timestamp;
 use nester::SearchBudget;
 
 use super::{
-    alert_registry::ServiceBridge, forgettable::ForgettingState, lease_holder::LeaseHolder,
-    ledger_changes::LedgerChangeDetector, nesting_search::SharedBestLayout, retry_backoff::RetryBackoff,
-    standing_claim::StandingClaim, state_lock::StateDirLock, tick_tasks::TaskTimes, time_source::TimeSource,
-    wall_clock::WallClockMonitor,
+    alert_registry::ServiceBridge, forgettable::ForgettingState, lane_problem::SharedLaneProblem,
+    lease_holder::LeaseHolder, ledger_changes::LedgerChangeDetector, nesting_search::SharedBestLayout,
+    retry_backoff::RetryBackoff, standing_claim::StandingClaim, state_lock::StateDirLock, tick_tasks::TaskTimes,
+    time_source::TimeSource, wall_clock::WallClockMonitor,
 };
 use crate::{
     intake::InboxWatcher,
-    ledger::{BuildId, CommandRow, PartId, PartRow, RefusalCause},
+    ledger::{BuildId, CommandRow, LaneId, PartId, PartRow, RefusalCause},
     settings::{Settings, SettingsError},
 };
 
@@ -61,6 +61,17 @@ pub(super) struct ReadingState {
     pub(super) reads_alone: bool,
 }
 
+/// A final search that runs.
+#[derive(Debug)]
+pub(super) struct RunningSearch {
+    /// Its budget, by which it is cancelled.
+    pub(super) budget: SearchBudget,
+    /// The best layout so far.
+    pub(super) best_layout: SharedBestLayout,
+    /// Whether it is made in lanes, so that this node's threads are free for them.
+    pub(super) is_in_lanes: bool,
+}
+
 /// State of fired builds, until they are published.
 #[derive(Debug, Default)]
 pub(super) struct NestingState {
@@ -68,8 +79,14 @@ pub(super) struct NestingState {
     pub(super) slots: usize,
     /// Builds fired by this process that have not been started.
     pub(super) just_fired: HashSet<BuildId>,
+    /// The lanes that this node searches.
+    pub(super) lanes: HashMap<LaneId, SearchBudget>,
+    /// Builds of which this node could not search a lane.
+    pub(super) lane_backoff: RetryBackoff<BuildId>,
+    /// What the lanes of this node have in common.
+    pub(super) lane_problem: SharedLaneProblem,
     /// Running final searches.
-    pub(super) final_searches: HashMap<BuildId, (SearchBudget, SharedBestLayout)>,
+    pub(super) final_searches: HashMap<BuildId, RunningSearch>,
     /// Number of failed attempts to make each build in this run, and the last reason.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
     /// Builds that failed and wait for a retry.
@@ -89,7 +106,12 @@ impl NestingState {
     /// The state before the first build is nested. The clocks of `time` measure the wait before a failed build is
     /// retried.
     pub(super) fn by(time: TimeSource) -> Self {
-        Self { slots: 1, backoff: RetryBackoff::by(time), ..Self::default() }
+        Self {
+            slots: 1,
+            lane_backoff: RetryBackoff::by(time.clone()),
+            backoff: RetryBackoff::by(time),
+            ..Self::default()
+        }
     }
 }
 

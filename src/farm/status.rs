@@ -20,6 +20,7 @@ use super::{
     intake_jobs::HotFolderScanJob,
     job_events,
     jobs::BackgroundJob,
+    lane_job,
     layout::BatchLayout,
     lost_ledger, machine_availability,
     machine_state::MachineState,
@@ -194,6 +195,7 @@ pub(super) fn describe_node(farm: &Farm) -> NodeHeartbeat {
         host: rustix::system::uname().nodename().to_string_lossy().into_owned(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
         started_at: farm.lifecycle.started_at,
+        lanes: u32::try_from(lane_job::offered_lanes(farm)).unwrap_or(u32::MAX),
         status: farm.display.status_line.clone(),
         machines: machine_availability::observed_machines(farm),
     }

@@ -20,6 +20,7 @@ use super::{
     forgettable::{Forgettable, KEEP_REFUSED_SECS},
     jobs::BackgroundJob,
     jobs::JobRunner,
+    lane_job,
 };
 use crate::{
     intake,
@@ -71,6 +72,7 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
     if !farm.schedule.clock.is_retention_trusted() {
         return Ok(());
     }
+    lane_job::forget_old_meshes(farm);
     let archives: Vec<(FolderLease, PathBuf, OutputRules)> = (farm.machines.values())
         .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.clone()))
         .collect();

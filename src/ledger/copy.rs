@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(super) const TABLES: [CopiedTable; 14] = [
+pub(super) const TABLES: [CopiedTable; 16] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -46,6 +46,8 @@ pub(super) const TABLES: [CopiedTable; 14] = [
     keyed("receiver", None),
     keyed("replacement", Some("part_id")),
     keyed("customer_order", None),
+    keyed("lane_search", None),
+    keyed("lane", None),
 ];
 /// All views.
 pub(super) const VIEWS: [&str; 5] =

@@ -63,6 +63,7 @@ async fn record_heartbeat(ledger: &fixtures::TestLedger, trouble: &str) {
         trouble: Some(trouble.to_owned()),
     };
     let heartbeat = NodeHeartbeat {
+        lanes: 0,
         name: "host".to_owned(),
         address: String::new(),
         pid: std::process::id(),

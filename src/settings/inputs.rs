@@ -82,11 +82,12 @@ pub(super) const HOST: &str = "host";
 pub(super) struct NodeInputs {
     pub name: String,
     pub address: OptionalValue<String>,
+    pub lanes: OptionalValue<usize>,
 }
 
 impl Default for NodeInputs {
     fn default() -> Self {
-        Self { name: HOST.to_owned(), address: OptionalValue::OFF }
+        Self { name: HOST.to_owned(), address: OptionalValue::OFF, lanes: OptionalValue(Some(0)) }
     }
 }
 

@@ -100,6 +100,7 @@ fn read_settings(
 ) -> Option<Settings> {
     let farm_text = read_config_text(file, problems);
     let machine_texts = read_machine_files(file, problems);
+    let has_machines = !machine_texts.is_empty();
     let machines: Vec<(&str, Option<ConfigFragment>)> = (machine_texts.iter())
         .map(|(name, file, text)| (name.as_str(), ConfigFragment::parse_toml::<ProfileInputs>(file, text, problems)))
         .collect();
@@ -110,7 +111,7 @@ fn read_settings(
     validation_rules::validate_farm(&inputs, &mut validator);
     let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
-    let node = super::node::validate_node(&inputs.node, &mut validator);
+    let node = super::node::validate_node(&inputs.node, inputs.resources.threads, &mut validator);
     let web = super::web::validate_web(&inputs.web, &mut validator);
     let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut validator);
     let notify = super::notify::validate_notify(&inputs.notify, &mut validator);
@@ -142,10 +143,14 @@ fn read_settings(
         problems.append(&mut validator.problems);
     }
     problems.extend(folder_conflicts::find_all_conflicts(claims, state, follows_links));
+    let ledger = folders::ledger_address(&inputs.folders, &state_dir);
+    if !has_machines && ledger.file().is_some() {
+        problems.push(missing_machine(file));
+    }
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {
         file: file.to_owned(),
-        ledger: folders::ledger_address(&inputs.folders, &state_dir),
+        ledger,
         inbox_base: folders::path_below(&root, &inputs.folders.inbox),
         root,
         time_zone,
@@ -161,9 +166,24 @@ fn read_settings(
     })
 }
 
+/// The folder of the machine files.
+fn machine_folder(farm_file: &Path) -> PathBuf {
+    farm_file.parent().unwrap_or(Path::new("")).join(PROFILES_DIR)
+}
+
+/// A farm has machines. Of the nodes that share a ledger on a server, some may have none: they search for the others.
+fn missing_machine(farm_file: &Path) -> ConfigProblem {
+    ConfigProblem {
+        file: machine_folder(farm_file),
+        line: None,
+        text: "there is no machine profile".into(),
+        remedy: "put one file per machine here, as in profiles/mjf-5200.toml; its name is the profile's name".into(),
+    }
+}
+
 /// Name, file and text of every machine file, by name.
 fn read_machine_files(farm_file: &Path, problems: &mut Vec<ConfigProblem>) -> Vec<(String, PathBuf, String)> {
-    let folder = farm_file.parent().unwrap_or(Path::new("")).join(PROFILES_DIR);
+    let folder = machine_folder(farm_file);
     let mut files: Vec<PathBuf> = match fs::read_dir(&folder) {
         Ok(entries) => {
             entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_machine_file(path)).collect()
@@ -171,15 +191,6 @@ fn read_machine_files(farm_file: &Path, problems: &mut Vec<ConfigProblem>) -> Ve
         Err(_) => Vec::new(),
     };
     files.sort();
-    if files.is_empty() {
-        problems.push(ConfigProblem {
-            file: folder,
-            line: None,
-            text: "there is no machine profile".into(),
-            remedy: "put one file per machine here, as in profiles/mjf-5200.toml; its name is the profile's name"
-                .into(),
-        });
-    }
     let named = |file: PathBuf| {
         let text = read_config_text(&file, problems)?;
         Some((file.file_stem()?.to_string_lossy().into_owned(), file, text))

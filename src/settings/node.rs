@@ -9,6 +9,8 @@ use super::{
 
 /// Most letters of a name.
 const MAX_LETTERS: usize = 64;
+/// Most lanes of a node.
+const MAX_LANES: usize = 1024;
 
 /// A node: a daemon among those that share one ledger on a server.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,10 +19,12 @@ pub struct NodeSettings {
     pub name: String,
     /// Where the other nodes reach its dashboard, without a slash at the end; `None` = they cannot.
     pub address: Option<String>,
+    /// Lanes that it searches at once for the nodes of the farm.
+    pub lanes: usize,
 }
 
-/// Validates the options of the node.
-pub(super) fn validate_node(inputs: &NodeInputs, validator: &mut ConfigValidator) -> NodeSettings {
+/// Validates the options of the node, whose searches may use `threads` (0 = one per core).
+pub(super) fn validate_node(inputs: &NodeInputs, threads: usize, validator: &mut ConfigValidator) -> NodeSettings {
     let is_fit = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
     let name = match inputs.name.as_str() {
         HOST => {
@@ -43,7 +47,14 @@ pub(super) fn validate_node(inputs: &NodeInputs, validator: &mut ConfigValidator
             "write http://HOST:PORT, where HOST is a name that the other nodes know",
         );
     }
-    NodeSettings { name, address }
+    let lanes = match (inputs.lanes.0, threads) {
+        (None, _) => 0,
+        (Some(0), 0) => std::thread::available_parallelism().map_or(1, usize::from),
+        (Some(0), threads) => threads,
+        (Some(lanes), _) => lanes,
+    };
+    validator.require_within("node.lanes", lanes, 0..=MAX_LANES);
+    NodeSettings { name, address, lanes }
 }
 
 fn is_address(address: &str) -> bool {

@@ -212,6 +212,7 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
         trouble: Some(trouble.to_owned()),
     };
     let heartbeat = |trouble: &str| crate::ledger::NodeHeartbeat {
+        lanes: 0,
         name: "host".to_owned(),
         address: String::new(),
         pid: std::process::id(),

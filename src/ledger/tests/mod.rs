@@ -1,6 +1,7 @@
 //! Tests of the ledger, on real SQLite files.
 
 mod backup;
+mod lanes;
 mod lifecycle;
 mod migrations;
 #[cfg(feature = "postgres")]

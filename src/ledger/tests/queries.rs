@@ -166,6 +166,7 @@ async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
     let ledger = fresh().await;
     assert_eq!(ledger.find_node("host").await.unwrap(), None);
     let heartbeat = NodeHeartbeat {
+        lanes: 0,
         name: "host".into(),
         address: String::new(),
         pid: 4711,

@@ -132,6 +132,40 @@ fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
 }
 
 #[test]
+fn a_node_without_machines_searches_for_the_others_and_may_die_of_it() {
+    let server = PostgresCluster::start();
+    let url = new_database(&server);
+    let mut owner = TestNode::new(1, &url);
+    owner.farm.write_profile(&owner.machine(), &QUICK.replace("final_secs = 0.5", "final_secs = 6.0"));
+    let mut workers = [2, 3].map(|number| {
+        let mut worker = TestNode::new(number, &url);
+        fs::remove_file(worker.farm.root().join(format!("config/profiles/{}.toml", worker.machine()))).unwrap();
+        // The daemon makes none where it has no machine.
+        fs::create_dir_all(worker.farm.folder("inbox")).unwrap();
+        worker.start();
+        worker
+    });
+    owner.start();
+    let nodes = owner.farm.nestd_ok(&["nodes"]);
+    assert_eq!(nodes.matches("runs").count(), 3, "{nodes}");
+    owner.farm.drop_part("a_x30.stl", &block(20.0, 14.0, 10.0));
+    owner.farm.wait_for_parts(PartState::Waiting, 1);
+    owner.farm.nestd_ok(&["flush", &owner.machine()]);
+    owner.says("is searched in");
+    workers[0].says("Searching lane");
+    workers[1].says("Searching lane");
+    workers[0].farm.kill();
+    owner.farm.wait_for_queued(1);
+    owner.farm.wait_for_parts(PartState::Built, 1);
+    super::support::farm_files::assert_each_copy_once(&owner.farm.queued(), 30);
+    let told = owner.command(&["check", "--deep"]).output().unwrap();
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("I1 to I5 hold"), "{told}");
+    workers[1].farm.stop();
+    owner.farm.stop();
+}
+
+#[test]
 fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
     let server = PostgresCluster::start();
     let url = new_database(&server);

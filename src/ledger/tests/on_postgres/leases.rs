@@ -104,6 +104,7 @@ async fn what_a_node_says_of_its_store_concerns_its_own_machines() {
     let (first, second) = (open("print1").await, open("print2").await);
     for (ledger, name, machine) in [(&first, "print1", "fuse-1"), (&second, "print2", "mjf-5200")] {
         let heartbeat = NodeHeartbeat {
+            lanes: 0,
             name: name.to_owned(),
             address: String::new(),
             pid: std::process::id(),

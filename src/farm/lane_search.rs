@@ -1,0 +1,279 @@
+//! The final search for a build on several nodes: its owner cuts it into lanes, which all nodes search, itself included, and takes the
+//! best of them. Lanes and what they found are rows of the ledger: after a restart, the search goes on where it was.
+
+use std::{
+    collections::BTreeMap,
+    time::{Duration, Instant},
+};
+
+use anyhow::{Context, Result};
+use nester::{
+    ItemPlacement, LaneEnd, LanePlan, LaneTask, NestingConfig, NestingInstance, NestingSolution, PreparedMeshes,
+    ProgressListener, SearchBudget, StopCondition, finish_lanes, nest_with_cache, run_lane,
+};
+use serde::{Deserialize, Serialize};
+use tokio::runtime::Handle;
+use tracing::{info, warn};
+
+use super::{
+    farm::Farm,
+    lane_problem::{LaneProblem, mesh_files},
+};
+use crate::{
+    intake::ContentStore,
+    ledger::{BuildId, LaneRow, LaneSearchRow, Ledger},
+};
+
+/// A search that is shorter than this is not worth the way to other nodes.
+const SHORTEST_SECS: f64 = 2.0;
+/// Share of the time for the first layouts, which the owner makes alone.
+const FIRST_SHARE: f64 = 0.15;
+/// Share of the time after which the owner knows how many evaluations a lane makes in a second.
+const TRIAL_SHARE: f64 = 0.2;
+/// Share of the time that is left for the lanes; the rest is for their way.
+const LANE_SHARE: f64 = 0.9;
+/// A search that takes longer than its time by this share ends with what its lanes have found.
+const OVERTIME_SHARE: f64 = 0.5;
+/// Number of rounds, after each of which the better half of the lanes goes on.
+const ROUNDS: u32 = 4;
+/// Most lanes of a search.
+const MAX_LANES: u32 = 64;
+/// Share of the evaluations of a lane for the criteria that count after the height.
+const FINISH_SHARE: f64 = 0.02;
+/// Interval at which the owner looks for the ends of lanes.
+const POLL_INTERVAL: Duration = Duration::from_millis(200);
+
+/// What a lane has found.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct LaneResult {
+    /// The layout.
+    pub(super) end: LaneEnd,
+    /// What it took, CPU seconds.
+    pub(super) cpu_secs: f64,
+}
+
+/// The final search for a build on several nodes.
+pub(super) struct LaneSearch {
+    ledger: Ledger,
+    runtime: Handle,
+    build: BuildId,
+    files: ContentStore,
+    /// Number of lanes.
+    lanes: u32,
+}
+
+/// What is searched, and from where.
+pub(super) struct NestingProblem<'a> {
+    pub(super) instance: &'a NestingInstance,
+    pub(super) config: &'a NestingConfig,
+    pub(super) prepared: &'a PreparedMeshes,
+    /// An earlier layout to continue from.
+    pub(super) start: &'a [ItemPlacement],
+}
+
+/// What a search on several nodes has found.
+pub(super) struct LaneSearchEnd {
+    pub(super) solution: NestingSolution,
+    /// What lanes on all nodes took, CPU seconds.
+    pub(super) lane_cpu_secs: f64,
+}
+
+/// A budget of which only a share may be used.
+struct BudgetShare<'a> {
+    budget: &'a SearchBudget,
+    until: f64,
+}
+
+impl StopCondition for BudgetShare<'_> {
+    fn spent_share_at(&self, evaluations: u64) -> f64 {
+        self.budget.spent_share_at(evaluations) / self.until
+    }
+}
+
+impl LaneSearch {
+    /// The search for a build of this farm that takes `secs`; `None` = this node searches alone, because no other one that runs offers
+    /// lanes.
+    pub(super) async fn for_build(farm: &Farm, build: BuildId, secs: f64) -> Result<Option<Self>> {
+        if farm.ledger.file().is_some() || secs < SHORTEST_SECS {
+            return Ok(None);
+        }
+        let nodes = farm.ledger.list_nodes().await?;
+        let offered = |row: &crate::ledger::NodeRow| if row.alive { row.lanes } else { 0 };
+        let own = &farm.settings.node.name;
+        if !nodes.iter().any(|row| row.name != *own && offered(row) > 0) {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            ledger: farm.ledger.clone(),
+            runtime: Handle::current(),
+            build,
+            files: mesh_files(&farm.settings.state_dir),
+            lanes: nodes.iter().map(offered).sum::<u32>().min(MAX_LANES),
+        }))
+    }
+
+    /// Searches until all rounds have ended, the time is over, or the budget is cancelled. Where the other nodes are of no use, this node
+    /// goes on alone.
+    pub(super) fn run(
+        &self,
+        problem: &NestingProblem<'_>,
+        budget: &SearchBudget,
+        listener: &mut dyn ProgressListener,
+    ) -> LaneSearchEnd {
+        let mut known = problem.start.to_vec();
+        match self.search_together(problem, budget, &mut known, listener) {
+            Ok(Some(found)) => return found,
+            Ok(None) => {}
+            Err(failure) => {
+                warn!(build.id = %self.build, "The search for build {} goes on without other nodes: {failure:#}.", self.build);
+            }
+        }
+        let NestingProblem { instance, config, prepared, .. } = *problem;
+        let solution = nest_with_cache(instance, config, &known, prepared, budget, listener);
+        LaneSearchEnd { solution, lane_cpu_secs: 0.0 }
+    }
+
+    /// `None` = it is better to go on alone, from `known`: not all copies have a place, or the budget is used up.
+    fn search_together(
+        &self,
+        problem: &NestingProblem<'_>,
+        budget: &SearchBudget,
+        known: &mut Vec<ItemPlacement>,
+        listener: &mut dyn ProgressListener,
+    ) -> Result<Option<LaneSearchEnd>> {
+        let NestingProblem { instance, config, prepared, .. } = *problem;
+        let deadline =
+            Instant::now() + Duration::from_secs_f64(budget.secs_left().unwrap_or(0.0) * (1.0 + OVERTIME_SHARE));
+        let text = serde_json::to_string(&LaneProblem::describe(instance, config, &self.files)?)?;
+        let begun = self.runtime.block_on(self.ledger.find_lane_search(self.build))?;
+        let plan = match begun.filter(|row| row.problem == text) {
+            Some(row) => serde_json::from_str(&row.plan).context("reading the plan of its lanes")?,
+            None => match self.begin(problem, text, budget, known, listener)? {
+                Some(plan) => plan,
+                None => return Ok(None),
+            },
+        };
+        let found = self.runtime.block_on(self.follow_rounds(&plan, budget, deadline, listener))?;
+        let Some(best) = LanePlan::best_end(&found.ends) else { return Ok(None) };
+        let finish = SearchBudget::of_evaluations((plan.evaluations as f64 * FINISH_SHARE) as u64);
+        let finished = finish_lanes(instance, config, prepared, &best.placements, &finish);
+        let solution = NestingSolution { evaluations: found.evaluations, ..finished };
+        Ok(Some(LaneSearchEnd { solution, lane_cpu_secs: found.cpu_secs }))
+    }
+
+    /// Makes first layouts, learns what a lane costs, and begins the search with as many evaluations as the time allows.
+    fn begin(
+        &self,
+        problem: &NestingProblem<'_>,
+        text: String,
+        budget: &SearchBudget,
+        known: &mut Vec<ItemPlacement>,
+        listener: &mut dyn ProgressListener,
+    ) -> Result<Option<LanePlan>> {
+        let NestingProblem { instance, config, prepared, start } = *problem;
+        let share = |until: f64| BudgetShare { budget, until };
+        let first = nest_with_cache(instance, config, start, prepared, &share(FIRST_SHARE), listener);
+        *known = first.placements;
+        if !first.unplaced.is_empty() || budget.spent_share() >= 1.0 {
+            return Ok(None);
+        }
+        let trial = LaneTask { round: 1, lane: 0, seed: config.seed, evaluations: u64::MAX, start: known.clone() };
+        let began = Instant::now();
+        let tried = run_lane(instance, config, prepared, &trial, &share(TRIAL_SHARE));
+        let per_second = tried.evaluations as f64 / began.elapsed().as_secs_f64().max(1e-3);
+        let evaluations = (per_second * budget.secs_left().unwrap_or(0.0) * LANE_SHARE) as u64;
+        if evaluations == 0 || tried.placements.len() < known.len() {
+            return Ok(None);
+        }
+        *known = tried.placements;
+        let plan = LanePlan { lanes: self.lanes, rounds: ROUNDS, evaluations, seed: config.seed };
+        let search = LaneSearchRow { problem: text, plan: serde_json::to_string(&plan)? };
+        let tasks = written_tasks(&plan.first_tasks(known))?;
+        self.runtime.block_on(self.ledger.begin_lane_search(self.build, &search, &tasks))?;
+        info!(build.id = %self.build, lanes = plan.lanes, evaluations, "Build {} is searched in {} lanes.", self.build, plan.lanes);
+        Ok(Some(plan))
+    }
+
+    /// Waits for the lanes of each round, and begins the next one. Returns what the lanes of the last round have found that has an end.
+    async fn follow_rounds(
+        &self,
+        plan: &LanePlan,
+        budget: &SearchBudget,
+        deadline: Instant,
+        listener: &mut dyn ProgressListener,
+    ) -> Result<RoundsEnd> {
+        let mut found = RoundsEnd::default();
+        loop {
+            // Where the ledger cannot be reached, what the nodes have found is not lost: they tell it when they reach it again.
+            let looked = self.take_in_lanes(plan, &mut found, listener).await;
+            if matches!(looked, Ok(true)) || budget.is_cancelled() {
+                return Ok(found);
+            }
+            if Instant::now() >= deadline {
+                looked?;
+                info!(build.id = %self.build, "Not all lanes of build {} have ended in time: what they have found is taken.", self.build);
+                return Ok(found);
+            }
+            tokio::time::sleep(POLL_INTERVAL).await;
+        }
+    }
+
+    /// Looks at the lanes, and begins the next round where all of one have ended. Returns whether the search has ended.
+    async fn take_in_lanes(
+        &self,
+        plan: &LanePlan,
+        found: &mut RoundsEnd,
+        listener: &mut dyn ProgressListener,
+    ) -> Result<bool> {
+        let rows = self.ledger.list_lanes(self.build).await?;
+        let Some(round) = found.take_in(&rows)? else { return Ok(rows.is_empty()) };
+        report_best(found, listener);
+        let tasks = plan.next_tasks(round, &found.ends);
+        if !tasks.is_empty() {
+            self.ledger.add_lane_round(self.build, round + 1, &written_tasks(&tasks)?).await?;
+        }
+        Ok(tasks.is_empty())
+    }
+}
+
+/// What the lanes have found so far.
+#[derive(Default)]
+struct RoundsEnd {
+    /// The ends of the last round of which any lane has ended.
+    ends: Vec<LaneEnd>,
+    evaluations: u64,
+    cpu_secs: f64,
+}
+
+impl RoundsEnd {
+    /// Takes in the lanes of a search. Returns the last round, if all lanes have ended.
+    fn take_in(&mut self, rows: &[LaneRow]) -> Result<Option<u32>> {
+        let mut ends: BTreeMap<u32, Vec<LaneEnd>> = BTreeMap::new();
+        (self.evaluations, self.cpu_secs) = (0, 0.0);
+        for row in rows {
+            let Some(text) = &row.result else { continue };
+            let result: LaneResult = serde_json::from_str(text)
+                .with_context(|| format!("reading lane {} of round {}", row.lane + 1, row.round + 1))?;
+            self.evaluations += result.end.evaluations;
+            self.cpu_secs += result.cpu_secs;
+            ends.entry(row.round).or_default().push(result.end);
+        }
+        let (round, ends) = ends.pop_last().unwrap_or_default();
+        self.ends = ends;
+        let is_whole = !rows.is_empty() && rows.iter().all(|row| row.result.is_some());
+        Ok(is_whole.then_some(round))
+    }
+}
+
+/// Tells of the best layout of a round.
+fn report_best(found: &RoundsEnd, listener: &mut dyn ProgressListener) {
+    if let Some(best) = LanePlan::best_end(&found.ends) {
+        let (placements, height_mm, evaluations) = (best.placements.clone(), best.height_mm, found.evaluations);
+        let solution = NestingSolution { placements, unplaced: Vec::new(), height_mm, evaluations };
+        listener.on_improved(&solution, evaluations);
+    }
+}
+
+fn written_tasks(tasks: &[LaneTask]) -> Result<Vec<String>> {
+    Ok(tasks.iter().map(serde_json::to_string).collect::<Result<_, _>>()?)
+}

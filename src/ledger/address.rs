@@ -1,8 +1,5 @@
 //! Where a ledger is: a SQLite file, or a database of a PostgreSQL server. A password is in no text that this type gives.
 
-#[cfg(feature = "postgres")]
-use sqlx::postgres::PgSslMode;
-
 use std::{
     fmt,
     path::{Path, PathBuf},
@@ -13,7 +10,7 @@ const SCHEMES: [&str; 2] = ["postgres://", "postgresql://"];
 
 /// What may stand in the query of an address.
 #[cfg(feature = "postgres")]
-const OPTION_WORDS: [&str; 3] = ["host", "port", "sslmode"];
+const OPTION_WORDS: [&str; 4] = ["host", "port", "sslmode", "sslrootcert"];
 
 /// Where a ledger is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -75,20 +72,13 @@ impl ServerAddress {
         let remedy = "write postgres://user@host/database, with %40 for an @ inside a part";
         // The driver would log a word that it does not know together with what it says, which may be a password.
         if let Some(word) = self.unknown_words().next() {
-            let remedy = "only host, port and sslmode may stand after the ?; a password stands in \
+            let remedy = "only host, port, sslmode and sslrootcert may stand after the ?; a password stands in \
                           folders.ledger_password_file, or in the address as user:password@host";
             return Some((format!("{self} has \"{}\" after the ?", word.escape_debug()), remedy));
         }
         match self.url.parse::<sqlx::postgres::PgConnectOptions>() {
             Ok(options) if options.get_database().is_none_or(str::is_empty) => {
                 Some((format!("{self} names no database"), remedy))
-            }
-            Ok(options)
-                if !matches!(options.get_ssl_mode(), PgSslMode::Disable | PgSslMode::Allow | PgSslMode::Prefer) =>
-            {
-                let remedy = "leave sslmode out, and reach the database through a socket (?host=/run/postgresql), a tunnel or a \
-                              network of its own";
-                Some((format!("{self} asks for TLS, which this nestd does not speak to PostgreSQL"), remedy))
             }
             Ok(_) => None,
             // The error of the parser may quote the address.
@@ -207,12 +197,14 @@ mod tests {
     #[cfg(feature = "postgres")]
     #[test]
     fn an_address_that_cannot_be_used_is_refused_without_its_password() {
-        assert_eq!(LedgerAddress::parse("postgres://farm:pw@db/nestd?sslmode=disable", None).find_problem(), None);
+        for right in ["?sslmode=disable", "?sslmode=verify-full&sslrootcert=/etc/nestd/db-ca.crt"] {
+            assert_eq!(LedgerAddress::parse(&format!("postgres://farm:pw@db/nestd{right}"), None).find_problem(), None);
+        }
         for wrong in [
             "postgres://farm:pw@db:port/nestd",
             "postgres://farm:pw@db",
             "postgres://farm@db/x?password=pw",
-            "postgres://farm:pw@db/x?sslmode=require",
+            "postgres://farm:pw@db/x?sslmode=perhaps",
         ] {
             let (text, remedy) = LedgerAddress::parse(wrong, None).find_problem().unwrap();
             assert!(!text.contains("pw") && remedy.contains("host"), "{text}");

@@ -1,8 +1,10 @@
-//! Three nodes as one farm on a PostgreSQL server, all as processes: parts are dropped, flushed and moved between the nodes, while nodes
-//! are killed, stopped for longer than a lease, ended in order, have their machines adopted, and the server is restarted or crashes. At
-//! the end each dropped part must be printed in exactly the copies that were asked for: the build files tell, not the ledger.
+//! Three nodes with machines and one without as one farm on a PostgreSQL server, all as processes: parts are dropped, flushed and moved
+//! between the nodes, and builds are searched on several of them, while nodes are killed, stopped for longer than a lease, ended in
+//! order, have their machines adopted or their connections cut, and the server is restarted or crashes. At the end each dropped part must be printed in exactly the copies that were asked for: the build files tell, not the ledger.
 
 mod farm_node;
+mod node_fault;
+mod server_link;
 
 use std::{
     collections::BTreeMap,
@@ -19,19 +21,15 @@ use nestd::{
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rustix::process::Signal;
 
 use super::{
     budget::SectionBudget,
     pool::seed,
     postgres_cluster::{PostgresCluster, find_programs},
     section_result::SectionResult,
-    support::{
-        farm_files::{block, drop_file, list_build_files, stl},
-        signal,
-    },
+    support::farm_files::{block, drop_file, list_build_files, stl},
 };
-use farm_node::{FarmNode, MACHINE, configured_node, machine_name};
+use farm_node::{FarmNode, configured_node, configured_worker, machine_name, machine_text};
 
 const NODES: usize = 3;
 /// Parts and faults of a long run; a short run ends when its time is over.
@@ -56,6 +54,8 @@ pub fn run(budget: &SectionBudget) -> SectionResult {
 /// The nodes, and what the test knows.
 struct NodesFarm {
     nodes: Vec<FarmNode>,
+    /// A node without machines, which searches for the others.
+    worker: FarmNode,
     server: PostgresCluster,
     rng: ChaCha8Rng,
     seed: u64,
@@ -75,9 +75,10 @@ impl NodesFarm {
     fn new(seed: u64) -> Self {
         let server = PostgresCluster::start();
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
-        let url = server.url(&runtime.block_on(server.make_database(None)));
-        let mut nodes: Vec<FarmNode> = (0..NODES).map(|number| configured_node(number, &url)).collect();
-        for node in &mut nodes {
+        let database = runtime.block_on(server.make_database(None));
+        let mut nodes: Vec<FarmNode> = (0..NODES).map(|number| configured_node(number, &server, &database)).collect();
+        let mut worker = configured_worker(&server, &database);
+        for node in nodes.iter_mut().chain([&mut worker]) {
             node.start();
             let is_open = || node.farm.log().contains("The farm is open");
             super::support::wait_until("the node has its machine", 60.0, is_open);
@@ -88,12 +89,15 @@ impl NodesFarm {
                 .map(|kind| format!("{kind} = {:?}\n", nodes[number].farm.folder(kind)))
                 .concat();
             for other in (0..NODES).filter(|&other| other != number) {
-                nodes[other].farm.write_profile(&machine_name(number), &format!("{MACHINE}[folders]\n{folders}"));
+                nodes[other]
+                    .farm
+                    .write_profile(&machine_name(number), &format!("{}[folders]\n{folders}", machine_text(number)));
             }
         }
         nodes.iter().for_each(|node| node.farm.reload());
         Self {
             nodes,
+            worker,
             server,
             rng: ChaCha8Rng::seed_from_u64(seed),
             seed,
@@ -107,19 +111,6 @@ impl NodesFarm {
             story: Vec::new(),
         }
     }
-}
-
-/// What goes wrong.
-#[derive(Debug, Clone, Copy)]
-enum NodeFault {
-    Killed,
-    /// Stopped for longer than a lease, and continued.
-    Slept,
-    EndedInOrder,
-    /// Killed, and its machines adopted by another node before it comes back.
-    Adopted,
-    ServerRestarted,
-    ServerCrashed,
 }
 
 impl NodesFarm {
@@ -186,67 +177,6 @@ impl NodesFarm {
         }
     }
 
-    fn inject_fault(&mut self) {
-        use NodeFault::{Adopted, EndedInOrder, Killed, ServerCrashed, ServerRestarted, Slept};
-        let faults = [Killed, Killed, Killed, Slept, EndedInOrder, Adopted, ServerRestarted, ServerCrashed];
-        let fault = faults[self.rng.random_range(0..faults.len())];
-        let number = self.rng.random_range(0..NODES);
-        self.story.push(format!("{}: {fault:?} {number}", self.operations));
-        self.faults += 1;
-        let short = Duration::from_millis(self.rng.random_range(0..1_500));
-        match fault {
-            Killed => {
-                self.nodes[number].farm.kill();
-                std::thread::sleep(short / 3);
-                self.nodes[number].start();
-            }
-            Slept => {
-                signal(self.nodes[number].farm.pid(), Signal::STOP);
-                std::thread::sleep(Duration::from_secs(3) + short);
-                signal(self.nodes[number].farm.pid(), Signal::CONT);
-            }
-            EndedInOrder => {
-                signal(self.nodes[number].farm.pid(), Signal::TERM);
-                std::thread::sleep(short);
-                self.nodes[number].farm.kill();
-                self.nodes[number].start();
-            }
-            Adopted => {
-                self.nodes[number].farm.kill();
-                let heir = (number + 1) % NODES;
-                for machine in (0..NODES).map(machine_name) {
-                    // Refused while the lease lasts; the machine then stays where it is.
-                    std::thread::sleep(short);
-                    let adopt = self.nodes[heir].command(&["adopt", &machine]).output().unwrap();
-                    self.story.push(format!("  adopt {machine}: {}", adopt.status.success()));
-                }
-                self.nodes[number].start();
-            }
-            ServerRestarted => {
-                self.server.stop_server();
-                self.start_server_after(short);
-            }
-            ServerCrashed => {
-                self.server.crash_server();
-                self.start_server_after(short);
-            }
-        }
-        // A daemon that lost its right ends nothing by itself: the service manager's watchdog or a person starts it again.
-        for node in &mut self.nodes {
-            if node.farm.has_ended() || node.is_halted() {
-                node.farm.kill();
-                node.start();
-            }
-        }
-    }
-
-    fn start_server_after(&self, pause: Duration) {
-        std::thread::sleep(pause);
-        self.server.start_server();
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
-        runtime.block_on(self.server.connect("postgres"));
-    }
-
     fn parts(&self) -> Vec<PartRow> {
         let all = PartState::ALL;
         self.nodes[0].farm.query_ledger(async |ledger| {
@@ -264,12 +194,7 @@ impl NodesFarm {
         let mut unrest = String::new();
         while Instant::now() < deadline {
             self.take_builds();
-            for node in &mut self.nodes {
-                if node.farm.has_ended() || node.is_halted() {
-                    node.farm.kill();
-                    node.start();
-                }
-            }
+            self.start_ended_nodes();
             let parts = self.parts();
             let open: Vec<String> = (parts.iter().filter(|part| part.state.is_live()))
                 .map(|part| format!("part {} ({}) {} in {}", part.id, part.name, part.state, part.profile))

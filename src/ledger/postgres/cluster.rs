@@ -4,6 +4,7 @@
 #![allow(dead_code)] // neither the tests of the library nor those of the binary use all of it
 
 use std::{
+    io::Write,
     os::unix::{fs::chown, process::CommandExt},
     path::{Path, PathBuf},
     process::{Child, Command, Stdio},
@@ -58,6 +59,7 @@ impl PostgresCluster {
         }
         let cluster = Self { folder, programs, servers: Mutex::default(), databases: AtomicU32::new(0), is_durable };
         cluster.run("initdb", &["--no-sync", "--auth=trust", "--username=nestd", "--encoding=UTF8"]);
+        cluster.configure("listen_addresses = ''");
         cluster.start_server();
         cluster
     }
@@ -78,10 +80,33 @@ impl PostgresCluster {
         let mut server = Command::new("/bin/sh");
         server.arg("-c").arg("\"$0\" \"$@\" & server=$!; read _; kill -QUIT $server; wait; rm -rf \"$FOLDER\"");
         server.arg(self.programs.join("postgres")).arg("-D").arg(self.data()).arg("-k").arg(&self.folder);
-        server.args(["-c", "listen_addresses=", "-c", "max_connections=400"]);
+        server.args(["-c", "max_connections=400"]);
         server.args(["-c", if self.is_durable { "fsync=on" } else { "fsync=off" }]);
         as_ordinary_user(server.env("FOLDER", &self.folder).stdin(Stdio::piped()).process_group(0));
         self.servers.lock().expect("no test panicked here").push(server.spawn().expect("the server starts"));
+    }
+
+    /// Adds lines to the configuration, for the next start.
+    fn configure(&self, lines: &str) {
+        let file = std::fs::File::options().append(true).open(self.data().join("postgresql.conf"));
+        writeln!(file.expect("it is there"), "{lines}").expect("it can be written");
+    }
+
+    /// Has the server listen on loopback, for TLS alone, with a certificate of its own for `localhost`. Returns port and certificate.
+    pub fn encrypt(&self) -> (u16, PathBuf) {
+        let free = std::net::TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr());
+        let port = free.expect("a port is free").port();
+        let [key, certificate] = ["server.key", "server.crt"].map(|name| self.data().join(name));
+        let mut openssl = Command::new("openssl");
+        openssl.args(["req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]);
+        openssl.args(["-addext", "subjectAltName=DNS:localhost", "-addext", "basicConstraints=critical,CA:FALSE"]);
+        openssl.arg("-keyout").arg(&key).arg("-out").arg(&certificate).stderr(Stdio::null());
+        assert!(as_ordinary_user(&mut openssl).status().expect("openssl is installed").success());
+        self.stop_server();
+        self.configure(&format!("listen_addresses = '127.0.0.1'\nport = {port}\nssl = on"));
+        std::fs::write(self.data().join("pg_hba.conf"), "hostssl all all 127.0.0.1/32 trust\n").expect("it can be written");
+        self.start_server();
+        (port, certificate)
     }
 
     /// Stops the server, as an administrator would.
@@ -96,7 +121,17 @@ impl PostgresCluster {
 
     /// The address of a database.
     pub fn url(&self, database: &str) -> String {
-        format!("postgres://nestd@localhost/{database}?host={}", self.folder.display())
+        Self::url_in(&self.folder, database)
+    }
+
+    /// The address of a database on the server whose socket is in a folder.
+    pub fn url_in(folder: &Path, database: &str) -> String {
+        format!("postgres://nestd@localhost/{database}?host={}", folder.display())
+    }
+
+    /// The folder with the socket of the server.
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Connects to a database, once the server answers.

@@ -2,6 +2,7 @@
 //! same tests. And tests that hold the two databases against each other.
 
 mod copies;
+mod encrypted;
 mod leases;
 mod order_of_events;
 mod same_rows;

@@ -2,19 +2,27 @@
 
 use std::{fs, net::TcpListener, process::Command};
 
-use super::super::support::TestFarm;
+use super::{
+    super::{postgres_cluster::PostgresCluster, support::TestFarm},
+    server_link::ServerLink,
+};
 
 /// The file of a machine.
-pub const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
+const MACHINE: &str = "volume_mm = [60, 60, 60]\nclearance_mm = 1.0\nsettle_secs = 0.05\nunfinished_secs = 0.5\n\
     final_secs = 0.05\narrival_secs = 0.05\nduplicates = \"accept\"\nmax_attempts = 100\n[trigger]\ncopies = 12\n";
 const FARM: &str = "scan_secs = 0.3\ncache_bytes = 0\nthreads = 1\n[log]\nfilter = \"info\"\n";
 /// The factor by which a lease is shorter than in production.
 const HURRY: &str = "10";
 
+/// The machine whose builds several nodes search for.
+const SLOW_MACHINE: usize = 1;
+
 /// A node, with its machine while nobody adopts that.
 pub struct FarmNode {
     pub farm: TestFarm,
     pub name: String,
+    /// Its connection to the server.
+    pub link: ServerLink,
 }
 
 impl FarmNode {
@@ -41,15 +49,34 @@ pub fn machine_name(number: usize) -> String {
     format!("machine-{number}")
 }
 
+/// The file of a machine. The builds of one are searched for so long that other nodes help.
+pub fn machine_text(number: usize) -> String {
+    if number == SLOW_MACHINE { MACHINE.replace("final_secs = 0.05", "final_secs = 2.5") } else { MACHINE.to_owned() }
+}
+
 /// A node with its own machine.
-pub fn configured_node(number: usize, url: &str) -> FarmNode {
-    let farm = TestFarm::with_machine(&machine_name(number), MACHINE);
-    let name = format!("node-{number}");
+pub fn configured_node(number: usize, server: &PostgresCluster, database: &str) -> FarmNode {
+    let farm = TestFarm::with_machine(&machine_name(number), &machine_text(number));
+    configure_node(farm, format!("node-{number}"), server, database)
+}
+
+/// A node without machines.
+pub fn configured_worker(server: &PostgresCluster, database: &str) -> FarmNode {
+    let farm = TestFarm::with_machine("none", "");
+    fs::remove_file(farm.root().join("config/profiles/none.toml")).unwrap();
+    // The daemon makes none where it has no machine.
+    fs::create_dir_all(farm.folder("inbox")).unwrap();
+    configure_node(farm, "worker".to_owned(), server, database)
+}
+
+fn configure_node(farm: TestFarm, name: String, server: &PostgresCluster, database: &str) -> FarmNode {
+    let link = ServerLink::to_server(server.folder());
+    let url = PostgresCluster::url_in(link.folder(), database);
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let config = format!(
         "{FARM}[folders]\nledger = {url:?}\n[node]\nname = {name:?}\naddress = \"http://127.0.0.1:{port}\"\n\
          [web]\nlisten = \"127.0.0.1:{port}\"\n"
     );
     fs::write(farm.config(), config).unwrap();
-    FarmNode { farm, name }
+    FarmNode { farm, name, link }
 }

@@ -1,0 +1,128 @@
+//! What goes wrong in a farm of several nodes.
+
+use std::time::Duration;
+
+use rand::RngExt;
+use rustix::process::Signal;
+
+use super::{super::support::signal, NODES, NodesFarm, farm_node::machine_name, server_link::LinkState};
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy)]
+enum NodeFault {
+    Killed,
+    /// Stopped for longer than a lease, and continued.
+    Slept,
+    EndedInOrder,
+    /// Killed, and its machines adopted by another node before it comes back.
+    Adopted,
+    /// The connection to the server is slow, says nothing, or breaks, for up to longer than a lease.
+    LinkFails,
+    /// The node without machines is killed, or stopped for longer than a lease.
+    WorkerKilled,
+    WorkerSlept,
+    ServerRestarted,
+    ServerCrashed,
+}
+
+impl NodesFarm {
+    /// Lets something go wrong, and waits until it is over.
+    pub(super) fn inject_fault(&mut self) {
+        use NodeFault::{
+            Adopted, EndedInOrder, Killed, LinkFails, ServerCrashed, ServerRestarted, Slept, WorkerKilled, WorkerSlept,
+        };
+        let faults = [
+            Killed,
+            Killed,
+            Slept,
+            EndedInOrder,
+            Adopted,
+            LinkFails,
+            LinkFails,
+            LinkFails,
+            WorkerKilled,
+            WorkerSlept,
+            ServerRestarted,
+            ServerCrashed,
+        ];
+        let fault = faults[self.rng.random_range(0..faults.len())];
+        let number = self.rng.random_range(0..NODES);
+        self.story.push(format!("{}: {fault:?} {number}", self.operations));
+        self.faults += 1;
+        let short = Duration::from_millis(self.rng.random_range(0..1_500));
+        match fault {
+            Killed => {
+                self.nodes[number].farm.kill();
+                std::thread::sleep(short / 3);
+                self.nodes[number].start();
+            }
+            Slept => {
+                signal(self.nodes[number].farm.pid(), Signal::STOP);
+                std::thread::sleep(Duration::from_secs(3) + short);
+                signal(self.nodes[number].farm.pid(), Signal::CONT);
+            }
+            EndedInOrder => {
+                signal(self.nodes[number].farm.pid(), Signal::TERM);
+                std::thread::sleep(short);
+                self.nodes[number].farm.kill();
+                self.nodes[number].start();
+            }
+            Adopted => {
+                self.nodes[number].farm.kill();
+                let heir = (number + 1) % NODES;
+                for machine in (0..NODES).map(machine_name) {
+                    // Refused while the lease lasts; the machine then stays where it is.
+                    std::thread::sleep(short);
+                    let adopt = self.nodes[heir].command(&["adopt", &machine]).output().unwrap();
+                    self.story.push(format!("  adopt {machine}: {}", adopt.status.success()));
+                }
+                self.nodes[number].start();
+            }
+            LinkFails => {
+                let slow = LinkState::Slow(short / 2);
+                let state = [slow, LinkState::Silent, LinkState::Broken][self.rng.random_range(0..3)];
+                self.story.push(format!("  {state:?}"));
+                self.nodes[number].link.set(state);
+                std::thread::sleep(short * 4);
+                self.nodes[number].link.set(LinkState::Clear);
+            }
+            WorkerKilled => {
+                self.worker.farm.kill();
+                std::thread::sleep(short);
+                self.worker.start();
+            }
+            WorkerSlept => {
+                signal(self.worker.farm.pid(), Signal::STOP);
+                std::thread::sleep(Duration::from_secs(3) + short);
+                signal(self.worker.farm.pid(), Signal::CONT);
+            }
+            ServerRestarted => {
+                self.server.stop_server();
+                self.start_server_after(short);
+            }
+            ServerCrashed => {
+                self.server.crash_server();
+                self.start_server_after(short);
+            }
+        }
+        // A daemon that lost its right ends nothing by itself: the service manager's watchdog or a person starts it again.
+        self.start_ended_nodes();
+    }
+
+    /// Starts again what has ended by itself, or has lost its right and does nothing more.
+    pub(super) fn start_ended_nodes(&mut self) {
+        for node in self.nodes.iter_mut().chain([&mut self.worker]) {
+            if node.farm.has_ended() || node.is_halted() {
+                node.farm.kill();
+                node.start();
+            }
+        }
+    }
+
+    fn start_server_after(&self, pause: Duration) {
+        std::thread::sleep(pause);
+        self.server.start_server();
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+        runtime.block_on(self.server.connect("postgres"));
+    }
+}

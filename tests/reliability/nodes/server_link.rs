@@ -1,0 +1,109 @@
+//! The connection of a node to the database server, as a network that becomes slow, silent, or breaks.
+
+use std::{
+    io::{Read, Write},
+    net::Shutdown,
+    os::unix::net::{UnixListener, UnixStream},
+    path::{Path, PathBuf},
+    sync::{Arc, Mutex},
+    time::Duration,
+};
+
+use tempfile::TempDir;
+
+/// Name of the socket of a server in its folder.
+const SOCKET: &str = ".s.PGSQL.5432";
+/// While a link is silent, it looks this often whether it still is.
+const LOOK_AGAIN: Duration = Duration::from_millis(20);
+
+/// How a link is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinkState {
+    Clear,
+    /// Each portion of data is late by this.
+    Slow(Duration),
+    /// Connections stay, and nothing comes through.
+    Silent,
+    /// Connections break, and new ones are refused.
+    Broken,
+}
+
+/// A link to a server.
+pub struct ServerLink {
+    folder: TempDir,
+    shared: Arc<SharedLink>,
+}
+
+struct SharedLink {
+    state: Mutex<LinkState>,
+    streams: Mutex<Vec<UnixStream>>,
+    server: PathBuf,
+}
+
+impl ServerLink {
+    /// A clear link to the server with its socket in a folder.
+    pub fn to_server(server: &Path) -> Self {
+        let folder = TempDir::new().unwrap();
+        let listener = UnixListener::bind(folder.path().join(SOCKET)).unwrap();
+        let (state, streams) = (Mutex::new(LinkState::Clear), Mutex::default());
+        let shared = Arc::new(SharedLink { state, streams, server: server.join(SOCKET) });
+        let accepting = shared.clone();
+        std::thread::spawn(move || {
+            for client in listener.incoming().flatten() {
+                accepting.connect(client);
+            }
+        });
+        Self { folder, shared }
+    }
+
+    /// The folder in which the link is the server.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// Changes how the link is.
+    pub fn set(&self, state: LinkState) {
+        *self.shared.state.lock().unwrap() = state;
+        if state == LinkState::Broken {
+            for stream in self.shared.streams.lock().unwrap().drain(..) {
+                // It may have ended.
+                let _ = stream.shutdown(Shutdown::Both);
+            }
+        }
+    }
+}
+
+impl SharedLink {
+    fn state(&self) -> LinkState {
+        *self.state.lock().unwrap()
+    }
+
+    /// Connects a client, unless the link is broken or the server is away.
+    fn connect(self: &Arc<Self>, client: UnixStream) {
+        if self.state() == LinkState::Broken {
+            return;
+        }
+        let Ok(server) = UnixStream::connect(&self.server) else { return };
+        for (from, to) in [(&client, &server), (&server, &client)] {
+            let (from, to, link) = (from.try_clone().unwrap(), to.try_clone().unwrap(), self.clone());
+            std::thread::spawn(move || link.pass_on(from, to));
+        }
+        self.streams.lock().unwrap().extend([client, server]);
+    }
+
+    fn pass_on(&self, mut from: UnixStream, mut to: UnixStream) {
+        let mut portion = [0; 65_536];
+        while let Ok(count @ 1..) = from.read(&mut portion) {
+            if let LinkState::Slow(delay) = self.state() {
+                std::thread::sleep(delay);
+            }
+            while self.state() == LinkState::Silent {
+                std::thread::sleep(LOOK_AGAIN);
+            }
+            if to.write_all(&portion[..count]).is_err() {
+                break;
+            }
+        }
+        let _ = to.shutdown(Shutdown::Both);
+    }
+}

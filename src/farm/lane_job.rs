@@ -166,8 +166,8 @@ fn search_lane(
     prepared: &PreparedMeshes,
     budget: &SearchBudget,
 ) -> Result<String> {
-    let before = cpu_secs(1);
+    let before = cpu_secs(true);
     let end = run_lane(instance, config, prepared, task, budget);
     ensure!(!budget.is_cancelled(), "its search has ended");
-    Ok(serde_json::to_string(&LaneResult { end, cpu_secs: cpu_secs(1) - before })?)
+    Ok(serde_json::to_string(&LaneResult { end, cpu_secs: cpu_secs(true) - before })?)
 }

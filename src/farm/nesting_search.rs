@@ -57,7 +57,8 @@ impl NestingRequest {
         let mut config = self.profile.search.nest.clone();
         config.seed = self.seed;
         let start = batch.matching_placements(&self.start_placements);
-        let cpu = cpu_secs(config.threads);
+        let alone = config.threads == 1 && config.lane_count() == 1;
+        let cpu = cpu_secs(alone);
         let mut curve = Vec::new();
         let mut listener = |solution: &NestingSolution, _evaluations: u64| {
             curve.push((self.budget.elapsed_secs(), solution.height_mm));
@@ -82,7 +83,7 @@ impl NestingRequest {
             batch,
             layout,
             lower_bound_mm,
-            cpu_secs: cpu_secs(config.threads) - cpu + lane_cpu_secs,
+            cpu_secs: cpu_secs(alone) - cpu + lane_cpu_secs,
             wall_secs,
             curve,
         })
@@ -97,10 +98,10 @@ impl NestingRequest {
     }
 }
 
-/// CPU seconds used so far: by this thread if it searches alone, otherwise by the process, since no other search runs
-/// then.
-pub(super) fn cpu_secs(threads: usize) -> f64 {
+/// CPU seconds used so far: by this thread if it searches alone, otherwise by the process. Other searches count as well
+/// then, if a profile asks for more lanes than threads.
+pub(super) fn cpu_secs(alone: bool) -> f64 {
     use rustix::time::{ClockId, clock_gettime};
-    let time = clock_gettime(if threads == 1 { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime });
+    let time = clock_gettime(if alone { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime });
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }

@@ -25,7 +25,7 @@ const MAX_SEARCH_SECS: f64 = 604_800.0;
 const MAX_WAIT_SECS: f64 = 31_536_000.0;
 /// Longest time without news before a build fires for a due date, seconds: a day.
 const MAX_GATHER_SECS: f64 = 86_400.0;
-/// Maximum number of threads of a search.
+/// Maximum number of threads of a search, and of its lanes.
 const MAX_THREADS: usize = 1024;
 
 /// Reports invalid values of the farm file.
@@ -345,6 +345,7 @@ fn validate_search(search: &SearchInputs, validator: &mut ConfigValidator) {
     validator.require_within("max_attempts", search.max_attempts, 1..=100);
     let (config, paper) = (&search.nest, &search.nest.paper);
     validator.require_within("nest.threads", config.threads, 0..=MAX_THREADS);
+    validator.require_within("nest.lanes", config.lanes, 0..=MAX_THREADS);
     validator.require_within("nest.paper.population", paper.population, 1..=1_000_000);
     validator.require_within("nest.paper.iterations", paper.iterations, 0..=1_000_000_000);
     validator.require_within("nest.paper.switch_probability", paper.switch_probability, 0.0..=1.0);

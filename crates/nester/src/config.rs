@@ -59,10 +59,13 @@ impl InterlockRule {
 pub struct NestingConfig {
     /// Search method.
     pub method: NestingMethod,
-    /// Seed of every random choice: the same seed, number of threads and evaluation budget give the same build.
+    /// Seed of every random choice: the same seed, number of lanes and evaluation budget give the same build.
     pub seed: u64,
-    /// Number of search threads; it affects the result. 0 = one per core.
+    /// Number of search threads. 0 = one per core.
     pub threads: usize,
+    /// Number of lanes: searches side by side that exchange their layouts; all of them share the budget. It affects the
+    /// result; the number of threads does not. 0 = one per thread.
+    pub lanes: usize,
     /// How to treat interlocked parts.
     pub interlock: InterlockRule,
     /// Parameters of the paper's method.
@@ -79,6 +82,7 @@ impl Default for NestingConfig {
             method: NestingMethod::Nestd,
             seed: 1,
             threads: 1,
+            lanes: 0,
             interlock: InterlockRule::default(),
             #[cfg(feature = "paper")]
             paper: PaperConfig::default(),
@@ -88,6 +92,19 @@ impl Default for NestingConfig {
 }
 
 impl NestingConfig {
+    /// The number of search threads.
+    pub fn thread_count(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        }
+    }
+
+    /// The number of lanes.
+    pub fn lane_count(&self) -> usize {
+        if self.lanes == 0 { self.thread_count() } else { self.lanes }
+    }
+
     /// The interlock rule that is actually applied: the published method cannot forbid locked parts, so it reports them
     /// instead.
     pub fn effective_interlock(&self) -> InterlockRule {

@@ -21,6 +21,7 @@ mod instance;
 mod instance_serde;
 mod interlock_check;
 mod interlock_memory;
+mod lane_rounds;
 mod lanes;
 mod layer_cap;
 mod layers;

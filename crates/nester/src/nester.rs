@@ -1,6 +1,6 @@
 //! The entry point of the search: `NestingInstance` -> `NestingSolution`.
 
-use std::sync::{Arc, mpsc};
+use std::sync::Arc;
 
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
@@ -11,15 +11,13 @@ use super::{
     insert::{are_few, missing_copies},
     interlock_check::split_separable,
     layout_builder::LayoutBuilder,
-    lower_bound_mm,
-    nesting_run::{COARSE_NODES, COARSE_POINTS, MAX_HEIGHT_RATIO, NestingRun},
+    nesting_run::{COARSE_NODES, COARSE_POINTS, NestingRun},
     outline::OutlinedInstance,
     precedence::InsertionEffort,
     prepared_instance::{PlacedItem, PreparedInstance, height_mm, solution_from_items},
     recipe::PlacementRecipe,
     retained::retained_items,
     tie_break::{is_better_layout, pack_toward_origin},
-    tournament::run_tournament,
     truncate_queue::exceeds_capacity,
 };
 #[cfg(feature = "paper")]
@@ -48,7 +46,7 @@ use crate::pollination::{FlowerPollination, PollinationSettings};
 /// assert!(solution.unplaced.is_empty() && prove_layout(&instance, &solution.placements).is_proved());
 /// assert_eq!(heights_mm.last(), Some(&solution.height_mm));
 ///
-/// // The same seed, threads and evaluations: the same placements.
+/// // The same seed, lanes and evaluations: the same placements.
 /// let again = nest(&instance, &NestingConfig::default(), &[], &SearchBudget::of_evaluations(1500), &mut ());
 /// assert_eq!(again.placements, solution.placements);
 /// # Ok::<(), nester::InstanceError>(())
@@ -286,74 +284,6 @@ impl NestingRun<'_> {
             flowers.tell(whole.as_ref().map_or(f64::INFINITY, |pieces| height_mm(pieces)));
             whole.into_iter().for_each(|pieces| self.offer_first_layout(pieces));
         }
-    }
-
-    /// Lowers the height limit of the best layouts until the share `until` of the budget is used up.
-    fn compress_layouts(&mut self, task: &PreparedInstance, until: f64) {
-        if self.best_items.is_empty()
-            || !self.config.components.separation
-            || self.stop.spent_share_at(self.evaluations) >= until
-        {
-            return;
-        }
-        let promised_mm = self.best_items.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
-        let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best_items));
-        let (stop, seed, before, starts) = (self.stop, self.config.seed, self.evaluations, self.starting_layouts());
-        let threads = match self.config.threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            threads => threads,
-        };
-        // Every thread searches independently with its own seed. The lowest layout wins; on equal heights the thread
-        // with the lowest number wins.
-        let spent = |made: u64| stop.spent_share_at(before + made * threads as u64) / until;
-        let lower = |thread: usize, found: &mut dyn FnMut(Vec<PlacedItem>, u64)| {
-            run_tournament(task, &starts, floor_mm, (seed, thread), &spent, found)
-        };
-        if threads == 1 {
-            let made = lower(0, &mut |pieces, made| {
-                self.evaluations = before + made;
-                self.offer_layout(pieces);
-            });
-            self.evaluations = before + made;
-            return;
-        }
-        let (send, found) = mpsc::channel::<(Vec<PlacedItem>, u64)>();
-        let run = |thread: usize, send: mpsc::Sender<(Vec<PlacedItem>, u64)>| {
-            let mut last = None;
-            let made = lower(thread, &mut |pieces, made| {
-                last = Some(pieces.clone());
-                // The receiver lives as long as the scope, so sending cannot fail.
-                let _ = send.send((pieces, made));
-            });
-            (last, made)
-        };
-        let run = &run;
-        let ends: Vec<(Option<Vec<PlacedItem>>, u64)> = std::thread::scope(|scope| {
-            let start = |thread: usize, send: mpsc::Sender<_>| scope.spawn(move || run(thread, send));
-            let handles: Vec<_> = (0..threads).map(|thread| start(thread, send.clone())).collect();
-            drop(send);
-            for (pieces, made) in found {
-                self.evaluations = before + made * threads as u64;
-                self.offer_layout(pieces);
-            }
-            handles.into_iter().map(|h| h.join().expect("a search thread does not panic")).collect()
-        });
-        self.evaluations = before + ends.iter().map(|(_, made)| made).sum::<u64>();
-        let lowest = ends.into_iter().filter_map(|(last, _)| last).min_by(|a, b| height_mm(a).total_cmp(&height_mm(b)));
-        if let Some(pieces) = lowest.filter(|pieces| pieces.len() == self.best_items.len()) {
-            self.best_items = pieces;
-        }
-    }
-
-    /// Returns the starting layouts of the search: the best layout, and other layouts with the same number of copies
-    /// that are not much higher.
-    fn starting_layouts(&self) -> Vec<Vec<PlacedItem>> {
-        let height = height_mm(&self.best_items);
-        let is_other = |other: &&Vec<PlacedItem>| {
-            let there = height_mm(other);
-            other.len() == self.best_items.len() && there != height && there <= MAX_HEIGHT_RATIO * height
-        };
-        std::iter::once(&self.best_items).chain(self.first_layouts.iter().filter(is_other)).cloned().collect()
     }
 
     /// Improves the criteria that count after the height: a denser packed box, a position nearer to the origin, more

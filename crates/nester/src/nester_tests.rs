@@ -105,6 +105,25 @@ fn the_same_seed_and_evaluations_give_the_same_build() {
 }
 
 #[test]
+fn lanes_give_the_same_build_on_any_number_of_threads_and_one_lane_gives_another() {
+    let items = vec![
+        item(block(DVec3::new(12.0, 30.0, 6.0)), 3, OrientationRule::Free),
+        item(tetrahedron([DVec3::ZERO, DVec3::X * 25.0, DVec3::Y * 20.0, DVec3::Z * 15.0]), 5, OrientationRule::Free),
+    ];
+    let instance = asked(DVec3::new(40.0, 40.0, 80.0), 1.5, items);
+    let build = |threads: usize, lanes: usize| {
+        nested(&instance, &NestingConfig { threads, lanes, seed: 9, ..NestingConfig::default() }, &[], 24_000)
+    };
+    let alone = build(1, 3);
+    assert_good(&instance, &alone);
+    for threads in [2, 3, 5] {
+        assert_eq!(build(threads, 3), alone, "{threads} threads");
+    }
+    assert_eq!(build(3, 0), alone, "as many lanes as threads");
+    assert_ne!(build(1, 1).placements, alone.placements);
+}
+
+#[test]
 fn an_earlier_layout_is_kept_and_lacking_copies_are_inserted() {
     let bar = block(DVec3::new(10.0, 40.0, 8.0));
     let few = asked(DVec3::new(60.0, 60.0, 60.0), 2.0, vec![item(bar.clone(), 6, OrientationRule::Free)]);

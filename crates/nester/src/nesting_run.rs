@@ -46,7 +46,7 @@ impl<'a> NestingRun<'a> {
         stop: &'a dyn StopCondition,
         listener: &'a mut dyn ProgressListener,
     ) -> Self {
-        let mut preparation = MeshPreparation::new(prepared, config.threads);
+        let mut preparation = MeshPreparation::new(prepared, config.thread_count());
         if instance.pinned().is_empty() {
             preparation = preparation.with_deadline(stop, PREPARING_SHARE);
         }

@@ -28,10 +28,9 @@ pub(crate) struct MeshPreparation<'a> {
 }
 
 impl<'a> MeshPreparation<'a> {
-    /// A preparation that takes from `prepared`, adds to it, and uses this number of threads; 0 = one per core.
+    /// A preparation that takes from `prepared`, adds to it, and uses this number of threads.
     pub(crate) fn new(prepared: &'a PreparedMeshes, threads: usize) -> Self {
-        let cores = || thread::available_parallelism().map_or(1, usize::from);
-        Self { prepared, threads: if threads == 0 { cores() } else { threads }, deadline: None }
+        Self { prepared, threads, deadline: None }
     }
 
     /// Prepares nothing more once this share of a budget is used up. Data prepared until then is kept.

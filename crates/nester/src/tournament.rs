@@ -5,7 +5,7 @@ use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
     compression::{CompressionBudget, CompressionRun},
-    prepared_instance::{PlacedItem, PreparedInstance},
+    prepared_instance::{PlacedItem, PreparedInstance, height_mm},
 };
 
 /// Share of the budget for the first run alone, which shows how many runs the budget allows.
@@ -15,29 +15,33 @@ const TOURNAMENT_SHARE: f64 = 0.45;
 /// Evaluations per part, over the whole budget, from which on two, four and eight runs are worthwhile.
 const EVALUATIONS_TO_DOUBLE: [f64; 3] = [8e3, 25e3, 60e3];
 
-/// The random generator of one run of one thread.
-fn run_rng(seed: u64, thread: usize, number: usize) -> ChaCha8Rng {
-    let (thread, number) = (thread as u64, number as u64);
-    let apart = thread.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(number.wrapping_mul(0xd1b5_4a32_d192_ed03));
-    let mixed = seed.wrapping_add(apart);
-    ChaCha8Rng::seed_from_u64(mixed)
+/// What a tournament begins with.
+#[derive(Clone, Copy)]
+pub(crate) struct TournamentStart<'a> {
+    pub(crate) prepared: &'a PreparedInstance,
+    /// Valid layouts of the same copies, one or more. The first run begins from the first one, and so on.
+    pub(crate) layouts: &'a [Vec<PlacedItem>],
+    /// A height that no layout can beat, mm.
+    pub(crate) floor_mm: f64,
+    /// Seed of every random choice.
+    pub(crate) seed: u64,
+}
+
+/// The random generator of one run.
+fn run_rng(seed: u64, number: usize) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed.wrapping_add((number as u64).wrapping_mul(0xd1b5_4a32_d192_ed03)))
 }
 
 /// Lowers layouts until `spent` (share of the budget after a number of evaluations) reaches 1. Every layout lower than
-/// all before is passed to `found`. `starts` are valid layouts of the same copies, the lowest first. Returns the number
-/// of evaluations.
+/// all before is passed to `found`. Returns the lowest layout and the number of evaluations.
 pub(crate) fn run_tournament(
-    prepared: &PreparedInstance,
-    starts: &[Vec<PlacedItem>],
-    floor_mm: f64,
-    (seed, thread): (u64, usize),
+    start: &TournamentStart<'_>,
     spent: &dyn Fn(u64) -> f64,
-    found: &mut dyn FnMut(Vec<PlacedItem>, u64),
-) -> u64 {
-    let begin = |number: usize| {
-        CompressionRun::new(prepared, &starts[(number + thread) % starts.len()], run_rng(seed, thread, number))
-    };
-    let (begun, mut made, mut least_mm) = (spent(0), 0, f64::INFINITY);
+    found: &mut dyn FnMut(&[PlacedItem], u64),
+) -> (Vec<PlacedItem>, u64) {
+    let TournamentStart { prepared, layouts, floor_mm, seed } = *start;
+    let begin = |number: usize| CompressionRun::new(prepared, &layouts[number % layouts.len()], run_rng(seed, number));
+    let (begun, mut made, mut lowest) = (spent(0), 0, layouts[0].clone());
     let mut run = |descent: &mut CompressionRun<'_>, share: f64| {
         let others = made - descent.evaluations();
         let spent = |evaluations: u64| (spent(others + evaluations) - begun) / (1.0 - begun).max(1e-9);
@@ -45,10 +49,9 @@ pub(crate) fn run_tournament(
         descent.run(
             &CompressionBudget { spent_share_at: &spent, until, lower_bound_mm: floor_mm },
             &mut |pieces, evaluations| {
-                let height_mm = super::prepared_instance::height_mm(pieces);
-                if height_mm < least_mm {
-                    least_mm = height_mm;
-                    found(pieces.to_vec(), others + evaluations);
+                if height_mm(pieces) < height_mm(&lowest) {
+                    lowest = pieces.to_vec();
+                    found(pieces, others + evaluations);
                 }
             },
         );
@@ -67,19 +70,22 @@ pub(crate) fn run_tournament(
         descents.truncate(descents.len() / 2);
     }
     run(&mut descents[0], 1.0);
-    made
+    (lowest, made)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::lanes::lane_seed, *};
 
     #[test]
-    fn every_descent_of_every_thread_has_a_seed_of_its_own() {
-        let seeds = (0..16).flat_map(|thread| (0..8).map(move |number| run_rng(u64::MAX, thread, number).get_seed()));
-        let mut seeds: Vec<[u8; 32]> = seeds.collect();
+    fn every_descent_of_every_round_of_every_lane_has_a_seed_of_its_own() {
+        let of_lane = |round: u32, lane: u32| {
+            (0..8).map(move |number| run_rng(lane_seed(u64::MAX, round, lane), number).get_seed())
+        };
+        let lanes = (0..16).flat_map(|round| (0..16).map(move |lane| (round, lane)));
+        let mut seeds: Vec<[u8; 32]> = lanes.flat_map(|(round, lane)| of_lane(round, lane)).collect();
         seeds.sort_unstable();
         seeds.dedup();
-        assert_eq!(seeds.len(), 128);
+        assert_eq!(seeds.len(), 16 * 16 * 8);
     }
 }

@@ -80,10 +80,13 @@ pub(super) struct SearchChoice {
     /// Search for this many evaluations instead: gives the same placements every time
     #[arg(long, value_name = "N", conflicts_with = "budget", value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) evaluations: Option<u64>,
-    /// Threads of the search; a repeatable build needs the same number; 0 = one per core [default: the profile's, else
-    /// 1]
+    /// Threads of the search; 0 = one per core [default: the profile's, else 1]
     #[arg(long, value_name = "T")]
     pub(super) threads: Option<usize>,
+    /// Lanes: searches side by side that exchange their layouts; a repeatable build needs the same number; 0 = one per
+    /// thread [default: the profile's, else 0]
+    #[arg(long, value_name = "L")]
+    pub(super) lanes: Option<usize>,
     /// Seed of every random choice [default: the profile's, else 1]
     #[arg(long, value_name = "S")]
     pub(super) seed: Option<u64>,

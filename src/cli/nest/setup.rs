@@ -38,6 +38,7 @@ pub(super) fn resolve_setup(common: &CommonArgs, args: &NestArgs) -> Result<Nest
     let (machine, config) = (&mut setup.machine, &mut setup.config);
     config.method = args.search.method.unwrap_or(config.method);
     config.threads = args.search.threads.unwrap_or(config.threads);
+    config.lanes = args.search.lanes.unwrap_or(config.lanes);
     config.interlock = args.turning.interlock.unwrap_or(config.interlock);
     config.seed = args.search.seed.unwrap_or(config.seed);
     machine.volume_mm = args.machine.volume.unwrap_or(machine.volume_mm);

@@ -104,7 +104,8 @@ impl PostgresCluster {
         assert!(as_ordinary_user(&mut openssl).status().expect("openssl is installed").success());
         self.stop_server();
         self.configure(&format!("listen_addresses = '127.0.0.1'\nport = {port}\nssl = on"));
-        std::fs::write(self.data().join("pg_hba.conf"), "hostssl all all 127.0.0.1/32 trust\n").expect("it can be written");
+        std::fs::write(self.data().join("pg_hba.conf"), "hostssl all all 127.0.0.1/32 trust\n")
+            .expect("it can be written");
         self.start_server();
         (port, certificate)
     }

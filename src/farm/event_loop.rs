@@ -17,7 +17,7 @@ use super::{
     jobs::LoopEvent,
     lane_job, lease_renewal,
     ledger_changes::LedgerFingerprint,
-    ledger_service, machine_setup, nest, open, publish, revisions,
+    ledger_service, machine_setup, nest, open, publish, revisions, second_copies,
     signals::{DaemonSignal, SignalListener},
     state::Load,
     status, systemd,
@@ -116,6 +116,7 @@ async fn run_timed_task(farm: &mut Farm, task: TimedTask, now: Instant) {
             farm.run_step("settling claims", claim_completion::complete_claims).await;
             farm.run_step("looking at damaged files", damaged_files::check_damaged_files).await;
         }
+        TimedTask::CopyFiles => farm.run_step("second copies", second_copies::keep_second_copies).await,
         TimedTask::TidyUp => farm.run_step("tidying", tidy::tidy_up).await,
     }
 }

@@ -13,10 +13,10 @@ use super::{
     batch::ImproveLayoutJob,
     farm::Farm,
     jobs::BackgroundJob,
-    lane_problem::{LaneProblem, SharedLaneProblem, forget_meshes, mesh_files},
+    lane_problem::{LaneProblem, SharedLaneProblem, mesh_files},
     lane_search::LaneResult,
     nesting_search::cpu_secs,
-    node_content::OtherNodes,
+    node_content::{OtherNodes, remove_unneeded},
     state::NestingState,
 };
 use crate::{
@@ -112,8 +112,8 @@ pub(super) fn forget_old_meshes(farm: &Farm) {
     if farm.ledger.file().is_some() || !lanes.is_empty() || final_searches.values().any(|search| search.is_in_lanes) {
         return;
     }
-    if let Err(error) = forget_meshes(&farm.settings.state_dir, KEEP_MESHES) {
-        warn!("Meshes of ended searches could not be removed: {error}.");
+    if let Err(failure) = remove_unneeded(&mesh_files(&farm.settings.state_dir), KEEP_MESHES, |_| false) {
+        warn!("Meshes of ended searches could not be removed: {failure:#}.");
     }
 }
 

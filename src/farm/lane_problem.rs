@@ -2,10 +2,9 @@
 //! ledger, meshes as files that the nodes fetch from each other by their BLAKE3.
 
 use std::{
-    fs, io,
+    fs,
     path::Path,
     sync::{Arc, Mutex},
-    time::Duration,
 };
 
 use anyhow::{Context, Result, bail};
@@ -26,26 +25,6 @@ pub(super) fn mesh_files(state_dir: &Path) -> ContentStore {
 
 /// The search that this node has read last, with its text: the lanes of a search have it in common.
 pub(super) type SharedLaneProblem = Arc<Mutex<Option<(String, Arc<(NestingInstance, NestingConfig)>)>>>;
-
-/// Removes the meshes that were stored longer ago than `keep`. One that is needed again is stored or fetched again.
-///
-/// # Errors
-/// The folder cannot be read or changed.
-pub(super) fn forget_meshes(state_dir: &Path, keep: Duration) -> io::Result<()> {
-    for folder in fs::read_dir(state_dir.join(MESHES_DIR))? {
-        let folder = folder?.path();
-        if !folder.is_dir() {
-            continue;
-        }
-        for file in fs::read_dir(folder)? {
-            let file = file?;
-            if file.metadata()?.modified()?.elapsed().is_ok_and(|age| age > keep) {
-                fs::remove_file(file.path())?;
-            }
-        }
-    }
-    Ok(())
-}
 
 /// What is searched.
 #[derive(Serialize, Deserialize)]
@@ -147,23 +126,6 @@ mod tests {
             run_lane(instance, &config, &PreparedMeshes::default(), task, &SearchBudget::until_cancelled())
         };
         assert_eq!(run(&read), run(&instance));
-    }
-
-    #[test]
-    fn meshes_go_when_they_are_old() {
-        let folder = tempfile::tempdir().unwrap();
-        let files = ContentStore::open(folder.path().join(MESHES_DIR)).unwrap();
-        LaneProblem::describe(&instance(), &NestingConfig::default(), &files).unwrap();
-        let count = || count_files(&folder.path().join(MESHES_DIR));
-        forget_meshes(folder.path(), Duration::from_secs(3600)).unwrap();
-        assert_eq!(count(), 2);
-        forget_meshes(folder.path(), Duration::ZERO).unwrap();
-        assert_eq!(count(), 0);
-    }
-
-    fn count_files(folder: &Path) -> usize {
-        let folders = fs::read_dir(folder).unwrap().map(|folder| folder.unwrap().path());
-        folders.map(|folder| fs::read_dir(folder).unwrap().count()).sum()
     }
 
     #[test]

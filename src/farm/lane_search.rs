@@ -15,13 +15,11 @@ use serde::{Deserialize, Serialize};
 use tokio::runtime::Handle;
 use tracing::{info, warn};
 
-use super::{
-    farm::Farm,
-    lane_problem::{LaneProblem, mesh_files},
-};
+use super::lane_problem::{LaneProblem, mesh_files};
 use crate::{
     intake::ContentStore,
-    ledger::{BuildId, LaneRow, LaneSearchRow, Ledger},
+    ledger::{BuildId, LaneRow, LaneSearchRow, Ledger, NodeRow},
+    settings::Settings,
 };
 
 /// A search that is shorter than this is not worth the way to other nodes.
@@ -93,21 +91,26 @@ impl StopCondition for BudgetShare<'_> {
 impl LaneSearch {
     /// The search for a build of this farm that takes `secs`; `None` = this node searches alone, because no other one that runs offers
     /// lanes.
-    pub(super) async fn for_build(farm: &Farm, build: BuildId, secs: f64) -> Result<Option<Self>> {
-        if farm.ledger.file().is_some() || secs < SHORTEST_SECS {
+    pub(super) async fn for_build(
+        ledger: &Ledger,
+        settings: &Settings,
+        build: BuildId,
+        secs: f64,
+    ) -> Result<Option<Self>> {
+        if ledger.file().is_some() || secs < SHORTEST_SECS {
             return Ok(None);
         }
-        let nodes = farm.ledger.list_nodes().await?;
-        let offered = |row: &crate::ledger::NodeRow| if row.alive { row.lanes } else { 0 };
-        let own = &farm.settings.node.name;
+        let nodes = ledger.list_nodes().await?;
+        let offered = |row: &NodeRow| if row.alive { row.lanes } else { 0 };
+        let own = &settings.node.name;
         if !nodes.iter().any(|row| row.name != *own && offered(row) > 0) {
             return Ok(None);
         }
         Ok(Some(Self {
-            ledger: farm.ledger.clone(),
+            ledger: ledger.clone(),
             runtime: Handle::current(),
             build,
-            files: mesh_files(&farm.settings.state_dir),
+            files: mesh_files(&settings.state_dir),
             lanes: nodes.iter().map(offered).sum::<u32>().min(MAX_LANES),
         }))
     }

@@ -96,6 +96,7 @@ mod refused_part;
 mod restore;
 mod retry_backoff;
 mod revisions;
+mod second_copies;
 mod signals;
 mod staged_build;
 mod standing_claim;

@@ -26,7 +26,7 @@ use super::{
     nesting_search::{NestingRequest, NestingResult, SharedBestLayout},
     publish,
     queues::{self, demand_staged},
-    state::{NestingState, RunningSearch},
+    state::{NestingState, RunningFinalSearch},
     write_build::{BuildWriteRequest, WrittenBuild, queue_file_name, write_and_prove},
 };
 use crate::{
@@ -155,9 +155,9 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
         seed,
         best_layout: SharedBestLayout::default(),
     };
-    let lanes = LaneSearch::for_build(farm, build.id, secs).await?;
+    let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, secs).await?;
     let (best_layout, is_in_lanes) = (request.best_layout.clone(), lanes.is_some());
-    farm.nesting.final_searches.insert(build.id, RunningSearch { budget, best_layout, is_in_lanes });
+    farm.nesting.final_searches.insert(build.id, RunningFinalSearch { budget, best_layout, is_in_lanes });
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
     let kept = find_kept_build(farm, &write.build).await?;

@@ -27,6 +27,28 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 /// A file of 2 GB takes less than this over a slow network.
 const TRANSFER_TIMEOUT: Duration = Duration::from_secs(600);
 
+/// Folder of the second copies in the state directory.
+pub(super) const COPIES_DIR: &str = "copies";
+
+/// Second copies of the files of other nodes' parts.
+pub(super) fn second_copies(state_dir: &Path) -> ContentStore {
+    ContentStore::from_dir(state_dir.join(COPIES_DIR))
+}
+
+/// Removes the files that were stored longer ago than `keep` and are not needed.
+///
+/// # Errors
+/// The folder cannot be read or changed.
+pub(super) fn remove_unneeded(files: &ContentStore, keep: Duration, is_needed: impl Fn(&str) -> bool) -> Result<()> {
+    for hash in files.list_contents()?.into_keys().filter(|hash| !is_needed(hash)) {
+        let stored_at = files.file_path(&hash)?.metadata()?.modified()?;
+        if stored_at.elapsed().is_ok_and(|age| age > keep) {
+            files.remove_content(&hash)?;
+        }
+    }
+    Ok(())
+}
+
 /// Another node.
 #[derive(Debug, Clone)]
 struct OtherNode {
@@ -38,8 +60,10 @@ struct OtherNode {
 }
 
 /// The other nodes of the farm, as far as originals can be asked for there.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct OtherNodes {
+    /// Second copies on this node.
+    copies: ContentStore,
     nodes: Vec<OtherNode>,
     /// Nodes that did not answer, with the reason: they are not asked for the next file.
     silent: RefCell<BTreeMap<String, String>>,
@@ -55,17 +79,22 @@ impl OtherNodes {
             nodes.extend(rows.map(|row| OtherNode { name: row.name, address: row.address, is_alive: row.alive }));
         }
         Ok(Self {
+            copies: second_copies(&settings.state_dir),
             nodes,
             silent: RefCell::default(),
             token_file: settings.interfaces.web.as_ref().and_then(|web| web.token_file.clone()),
         })
     }
 
-    /// Copies the file with this hash from another node into the store. `false` = no node has it that runs: one that is gone may never
+    /// Copies the file with this hash from a second copy on this node, or from another node, into the store. `false` = no node has it that runs: one that is gone may never
     /// come back.
     ///
     /// A node that runs, and may have it, does not answer.
     pub(super) fn fetch_into_store(&self, store: &ContentStore, hash: &str) -> Result<bool> {
+        if self.copies.verify_hash(hash).is_ok() {
+            store.store_file(&self.copies.file_path(hash)?)?;
+            return Ok(true);
+        }
         let mut unknown = Vec::new();
         for node in &self.nodes {
             let known = self.silent.borrow().get(&node.name).cloned();
@@ -83,6 +112,14 @@ impl OtherNodes {
             }
         }
         if unknown.is_empty() { Ok(false) } else { bail!("{}", unknown.join("; ")) }
+    }
+
+    /// Copies the file with this hash from a node into the store. `false` = it does not have it.
+    ///
+    /// It does not answer.
+    pub(super) fn fetch_from_node(&self, name: &str, store: &ContentStore, hash: &str) -> Result<bool> {
+        let address = self.nodes.iter().find(|node| node.name == name).map_or("", |node| node.address.as_str());
+        self.fetch_from(address, store, hash).with_context(|| format!("the node {name}"))
     }
 
     fn fetch_from(&self, address: &str, store: &ContentStore, hash: &str) -> Result<bool> {
@@ -117,7 +154,7 @@ impl OtherNodes {
     }
 }
 
-/// A file with this content that this node keeps, in its store, among the meshes of searches or in an archive of its machines; `None` =
+/// A file with this content that this node keeps, in its store, for searches or other nodes, or in an archive of its machines; `None` =
 /// none.
 ///
 /// # Errors
@@ -125,12 +162,14 @@ impl OtherNodes {
 pub async fn find_kept_content(settings: &Settings, ledger: &Ledger, hash: &str) -> Result<Option<PathBuf>> {
     let store = ContentStore::from_dir(settings.state_dir.join("store"));
     let Ok(stored) = store.file_path(hash) else { return Ok(None) };
-    let meshes = mesh_files(&settings.state_dir);
+    let others = [mesh_files(&settings.state_dir), second_copies(&settings.state_dir)];
     let archives = archive_folders(ledger, hash, |profile| settings.profiles.get(profile)).await?;
     let hash = hash.to_owned();
     let looked = tokio::task::spawn_blocking(move || match store.verify_hash(&hash) {
         Ok(()) => Some(stored),
-        Err(_) if meshes.verify_hash(&hash).is_ok() => meshes.file_path(&hash).ok(),
+        Err(_) if let Some(files) = others.iter().find(|files| files.verify_hash(&hash).is_ok()) => {
+            files.file_path(&hash).ok()
+        }
         Err(_) => archives.iter().find_map(|folder| find_original(folder, &hash)),
     });
     Ok(looked.await?)

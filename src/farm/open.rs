@@ -23,6 +23,7 @@ use super::{
     machine_setup,
     mesh_cache::MeshCache,
     mesh_source::MeshSource,
+    node_content::COPIES_DIR,
     retry_backoff::RetryBackoff,
     signals::{DaemonSignal, SignalListener},
     state::{CompletionState, DaemonLifecycle, DisplayState, Load, LoopSchedule, NestingState, ReadingState},
@@ -165,7 +166,9 @@ impl OpenedState {
             .with_context(|| format!("reading the farm's number in {}", settings.state_dir.display()))?;
         let store = ContentStore::open(settings.state_dir.join("store"))?;
         if ledger.file().is_none() {
-            ContentStore::open(settings.state_dir.join(MESHES_DIR))?;
+            for folder in [MESHES_DIR, COPIES_DIR] {
+                ContentStore::open(settings.state_dir.join(folder))?;
+            }
         }
         Ok(Self { lock, holder, ledger, store })
     }

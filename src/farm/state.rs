@@ -63,7 +63,7 @@ pub(super) struct ReadingState {
 
 /// A final search that runs.
 #[derive(Debug)]
-pub(super) struct RunningSearch {
+pub(super) struct RunningFinalSearch {
     /// Its budget, by which it is cancelled.
     pub(super) budget: SearchBudget,
     /// The best layout so far.
@@ -86,7 +86,7 @@ pub(super) struct NestingState {
     /// What the lanes of this node have in common.
     pub(super) lane_problem: SharedLaneProblem,
     /// Running final searches.
-    pub(super) final_searches: HashMap<BuildId, RunningSearch>,
+    pub(super) final_searches: HashMap<BuildId, RunningFinalSearch>,
     /// Number of failed attempts to make each build in this run, and the last reason.
     pub(super) failures: HashMap<BuildId, (u32, String)>,
     /// Builds that failed and wait for a retry.

@@ -11,6 +11,8 @@ use super::lease_clock;
 const HEARTBEAT_INTERVAL: Duration = Duration::from_secs(4);
 /// Interval of retrying claims that could not be completed.
 const CLAIM_RETRY_INTERVAL: Duration = Duration::from_secs(20);
+/// Interval of copying the files of another node.
+const COPY_INTERVAL: Duration = Duration::from_secs(5);
 /// Delay of the first housekeeping, so that it does not slow down the start.
 const FIRST_TIDY_AFTER: Duration = Duration::from_secs(60);
 /// Interval of the housekeeping.
@@ -27,6 +29,8 @@ pub(super) enum TimedTask {
     CheckFolders,
     /// Completes claims, and checks damaged files.
     RetryClaims,
+    /// Copies the files of another node's parts.
+    CopyFiles,
     /// Does the housekeeping.
     TidyUp,
 }
@@ -42,6 +46,7 @@ impl TaskTimes {
     pub(super) fn starting_at(now: Instant, scan_secs: f64) -> Self {
         let first = [
             (TimedTask::WriteHeartbeat, Duration::ZERO),
+            (TimedTask::CopyFiles, COPY_INTERVAL),
             (TimedTask::TidyUp, FIRST_TIDY_AFTER),
             (TimedTask::RenewLeases, interval_of(TimedTask::RenewLeases, scan_secs)),
             (TimedTask::CheckFolders, interval_of(TimedTask::CheckFolders, scan_secs)),
@@ -78,6 +83,7 @@ fn interval_of(task: TimedTask, scan_secs: f64) -> Duration {
         TimedTask::WriteHeartbeat => HEARTBEAT_INTERVAL,
         TimedTask::CheckFolders => Duration::from_secs_f64(scan_secs),
         TimedTask::RetryClaims => CLAIM_RETRY_INTERVAL,
+        TimedTask::CopyFiles => COPY_INTERVAL,
         TimedTask::TidyUp => TIDY_INTERVAL,
     }
 }
@@ -98,7 +104,13 @@ mod tests {
         let late = times.due_tasks(after(60));
         assert_eq!(
             late,
-            [TimedTask::WriteHeartbeat, TimedTask::CheckFolders, TimedTask::RetryClaims, TimedTask::TidyUp]
+            [
+                TimedTask::WriteHeartbeat,
+                TimedTask::CheckFolders,
+                TimedTask::RetryClaims,
+                TimedTask::CopyFiles,
+                TimedTask::TidyUp
+            ]
         );
         late.into_iter().for_each(|task| times.record_done(task, after(60), 5.0));
         assert!(!times.is_due(TimedTask::CheckFolders, after(64)) && times.is_due(TimedTask::CheckFolders, after(65)));

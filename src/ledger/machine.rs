@@ -105,6 +105,15 @@ impl Ledger {
         Ok(node.filter(|node| !node.is_empty()))
     }
 
+    /// The contents of all live parts, each with the node that serves its machine.
+    pub async fn live_contents(&self) -> Result<Vec<(String, String)>> {
+        let query = sql::query_as(
+            "SELECT DISTINCT p.content_hash, s.node FROM station s JOIN part p ON p.profile = s.profile \
+             WHERE p.state IN ('claimed', 'waiting', 'batched')",
+        );
+        Ok(query.fetch_all(self.reader()?).await?)
+    }
+
     /// Gives a machine to a node. The node that served it is fenced off: it changes nothing more until it was started again. Returns
     /// that node; `None` = no other node served it.
     ///

@@ -117,11 +117,7 @@ fn read_settings(
     let notify = super::notify::validate_notify(&inputs.notify, &mut validator);
     let root = folders::farm_root(&inputs, root);
     let state_dir = folders::path_below(&root, &inputs.folders.state);
-    let state = FolderClaim {
-        folder: state_dir.clone(),
-        description: "the state directory".into(),
-        location: validator.locate_key("folders.state"),
-    };
+    let state = state_claim(&state_dir, &validator);
     problems.append(&mut validator.problems);
     let mut validator = ConfigValidator::new(vec![(&farm, "defaults.")]);
     validation_rules::validate_defaults(&inputs.defaults, &mut validator);
@@ -144,9 +140,7 @@ fn read_settings(
     }
     problems.extend(folder_conflicts::find_all_conflicts(claims, state, follows_links));
     let ledger = folders::ledger_address(&inputs.folders, &state_dir);
-    if !has_machines && ledger.file().is_some() {
-        problems.push(missing_machine(file));
-    }
+    problems.extend((!has_machines && ledger.file().is_some()).then(|| missing_machine(file)));
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {
         file: file.to_owned(),
@@ -164,6 +158,14 @@ fn read_settings(
         interfaces: InterfaceSettings { log, web, metrics, notify },
         profiles,
     })
+}
+
+fn state_claim(state_dir: &Path, validator: &ConfigValidator<'_>) -> FolderClaim {
+    FolderClaim {
+        folder: state_dir.to_owned(),
+        description: "the state directory".into(),
+        location: validator.locate_key("folders.state"),
+    }
 }
 
 /// The folder of the machine files.

@@ -4,6 +4,7 @@ mod backup;
 mod lanes;
 mod lifecycle;
 mod migrations;
+mod nodes;
 #[cfg(feature = "postgres")]
 mod on_postgres;
 mod opening;

@@ -72,6 +72,13 @@ impl TestNode {
         self.farm.write_profile(&machine, &format!("{QUICK}[folders]\n{folders}"));
     }
 
+    /// Waits until the node has copies of so many files of another one.
+    fn wait_for_copies(&self, count: usize) {
+        let copies = nestd::intake::ContentStore::from_dir(self.farm.root().join("state/copies"));
+        let has_copies = || copies.list_contents().is_ok_and(|kept| kept.len() == count);
+        wait_until_or("files are copied", 60.0, || self.farm.log(), has_copies);
+    }
+
     fn machine(&self) -> String {
         self.name.replace("print", "machine-")
     }
@@ -179,8 +186,11 @@ fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
     let refused = second.farm.nestd(&["adopt", "machine-1"]);
     let told = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(!refused.status.success() && told.contains("is served by the node print1"), "{told}");
-    // The server dies, with the file of a waiting part on it.
+    // The server dies, with the file of a waiting part on it; its second copy is lost, too.
+    second.wait_for_copies(1);
     first.farm.kill();
+    fs::remove_dir_all(second.farm.root().join("state/copies")).unwrap();
+    fs::create_dir(second.farm.root().join("state/copies")).unwrap();
     let told = second.farm.nestd_ok(&["pause", "machine-1"]);
     assert!(told.contains("The node print1, which serves the machine, does not run"), "{told}");
     let told = second.farm.nestd_ok(&["status"]);
@@ -206,6 +216,33 @@ fn a_machine_has_one_node_and_goes_to_another_by_a_persons_word() {
     second.farm.stop();
     first.farm.stop();
     super::support::farm_files::assert_each_copy_once(&first.farm.queued(), 3);
+}
+
+#[test]
+fn the_parts_of_a_server_that_is_lost_with_its_disk_go_on_from_their_second_copies() {
+    let server = PostgresCluster::start();
+    let url = new_database(&server);
+    let (mut lost, mut heir) = (TestNode::started(1, &url), TestNode::new(2, &url));
+    heir.configure_machine_of(&lost);
+    heir.start();
+    for number in 0..3 {
+        lost.farm.drop_part(&format!("part {number}_x2.stl"), &block(20.0, 20.0, 10.0 + f64::from(number)));
+    }
+    heir.farm.wait_for_parts(PartState::Waiting, 3);
+    heir.wait_for_copies(3);
+    lost.farm.kill();
+    fs::remove_dir_all(lost.farm.root().join("state")).unwrap();
+    heir.adopt("machine-1");
+    heir.farm.wait_for_parts(PartState::Waiting, 3);
+    let flushed = || {
+        heir.farm.nestd(&["flush", "machine-1"]);
+        !lost.farm.queued().is_empty()
+    };
+    wait_until_or("the heir prints them", 60.0, || heir.farm.log(), flushed);
+    heir.farm.wait_for_parts(PartState::Built, 3);
+    assert!(!heir.farm.log().contains("must be dropped again"), "{}", heir.farm.log());
+    super::support::farm_files::assert_each_copy_once(&lost.farm.queued(), 6);
+    heir.farm.stop();
 }
 
 #[test]

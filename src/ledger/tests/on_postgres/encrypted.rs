@@ -26,7 +26,7 @@ async fn a_server_is_reached_over_tls_and_one_that_is_not_trusted_or_not_encrypt
     assert!(is_encrypted);
     waiting(&ledger, "a", 1).await;
     ledger.close().await;
-    let error = async |options| Ledger::open(&address(options)).await.err().expect("it is refused").to_string();
+    let error = async |options| Ledger::open(&address(options)).await.unwrap_err().to_string();
     let untrusted = error("sslmode=verify-full").await;
     assert!(untrusted.contains("certificate"), "{untrusted}");
     let plain = error("sslmode=disable").await;

@@ -1,15 +1,12 @@
 //! The final search for a build on several nodes: its owner cuts it into lanes, which all nodes search, itself included, and takes the
 //! best of them. Lanes and what they found are rows of the ledger: after a restart, the search goes on where it was.
 
-use std::{
-    collections::BTreeMap,
-    time::{Duration, Instant},
-};
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 use nester::{
-    ItemPlacement, LaneEnd, LanePlan, LaneTask, NestingConfig, NestingInstance, NestingSolution, PreparedMeshes,
-    ProgressListener, SearchBudget, StopCondition, finish_lanes, nest_with_cache, run_lane,
+    ItemPlacement, LaneEnd, LanePlan, LaneTask, NestingConfig, NestingInstance, NestingMethod, NestingSolution,
+    PreparedMeshes, ProgressListener, SearchBudget, StopCondition, finish_lanes, nest_with_cache, run_lane,
 };
 use serde::{Deserialize, Serialize};
 use tokio::runtime::Handle;
@@ -89,15 +86,15 @@ impl StopCondition for BudgetShare<'_> {
 }
 
 impl LaneSearch {
-    /// The search for a build of this farm that takes `secs`; `None` = this node searches alone, because no other one that runs offers
-    /// lanes.
+    /// The search for a build of this farm that takes `secs`; `None` = this node searches alone: no other one that runs offers lanes, or the
+    /// published method is asked for.
     pub(super) async fn for_build(
         ledger: &Ledger,
         settings: &Settings,
         build: BuildId,
-        secs: f64,
+        (method, secs): (NestingMethod, f64),
     ) -> Result<Option<Self>> {
-        if ledger.file().is_some() || secs < SHORTEST_SECS {
+        if ledger.file().is_some() || secs < SHORTEST_SECS || method != NestingMethod::Nestd {
             return Ok(None);
         }
         let nodes = ledger.list_nodes().await?;
@@ -157,7 +154,7 @@ impl LaneSearch {
             },
         };
         let found = self.runtime.block_on(self.follow_rounds(&plan, budget, deadline, listener))?;
-        let Some(best) = LanePlan::best_end(&found.ends) else { return Ok(None) };
+        let Some(best) = found.best else { return Ok(None) };
         let finish = SearchBudget::of_evaluations((plan.evaluations as f64 * FINISH_SHARE) as u64);
         let finished = finish_lanes(instance, config, prepared, &best.placements, &finish);
         let solution = NestingSolution { evaluations: found.evaluations, ..finished };
@@ -197,41 +194,41 @@ impl LaneSearch {
         Ok(Some(plan))
     }
 
-    /// Waits for the lanes of each round, and begins the next one. Returns what the lanes of the last round have found that has an end.
+    /// Waits for the lanes of each round, and begins the next one.
     async fn follow_rounds(
         &self,
         plan: &LanePlan,
         budget: &SearchBudget,
         deadline: Instant,
         listener: &mut dyn ProgressListener,
-    ) -> Result<RoundsEnd> {
-        let mut found = RoundsEnd::default();
+    ) -> Result<LanesFound> {
         loop {
             // Where the ledger cannot be reached, what the nodes have found is not lost: they tell it when they reach it again.
-            let looked = self.take_in_lanes(plan, &mut found, listener).await;
+            let looked = self.begin_next_round(plan, listener).await;
             if matches!(looked, Ok(true)) || budget.is_cancelled() {
-                return Ok(found);
+                break;
             }
             if Instant::now() >= deadline {
                 looked?;
                 info!(build.id = %self.build, "Not all lanes of build {} have ended in time: what they have found is taken.", self.build);
-                return Ok(found);
+                break;
             }
             tokio::time::sleep(POLL_INTERVAL).await;
         }
+        LanesFound::read(&self.ledger.list_lanes(self.build).await?)
     }
 
-    /// Looks at the lanes, and begins the next round where all of one have ended. Returns whether the search has ended.
-    async fn take_in_lanes(
-        &self,
-        plan: &LanePlan,
-        found: &mut RoundsEnd,
-        listener: &mut dyn ProgressListener,
-    ) -> Result<bool> {
+    /// Begins the next round where all lanes of one have ended. Returns whether the search has ended.
+    async fn begin_next_round(&self, plan: &LanePlan, listener: &mut dyn ProgressListener) -> Result<bool> {
+        let Some((round, open)) = self.ledger.lane_progress(self.build).await? else { return Ok(true) };
+        if open > 0 {
+            return Ok(false);
+        }
         let rows = self.ledger.list_lanes(self.build).await?;
-        let Some(round) = found.take_in(&rows)? else { return Ok(rows.is_empty()) };
-        report_best(found, listener);
-        let tasks = plan.next_tasks(round, &found.ends);
+        LanesFound::read(&rows)?.report(listener);
+        let of_round = rows.iter().filter(|row| row.round == round).filter_map(read_result);
+        let ends: Vec<LaneEnd> = of_round.map(|found| Ok(found?.end)).collect::<Result<_>>()?;
+        let tasks = plan.next_tasks(round, &ends);
         if !tasks.is_empty() {
             self.ledger.add_lane_round(self.build, round + 1, &written_tasks(&tasks)?).await?;
         }
@@ -241,40 +238,40 @@ impl LaneSearch {
 
 /// What the lanes have found so far.
 #[derive(Default)]
-struct RoundsEnd {
-    /// The ends of the last round of which any lane has ended.
-    ends: Vec<LaneEnd>,
+struct LanesFound {
+    /// The best of all rounds; `None` = no lane has ended.
+    best: Option<LaneEnd>,
     evaluations: u64,
     cpu_secs: f64,
 }
 
-impl RoundsEnd {
-    /// Takes in the lanes of a search. Returns the last round, if all lanes have ended.
-    fn take_in(&mut self, rows: &[LaneRow]) -> Result<Option<u32>> {
-        let mut ends: BTreeMap<u32, Vec<LaneEnd>> = BTreeMap::new();
-        (self.evaluations, self.cpu_secs) = (0, 0.0);
-        for row in rows {
-            let Some(text) = &row.result else { continue };
-            let result: LaneResult = serde_json::from_str(text)
-                .with_context(|| format!("reading lane {} of round {}", row.lane + 1, row.round + 1))?;
-            self.evaluations += result.end.evaluations;
-            self.cpu_secs += result.cpu_secs;
-            ends.entry(row.round).or_default().push(result.end);
+impl LanesFound {
+    fn read(rows: &[LaneRow]) -> Result<Self> {
+        let mut found = Self::default();
+        for result in rows.iter().filter_map(read_result) {
+            let LaneResult { end, cpu_secs } = result?;
+            found.evaluations += end.evaluations;
+            found.cpu_secs += cpu_secs;
+            let ends: Vec<LaneEnd> = found.best.take().into_iter().chain([end]).collect();
+            found.best = LanePlan::best_end(&ends).cloned();
         }
-        let (round, ends) = ends.pop_last().unwrap_or_default();
-        self.ends = ends;
-        let is_whole = !rows.is_empty() && rows.iter().all(|row| row.result.is_some());
-        Ok(is_whole.then_some(round))
+        Ok(found)
+    }
+
+    /// Tells of the best layout.
+    fn report(&self, listener: &mut dyn ProgressListener) {
+        if let Some(best) = &self.best {
+            let (placements, height_mm, evaluations) = (best.placements.clone(), best.height_mm, self.evaluations);
+            let solution = NestingSolution { placements, unplaced: Vec::new(), height_mm, evaluations };
+            listener.on_improved(&solution, evaluations);
+        }
     }
 }
 
-/// Tells of the best layout of a round.
-fn report_best(found: &RoundsEnd, listener: &mut dyn ProgressListener) {
-    if let Some(best) = LanePlan::best_end(&found.ends) {
-        let (placements, height_mm, evaluations) = (best.placements.clone(), best.height_mm, found.evaluations);
-        let solution = NestingSolution { placements, unplaced: Vec::new(), height_mm, evaluations };
-        listener.on_improved(&solution, evaluations);
-    }
+/// What was found in a lane; `None` = nothing yet.
+fn read_result(row: &LaneRow) -> Option<Result<LaneResult>> {
+    let read = serde_json::from_str(row.result.as_ref()?);
+    Some(read.with_context(|| format!("reading what lane {} of round {} has found", row.lane + 1, row.round + 1)))
 }
 
 fn written_tasks(tasks: &[LaneTask]) -> Result<Vec<String>> {

@@ -155,7 +155,8 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
         seed,
         best_layout: SharedBestLayout::default(),
     };
-    let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, secs).await?;
+    let method = profile.search.nest.method;
+    let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, (method, secs)).await?;
     let (best_layout, is_in_lanes) = (request.best_layout.clone(), lanes.is_some());
     farm.nesting.final_searches.insert(build.id, RunningFinalSearch { budget, best_layout, is_in_lanes });
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };

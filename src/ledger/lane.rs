@@ -102,6 +102,14 @@ impl Ledger {
         change.commit().await
     }
 
+    /// The last round of the search for a build, and how many of all its lanes have no result; `None` = there is no search.
+    pub async fn lane_progress(&self, build: BuildId) -> Result<Option<(u32, u32)>> {
+        let query = sql::query_as(
+            "SELECT max(round), count(*) - count(result) FROM lane WHERE build_id = $1 GROUP BY build_id",
+        );
+        Ok(query.bind(build).fetch_optional(self.reader()?).await?)
+    }
+
     /// All lanes of the search for a build, by round and lane.
     pub async fn list_lanes(&self, build: BuildId) -> Result<Vec<LaneRow>> {
         let query = sql::query_as(

@@ -30,9 +30,11 @@ async fn lanes_are_taken_in_order_and_their_results_found_by_round() {
     assert_eq!((second.id.lane, second.task.as_str()), (1, "task 1"));
     assert_eq!(take(&ledger, "a", &[first.id, second.id]).await, None);
     assert!(ledger.end_lane(first.id, first.epoch, "found 0").await.unwrap());
+    assert_eq!(ledger.lane_progress(build).await.unwrap(), Some((0, 1)));
     assert!(ledger.end_lane(second.id, second.epoch, "found 1").await.unwrap());
     ledger.add_lane_round(build, 1, &["next".to_owned()]).await.unwrap();
     ledger.add_lane_round(build, 1, &["another".to_owned()]).await.unwrap();
+    assert_eq!(ledger.lane_progress(build).await.unwrap(), Some((1, 1)));
     let lanes = ledger.list_lanes(build).await.unwrap();
     let told: Vec<_> =
         lanes.iter().map(|row| (row.round, row.lane, row.task.as_str(), row.result.as_deref())).collect();

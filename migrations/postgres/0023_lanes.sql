@@ -2,24 +2,26 @@
 ALTER TABLE node ADD COLUMN lanes BIGINT NOT NULL DEFAULT 0;
 
 CREATE TABLE lane_search (
-    build_id BIGINT PRIMARY KEY NOT NULL REFERENCES build (id),
+    id BIGINT PRIMARY KEY NOT NULL,
+    build_id BIGINT NOT NULL UNIQUE REFERENCES build (id),
     problem TEXT COLLATE "C" NOT NULL,
     plan TEXT COLLATE "C" NOT NULL
 );
 
 CREATE TABLE lane (
-    build_id BIGINT NOT NULL REFERENCES lane_search (build_id) ON DELETE CASCADE,
+    search_id BIGINT NOT NULL REFERENCES lane_search (id) ON DELETE CASCADE,
     round BIGINT NOT NULL,
     lane BIGINT NOT NULL,
     task TEXT COLLATE "C" NOT NULL,
     epoch BIGINT NOT NULL DEFAULT 0,
     node TEXT COLLATE "C" NOT NULL DEFAULT '',
     result TEXT COLLATE "C",
-    PRIMARY KEY (build_id, round, lane)
+    PRIMARY KEY (search_id, round, lane)
 );
 
-COMMENT ON COLUMN node.lanes IS 'lanes that it searches at once';
+COMMENT ON COLUMN node.lanes IS 'lanes that it offers now';
 COMMENT ON TABLE lane_search IS 'A row is a final search in lanes; it goes when its build leaves the state nesting.';
+COMMENT ON COLUMN lane_search.id IS 'a random number: no search is taken for another one';
 COMMENT ON COLUMN lane_search.problem IS 'JSON: the instance, its meshes by BLAKE3, and the settings of the search';
 COMMENT ON COLUMN lane_search.plan IS 'JSON: number of lanes and rounds, evaluations, seed';
 COMMENT ON TABLE lane IS 'A row is one round of one lane.';

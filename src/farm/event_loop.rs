@@ -92,6 +92,8 @@ pub(super) async fn run_tick(farm: &mut Farm) {
     lease_renewal::renew_leases(farm, is_due);
     farm.run_step("looking at the clock", clock_changes::handle_clock_change).await;
     intake_jobs::start_scans(farm);
+    // Lanes of other nodes' builds are no news to this one.
+    farm.run_step("lanes", lane_job::search_lanes).await;
     if may_have_work(farm).await {
         run_ledger_steps(farm).await;
     }
@@ -128,7 +130,6 @@ async fn run_ledger_steps(farm: &mut Farm) {
     farm.run_step("reading", intake_jobs::start_reading).await;
     farm.run_step("revisions", revisions::take_out_replaced).await;
     farm.run_step("originals", fetch_originals::fetch_originals).await;
-    farm.run_step("lanes", lane_job::search_lanes).await;
     // Fired builds come before open ones, so that they get the free slots first.
     farm.run_step("nesting", nest::nest_fired_builds).await;
     for name in names {

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use jiff::Timestamp;
+use nester::SearchBudget;
 
 use super::{
     alert::{AlertKind, FarmAlert},
@@ -95,6 +96,7 @@ impl Farm {
             self.lifecycle.is_halted = true;
             self.lifecycle.services.set_open(false);
             self.nesting.final_searches.values().for_each(|search| search.budget.cancel());
+            self.nesting.lanes.values().for_each(SearchBudget::cancel);
             self.machines.values_mut().for_each(|machine| machine.open.reset());
             self.alerts.raise(kind, "", "", why);
             let active: Vec<FarmAlert> = self.alerts.active_alerts().collect();

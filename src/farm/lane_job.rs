@@ -1,6 +1,7 @@
 //! The lanes that this node searches, for builds of any node of the farm. A node without machines does nothing else.
 
 use std::{
+    path::Path,
     sync::{Arc, PoisonError},
     time::Duration,
 };
@@ -17,7 +18,7 @@ use super::{
     lane_search::LaneResult,
     nesting_search::cpu_secs,
     node_content::{OtherNodes, remove_unneeded},
-    state::NestingState,
+    state::{NestingState, RunningFinalSearch},
 };
 use crate::{
     intake::ContentStore,
@@ -46,12 +47,8 @@ impl BackgroundJob<Farm> for LaneJob {
     async fn on_done(self, farm: &mut Farm, outcome: Self::Outcome) -> Result<()> {
         match outcome {
             Ok(found) => {
-                farm.nesting.lanes.remove(&self.id);
-                farm.nesting.lane_backoff.record_success(&self.id.build);
-                if !farm.ledger.end_lane(self.id, self.epoch, &found).await? {
-                    debug!("What was found in {} is not needed any more.", self.id);
-                }
-                Ok(())
+                farm.nesting.untold_lanes.insert(self.id, (self.epoch, found));
+                tell_results(farm).await
             }
             Err(failure) => self.give_back(farm, &format!("{failure:#}")).await,
         }
@@ -63,64 +60,88 @@ impl BackgroundJob<Farm> for LaneJob {
 
     fn on_not_started(self, farm: &mut Farm, _why: &str) {
         farm.nesting.lanes.remove(&self.id);
-        farm.nesting.lane_backoff.record_failure(self.id.build);
+        farm.nesting.refused_searches.push(self.id.search);
     }
 }
 
 impl LaneJob {
     /// Another node may be able to search it.
     async fn give_back(self, farm: &mut Farm, why: &str) -> Result<()> {
-        farm.nesting.lanes.remove(&self.id);
-        if !farm.lifecycle.is_stopping {
-            warn!("This node cannot search {}: {why}.", self.id);
-            farm.nesting.lane_backoff.record_failure(self.id.build);
+        let budget = farm.nesting.lanes.remove(&self.id);
+        if budget.is_none_or(|budget| !budget.is_cancelled()) {
+            warn!("This node cannot search {}, and leaves the lanes of that build to others: {why}.", self.id);
+            farm.nesting.refused_searches.push(self.id.search);
         }
         Ok(farm.ledger.give_lane_back(self.id, self.epoch).await?)
     }
 }
 
-/// Number of lanes that this node offers the farm.
-pub(super) fn offered_lanes(farm: &Farm) -> usize {
-    if farm.ledger.file().is_some() { 0 } else { farm.settings.node.lanes }
-}
-
-/// Takes as many lanes as this node can search besides its own builds, and ends those whose search has ended.
-pub(super) async fn search_lanes(farm: &mut Farm) -> Result<()> {
-    let offered = offered_lanes(farm);
-    if offered == 0 {
-        return Ok(());
-    }
-    if !farm.nesting.lanes.is_empty() {
-        let searched = farm.ledger.builds_in_lanes().await?;
-        let ended = farm.nesting.lanes.iter().filter(|(id, _)| !searched.contains(&id.build));
-        ended.for_each(|(_, budget)| budget.cancel());
-    }
-    while farm.nesting.lanes.len() < offered && !is_searching_alone(farm) {
-        let searched: Vec<LaneId> = farm.nesting.lanes.keys().copied().collect();
-        let Some(taken) = farm.ledger.take_lane(&farm.settings.node.name, &searched).await? else { return Ok(()) };
-        if farm.nesting.lane_backoff.is_waiting(&taken.id.build) {
-            return Ok(farm.ledger.give_lane_back(taken.id, taken.epoch).await?);
+/// Tells the ledger what was found. If that cannot be reached, it is told later.
+async fn tell_results(farm: &mut Farm) -> Result<()> {
+    let untold: Vec<LaneId> = farm.nesting.untold_lanes.keys().copied().collect();
+    for id in untold {
+        let (epoch, found) = &farm.nesting.untold_lanes[&id];
+        if !farm.ledger.end_lane(id, *epoch, found).await? {
+            debug!("What was found in {id} is not needed any more.");
         }
-        start_lane(farm, taken).await?;
+        farm.nesting.untold_lanes.remove(&id);
+        farm.nesting.lanes.remove(&id);
     }
     Ok(())
 }
 
-/// Removes meshes of searches that ended long ago, while this node has no part in any.
-pub(super) fn forget_old_meshes(farm: &Farm) {
-    let NestingState { lanes, final_searches, .. } = &farm.nesting;
-    if farm.ledger.file().is_some() || !lanes.is_empty() || final_searches.values().any(|search| search.is_in_lanes) {
-        return;
+/// Number of lanes that this node offers the farm now: none while its threads work for its own builds.
+pub(super) fn offered_lanes(farm: &Farm) -> usize {
+    if farm.ledger.file().is_some() || is_searching_alone(farm) { 0 } else { farm.settings.node.lanes }
+}
+
+/// Takes as many lanes as this node can search besides its own builds, and ends those whose search has ended.
+pub(super) async fn search_lanes(farm: &mut Farm) -> Result<()> {
+    if farm.ledger.file().is_some() || farm.settings.node.lanes == 0 {
+        return Ok(());
     }
-    if let Err(failure) = remove_unneeded(&mesh_files(&farm.settings.state_dir), KEEP_MESHES, |_| false) {
+    tell_results(farm).await?;
+    let NestingState { lanes, refused_searches, .. } = &mut farm.nesting;
+    if !(lanes.is_empty() && refused_searches.is_empty()) {
+        let searched = farm.ledger.searches_in_lanes().await?;
+        refused_searches.retain(|search| searched.contains(search));
+        let ended = lanes.iter().filter(|(id, _)| !searched.contains(&id.search));
+        ended.for_each(|(_, budget)| budget.cancel());
+    }
+    while farm.nesting.lanes.len() < offered_lanes(farm) {
+        let NestingState { lanes, refused_searches, .. } = &farm.nesting;
+        let searched: Vec<LaneId> = lanes.keys().copied().collect();
+        let taken = farm.ledger.take_lane(&farm.settings.node.name, &searched, refused_searches).await?;
+        let Some(taken) = taken else { break };
+        start_lane(farm, taken).await?;
+    }
+    if farm.nesting.lanes.is_empty() {
+        // Its meshes take memory.
+        *farm.nesting.lane_problem.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+    Ok(())
+}
+
+/// Whether this node has a part in a search in lanes, whose meshes are then needed.
+pub(super) fn needs_meshes(farm: &Farm) -> bool {
+    let NestingState { lanes, final_searches, .. } = &farm.nesting;
+    !lanes.is_empty() || final_searches.values().any(RunningFinalSearch::is_in_lanes)
+}
+
+/// Removes meshes of searches that ended long ago.
+pub(super) fn forget_old_meshes(state_dir: &Path) {
+    if let Err(failure) = remove_unneeded(&mesh_files(state_dir), KEEP_MESHES, |_| false) {
         warn!("Meshes of ended searches could not be removed: {failure:#}.");
     }
 }
 
-/// Whether this node's threads work for its own builds.
+/// Whether this node's threads work for its own builds. Those for an open build give way to the lanes of a fired one.
 fn is_searching_alone(farm: &Farm) -> bool {
-    farm.jobs.running_subjects::<ImproveLayoutJob>().next().is_some()
-        || farm.nesting.final_searches.values().any(|search| !search.is_in_lanes)
+    let finals = &farm.nesting.final_searches;
+    match finals.is_empty() {
+        true => farm.jobs.running_subjects::<ImproveLayoutJob>().next().is_some(),
+        false => !finals.values().all(RunningFinalSearch::is_in_lanes),
+    }
 }
 
 async fn start_lane(farm: &mut Farm, taken: TakenLane) -> Result<()> {

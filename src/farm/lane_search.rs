@@ -1,9 +1,15 @@
 //! The final search for a build on several nodes: its owner cuts it into lanes, which all nodes search, itself included, and takes the
 //! best of them. Lanes and what they found are rows of the ledger: after a restart, the search goes on where it was.
 
-use std::time::{Duration, Instant};
+use std::{
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use nester::{
     ItemPlacement, LaneEnd, LanePlan, LaneTask, NestingConfig, NestingInstance, NestingMethod, NestingSolution,
     PreparedMeshes, ProgressListener, SearchBudget, StopCondition, finish_lanes, nest_with_cache, run_lane,
@@ -15,12 +21,12 @@ use tracing::{info, warn};
 use super::lane_problem::{LaneProblem, mesh_files};
 use crate::{
     intake::ContentStore,
-    ledger::{BuildId, LaneRow, LaneSearchRow, Ledger, NodeRow},
+    ledger::{BuildId, LaneProgress, LaneRow, Ledger, NodeRow},
     settings::Settings,
 };
 
 /// A search that is shorter than this is not worth the way to other nodes.
-const SHORTEST_SECS: f64 = 2.0;
+const SHORTEST_SECS: f64 = 5.0;
 /// Share of the time for the first layouts, which the owner makes alone.
 const FIRST_SHARE: f64 = 0.15;
 /// Share of the time after which the owner knows how many evaluations a lane makes in a second.
@@ -29,6 +35,10 @@ const TRIAL_SHARE: f64 = 0.2;
 const LANE_SHARE: f64 = 0.9;
 /// A search that takes longer than its time by this share ends with what its lanes have found.
 const OVERTIME_SHARE: f64 = 0.5;
+/// While no lane has ended, the owner waits for this share of the time.
+const GIVE_UP_SHARE: f64 = 0.6;
+/// From the end of a round until all nodes search the next one, seconds.
+const ROUND_DELAY_SECS: f64 = 0.7;
 /// Number of rounds, after each of which the better half of the lanes goes on.
 const ROUNDS: u32 = 4;
 /// Most lanes of a search.
@@ -55,6 +65,7 @@ pub(super) struct LaneSearch {
     files: ContentStore,
     /// Number of lanes.
     lanes: u32,
+    is_in_lanes: Arc<AtomicBool>,
 }
 
 /// What is searched, and from where.
@@ -86,43 +97,55 @@ impl StopCondition for BudgetShare<'_> {
 }
 
 impl LaneSearch {
-    /// The search for a build of this farm that takes `secs`; `None` = this node searches alone: no other one that runs offers lanes, or the
-    /// published method is asked for.
+    /// The search for a build of this node that takes `secs`; `None` = this node searches alone: the other nodes that run and have the same
+    /// version offer too few lanes to be better than its own threads, they cannot reach it, or the published method is asked for.
+    /// `is_in_lanes` tells while it is made in lanes.
     pub(super) async fn for_build(
         ledger: &Ledger,
         settings: &Settings,
         build: BuildId,
-        (method, secs): (NestingMethod, f64),
-    ) -> Result<Option<Self>> {
-        if ledger.file().is_some() || secs < SHORTEST_SECS || method != NestingMethod::Nestd {
-            return Ok(None);
+        (config, secs): (&NestingConfig, f64),
+        is_in_lanes: &Arc<AtomicBool>,
+    ) -> Option<Self> {
+        let is_reached = settings.node.address.is_some() && settings.interfaces.web.is_some();
+        if ledger.file().is_some() || !is_reached || secs < SHORTEST_SECS || config.method != NestingMethod::Nestd {
+            return None;
         }
-        let nodes = ledger.list_nodes().await?;
-        let offered = |row: &NodeRow| if row.alive { row.lanes } else { 0 };
-        let own = &settings.node.name;
-        if !nodes.iter().any(|row| row.name != *own && offered(row) > 0) {
-            return Ok(None);
+        let nodes = ledger.list_nodes().await;
+        let nodes = nodes.inspect_err(|error| warn!("This node searches alone for build {build}: {error}.")).ok()?;
+        let is_other =
+            |row: &&NodeRow| row.name != settings.node.name && row.alive && row.version == env!("CARGO_PKG_VERSION");
+        let others: u32 = nodes.iter().filter(is_other).map(|row| row.lanes).sum();
+        let lanes = u32::try_from(settings.node.lanes).unwrap_or(MAX_LANES).saturating_add(others).min(MAX_LANES);
+        if others == 0 || lanes as usize <= config.thread_count() {
+            return None;
         }
-        Ok(Some(Self {
+        Some(Self {
             ledger: ledger.clone(),
             runtime: Handle::current(),
             build,
             files: mesh_files(&settings.state_dir),
-            lanes: nodes.iter().map(offered).sum::<u32>().min(MAX_LANES),
-        }))
+            lanes,
+            is_in_lanes: is_in_lanes.clone(),
+        })
     }
 
-    /// Searches until all rounds have ended, the time is over, or the budget is cancelled. Where the other nodes are of no use, this node
-    /// goes on alone.
+    /// Searches until all rounds have ended or the time is over. Where the other nodes are of no use, this node goes on alone.
+    ///
+    /// # Errors
+    /// The budget was cancelled: the next start goes on with the search.
     pub(super) fn run(
         &self,
         problem: &NestingProblem<'_>,
         budget: &SearchBudget,
         listener: &mut dyn ProgressListener,
-    ) -> LaneSearchEnd {
+    ) -> Result<LaneSearchEnd> {
         let mut known = problem.start.to_vec();
-        match self.search_together(problem, budget, &mut known, listener) {
-            Ok(Some(found)) => return found,
+        let together = self.search_together(problem, budget, &mut known, listener);
+        self.is_in_lanes.store(false, Ordering::Relaxed);
+        ensure!(!budget.is_cancelled(), "the search was stopped");
+        match together {
+            Ok(Some(found)) => return Ok(found),
             Ok(None) => {}
             Err(failure) => {
                 warn!(build.id = %self.build, "The search for build {} goes on without other nodes: {failure:#}.", self.build);
@@ -130,7 +153,7 @@ impl LaneSearch {
         }
         let NestingProblem { instance, config, prepared, .. } = *problem;
         let solution = nest_with_cache(instance, config, &known, prepared, budget, listener);
-        LaneSearchEnd { solution, lane_cpu_secs: 0.0 }
+        Ok(LaneSearchEnd { solution, lane_cpu_secs: 0.0 })
     }
 
     /// `None` = it is better to go on alone, from `known`: not all copies have a place, or the budget is used up.
@@ -142,21 +165,27 @@ impl LaneSearch {
         listener: &mut dyn ProgressListener,
     ) -> Result<Option<LaneSearchEnd>> {
         let NestingProblem { instance, config, prepared, .. } = *problem;
-        let deadline =
-            Instant::now() + Duration::from_secs_f64(budget.secs_left().unwrap_or(0.0) * (1.0 + OVERTIME_SHARE));
         let text = serde_json::to_string(&LaneProblem::describe(instance, config, &self.files)?)?;
+        let times = SearchTimes::of_secs(budget.secs_left().unwrap_or(0.0));
         let begun = self.runtime.block_on(self.ledger.find_lane_search(self.build))?;
-        let plan = match begun.filter(|row| row.problem == text) {
-            Some(row) => serde_json::from_str(&row.plan).context("reading the plan of its lanes")?,
-            None => match self.begin(problem, text, budget, known, listener)? {
-                Some(plan) => plan,
+        let (search, plan) = match begun.filter(|row| row.problem == text) {
+            Some(row) => (row.id, serde_json::from_str(&row.plan).context("reading the plan of its lanes")?),
+            None => match self.begin(problem, &text, budget, known, listener)? {
+                Some(begun) => begun,
                 None => return Ok(None),
             },
         };
-        let found = self.runtime.block_on(self.follow_rounds(&plan, budget, deadline, listener))?;
-        let Some(best) = found.best else { return Ok(None) };
+        self.is_in_lanes.store(true, Ordering::Relaxed);
+        let followed = self.runtime.block_on(self.follow_rounds(search, &plan, budget, &times, listener));
+        let Some(found) = followed? else { return Ok(None) };
+        let Some(best) = found.best.filter(|best| best.placements.len() == instance.copy_count()) else {
+            return Ok(None);
+        };
         let finish = SearchBudget::of_evaluations((plan.evaluations as f64 * FINISH_SHARE) as u64);
         let finished = finish_lanes(instance, config, prepared, &best.placements, &finish);
+        if !finished.unplaced.is_empty() {
+            return Ok(None);
+        }
         let solution = NestingSolution { evaluations: found.evaluations, ..finished };
         Ok(Some(LaneSearchEnd { solution, lane_cpu_secs: found.cpu_secs }))
     }
@@ -165,11 +194,11 @@ impl LaneSearch {
     fn begin(
         &self,
         problem: &NestingProblem<'_>,
-        text: String,
+        text: &str,
         budget: &SearchBudget,
         known: &mut Vec<ItemPlacement>,
         listener: &mut dyn ProgressListener,
-    ) -> Result<Option<LanePlan>> {
+    ) -> Result<Option<(i64, LanePlan)>> {
         let NestingProblem { instance, config, prepared, start } = *problem;
         let share = |until: f64| BudgetShare { budget, until };
         let first = nest_with_cache(instance, config, start, prepared, &share(FIRST_SHARE), listener);
@@ -177,62 +206,96 @@ impl LaneSearch {
         if !first.unplaced.is_empty() || budget.spent_share() >= 1.0 {
             return Ok(None);
         }
-        let trial = LaneTask { round: 1, lane: 0, seed: config.seed, evaluations: u64::MAX, start: known.clone() };
+        let trial = LanePlan { lanes: 1, rounds: 1, evaluations: u64::MAX, seed: config.seed }.first_tasks(known);
         let began = Instant::now();
-        let tried = run_lane(instance, config, prepared, &trial, &share(TRIAL_SHARE));
+        let tried = run_lane(instance, config, prepared, &trial[0], &share(TRIAL_SHARE));
         let per_second = tried.evaluations as f64 / began.elapsed().as_secs_f64().max(1e-3);
-        let evaluations = (per_second * budget.secs_left().unwrap_or(0.0) * LANE_SHARE) as u64;
+        let lane_secs = budget.secs_left().unwrap_or(0.0) * LANE_SHARE - f64::from(ROUNDS) * ROUND_DELAY_SECS;
+        let evaluations = (per_second * lane_secs.max(0.0)) as u64;
         if evaluations == 0 || tried.placements.len() < known.len() {
             return Ok(None);
         }
         *known = tried.placements;
         let plan = LanePlan { lanes: self.lanes, rounds: ROUNDS, evaluations, seed: config.seed };
-        let search = LaneSearchRow { problem: text, plan: serde_json::to_string(&plan)? };
-        let tasks = written_tasks(&plan.first_tasks(known))?;
-        self.runtime.block_on(self.ledger.begin_lane_search(self.build, &search, &tasks))?;
+        let (written, tasks) = (serde_json::to_string(&plan)?, written_tasks(&plan.first_tasks(known))?);
+        let begun = self.ledger.begin_lane_search(self.build, text, &written, &tasks);
+        let search = self.runtime.block_on(begun)?;
         info!(build.id = %self.build, lanes = plan.lanes, evaluations, "Build {} is searched in {} lanes.", self.build, plan.lanes);
-        Ok(Some(plan))
+        Ok(Some((search, plan)))
     }
 
-    /// Waits for the lanes of each round, and begins the next one.
+    /// Waits for the lanes of each round, and begins the next one. `None` = no lane ends, and it is better to go on alone.
     async fn follow_rounds(
         &self,
+        search: i64,
         plan: &LanePlan,
         budget: &SearchBudget,
-        deadline: Instant,
+        times: &SearchTimes,
         listener: &mut dyn ProgressListener,
-    ) -> Result<LanesFound> {
+    ) -> Result<Option<LanesFound>> {
         loop {
             // Where the ledger cannot be reached, what the nodes have found is not lost: they tell it when they reach it again.
-            let looked = self.begin_next_round(plan, listener).await;
-            if matches!(looked, Ok(true)) || budget.is_cancelled() {
-                break;
+            let looked = self.begin_next_round(search, plan, listener).await;
+            let now = Instant::now();
+            match looked {
+                Ok(None) => break,
+                Ok(Some(progress)) if progress.ended == 0 && now >= times.give_up_at => {
+                    warn!(build.id = %self.build, "No node has searched a lane of build {} in time.", self.build);
+                    self.ledger.end_lane_search(self.build).await?;
+                    return Ok(None);
+                }
+                Err(failure) if now >= times.deadline => return Err(failure),
+                Ok(Some(_)) if now >= times.deadline => {
+                    info!(build.id = %self.build, "Not all lanes of build {} have ended in time: what they have found is taken.", self.build);
+                    break;
+                }
+                Ok(Some(_)) | Err(_) => {}
             }
-            if Instant::now() >= deadline {
-                looked?;
-                info!(build.id = %self.build, "Not all lanes of build {} have ended in time: what they have found is taken.", self.build);
-                break;
+            if budget.is_cancelled() {
+                return Ok(None);
             }
             tokio::time::sleep(POLL_INTERVAL).await;
         }
-        LanesFound::read(&self.ledger.list_lanes(self.build).await?)
+        Ok(Some(LanesFound::read(&self.ledger.list_lanes(search).await?)?))
     }
 
-    /// Begins the next round where all lanes of one have ended. Returns whether the search has ended.
-    async fn begin_next_round(&self, plan: &LanePlan, listener: &mut dyn ProgressListener) -> Result<bool> {
-        let Some((round, open)) = self.ledger.lane_progress(self.build).await? else { return Ok(true) };
-        if open > 0 {
-            return Ok(false);
+    /// Begins the next round where all lanes of one have ended. Returns how far the search is; `None` = it has ended.
+    async fn begin_next_round(
+        &self,
+        search: i64,
+        plan: &LanePlan,
+        listener: &mut dyn ProgressListener,
+    ) -> Result<Option<LaneProgress>> {
+        let Some(progress) = self.ledger.lane_progress(search).await? else { return Ok(None) };
+        if progress.open > 0 {
+            return Ok(Some(progress));
         }
-        let rows = self.ledger.list_lanes(self.build).await?;
+        let rows = self.ledger.list_lanes(search).await?;
         LanesFound::read(&rows)?.report(listener);
-        let of_round = rows.iter().filter(|row| row.round == round).filter_map(read_result);
+        let of_round = rows.iter().filter(|row| row.round == progress.round).filter_map(read_result);
         let ends: Vec<LaneEnd> = of_round.map(|found| Ok(found?.end)).collect::<Result<_>>()?;
-        let tasks = plan.next_tasks(round, &ends);
-        if !tasks.is_empty() {
-            self.ledger.add_lane_round(self.build, round + 1, &written_tasks(&tasks)?).await?;
+        let tasks = plan.next_tasks(progress.round, &ends);
+        if tasks.is_empty() {
+            return Ok(None);
         }
-        Ok(tasks.is_empty())
+        self.ledger.add_lane_round(search, progress.round + 1, &written_tasks(&tasks)?).await?;
+        Ok(Some(progress))
+    }
+}
+
+/// When the owner of a search gives up waiting.
+struct SearchTimes {
+    /// While no lane has ended, it waits until then.
+    give_up_at: Instant,
+    /// Then it takes what there is.
+    deadline: Instant,
+}
+
+impl SearchTimes {
+    /// Of a search that has so many seconds from now.
+    fn of_secs(secs: f64) -> Self {
+        let after = |share: f64| Instant::now() + Duration::from_secs_f64(secs * share);
+        Self { give_up_at: after(GIVE_UP_SHARE), deadline: after(1.0 + OVERTIME_SHARE) }
     }
 }
 

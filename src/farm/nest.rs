@@ -3,7 +3,7 @@
 
 use std::{
     collections::{BTreeSet, HashMap, HashSet},
-    sync::Arc,
+    sync::{Arc, atomic::AtomicBool},
 };
 
 use anyhow::{Context, Result, ensure};
@@ -155,9 +155,9 @@ async fn start_final_search(farm: &mut Farm, build: BuildRow, secs: f64, seed: u
         seed,
         best_layout: SharedBestLayout::default(),
     };
-    let method = profile.search.nest.method;
-    let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, (method, secs)).await?;
-    let (best_layout, is_in_lanes) = (request.best_layout.clone(), lanes.is_some());
+    let (config, is_in_lanes) = (&profile.search.nest, Arc::new(AtomicBool::new(false)));
+    let lanes = LaneSearch::for_build(&farm.ledger, &farm.settings, build.id, (config, secs), &is_in_lanes).await;
+    let best_layout = request.best_layout.clone();
     farm.nesting.final_searches.insert(build.id, RunningFinalSearch { budget, best_layout, is_in_lanes });
     let write = BuildWriteRequest { profile, queue, build, seed, limits: farm.meshes.limits.clone() };
     let meshes = farm.meshes.clone();
@@ -214,11 +214,7 @@ async fn report_left_out_of_build(farm: &mut Farm, build: BuildId, unplaced: &[C
 
 /// Commits a written and proved build; publishing follows in the same tick.
 async fn on_written(farm: &mut Farm, build: BuildId, written: Result<Box<WrittenBuild>>) -> Result<()> {
-    let search = farm.nesting.final_searches.remove(&build);
-    // What a stop has cut off is resumed by the next start.
-    if search.is_some_and(|search| search.is_in_lanes) && !farm.lifecycle.is_stopping {
-        farm.ledger.end_lane_search(build).await?;
-    }
+    farm.nesting.final_searches.remove(&build);
     if let Some(build) = farm.ledger.find_build(build).await? {
         crash_guard::record_search_end(&farm.ledger, &mut farm.alerts, &build).await?;
     }
@@ -295,15 +291,15 @@ async fn record_attempt_failure(ledger: &Ledger, nesting: &mut NestingState, bui
     let failure = nesting.failures.entry(build).or_default();
     *failure = (failure.0 + 1, why.to_owned());
     nesting.backoff.record_failure(build);
+    // The next attempt finds other layouts.
+    ledger.end_lane_search(build).await?;
     let profile = ledger.find_build(build).await?.map(|b| b.profile).unwrap_or_default();
     Ok(ledger.write_event(EventKind::AttemptFailed, &profile, None, Some(build), why).await?)
 }
 
 /// A build's job panicked.
 async fn on_final_panicked(farm: &mut Farm, build: BuildId, message: &str) -> Result<()> {
-    if farm.nesting.final_searches.remove(&build).is_some_and(|search| search.is_in_lanes) {
-        farm.ledger.end_lane_search(build).await?;
-    }
+    farm.nesting.final_searches.remove(&build);
     farm.ledger.end_search(build).await?;
     record_attempt_failure(&farm.ledger, &mut farm.nesting, build, &format!("panicked: {message}")).await
 }

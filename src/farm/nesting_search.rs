@@ -57,7 +57,7 @@ impl NestingRequest {
         let mut config = self.profile.search.nest.clone();
         config.seed = self.seed;
         let start = batch.matching_placements(&self.start_placements);
-        let alone = config.threads == 1 && config.lane_count() == 1;
+        let alone = lanes.is_some() || config.threads == 1 && config.lane_count() == 1;
         let cpu = cpu_secs(alone);
         let mut curve = Vec::new();
         let mut listener = |solution: &NestingSolution, _evaluations: u64| {
@@ -70,7 +70,7 @@ impl NestingRequest {
             None => (nester::nest_with_cache(&instance, &config, &start, prepared, &self.budget, &mut listener), 0.0),
             Some(lanes) => {
                 let problem = NestingProblem { instance: &instance, config: &config, prepared, start: &start };
-                let found = lanes.run(&problem, &self.budget, &mut listener);
+                let found = lanes.run(&problem, &self.budget, &mut listener)?;
                 (found.solution, found.lane_cpu_secs)
             }
         };

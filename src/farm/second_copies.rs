@@ -3,7 +3,7 @@
 
 use std::{collections::BTreeSet, path::Path, time::Duration};
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use build_file::format_count;
 use tracing::info;
 
@@ -54,12 +54,14 @@ pub(super) async fn keep_second_copies(farm: &mut Farm) -> Result<()> {
     if farm.ledger.file().is_some() || farm.jobs.is_running::<SecondCopyJob>("") {
         return Ok(());
     }
-    let own = farm.settings.node.name.clone();
-    let Some(node) = node_before(&own, &farm.ledger.list_nodes().await?) else { return Ok(()) };
-    let contents = farm.ledger.live_contents().await?;
+    let node = node_before(&farm.settings.node.name, &farm.ledger.list_nodes().await?).unwrap_or_default();
     let nodes = OtherNodes::of_ledger(&farm.settings, &farm.ledger).await?;
-    let state_dir = farm.settings.state_dir.clone();
-    farm.jobs.start(SecondCopyJob { node: node.clone() }, move || copy_files(&state_dir, &node, &contents, &nodes));
+    let (state_dir, ledger) = (farm.settings.state_dir.clone(), farm.ledger.clone());
+    let runtime = tokio::runtime::Handle::current();
+    farm.jobs.start(SecondCopyJob { node: node.clone() }, move || {
+        let contents = runtime.block_on(ledger.live_contents())?;
+        copy_files(&state_dir, &node, &contents, &nodes)
+    });
     Ok(())
 }
 
@@ -75,27 +77,19 @@ fn node_before(own: &str, nodes: &[NodeRow]) -> Option<String> {
     (before != own).then(|| before.to_owned())
 }
 
-/// `contents` are the files of all live parts, each with the node of its machine. Returns how many were copied.
+/// `contents` are the files of all live parts, each with the node of its machine. Returns how many of `node` ("" = none) were copied.
 fn copy_files(state_dir: &Path, node: &str, contents: &[(String, String)], nodes: &OtherNodes) -> Result<usize> {
     let files = second_copies(state_dir);
     let kept = files.list_contents()?;
-    let mut copied = 0;
-    let mut failed = Vec::new();
-    for (hash, _) in contents.iter().filter(|(hash, of)| of == node && !kept.contains_key(hash)) {
-        // The part may have been built or moved meanwhile: then no copy is needed.
-        match nodes.fetch_from_node(node, &files, hash) {
-            Ok(is_copied) => copied += usize::from(is_copied),
-            Err(failure) => failed.push(failure),
-        }
-    }
     let needed: BTreeSet<&str> = contents.iter().map(|(hash, _)| hash.as_str()).collect();
     remove_unneeded(&files, KEEP_COPIES, |hash| needed.contains(hash))?;
-    match failed.first() {
-        None => Ok(copied),
-        Some(first) => {
-            bail!("{} of the node {node} not copied: {first:#}", format_count(failed.len(), "file", "files"))
-        }
+    let mut copied = 0;
+    let is_missing = |(hash, of): &&(String, String)| !node.is_empty() && of == node && !kept.contains_key(hash);
+    for (hash, _) in contents.iter().filter(is_missing) {
+        // The part may have been built or moved meanwhile: then no copy is needed.
+        copied += usize::from(nodes.fetch_from_node(node, &files, hash)?);
     }
+    Ok(copied)
 }
 
 #[cfg(test)]

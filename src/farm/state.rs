@@ -4,6 +4,10 @@
 use std::{
     collections::{HashMap, HashSet},
     path::PathBuf,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
     time::Instant,
 };
 
@@ -68,8 +72,15 @@ pub(super) struct RunningFinalSearch {
     pub(super) budget: SearchBudget,
     /// The best layout so far.
     pub(super) best_layout: SharedBestLayout,
-    /// Whether it is made in lanes, so that this node's threads are free for them.
-    pub(super) is_in_lanes: bool,
+    /// Whether it is made in lanes now, so that this node's threads are free for them.
+    pub(super) is_in_lanes: Arc<AtomicBool>,
+}
+
+impl RunningFinalSearch {
+    /// Whether it is made in lanes now.
+    pub(super) fn is_in_lanes(&self) -> bool {
+        self.is_in_lanes.load(Ordering::Relaxed)
+    }
 }
 
 /// State of fired builds, until they are published.
@@ -81,8 +92,10 @@ pub(super) struct NestingState {
     pub(super) just_fired: HashSet<BuildId>,
     /// The lanes that this node searches.
     pub(super) lanes: HashMap<LaneId, SearchBudget>,
-    /// Builds of which this node could not search a lane.
-    pub(super) lane_backoff: RetryBackoff<BuildId>,
+    /// Searches, by number, of which this node could not search a lane.
+    pub(super) refused_searches: Vec<i64>,
+    /// What this node has found in lanes and could not tell yet, with the epoch of the lane.
+    pub(super) untold_lanes: HashMap<LaneId, (i64, String)>,
     /// What the lanes of this node have in common.
     pub(super) lane_problem: SharedLaneProblem,
     /// Running final searches.
@@ -106,12 +119,7 @@ impl NestingState {
     /// The state before the first build is nested. The clocks of `time` measure the wait before a failed build is
     /// retried.
     pub(super) fn by(time: TimeSource) -> Self {
-        Self {
-            slots: 1,
-            lane_backoff: RetryBackoff::by(time.clone()),
-            backoff: RetryBackoff::by(time),
-            ..Self::default()
-        }
+        Self { slots: 1, backoff: RetryBackoff::by(time), ..Self::default() }
     }
 }
 

@@ -72,13 +72,16 @@ pub(super) async fn tidy_up(farm: &mut Farm) -> Result<()> {
     if !farm.schedule.clock.is_retention_trusted() {
         return Ok(());
     }
-    lane_job::forget_old_meshes(farm);
     let archives: Vec<(FolderLease, PathBuf, OutputRules)> = (farm.machines.values())
         .map(|s| (s.leases.archive.clone(), s.profile.folders.archive.clone(), s.profile.output.clone()))
         .collect();
     let (settings, ledger, store) = (farm.settings.clone(), farm.ledger.clone(), farm.meshes.store.clone());
     let runtime = tokio::runtime::Handle::current();
+    let forgets_meshes = ledger.file().is_none() && !lane_job::needs_meshes(farm);
     farm.jobs.start(ArchivePurgeJob, move || {
+        if forgets_meshes {
+            lane_job::forget_old_meshes(&settings.state_dir);
+        }
         if let Err(failure) = runtime.block_on(claim_note::drop_taken_over_claims(&settings, &ledger, &store)) {
             warn!("Stored files of claims that another nestd has taken over are not removed yet: {failure:#}.");
         }

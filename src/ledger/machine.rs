@@ -105,10 +105,10 @@ impl Ledger {
         Ok(node.filter(|node| !node.is_empty()))
     }
 
-    /// The contents of all live parts, each with the node that serves its machine.
+    /// The contents of all live parts, each with the node that serves its machine; "" = none does.
     pub async fn live_contents(&self) -> Result<Vec<(String, String)>> {
         let query = sql::query_as(
-            "SELECT DISTINCT p.content_hash, s.node FROM station s JOIN part p ON p.profile = s.profile \
+            "SELECT DISTINCT p.content_hash, coalesce(s.node, '') FROM part p LEFT JOIN station s ON s.profile = p.profile \
              WHERE p.state IN ('claimed', 'waiting', 'batched')",
         );
         Ok(query.fetch_all(self.reader()?).await?)

@@ -82,7 +82,7 @@ pub use event::EventRow;
 pub use event_kind::EventKind;
 pub use history::{BuildResult, HeightSummary, HistoryQuery, HistoryRow, HistorySort};
 pub use id::{BuildId, CommandId, PartId};
-pub use lane::{LaneId, LaneRow, LaneSearchRow, TakenLane};
+pub use lane::{LaneId, LaneProgress, LaneRow, LaneSearchRow, TakenLane};
 pub use ledger::Ledger;
 pub use machine::{MachineRow, ObservedMachine};
 pub use node::{HEARTBEAT_VALID_SECS, LOCK_NAME, NodeHeartbeat, NodeRow};

@@ -140,7 +140,7 @@ fn read_settings(
     }
     problems.extend(folder_conflicts::find_all_conflicts(claims, state, follows_links));
     let ledger = folders::ledger_address(&inputs.folders, &state_dir);
-    problems.extend((!has_machines && ledger.file().is_some()).then(|| missing_machine(file)));
+    problems.extend((!has_machines && problems.is_empty() && ledger.file().is_some()).then(|| missing_machine(file)));
     let log = LogSettings { filter: inputs.log.filter, format: inputs.log.format };
     Some(Settings {
         file: file.to_owned(),
@@ -186,12 +186,20 @@ fn missing_machine(farm_file: &Path) -> ConfigProblem {
 /// Name, file and text of every machine file, by name.
 fn read_machine_files(farm_file: &Path, problems: &mut Vec<ConfigProblem>) -> Vec<(String, PathBuf, String)> {
     let folder = machine_folder(farm_file);
-    let mut files: Vec<PathBuf> = match fs::read_dir(&folder) {
-        Ok(entries) => {
-            entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| is_machine_file(path)).collect()
+    let listed = fs::read_dir(&folder)
+        .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<Vec<PathBuf>>>());
+    let mut files = match listed {
+        Ok(files) => files,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+        // A folder that cannot be read is never taken for one without machines.
+        Err(error) => {
+            let (line, text) = (None, format!("cannot be read: {error}"));
+            let remedy = "make it readable for nestd's user".into();
+            problems.push(ConfigProblem { file: folder, line, text, remedy });
+            return Vec::new();
         }
-        Err(_) => Vec::new(),
     };
+    files.retain(|path| is_machine_file(path));
     files.sort();
     let named = |file: PathBuf| {
         let text = read_config_text(&file, problems)?;

@@ -1,6 +1,6 @@
 //! The short run that guards every merge: heights at fixed evaluations against `benches/baseline.toml`.
 //!
-//! The same seed, threads and evaluations give the same build, so the speed of the machine has no influence. A single
+//! The same seed, lanes and evaluations give the same build, so the speed of the machine has no influence. A single
 //! search says little, because any change of the code moves its height by some percent. So only the mean over all
 //! searches counts.
 

@@ -4,6 +4,7 @@
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 
 use super::{
+    LanePlan,
     lanes::{continued_rank, lane_seed},
     lower_bound_mm,
     nesting_run::{MAX_HEIGHT_RATIO, NestingRun},
@@ -11,8 +12,6 @@ use super::{
     tournament::{TournamentStart, run_tournament},
 };
 
-/// Number of rounds of a search over several lanes.
-const LANE_ROUNDS: u32 = 4;
 /// Evaluations after which a lane gives way to the next one where there are fewer threads than lanes.
 const TURN_EVALUATIONS: u64 = 200;
 
@@ -30,7 +29,7 @@ impl NestingRun<'_> {
         let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best_items));
         let lanes = u32::try_from(self.config.lane_count()).unwrap_or(u32::MAX);
         let starts = self.starting_layouts();
-        let rounds = if lanes == 1 { 1 } else { LANE_ROUNDS };
+        let rounds = if lanes == 1 { 1 } else { LanePlan::USUAL_ROUNDS };
         // The first layouts are shared out: each lane prefers another one.
         let mut layouts_of: Vec<Vec<Vec<PlacedItem>>> =
             (0..lanes as usize).map(|lane| rotated(&starts, lane)).collect();

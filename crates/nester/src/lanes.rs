@@ -84,6 +84,9 @@ pub struct LaneEnd {
 }
 
 impl LanePlan {
+    /// The number of rounds of a search on the threads of one process.
+    pub const USUAL_ROUNDS: u32 = 4;
+
     /// The tasks of the first round: every lane starts from `start`, with a seed of its own. `start` may be empty.
     pub fn first_tasks(&self, start: &[ItemPlacement]) -> Vec<LaneTask> {
         (0..self.lanes).map(|lane| self.lane_task(0, lane, start)).collect()

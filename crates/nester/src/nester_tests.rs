@@ -8,7 +8,7 @@ use solids::{Mesh, Pose};
 
 use super::{
     BuildVolume, ItemPlacement, LayerAreaCap, LayerAreas, NestingConfig, NestingInstance, NestingItem, NestingSolution,
-    OrientationLimits, OrientationRule, PlacedSolid, StopCondition, TiltLimit, nest, obeys_orientation,
+    OrientationLimits, OrientationRule, PlacedSolid, SearchBudget, StopCondition, TiltLimit, nest, obeys_orientation,
     prove_with_keep_out,
     testing::{block, each_method, hollow, tetrahedron},
 };
@@ -121,6 +121,16 @@ fn lanes_give_the_same_build_on_any_number_of_threads_and_one_lane_gives_another
     }
     assert_eq!(build(3, 0), alone, "as many lanes as threads");
     assert_ne!(build(1, 1).placements, alone.placements);
+}
+
+#[test]
+fn a_limit_on_time_ends_lanes_that_take_turns() {
+    let instance = asked(DVec3::new(40.0, 40.0, 80.0), 1.5, vec![item(hollow(12.0, 2.0), 9, OrientationRule::Free)]);
+    let config = NestingConfig { threads: 1, lanes: 3, ..NestingConfig::default() };
+    let budget = SearchBudget::of_secs(1.0);
+    let solution = nest(&instance, &config, &[], &budget, &mut ());
+    assert_good(&instance, &solution);
+    assert!(solution.unplaced.is_empty() && budget.secs_over() < 10.0, "{}", budget.secs_over());
 }
 
 #[test]

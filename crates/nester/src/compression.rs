@@ -3,6 +3,7 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 
 use super::{
     prepared_instance::{PlacedItem, PreparedInstance, height_mm},
@@ -27,6 +28,23 @@ const SCATTER_MAX_PARTS: usize = 60;
 /// after this number of failures.
 const SCATTER_AFTER: u64 = 3;
 
+/// What a descent has learnt about how far the height limit may fall at once. It goes on in the next round of a lane.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DescentPace {
+    /// Relative step of the height limit.
+    pub step: f64,
+    /// Height limits that were not reached since the last lower layout.
+    pub failures: u64,
+}
+
+impl Default for DescentPace {
+    /// The pace at which a descent begins.
+    fn default() -> Self {
+        Self { step: 0.02, failures: 0 }
+    }
+}
+
 /// The budget and the target of a compression run.
 pub(crate) struct CompressionBudget<'a> {
     /// Share of the budget that is used up after a number of evaluations of this run.
@@ -47,8 +65,7 @@ pub(crate) struct CompressionRun<'t> {
     best_poses: Vec<CenterPose>,
     /// Overlap and poses of failed height limits, least overlap first.
     pool: Vec<(f32, Vec<CenterPose>)>,
-    step: f64,
-    failures: u64,
+    pub(crate) pace: DescentPace,
     near_overlap: f32,
 }
 
@@ -63,8 +80,7 @@ impl<'t> CompressionRun<'t> {
             items: start.to_vec(),
             height_mm: height,
             pool: Vec::new(),
-            step: 0.02,
-            failures: 0,
+            pace: DescentPace::default(),
             near_overlap: (NEAR_OVERLAP_MM * section / start.len().max(1) as f64) as f32,
             layout,
             rng,
@@ -84,8 +100,8 @@ impl<'t> CompressionRun<'t> {
         {
             let (least, most) =
                 if (clock.spent_share_at)(self.layout.evaluations) > 0.75 { (5e-4, 8e-3) } else { (2e-3, 5e-2) };
-            self.step = self.step.clamp(least, most);
-            let height_limit_mm = (self.height_mm * (1.0 - self.step)).max(clock.lower_bound_mm);
+            self.pace.step = self.pace.step.clamp(least, most);
+            let height_limit_mm = (self.height_mm * (1.0 - self.pace.step)).max(clock.lower_bound_mm);
             let again = self.start_attempt(height_limit_mm);
             match self.try_height_limit(height_limit_mm, clock) {
                 Some(pieces) => {
@@ -93,9 +109,9 @@ impl<'t> CompressionRun<'t> {
                     found(&self.items, self.layout.evaluations);
                 }
                 None => {
-                    self.failures += 1;
+                    self.pace.failures += 1;
                     if !again {
-                        self.step *= 0.6;
+                        self.pace.step *= 0.6;
                     }
                 }
             }
@@ -105,13 +121,13 @@ impl<'t> CompressionRun<'t> {
     /// Continues from a new valid layout.
     fn accept_layout(&mut self, pieces: Vec<PlacedItem>) {
         // A height limit that was reached only after it was raised again fell too fast.
-        let wanted_mm = self.height_mm * (1.0 - self.step);
+        let wanted_mm = self.height_mm * (1.0 - self.pace.step);
         self.height_mm = height_mm(&pieces);
-        self.step *= if self.height_mm <= wanted_mm + 1e-6 { 1.3 } else { 0.7 };
+        self.pace.step *= if self.height_mm <= wanted_mm + 1e-6 { 1.3 } else { 0.7 };
         self.items = pieces;
         self.best_poses.clone_from(&self.layout.poses);
         self.pool.clear();
-        self.failures = 0;
+        self.pace.failures = 0;
     }
 
     /// Brings the parts below a height limit: from the best layout, from a modified failed layout, or from random
@@ -119,8 +135,8 @@ impl<'t> CompressionRun<'t> {
     fn start_attempt(&mut self, height_limit_mm: f64) -> bool {
         self.layout.age_memory();
         self.layout.height_limit_mm = height_limit_mm;
-        let failed = self.layout.prepared.components.pool && self.failures > 0 && !self.pool.is_empty();
-        let few = self.layout.part_count() <= SCATTER_MAX_PARTS && self.failures >= SCATTER_AFTER;
+        let failed = self.layout.prepared.components.pool && self.pace.failures > 0 && !self.pool.is_empty();
+        let few = self.layout.part_count() <= SCATTER_MAX_PARTS && self.pace.failures >= SCATTER_AFTER;
         let again = failed && self.rng.random_bool(0.5);
         if !again && failed && few && self.rng.random_bool(0.3) {
             scatter_parts(&mut self.layout, &mut self.rng);
@@ -142,8 +158,8 @@ impl<'t> CompressionRun<'t> {
     /// Separates the parts below a height limit. A limit that is nearly reached is raised half of the way to the known
     /// height: a layout found below it is worth more than the last millimetres.
     fn try_height_limit(&mut self, mut height_limit_mm: f64, clock: &CompressionBudget<'_>) -> Option<Vec<PlacedItem>> {
-        let mut effort =
-            (LIMIT_EFFORT.0 + LIMIT_EFFORT.1 * self.failures).min(MAX_LIMIT_EFFORT) * self.layout.part_count() as u64;
+        let mut effort = (LIMIT_EFFORT.0 + LIMIT_EFFORT.1 * self.pace.failures).min(MAX_LIMIT_EFFORT)
+            * self.layout.part_count() as u64;
         for relents in 0..=MAX_LIMIT_RAISES {
             let limit = self.layout.evaluations + effort;
             let patience = SeparationLimits { idle_rounds: 40, failed_checks: 16, near_overlap: self.near_overlap };

@@ -4,70 +4,115 @@
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 
 use super::{
-    LanePlan,
+    DescentPace, LanePlan, LaneTask,
     lanes::{continued_rank, lane_seed},
     lower_bound_mm,
     nesting_run::{MAX_HEIGHT_RATIO, NestingRun},
     prepared_instance::{PlacedItem, PreparedInstance, height_mm},
-    tournament::{TournamentStart, run_tournament},
+    tournament::{DescentEnd, DescentStart, run_descent, run_tournament},
 };
 
 /// Evaluations after which a lane gives way to the next one where there are fewer threads than lanes.
 const TURN_EVALUATIONS: u64 = 200;
 
-/// How one round of one lane ended: its lowest layout and the evaluations that it made.
-type RoundEnd = (Vec<PlacedItem>, u64);
+/// Shares of the budget that divide a search into rounds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RoundShares {
+    /// Share at which the first round begins.
+    pub(super) begun: f64,
+    /// Share at which this round ends.
+    pub(super) until: f64,
+    /// Share at which the last round ends.
+    pub(super) whole: f64,
+}
+
+impl RoundShares {
+    /// A share of the budget as the share of all rounds, 0 to 1.
+    fn of_rounds(&self, share: f64) -> f64 {
+        let begun = self.begun / self.whole;
+        (share / self.whole - begun) / (1.0 - begun).max(1e-9)
+    }
+}
 
 impl NestingRun<'_> {
-    /// Lowers the height limit of the best layouts until the share `until` of the budget is used up.
+    /// Lowers the height limit of the best layouts in rounds of lanes, until the share `until` of the budget is used up.
     pub(super) fn compress_layouts(&mut self, task: &PreparedInstance, until: f64) {
         let begun = self.stop.spent_share_at(self.evaluations);
-        if self.best_items.is_empty() || !self.config.components.separation || begun >= until {
+        if !self.can_compress() || begun >= until {
             return;
         }
-        let promised_mm = self.best_items.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
-        let floor_mm = promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best_items));
+        let (floor_mm, starts) = (self.floor_mm(task), self.starting_layouts());
         let lanes = u32::try_from(self.config.lane_count()).unwrap_or(u32::MAX);
-        let starts = self.starting_layouts();
         let rounds = if lanes == 1 { 1 } else { LanePlan::USUAL_ROUNDS };
         // The first layouts are shared out: each lane prefers another one.
-        let mut layouts_of: Vec<Vec<Vec<PlacedItem>>> =
-            (0..lanes as usize).map(|lane| rotated(&starts, lane)).collect();
+        let first = |lane: u32| (rotated(&starts, lane), DescentPace::default());
+        let mut goes_on: Vec<(Vec<Vec<PlacedItem>>, DescentPace)> = (0..lanes).map(first).collect();
         for round in 0..rounds {
-            let until = until - (until - begun) * f64::from(rounds - 1 - round) / f64::from(rounds);
-            let lane_starts = layouts_of.iter().zip(0..).map(|(layouts, lane)| TournamentStart {
-                prepared: task,
-                layouts,
-                floor_mm,
-                seed: lane_seed(self.config.seed, round, lane),
+            let starts = goes_on.iter().zip(0..).map(|((layouts, pace), lane)| {
+                let seed = lane_seed(self.config.seed, round, lane);
+                DescentStart { prepared: task, layouts, floor_mm, seed, pace: *pace }
             });
-            let mut ends = self.run_round(&lane_starts.collect::<Vec<_>>(), until);
+            let end = until - (until - begun) * f64::from(rounds - 1 - round) / f64::from(rounds);
+            let shares = RoundShares { begun, until: end, whole: until };
+            let mut ends = self.run_round(&starts.collect::<Vec<_>>(), shares, rounds);
             // The sort is stable: of equally high layouts that of the lowest lane comes first.
-            ends.sort_by(|(one, _), (other, _)| height_mm(one).total_cmp(&height_mm(other)));
-            if height_mm(&ends[0].0) <= height_mm(&self.best_items) {
-                self.best_items.clone_from(&ends[0].0);
-            }
-            layouts_of = (0..lanes).map(|lane| vec![ends[continued_rank(lane, lanes)].0.clone()]).collect();
+            ends.sort_by(|one, other| height_mm(&one.items).total_cmp(&height_mm(&other.items)));
+            let continued = |lane: u32| &ends[continued_rank(lane, lanes)];
+            goes_on = (0..lanes).map(continued).map(|end| (vec![end.items.clone()], end.pace)).collect();
         }
     }
 
-    /// Runs one round of all lanes until the share `until` of the budget is used up. Returns the ends in the order of the
-    /// lanes.
-    fn run_round(&mut self, starts: &[TournamentStart<'_>], until: f64) -> Vec<RoundEnd> {
+    /// One round of one lane of a search over many lanes: continues with the best layout, or in the first round with the
+    /// first layout that this lane prefers. Returns the pace to go on with.
+    pub(super) fn compress_in_lane(
+        &mut self,
+        prepared: &PreparedInstance,
+        task: &LaneTask,
+        shares: RoundShares,
+    ) -> DescentPace {
+        if !self.can_compress() || self.stop.spent_share_at(self.evaluations) >= shares.until {
+            return task.pace;
+        }
+        let layouts = rotated(&self.starting_layouts(), task.lane);
+        let (floor_mm, seed, pace) = (self.floor_mm(prepared), self.config.seed, task.pace);
+        let start = DescentStart { prepared, layouts: &layouts, floor_mm, seed, pace };
+        self.run_round(&[start], shares, task.rounds).remove(0).pace
+    }
+
+    fn can_compress(&self) -> bool {
+        !self.best_items.is_empty() && self.config.components.separation
+    }
+
+    /// A height that no layout can beat, mm.
+    fn floor_mm(&self, task: &PreparedInstance) -> f64 {
+        let promised_mm = self.best_items.iter().filter(|p| task.is_fixed((p.item, p.copy))).map(|p| p.bounds.max.z);
+        promised_mm.fold(lower_bound_mm(self.instance), f64::max).min(height_mm(&self.best_items))
+    }
+
+    /// Runs one round of all lanes. Returns the ends in the order of the lanes; the best of them is the best layout if it
+    /// is not higher than the one before. If there is one round only, a lane is a tournament of its own.
+    fn run_round(&mut self, starts: &[DescentStart<'_>], shares: RoundShares, rounds: u32) -> Vec<DescentEnd> {
         let (stop, before, lanes) = (self.stop, self.evaluations, starts.len() as u64);
         // As all lanes make the same number of evaluations, each of them knows how many all have made.
-        let spent = |made: u64| stop.spent_share_at(before + made * lanes) / until;
+        let spent = |made: u64| shares.of_rounds(stop.spent_share_at(before + made * lanes));
         let tell = |run: &mut Self, pieces: Vec<PlacedItem>, made: u64| {
             run.evaluations = before + made * lanes;
             run.offer_layout(pieces);
         };
-        let ends: Vec<RoundEnd> = if let [start] = starts {
-            vec![run_tournament(start, &spent, &mut |pieces, made| tell(self, pieces.to_vec(), made))]
+        let descend =
+            |start: &DescentStart<'_>, spent: &dyn Fn(u64) -> f64, found: &mut dyn FnMut(&[PlacedItem], u64)| {
+                if rounds == 1 {
+                    return run_tournament(start, spent, found);
+                }
+                let until = if shares.until < shares.whole { shares.of_rounds(shares.until) } else { 1.0 };
+                run_descent(start, until, spent, found)
+            };
+        let ends: Vec<DescentEnd> = if let [start] = starts {
+            vec![descend(start, &spent, &mut |pieces, made| tell(self, pieces.to_vec(), made))]
         } else {
             let turns = TurnQueue::new(self.config.thread_count());
-            let run_lane = |start: &TournamentStart<'_>, sender: mpsc::Sender<_>| {
-                let turn = turns.wait_turn();
-                let last = std::cell::Cell::new(0);
+            let run_lane = |start: &DescentStart<'_>, sender: mpsc::Sender<_>| {
+                let (turn, last) = (turns.wait_turn(), std::cell::Cell::new(0));
                 let spent = |made: u64| {
                     if made >= last.get() + TURN_EVALUATIONS {
                         last.set(made);
@@ -76,16 +121,14 @@ impl NestingRun<'_> {
                     spent(made)
                 };
                 // The receiver lives as long as the scope, so sending cannot fail.
-                run_tournament(start, &spent, &mut |pieces, made| drop(sender.send((pieces.to_vec(), made))))
+                descend(start, &spent, &mut |pieces, made| drop(sender.send((pieces.to_vec(), made))))
             };
             let run_lane = &run_lane;
             std::thread::scope(|scope| {
                 let (sender, found) = mpsc::channel();
                 let start_lane = |start| {
-                    scope.spawn({
-                        let sender = sender.clone();
-                        move || run_lane(start, sender)
-                    })
+                    let sender = sender.clone();
+                    scope.spawn(move || run_lane(start, sender))
                 };
                 let handles: Vec<_> = starts.iter().map(start_lane).collect();
                 drop(sender);
@@ -93,7 +136,12 @@ impl NestingRun<'_> {
                 handles.into_iter().map(|lane| lane.join().expect("a lane does not panic")).collect()
             })
         };
-        self.evaluations = before + ends.iter().map(|(_, made)| made).sum::<u64>();
+        self.evaluations = before + ends.iter().map(|end| end.made).sum::<u64>();
+        // The lanes are heard in any order: of equally low layouts that of the lowest lane counts.
+        let best = ends.iter().min_by(|one, other| height_mm(&one.items).total_cmp(&height_mm(&other.items)));
+        if let Some(best) = best.filter(|best| height_mm(&best.items) <= height_mm(&self.best_items)) {
+            self.best_items.clone_from(&best.items);
+        }
         ends
     }
 
@@ -109,10 +157,10 @@ impl NestingRun<'_> {
     }
 }
 
-/// The layouts in their order, from another one on.
-fn rotated(layouts: &[Vec<PlacedItem>], from: usize) -> Vec<Vec<PlacedItem>> {
+/// The layouts in their order, from the one on that a lane prefers.
+fn rotated(layouts: &[Vec<PlacedItem>], lane: u32) -> Vec<Vec<PlacedItem>> {
     let mut layouts = layouts.to_vec();
-    let from = from % layouts.len();
+    let from = lane as usize % layouts.len();
     layouts.rotate_left(from);
     layouts
 }

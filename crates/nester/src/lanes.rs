@@ -9,8 +9,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ItemPlacement, NestingConfig, NestingInstance, NestingSolution, PreparedMeshes, StopCondition,
-    nesting_run::NestingRun, prepared_instance::solution_from_items,
+    DescentPace, ItemPlacement, NestingConfig, NestingInstance, NestingSolution, PreparedMeshes, StopCondition,
+    lane_rounds::RoundShares, nesting_run::NestingRun, prepared_instance::solution_from_items,
 };
 
 /// How a search is divided into lanes and rounds.
@@ -57,6 +57,8 @@ pub struct LanePlan {
 pub struct LaneTask {
     /// Number of the round, from 0.
     pub round: u32,
+    /// Number of rounds of the plan.
+    pub rounds: u32,
     /// Number of the lane, from 0.
     pub lane: u32,
     /// Seed of every random choice in this round of this lane; it replaces the seed of the configuration.
@@ -66,6 +68,16 @@ pub struct LaneTask {
     /// The layout to continue from. In the first round it may lack copies, or be empty: then the lane builds first
     /// layouts of its own.
     pub start: Vec<ItemPlacement>,
+    /// The pace at which the descent to this layout ended.
+    pub pace: DescentPace,
+}
+
+impl LaneTask {
+    /// The shares of the budget of the whole lane, of which each round has an equal part.
+    pub(crate) fn round_shares(&self) -> RoundShares {
+        let until = f64::from(self.round + 1) / f64::from(self.rounds.max(1));
+        RoundShares { begun: 0.0, until, whole: 1.0 }
+    }
 }
 
 /// How a round of a lane ended.
@@ -81,6 +93,8 @@ pub struct LaneEnd {
     pub height_mm: f64,
     /// Evaluations made in this round. It exceeds the number of the task by a few, because a step is not interrupted.
     pub evaluations: u64,
+    /// The pace of the descent at its end.
+    pub pace: DescentPace,
 }
 
 impl LanePlan {
@@ -89,7 +103,7 @@ impl LanePlan {
 
     /// The tasks of the first round: every lane starts from `start`, with a seed of its own. `start` may be empty.
     pub fn first_tasks(&self, start: &[ItemPlacement]) -> Vec<LaneTask> {
-        (0..self.lanes).map(|lane| self.lane_task(0, lane, start)).collect()
+        (0..self.lanes).map(|lane| self.lane_task(0, lane, start, DescentPace::default())).collect()
     }
 
     /// The tasks of the round after `round`, whose ends are `ends`: of all lanes, in any order. Empty after the last
@@ -100,10 +114,12 @@ impl LanePlan {
         }
         let mut ranked: Vec<&LaneEnd> = ends.iter().collect();
         ranked.sort_by(|one, other| compare_ends(one, other));
-        let lanes = 0..self.lanes;
-        lanes
-            .map(|lane| self.lane_task(round + 1, lane, &ranked[continued_rank(lane, self.lanes)].placements))
-            .collect()
+        let task = |lane: u32| {
+            // Ends may be missing.
+            let end = ranked[continued_rank(lane, self.lanes).min(ranked.len() - 1)];
+            self.lane_task(round + 1, lane, &end.placements, end.pace)
+        };
+        (0..self.lanes).map(task).collect()
     }
 
     /// The best of the ends: the one that places most copies, then the lowest, then the one of the lowest lane number.
@@ -111,14 +127,16 @@ impl LanePlan {
         ends.iter().min_by(|one, other| compare_ends(one, other))
     }
 
-    fn lane_task(&self, round: u32, lane: u32, start: &[ItemPlacement]) -> LaneTask {
+    fn lane_task(&self, round: u32, lane: u32, start: &[ItemPlacement], pace: DescentPace) -> LaneTask {
         let (before, after) = (self.evaluations_until(round), self.evaluations_until(round + 1));
         LaneTask {
             round,
+            rounds: self.rounds,
             lane,
             seed: lane_seed(self.seed, round, lane),
             evaluations: after - before,
             start: start.to_vec(),
+            pace,
         }
     }
 
@@ -147,16 +165,18 @@ fn compare_ends(one: &LaneEnd, other: &LaneEnd) -> std::cmp::Ordering {
     count.then(one.height_mm.total_cmp(&other.height_mm)).then(one.lane.cmp(&other.lane))
 }
 
-/// The budget of one round of a lane: its evaluations, or whatever else ends the search.
+/// The budget of a lane in one of its rounds: its evaluations, or whatever else ends the search.
 struct LaneBudget<'a> {
-    evaluations: u64,
+    task: &'a LaneTask,
     stop: &'a dyn StopCondition,
 }
 
 impl StopCondition for LaneBudget<'_> {
     fn spent_share_at(&self, evaluations: u64) -> f64 {
-        let share = evaluations as f64 / self.evaluations.max(1) as f64;
-        share.max(self.stop.spent_share_at(evaluations))
+        let of_round = evaluations as f64 / self.task.evaluations.max(1) as f64;
+        let share = (f64::from(self.task.round) + of_round) / f64::from(self.task.rounds.max(1));
+        // Whatever stops the lane stops it for good; a clock that still runs does not change its course.
+        if self.stop.spent_share_at(evaluations) >= 1.0 { f64::INFINITY } else { share }
     }
 }
 
@@ -175,17 +195,13 @@ pub fn run_lane(
     stop: &dyn StopCondition,
 ) -> LaneEnd {
     let config = NestingConfig { seed: task.seed, threads: 1, lanes: 1, ..config.clone() };
-    let budget = LaneBudget { evaluations: task.evaluations, stop };
+    let budget = LaneBudget { task, stop };
     let mut listener = ();
     let mut run = NestingRun::new(instance, &config, prepared, &budget, &mut listener);
-    if task.round == 0 {
-        run.search_first_round(&task.start);
-    } else {
-        run.search_next_round(&task.start);
-    }
+    let pace = run.search_lane_round(task);
     let NestingSolution { placements, height_mm, evaluations, .. } =
         solution_from_items(instance, &run.best_items, run.evaluations);
-    LaneEnd { lane: task.lane, placements, height_mm, evaluations }
+    LaneEnd { lane: task.lane, placements, height_mm, evaluations, pace }
 }
 
 /// Completes the best layout of a search over lanes: improves the criteria that count after the height, and if not all
@@ -221,7 +237,13 @@ mod tests {
     fn end(lane: u32, copies: usize, height_mm: f64) -> LaneEnd {
         let placement =
             |copy: usize| ItemPlacement { item: lane as usize, copy: copy as u32, pose: solids::Pose::IDENTITY };
-        LaneEnd { lane, placements: (0..copies).map(placement).collect(), height_mm, evaluations: 1 }
+        LaneEnd {
+            lane,
+            placements: (0..copies).map(placement).collect(),
+            height_mm,
+            evaluations: 1,
+            pace: DescentPace::default(),
+        }
     }
 
     #[test]

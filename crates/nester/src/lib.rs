@@ -71,6 +71,7 @@ mod working_layout;
 pub use build_volume::{BuildVolume, VolumeMargins};
 pub use cache::PreparedMeshCache;
 pub use components::SearchComponents;
+pub use compression::DescentPace;
 pub use config::{InterlockRule, NestingConfig, NestingMethod};
 pub use disassembly::removal_gap_mm;
 pub use fit_check::{FitFailure, find_fitting_rotation};

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    ItemPlacement, NestingConfig, NestingInstance, NestingMethod, NestingSolution, PreparedMeshes, ProgressListener,
-    StopCondition,
+    DescentPace, ItemPlacement, LaneTask, NestingConfig, NestingInstance, NestingMethod, NestingSolution,
+    PreparedMeshes, ProgressListener, StopCondition,
     box_stacker::BoxStacker,
     insert::{are_few, missing_copies},
     interlock_check::split_separable,
@@ -105,26 +105,28 @@ impl NestingRun<'_> {
 
     /// Searches for the best layout. Returns the prepared instance, unless the budget ended before it was prepared.
     pub(super) fn search_layout(&mut self, start: &[ItemPlacement]) -> Option<PreparedInstance> {
-        let task = self.begin_search(start)?;
+        let task = self.begin_search(start, 1.0)?;
         let is_overfull = self.best_items.len() < task.copies.len();
         self.compress_layouts(&task, if is_overfull { PRECEDENCE_FROM } else { 1.0 - TIE_BREAK_SHARE });
         self.finish_layout(&task);
         Some(task)
     }
 
-    /// The first round of a lane: everything but what comes after the height.
-    pub(super) fn search_first_round(&mut self, start: &[ItemPlacement]) {
-        if let Some(task) = self.begin_search(start) {
-            self.compress_layouts(&task, 1.0);
-        }
-    }
-
-    /// A later round of a lane: the copies that are in stay in, and no other copy is inserted.
-    pub(super) fn search_next_round(&mut self, start: &[ItemPlacement]) {
-        let Some(task) = self.prepare_instance(Arc::new(self.outline_instance())) else { return };
-        self.offer_layout(retained_items(&task, self.instance, start));
-        let task = self.with_finer_proxies(task, 0.0);
-        self.compress_layouts(&task, 1.0);
+    /// Runs a round of a lane: everything but what comes after the height. In the first round, builds what first layouts
+    /// are wanted; later, the copies that are in stay in, and no other copy is inserted. Returns the pace to go on with.
+    pub(super) fn search_lane_round(&mut self, lane_task: &LaneTask) -> DescentPace {
+        let mut shares = lane_task.round_shares();
+        let task = if lane_task.round == 0 {
+            let task = self.begin_search(&lane_task.start, shares.until);
+            shares.begun = self.stop.spent_share_at(self.evaluations);
+            task
+        } else {
+            self.prepare_instance(Arc::new(self.outline_instance())).map(|task| {
+                self.offer_layout(retained_items(&task, self.instance, &lane_task.start));
+                self.with_finer_proxies(task, 0.0)
+            })
+        };
+        task.map_or(lane_task.pace, |task| self.compress_in_lane(&task, lane_task, shares))
     }
 
     /// What comes after the last round of all lanes.
@@ -134,8 +136,9 @@ impl NestingRun<'_> {
         self.finish_layout(&task);
     }
 
-    /// Prepares the instance and builds first layouts. If they do not place all copies, decides which ones are in.
-    fn begin_search(&mut self, start: &[ItemPlacement]) -> Option<PreparedInstance> {
+    /// Prepares the instance and builds first layouts. If they do not place all copies, decides which ones are in, within
+    /// the share `until` of the budget.
+    fn begin_search(&mut self, start: &[ItemPlacement], until: f64) -> Option<PreparedInstance> {
         let outlined = Arc::new(self.outline_instance());
         if start.is_empty() && self.instance.pinned().is_empty() {
             self.stack_boxes(&outlined);
@@ -156,7 +159,7 @@ impl NestingRun<'_> {
         let task = self.with_finer_proxies(task, prepared);
         if self.best_items.len() < task.copies.len() {
             // Copies that did not fit may fit after the others are packed more closely.
-            self.compress_layouts(&task, 0.6);
+            self.compress_layouts(&task, 0.6 * until);
             self.retry_unplaced(&task);
         }
         self.enforce_precedence(&task, InsertionEffort::Gap);

@@ -4,7 +4,7 @@
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
 
 use super::{
-    compression::{CompressionBudget, CompressionRun},
+    compression::{CompressionBudget, CompressionRun, DescentPace},
     prepared_instance::{PlacedItem, PreparedInstance, height_mm},
 };
 
@@ -15,9 +15,9 @@ const TOURNAMENT_SHARE: f64 = 0.45;
 /// Evaluations per part, over the whole budget, from which on two, four and eight runs are worthwhile.
 const EVALUATIONS_TO_DOUBLE: [f64; 3] = [8e3, 25e3, 60e3];
 
-/// What a tournament begins with.
+/// What a descent begins with.
 #[derive(Clone, Copy)]
-pub(crate) struct TournamentStart<'a> {
+pub(crate) struct DescentStart<'a> {
     pub(crate) prepared: &'a PreparedInstance,
     /// Valid layouts of the same copies, one or more. The first run begins from the first one, and so on.
     pub(crate) layouts: &'a [Vec<PlacedItem>],
@@ -25,6 +25,17 @@ pub(crate) struct TournamentStart<'a> {
     pub(crate) floor_mm: f64,
     /// Seed of every random choice.
     pub(crate) seed: u64,
+    /// The pace to go on with, unless there are several runs.
+    pub(crate) pace: DescentPace,
+}
+
+/// How a descent ended.
+pub(crate) struct DescentEnd {
+    /// The lowest layout.
+    pub(crate) items: Vec<PlacedItem>,
+    pub(crate) pace: DescentPace,
+    /// Evaluations made.
+    pub(crate) made: u64,
 }
 
 /// The random generator of one run.
@@ -32,14 +43,28 @@ fn run_rng(seed: u64, number: usize) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed.wrapping_add((number as u64).wrapping_mul(0xd1b5_4a32_d192_ed03)))
 }
 
-/// Lowers layouts until `spent` (share of the budget after a number of evaluations) reaches 1. Every layout lower than
-/// all before is passed to `found`. Returns the lowest layout and the number of evaluations.
-pub(crate) fn run_tournament(
-    start: &TournamentStart<'_>,
+/// Lowers the first layout in a single run until `spent` (share of the budget after a number of evaluations) reaches
+/// `until`. Every lower layout is passed to `found`.
+pub(crate) fn run_descent(
+    start: &DescentStart<'_>,
+    until: f64,
     spent: &dyn Fn(u64) -> f64,
     found: &mut dyn FnMut(&[PlacedItem], u64),
-) -> (Vec<PlacedItem>, u64) {
-    let TournamentStart { prepared, layouts, floor_mm, seed } = *start;
+) -> DescentEnd {
+    let mut descent = CompressionRun::new(start.prepared, &start.layouts[0], run_rng(start.seed, 0));
+    descent.pace = start.pace;
+    descent.run(&CompressionBudget { spent_share_at: spent, until, lower_bound_mm: start.floor_mm }, found);
+    DescentEnd { pace: descent.pace, made: descent.evaluations(), items: descent.items }
+}
+
+/// Lowers layouts until `spent` (share of the budget after a number of evaluations) reaches 1. Every layout lower than
+/// all before is passed to `found`.
+pub(crate) fn run_tournament(
+    start: &DescentStart<'_>,
+    spent: &dyn Fn(u64) -> f64,
+    found: &mut dyn FnMut(&[PlacedItem], u64),
+) -> DescentEnd {
+    let DescentStart { prepared, layouts, floor_mm, seed, .. } = *start;
     let begin = |number: usize| CompressionRun::new(prepared, &layouts[number % layouts.len()], run_rng(seed, number));
     let (begun, mut made, mut lowest) = (spent(0), 0, layouts[0].clone());
     let mut run = |descent: &mut CompressionRun<'_>, share: f64| {
@@ -70,7 +95,7 @@ pub(crate) fn run_tournament(
         descents.truncate(descents.len() / 2);
     }
     run(&mut descents[0], 1.0);
-    (lowest, made)
+    DescentEnd { items: lowest, pace: descents[0].pace, made }
 }
 
 #[cfg(test)]

@@ -25,8 +25,8 @@ const MIN_CORNER_DISTANCE_MM: f64 = 1.5;
 /// Thickness of a band of the map, mm.
 const BAND_MM: f64 = 10.0;
 
-/// Copies per sheet of a map in proved order.
-const COPIES_PER_SHEET: usize = 16;
+/// Copies per sheet of a map in proved order: with names and orders of 60 letters, plan and list fit on a page of A4.
+const COPIES_PER_SHEET: usize = 15;
 
 /// A pick map as the cache holds it.
 #[derive(Clone)]
@@ -112,11 +112,12 @@ fn map_sheets(cake: &CakeContents, (picks, is_proved): (&[PickEntry<'_>], bool),
                 " listed without a place: the originals are no longer kept." }
         }
         @for (title, band) in sheets {
-            section.band {
+            section.band.page[is_proved] {
                 h2 { (title) }
                 div.sheet {
                     (sheet_plan(first, band, cake.volume_mm.x, cake.volume_mm.y))
                     div.wide tabindex="0" role="region" aria-label=(format!("Copies: {title}")) { table {
+                        colgroup { col.pick-done; @for column in &columns { col class=(format!("pick-{}", column.key)); } }
                         thead { tr { th scope="col" { "Done" } @for column in &columns { (heading(&column.field)) } } }
                         tbody { @for (number, pick) in (first..).zip(band) { (table_row(&pick_list_row(number, pick), &columns, has_pages)) } }
                     } }
@@ -200,7 +201,7 @@ fn sheet_plan(first: usize, band: &[PickEntry<'_>], x_mm: f64, y_mm: f64) -> Mar
     let labels = separate_labels((first..).zip(band).filter_map(label).collect(), DVec2::new(x_mm, y_mm));
     let rim = 3.0 * unit;
     html! {
-        svg.plan viewBox=(format!("{:.1} {:.1} {:.1} {:.1}", -rim, -rim, x_mm + 2.0 * rim, y_mm + 2.0 * rim + 5.0 * unit)) role="img"
+        svg.plan viewBox=(format!("{:.1} {:.1} {:.1} {:.1}", -rim, -rim, x_mm + 2.0 * rim, y_mm + 2.0 * rim + 5.0 * unit)) preserveAspectRatio="xMinYMin" role="img"
             aria-label="What they cover, from above, with their numbers" {
             rect.grid x="0" y="0" width=(x_mm) height=(y_mm) {}
             @for pick in band { polygon.covers points=(corners(pick)) {} }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)] // a test that cannot continue fails; these print their figures
 
 mod pages;
+mod paper;
 mod quiet;
 mod samba;
 #[path = "../support/mod.rs"]
@@ -31,6 +32,11 @@ fn main() -> ExitCode {
             pages::the_view_of_700_parts_and_four_million_triangles_opens_in_time,
         ),
     ];
+    trials.push(trial(
+        "paper::pick_map_and_history_lose_nothing_on_paper",
+        missing_variables(&["NESTD_BROWSER"]).or_else(paper::missing),
+        paper::pick_map_and_history_lose_nothing_on_paper,
+    ));
     let of_samba = |&(name, case): &(&str, fn())| {
         let case = move || {
             let _busy = quiet::run_beside_others();

@@ -263,7 +263,7 @@ const checks = {
     const sheets = pdf.toString("latin1").match(/\/Type\s*\/Page\b/g).length;
     const list = await page.$$eval("main tbody tr", (rows) => rows.length);
     assert.equal(list, farm.copies, "every copy is on the list");
-    const gap = await page.evaluate(() => document.querySelector(".sheet td").getBoundingClientRect().left - document.querySelector(".plan").getBoundingClientRect().right);
+    const gap = await page.evaluate(() => document.querySelector(".sheet td").getBoundingClientRect().top - document.querySelector(".plan").getBoundingClientRect().bottom);
     assert.ok(gap >= 0, `the plan reaches ${-gap} px into the table`);
     if (farm.shots) writeFileSync(join(farm.root, "pick.pdf"), pdf);
     await page.context().close();

@@ -17,25 +17,25 @@ use crate::{
     support::{self, TestFarm, stl, wait_until_or},
 };
 
-const MACHINE: &str = "mjf-5200";
+pub const MACHINE: &str = "mjf-5200";
 const PROFILE: &str = "volume_mm = [200, 160, 220]\nclearance_mm = 3.0\nlayer_mm = 0.08\nsettle_secs = 0.3\nunfinished_secs = 2\n\
                        final_secs = 4\narrival_secs = 1\n";
 /// Names that would do harm if they were not treated as text.
 const NASTY: [&str; 3] =
     ["<img src=x onerror=alert(1)>.stl", "<script>alert(1)<script>.stl", "=HYPERLINK(\"http:x\").stl"];
 
-fn browser() -> PathBuf {
+pub fn browser() -> PathBuf {
     std::env::var_os("NESTD_BROWSER").unwrap().into()
 }
 
 /// A farm with its own machine, besides the machine of the other tests.
-struct BrowserDashboard {
-    farm: TestFarm,
-    base: String,
+pub struct BrowserDashboard {
+    pub farm: TestFarm,
+    pub base: String,
 }
 
 impl BrowserDashboard {
-    fn start() -> Self {
+    pub fn start() -> Self {
         let mut farm = TestFarm::new(support::QUICK);
         farm.write_profile(MACHINE, PROFILE);
         let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
@@ -57,7 +57,7 @@ impl BrowserDashboard {
     }
 
     /// Drops a file into the machine's hot folder, in the folder of its order if `order` is not empty.
-    fn drop(&self, order: &str, name: &str, bytes: &[u8]) {
+    pub fn drop(&self, order: &str, name: &str, bytes: &[u8]) {
         let outside = self.farm.root().join("sending");
         fs::write(&outside, bytes).unwrap();
         let folder = self.folder("inbox").join(order);
@@ -69,7 +69,7 @@ impl BrowserDashboard {
         self.farm.parts(state)
     }
 
-    fn wait_for(&self, state: PartState, count: usize) -> Vec<PartRow> {
+    pub fn wait_for(&self, state: PartState, count: usize) -> Vec<PartRow> {
         wait_until_or(
             &format!("{count} parts are {state}"),
             60.0,
@@ -85,7 +85,7 @@ impl BrowserDashboard {
     }
 
     /// Publishes the waiting parts.
-    fn flush(&self) {
+    pub fn flush(&self) {
         let before = self.published();
         self.farm.nestd(&["flush", MACHINE]);
         wait_until_or("the build is published", 90.0, || self.farm.log(), || self.published() > before);

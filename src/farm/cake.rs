@@ -8,7 +8,7 @@ use std::{
     sync::Arc,
 };
 
-use build_file::{BuildMetadata, PictureBody, PlacedMesh, Viewpoint};
+use build_file::{BuildMetadata, PictureBody, PictureScheme, PlacedMesh, Viewpoint};
 use glam::DVec3;
 use solids::{Bounds, Mesh, Pose};
 
@@ -167,13 +167,18 @@ impl CakeContents {
 
     /// A picture of it, as PNG.
     pub fn render_picture(&self, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
+        self.render_picture_on(PictureScheme::Light, viewpoint, size)
+    }
+
+    /// A picture of it on a given ground, as PNG.
+    pub fn render_picture_on(&self, scheme: PictureScheme, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
         let mut bodies = Vec::with_capacity(self.copy_count());
         for (kind, part) in self.parts.iter().enumerate() {
             if let Some(mesh) = &part.mesh {
                 bodies.extend(part.copies.iter().map(|copy| PictureBody { mesh, pose: copy.pose, kind }));
             }
         }
-        build_file::draw_picture(&bodies, self.volume_mm, viewpoint, size)
+        build_file::draw_picture_on(scheme, &bodies, self.volume_mm, viewpoint, size)
     }
 }
 

@@ -31,7 +31,7 @@ const fn keyed(name: &'static str, portions_by: Option<&'static str>) -> CopiedT
 }
 
 /// All tables that both databases have.
-pub(super) const TABLES: [CopiedTable; 16] = [
+pub(super) const TABLES: [CopiedTable; 17] = [
     numbered("part", Some("replaced_by")),
     numbered("ticket", None),
     numbered("build", Some("repeats")),
@@ -39,6 +39,7 @@ pub(super) const TABLES: [CopiedTable; 16] = [
     keyed("bad_placement", Some("part_id")),
     numbered("event", None),
     numbered("outcome", None),
+    numbered("pick_mark", None),
     numbered("command", None),
     keyed("pause", None),
     keyed("node", None),

@@ -39,6 +39,7 @@ mod part;
 mod part_list;
 mod part_question;
 mod part_row;
+mod pick;
 mod placement;
 #[cfg(feature = "postgres")]
 mod postgres;
@@ -93,6 +94,7 @@ pub use part_row::{
     ClaimedFile, NewPartRow, NewTerms, NewTicketRow, OwedCopies, PartMeasures, PartRejection, PartRow, PartTerms,
     PartTimes, RecordedPart, RequiredTilts, SolidFacts, SolidOfFile, TicketSource,
 };
+pub use pick::{BreakOutAnswer, PickMark, PickMarkRow};
 pub use placement::{PlacementRow, PoseColumns, ProvedPlacement, RemovalColumns, RemovalStep};
 pub use precedence::compare_precedence;
 pub use put_back::{PartCopies, PutBackReport, ReprintTarget};

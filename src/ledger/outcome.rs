@@ -95,19 +95,8 @@ impl Ledger {
         let mut change = self.begin_change().await?;
         let mut report = PutBackReport::default();
         move_to_outcome(&mut change, build, told).await?;
-        let (now, is_correction) = (change.now, told.is_correction);
-        sql::query(
-            "INSERT INTO outcome (build_id, outcome, note, told_by, told_at, is_correction) VALUES ($1, $2, $3, $4, $5, $6)",
-        )
-        .bind(build)
-        .bind(told.outcome)
-        .bind(&told.note)
-        .bind(&told.told_by)
-        .bind(now)
-        .bind(is_correction)
-        .execute(change.db())
-        .await?;
-        if is_correction && told.outcome != PrintOutcome::Failed {
+        record_told(&mut change, build, told).await?;
+        if told.is_correction && told.outcome != PrintOutcome::Failed {
             change.return_bad_copies(build, &mut report).await?;
         }
         if told.outcome == PrintOutcome::Failed {
@@ -151,8 +140,25 @@ impl Ledger {
     }
 }
 
+/// Writes down what somebody tells of a print.
+pub(super) async fn record_told(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<()> {
+    let now = change.now;
+    sql::query(
+        "INSERT INTO outcome (build_id, outcome, note, told_by, told_at, is_correction) VALUES ($1, $2, $3, $4, $5, $6)",
+    )
+    .bind(build)
+    .bind(told.outcome)
+    .bind(&told.note)
+    .bind(&told.told_by)
+    .bind(now)
+    .bind(told.is_correction)
+    .execute(change.db())
+    .await?;
+    Ok(())
+}
+
 /// Moves a build to the state of its outcome.
-async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<()> {
+pub(super) async fn move_to_outcome(change: &mut LedgerChange, build: BuildId, told: &ToldOutcome) -> Result<()> {
     let (_, state) = change.require_build(build).await?;
     let is_published: bool = sql::query_scalar("SELECT published_at IS NOT NULL FROM build WHERE id = $1")
         .bind(build)

@@ -28,7 +28,7 @@ pub use part_list::{
     PLACEMENT_COLUMNS, WAITING_PART_COLUMNS, whereabouts,
 };
 pub use part_sheet::part_facts;
-pub use pick_list::{PICK_COLUMNS, PickList, PickedCopy, points_down};
+pub use pick_list::{PICK_COLUMNS, PickList, PickedCopy, points_down, removal_in_words};
 pub use table_column::{TableColumn, csv_of, for_people};
 pub use time_view::{GivenDate, TimeView};
 

@@ -59,7 +59,7 @@ pub const PICK_COLUMNS: &[TableColumn<PickedCopy>] = &[
     TableColumn::new("bottom_mm", fields::BOTTOM, |copy| copy.bottom_mm.into()),
     TableColumn::new("center_x_mm", fields::CENTER_X, |copy| copy.center_x_mm.into()),
     TableColumn::new("center_y_mm", fields::CENTER_Y, |copy| copy.center_y_mm.into()),
-    TableColumn::new("way", fields::REMOVAL_DIRECTION, |copy| copy.direction.map(direction_in_words).into()),
+    TableColumn::new("way", fields::REMOVAL_DIRECTION, |copy| copy.direction.map(removal_in_words).into()),
     TableColumn::new("name", fields::PART_NAME, |copy| CellValue::NamedPart(PartId(copy.part), copy.name.clone())),
     TableColumn::new("order", fields::ORDER, |copy| (&copy.order).into()),
     TableColumn::new("copy", fields::COPY, |copy| copy.copy.into()),
@@ -72,8 +72,8 @@ pub fn points_down(direction: [f64; 3]) -> bool {
     direction[2] < -SLIGHT
 }
 
-/// A direction in words, such as `up, left`.
-fn direction_in_words([x, y, z]: [f64; 3]) -> String {
+/// A removal direction in words, such as `up, left`.
+pub fn removal_in_words([x, y, z]: [f64; 3]) -> String {
     let side = |value: f64, towards: &'static str, away: &'static str| match value {
         value if value > SLIGHT => Some(towards),
         value if value < -SLIGHT => Some(away),

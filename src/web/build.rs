@@ -14,7 +14,7 @@ use super::{
     format::{count, prose_with_code},
     listing::{fact_list, table_of},
     page::html_page,
-    pick_map::PICTURE_ALT_TEXT,
+    picture::cake_picture,
     state::DashboardState,
 };
 use crate::{
@@ -46,7 +46,10 @@ pub(super) async fn show_build(
             p class=(if is_failure(build.state) { "bad" } else { "note" }) role="status" { (prose_with_code(&build.reason)) }
         }
         @if copies > 0 { (view_section(build.id.0, copies, &view_version(&build))) } @else { p { "Nothing stands in it yet." } }
-        p { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" } }
+        p.links { a href=(format!("/builds/{}/pick", build.id)) { "Pick map for the person who breaks it out" }
+            @if build.times.published_at.is_some() {
+                a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" }
+            } }
         @if let Some(fires) = fire_forecast(&web, &build, &profile).await? { p { "Fires " (fires) "." } }
         (fact_list(&build_facts(&build, Some(&profile), (copies.to_string(), None), &view)))
         (build_forms(&web, &build, &placements))
@@ -92,12 +95,15 @@ pub(super) fn view_section(build: i64, copies: u32, version: &str) -> Markup {
     html! {
         section #view data-build=(build) data-copies=(copies) data-version=(version) aria-label="3D view" {
             @if !version.is_empty() {
-                noscript { p { "The 3D view needs JavaScript. " }
-                    img.cake alt=(PICTURE_ALT_TEXT) width="640" height="480" src=(format!("/builds/{build}/picture")); }
+                noscript { p { "The 3D view needs JavaScript. " } }
             } @else {
                 noscript { p { "The 3D view needs JavaScript; the pick map has a picture." } }
             }
-            canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "copy", "copies"))) {}
+            div.stage {
+                // Stands there until the view is drawn, and where it cannot be drawn.
+                @if !version.is_empty() { div.poster { (cake_picture(build)) } }
+                canvas tabindex="0" role="img" aria-label=(format!("Nest of {}; arrow keys turn it, + and - zoom", count(copies, "copy", "copies"))) {}
+            }
             div.controls {
                 label { "Cut at " output #cut-mm { } input #cut type="range" min="0" max="1000" value="1000"; }
                 label { "Explode" input #explode type="range" min="0" max="100" value="0"; }

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     farm::{CakeContents, load_placed_parts},
-    ledger::{BuildId, BuildRow},
+    ledger::{BuildId, BuildRow, PartId},
     settings::MachineProfile,
 };
 
@@ -22,6 +22,8 @@ pub(super) struct CacheLocation<T: 'static> {
     pub(super) cache: fn(&DashboardState) -> &RecentCache<T>,
     /// Must change whenever the result changes.
     pub(super) key: String,
+    /// The only part that is needed; `None` = all.
+    pub(super) only: Option<PartId>,
 }
 
 /// Finds a build, and its profile as it was when the build was made.
@@ -51,7 +53,8 @@ pub(super) async fn render_cached<T: Clone + Send + 'static>(
     if let Some(thing) = known() {
         return Ok(thing);
     }
-    let parts = load_placed_parts(&web.ledger, build, profile).await?;
+    let mut parts = load_placed_parts(&web.ledger, build, profile).await?;
+    parts.retain(|(part, _)| kept.only.is_none_or(|only| part.id == only));
     let (web, build, profile) = (web.clone(), build.clone(), profile.clone());
     let making = tokio::task::spawn_blocking(move || {
         let _turn = turn;

@@ -143,7 +143,8 @@ fn is_failure_of_ledger(error: &LedgerError) -> bool {
     error.is_disk_failure() || error.is_damage() || matches!(error, LedgerError::Sql(_))
 }
 
-fn result_page(title: &str, sentences: &[String], back: &str) -> Response {
+/// A page with sentences and the way back.
+pub(super) fn result_page(title: &str, sentences: &[String], back: &str) -> Response {
     let content = html! {
         h1 { (title) }
         div #answer role="status" { @for sentence in sentences { p { (prose_with_pages(sentence)) } } }

@@ -5,6 +5,9 @@
 
 mod api;
 mod assets;
+mod break_out;
+mod break_out_card;
+mod break_out_state;
 mod build;
 mod build_forms;
 mod cache;
@@ -13,6 +16,7 @@ mod chart;
 mod command;
 mod connection_limits;
 mod content;
+mod device_name;
 mod dto;
 mod enum_words;
 mod error;
@@ -25,6 +29,7 @@ mod labels;
 mod listener;
 mod listing;
 mod live;
+mod look_alike;
 mod mesh_reduction;
 mod metrics;
 mod openapi;

@@ -1,6 +1,6 @@
 //! The pick map of a cake: which copies come out, in which order. It is designed for paper; the pick page serves it.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 use glam::DVec2;
 use maud::{Markup, html};
@@ -11,6 +11,7 @@ use super::{
     format::count,
     labels::{PlanLabel, separate_labels},
     listing::{cell, heading},
+    look_alike::look_alikes,
 };
 use crate::{
     farm::{CakeContents, CakeCopy, CakePart},
@@ -34,6 +35,18 @@ pub(super) struct CachedPickMap {
     pub(super) copies: usize,
     pub(super) sheets: Markup,
     pub(super) list: Arc<PickList>,
+    pub(super) shapes: Arc<PickShapes>,
+}
+
+/// What an eye needs to find a copy.
+#[derive(Debug, Default)]
+pub(super) struct PickShapes {
+    /// Width and depth of the machine, mm.
+    pub(super) floor_mm: DVec2,
+    /// The outline of each copy from above, in the order of the list.
+    pub(super) footprints: Vec<Vec<DVec2>>,
+    /// Parts by number, with the names of those that an eye confuses with them.
+    pub(super) look_alikes: BTreeMap<i64, Vec<String>>,
 }
 
 impl CachedPickMap {
@@ -43,7 +56,12 @@ impl CachedPickMap {
         let copies = (1..).zip(&picks).map(|(number, pick)| pick_list_row(number, pick)).collect();
         let list = Arc::new(PickList { build: number_of_build, is_proved, copies });
         let sheets = map_sheets(cake, (&picks, is_proved), true);
-        Self { copies: cake.copy_count(), sheets, list }
+        let shapes = Arc::new(PickShapes {
+            floor_mm: cake.volume_mm.truncate(),
+            footprints: picks.iter().map(|pick| pick.footprint.clone()).collect(),
+            look_alikes: look_alikes(&cake.parts),
+        });
+        Self { copies: cake.copy_count(), sheets, list, shapes }
     }
 }
 

@@ -13,7 +13,8 @@ use super::{
     error::HandlerResult,
     format::count,
     page::html_page,
-    pick_map::{CachedPickMap, PICTURE_ALT_TEXT},
+    pick_map::CachedPickMap,
+    picture::cake_picture,
     state::DashboardState,
 };
 use crate::{
@@ -42,8 +43,11 @@ pub(super) async fn show_pick_map(
         @if matches!(build.state, BuildState::Open | BuildState::Nesting) {
             p.warn { "A forecast: what stands where changes until the build is published. Not for breaking out." }
         }
+        @if build.times.published_at.is_some() {
+            p.links { a href=(format!("/builds/{}/break-out", build.id)) { "Break it out step by step" } }
+        }
         @if copies > 0 {
-            img.cake alt=(PICTURE_ALT_TEXT) width="640" height="480" src=(format!("/builds/{}/picture", build.id));
+            (cake_picture(build.id.0))
         }
         (sheets)
     };
@@ -59,7 +63,8 @@ pub(super) async fn get_pick_list(
     Ok(Json(cached_map(&web, &build, &profile).await?.list))
 }
 
-async fn cached_map(
+/// The pick map of a build.
+pub(super) async fn cached_map(
     web: &Arc<DashboardState>,
     build: &BuildRow,
     profile: &MachineProfile,
@@ -70,7 +75,7 @@ async fn cached_map(
         _ => 0,
     };
     let key = format!("{} {news} {}", layout_version(build), profile.time_zone.name());
-    let kept = CacheLocation { cache: |web| &web.caches.picks, key };
+    let kept = CacheLocation { cache: |web| &web.caches.picks, key, only: None };
     let number_of_build = build.id.0;
     render_cached(web, build, profile, kept, move |cake: &CakeContents| {
         Ok(CachedPickMap::from_cake(cake, number_of_build))

@@ -9,22 +9,31 @@ use axum::{
     http::header,
     response::{IntoResponse, Response},
 };
-use build_file::Viewpoint;
+use build_file::{PictureScheme, Viewpoint, draw_part};
 use maud::{Markup, html};
 use serde::Deserialize;
 
 use super::{
     cached_render::{CacheLocation, find_build, layout_version, render_cached},
-    error::HandlerResult,
+    error::{HandlerError, HandlerResult},
     format::count,
+    pick_map::PICTURE_ALT_TEXT,
     state::DashboardState,
 };
-use crate::{farm::CakeContents, ledger::ProfileStatus, tables::fields};
+use crate::{
+    farm::CakeContents,
+    ledger::{PartId, ProfileStatus},
+    tables::fields,
+};
 
 /// Widths that pages request, pixels. Any other width is rounded up to the next of them.
 const WIDTHS: [u32; 2] = [480, 640];
-/// Pictures in the cache; about 50 kB each.
-pub(super) const CACHED_PICTURES: usize = 64;
+/// Width and height of the picture of a part, pixels.
+const PART_PICTURE_SIZE: (u32, u32) = (400, 300);
+/// Number of colours of parts.
+const MAX_KINDS: usize = 21;
+/// Pictures in the cache; 50 kB each at most.
+pub(super) const CACHED_PICTURES: usize = 160;
 
 /// The query of a picture's address.
 #[derive(Debug, Deserialize)]
@@ -32,6 +41,32 @@ pub(super) struct PictureQuery {
     width: Option<u32>,
     /// The layout version that the page saw. A browser may cache the picture of that version forever.
     of: Option<String>,
+    #[serde(default)]
+    scheme: PageScheme,
+}
+
+/// The colours of the page on which a picture is shown.
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum PageScheme {
+    #[default]
+    Light,
+    Dark,
+}
+
+impl PageScheme {
+    fn picture_scheme(self) -> PictureScheme {
+        match self {
+            Self::Light => PictureScheme::Light,
+            Self::Dark => PictureScheme::Dark,
+        }
+    }
+}
+
+/// A picture of a page in the colours of the page; `source` is its address on a light page. Paper is light.
+pub(super) fn themed_picture(source: &str, image: &Markup) -> Markup {
+    let mark = if source.contains('?') { '&' } else { '?' };
+    html! { picture { source media="screen and (prefers-color-scheme: dark)" srcset=(format!("{source}{mark}scheme=dark")); (image) } }
 }
 
 /// The picture of a build, a PNG.
@@ -43,11 +78,52 @@ pub(super) async fn get_picture(
     let (build, profile) = find_build(&web, number).await?;
     let wanted = asked.width.unwrap_or(WIDTHS[WIDTHS.len() - 1]);
     let width = WIDTHS.into_iter().find(|&width| width >= wanted).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
-    let kept = CacheLocation { cache: |web| &web.caches.pictures, key: format!("{} {width}", layout_version(&build)) };
-    let draw = move |cake: &CakeContents| Ok(Bytes::from(cake.render_picture(Viewpoint::Iso, (width, width / 4 * 3))));
+    let scheme = asked.scheme.picture_scheme();
+    let key = format!("{} {width} {scheme:?}", layout_version(&build));
+    let kept = CacheLocation { cache: |web| &web.caches.pictures, key, only: None };
+    let size = (width, width / 4 * 3);
+    let draw = move |cake: &CakeContents| Ok(Bytes::from(cake.render_picture_on(scheme, Viewpoint::Iso, size)));
     let png = render_cached(&web, &build, &profile, kept, draw).await?;
     let stays = asked.of.is_some_and(|of| of == layout_version(&build));
     let keep = if stays { "private, max-age=31536000, immutable" } else { "private, no-cache" };
+    Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response())
+}
+
+/// The picture of a whole build.
+pub(super) fn cake_picture(build: i64) -> Markup {
+    let source = format!("/builds/{build}/picture");
+    themed_picture(&source, &html! { img.cake alt=(PICTURE_ALT_TEXT) width="640" height="480" src=(source); })
+}
+
+/// The query of the address of a part's picture.
+#[derive(Debug, Deserialize)]
+pub(super) struct PartPictureQuery {
+    /// Number of its colour: that of its order in the build.
+    #[serde(default)]
+    kind: usize,
+    #[serde(default)]
+    scheme: PageScheme,
+}
+
+/// The picture of a part of a build, as it was dropped, a PNG. It never changes.
+pub(super) async fn get_part_picture(
+    State(web): State<Arc<DashboardState>>,
+    Path((number, part)): Path<(i64, i64)>,
+    Query(asked): Query<PartPictureQuery>,
+) -> HandlerResult<Response> {
+    let (build, profile) = find_build(&web, number).await?;
+    let (kind, scheme) = (asked.kind % MAX_KINDS, asked.scheme.picture_scheme());
+    let key = format!("part {part} of {} {kind} {scheme:?}", build.id);
+    let kept = CacheLocation { cache: |web| &web.caches.pictures, key, only: Some(PartId(part)) };
+    let draw = move |cake: &CakeContents| {
+        let mesh = cake.parts.first().and_then(|part| part.mesh.as_ref());
+        Ok(mesh.map_or_else(Bytes::new, |mesh| Bytes::from(draw_part(mesh, kind, scheme, PART_PICTURE_SIZE))))
+    };
+    let png = render_cached(&web, &build, &profile, kept, draw).await?;
+    if png.is_empty() {
+        return Err(HandlerError::NotFound(format!("picture of part {part} in build {number}")));
+    }
+    let keep = "private, max-age=31536000, immutable";
     Ok(([(header::CONTENT_TYPE, "image/png"), (header::CACHE_CONTROL, keep)], png).into_response())
 }
 
@@ -70,7 +146,7 @@ pub(super) async fn profile_picture(web: &DashboardState, status: &ProfileStatus
     let source = format!("/builds/{id}/picture?width=480&of={}", layout_version(&build));
     Ok(html! {
         a.shot href=(format!("/builds/{id}")) {
-            img loading="lazy" width="240" height="180" alt=(alt) src=(source);
+            (themed_picture(&source, &html! { img loading="lazy" width="240" height="180" alt=(alt) src=(source); }))
         }
     })
 }

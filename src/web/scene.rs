@@ -65,7 +65,7 @@ pub(super) async fn get_scene(
     Path(number): Path<i64>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
-    let kept = CacheLocation { cache: |web| &web.caches.scenes, key: layout_version(&build) };
+    let kept = CacheLocation { cache: |web| &web.caches.scenes, key: layout_version(&build), only: None };
     let facts = (build.id.0, build.measures.height_mm, profile.space.layer_mm);
     let pack = move |cake: &CakeContents| Ok(Bytes::from(pack_scene(cake, facts, MAX_TRIANGLES)?));
     let bytes = render_cached(&web, &build, &profile, kept, pack).await?;

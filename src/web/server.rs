@@ -13,11 +13,11 @@ use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{
-    assets, build, build_forms,
+    assets, break_out, build, build_forms,
     cache::RecentCache,
     command,
     connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
-    content,
+    content, device_name,
     error::HandlerError,
     farm as farm_page, guard, history,
     listener::DashboardListener,
@@ -80,6 +80,9 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/builds/{build}", get(build::show_build))
         .route("/builds/{build}/told", post(build_forms::post_told))
         .route("/builds/{build}/pick", get(pick_page::show_pick_map))
+        .route("/builds/{build}/break-out", get(break_out::show_step).post(break_out::post_mark))
+        .route("/builds/{build}/break-out/all", post(break_out::post_all))
+        .route("/builds/{build}/parts/{part}/picture", get(picture::get_part_picture))
         .route("/builds/{build}/picture", get(picture::get_picture))
         .route("/builds/{build}/scene", get(scene::get_scene))
         .route("/history", get(history::show_history))
@@ -91,6 +94,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/parts/{part}/reprint", post(part_forms::post_reprint))
         .route("/live", get(live::stream_changes))
         .route("/commands", post(command::post_command))
+        .route("/name", post(device_name::post_name))
         .route("/orders", get(order::list_orders))
         .route("/orders/{order}", get(order::show_order))
         .route("/orders/{order}/cancel", post(order::post_cancel))

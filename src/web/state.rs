@@ -57,6 +57,7 @@ impl DashboardState {
         let (status, last) = (self.ledger.profile_statuses().await?, self.ledger.last_event_id().await?);
         let alive = self.ledger.list_nodes().await?.iter().map(|node| node.alive).collect::<Vec<_>>();
         let notices = farm::read_stored_alerts(&self.current_settings().state_dir);
-        Ok(format!("{alive:?} {last} {status:?} {notices:?}"))
+        let picked = self.ledger.last_pick_id().await?;
+        Ok(format!("{alive:?} {last} {picked} {status:?} {notices:?}"))
     }
 }

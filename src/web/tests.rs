@@ -21,6 +21,8 @@ use crate::{
 
 #[path = "api_tests.rs"]
 mod api;
+#[path = "break_out_tests.rs"]
+mod break_out_tests;
 #[path = "guard_tests.rs"]
 mod guard;
 #[path = "order_tests.rs"]
@@ -92,8 +94,17 @@ impl TestDashboard {
     }
 }
 
-const PAGES: [&str; 8] =
-    ["/", "/history", "/parts", "/builds/1", "/builds/1/pick", "/parts/1", "/orders", "/orders/bracket.stl"];
+const PAGES: [&str; 9] = [
+    "/",
+    "/history",
+    "/parts",
+    "/builds/1",
+    "/builds/1/pick",
+    "/builds/1/break-out",
+    "/parts/1",
+    "/orders",
+    "/orders/bracket.stl",
+];
 
 async fn with_a_build(named: &str) -> TestDashboard {
     let dashboard = TestDashboard::new(|_| ()).await;
@@ -263,8 +274,8 @@ async fn the_page_of_a_build_counts_the_copies_that_stand_in_it_and_has_a_pictur
     let page = dashboard.get("/builds/1").await.text;
     let table = page.split("Copies here").nth(1).unwrap();
     assert!(table.contains("<td class=\"n\">1</td><td class=\"n\">9</td>"), "1 copy here of 9: {table}");
-    let without = page.split("<noscript>").nth(1).unwrap();
-    assert!(without.split("</noscript>").next().unwrap().contains("src=\"/builds/1/picture\""));
+    let poster = page.split("class=\"poster\"").nth(1).unwrap();
+    assert!(poster.split("<canvas").next().unwrap().contains("src=\"/builds/1/picture\""));
     let map = dashboard.get("/builds/1/pick").await.text;
     assert!(
         map.contains("1 copy, verified") && map.contains("1 part is listed without a place"),

@@ -7,7 +7,7 @@ import { drawn, open, pixels, start, violations } from "./browser.mjs";
 const farm = JSON.parse(process.argv[2]);
 const { base } = farm;
 const browser = await start(farm.chromium);
-const PAGES = { farm: "/", build: `/builds/${farm.build}`, pick: `/builds/${farm.build}/pick`, open: `/builds/${farm.open}`, history: "/history",
+const PAGES = { farm: "/", build: `/builds/${farm.build}`, pick: `/builds/${farm.build}/pick`, breakOut: `/builds/${farm.build}/break-out`, open: `/builds/${farm.open}`, history: "/history",
   parts: "/parts", part: `/parts/${farm.part}`, orders: "/orders", order: `/orders/${encodeURIComponent(farm.order)}`, refused: `/parts/${farm.refused}`, missing: "/parts/999999" };
 const SPATIAL = ["build", "open"];
 const WIDTHS = [360, 1280, 2560];
@@ -268,6 +268,47 @@ const checks = {
     if (farm.shots) writeFileSync(join(farm.root, "pick.pdf"), pdf);
     await page.context().close();
     return `${sheets} sheets for ${list} copies`;
+  },
+
+  async "a build is broken out by touch on a tablet, and another person sees it at once"() {
+    const path = `/builds/${farm.second}/break-out`;
+    const ann = await open(browser, base, path, { width: 800, hasTouch: true });
+    await ann.fill("input[name=name]", "Ann");
+    await ann.getByRole("button", { name: "That is me" }).tap();
+    await ann.getByText("You are Ann.").waitFor();
+    const ben = await open(browser, base, path, { width: 390, javaScriptEnabled: true });
+    await ben.fill("input[name=name]", "Ben");
+    await ben.getByRole("button", { name: "That is me" }).click();
+    await ben.getByText("You are Ben.").waitFor();
+    const picture = ann.locator(".step-sights img");
+    assert.ok(await picture.evaluate((image) => image.complete && image.naturalWidth > 100), "the part has a picture");
+    const button = ann.getByRole("button", { name: /^Out/ });
+    const box = await button.boundingBox();
+    assert.ok(box.height >= 64 && box.width >= 96, `${box.width} x ${box.height} is small for a thumb`);
+    const first = await ann.locator(".step h2").innerText();
+    await button.tap();
+    await ann.getByText(/^1 of \d+ cop/).waitFor();
+    assert.notEqual(await ann.locator(".step h2").innerText(), first, "the next copy is asked for");
+    await ben.getByText(/^1 of \d+ cop/).waitFor({ timeout: 30000 });
+    await ann.getByRole("button", { name: /^Bad/ }).tap();
+    await ann.getByText(/1 good, 1 bad/).waitFor();
+    await ann.getByRole("button", { name: /^Undo/ }).tap();
+    await ann.getByText(/1 good, 0 bad/).waitFor();
+    clean(ann);
+    clean(ben);
+    await ben.context().close();
+    await ann.context().close();
+    // The rest without JavaScript.
+    const plain = await open(browser, base, path, { width: 800, javaScriptEnabled: false });
+    await plain.getByRole("button", { name: /^Not found/ }).click();
+    await plain.getByText(/1 not found/).waitFor();
+    await plain.getByText(/^Still in the cake:/).click();
+    await plain.getByRole("button", { name: "All of these are out and good" }).click();
+    await plain.getByRole("button", { name: /^Tell it: printed/ }).click();
+    await plain.getByText(/is broken out/).waitFor();
+    await plain.context().close();
+    const told = await api(`/api/v1/builds/${farm.second}`);
+    assert.equal(told.build?.state ?? told.state, "complete");
   },
 
   async "the keyboard reaches everything, the content first"() {

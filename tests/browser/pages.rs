@@ -173,7 +173,7 @@ fn set_up(dashboard: &BrowserDashboard, chromium: &Path) -> serde_json::Value {
     serde_json::json!({
         "chromium": chromium, "base": dashboard.base, "profile": MACHINE, "root": dashboard.farm.root(),
         "inbox": dashboard.folder("inbox"), "queue": dashboard.folder("queue"), "sample": sample, "shots": shots,
-        "build": 1, "copies": copies, "open": open, "part": built[0].id, "refused": refused[0].id, "nasty": NASTY[1..],
+        "build": 1, "second": history[0]["build"], "copies": copies, "open": open, "part": built[0].id, "refused": refused[0].id, "nasty": NASTY[1..],
         "order": built[0].terms.order_name, "history": history,
     })
 }

@@ -7,7 +7,8 @@ mod raster;
 mod shade;
 mod unit;
 
-pub use picture::{PictureBody, Viewpoint, draw_picture};
+pub use picture::{PictureBody, Viewpoint, draw_part, draw_picture, draw_picture_on, kind_colour_code};
+pub use shade::PictureScheme;
 pub use unit::LengthUnit;
 
 mod limits;

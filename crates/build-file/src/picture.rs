@@ -7,7 +7,7 @@ use solids::{Mesh, Pose};
 use super::{
     lettering,
     raster::{DepthCanvas, OrthographicView},
-    shade::{TAG_FLOOR, TAG_INK, TAG_WIRE, body_tag, kind_colour, resolve_pixels},
+    shade::{PictureScheme, TAG_FLOOR, TAG_INK, TAG_WIRE, body_tag, kind_colour, resolve_pixels},
 };
 
 /// Approximate greatest number of samples of a picture: small pictures get more samples per pixel.
@@ -65,6 +65,17 @@ pub struct PictureBody<'a> {
 /// volume's edges, a dashed line around the top of the highest body, and the build height. `size` is width and height
 /// in pixels, at least 1. Returns a PNG.
 pub fn draw_picture(bodies: &[PictureBody], volume_mm: DVec3, viewpoint: Viewpoint, size: (u32, u32)) -> Vec<u8> {
+    draw_picture_on(PictureScheme::Light, bodies, volume_mm, viewpoint, size)
+}
+
+/// As [`draw_picture`], on a given ground.
+pub fn draw_picture_on(
+    scheme: PictureScheme,
+    bodies: &[PictureBody],
+    volume_mm: DVec3,
+    viewpoint: Viewpoint,
+    size: (u32, u32),
+) -> Vec<u8> {
     let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
     let fine = (SAMPLES / (width * height)).isqrt().clamp(SAMPLES_PER_PIXEL.0, SAMPLES_PER_PIXEL.1);
     let top_mm = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose).max.z).fold(0.0, f64::max);
@@ -88,7 +99,29 @@ pub fn draw_picture(bodies: &[PictureBody], volume_mm: DVec3, viewpoint: Viewpoi
         caption.draw_caption(&mut canvas, fine);
     }
     let colours: Vec<Vec3> = bodies.iter().map(|body| kind_colour(body.kind)).collect();
-    encode_png(&resolve_pixels(&canvas, &colours, fine), width, height)
+    encode_png(&resolve_pixels(&canvas, &colours, scheme, fine), width, height)
+}
+
+/// Draws one body as large as it fits, as it lies in its own frame, seen as [`Viewpoint::Iso`], in the colour of a kind.
+/// `size` is width and height in pixels, at least 1. Returns a PNG.
+pub fn draw_part(mesh: &Mesh, kind: usize, scheme: PictureScheme, size: (u32, u32)) -> Vec<u8> {
+    let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
+    let fine = (SAMPLES / (width * height)).isqrt().clamp(SAMPLES_PER_PIXEL.0, SAMPLES_PER_PIXEL.1);
+    let mut canvas = DepthCanvas::new(width * fine, height * fine);
+    let bounds = mesh.bounds();
+    let corners: Vec<DVec3> = (0..8).map(|c| bounds.min + box_corner(c, bounds.size())).collect();
+    let (forward, up) = Viewpoint::Iso.view_directions();
+    let view = OrthographicView::fit_points(forward, up, &corners, canvas.width, canvas.height, MARGIN);
+    let body = PictureBody { mesh, pose: Pose::IDENTITY, kind };
+    let mut left = MAX_LOOKS_PER_SAMPLE * canvas.width * canvas.height;
+    draw_body(&mut canvas, &view, forward, &body, 0, &mut left);
+    encode_png(&resolve_pixels(&canvas, &[kind_colour(kind)], scheme, fine), width, height)
+}
+
+/// The colour of a kind in pictures, as `#rrggbb`.
+pub fn kind_colour_code(kind: usize) -> String {
+    let [red, green, blue] = kind_colour(kind).to_array().map(|c| c.round().clamp(0.0, 255.0) as u8);
+    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 /// "84.0 mm of 300 mm".

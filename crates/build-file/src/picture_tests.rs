@@ -3,7 +3,7 @@
 use glam::DQuat;
 
 use super::*;
-use crate::shade::{BACKGROUND, FLOOR, body_of};
+use crate::shade::{LIGHT_COLOURS, body_of};
 
 const VOLUME: DVec3 = DVec3::splat(100.0);
 
@@ -54,8 +54,8 @@ fn a_body_covers_the_floor_and_leaves_the_corners_empty() {
     let picture = |bodies: &[PictureBody]| decode(&draw_picture(bodies, VOLUME, Viewpoint::Iso, (120, 90)));
     let (empty, filled) = (picture(&[]), picture(&[at(&mesh, 0, 20.0, 20.0, 0.0)]));
     assert_eq!((filled.width, filled.height, filled.pixels.len()), (120, 90, 120 * 90));
-    assert_eq!(filled.pixels[0].map(f32::from), BACKGROUND.to_array());
-    let (before, after) = (empty.exactly(FLOOR), filled.exactly(FLOOR));
+    assert_eq!(filled.pixels[0].map(f32::from), LIGHT_COLOURS.background.to_array());
+    let (before, after) = (empty.exactly(LIGHT_COLOURS.floor), filled.exactly(LIGHT_COLOURS.floor));
     assert!(after + 200 < before, "{after} of {before}");
 }
 
@@ -74,6 +74,28 @@ fn every_view_has_the_size_asked_the_frame_and_the_body() {
             }
         }
     }
+}
+
+#[test]
+fn a_picture_for_dark_pages_has_a_dark_ground_and_the_same_body() {
+    let mesh = sample_parts::cuboid(DVec3::splat(60.0));
+    let bodies = [at(&mesh, 0, 20.0, 20.0, 0.0)];
+    let on = |scheme| decode(&draw_picture_on(scheme, &bodies, VOLUME, Viewpoint::Iso, (160, 120)));
+    let (light, dark) = (on(PictureScheme::Light), on(PictureScheme::Dark));
+    assert!(light.pixels[0].iter().all(|c| *c > 200) && dark.pixels[0].iter().all(|c| *c < 60), "{:?}", dark.pixels[0]);
+    let bright = dark.count(|pixel| is_grey(pixel) && pixel.min_element() > 180.0);
+    assert!(bright > 20, "the caption is legible: {bright} pixels");
+    assert!(dark.like(0) > 500, "{} pixels of the body", dark.like(0));
+}
+
+#[test]
+fn a_part_alone_fills_its_picture_without_a_frame() {
+    let mesh = sample_parts::ring(40.0, 28.0, 8.0);
+    let drawn = decode(&draw_part(&mesh, 3, PictureScheme::Light, (160, 120)));
+    assert!(drawn.like(3) > 160 * 120 / 8, "{} pixels", drawn.like(3));
+    let empty = drawn.exactly(LIGHT_COLOURS.background) + drawn.exactly(LIGHT_COLOURS.floor);
+    assert!(empty > 160 * 120 / 8 && drawn.exactly(LIGHT_COLOURS.floor) == 0);
+    assert_eq!((kind_colour_code(0).as_str(), kind_colour_code(3).as_str()), ("#0072b2", "#cc79a7"));
 }
 
 #[test]

@@ -13,10 +13,38 @@ const FIRST_BODY: u32 = 256;
 /// Bodies beyond this number reuse the numbers from the start.
 const MAX_BODIES: usize = 1 << 16;
 
-pub(super) const BACKGROUND: Vec3 = Vec3::new(250.0, 250.0, 248.0);
-pub(super) const FLOOR: Vec3 = Vec3::new(226.0, 229.0, 233.0);
-const WIRE: Vec3 = Vec3::new(120.0, 128.0, 140.0);
-const INK: Vec3 = Vec3::new(27.0, 31.0, 36.0);
+/// The ground on which a picture is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum PictureScheme {
+    /// Paper, and pages in light colours.
+    #[default]
+    Light,
+    /// Pages in dark colours.
+    Dark,
+}
+
+/// The fixed colours of a scheme. The grounds are those of the pages (`--ground` and `--card` of the dashboard's style sheet).
+pub(super) struct FixedColours {
+    pub(super) background: Vec3,
+    pub(super) floor: Vec3,
+    wire: Vec3,
+    ink: Vec3,
+}
+
+/// Colours on a light ground.
+pub(super) const LIGHT_COLOURS: FixedColours = FixedColours {
+    background: Vec3::new(250.0, 250.0, 248.0),
+    floor: Vec3::new(226.0, 229.0, 233.0),
+    wire: Vec3::new(120.0, 128.0, 140.0),
+    ink: Vec3::new(27.0, 31.0, 36.0),
+};
+/// Colours on a dark ground.
+const DARK_COLOURS: FixedColours = FixedColours {
+    background: Vec3::new(29.0, 33.0, 38.0),
+    floor: Vec3::new(50.0, 56.0, 63.0),
+    wire: Vec3::new(139.0, 150.0, 161.0),
+    ink: Vec3::new(232.0, 234.0, 237.0),
+};
 /// Brightness of the contour lines between bodies.
 const CONTOUR: f32 = 0.5;
 /// Share of the background colour in the farthest samples.
@@ -55,11 +83,15 @@ pub(super) fn body_of(tag: u32) -> Option<usize> {
 }
 
 /// Averages `fine` x `fine` samples into each pixel's RGB. `colours` are those of the bodies.
-pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], fine: usize) -> Vec<u8> {
+pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], scheme: PictureScheme, fine: usize) -> Vec<u8> {
     let (width, height) = (canvas.width / fine, canvas.height / fine);
     let depths = || canvas.depths().filter(|depth| depth.is_finite() && *depth > f32::MIN);
     let range = (depths().fold(f32::INFINITY, f32::min), depths().fold(f32::NEG_INFINITY, f32::max));
-    let shader = SampleShader { canvas, colours, range, reach: fine.div_ceil(2) };
+    let fixed = match scheme {
+        PictureScheme::Light => &LIGHT_COLOURS,
+        PictureScheme::Dark => &DARK_COLOURS,
+    };
+    let shader = SampleShader { canvas, colours, fixed, range, reach: fine.div_ceil(2) };
     let mut pixels = Vec::with_capacity(3 * width * height);
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         let mut sum = Vec3::ZERO;
@@ -75,6 +107,7 @@ pub(super) fn resolve_pixels(canvas: &DepthCanvas, colours: &[Vec3], fine: usize
 struct SampleShader<'a> {
     canvas: &'a DepthCanvas,
     colours: &'a [Vec3],
+    fixed: &'a FixedColours,
     /// Depth of the nearest and of the farthest sample, mm.
     range: (f32, f32),
     /// Thickness of contours, samples.
@@ -85,10 +118,10 @@ impl SampleShader<'_> {
     fn sample_colour(&self, x: usize, y: usize) -> Vec3 {
         let at = y * self.canvas.width + x;
         match self.canvas.tags[at] {
-            NOTHING => BACKGROUND,
-            TAG_FLOOR => FLOOR,
-            TAG_WIRE => WIRE,
-            TAG_INK => INK,
+            NOTHING => self.fixed.background,
+            TAG_FLOOR => self.fixed.floor,
+            TAG_WIRE => self.fixed.wire,
+            TAG_INK => self.fixed.ink,
             tag => self.body_colour(tag, x, y),
         }
     }
@@ -101,6 +134,6 @@ impl SampleShader<'_> {
         let plain = self.colours[body_of(tag).unwrap_or(0) % self.colours.len().max(1)];
         let lit = plain * ((tag & 255) as f32 / 255.0) * if contour { CONTOUR } else { 1.0 };
         let far = (self.canvas.depth_at(at) - self.range.0) / (self.range.1 - self.range.0).max(1e-6);
-        lit.lerp(BACKGROUND, HAZE * far.clamp(0.0, 1.0))
+        lit.lerp(self.fixed.background, HAZE * far.clamp(0.0, 1.0))
     }
 }

@@ -11,12 +11,13 @@ use crate::ledger::{LedgerError, ServerError, error::Result, schema};
 
 /// Version, description and text of each migration. A ledger here begins with the schema of the first release that had it
 /// on PostgreSQL.
-const FILES: [(i64, &str, &str); 5] = [
+const FILES: [(i64, &str, &str); 6] = [
     (19, "ledger", include_str!("../../../migrations/postgres/0019_ledger.sql")),
     (20, "folded names", include_str!("../../../migrations/postgres/0020_folded_names.sql")),
     (21, "lease", include_str!("../../../migrations/postgres/0021_lease.sql")),
     (22, "nodes", include_str!("../../../migrations/postgres/0022_nodes.sql")),
     (23, "lanes", include_str!("../../../migrations/postgres/0023_lanes.sql")),
+    (24, "break out", include_str!("../../../migrations/postgres/0024_break_out.sql")),
 ];
 
 static MIGRATIONS: LazyLock<Migrator> = LazyLock::new(|| schema::migrator(&FILES));

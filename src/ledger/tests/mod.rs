@@ -9,6 +9,7 @@ mod nodes;
 mod on_postgres;
 mod opening;
 mod orders;
+mod pick;
 mod queries;
 mod query_plans;
 mod random_walks;

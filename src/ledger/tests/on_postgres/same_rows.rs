@@ -33,7 +33,7 @@ pub(super) async fn relations(ledger: &Ledger) -> Vec<String> {
 
 /// Tables whose numbers nothing else refers to. A change that fails takes numbers with it on PostgreSQL and not on SQLite, so
 /// that their order is the same and they are not.
-const NUMBERED_WITH_GAPS: [&str; 4] = ["event", "ticket", "outcome", "command"];
+const NUMBERED_WITH_GAPS: [&str; 5] = ["event", "ticket", "outcome", "command", "pick_mark"];
 
 /// The rows of a table or view as text.
 async fn rows_of(ledger: &Ledger, relation: &str) -> BTreeSet<String> {

@@ -1,0 +1,91 @@
+//! Breaking a build out: what people say of its copies, and what is told of the build in the end.
+
+use super::*;
+
+const ANN: &str = "ann@dashboard";
+const BEN: &str = "ben@dashboard";
+
+/// A published build of three copies of one part.
+async fn printed(ledger: &Ledger) -> (BuildId, PartId) {
+    let part = waiting(ledger, "a", 3).await;
+    (published(ledger, &[(part, 0), (part, 1), (part, 2)]).await, part)
+}
+
+async fn marks(ledger: &Ledger, build: BuildId) -> Vec<(u32, PickMark, String)> {
+    let rows = ledger.picks_of_build(build).await.unwrap();
+    rows.into_iter().map(|row| (row.copy, row.mark, row.told_by)).collect()
+}
+
+#[tokio::test]
+async fn of_two_people_who_say_the_same_of_a_copy_the_second_hears_who_was_first() {
+    let ledger = fresh().await;
+    let (build, part) = printed(&ledger).await;
+    assert_eq!(ledger.mark_pick(build, (part, 1), PickMark::Out, ANN).await.unwrap(), None);
+    assert_eq!(ledger.mark_pick(build, (part, 1), PickMark::Out, ANN).await.unwrap(), None, "pressed twice");
+    let first = ledger.mark_pick(build, (part, 1), PickMark::Out, BEN).await.unwrap().unwrap();
+    assert_eq!((first.told_by.as_str(), first.copy), (ANN, 1));
+    ledger.mark_pick(build, (part, 0), PickMark::Bad, BEN).await.unwrap();
+    let both = vec![(1, PickMark::Out, ANN.to_owned()), (0, PickMark::Bad, BEN.to_owned())];
+    assert_eq!(marks(&ledger, build).await, both);
+    ledger.mark_pick(build, (part, 1), PickMark::Open, BEN).await.unwrap();
+    assert_eq!(marks(&ledger, build).await, [(0, PickMark::Bad, BEN.to_owned())], "taken back");
+    let latest = ledger.last_pick_id().await.unwrap();
+    ledger.mark_pick(build, (part, 2), PickMark::Open, ANN).await.unwrap();
+    assert_eq!(ledger.last_pick_id().await.unwrap(), latest, "nothing was there to take back");
+}
+
+#[tokio::test]
+async fn the_outcome_is_told_once_something_is_said_of_every_copy_and_exactly_the_lost_ones_wait_again() {
+    let ledger = fresh().await;
+    let (build, part) = printed(&ledger).await;
+    ledger.mark_pick(build, (part, 0), PickMark::Bad, ANN).await.unwrap();
+    ledger.mark_pick(build, (part, 2), PickMark::Out, ANN).await.unwrap();
+    assert_eq!(ledger.finish_break_out(build, ANN).await.unwrap(), BreakOutAnswer::Open(1));
+    assert_eq!(build_state(&ledger, build).await, BuildState::Published);
+    ledger.mark_pick(build, (part, 1), PickMark::Missing, BEN).await.unwrap();
+    let BreakOutAnswer::Told(report) = ledger.finish_break_out(build, ANN).await.unwrap() else { panic!("not told") };
+    assert_eq!(report.put_back_copies(), 2);
+    assert_eq!(build_state(&ledger, build).await, BuildState::Complete);
+    assert_eq!(part_state(&ledger, part).await, PartState::Waiting);
+    let placed = ledger.placements_of_part(part).await.unwrap();
+    let bad: Vec<_> = placed.iter().map(|row| (row.copy, row.is_bad)).collect();
+    assert_eq!(bad, [(0, true), (1, true), (2, false)]);
+    assert_eq!(ledger.outcomes_of_build(build).await.unwrap().len(), 1);
+    let again = ledger.finish_break_out(build, BEN).await.unwrap();
+    assert_eq!(again, BreakOutAnswer::Told(PutBackReport::default()), "told twice, nothing more happens");
+    assert_eq!(ledger.outcomes_of_build(build).await.unwrap().len(), 1);
+}
+
+#[tokio::test]
+async fn a_build_that_was_told_complete_before_keeps_what_was_told_and_adds_what_is_found() {
+    let ledger = fresh().await;
+    let (build, part) = printed(&ledger).await;
+    let told = ToldOutcome { bad: vec![(part, 1)], ..ToldOutcome::new(PrintOutcome::Complete, "", "op@host") };
+    ledger.record_outcome(build, &told).await.unwrap();
+    assert!(
+        ledger.mark_pick(build, (part, 2), PickMark::Bad, ANN).await.is_err(),
+        "told bad before: it counts no more"
+    );
+    ledger.mark_pick(build, (part, 0), PickMark::Out, ANN).await.unwrap();
+    ledger.mark_pick(build, (part, 1), PickMark::Bad, ANN).await.unwrap();
+    let BreakOutAnswer::Told(report) = ledger.finish_break_out(build, ANN).await.unwrap() else { panic!("not told") };
+    assert_eq!((report.put_back_copies(), report.returned.len()), (1, 0));
+    let bad = ledger.placements_of_part(part).await.unwrap().iter().filter(|row| row.is_bad).count();
+    assert_eq!((bad, build_state(&ledger, build).await), (2, BuildState::Complete));
+    assert!(ledger.outcomes_of_build(build).await.unwrap()[1].is_correction);
+}
+
+#[tokio::test]
+async fn nothing_is_said_of_a_build_that_is_not_published_or_of_a_copy_that_is_not_in_it() {
+    let ledger = fresh().await;
+    let part = waiting(&ledger, "a", 2).await;
+    let build = nesting(&ledger, &[(part, 0), (part, 1)]).await;
+    assert!(ledger.mark_pick(build, (part, 0), PickMark::Out, ANN).await.is_err());
+    assert_eq!(ledger.finish_break_out(build, ANN).await.unwrap(), BreakOutAnswer::Open(2));
+    let (other, mine) = {
+        let part = waiting(&ledger, "b", 1).await;
+        (published(&ledger, &[(part, 0)]).await, part)
+    };
+    assert!(ledger.mark_pick(other, (part, 0), PickMark::Out, ANN).await.is_err());
+    assert!(ledger.mark_pick(other, (mine, 7), PickMark::Out, ANN).await.is_err());
+}

@@ -1,0 +1,65 @@
+//! Parts of a build that an eye confuses: nearly the same size and volume, such as the left and the right one of a pair.
+
+use std::collections::BTreeMap;
+
+use solids::Mesh;
+
+use crate::farm::CakePart;
+
+/// Greatest difference of sizes and volumes that an eye does not see, as a share.
+const UNSEEN_SHARE: f64 = 0.02;
+
+/// Edge lengths of the bounds in ascending order, and the edge length of a cube with its volume, mm.
+fn measures_of(mesh: &Mesh) -> [f64; 4] {
+    let mut size = mesh.bounds().size().to_array();
+    size.sort_by(f64::total_cmp);
+    let [a, b, c] = size;
+    [a, b, c, mesh.volume_mm3().abs().cbrt()]
+}
+
+/// Whether two parts look the same: each length differs by [`UNSEEN_SHARE`] of the longest at most.
+fn look_alike(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    let unseen_mm = UNSEEN_SHARE * a[2].max(b[2]);
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= unseen_mm)
+}
+
+/// The parts that look like others, by number, with the names of those others and of their orders.
+pub(super) fn look_alikes(parts: &[CakePart]) -> BTreeMap<i64, Vec<String>> {
+    let measured: Vec<_> = parts.iter().filter_map(|part| Some((part, measures_of(part.mesh.as_ref()?)))).collect();
+    let name = |part: &CakePart| match part.order.as_str() {
+        "" => part.name.clone(),
+        order => format!("{} (order {order})", part.name),
+    };
+    let others = |(part, measures): &(&CakePart, [f64; 4])| {
+        let alike = measured.iter().filter(|(other, m)| other.part != part.part && look_alike(measures, m));
+        (part.part, alike.map(|(other, _)| name(other)).collect::<Vec<_>>())
+    };
+    measured.iter().map(others).filter(|(_, names)| !names.is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn parts_of_nearly_one_size_look_alike_however_they_lie_and_others_do_not() {
+        let part = |number: i64, size: [f64; 3]| CakePart {
+            part: number,
+            name: format!("{number}.stl"),
+            order: if number == 2 { "kit".to_owned() } else { String::new() },
+            due: String::new(),
+            note: String::new(),
+            mesh: Some(Arc::new(sample_parts::cuboid(DVec3::from_array(size)))),
+            copies: Vec::new(),
+        };
+        let parts =
+            [part(1, [40.0, 20.0, 5.0]), part(2, [5.1, 40.5, 20.2]), part(3, [40.0, 24.0, 5.0]), part(4, [9.0; 3])];
+        let found = look_alikes(&parts);
+        assert_eq!(found.keys().copied().collect::<Vec<_>>(), [1, 2]);
+        assert_eq!((found[&1].join(""), found[&2].join("")), ("2.stl (order kit)".to_owned(), "1.stl".to_owned()));
+    }
+}

@@ -1,12 +1,10 @@
-//! Styles and scripts, embedded in the binary.
+//! Styles and scripts, embedded in the binary. Pages name them with their version, so that browsers keep them for good.
 
-use axum::{
-    extract::Path,
-    http::header,
-    response::{IntoResponse, Response},
-};
+use std::{collections::BTreeMap, sync::LazyLock};
 
-use super::error::HandlerError;
+use flate2::Compression;
+
+use super::compressed::CompressedBody;
 
 const ASSETS: [(&str, &str, &[u8]); 4] = [
     ("style.css", "text/css; charset=utf-8", include_bytes!("assets/style.css")),
@@ -15,9 +13,22 @@ const ASSETS: [(&str, &str, &[u8]); 4] = [
     ("icon.svg", "image/svg+xml", include_bytes!("assets/icon.svg")),
 ];
 
-/// Returns an asset by name.
-pub(super) async fn get_asset(Path(name): Path<String>) -> Result<Response, HandlerError> {
-    let found = ASSETS.iter().find(|(known, _, _)| *known == name);
-    let (_, kind, bytes) = found.ok_or_else(|| HandlerError::NotFound(format!("asset {name}")))?;
-    Ok(([(header::CONTENT_TYPE, *kind), (header::CACHE_CONTROL, "no-cache")], *bytes).into_response())
+/// Content type and content of each asset, by name.
+static COMPRESSED: LazyLock<BTreeMap<&'static str, (&'static str, CompressedBody)>> = LazyLock::new(|| {
+    let compressed = |(name, kind, bytes): (&'static str, &'static str, &[u8])| {
+        let body = CompressedBody::new(bytes, Compression::default()).expect("writing to memory does not fail");
+        (name, (kind, body))
+    };
+    ASSETS.into_iter().map(compressed).collect()
+});
+
+/// The address of an asset, which changes with its content.
+pub(super) fn asset_address(name: &str) -> String {
+    let version = COMPRESSED.get(name).map(|(_, body)| body.version()).unwrap_or_default();
+    format!("/assets/{name}?v={version}")
+}
+
+/// Content type and content of an asset.
+pub(super) fn find_asset(name: &str) -> Option<&'static (&'static str, CompressedBody)> {
+    COMPRESSED.get(name)
 }

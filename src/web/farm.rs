@@ -98,9 +98,11 @@ fn alerts_section(notices: &[FarmAlert], now: Timestamp) -> Markup {
         @if !notices.is_empty() {
             section.needs aria-label="Needs a person" {
                 h2 { (count(notices.len() as u32, "thing needs a person", "things need a person")) }
-                ul { @for notice in notices { li {
-                    b { (notice.alert_text()) } " " (prose_with_code(notice.kind.remedy())) " (for " (format_age(notice.since, now)) ")"
-                } } }
+                // Folded: on a phone the machines come next.
+                @for notice in notices { details {
+                    summary { b { (notice.alert_text()) } }
+                    p { (prose_with_code(notice.kind.remedy())) " Since " (format_age(notice.since, now)) "." }
+                } }
             }
         }
     }

@@ -4,6 +4,7 @@
 //! All assets are embedded in the binary, and no page loads anything from another host.
 
 mod api;
+mod asset_route;
 mod assets;
 mod break_out;
 mod break_out_card;
@@ -14,6 +15,7 @@ mod cache;
 mod cached_render;
 mod chart;
 mod command;
+mod compressed;
 mod connection_limits;
 mod content;
 mod device_name;

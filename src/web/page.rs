@@ -3,7 +3,9 @@
 use axum::http::StatusCode;
 use maud::{DOCTYPE, Markup, html};
 
-/// A whole page. `script` is loaded in addition to the script that keeps pages up to date.
+use super::assets::asset_address;
+
+/// A whole page. `script` is an asset that is loaded in addition to the script that keeps pages up to date.
 pub(super) fn html_page(title: &str, here: &str, script: Option<&str>, content: &Markup) -> Markup {
     let link = |path: &str, name: &str| {
         html! { a href=(path) aria-current=[(here == path).then_some("page")] { (name) } }
@@ -16,10 +18,10 @@ pub(super) fn html_page(title: &str, here: &str, script: Option<&str>, content: 
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (title) " - nestd" }
-                link rel="icon" href="/assets/icon.svg" type="image/svg+xml";
-                link rel="stylesheet" href="/assets/style.css";
-                script type="module" src="/assets/live.js" {}
-                @if let Some(script) = script { script type="module" src=(script) {} }
+                link rel="icon" href=(asset_address("icon.svg")) type="image/svg+xml";
+                link rel="stylesheet" href=(asset_address("style.css"));
+                script type="module" src=(asset_address("live.js")) {}
+                @if let Some(script) = script { script type="module" src=(asset_address(script)) {} }
             }
             body {
                 a.skip href="#main" { "Skip to content" }

@@ -65,7 +65,7 @@ fn its_scene_is_the_one_that_the_view_reads() {
     assert_eq!(text["meshes"][0]["copies"].as_array().unwrap().len(), 2);
     assert_eq!((&text["volume_mm"][2], &text["height_mm"]), (&200.0.into(), &48.0.into()));
     let mesh = |what: &str| text["meshes"][0][what].as_u64().unwrap() as usize;
-    assert_eq!(scene.len(), 4 + length + 12 * (mesh("vertices") + mesh("triangles")));
+    assert_eq!(scene.len(), 4 + length + 6 * (mesh("vertices") + mesh("triangles")));
 }
 
 #[test]

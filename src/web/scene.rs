@@ -1,23 +1,26 @@
 //! The scene of the 3D view: every mesh once, with fewer triangles, and the poses of its copies.
 //!
-//! The response is binary, little-endian: the length of a JSON text (u32), the text padded to four bytes, then for each
-//! mesh its vertices (f32 x 3) and its triangles (u32 x 3).
+//! The response is binary, little-endian: the length of a JSON text (u32), the text padded to four bytes, then for each mesh the x of
+//! its vertices, their y, their z and the corners of its triangles, each number as the difference to the one before (u16, modulo
+//! 65,536), which compresses well. A coordinate is `low_mm` + `step_mm` x number.
 
 use std::sync::Arc;
 
+use anyhow::Context;
 use axum::{
-    body::Bytes,
     extract::{Path, State},
-    http::header,
-    response::{IntoResponse, Response},
+    http::HeaderMap,
+    response::Response,
 };
+use flate2::Compression;
 use serde::Serialize;
 use solids::Mesh;
 
 use super::{
     cached_render::{CacheLocation, find_build, layout_version, render_cached},
+    compressed::CompressedBody,
     error::HandlerResult,
-    mesh_reduction::reduce_mesh,
+    mesh_reduction::{ReducedMesh, reduce_mesh},
     state::DashboardState,
 };
 use crate::farm::{CakeContents, CakeCopy, CakePart};
@@ -47,6 +50,9 @@ struct SceneMesh {
     order: String,
     vertices: usize,
     triangles: usize,
+    /// The lowest coordinates, and the length of a step, mm.
+    low_mm: [f32; 3],
+    step_mm: f32,
     copies: Vec<SceneCopy>,
 }
 
@@ -63,13 +69,16 @@ struct SceneCopy {
 pub(super) async fn get_scene(
     State(web): State<Arc<DashboardState>>,
     Path(number): Path<i64>,
+    headers: HeaderMap,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
     let kept = CacheLocation { cache: |web| &web.caches.scenes, key: layout_version(&build), only: None };
     let facts = (build.id.0, build.measures.height_mm, profile.space.layer_mm);
-    let pack = move |cake: &CakeContents| Ok(Bytes::from(pack_scene(cake, facts, MAX_TRIANGLES)?));
-    let bytes = render_cached(&web, &build, &profile, kept, pack).await?;
-    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
+    let pack = move |cake: &CakeContents| {
+        Ok(CompressedBody::new(&pack_scene(cake, facts, MAX_TRIANGLES)?, Compression::fast())?)
+    };
+    let body = render_cached(&web, &build, &profile, kept, pack).await?;
+    Ok(body.answer(&headers, "application/octet-stream", "private, no-cache").context("sending a scene")?)
 }
 
 /// Packs a cake for the view, with about `triangle_target` triangles. The tuple is the build's number, its height in mm and
@@ -85,16 +94,23 @@ pub(super) fn pack_scene(
         // The original of this part is no longer kept: only the other parts are shown.
         let Some(mesh) = &part.mesh else { continue };
         let reduced = reduce_mesh(mesh, per_copy);
+        let (low_mm, step_mm) = quantisation(&reduced);
         meshes.push(SceneMesh {
             part: part.part,
             name: part.name.clone(),
             order: part.order.clone(),
             vertices: reduced.vertices.len(),
             triangles: reduced.triangles.len(),
+            low_mm,
+            step_mm,
             copies: scene_copies(part, mesh),
         });
-        bytes.extend(reduced.vertices.iter().flatten().flat_map(|v| v.to_le_bytes()));
-        bytes.extend(reduced.triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
+        for axis in 0..3 {
+            let steps = |v: &[f32; 3]| ((v[axis] - low_mm[axis]) / step_mm).round() as u16;
+            push_differences(&mut bytes, reduced.vertices.iter().map(steps));
+        }
+        // A mesh has far fewer than 65,536 vertices: at most three for each of its triangles.
+        push_differences(&mut bytes, reduced.triangles.iter().flatten().map(|&corner| corner as u16));
     }
     let gone = cake.parts.iter().filter(|part| part.mesh.is_none());
     let missing_copies = gone.map(|part| part.copies.len()).sum();
@@ -106,6 +122,25 @@ pub(super) fn pack_scene(
     whole.extend(text);
     whole.extend(bytes);
     Ok(whole)
+}
+
+/// The lowest coordinates of a mesh, and the step in which 16 bits reach over its longest side, mm.
+fn quantisation(mesh: &ReducedMesh) -> ([f32; 3], f32) {
+    let fold = |of: fn(f32, f32) -> f32, start: f32| {
+        mesh.vertices.iter().fold([start; 3], |all, v| std::array::from_fn(|axis| of(all[axis], v[axis])))
+    };
+    let (low, high): ([f32; 3], [f32; 3]) = (fold(f32::min, f32::MAX), fold(f32::max, f32::MIN));
+    let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f32::max);
+    (low, (longest / f32::from(u16::MAX)).max(f32::MIN_POSITIVE))
+}
+
+/// Appends numbers as differences, each to the one before.
+fn push_differences(bytes: &mut Vec<u8>, numbers: impl Iterator<Item = u16>) {
+    let mut last = 0u16;
+    for number in numbers {
+        bytes.extend(number.wrapping_sub(last).to_le_bytes());
+        last = number;
+    }
 }
 
 fn scene_copies(part: &CakePart, mesh: &Mesh) -> Vec<SceneCopy> {

@@ -13,7 +13,7 @@ use tokio::sync::{Semaphore, watch};
 use tracing::info;
 
 use super::{
-    assets, break_out, build, build_forms,
+    asset_route, break_out, build, build_forms,
     cache::RecentCache,
     command,
     connection_limits::{self, LimitedListener, MAX_BODY_BYTES, RequestInProgress},
@@ -99,7 +99,7 @@ pub(super) fn build_router(web: Arc<DashboardState>) -> Router {
         .route("/orders/{order}", get(order::show_order))
         .route("/orders/{order}/cancel", post(order::post_cancel))
         .route("/orders/{order}/reprint", post(order::post_reprint))
-        .route("/assets/{name}", get(assets::get_asset))
+        .route("/assets/{name}", get(asset_route::get_asset))
         .route("/content/{hash}", get(content::get_content))
         .route("/metrics", get(metrics::get_metrics))
         .route("/healthz", get(|| async { "alive\n" }))

@@ -5,7 +5,7 @@ use std::sync::{Arc, PoisonError};
 use axum::body::Bytes;
 use tokio::sync::{Semaphore, watch};
 
-use super::{cache::RecentCache, error::HandlerResult, pick_map::CachedPickMap};
+use super::{cache::RecentCache, compressed::CompressedBody, error::HandlerResult, pick_map::CachedPickMap};
 use crate::{
     farm,
     ledger::Ledger,
@@ -36,7 +36,7 @@ pub(super) struct DashboardState {
 
 /// What is made of builds once, and kept.
 pub(super) struct PageCaches {
-    pub(super) scenes: RecentCache<Bytes>,
+    pub(super) scenes: RecentCache<CompressedBody>,
     pub(super) picks: RecentCache<CachedPickMap>,
     pub(super) pictures: RecentCache<Bytes>,
 }

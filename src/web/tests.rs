@@ -21,6 +21,8 @@ use crate::{
 
 #[path = "api_tests.rs"]
 mod api;
+#[path = "asset_tests.rs"]
+mod asset_tests;
 #[path = "break_out_tests.rs"]
 mod break_out_tests;
 #[path = "guard_tests.rs"]

@@ -311,6 +311,29 @@ const checks = {
     assert.equal(told.build?.state ?? told.state, "complete");
   },
 
+  async "what a finger presses is large enough on a phone"() {
+    for (const [name, path] of Object.entries(PAGES).filter(([name]) => !["missing", "build", "open"].includes(name))) {
+      const page = await open(browser, base, path, { width: 390, hasTouch: true, isMobile: true });
+      const small = await page.$$eval("nav a, td a, button, summary, select, footer a", (all) => all.map((one) => [one.textContent.trim().slice(0, 30), one.getBoundingClientRect()])
+        .filter(([, box]) => box.width > 0 && box.height < 32).map(([text, box]) => `${text}: ${box.height}`));
+      assert.deepEqual(small, [], name);
+      await page.context().close();
+    }
+  },
+
+  async "a picture stands in the place of the 3D view until that is drawn, and where it cannot be"() {
+    const page = await open(browser, base, PAGES.build);
+    await drawn(page);
+    assert.equal(await page.locator(".poster").isVisible(), false, "the view takes its place");
+    await page.context().close();
+    const without = await open(browser, base, "/healthz");
+    await without.context().route("**/assets/view.js*", (route) => route.abort());
+    await without.goto(base + PAGES.build);
+    const poster = without.locator(".poster img");
+    assert.ok(await poster.isVisible() && await poster.evaluate(async (image) => { await image.decode(); return image.naturalWidth > 100; }));
+    await without.context().close();
+  },
+
   async "the keyboard reaches everything, the content first"() {
     const page = await open(browser, base, PAGES.farm);
     const focused = () => page.evaluate(() => document.activeElement.textContent.trim());

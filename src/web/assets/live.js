@@ -61,8 +61,10 @@ async function fetched() {
   const before = shown ?? main.innerHTML;
   shown = fresh.innerHTML;
   if (shown === before) return;
+  const opened = new Set([...main.querySelectorAll("details[open] > summary")].map((summary) => summary.textContent.replace(/\d+/g, "")));
   const focus = main.contains(document.activeElement) && !document.activeElement.closest("#view") ? document.activeElement.textContent : null;
   place(fresh);
+  for (const summary of main.querySelectorAll("details > summary")) if (opened.has(summary.textContent.replace(/\d+/g, ""))) summary.parentElement.open = true;
   if (focus) [...main.querySelectorAll("button, a")].find((e) => e.textContent === focus)?.focus();
 }
 

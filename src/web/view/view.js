@@ -27,9 +27,13 @@ async function load(build) {
   const length = new DataView(bytes).getUint32(0, true);
   const scene = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
   let at = 4 + length;
+  // Numbers are differences to the one before, in 16 bits: three runs of coordinates in steps of the mesh, then the corners.
+  const run = (count, step) => { let sum = 0; const differences = new Uint16Array(bytes, at, count); at += 2 * count; for (let n = 0; n < count; n += 1) { sum = (sum + differences[n]) & 65535; step(sum, n); } };
   for (const mesh of scene.meshes) {
-    mesh.positions = new Float32Array(bytes, at, 3 * mesh.vertices); at += 12 * mesh.vertices;
-    mesh.indices = new Uint32Array(bytes, at, 3 * mesh.triangles); at += 12 * mesh.triangles;
+    mesh.positions = new Float32Array(3 * mesh.vertices);
+    for (let axis = 0; axis < 3; axis += 1) run(mesh.vertices, (sum, n) => { mesh.positions[3 * n + axis] = mesh.low_mm[axis] + mesh.step_mm * sum; });
+    mesh.indices = new Uint16Array(3 * mesh.triangles);
+    run(3 * mesh.triangles, (sum, n) => { mesh.indices[n] = sum; });
   }
   return scene;
 }
@@ -107,13 +111,12 @@ function show(data) {
     return hit && { mesh: hit.object.userData.mesh, copy: hit.object.userData.mesh.copies[hit.instanceId] };
   };
   let waiting = 0;
+  const tell = (found) => { hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm` : HINT; };
   canvas.addEventListener("pointermove", (event) => { if (event.buttons || performance.now() < waiting) return; const began = performance.now();
-    const found = under(event); waiting = performance.now() + 2 * (performance.now() - began);
-    hover.textContent = found ? `${found.mesh.name}${found.mesh.order ? `, order ${found.mesh.order}` : ""}, copy ${found.copy.copy}, from ${found.copy.low_mm.toFixed(1)} to ${found.copy.top_mm.toFixed(1)} mm`
-      : HINT; });
+    const found = under(event); waiting = performance.now() + 2 * (performance.now() - began); tell(found); });
   let down = null;
   canvas.addEventListener("pointerdown", (e) => { down = [e.clientX, e.clientY]; });
-  canvas.addEventListener("click", (e) => { if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return; const found = under(e); marked = found && marked !== found.mesh.part ? found.mesh.part : null; paint(); draw(); });
+  canvas.addEventListener("click", (e) => { if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) > 4) return; const found = under(e); tell(found); marked = found && marked !== found.mesh.part ? found.mesh.part : null; paint(); draw(); });
   canvas.addEventListener("keydown", (e) => {
     const arm = camera.position.clone().sub(controls.target), up = new Vector3(0, 0, 1);
     if (e.key === "ArrowLeft" || e.key === "ArrowRight") arm.applyAxisAngle(up, e.key === "ArrowLeft" ? -0.15 : 0.15);

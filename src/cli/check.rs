@@ -4,12 +4,14 @@
 mod deep;
 mod folders;
 mod ledger;
+mod machines;
 mod notify;
 mod report;
 mod system;
 
 use anyhow::Result;
 
+pub use self::machines::volume_doubt;
 use self::report::CheckReport;
 use super::{CommandExit, CommonArgs, UsageError};
 use crate::settings::{self, Settings, SettingsError};
@@ -60,6 +62,7 @@ fn check_all(settings: &Settings, report: &mut CheckReport) -> Result<()> {
     let machines: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
     report.add_ok("configuration", format!("{}: {}", settings.file.display(), machines.join(", ")));
     report.add_ok("root", settings.root.display().to_string());
+    machines::check_machines(settings, report);
     system::check_system(settings, report);
     folders::check_folders(settings, report);
     notify::check_receivers(settings, report);

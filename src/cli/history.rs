@@ -7,11 +7,26 @@ use super::{
     CommandExit, CommonArgs, UsageError,
     farm_context::{parse_time, with_ledger_to_read},
     table::{TextTable, print_json, print_text},
+    terminal::output_columns,
 };
 use crate::{
     ledger::{HeightSummary, HistoryQuery},
     tables::{HEIGHT_SUM_COLUMNS, HISTORY_COLUMNS, TimeView, csv_of},
 };
+
+/// Columns that are left out on a narrow terminal, the first of them first.
+const LEAST_COLUMNS: &[&str] = &[
+    "clearance_proved_mm",
+    "cpu_secs",
+    "lower_bound_mm",
+    "layers",
+    "parts",
+    "file_or_reason",
+    "used",
+    "copies",
+    "state",
+    "profile",
+];
 
 /// Arguments of the command.
 #[derive(Debug, clap::Args)]
@@ -31,6 +46,9 @@ pub struct HistoryArgs {
     /// How to print
     #[arg(long, value_enum, default_value_t = HistoryFormat::Table)]
     format: HistoryFormat,
+    /// Print all columns, however wide the terminal is
+    #[arg(long)]
+    wide: bool,
     /// Print JSON; the same as --format json
     #[arg(long, conflicts_with = "format")]
     json: bool,
@@ -73,12 +91,13 @@ pub fn run(common: &CommonArgs, args: &HistoryArgs) -> Result<CommandExit> {
     match if args.json { HistoryFormat::Json } else { args.format } {
         HistoryFormat::Table if rows.is_empty() => print_text("No builds.")?,
         HistoryFormat::Table => {
-            let mut text = TextTable::of(HISTORY_COLUMNS, &rows, &view).to_string();
+            let columns = output_columns(args.wide);
+            let mut text = TextTable::of(HISTORY_COLUMNS, &rows, &view).fit_essentials(columns, LEAST_COLUMNS);
             // No sums with --limit: a reader would take them for the sums of all builds.
             if args.limit.is_none() {
                 text += &format!(
                     "\nPublished\n{}",
-                    TextTable::of(HEIGHT_SUM_COLUMNS, &HeightSummary::with_total(sums), &view)
+                    TextTable::of(HEIGHT_SUM_COLUMNS, &HeightSummary::with_total(sums), &view).fit_columns(columns)
                 );
             }
             print_text(&text)?;

@@ -9,6 +9,7 @@ mod build_lookup;
 mod check;
 mod command;
 mod common;
+mod completions;
 mod demo;
 mod dismiss;
 mod edit;
@@ -20,6 +21,7 @@ mod logging;
 mod lookup;
 mod metrics;
 mod nest;
+mod new_farm;
 mod nodes;
 mod notify;
 mod orders;
@@ -32,6 +34,7 @@ mod show_text;
 mod status;
 mod table;
 mod target;
+mod terminal;
 mod values;
 mod verify;
 mod watch;
@@ -42,7 +45,7 @@ mod tests;
 use std::process::ExitCode;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::farm;
 
@@ -50,7 +53,7 @@ pub use common::{CommandExit, CommonArgs, UsageError};
 
 /// Runs a powder-bed print farm: parts dropped into a folder become nested builds in the printer's queue.
 #[derive(Debug, Parser)]
-#[command(version, about, after_help = "Exit code 0 success, 1 the work failed, 2 wrong use or configuration.")]
+#[command(version = env!("NESTD_VERSION"), about, after_help = "Exit code 0 success, 1 the work failed, 2 wrong use or configuration.")]
 struct CommandLine {
     #[command(flatten)]
     common: CommonArgs,
@@ -162,6 +165,21 @@ enum CliCommand {
     Nest(Box<nest::NestArgs>),
     /// Prove a build file on its triangles
     Verify(verify::VerifyArgs),
+    /// Write the configuration of a new farm
+    Init(new_farm::InitArgs),
+    /// Add a machine to the configuration
+    #[command(subcommand)]
+    Machine(new_farm::MachineCommand),
+    /// Print the completions of a shell: nestd completions bash > /etc/bash_completion.d/nestd
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages into a folder
+    Man {
+        /// The folder; it is made if it is not there
+        dir: std::path::PathBuf,
+    },
     /// Read a part file for the daemon; the request comes on standard input
     #[command(name = farm::READ_PART, hide = true)]
     ReadPart,
@@ -215,6 +233,10 @@ fn dispatch_command(cli: &CommandLine) -> Result<CommandExit> {
         CliCommand::Metrics => metrics::run(common),
         CliCommand::Nest(args) => nest::run(common, args),
         CliCommand::Verify(args) => verify::run(common, args),
+        CliCommand::Init(args) => new_farm::run_init(args),
+        CliCommand::Machine(command) => new_farm::run_machine(common, command),
+        CliCommand::Completions { shell } => completions::print_completions(&CommandLine::command(), *shell),
+        CliCommand::Man { dir } => completions::write_manual(CommandLine::command(), dir),
         CliCommand::ReadPart => {
             farm::answer_read_request(std::io::stdin(), std::io::stdout()).map(|()| CommandExit::Success)
         }

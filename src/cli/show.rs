@@ -8,6 +8,7 @@ use super::{
     lookup::{LookupQuery, look_up},
     show_text,
     table::{print_json, print_text, print_to_stderr},
+    terminal::output_columns,
 };
 use crate::{farm::locate_build_file, settings::MachineProfile, tables::TimeView};
 
@@ -18,6 +19,9 @@ pub struct ShowArgs {
     /// that matches
     #[arg(required = true, num_args = 1.., value_name = "BUILD|PART|ORDER")]
     what: Vec<String>,
+    /// Print all columns, however wide the terminal is
+    #[arg(long)]
+    wide: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -47,7 +51,7 @@ pub fn run(common: &CommonArgs, args: &ShowArgs) -> Result<CommandExit> {
     }
     match args.json {
         true => print_json(&found)?,
-        false => print_text(&show_text::lookup_text(&found, &view))?,
+        false => print_text(&show_text::lookup_text(&found, &view, output_columns(args.wide)))?,
     }
     Ok(CommandExit::Success)
 }

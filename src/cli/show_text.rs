@@ -5,6 +5,7 @@ use build_file::escape_invisible;
 use super::{
     lookup::{BuildDetails, LookupResult, PartDetails},
     table::TextTable,
+    terminal::wrap_words,
 };
 use crate::{
     farm::PartQuestion,
@@ -15,36 +16,43 @@ use crate::{
     },
 };
 
+/// Columns that are left out on a narrow terminal, the first of them first.
+const LEAST_COLUMNS: &[&str] = &["cancelled", "bad", "refused", "profile", "in_builds", "printed", "state", "due_at"];
+/// Where the texts of facts begin.
+const FACT_INDENT: usize = 14;
+
 /// Everything that was found.
-pub fn lookup_text(found: &LookupResult, view: &TimeView) -> String {
+pub fn lookup_text(found: &LookupResult, view: &TimeView, columns: usize) -> String {
     let mut sheets = Vec::new();
-    sheets.extend(found.build.as_ref().map(|build| build_text(build, view)));
-    sheets.extend(found.part.as_ref().map(|part| part_text(part, view)));
+    sheets.extend(found.build.as_ref().map(|build| build_text(build, view, columns)));
+    sheets.extend(found.part.as_ref().map(|part| part_text(part, view, columns)));
     if let Some(first) = found.order.first() {
         let name = &first.part.terms.order_name;
-        sheets.push(format!("Order {name}\n\n{}", parts_table(&found.order, view)));
+        sheets.push(format!("Order {name}\n\n{}", parts_table(&found.order, view, columns)));
     }
     match found.named.as_slice() {
         [] => {}
-        [one] => sheets.push(part_text(one, view)),
-        [first, ..] => sheets.push(format!("Parts named {}\n\n{}", first.part.name, parts_table(&found.named, view))),
+        [one] => sheets.push(part_text(one, view, columns)),
+        [first, ..] => {
+            sheets.push(format!("Parts named {}\n\n{}", first.part.name, parts_table(&found.named, view, columns)))
+        }
     }
     sheets.join("\n")
 }
 
-fn build_text(sheet: &BuildDetails, view: &TimeView) -> String {
+fn build_text(sheet: &BuildDetails, view: &TimeView, columns: usize) -> String {
     let row = &sheet.build;
     let file = sheet.file.as_ref().map(|file| file.display().to_string());
     let mut facts = build_facts(row, sheet.machine.as_ref(), (copies_text(sheet), file), view);
     facts.splice(0..0, fields::REASON.fact(&row.reason));
-    let mut text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, align_fields(&facts));
+    let mut text = format!("Build {} of {}: {}\n{}", row.id, row.profile, row.state, align_fields(&facts, columns));
     let here = |id| sheet.placements.iter().filter(|placement| placement.part_id == id).count() as u32;
     let parts: Vec<CountedPart> =
         sheet.parts.iter().map(|part| CountedPart { part: part.clone(), copies: here(part.id) }).collect();
-    text += &table_below(BUILD_PART_COLUMNS, &parts, view);
-    text += &table_below(WAITING_PART_COLUMNS, &sheet.waiting, view);
-    text += &table_below(OUTCOME_COLUMNS, &sheet.outcomes, view);
-    text + &events_text(&sheet.events, view)
+    text += &table_below(BUILD_PART_COLUMNS, &parts, view, columns);
+    text += &table_below(WAITING_PART_COLUMNS, &sheet.waiting, view, columns);
+    text += &table_below(OUTCOME_COLUMNS, &sheet.outcomes, view, columns);
+    text + &events_text(&sheet.events, view, columns)
 }
 
 /// The number of copies in a build. An open build has only a forecast: it takes no copies before it fires.
@@ -59,7 +67,7 @@ fn copies_text(sheet: &BuildDetails) -> String {
     }
 }
 
-fn part_text(sheet: &PartDetails, view: &TimeView) -> String {
+fn part_text(sheet: &PartDetails, view: &TimeView, columns: usize) -> String {
     let row = &sheet.part;
     let mut facts = part_facts(row, format!("{}, {}", row.wanted_copies(), whereabouts(&sheet.placements)), view);
     facts.extend(fields::REASON.fact(&row.rejection.reason));
@@ -74,29 +82,32 @@ fn part_text(sheet: &PartDetails, view: &TimeView) -> String {
         row.id,
         row.full_name(),
         row.state,
-        align_fields(&facts),
-        events_text(&sheet.events, view)
+        align_fields(&facts, columns),
+        events_text(&sheet.events, view, columns)
     )
 }
 
-fn parts_table(sheets: &[PartDetails], view: &TimeView) -> TextTable {
+fn parts_table(sheets: &[PartDetails], view: &TimeView, columns: usize) -> String {
     let row = |sheet: &PartDetails| OrderedPart {
         part: sheet.part.clone(),
         placements: sheet.placements.clone(),
         copies: sheet.copies,
     };
     TextTable::of(ORDERED_PART_COLUMNS, &sheets.iter().map(row).collect::<Vec<_>>(), view)
+        .fit_essentials(columns, LEAST_COLUMNS)
 }
 
-fn events_text(events: &[EventRow], view: &TimeView) -> String {
-    table_below(EVENT_COLUMNS, events, view)
+fn events_text(events: &[EventRow], view: &TimeView, columns: usize) -> String {
+    table_below(EVENT_COLUMNS, events, view, columns)
 }
 
 /// A table after an empty line; nothing where it has no row.
-fn table_below<Row>(columns: &[TableColumn<Row>], rows: &[Row], view: &TimeView) -> String {
-    if rows.is_empty() { String::new() } else { format!("\n{}", TextTable::of(columns, rows, view)) }
+fn table_below<Row>(table: &[TableColumn<Row>], rows: &[Row], view: &TimeView, columns: usize) -> String {
+    let text = || TextTable::of(table, rows, view).fit_essentials(columns, LEAST_COLUMNS);
+    if rows.is_empty() { String::new() } else { format!("\n{}", text()) }
 }
 
-fn align_fields(facts: &[SheetFact]) -> String {
-    facts.iter().map(|fact| format!("  {:<12}{}\n", fact.label.to_lowercase(), escape_invisible(&fact.text))).collect()
+fn align_fields(facts: &[SheetFact], columns: usize) -> String {
+    let line = |fact: &SheetFact| format!("  {:<12}{}", fact.label.to_lowercase(), escape_invisible(&fact.text));
+    facts.iter().map(|fact| wrap_words(&line(fact), columns, FACT_INDENT) + "\n").collect()
 }

@@ -8,6 +8,7 @@ use super::{
     CommandExit, CommonArgs,
     farm_context::{format_age, load_settings_leniently, run_with_ledger},
     table::{TextTable, print_json, print_text},
+    terminal::output_columns,
     watch::watch_terminal,
 };
 use crate::{
@@ -32,10 +33,16 @@ pub struct StatusArgs {
     /// Redraw in place every 2 s on a terminal; Ctrl-C ends it
     #[arg(long, conflicts_with = "json")]
     watch: bool,
+    /// Print all columns, however wide the terminal is
+    #[arg(long)]
+    wide: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
+
+/// Columns of the machines and of the parts that are left out on a narrow terminal, the first of them first.
+const LEAST_COLUMNS: &[&str] = &["last_published", "oldest", "priority", "waiting_parts"];
 
 /// The current state of a farm.
 #[derive(Debug, Serialize)]
@@ -98,7 +105,7 @@ pub fn run(common: &CommonArgs, args: &StatusArgs) -> Result<CommandExit> {
     };
     match args.json {
         true => print_json(&status)?,
-        false => print_text(&status.to_text(Timestamp::now(), &zone, usize::MAX))?,
+        false => print_text(&status.to_text(Timestamp::now(), &zone, output_columns(args.wide)))?,
     }
     Ok(CommandExit::Success)
 }
@@ -168,12 +175,16 @@ impl FarmStatus {
         let table = TextTable::of(MACHINE_COLUMNS, &self.profiles.iter().map(machine).collect::<Vec<_>>(), &view);
         let attention = attention_text(&self.attention);
         let gap = if attention.is_empty() { "" } else { "\n" };
-        let mut text = format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_columns(columns));
+        let mut text =
+            format!("{}\n{gap}{attention}\n{}", self.daemon_line(now), table.fit_essentials(columns, LEAST_COLUMNS));
         if self.nodes.len() > 1 {
-            text += &format!("\n{}", TextTable::of(NODE_COLUMNS, &self.nodes, &view).fit_columns(columns));
+            text += &format!(
+                "\n{}",
+                TextTable::of(NODE_COLUMNS, &self.nodes, &view).fit_essentials(columns, &["version", "host"])
+            );
         }
         if let Some(parts) = &self.parts {
-            text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts, &view).fit_columns(columns));
+            text += &format!("\n{}", TextTable::of(PART_COLUMNS, parts, &view).fit_essentials(columns, LEAST_COLUMNS));
         }
         text
     }

@@ -9,6 +9,7 @@ use std::{
 use anyhow::{Context, Result};
 use build_file::{escape_invisible, escape_invisible_lines, is_invisible};
 
+use super::terminal::wrap_words;
 use crate::tables::{FieldDefinition, TableColumn, TimeView, for_people};
 
 /// A text table. Numbers are aligned to the right.
@@ -21,13 +22,14 @@ pub struct TextTable {
 /// The head of a column.
 #[derive(Debug, Clone)]
 struct TableHead {
+    key: &'static str,
     text: String,
     is_right: bool,
 }
 
 impl TableHead {
-    fn of(field: &FieldDefinition) -> Self {
-        Self { text: field.terminal_heading(), is_right: field.is_number() }
+    fn of(key: &'static str, field: &FieldDefinition) -> Self {
+        Self { key, text: field.terminal_heading(), is_right: field.is_number() }
     }
 }
 
@@ -38,7 +40,7 @@ impl TextTable {
             escape_invisible(&column.field.cell_text(&(column.value)(row), view).unwrap_or_else(|| "-".to_owned()))
         };
         Self {
-            headings: for_people(columns).map(|column| TableHead::of(&column.field)).collect(),
+            headings: for_people(columns).map(|column| TableHead::of(column.key, &column.field)).collect(),
             rows: rows.iter().map(|row| for_people(columns).map(|column| cell(column, row)).collect()).collect(),
         }
     }
@@ -50,11 +52,38 @@ impl TextTable {
 
     /// The table if it fits into `columns` terminal columns; otherwise each row as a list of its headings and cells.
     pub fn fit_columns(&self, columns: usize) -> String {
-        let table = self.to_string();
-        if self.is_empty() || table.lines().all(|line| line.chars().count() <= columns) {
-            return table;
+        if self.is_empty() || self.fits_columns(columns) {
+            return self.to_string();
         }
         self.rows.iter().map(|row| self.row_as_list(row, columns)).collect()
+    }
+
+    /// The table in at most `columns` terminal columns: as many as needed of the columns with the keys `least` are left out, the first of
+    /// them first, and a last line names those. If it is still too wide, each row is a list that leaves nothing out.
+    pub fn fit_essentials(&self, columns: usize, least: &[&str]) -> String {
+        let mut table = self.clone();
+        let mut left_out: Vec<String> = Vec::new();
+        for key in least {
+            if table.is_empty() || table.fits_columns(columns) {
+                break;
+            }
+            if let Some(at) = table.headings.iter().position(|head| head.key == *key) {
+                left_out.push(table.headings.remove(at).text);
+                table.rows.iter_mut().for_each(|row| drop(row.remove(at)));
+            }
+        }
+        if !table.fits_columns(columns) {
+            return self.fit_columns(columns);
+        }
+        let text = table.to_string();
+        match left_out.is_empty() {
+            true => text,
+            false => text + &wrap_words(&format!("(--wide: {})", left_out.join(", ")), columns, 1) + "\n",
+        }
+    }
+
+    fn fits_columns(&self, columns: usize) -> bool {
+        self.to_string().lines().all(|line| line.chars().count() <= columns)
     }
 
     /// A row as "PART: 3  PROFILE: mjf". Each line contains as many pairs as fit; all lines but the first are
@@ -161,6 +190,16 @@ mod tests {
         );
         let text = "NAME       COPIES  NEXT BUILD  NOW\ngröße.stl       3  -           waiting\na\\u{1b}        12  -           -\n";
         assert_eq!(table.to_string(), text);
+    }
+
+    #[test]
+    fn a_table_that_is_too_wide_is_shown_without_its_least_columns_and_names_them() {
+        let rows = [("mjf", 3, "55.61 mm, 11 copies", "collecting"), ("sls", 0, "", "idle")];
+        let table = TextTable::of(COLUMNS, &rows, &TimeView::kept(&FarmZone::default()));
+        assert_eq!(table.fit_essentials(usize::MAX, &["next"]), table.to_string());
+        let essential = "NAME  COPIES  NOW\nmjf        3  collecting\nsls        0  idle\n(--wide: NEXT BUILD)\n";
+        assert_eq!(table.fit_essentials(30, &["unknown", "next", "copies"]), essential);
+        assert!(table.fit_essentials(6, &["next"]).contains("NAME: mjf"), "however narrow it is");
     }
 
     #[test]

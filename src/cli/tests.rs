@@ -182,7 +182,7 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
         .unwrap();
     assert_eq!((build.0, id), (1, PartId(1)), "one number, two things");
     let found = lookup::look_up(&ledger, &LookupQuery::from_words(&words("1"))).await.unwrap();
-    let text = show_text::lookup_text(&found, &kept_view());
+    let text = show_text::lookup_text(&found, &kept_view(), usize::MAX);
     for expected in [
         "Build 1 of paper-200: complete",
         "height      87.50 mm",
@@ -201,16 +201,18 @@ async fn show_tells_the_whole_story_of_a_build_a_part_and_an_order() {
     assert_eq!(json["build"]["placements"][1]["tx_mm"], 2.0);
     assert_eq!(json["part"]["part"]["state"], "waiting");
     let order = lookup::look_up(&ledger, &LookupQuery::from_words(&words("kit 7"))).await.unwrap();
-    assert!(show_text::lookup_text(&order, &kept_view()).starts_with("Order kit 7\n\n"));
+    assert!(show_text::lookup_text(&order, &kept_view(), usize::MAX).starts_with("Order kit 7\n\n"));
     let named = show_text::lookup_text(
         &lookup::look_up(&ledger, &LookupQuery::from_words(&words("fan.stl"))).await.unwrap(),
         &kept_view(),
+        usize::MAX,
     );
     assert!(named.starts_with("Part 1, fan.stl: waiting") && named.contains("clearance   4.50 mm"), "{named}");
     let open = ledger.open_build("paper-200").await.unwrap().id;
     let open = show_text::lookup_text(
         &lookup::look_up(&ledger, &LookupQuery::from_words(&[format!("b{open}")])).await.unwrap(),
         &kept_view(),
+        usize::MAX,
     );
     assert!(open.contains("0 in the layout so far, 1 wait"), "{open}");
     assert!(open.contains("COPIES WAITING") && open.contains("fan.stl"), "{open}");

@@ -7,12 +7,10 @@ use std::{
 
 use anyhow::{Context, Result};
 
-use super::UsageError;
+use super::{UsageError, terminal::terminal_size};
 
 /// Time between two redraws.
 const REDRAW_INTERVAL: Duration = Duration::from_secs(2);
-/// Size of a terminal whose size is unknown.
-const DEFAULT_SIZE: (usize, usize) = (80, 24);
 
 /// Shows the text that `look` returns for the terminal's columns, again and again, until Ctrl-C. Errors after the first
 /// call are shown as text, because a daemon may just be restarting.
@@ -31,14 +29,6 @@ pub fn watch_terminal(mut look: impl FnMut(usize) -> Result<String>) -> Result<(
         before = "";
         std::thread::sleep(REDRAW_INTERVAL);
         text = look(terminal_size().0).unwrap_or_else(|error| format!("{error:#}\n"));
-    }
-}
-
-/// Columns and rows of the terminal.
-fn terminal_size() -> (usize, usize) {
-    match rustix::termios::tcgetwinsize(std::io::stdout()) {
-        Ok(size) if size.ws_col > 0 && size.ws_row > 0 => (size.ws_col.into(), size.ws_row.into()),
-        _ => DEFAULT_SIZE,
     }
 }
 

@@ -80,7 +80,11 @@ pub fn load_for_viewing(
     }
 }
 
-fn find_config_file(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
+/// The farm file: `config`, or else the first of the usual places where there is one.
+///
+/// # Errors
+/// When there is none.
+pub fn find_config_file(config: Option<&Path>) -> Result<PathBuf, SettingsError> {
     let candidates = match config {
         Some(file) => vec![file.to_owned()],
         None => DEFAULT_FILES.map(PathBuf::from).to_vec(),

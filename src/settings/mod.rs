@@ -29,7 +29,7 @@ mod web;
 pub use duration::parse_secs;
 pub use farm_zone::FarmZone;
 pub use keep_out::KeepOutZone;
-pub use load::{SettingsError, load_for_viewing, load_settings};
+pub use load::{SettingsError, find_config_file, load_for_viewing, load_settings};
 pub use logging::{LogFormat, LogSettings, parse_log_filter};
 pub use metrics::MetricsFile;
 pub use node::NodeSettings;

@@ -11,6 +11,7 @@ mod floors;
 mod fuzz;
 mod hostile;
 mod kernel;
+mod new_farm;
 mod pictures;
 mod readme;
 mod rules;

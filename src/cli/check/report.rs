@@ -6,7 +6,7 @@ use anyhow::Result;
 use build_file::escape_invisible_lines;
 use serde::Serialize;
 
-use crate::settings::ConfigProblem;
+use crate::{cli::terminal::LinePaint, settings::ConfigProblem};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -114,18 +114,19 @@ impl CheckReport {
 }
 
 fn print_line(finding: &CheckFinding) {
-    let level = match finding.level {
-        FindingLevel::Ok => "ok",
-        FindingLevel::Note => "note",
-        FindingLevel::Warning => "WARNING",
-        FindingLevel::Problem => "PROBLEM",
+    let (level, paint) = match finding.level {
+        FindingLevel::Ok => ("ok", LinePaint::Good),
+        FindingLevel::Note => ("note", LinePaint::Plain),
+        FindingLevel::Warning => ("WARNING", LinePaint::Doubtful),
+        FindingLevel::Problem => ("PROBLEM", LinePaint::Bad),
     };
+    let level = paint.paint(&format!("{level:<8}"));
     let place = match (&finding.file, finding.line) {
         (Some(file), Some(line)) => format!("{}:{line}", file.display()),
         (Some(file), None) => file.display().to_string(),
         (None, _) => finding.what.clone(),
     };
-    println!("{level:<8}{place}: {}", finding.text);
+    println!("{level}{place}: {}", finding.text);
     if let Some(remedy) = &finding.remedy {
         println!("        -> {remedy}");
     }

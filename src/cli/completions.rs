@@ -1,0 +1,36 @@
+//! `nestd completions` and `nestd man`: what a shell and `man` know of the command line, made from its own description.
+
+use std::{io::Write, path::PathBuf};
+
+use anyhow::{Context, Result};
+use clap::Command;
+use clap_complete::Shell;
+
+use super::{CommandExit, table::print_text};
+use build_file::format_count;
+
+/// Prints the completions of a shell.
+pub fn print_completions(command: &Command, shell: Shell) -> Result<CommandExit> {
+    // Shells would offer hidden commands, too.
+    let visible = command.get_subcommands().filter(|command| !command.is_hide_set());
+    let mut command = Command::new("nestd").args(command.get_arguments()).subcommands(visible);
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut command, "nestd", &mut script);
+    std::io::stdout().write_all(&script).context("cannot print")?;
+    Ok(CommandExit::Success)
+}
+
+/// Writes the manual pages into a folder.
+pub fn write_manual(command: Command, folder: &PathBuf) -> Result<CommandExit> {
+    std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
+    clap_mangen::generate_to(command, folder).with_context(|| format!("writing into {}", folder.display()))?;
+    let pages = std::fs::read_dir(folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let pages = pages.filter(|name| name.starts_with("nestd") && name.ends_with(".1")).count();
+    print_text(&format!(
+        "{} in {}: man -l {}",
+        format_count(pages, "page", "pages"),
+        folder.display(),
+        folder.join("nestd.1").display()
+    ))?;
+    Ok(CommandExit::Success)
+}

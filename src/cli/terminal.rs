@@ -1,0 +1,100 @@
+//! What the terminal is: how wide, and whether it shows colours.
+
+use std::io::IsTerminal;
+
+/// Size of a terminal whose size is unknown, and of a pipe: columns and rows.
+const DEFAULT_SIZE: (usize, usize) = (80, 24);
+
+/// Columns and rows of the terminal.
+pub fn terminal_size() -> (usize, usize) {
+    match rustix::termios::tcgetwinsize(std::io::stdout()) {
+        Ok(size) if size.ws_col > 0 && size.ws_row > 0 => (size.ws_col.into(), size.ws_row.into()),
+        _ => DEFAULT_SIZE,
+    }
+}
+
+/// Columns that an output may have: those of the terminal, 80 in a pipe, any number if `is_wide`.
+pub fn output_columns(is_wide: bool) -> usize {
+    if is_wide { usize::MAX } else { terminal_size().0 }
+}
+
+/// How a line is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinePaint {
+    /// As any text.
+    Plain,
+    /// All is well.
+    Good,
+    /// Probably not as intended.
+    Doubtful,
+    /// A person must see to it.
+    Bad,
+}
+
+impl LinePaint {
+    /// The text in its colour if standard output shows colours.
+    pub fn paint(self, text: &str) -> String {
+        self.paint_if(text, has_colours())
+    }
+
+    fn paint_if(self, text: &str, has_colours: bool) -> String {
+        let code = match self {
+            Self::Plain => return text.to_owned(),
+            Self::Good => "32",
+            Self::Doubtful => "33",
+            Self::Bad => "31",
+        };
+        if has_colours { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+    }
+}
+
+/// Whether standard output shows colours: a terminal, unless `NO_COLOR` is set (<https://no-color.org>) or it is a dumb one.
+fn has_colours() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    std::io::stdout().is_terminal() && !is_set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
+/// A text in lines of at most `columns` columns, broken at blanks; lines after the first begin with `indent` blanks. A word that is
+/// longer stays whole, so that a path can be copied.
+pub fn wrap_words(text: &str, columns: usize, indent: usize) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    let mut width = 0;
+    for word in text.split(' ') {
+        let long = word.chars().count();
+        match lines.last_mut() {
+            Some(line) if width + 1 + long <= columns => {
+                *line += &format!(" {word}");
+                width += 1 + long;
+            }
+            Some(_) => {
+                lines.push(format!("{}{word}", " ".repeat(indent)));
+                width = indent + long;
+            }
+            None => {
+                lines.push(word.to_owned());
+                width = long;
+            }
+        }
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_wrapped_below_each_other_and_a_long_one_stays_whole() {
+        let text = "  file        /a/very/long/path/of/a/file.stl of the build";
+        let wrapped = "  file\n    /a/very/long/path/of/a/file.stl\n    of the build";
+        assert_eq!(wrap_words("  file /a/very/long/path/of/a/file.stl of the build", 20, 4), wrapped);
+        assert_eq!(wrap_words(text, usize::MAX, 4), text, "blanks stay where nothing is wrapped");
+    }
+
+    #[test]
+    fn colours_are_only_where_they_are_shown() {
+        assert_eq!(LinePaint::Bad.paint_if("x", true), "\x1b[31mx\x1b[0m");
+        assert_eq!(LinePaint::Bad.paint_if("x", false), "x");
+        assert_eq!(LinePaint::Plain.paint_if("x", true), "x");
+    }
+}

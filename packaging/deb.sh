@@ -1,0 +1,67 @@
+#!/bin/sh
+# Builds the Debian package of nestd from a built binary: sh packaging/deb.sh [BINARY [OUT_DIR]]
+# Needs dpkg-deb. It holds the binary, the unit with its users and folders, the machines as examples, manual pages and completions.
+set -eu
+cd "$(dirname "$0")/.."
+binary=${1:-target/release/nestd}
+out=${2:-target/debian}
+version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"/\1/p' Cargo.toml)
+arch=$(dpkg --print-architecture)
+tree=$(mktemp -d)
+trap 'rm -r "$tree"' EXIT
+chmod 0755 "$tree"
+
+put() { # MODE FILE PLACE
+    install -D -m "$1" "$2" "$tree/$3"
+}
+put 0755 "$binary" usr/bin/nestd
+strip --strip-unneeded "$tree/usr/bin/nestd"
+put 0644 systemd/nestd.service usr/lib/systemd/system/nestd.service
+put 0644 systemd/nestd-web.socket usr/lib/systemd/system/nestd-web.socket
+put 0644 systemd/nestd.sysusers usr/lib/sysusers.d/nestd.conf
+put 0644 systemd/nestd.tmpfiles usr/lib/tmpfiles.d/nestd.conf
+put 0644 config/server/nestd.toml etc/nestd/nestd.toml
+doc=usr/share/doc/nestd
+put 0644 config/nestd.toml $doc/nestd.toml
+for machine in config/profiles/*.toml; do put 0644 "$machine" "$doc/examples/profiles/${machine##*/}"; done
+for text in README.md systemd/webhook.conf docs/operations.md docs/orders.md docs/monitoring.md; do put 0644 "$text" "$doc/${text##*/}"; done
+put 0644 packaging/copyright $doc/copyright
+
+# What nestd says of itself.
+"$tree/usr/bin/nestd" man "$tree/usr/share/man/man1" >/dev/null
+gzip -9n "$tree"/usr/share/man/man1/*.1
+mkdir -p "$tree/usr/share/bash-completion/completions" "$tree/usr/share/zsh/vendor-completions" "$tree/usr/share/fish/vendor_completions.d"
+"$tree/usr/bin/nestd" completions bash >"$tree/usr/share/bash-completion/completions/nestd"
+"$tree/usr/bin/nestd" completions zsh >"$tree/usr/share/zsh/vendor-completions/_nestd"
+"$tree/usr/bin/nestd" completions fish >"$tree/usr/share/fish/vendor_completions.d/nestd.fish"
+printf 'nestd (%s) unstable; urgency=medium\n\n  * See /usr/share/doc/nestd/NEWS.gz.\n\n -- nestd developers <nestd@users.noreply.github.com>  %s\n' "$version" "$(date -R -u -d "@${SOURCE_DATE_EPOCH:-0}")" |
+    gzip -9n >"$tree/$doc/changelog.gz"
+gzip -9nc CHANGELOG.md >"$tree/$doc/NEWS.gz"
+find "$tree" -type d -exec chmod 0755 {} +
+find "$tree/usr/share" -type f -exec chmod 0644 {} +
+
+mkdir "$tree/DEBIAN"
+for script in postinst prerm postrm; do install -m 0755 "packaging/$script" "$tree/DEBIAN/$script"; done
+(cd "$tree" && find etc -type f -printf '/%p\n' >DEBIAN/conffiles && find usr -type f -exec md5sum {} + >DEBIAN/md5sums)
+# The oldest glibc whose symbols the binary names; everything else is linked in.
+glibc=$(objdump -T "$tree/usr/bin/nestd" | sed -n 's/.*GLIBC_\([0-9.]*\)).*/\1/p' | sort -uV | tail -1)
+cat >"$tree/DEBIAN/control" <<END
+Package: nestd
+Version: $version
+Architecture: $arch
+Maintainer: nestd developers <nestd@users.noreply.github.com>
+Section: misc
+Priority: optional
+Depends: libc6 (>= ${glibc:-2.36}), libgcc-s1, systemd (>= 250) | systemd-standalone-sysusers
+Installed-Size: $(du -sk --exclude=DEBIAN "$tree" | cut -f1)
+Homepage: https://github.com/nestd/nestd
+Description: daemon that runs a powder-bed print farm
+ Parts (STL, 3MF) that are dropped into the hot folder of a machine (SLS, MJF)
+ are taken exactly once, collected, nested as low as possible, proved on their
+ triangles, and put into the queue folder of the printer as one build file.
+ .
+ A dashboard shows what waits and what was built, and guides whoever breaks a
+ build out.
+END
+mkdir -p "$out"
+dpkg-deb --root-owner-group --build -Zxz "$tree" "$out/nestd_${version}_$arch.deb"

@@ -1,0 +1,71 @@
+#!/bin/bash
+# Installs, upgrades, removes and purges the Debian package in a copy of this machine (an overlay, so that the machine is not changed),
+# and asks lintian where it is installed: sudo packaging/test.sh [BINARY]
+#
+# Needs root, unshare, dpkg. Exit code 0 when every check holds, 77 when it cannot run here.
+set -euo pipefail
+
+BINARY=$(realpath "${1:-$(dirname "$0")/../target/release/nestd}")
+REPO=$(realpath "$(dirname "$0")/..")
+skip() { echo "skipped: $*"; exit 77; }
+fail() { echo "FAILED: $*"; exit 1; }
+[ "$(id -u)" = 0 ] || skip "needs root"
+for program in unshare dpkg-deb systemd-sysusers; do command -v $program >/dev/null || skip "needs $program"; done
+if [ -z "${NESTD_IN_NAMESPACE:-}" ]; then
+    export NESTD_IN_NAMESPACE=1
+    exec unshare --mount --propagation private "$0" "$BINARY"
+fi
+
+WORK=$(mktemp -d /tmp/nestd-deb.XXXXXX)
+trap 'umount -R "$WORK" 2>/dev/null || true; rmdir "$WORK" 2>/dev/null || true' EXIT
+mount -t tmpfs -o size=2g tmpfs "$WORK"
+mkdir "$WORK"/{upper,work,root,first,second}
+mount -t overlay -o "lowerdir=/,upperdir=$WORK/upper,workdir=$WORK/work" overlay "$WORK/root" || skip "no overlay here"
+ROOT=$WORK/root
+mount --bind /dev "$ROOT/dev"
+mount -t proc proc "$ROOT/proc" || skip "no /proc here"
+rm -rf "$ROOT"/etc/nestd "$ROOT"/srv/nestd "$ROOT"/var/lib/nestd
+
+sh "$REPO/packaging/deb.sh" "$BINARY" "$WORK/first" >/dev/null
+FIRST=$(echo "$WORK"/first/*.deb)
+# The next version: the same files under a higher number.
+dpkg-deb -R "$FIRST" "$WORK/tree"
+sed -i 's/^Version: .*/&+next/' "$WORK/tree/DEBIAN/control"
+dpkg-deb --root-owner-group --build "$WORK/tree" "$WORK/second/next.deb" >/dev/null
+cp "$FIRST" "$ROOT/tmp/first.deb"
+cp "$WORK/second/next.deb" "$ROOT/tmp/next.deb"
+inside() { chroot "$ROOT" env -u NESTD_ROOT PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive "$@"; }
+
+inside dpkg -i /tmp/first.deb >"$WORK/log" 2>&1 || { cat "$WORK/log"; fail "it is not installed"; }
+inside nestd --version | grep -q '^nestd ' || fail "nestd does not run"
+inside getent passwd nestd >/dev/null || fail "there is no user nestd"
+[ "$(inside stat -c '%U:%G %a' /srv/nestd/inbox)" = "nestd:nestd 2770" ] || fail "the inbox is not the group's"
+for file in usr/lib/systemd/system/nestd.service usr/share/man/man1/nestd-status.1.gz usr/share/bash-completion/completions/nestd \
+    usr/share/doc/nestd/nestd.toml usr/share/doc/nestd/examples/profiles/mjf-5200.toml; do
+    [ -s "$ROOT/$file" ] || fail "$file is missing"
+done
+inside nestd -c /etc/nestd/nestd.toml machine new hp --model mjf-5200 >/dev/null || fail "a machine cannot be added"
+if inside sh -c 'command -v man' >/dev/null; then
+    inside man -l --warnings /usr/share/man/man1/nestd-status.1.gz >"$WORK/man" 2>"$WORK/man-warnings" || fail "the manual page does not render"
+    grep -q -e '--watch' "$WORK/man" || fail "the manual page does not name --watch"
+fi
+
+sed -i 's/^time_zone = .*/time_zone = "Europe\/Berlin"/' "$ROOT/etc/nestd/nestd.toml"
+echo "a part" >"$ROOT/srv/nestd/inbox/part.stl"
+inside dpkg -i /tmp/next.deb >"$WORK/log" 2>&1 || { cat "$WORK/log"; fail "it is not upgraded"; }
+inside dpkg-query -W -f '${Version}' nestd | grep -q '+next$' || fail "the version is not the next one"
+grep -q Berlin "$ROOT/etc/nestd/nestd.toml" || fail "the upgrade overwrote the configuration"
+[ -s "$ROOT/etc/nestd/profiles/hp.toml" ] || fail "the upgrade took a machine away"
+
+inside dpkg -r nestd >"$WORK/log" 2>&1 || { cat "$WORK/log"; fail "it is not removed"; }
+[ ! -e "$ROOT/usr/bin/nestd" ] || fail "the binary is still there"
+grep -q Berlin "$ROOT/etc/nestd/nestd.toml" || fail "the configuration is gone with the program"
+inside dpkg -P nestd >"$WORK/log" 2>&1 || { cat "$WORK/log"; fail "it is not purged"; }
+[ ! -e "$ROOT/etc/nestd/nestd.toml" ] || fail "the configuration is still there after the purge"
+[ -s "$ROOT/etc/nestd/profiles/hp.toml" ] || fail "a machine that the shop wrote is gone"
+[ -s "$ROOT/srv/nestd/inbox/part.stl" ] || fail "a dropped part is gone with the package"
+if command -v lintian >/dev/null; then
+    lintian --fail-on error --allow-root "$FIRST" >"$WORK/lintian" 2>&1 || { cat "$WORK/lintian"; fail "lintian finds errors"; }
+    echo "lintian: no errors, $(grep -c '^W:' "$WORK/lintian" || true) warnings"
+fi
+echo "installed, upgraded, removed, purged: all checks hold"

@@ -60,7 +60,12 @@ pub fn run(common: &CommonArgs, args: &CheckArgs) -> Result<CommandExit> {
 
 fn check_all(settings: &Settings, report: &mut CheckReport) -> Result<()> {
     let machines: Vec<&str> = settings.profiles.keys().map(String::as_str).collect();
-    report.add_ok("configuration", format!("{}: {}", settings.file.display(), machines.join(", ")));
+    let served = match (machines.is_empty(), settings.node.lanes) {
+        (false, _) => machines.join(", "),
+        (true, 0) => "no machines, and node.lanes is off: this node does nothing".to_owned(),
+        (true, lanes) => format!("no machines: this node searches for the others, {lanes} lanes at once"),
+    };
+    report.add_ok("configuration", format!("{}: {served}", settings.file.display()));
     report.add_ok("root", settings.root.display().to_string());
     machines::check_machines(settings, report);
     system::check_system(settings, report);

@@ -169,7 +169,10 @@ impl LaneSearch {
         let times = SearchTimes::of_secs(budget.secs_left().unwrap_or(0.0));
         let begun = self.runtime.block_on(self.ledger.find_lane_search(self.build))?;
         let (search, plan) = match begun.filter(|row| row.problem == text) {
-            Some(row) => (row.id, serde_json::from_str(&row.plan).context("reading the plan of its lanes")?),
+            Some(row) => {
+                info!(build.id = %self.build, "The search for build {} goes on with its lanes.", self.build);
+                (row.id, serde_json::from_str(&row.plan).context("reading the plan of its lanes")?)
+            }
             None => match self.begin(problem, &text, budget, known, listener)? {
                 Some(begun) => begun,
                 None => return Ok(None),

@@ -66,7 +66,7 @@ pub(super) async fn show_farm(State(web): State<Arc<DashboardState>>) -> Handler
                 }
                 (count(status.waiting_parts, "part waits", "parts wait")) "." }
         }
-        @if settings.profiles.is_empty() { p { "No machine is configured." } }
+        @if settings.profiles.is_empty() { p { "No machine is configured: this node searches for the builds of others." } }
     };
     Ok(html_page("Farm", "/", None, &content))
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use sqlx::{
-    PgPool, Postgres, Transaction,
+    ConnectOptions, PgPool, Postgres, Transaction,
     postgres::{PgConnectOptions, PgPoolOptions},
 };
 
@@ -73,7 +73,8 @@ impl PostgresStore {
 
     async fn connect(options: PgConnectOptions) -> Result<Self> {
         let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(CONNECT_TIMEOUT);
-        let pool = pool.connect_with(options.application_name("nestd")).await;
+        // A slow server would bring whole migrations into the journal.
+        let pool = pool.connect_with(options.application_name("nestd").disable_statement_logging()).await;
         Ok(Self { pool: pool.map_err(ServerError::mark_unreachable)?, lease: None })
     }
 

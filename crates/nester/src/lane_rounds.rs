@@ -5,7 +5,7 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 
 use super::{
     DescentPace, LanePlan, LaneTask,
-    lanes::{continued_rank, lane_seed},
+    lanes::{RoundShares, continued_rank, lane_seed},
     lower_bound_mm,
     nesting_run::{MAX_HEIGHT_RATIO, NestingRun},
     prepared_instance::{PlacedItem, PreparedInstance, height_mm},
@@ -14,25 +14,6 @@ use super::{
 
 /// Evaluations after which a lane gives way to the next one where there are fewer threads than lanes.
 const TURN_EVALUATIONS: u64 = 200;
-
-/// Shares of the budget that divide a search into rounds.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RoundShares {
-    /// Share at which the first round begins.
-    pub(super) begun: f64,
-    /// Share at which this round ends.
-    pub(super) until: f64,
-    /// Share at which the last round ends.
-    pub(super) whole: f64,
-}
-
-impl RoundShares {
-    /// A share of the budget as the share of all rounds, 0 to 1.
-    fn of_rounds(&self, share: f64) -> f64 {
-        let begun = self.begun / self.whole;
-        (share / self.whole - begun) / (1.0 - begun).max(1e-9)
-    }
-}
 
 impl NestingRun<'_> {
     /// Lowers the height limit of the best layouts in rounds of lanes, until the share `until` of the budget is used up.

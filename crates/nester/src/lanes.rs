@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     DescentPace, ItemPlacement, NestingConfig, NestingInstance, NestingSolution, PreparedMeshes, StopCondition,
-    lane_rounds::RoundShares, nesting_run::NestingRun, prepared_instance::solution_from_items,
+    nesting_run::NestingRun, prepared_instance::solution_from_items,
 };
 
 /// How a search is divided into lanes and rounds.
@@ -217,6 +217,25 @@ pub fn finish_lanes(
     let mut run = NestingRun::new(instance, config, prepared, stop, &mut listener);
     run.finish_search(placements);
     solution_from_items(instance, &run.best_items, run.evaluations)
+}
+
+/// Shares of the budget that divide a search into rounds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RoundShares {
+    /// Share at which the first round begins.
+    pub(super) begun: f64,
+    /// Share at which this round ends.
+    pub(super) until: f64,
+    /// Share at which the last round ends.
+    pub(super) whole: f64,
+}
+
+impl RoundShares {
+    /// A share of the budget as the share of all rounds, 0 to 1.
+    pub(super) fn of_rounds(&self, share: f64) -> f64 {
+        let begun = self.begun / self.whole;
+        (share / self.whole - begun) / (1.0 - begun).max(1e-9)
+    }
 }
 
 #[cfg(test)]

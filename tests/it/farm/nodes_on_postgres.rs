@@ -141,7 +141,7 @@ fn three_nodes_are_one_farm_and_a_part_goes_from_one_to_another() {
 /// A node whose builds are searched for so long that other nodes help.
 fn patient_owner(url: &str) -> TestNode {
     let owner = TestNode::new(1, url);
-    owner.farm.write_profile(&owner.machine(), &QUICK.replace("final_secs = 0.5", "final_secs = 8.0"));
+    owner.farm.write_profile(&owner.machine(), &QUICK.replace("final_secs = 0.5", "final_secs = 12.0"));
     owner
 }
 

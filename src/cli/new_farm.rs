@@ -17,7 +17,7 @@ use super::{
     table::{print_text, print_to_stderr},
     values::{parse_distance, parse_volume},
 };
-use crate::settings::find_config_file;
+use crate::settings::{find_config_file, is_profile_name};
 
 /// The farm file that is shipped; it documents every option.
 const FARM_FILE: &str = include_str!("../../config/nestd.toml");
@@ -29,8 +29,6 @@ const MODELS: [(&str, &str); 3] = [
     ("mjf-5200", include_str!("../../config/profiles/mjf-5200.toml")),
     ("p396", include_str!("../../config/profiles/p396.toml")),
 ];
-/// Longest name of a machine, characters.
-const MAX_NAME: usize = 64;
 
 /// Arguments of `nestd init`.
 #[derive(Debug, clap::Args)]
@@ -89,10 +87,8 @@ pub fn run_init(args: &InitArgs) -> Result<CommandExit> {
 /// Writes the file of a machine beside the farm's configuration.
 pub fn run_machine(common: &CommonArgs, command: &MachineCommand) -> Result<CommandExit> {
     let MachineCommand::New(args) = command;
-    let is_letter = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    let is_name = !args.name.is_empty() && args.name.len() <= MAX_NAME && !args.name.starts_with(['.', '-']);
-    if !is_name || !args.name.chars().all(is_letter) {
-        let text = format!("'{}' is no name of a machine: letters, digits, - and _, for example mjf-2", args.name);
+    if !is_profile_name(&args.name) {
+        let text = format!("'{}' is no name of a machine: 1 to 40 of a-z, 0-9 and -, for example mjf-2", args.name);
         return Err(UsageError(text).into());
     }
     // A farm without any machine cannot be loaded yet.

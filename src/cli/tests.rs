@@ -10,8 +10,7 @@ use super::{
 };
 use crate::{
     ledger::{
-        CommandKind, HistoryQuery, Ledger, NewPartRow, NodeHeartbeat, PartId, PrintOutcome, RefusalCause,
-        RequiredTilts, fixtures::*,
+        CommandKind, HistoryQuery, Ledger, NewPartRow, PartId, PrintOutcome, RefusalCause, RequiredTilts, fixtures::*,
     },
     settings::FarmZone,
     tables::TimeView,
@@ -26,18 +25,7 @@ fn words(text: &str) -> Vec<String> {
 }
 
 async fn write_heartbeat(ledger: &Ledger) {
-    let heartbeat = NodeHeartbeat {
-        lanes: 0,
-        name: "host".to_owned(),
-        address: String::new(),
-        pid: 4711,
-        host: "farm".into(),
-        version: "0.1.0".into(),
-        started_at: Timestamp::now(),
-        status: "idle".into(),
-        machines: Vec::new(),
-    };
-    ledger.write_heartbeat(&heartbeat).await.unwrap();
+    ledger.write_heartbeat(&heartbeat()).await.unwrap();
 }
 
 #[test]

@@ -39,8 +39,6 @@ const OVERTIME_SHARE: f64 = 0.5;
 const GIVE_UP_SHARE: f64 = 0.6;
 /// From the end of a round until all nodes search the next one, seconds.
 const ROUND_DELAY_SECS: f64 = 0.7;
-/// Number of rounds, after each of which the better half of the lanes goes on.
-const ROUNDS: u32 = 4;
 /// Most lanes of a search.
 const MAX_LANES: u32 = 64;
 /// Share of the evaluations of a lane for the criteria that count after the height.
@@ -213,13 +211,14 @@ impl LaneSearch {
         let began = Instant::now();
         let tried = run_lane(instance, config, prepared, &trial[0], &share(TRIAL_SHARE));
         let per_second = tried.evaluations as f64 / began.elapsed().as_secs_f64().max(1e-3);
-        let lane_secs = budget.secs_left().unwrap_or(0.0) * LANE_SHARE - f64::from(ROUNDS) * ROUND_DELAY_SECS;
+        let lane_secs =
+            budget.secs_left().unwrap_or(0.0) * LANE_SHARE - f64::from(LanePlan::USUAL_ROUNDS) * ROUND_DELAY_SECS;
         let evaluations = (per_second * lane_secs.max(0.0)) as u64;
         if evaluations == 0 || tried.placements.len() < known.len() {
             return Ok(None);
         }
         *known = tried.placements;
-        let plan = LanePlan { lanes: self.lanes, rounds: ROUNDS, evaluations, seed: config.seed };
+        let plan = LanePlan { lanes: self.lanes, rounds: LanePlan::USUAL_ROUNDS, evaluations, seed: config.seed };
         let (written, tasks) = (serde_json::to_string(&plan)?, written_tasks(&plan.first_tasks(known))?);
         let begun = self.ledger.begin_lane_search(self.build, text, &written, &tasks);
         let search = self.runtime.block_on(begun)?;
@@ -303,7 +302,6 @@ impl SearchTimes {
 }
 
 /// What the lanes have found so far.
-#[derive(Default)]
 struct LanesFound {
     /// The best of all rounds; `None` = no lane has ended.
     best: Option<LaneEnd>,
@@ -313,15 +311,11 @@ struct LanesFound {
 
 impl LanesFound {
     fn read(rows: &[LaneRow]) -> Result<Self> {
-        let mut found = Self::default();
-        for result in rows.iter().filter_map(read_result) {
-            let LaneResult { end, cpu_secs } = result?;
-            found.evaluations += end.evaluations;
-            found.cpu_secs += cpu_secs;
-            let ends: Vec<LaneEnd> = found.best.take().into_iter().chain([end]).collect();
-            found.best = LanePlan::best_end(&ends).cloned();
-        }
-        Ok(found)
+        let results: Vec<LaneResult> = rows.iter().filter_map(read_result).collect::<Result<_>>()?;
+        let cpu_secs = results.iter().map(|result| result.cpu_secs).sum();
+        let ends: Vec<LaneEnd> = results.into_iter().map(|result| result.end).collect();
+        let evaluations = ends.iter().map(|end| end.evaluations).sum();
+        Ok(Self { best: LanePlan::best_end(&ends).cloned(), evaluations, cpu_secs })
     }
 
     /// Tells of the best layout.

@@ -135,8 +135,7 @@ async fn apply_configuration(farm: &mut Farm) -> Result<()> {
 
 /// Maximum number of searches at once: the threads of the farm divided by the largest number that a profile uses.
 fn search_slots(settings: &Settings) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let all = if settings.resources.threads == 0 { cores } else { settings.resources.threads };
+    let all = settings.resources.thread_count();
     let each =
         settings.profiles.values().map(|p| if p.search.nest.threads == 0 { all } else { p.search.nest.threads }).max();
     (all / each.unwrap_or(1).max(1)).max(1)

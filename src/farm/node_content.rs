@@ -18,7 +18,7 @@ use super::lane_problem::mesh_files;
 use crate::{
     access,
     intake::{self, ContentStore},
-    ledger::Ledger,
+    ledger::{Ledger, NodeRow},
     settings::{MachineProfile, Settings},
 };
 
@@ -73,21 +73,23 @@ pub(super) struct OtherNodes {
 impl OtherNodes {
     /// Those that the ledger knows.
     pub(super) async fn of_ledger(settings: &Settings, ledger: &Ledger) -> Result<Self> {
-        let mut nodes = Vec::new();
-        if ledger.file().is_none() {
-            let rows = ledger.list_nodes().await?.into_iter().filter(|row| row.name != settings.node.name);
-            nodes.extend(rows.map(|row| OtherNode { name: row.name, address: row.address, is_alive: row.alive }));
-        }
-        Ok(Self {
-            copies: second_copies(&settings.state_dir),
-            nodes,
-            silent: RefCell::default(),
-            token_file: settings.interfaces.web.as_ref().and_then(|web| web.token_file.clone()),
-        })
+        let rows = if ledger.file().is_some() { Vec::new() } else { ledger.list_nodes().await? };
+        Ok(Self::from_rows(settings, rows))
     }
 
-    /// Copies the file with this hash from a second copy on this node, or from another node, into the store. `false` = no node has it that runs: one that is gone may never
-    /// come back.
+    /// Those of these nodes that are others.
+    pub(super) fn from_rows(settings: &Settings, rows: Vec<NodeRow>) -> Self {
+        let others = rows.into_iter().filter(|row| row.name != settings.node.name);
+        Self {
+            copies: second_copies(&settings.state_dir),
+            nodes: others.map(|row| OtherNode { name: row.name, address: row.address, is_alive: row.alive }).collect(),
+            silent: RefCell::default(),
+            token_file: settings.interfaces.web.as_ref().and_then(|web| web.token_file.clone()),
+        }
+    }
+
+    /// Copies the file with this hash from a second copy on this node, or from another node, into the store. `false` = no node has it that
+    /// runs: one that is gone may never come back.
     ///
     /// A node that runs, and may have it, does not answer.
     pub(super) fn fetch_into_store(&self, store: &ContentStore, hash: &str) -> Result<bool> {

@@ -54,8 +54,9 @@ pub(super) async fn keep_second_copies(farm: &mut Farm) -> Result<()> {
     if farm.ledger.file().is_some() || farm.jobs.is_running::<SecondCopyJob>("") {
         return Ok(());
     }
-    let node = node_before(&farm.settings.node.name, &farm.ledger.list_nodes().await?).unwrap_or_default();
-    let nodes = OtherNodes::of_ledger(&farm.settings, &farm.ledger).await?;
+    let rows = farm.ledger.list_nodes().await?;
+    let node = node_before(&farm.settings.node.name, &rows).unwrap_or_default();
+    let nodes = OtherNodes::from_rows(&farm.settings, rows);
     let (state_dir, ledger) = (farm.settings.state_dir.clone(), farm.ledger.clone());
     let runtime = tokio::runtime::Handle::current();
     farm.jobs.start(SecondCopyJob { node: node.clone() }, move || {

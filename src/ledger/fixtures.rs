@@ -56,6 +56,21 @@ pub async fn fresh_file() -> TestLedger {
     TestLedger { _folder: folder, ledger }
 }
 
+/// A heartbeat of the one node of a farm, without machines.
+pub fn heartbeat() -> NodeHeartbeat {
+    NodeHeartbeat {
+        lanes: 0,
+        name: "host".to_owned(),
+        address: String::new(),
+        pid: 4711,
+        host: "farm".to_owned(),
+        version: "0.1.0".to_owned(),
+        started_at: Timestamp::now(),
+        status: "idle".to_owned(),
+        machines: Vec::new(),
+    }
+}
+
 pub fn at(time: &str) -> Timestamp {
     time.parse().unwrap()
 }

@@ -5,7 +5,7 @@
 use std::fmt;
 
 use super::{
-    BuildId, Ledger, LedgerError,
+    BuildId, Ledger,
     error::Result,
     sql::{self, FromSqlRow, SqlRow, SqlTransaction, sql_row},
 };
@@ -156,8 +156,6 @@ impl Ledger {
                     JOIN lane l ON l.search_id = s.id WHERE l.result IS NULL AND l.epoch < $1 \
                     ORDER BY s.build_id, l.round, l.lane";
         let open = || sql::query_as::<OpenLane>(open).bind(MAX_LANE_ATTEMPTS);
-        let live =
-            async || Ok::<_, LedgerError>(self.leased_rights().await?.map_or_else(Vec::new, |rights| rights.nodes));
         let find_free = |lanes: Vec<OpenLane>, live: &[String]| {
             let is_free = |lane: &OpenLane| {
                 let is_held = if lane.node == node { searched.contains(&lane.id) } else { live.contains(&lane.node) };
@@ -167,10 +165,13 @@ impl Ledger {
         };
         // Without the lock of all changes first: mostly there is nothing to take.
         let lanes = open().fetch_all(self.reader()?).await?;
-        if lanes.is_empty() || find_free(lanes, &live().await?).is_none() {
+        if lanes.is_empty() {
             return Ok(None);
         }
-        let live = live().await?;
+        let live = self.leased_rights().await?.map_or_else(Vec::new, |rights| rights.nodes);
+        if find_free(lanes, &live).is_none() {
+            return Ok(None);
+        }
         let mut change = self.begin_change().await?;
         let Some(id) = find_free(open().fetch_all(change.db()).await?, &live) else { return Ok(None) };
         let take = sql::query(

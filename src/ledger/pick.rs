@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     BuildId, BuildState, Ledger, LedgerError, PartId, PrintOutcome, PutBackReport, ToldOutcome, UtcTimestamp,
+    change::LedgerChange,
     error::Result,
     outcome::{move_to_outcome, record_told},
     sql::{self, sql_row},
@@ -74,42 +75,31 @@ impl Ledger {
     pub async fn mark_pick(
         &self,
         build: BuildId,
-        (part, copy): (PartId, u32),
+        copy: (PartId, u32),
         mark: PickMark,
         told_by: &str,
     ) -> Result<Option<PickMarkRow>> {
         let mut change = self.begin_change().await?;
         change.ensure_build_state(build, PRINTED_STATES).await?;
-        let stands: u32 =
-            sql::query_scalar("SELECT count(*) FROM placement WHERE build_id = $1 AND part_id = $2 AND copy = $3")
-                .bind(build)
-                .bind(part)
-                .bind(copy)
-                .fetch_one(change.db())
-                .await?;
-        if stands == 0 {
-            return Err(LedgerError::NotInBuild { part, copy, build });
-        }
-        let last: Option<PickMarkRow> = sql::query_as(
-            "SELECT * FROM pick_mark WHERE build_id = $1 AND part_id = $2 AND copy = $3 ORDER BY id DESC LIMIT 1",
-        )
-        .bind(build)
-        .bind(part)
-        .bind(copy)
-        .fetch_optional(change.db())
-        .await?;
-        match last {
-            Some(last) if last.mark == mark => return Ok(Some(last).filter(|last| last.told_by != told_by)),
-            None if mark == PickMark::Open => return Ok(None),
-            _ => {}
-        }
-        let now = change.now;
-        let insert =
-            "INSERT INTO pick_mark (build_id, part_id, copy, mark, told_by, told_at) VALUES ($1, $2, $3, $4, $5, $6)";
-        let insert = sql::query(insert).bind(build).bind(part).bind(copy).bind(mark).bind(told_by).bind(now);
-        insert.execute(change.db()).await?;
+        let known = record_mark(&mut change, build, copy, mark, told_by).await?;
         change.commit().await?;
-        Ok(None)
+        Ok(known)
+    }
+
+    /// Records the same of several copies in a published build, of all or of none.
+    pub async fn mark_picks(
+        &self,
+        build: BuildId,
+        copies: &[(PartId, u32)],
+        mark: PickMark,
+        told_by: &str,
+    ) -> Result<()> {
+        let mut change = self.begin_change().await?;
+        change.ensure_build_state(build, PRINTED_STATES).await?;
+        for copy in copies {
+            record_mark(&mut change, build, *copy, mark, told_by).await?;
+        }
+        change.commit().await
     }
 
     /// What was said last of each copy of a build, without what was taken back, in the order in which it was said.
@@ -159,6 +149,45 @@ impl Ledger {
         change.commit().await?;
         Ok(BreakOutAnswer::Told(report))
     }
+}
+
+/// Records a mark within a change, as [`Ledger::mark_pick`] says.
+async fn record_mark(
+    change: &mut LedgerChange,
+    build: BuildId,
+    (part, copy): (PartId, u32),
+    mark: PickMark,
+    told_by: &str,
+) -> Result<Option<PickMarkRow>> {
+    let stands: u32 =
+        sql::query_scalar("SELECT count(*) FROM placement WHERE build_id = $1 AND part_id = $2 AND copy = $3")
+            .bind(build)
+            .bind(part)
+            .bind(copy)
+            .fetch_one(change.db())
+            .await?;
+    if stands == 0 {
+        return Err(LedgerError::NotInBuild { part, copy, build });
+    }
+    let last: Option<PickMarkRow> = sql::query_as(
+        "SELECT * FROM pick_mark WHERE build_id = $1 AND part_id = $2 AND copy = $3 ORDER BY id DESC LIMIT 1",
+    )
+    .bind(build)
+    .bind(part)
+    .bind(copy)
+    .fetch_optional(change.db())
+    .await?;
+    match last {
+        Some(last) if last.mark == mark => return Ok(Some(last).filter(|last| last.told_by != told_by)),
+        None if mark == PickMark::Open => return Ok(None),
+        _ => {}
+    }
+    let now = change.now;
+    let insert =
+        "INSERT INTO pick_mark (build_id, part_id, copy, mark, told_by, told_at) VALUES ($1, $2, $3, $4, $5, $6)";
+    let insert = sql::query(insert).bind(build).bind(part).bind(copy).bind(mark).bind(told_by).bind(now);
+    insert.execute(change.db()).await?;
+    Ok(None)
 }
 
 /// The last mark of each copy, without those that were taken back.

@@ -63,15 +63,9 @@ async fn record_heartbeat(ledger: &fixtures::TestLedger, trouble: &str) {
         trouble: Some(trouble.to_owned()),
     };
     let heartbeat = NodeHeartbeat {
-        lanes: 0,
-        name: "host".to_owned(),
-        address: String::new(),
         pid: std::process::id(),
-        host: "here".to_owned(),
-        version: "0".to_owned(),
-        started_at: now,
-        status: "idle".to_owned(),
         machines: vec![seen("cube", trouble), seen("idle", "")],
+        ..fixtures::heartbeat()
     };
     ledger.write_heartbeat(&heartbeat).await.unwrap();
 }

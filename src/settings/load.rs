@@ -115,7 +115,8 @@ fn read_settings(
     validation_rules::validate_farm(&inputs, &mut validator);
     let time_zone = farm_zone::validate_time_zone(&inputs.time_zone, &mut validator);
     let files = validation_rules::validate_files(&inputs.files, &mut validator);
-    let node = super::node::validate_node(&inputs.node, inputs.resources.threads, &mut validator);
+    let resources = ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes };
+    let node = super::node::validate_node(&inputs.node, resources.thread_count(), &mut validator);
     let web = super::web::validate_web(&inputs.web, &mut validator);
     let metrics = super::metrics::validate_metrics(&inputs.metrics, &mut validator);
     let notify = super::notify::validate_notify(&inputs.notify, &mut validator);
@@ -156,7 +157,7 @@ fn read_settings(
         state_dir,
         scan_secs: inputs.scan_secs.0,
         orphan_ticket_secs: inputs.orphan_ticket_secs.0,
-        resources: ResourceSettings { threads: inputs.resources.threads, cache_bytes: inputs.resources.cache_bytes },
+        resources,
         limits: inputs.limits,
         files,
         interfaces: InterfaceSettings { log, web, metrics, notify },

@@ -41,6 +41,7 @@ pub use profile::{
     SearchRules, TriggerRules, TurningRules,
 };
 pub use settings::{InterfaceSettings, ResourceSettings, Settings, SharedSettings};
+pub use validation_rules::is_profile_name;
 pub use web::{ListenAddress, WebSettings};
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub struct NodeSettings {
     pub lanes: usize,
 }
 
-/// Validates the options of the node, whose searches may use `threads` (0 = one per core).
+/// Validates the options of the node, whose searches may use `threads`.
 pub(super) fn validate_node(inputs: &NodeInputs, threads: usize, validator: &mut ConfigValidator) -> NodeSettings {
     let is_fit = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
     let name = match inputs.name.as_str() {
@@ -47,11 +47,10 @@ pub(super) fn validate_node(inputs: &NodeInputs, threads: usize, validator: &mut
             "write http://HOST:PORT, where HOST is a name that the other nodes know",
         );
     }
-    let lanes = match (inputs.lanes.0, threads) {
-        (None, _) => 0,
-        (Some(0), 0) => std::thread::available_parallelism().map_or(1, usize::from),
-        (Some(0), threads) => threads,
-        (Some(lanes), _) => lanes,
+    let lanes = match inputs.lanes.0 {
+        None => 0,
+        Some(0) => threads,
+        Some(lanes) => lanes,
     };
     validator.require_within("node.lanes", lanes, 0..=MAX_LANES);
     NodeSettings { name, address, lanes }

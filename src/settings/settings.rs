@@ -56,6 +56,16 @@ pub struct ResourceSettings {
     pub cache_bytes: u64,
 }
 
+impl ResourceSettings {
+    /// The number of threads for nesting.
+    pub fn thread_count(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        }
+    }
+}
+
 /// What people and other programs see of the daemon: log, pages, metrics and notifications.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InterfaceSettings {

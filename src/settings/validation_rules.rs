@@ -229,7 +229,8 @@ fn validate_intake(intake: &IntakeInputs, validator: &mut ConfigValidator) {
     validator.require_within("incomplete_secs", intake.incomplete_secs.0, 0.0..=604_800.0);
 }
 
-fn is_profile_name(name: &str) -> bool {
+/// Whether a machine may have this name: its folders have it, too.
+pub fn is_profile_name(name: &str) -> bool {
     let known = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     (1..=40).contains(&name.len()) && name.chars().all(known)
 }

@@ -145,8 +145,7 @@ pub(super) async fn post_all(
     };
     let state = BreakOutState::read(&web, number).await?;
     let open = state.map.list.copies.iter().zip(&state.states).filter(|(_, state)| matches!(state, CopyState::Open));
-    for (copy, _) in open {
-        web.ledger.mark_pick(build, (PartId(copy.part), copy.copy.saturating_sub(1)), mark, &by).await?;
-    }
+    let open: Vec<_> = open.map(|(copy, _)| (PartId(copy.part), copy.copy.saturating_sub(1))).collect();
+    web.ledger.mark_picks(build, &open, mark, &by).await?;
     Ok(Redirect::to(&address).into_response())
 }

@@ -42,25 +42,7 @@ pub(super) struct PictureQuery {
     /// The layout version that the page saw. A browser may cache the picture of that version forever.
     of: Option<String>,
     #[serde(default)]
-    scheme: PageScheme,
-}
-
-/// The colours of the page on which a picture is shown.
-#[derive(Debug, Clone, Copy, Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum PageScheme {
-    #[default]
-    Light,
-    Dark,
-}
-
-impl PageScheme {
-    fn picture_scheme(self) -> PictureScheme {
-        match self {
-            Self::Light => PictureScheme::Light,
-            Self::Dark => PictureScheme::Dark,
-        }
-    }
+    scheme: PictureScheme,
 }
 
 /// A picture of a page in the colours of the page; `source` is its address on a light page. Paper is light.
@@ -78,7 +60,7 @@ pub(super) async fn get_picture(
     let (build, profile) = find_build(&web, number).await?;
     let wanted = asked.width.unwrap_or(WIDTHS[WIDTHS.len() - 1]);
     let width = WIDTHS.into_iter().find(|&width| width >= wanted).unwrap_or(WIDTHS[WIDTHS.len() - 1]);
-    let scheme = asked.scheme.picture_scheme();
+    let scheme = asked.scheme;
     let key = format!("{} {width} {scheme:?}", layout_version(&build));
     let kept = CacheLocation { cache: |web| &web.caches.pictures, key, only: None };
     let size = (width, width / 4 * 3);
@@ -102,7 +84,7 @@ pub(super) struct PartPictureQuery {
     #[serde(default)]
     kind: usize,
     #[serde(default)]
-    scheme: PageScheme,
+    scheme: PictureScheme,
 }
 
 /// The picture of a part of a build, as it was dropped, a PNG. It never changes.
@@ -112,7 +94,7 @@ pub(super) async fn get_part_picture(
     Query(asked): Query<PartPictureQuery>,
 ) -> HandlerResult<Response> {
     let (build, profile) = find_build(&web, number).await?;
-    let (kind, scheme) = (asked.kind % MAX_KINDS, asked.scheme.picture_scheme());
+    let (kind, scheme) = (asked.kind % MAX_KINDS, asked.scheme);
     let key = format!("part {part} of {} {kind} {scheme:?}", build.id);
     let kept = CacheLocation { cache: |web| &web.caches.pictures, key, only: Some(PartId(part)) };
     let draw = move |cake: &CakeContents| {

@@ -225,15 +225,9 @@ async fn a_machine_that_the_daemon_cannot_use_says_so_on_its_card_and_in_json() 
         trouble: Some(trouble.to_owned()),
     };
     let heartbeat = |trouble: &str| crate::ledger::NodeHeartbeat {
-        lanes: 0,
-        name: "host".to_owned(),
-        address: String::new(),
         pid: std::process::id(),
-        host: "farm".to_owned(),
-        version: "0.1.0".to_owned(),
-        started_at: jiff::Timestamp::now(),
-        status: "idle".to_owned(),
         machines: vec![seen(trouble)],
+        ..fixtures::heartbeat()
     };
     let machine = async || {
         let json: serde_json::Value = serde_json::from_str(&dashboard.get("/api/v1/farm").await.text).unwrap();

@@ -76,8 +76,7 @@ pub fn draw_picture_on(
     viewpoint: Viewpoint,
     size: (u32, u32),
 ) -> Vec<u8> {
-    let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
-    let fine = (SAMPLES / (width * height)).isqrt().clamp(SAMPLES_PER_PIXEL.0, SAMPLES_PER_PIXEL.1);
+    let (width, height, fine) = sample_size(size);
     let top_mm = bodies.iter().map(|b| b.mesh.bounds_at(&b.pose).max.z).fold(0.0, f64::max);
     let has_line = viewpoint != Viewpoint::Top;
     let caption = HeightCaption::new(&height_in_words(top_mm, volume_mm.z), has_line, (width, height), fine);
@@ -105,8 +104,7 @@ pub fn draw_picture_on(
 /// Draws one body as large as it fits, as it lies in its own frame, seen as [`Viewpoint::Iso`], in the colour of a kind.
 /// `size` is width and height in pixels, at least 1. Returns a PNG.
 pub fn draw_part(mesh: &Mesh, kind: usize, scheme: PictureScheme, size: (u32, u32)) -> Vec<u8> {
-    let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
-    let fine = (SAMPLES / (width * height)).isqrt().clamp(SAMPLES_PER_PIXEL.0, SAMPLES_PER_PIXEL.1);
+    let (width, height, fine) = sample_size(size);
     let mut canvas = DepthCanvas::new(width * fine, height * fine);
     let bounds = mesh.bounds();
     let corners: Vec<DVec3> = (0..8).map(|c| bounds.min + box_corner(c, bounds.size())).collect();
@@ -116,6 +114,13 @@ pub fn draw_part(mesh: &Mesh, kind: usize, scheme: PictureScheme, size: (u32, u3
     let mut left = MAX_LOOKS_PER_SAMPLE * canvas.width * canvas.height;
     draw_body(&mut canvas, &view, forward, &body, 0, &mut left);
     encode_png(&resolve_pixels(&canvas, &[kind_colour(kind)], scheme, fine), width, height)
+}
+
+/// Width and height of a picture in pixels, at least 1, and samples along the edge of a pixel.
+fn sample_size(size: (u32, u32)) -> (usize, usize, usize) {
+    let (width, height) = (size.0.max(1) as usize, size.1.max(1) as usize);
+    let fine = (SAMPLES / (width * height)).isqrt().clamp(SAMPLES_PER_PIXEL.0, SAMPLES_PER_PIXEL.1);
+    (width, height, fine)
 }
 
 /// The colour of a kind in pictures, as `#rrggbb`.

@@ -1,6 +1,7 @@
 //! Converts samples to pixels: colours of bodies, contour lines between them, and the mean of a pixel's samples.
 
 use glam::Vec3;
+use serde::Deserialize;
 
 use super::raster::{DepthCanvas, NOTHING};
 
@@ -14,7 +15,8 @@ const FIRST_BODY: u32 = 256;
 const MAX_BODIES: usize = 1 << 16;
 
 /// The ground on which a picture is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum PictureScheme {
     /// Paper, and pages in light colours.
     #[default]

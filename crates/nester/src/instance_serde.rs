@@ -66,28 +66,15 @@ impl<M> WrittenInstance<M> {
         }
     }
 
-    fn map_meshes<E>(self, read: impl FnMut(M) -> Result<Arc<Mesh>, E>) -> Result<WrittenInstance<Arc<Mesh>>, E> {
-        Ok(WrittenInstance {
-            meshes: self.meshes.into_iter().map(read).collect::<Result<_, _>>()?,
-            volume: self.volume,
-            clearance_mm: self.clearance_mm,
-            clearance_z_extra_mm: self.clearance_z_extra_mm,
-            layer_cap: self.layer_cap,
-            keep_out: self.keep_out,
-            pinned: self.pinned,
-            items: self.items,
-        })
-    }
-}
-
-impl TryFrom<WrittenInstance<Arc<Mesh>>> for NestingInstance {
-    type Error = InstanceError;
-
-    fn try_from(written: WrittenInstance<Arc<Mesh>>) -> Result<Self, InstanceError> {
-        let meshes = written.meshes;
+    /// The instance, with the meshes that `read` makes of those of the serialized form.
+    fn into_instance<E: From<InstanceError>>(
+        self,
+        read: impl FnMut(M) -> Result<Arc<Mesh>, E>,
+    ) -> Result<NestingInstance, E> {
+        let meshes: Vec<Arc<Mesh>> = self.meshes.into_iter().map(read).collect::<Result<_, _>>()?;
         let item = |(at, item): (usize, WrittenItem)| {
             let missing = InstanceError::NoMesh { item: at, mesh: item.mesh, meshes: meshes.len() };
-            Ok(NestingItem {
+            Ok::<_, InstanceError>(NestingItem {
                 mesh: meshes.get(item.mesh).ok_or(missing)?.clone(),
                 name: item.name,
                 copies: item.copies,
@@ -95,12 +82,12 @@ impl TryFrom<WrittenInstance<Arc<Mesh>>> for NestingInstance {
                 clearance_mm: item.clearance_mm,
             })
         };
-        let items = written.items.into_iter().enumerate().map(item).collect::<Result<_, _>>()?;
-        let instance = Self::new(written.volume, written.clearance_mm, items)?
-            .with_clearance_z_extra(written.clearance_z_extra_mm)?
-            .with_layer_cap(written.layer_cap)?
-            .with_keep_out(&written.keep_out)?;
-        Ok(instance.with_pinned(written.pinned))
+        let items = self.items.into_iter().enumerate().map(item).collect::<Result<_, _>>()?;
+        let instance = NestingInstance::new(self.volume, self.clearance_mm, items)?
+            .with_clearance_z_extra(self.clearance_z_extra_mm)?
+            .with_layer_cap(self.layer_cap)?
+            .with_keep_out(&self.keep_out)?;
+        Ok(instance.with_pinned(self.pinned))
     }
 }
 
@@ -113,7 +100,8 @@ impl Serialize for NestingInstance {
 impl<'de> Deserialize<'de> for NestingInstance {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let written = WrittenInstance::<Mesh>::deserialize(deserializer)?;
-        written.map_meshes(|mesh| Ok(Arc::new(mesh)))?.try_into().map_err(D::Error::custom)
+        let instance: Result<Self, InstanceError> = written.into_instance(|mesh| Ok(Arc::new(mesh)));
+        instance.map_err(D::Error::custom)
     }
 }
 
@@ -157,7 +145,7 @@ impl NamedMeshInstance {
         self,
         mut load: impl FnMut(&str) -> Result<Arc<Mesh>, E>,
     ) -> Result<NestingInstance, E> {
-        Ok(self.0.map_meshes(|name| load(&name))?.try_into()?)
+        self.0.into_instance(|name| load(&name))
     }
 }
 

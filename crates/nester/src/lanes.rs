@@ -98,7 +98,7 @@ pub struct LaneEnd {
 }
 
 impl LanePlan {
-    /// The number of rounds of a search on the threads of one process.
+    /// The number of rounds unless there is a reason for another one.
     pub const USUAL_ROUNDS: u32 = 4;
 
     /// The tasks of the first round: every lane starts from `start`, with a seed of its own. `start` may be empty.

@@ -6,17 +6,7 @@ use super::*;
 async fn a_daemon_that_does_not_beat_any_more_is_not_alive() {
     let ledger = fresh().await;
     assert_eq!(ledger.find_node("host").await.unwrap(), None);
-    let heartbeat = NodeHeartbeat {
-        lanes: 0,
-        name: "host".into(),
-        address: String::new(),
-        pid: 4711,
-        host: "farm".into(),
-        version: "0.1.0".into(),
-        started_at: Timestamp::now(),
-        status: "idle".into(),
-        machines: Vec::new(),
-    };
+    let heartbeat = heartbeat();
     ledger.write_heartbeat(&heartbeat).await.unwrap();
     ledger.write_heartbeat(&NodeHeartbeat { status: "nesting build 3".into(), ..heartbeat.clone() }).await.unwrap();
     let row = ledger.find_node("host").await.unwrap().unwrap();

@@ -103,17 +103,8 @@ async fn what_a_node_says_of_its_store_concerns_its_own_machines() {
     };
     let (first, second) = (open("print1").await, open("print2").await);
     for (ledger, name, machine) in [(&first, "print1", "fuse-1"), (&second, "print2", "mjf-5200")] {
-        let heartbeat = NodeHeartbeat {
-            lanes: 0,
-            name: name.to_owned(),
-            address: String::new(),
-            pid: std::process::id(),
-            host: name.to_owned(),
-            version: "0".to_owned(),
-            started_at: Timestamp::now(),
-            status: String::new(),
-            machines: Vec::new(),
-        };
+        let heartbeat =
+            NodeHeartbeat { name: name.to_owned(), pid: std::process::id(), host: name.to_owned(), ..heartbeat() };
         ledger.announce_node(&heartbeat).await.unwrap();
         assert!(ledger.claim_machines(name, &[machine.to_owned()]).await.unwrap().is_empty());
     }
